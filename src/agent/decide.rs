@@ -1,0 +1,82 @@
+//! `Decide`: the batch of observations becomes a batch of actions by one forward pass.
+//!
+//! In: [`Observations`], the learner's network or a fixed policy, epsilon. Out: [`Actions`], and for whoever watches
+//! the Q-values and which actions were explored ([`Decisions`]).
+
+use bevy::prelude::*;
+
+use super::Trainer;
+use crate::learning::exploration::{epsilon_greedy, greedy};
+use crate::learning::Policy;
+use crate::random::{self, Stream};
+use crate::task::{Actions, Observations};
+
+/// How actions are chosen.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acting {
+    /// Epsilon-greedily with the network in training ([`Trainer`]).
+    Exploring,
+    /// Greedily with a fixed policy ([`GreedyPolicy`]).
+    Greedy,
+}
+
+/// The policy that [`Acting::Greedy`] follows.
+#[derive(Resource)]
+pub struct GreedyPolicy(pub Policy);
+
+/// What was decided, and the streams by which arenas explore.
+#[derive(Resource)]
+pub struct Decisions {
+    /// Q-values of the last decision: arenas x actions.
+    pub q_values: Vec<f32>,
+    /// Whether an arena's last action was a random one.
+    pub explored: Vec<bool>,
+    /// The exploration stream of each arena.
+    pub streams: Vec<Stream>,
+}
+
+impl Decisions {
+    /// Nothing decided yet, streams at their start.
+    #[must_use]
+    pub fn new(seed: u64, arenas: usize) -> Self {
+        Self {
+            q_values: Vec::new(),
+            explored: vec![false; arenas],
+            streams: (0..arenas as u64).map(|k| random::stream(seed, "exploration", k)).collect(),
+        }
+    }
+}
+
+/// `Decide`: epsilon-greedy or greedy, for all arenas at once.
+pub(super) fn decide(
+    acting: Res<Acting>,
+    trainer: Option<Res<Trainer>>,
+    policy: Option<Res<GreedyPolicy>>,
+    observations: Res<Observations>,
+    mut decisions: ResMut<Decisions>,
+    mut actions: ResMut<Actions>,
+) {
+    let decisions = &mut *decisions;
+    let arenas = actions.0.len();
+    match (*acting, trainer, policy) {
+        (Acting::Exploring, Some(trainer), _) => {
+            let learner = &trainer.0;
+            learner.q_values(&observations.current, arenas, &mut decisions.q_values);
+            let (epsilon, width) = (learner.epsilon(), decisions.q_values.len() / arenas);
+            for (arena, row) in decisions.q_values.chunk_exact(width).enumerate() {
+                (actions.0[arena], decisions.explored[arena]) =
+                    epsilon_greedy(row, epsilon, &mut decisions.streams[arena]);
+            }
+        }
+        (Acting::Greedy, _, Some(policy)) => {
+            policy.0.network.q_values(&observations.current, arenas, &mut decisions.q_values);
+            let width = decisions.q_values.len() / arenas;
+            for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunk_exact(width)) {
+                *action = greedy(row);
+            }
+            decisions.explored.fill(false);
+        }
+        // Without a network to ask, the robots stand by their last action.
+        _ => {}
+    }
+}

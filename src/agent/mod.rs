@@ -1,0 +1,59 @@
+//! The agent: two plugins over the learner.
+//!
+//! In: observations and outcomes. Out: actions, and a learner that knows more.
+//!
+//! | plugin | responsible for |
+//! |---|---|
+//! | [`AgentPlugin`] | `Decide`: observations -> actions, exploring or greedy (`decide.rs`) |
+//! | [`TrainingPlugin`] | `Remember` and `Learn`: transitions -> replay buffer -> gradient steps (`train.rs`) |
+
+mod decide;
+mod train;
+
+use bevy::prelude::*;
+
+pub use decide::{Acting, Decisions, GreedyPolicy};
+pub use train::{Trainer, TrainingFault, TrainingStats};
+
+use crate::control_step::{ControlSet, ControlStep};
+use crate::learning::Learner;
+
+/// Responsible for choosing each arena's motion.
+pub struct AgentPlugin {
+    /// Exploring with the learner, or greedy with a fixed policy.
+    pub acting: Acting,
+    /// The run's seed: arena k explores by its own stream of it.
+    pub seed: u64,
+    /// How many arenas there are.
+    pub arenas: usize,
+}
+
+impl Plugin for AgentPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(self.acting)
+            .insert_resource(Decisions::new(self.seed, self.arenas))
+            .add_systems(ControlStep, decide::decide.in_set(ControlSet::Decide));
+    }
+}
+
+/// Responsible for remembering transitions and learning from them.
+///
+/// Insert the learner as [`Trainer`] before the first step.
+pub struct TrainingPlugin;
+
+impl TrainingPlugin {
+    /// The resource that holds `learner` for the systems of this plugin.
+    #[must_use]
+    pub fn trainer(learner: Learner) -> Trainer {
+        Trainer(learner)
+    }
+}
+
+impl Plugin for TrainingPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<TrainingStats>().init_resource::<TrainingFault>().add_systems(
+            ControlStep,
+            (train::remember.in_set(ControlSet::Remember), train::learn.in_set(ControlSet::Learn)),
+        );
+    }
+}

@@ -1,0 +1,85 @@
+//! `Remember` and `Learn`: transitions go into the replay buffer, gradient steps come out of it.
+//!
+//! In: observations, actions and outcomes of the step. Out: the learner in [`Trainer`], what its gradient steps
+//! looked like ([`TrainingStats`]), and [`TrainingFault`] if a number went wrong.
+
+use bevy::prelude::*;
+
+use crate::learning::{Diverged, Experience, Learner};
+use crate::task::{Actions, Observations, Outcomes, TaskMode};
+
+/// The learner in training.
+#[derive(Resource)]
+pub struct Trainer(pub Learner);
+
+/// Set when a loss or weight is no longer a number: the caller of the step must look, and stop.
+#[derive(Resource, Default)]
+pub struct TrainingFault(pub Option<Diverged>);
+
+/// Sums over the gradient steps since they were last taken.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct TrainingStats {
+    /// Gradient steps in the sums.
+    pub gradient_steps: u32,
+    /// Sum of the losses.
+    pub loss: f64,
+    /// Sum of the mean absolute TD errors.
+    pub td_error: f64,
+    /// Sum of the mean Q-values of the actions taken.
+    pub q: f64,
+}
+
+impl TrainingStats {
+    /// The means of loss, absolute TD error and Q, and the sums back at zero; None if no gradient step was taken.
+    pub fn take_means(&mut self) -> Option<(f64, f64, f64)> {
+        let sums = std::mem::take(self);
+        let n = f64::from(sums.gradient_steps);
+        (sums.gradient_steps > 0).then(|| (sums.loss / n, sums.td_error / n, sums.q / n))
+    }
+}
+
+/// `Remember`: one experience an arena.
+pub(super) fn remember(
+    mode: Res<TaskMode>,
+    observations: Res<Observations>,
+    actions: Res<Actions>,
+    outcomes: Res<Outcomes>,
+    mut trainer: ResMut<Trainer>,
+) {
+    for (arena, outcome) in outcomes.0.iter().enumerate() {
+        if outcome.parked {
+            continue;
+        }
+        trainer.0.remember(&Experience {
+            arena,
+            observation: observations.row(arena),
+            action: actions.0[arena],
+            reward: outcome.reward.total(),
+            next_observation: observations.next_row(arena),
+            terminated: outcome.terminated(),
+            truncated: outcome.truncated(),
+        });
+        if outcome.episode_end(*mode).is_some() {
+            trainer.0.episode_ended();
+        }
+    }
+}
+
+/// `Learn`: the gradient steps that are due.
+pub(super) fn learn(
+    mut trainer: ResMut<Trainer>,
+    mut stats: ResMut<TrainingStats>,
+    mut fault: ResMut<TrainingFault>,
+) {
+    match trainer.0.train() {
+        Ok(Some(step)) => {
+            let n = f64::from(step.gradient_steps);
+            stats.gradient_steps += step.gradient_steps;
+            stats.loss += n * f64::from(step.loss);
+            stats.td_error += n * f64::from(step.td_error);
+            stats.q += n * f64::from(step.q);
+        }
+        Ok(None) => {}
+        Err(diverged) => fault.0 = Some(diverged),
+    }
+}

@@ -1,0 +1,332 @@
+//! How to learn: the `learning:` part of a preset, and the check of every value in it.
+//!
+//! In: a RON (or any serde) document. Out: a [`LearningConfig`], or a [`ConfigError`] that names the field, what
+//! is wrong with it and how to mend it. The paper's Table 1 is one such document; every algorithm choice
+//! beside it is a switch here.
+
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+use serde::{Deserialize, Serialize};
+
+/// Every choice of the learning algorithm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LearningConfig {
+    /// The Q-network's layers.
+    pub network: NetworkConfig,
+    /// Double DQN: the online network chooses the next action, the target network values it (van Hasselt et al.
+    /// 2016). `false`: the target network does both (Mnih et al. 2015).
+    pub double: bool,
+    /// The discount per step, 0 to 1. Table 1: 0.99.
+    pub gamma: f32,
+    /// Steps of reward in a return before it bootstraps, 1 to 100. The paper: 1.
+    pub n_step: usize,
+    /// Rewards are multiplied by this before they are stored, above 0. The paper: 1.
+    pub reward_scale: f32,
+    /// What a TD error costs.
+    pub loss: Loss,
+    /// How a gradient moves the weights.
+    pub optimizer: Optimizer,
+    /// The optimizer's step size, by env steps. Table 1: 0.00025.
+    pub learning_rate: Schedule,
+    /// Transitions per gradient step, 1 to 65536. Table 1: 64.
+    pub batch_size: usize,
+    /// The replay buffer.
+    pub replay: ReplayConfig,
+    /// Env steps (of all arenas together) between two trainings, at least 1. The paper: 1.
+    pub train_interval: u64,
+    /// Gradient steps of one training, 1 to 10000. The paper: 1.
+    pub gradient_steps: u32,
+    /// How the target network follows the online network.
+    pub target_update: TargetUpdate,
+    /// How epsilon, the share of random actions, falls.
+    pub exploration: Exploration,
+}
+
+/// The layers of the Q-network.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NetworkConfig {
+    /// Widths of the hidden layers (each followed by a ReLU), at most 8 of 1 to 4096 units. Fig. 5: [64, 64].
+    pub hidden: Vec<usize>,
+    /// A dueling head: one value and one advantage per action (Wang et al. 2016). `false`: Q-values directly.
+    pub dueling: bool,
+}
+
+/// What a TD error d = Q(s, a) - y costs; a batch's loss is the mean over its (weighted) errors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Loss {
+    /// d^2 (Table 1).
+    MeanSquared,
+    /// d^2 / 2 up to |d| = `delta` (above 0), linear beyond.
+    Huber {
+        /// Where the loss turns linear, in units of scaled reward.
+        delta: f32,
+    },
+}
+
+/// How a gradient moves the weights; formulas and meaning of `epsilon` as in PyTorch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Optimizer {
+    /// RMSProp (Table 1), neither centred nor with momentum.
+    RmsProp {
+        /// How much of the mean square gradient is kept each step, 0 up to but not 1. PyTorch: 0.99.
+        smoothing: f32,
+        /// Added to the root of the mean square, above 0. PyTorch: 1e-8.
+        epsilon: f32,
+    },
+    /// Adam (Kingma and Ba 2015).
+    Adam {
+        /// How much of the mean gradient is kept each step, 0 up to but not 1. PyTorch: 0.9.
+        beta1: f32,
+        /// How much of the mean square gradient is kept each step, 0 up to but not 1. PyTorch: 0.999.
+        beta2: f32,
+        /// Added to the root of the mean square, above 0. PyTorch: 1e-8.
+        epsilon: f32,
+    },
+}
+
+/// A value as a function of env steps alone, so that a run resumed with a longer budget is the same run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Schedule {
+    /// Always this value.
+    Constant(f32),
+    /// A straight line, then level.
+    Linear {
+        /// The value at env step 0.
+        from: f32,
+        /// The value at `env_steps` and ever after.
+        to: f32,
+        /// Where the line ends, at least 1.
+        env_steps: u64,
+    },
+}
+
+/// The replay buffer's size and how batches are drawn from it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReplayConfig {
+    /// Transitions kept, `batch_size` to 2^24. Table 1: 1,000,000.
+    pub capacity: usize,
+    /// Env steps before the first training.
+    pub warmup_steps: u64,
+    /// How batches are drawn.
+    pub sampling: Sampling,
+}
+
+/// How batches are drawn from the replay buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Sampling {
+    /// Every transition alike.
+    Uniform,
+    /// Proportional to a power of the last TD error (Schaul et al. 2016).
+    Prioritized {
+        /// P(i) = p_i^alpha / sum of p^alpha, 0 (uniform) to 1. Algorithm 1 as printed: 1.
+        alpha: f32,
+        /// The exponent of the importance weights, 0 to 1, by env steps.
+        beta: Schedule,
+        /// Whether errors are weighted by (N P(i))^-beta, over the batch's largest. Algorithm 1 has no weights.
+        importance_weights: bool,
+        /// Added to |TD error| to make a priority, above 0, so that none is never drawn again.
+        epsilon: f32,
+    },
+}
+
+/// How the target network follows the online network.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum TargetUpdate {
+    /// A copy every so many gradient steps, at least 1. Table 1: 2000.
+    Hard {
+        /// Gradient steps between copies.
+        every: u64,
+    },
+    /// After each gradient step, this share of the way.
+    Soft {
+        /// The share, above 0 and at most 1.
+        tau: f32,
+    },
+}
+
+/// How epsilon, the share of random actions, falls. All values 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Exploration {
+    /// Multiplied after each episode, eq. (10): max(end, start decay^episodes). The paper: 1, 0.99, 0.05.
+    PerEpisode {
+        /// Epsilon of the first episode.
+        start: f32,
+        /// The factor after each episode, above 0.
+        decay: f32,
+        /// The floor.
+        end: f32,
+    },
+    /// A straight line over env steps, then level.
+    Linear {
+        /// Epsilon at env step 0.
+        start: f32,
+        /// Epsilon at `env_steps` and ever after.
+        end: f32,
+        /// Where the line ends, at least 1.
+        env_steps: u64,
+    },
+}
+
+/// A value that makes no sense, with the field's path below `learning:`.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{field}: {problem}")]
+pub struct ConfigError {
+    /// The field, as in `replay.capacity`.
+    pub field: String,
+    /// What is wrong, and the mend.
+    pub problem: String,
+}
+
+impl Schedule {
+    /// The value at `env_steps`.
+    #[must_use]
+    pub fn at(&self, env_steps: u64) -> f32 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Linear { to, env_steps: end, .. } if env_steps >= end => to,
+            Self::Linear { from, to, env_steps: end } => {
+                from + (to - from) * (env_steps as f64 / end as f64) as f32
+            }
+        }
+    }
+
+    fn check(&self, field: &str, range: RangeInclusive<f32>) -> Result<(), ConfigError> {
+        match *self {
+            Self::Constant(value) => within(field, value, range),
+            Self::Linear { from, to, env_steps } => {
+                within(&format!("{field}.from"), from, range.clone())?;
+                within(&format!("{field}.to"), to, range)?;
+                within(&format!("{field}.env_steps"), env_steps, 1..=u64::MAX)
+            }
+        }
+    }
+}
+
+impl LearningConfig {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first field out of its range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        if self.network.hidden.len() > 8 {
+            let problem = format!("{} layers are too many; give at most 8", self.network.hidden.len());
+            return Err(ConfigError { field: "network.hidden".into(), problem });
+        }
+        for (i, &width) in self.network.hidden.iter().enumerate() {
+            within(&format!("network.hidden[{i}]"), width, 1..=4096)?;
+        }
+        within("gamma", self.gamma, 0.0..=1.0)?;
+        within("n_step", self.n_step, 1..=100)?;
+        above_zero("reward_scale", self.reward_scale)?;
+        if let Loss::Huber { delta } = self.loss {
+            above_zero("loss.delta", delta)?;
+        }
+        match self.optimizer {
+            Optimizer::RmsProp { smoothing, epsilon } => {
+                share_below_one("optimizer.smoothing", smoothing)?;
+                above_zero("optimizer.epsilon", epsilon)?;
+            }
+            Optimizer::Adam { beta1, beta2, epsilon } => {
+                share_below_one("optimizer.beta1", beta1)?;
+                share_below_one("optimizer.beta2", beta2)?;
+                above_zero("optimizer.epsilon", epsilon)?;
+            }
+        }
+        self.learning_rate.check("learning_rate", 0.0..=10.0)?;
+        within("batch_size", self.batch_size, 1..=65536)?;
+        self.replay.check(self.batch_size)?;
+        within("train_interval", self.train_interval, 1..=u64::MAX)?;
+        within("gradient_steps", self.gradient_steps, 1..=10_000)?;
+        match self.target_update {
+            TargetUpdate::Hard { every } => within("target_update.every", every, 1..=u64::MAX)?,
+            TargetUpdate::Soft { tau } => {
+                above_zero("target_update.tau", tau)?;
+                within("target_update.tau", tau, 0.0..=1.0)?;
+            }
+        }
+        self.exploration.check()
+    }
+}
+
+impl ReplayConfig {
+    fn check(&self, batch_size: usize) -> Result<(), ConfigError> {
+        within("replay.capacity", self.capacity, 1..=1 << 24)?;
+        if self.capacity < batch_size {
+            return Err(ConfigError {
+                field: "replay.capacity".into(),
+                problem: format!(
+                    "{} transitions cannot fill a batch of {batch_size}; raise it, or lower batch_size",
+                    self.capacity
+                ),
+            });
+        }
+        if let Sampling::Prioritized { alpha, beta, epsilon, .. } = self.sampling {
+            within("replay.sampling.alpha", alpha, 0.0..=1.0)?;
+            beta.check("replay.sampling.beta", 0.0..=1.0)?;
+            above_zero("replay.sampling.epsilon", epsilon)?;
+        }
+        Ok(())
+    }
+}
+
+impl Exploration {
+    fn check(&self) -> Result<(), ConfigError> {
+        let (start, end) = match *self {
+            Self::PerEpisode { start, decay, end } => {
+                above_zero("exploration.decay", decay)?;
+                within("exploration.decay", decay, 0.0..=1.0)?;
+                (start, end)
+            }
+            Self::Linear { start, end, env_steps } => {
+                within("exploration.env_steps", env_steps, 1..=u64::MAX)?;
+                (start, end)
+            }
+        };
+        within("exploration.start", start, 0.0..=1.0)?;
+        within("exploration.end", end, 0.0..=1.0)
+    }
+}
+
+/// `value` lies in `range` (NaN lies in none).
+pub(super) fn within<T: PartialOrd + Display>(
+    field: &str,
+    value: T,
+    range: RangeInclusive<T>,
+) -> Result<(), ConfigError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let problem = if value < *range.start() {
+        format!("{value} is too small; give at least {}", range.start())
+    } else {
+        format!("{value} is out of range; give {} to {}", range.start(), range.end())
+    };
+    Err(ConfigError { field: field.into(), problem })
+}
+
+fn above_zero(field: &str, value: f32) -> Result<(), ConfigError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ConfigError { field: field.into(), problem: format!("{value} will not do; give a number above 0") })
+}
+
+fn share_below_one(field: &str, value: f32) -> Result<(), ConfigError> {
+    if (0.0..1.0).contains(&value) {
+        return Ok(());
+    }
+    Err(ConfigError {
+        field: field.into(),
+        problem: format!("{value} is out of range; give 0 up to, but not, 1"),
+    })
+}

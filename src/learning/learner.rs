@@ -1,0 +1,356 @@
+//! The learner: remembers what the arenas do, and takes the gradient steps that are due.
+//!
+//! In: experiences, one per env step of an arena. Out: Q-values, epsilon, statistics of each training, a policy.
+//! This is algorithm 1 of the paper with every part switchable: (double) (dueling) DQN with (prioritized) replay.
+
+use super::config::{ConfigError, LearningConfig, TargetUpdate, within};
+use super::exploration::greedy;
+use super::n_step::{End, NStep, Pending};
+use super::network::{Gradient, NetworkShape, QNetwork};
+use super::ops::Regression;
+use super::optimizer::OptimizerState;
+use super::policy::{Policy, PolicyError};
+use super::replay::{Batch, ReplayBuffer, StateId};
+use crate::random::{Stream, stream};
+use serde::{Deserialize, Serialize};
+
+/// One env step of one arena.
+#[derive(Debug, Clone, Copy)]
+pub struct Experience<'a> {
+    /// Which arena, 0 up to the learner's number of arenas.
+    pub arena: usize,
+    /// What was observed.
+    pub observation: &'a [f32],
+    /// The index of the action taken.
+    pub action: usize,
+    /// What it brought, before `reward_scale`.
+    pub reward: f32,
+    /// What the step led to, before any reset.
+    pub next_observation: &'a [f32],
+    /// The return ends here (collision, target reached): nothing to bootstrap from.
+    pub terminated: bool,
+    /// A time limit: bootstrap from `next_observation`, but the chain of observations ends.
+    pub truncated: bool,
+}
+
+/// Means over the gradient steps of one training.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LearnStats {
+    /// How many there were.
+    pub gradient_steps: u32,
+    /// The loss, weighted as it was descended.
+    pub loss: f32,
+    /// |Q(s, a) - y|, in units of scaled reward.
+    pub td_error: f32,
+    /// Q(s, a) of the transitions sampled, in units of scaled reward.
+    pub q: f32,
+}
+
+/// The learning blew up: a number is no longer finite.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("learning diverged at gradient step {gradient_step}: {what}; try a lower learning_rate or reward_scale")]
+pub struct Diverged {
+    /// The gradient step, counted from 1.
+    pub gradient_step: u64,
+    /// Which number.
+    pub what: String,
+}
+
+/// What is followed of one arena.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct Chain {
+    /// The next state of the last step, if the chain goes on from there.
+    pub(super) last: Option<StateId>,
+    pub(super) n_step: NStep,
+}
+
+/// What is counted, and where the random numbers are.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Progress {
+    pub(super) env_steps: u64,
+    pub(super) episodes: u64,
+    pub(super) gradient_steps: u64,
+    /// Gradient steps owed.
+    pub(super) owed: u32,
+    /// What replaces the schedule's start of epsilon, after a transfer.
+    pub(super) epsilon_start: Option<f32>,
+    /// The replay buffer's draws.
+    pub(super) sampling: Stream,
+}
+
+/// A Q-learning agent, short of choosing its actions (see [`super::epsilon_greedy`]).
+#[derive(Debug, Clone)]
+pub struct Learner {
+    pub(super) config: LearningConfig,
+    pub(super) online: QNetwork,
+    pub(super) target: QNetwork,
+    pub(super) optimizer: OptimizerState,
+    pub(super) replay: ReplayBuffer,
+    pub(super) chains: Vec<Chain>,
+    pub(super) progress: Progress,
+    scratch: Scratch,
+}
+
+/// Memory reused from step to step; it holds nothing from one step to the next.
+#[derive(Debug, Clone, Default)]
+struct Scratch {
+    batch: Batch,
+    gradient: Gradient,
+    online_q: Vec<f32>,
+    target_q: Vec<f32>,
+    targets: Vec<f32>,
+}
+
+impl Learner {
+    /// A learner for observations of `inputs` numbers, `actions` actions and `arenas` arenas, whose weights and
+    /// draws are those of `seed`.
+    ///
+    /// # Errors
+    /// A value of `config` or a size makes no sense.
+    pub fn new(
+        config: &LearningConfig,
+        inputs: usize,
+        actions: usize,
+        arenas: usize,
+        seed: u64,
+    ) -> Result<Self, ConfigError> {
+        config.check()?;
+        within("arenas", arenas, 1..=65536)?;
+        let shape = NetworkShape::new(&config.network, inputs, actions)?;
+        let online = QNetwork::new(shape, &mut stream(seed, "learning: weights", 0))?;
+        Ok(Self {
+            config: config.clone(),
+            target: online.clone(),
+            optimizer: OptimizerState::new(&config.optimizer, online.parameters().len()),
+            replay: ReplayBuffer::new(&config.replay, inputs, arenas * (config.n_step + 1)),
+            chains: vec![Chain::default(); arenas],
+            progress: Progress {
+                env_steps: 0,
+                episodes: 0,
+                gradient_steps: 0,
+                owed: 0,
+                epsilon_start: None,
+                sampling: stream(seed, "learning: sampling", 0),
+            },
+            scratch: Scratch::default(),
+            online,
+        })
+    }
+
+    /// The Q-values of `n` observations (row-major, n x inputs) into `out` (row-major, n x actions).
+    pub fn q_values(&self, observations: &[f32], n: usize, out: &mut Vec<f32>) {
+        self.online.q_values(observations, n, out);
+    }
+
+    /// Stores one env step and counts it. While an arena's chain is unbroken, `observation` is taken to be the
+    /// last `next_observation` and not stored again.
+    ///
+    /// # Panics
+    /// `arena`, `action` or an observation's length is not what the learner was made for.
+    pub fn remember(&mut self, e: &Experience<'_>) {
+        assert!(e.action < self.online.shape().actions, "action {} does not exist", e.action);
+        let Self { chains, replay, config, .. } = self;
+        let chain = &mut chains[e.arena];
+        let state = match chain.last {
+            Some(id) if replay.holds(id) => id,
+            _ => replay.push_state(e.observation),
+        };
+        let (next, end) = match (e.terminated, e.truncated) {
+            (true, _) => (state, End::Terminated),
+            (false, true) => (replay.push_state(e.next_observation), End::Truncated),
+            (false, false) => (replay.push_state(e.next_observation), End::Open),
+        };
+        chain.last = (end == End::Open).then_some(next);
+        let step = Pending { state, action: e.action as u8, reward: e.reward * config.reward_scale };
+        chain.n_step.push(step, next, end, (config.n_step, config.gamma), |t| replay.push(&t));
+
+        let progress = &mut self.progress;
+        progress.env_steps += 1;
+        let warm = progress.env_steps >= config.replay.warmup_steps && replay.len() >= config.batch_size;
+        if warm && progress.env_steps % config.train_interval == 0 {
+            progress.owed = progress.owed.saturating_add(config.gradient_steps);
+        }
+    }
+
+    /// Gradient steps owed: `gradient_steps` for every `train_interval` env steps since the last training, once
+    /// warm-up is over and the replay buffer can fill a batch.
+    #[must_use]
+    pub fn due(&self) -> u32 {
+        self.progress.owed
+    }
+
+    /// Takes the gradient steps that are owed. `None` if there are none.
+    ///
+    /// # Errors
+    /// The loss or a weight is no longer finite; the learner is of no more use then.
+    pub fn train(&mut self) -> Result<Option<LearnStats>, Diverged> {
+        let owed = std::mem::take(&mut self.progress.owed);
+        if owed == 0 {
+            return Ok(None);
+        }
+        let mut sum = LearnStats::default();
+        for _ in 0..owed {
+            let step = self.gradient_step()?;
+            sum.loss += step.loss;
+            sum.td_error += step.td_error;
+            sum.q += step.q;
+        }
+        let n = owed as f32;
+        Ok(Some(LearnStats { gradient_steps: owed, loss: sum.loss / n, td_error: sum.td_error / n, q: sum.q / n }))
+    }
+
+    fn gradient_step(&mut self) -> Result<LearnStats, Diverged> {
+        let Self { config, online, target, optimizer, replay, progress, scratch, .. } = self;
+        let Scratch { batch, gradient, online_q, target_q, targets } = scratch;
+        let n = config.batch_size;
+        progress.gradient_steps += 1;
+
+        replay.sample(n, progress.env_steps, &mut progress.sampling, batch);
+        target.q_values(&batch.next_states, n, target_q);
+        if config.double {
+            online.q_values(&batch.next_states, n, online_q);
+        }
+        let chooser = if config.double { &*online_q } else { &*target_q };
+        td_targets(batch, chooser, target_q, targets);
+
+        let on = Regression { actions: &batch.actions, targets, weights: &batch.weights, loss: config.loss };
+        online.gradient(&batch.states, on, gradient);
+        let diverged =
+            |what: &str| Diverged { gradient_step: progress.gradient_steps, what: format!("{what} is not finite") };
+        if !gradient.loss.is_finite() {
+            return Err(diverged("the loss"));
+        }
+        let learning_rate = config.learning_rate.at(progress.env_steps);
+        online.update(|weights| optimizer.step(&config.optimizer, learning_rate, weights, &gradient.values));
+        if !all_finite(online.parameters()) {
+            return Err(diverged("a weight"));
+        }
+        replay.update_priorities(&batch.slots, &gradient.td_errors);
+        follow(config.target_update, progress.gradient_steps, online, target);
+
+        let mean = |values: &[f32]| values.iter().sum::<f32>() / n as f32;
+        let td_error = gradient.td_errors.iter().map(|e| e.abs()).sum::<f32>() / n as f32;
+        Ok(LearnStats { gradient_steps: 1, loss: gradient.loss, td_error, q: mean(&gradient.q) })
+    }
+
+    /// Counts an episode, for the schedule of epsilon.
+    pub fn episode_ended(&mut self) {
+        self.progress.episodes += 1;
+    }
+
+    /// The chance of a random action now, 0 to 1.
+    #[must_use]
+    pub fn epsilon(&self) -> f32 {
+        let Progress { env_steps, episodes, epsilon_start, .. } = self.progress;
+        self.config.exploration.epsilon(env_steps, episodes, epsilon_start)
+    }
+
+    /// Env steps remembered, of all arenas together.
+    #[must_use]
+    pub fn env_steps(&self) -> u64 {
+        self.progress.env_steps
+    }
+
+    /// Episodes ended.
+    #[must_use]
+    pub fn episodes(&self) -> u64 {
+        self.progress.episodes
+    }
+
+    /// Gradient steps taken.
+    #[must_use]
+    pub fn gradient_steps(&self) -> u64 {
+        self.progress.gradient_steps
+    }
+
+    /// How it was told to learn.
+    #[must_use]
+    pub fn config(&self) -> &LearningConfig {
+        &self.config
+    }
+
+    /// What it has to learn from.
+    #[must_use]
+    pub fn replay(&self) -> &ReplayBuffer {
+        &self.replay
+    }
+
+    /// The network that acts.
+    #[must_use]
+    pub fn network(&self) -> &QNetwork {
+        &self.online
+    }
+
+    /// The network that values next states.
+    #[must_use]
+    pub fn target_network(&self) -> &QNetwork {
+        &self.target
+    }
+
+    /// Takes `policy`'s weights as the start of both networks (knowledge transfer, section 3.2), with fresh optimizer
+    /// moments. `epsilon` (0 to 1; the paper: 0.5) replaces the start of the exploration's schedule.
+    ///
+    /// # Errors
+    /// The policy's network has another shape, or `epsilon` is out of range.
+    pub fn start_from(&mut self, policy: &Policy, epsilon: Option<f32>) -> Result<(), PolicyError> {
+        let (expected, found) = (self.online.shape(), policy.network.shape());
+        if expected != found {
+            return Err(PolicyError::OtherNetwork { expected: expected.to_string(), found: found.to_string() });
+        }
+        if let Some(epsilon) = epsilon.filter(|e| !(0.0..=1.0).contains(e)) {
+            return Err(PolicyError::Epsilon(epsilon));
+        }
+        self.online = policy.network.clone();
+        self.target = policy.network.clone();
+        self.optimizer = OptimizerState::new(&self.config.optimizer, self.online.parameters().len());
+        self.progress.epsilon_start = epsilon;
+        Ok(())
+    }
+
+    /// The network that acts, to be kept; without metadata yet.
+    #[must_use]
+    pub fn policy(&self) -> Policy {
+        Policy { network: self.online.clone(), metadata: Default::default() }
+    }
+
+    /// The arenas were reset from outside: their next observations do not follow from the last. Steps still awaiting
+    /// their n-step return are closed as if truncated.
+    pub fn break_chains(&mut self) {
+        let Self { chains, replay, config, .. } = self;
+        for chain in chains {
+            if let Some(last) = chain.last.take() {
+                chain.n_step.flush(last, End::Truncated, config.gamma, |t| replay.push(&t));
+            }
+        }
+    }
+}
+
+/// y = R + discount Q_target(s', a*) into `targets`, where a* is the best action by `chooser`: the online network's
+/// Q(s', .) in double DQN, the target network's own else.
+fn td_targets(batch: &Batch, chooser: &[f32], target_q: &[f32], targets: &mut Vec<f32>) {
+    let actions = target_q.len() / batch.rewards.len();
+    let rows = chooser.chunks_exact(actions).zip(target_q.chunks_exact(actions));
+    let steps = batch.rewards.iter().zip(&batch.discounts);
+    targets.clear();
+    targets.extend(steps.zip(rows).map(|((r, discount), (choose, value))| r + discount * value[greedy(choose)]));
+}
+
+/// Lets the target network follow the online network after gradient step `step`.
+fn follow(update: TargetUpdate, step: u64, online: &QNetwork, target: &mut QNetwork) {
+    match update {
+        TargetUpdate::Hard { every } if step % every == 0 => {
+            target.update(|weights| weights.copy_from_slice(online.parameters()));
+        }
+        TargetUpdate::Hard { .. } => {}
+        TargetUpdate::Soft { tau } => target.update(|weights| {
+            for (weight, online) in weights.iter_mut().zip(online.parameters()) {
+                *weight += tau * (online - *weight);
+            }
+        }),
+    }
+}
+
+/// Whether no value is NaN or infinite; without early exit, so that it is a loop of plain vector instructions.
+fn all_finite(values: &[f32]) -> bool {
+    values.iter().map(|v| v.to_bits() & 0x7FFF_FFFF).fold(0, u32::max) < f32::INFINITY.to_bits()
+}

@@ -1,0 +1,108 @@
+//! Returns over n steps, one accumulator per arena.
+//!
+//! In: the steps of one arena as they come. Out: transitions whose return is R = sum of gamma^i r_i over m steps,
+//! m = n within an episode and fewer at its end, with the discount that the bootstrap value is due: gamma^m, or
+//! 0 where the return has ended (Sutton 1988; with replay: Hessel et al. 2018).
+
+use std::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+
+use super::replay::StateId;
+
+/// One step that is still waiting for its return.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Pending {
+    /// Where it was taken.
+    pub state: StateId,
+    /// What was done.
+    pub action: u8,
+    /// What it brought (scaled).
+    pub reward: f32,
+}
+
+/// A transition over m steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transition {
+    /// Where it starts.
+    pub state: StateId,
+    /// The action taken there.
+    pub action: u8,
+    /// R, the sum of gamma^i r_i.
+    pub reward: f32,
+    /// What Q(next) is multiplied by: gamma^m, 0 if terminated.
+    pub discount: f32,
+    /// The state m steps later; of no meaning if terminated.
+    pub next: StateId,
+    /// The return ended here.
+    pub terminated: bool,
+    /// A time limit (or a break from outside) cut the chain here.
+    pub truncated: bool,
+}
+
+/// How a step ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// It did not: the episode goes on.
+    Open,
+    /// The return ended; nothing to bootstrap from.
+    Terminated,
+    /// The chain was cut; bootstrap from the last observation.
+    Truncated,
+}
+
+/// The last n steps of one arena.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct NStep {
+    pending: VecDeque<Pending>,
+}
+
+impl NStep {
+    /// Adds a step that led to `next`, and hands every transition thereby complete to `emit`, oldest first.
+    pub fn push(
+        &mut self,
+        step: Pending,
+        next: StateId,
+        end: End,
+        (n, gamma): (usize, f32),
+        mut emit: impl FnMut(Transition),
+    ) {
+        self.pending.push_back(step);
+        if end != End::Open {
+            self.flush(next, end, gamma, emit);
+        } else if self.pending.len() >= n {
+            emit(self.pop(next, end, gamma));
+        }
+    }
+
+    /// Hands out all that is pending, with `next` as the last state known.
+    pub fn flush(&mut self, next: StateId, end: End, gamma: f32, mut emit: impl FnMut(Transition)) {
+        while !self.pending.is_empty() {
+            emit(self.pop(next, end, gamma));
+        }
+    }
+
+    /// The oldest pending step as a transition over all that is pending.
+    fn pop(&mut self, next: StateId, end: End, gamma: f32) -> Transition {
+        // Horner's rule, from the last reward back: R = r_0 + gamma (r_1 + gamma (r_2 + ...)).
+        let reward = self.pending.iter().rev().fold(0.0, |sum, step| step.reward + gamma * sum);
+        let discount = self.pending.iter().fold(1.0, |product, _| product * gamma);
+        let Pending { state, action, .. } = self.pending[0];
+        self.pending.pop_front();
+        Transition {
+            state,
+            action,
+            reward,
+            discount: if end == End::Terminated { 0.0 } else { discount },
+            next,
+            terminated: end == End::Terminated,
+            truncated: end == End::Truncated,
+        }
+    }
+
+    /// The steps still waiting, oldest first.
+    #[must_use]
+    pub fn pending(&self) -> &VecDeque<Pending> {
+        &self.pending
+    }
+}

@@ -1,0 +1,169 @@
+//! The network's three operations on dfdx's tape: a dense layer, the dueling combination, the TD loss.
+//!
+//! In: tensors of batch x units, with or without a tape. Out: the same; with a tape, each operation has noted how
+//! gradients flow back. dfdx has such operations of its own, but its bias broadcast, ReLU and row selection walk
+//! general strides element by element and cost more than the products; these do the products by dfdx and the
+//! rest in plain loops.
+
+use dfdx::prelude::*;
+
+use super::config::Loss;
+
+/// A batch of rows, with or without a tape.
+pub(super) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
+
+/// Rows from row-major `values`.
+pub(super) fn rows(device: &Cpu, values: &[f32], n: usize, width: usize) -> Rows {
+    let mut tensor = device.zeros_like(&(n, width));
+    tensor.copy_from(values);
+    tensor
+}
+
+/// The values of `tensor`, row-major.
+pub(super) fn values<S: Shape, T>(tensor: &Tensor<S, f32, Cpu, T>) -> Vec<f32> {
+    let mut values = vec![0.0; tensor.shape().num_elements()];
+    tensor.copy_into(&mut values);
+    values
+}
+
+/// A fully connected layer: `weight` is outputs x inputs (as in PyTorch), `bias` has one value per output.
+#[derive(Debug, Clone)]
+pub(super) struct Dense {
+    pub(super) weight: Rows,
+    pub(super) bias: Tensor<(usize,), f32, Cpu>,
+}
+
+impl Dense {
+    /// x W^T + b, then a ReLU if asked. `input_gradient`: whether x wants its gradient (observations do not).
+    pub(super) fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>, relu: bool, input_gradient: bool) -> Rows<T> {
+        let (x, mut tape) = x.split_tape();
+        let (n, outputs) = (x.shape().0, self.weight.shape().0);
+
+        let mut out = x.clone().matmul(self.weight.clone().permute::<_, Axes2<1, 0>>());
+        let mut activations = values(&out);
+        let bias = values(&self.bias);
+        for row in activations.chunks_exact_mut(outputs) {
+            for (z, b) in row.iter_mut().zip(&bias) {
+                *z += b;
+                if relu {
+                    *z = z.max(0.0);
+                }
+            }
+        }
+        out.copy_from(&activations);
+
+        let (weight, bias, y) = (self.weight.clone(), self.bias.clone(), out.clone());
+        tape.add_backward_op(move |grads| {
+            let mut gradient = std::mem::take(&mut **grads.get_or_alloc_mut(&y)?);
+            if relu {
+                for (g, &a) in gradient.iter_mut().zip(&activations) {
+                    *g = if a > 0.0 { *g } else { 0.0 };
+                }
+            }
+            let of_bias = grads.get_or_alloc_mut(&bias)?;
+            for row in gradient.chunks_exact(outputs) {
+                add(of_bias, row);
+            }
+            let gradient = y.device().try_tensor_from_vec(gradient, (n, outputs))?;
+            let of_weight = gradient.clone().permute::<_, Axes2<1, 0>>().try_matmul(x.clone())?;
+            add(grads.get_or_alloc_mut(&weight)?, &values(&of_weight));
+            if input_gradient {
+                let of_x = gradient.try_matmul(weight)?;
+                add(grads.get_or_alloc_mut(&x)?, &values(&of_x));
+            }
+            Ok(())
+        });
+        out.put_tape(tape)
+    }
+}
+
+/// Q = V + A - mean A over rows of (V, A_1, ..., A_k): the mean form, equation (9) of Wang et al. 2016.
+pub(super) fn dueling<T: Tape<f32, Cpu>>(head: Rows<T>) -> Rows<T> {
+    let (head, mut tape) = head.split_tape();
+    let (n, width) = *head.shape();
+    let actions = width - 1;
+
+    let mut q = vec![0.0; n * actions];
+    for (q, head) in q.chunks_exact_mut(actions).zip(values(&head).chunks_exact(width)) {
+        let base = head[0] - mean(&head[1..]);
+        for (q, advantage) in q.iter_mut().zip(&head[1..]) {
+            *q = base + advantage;
+        }
+    }
+    let out = rows(head.device(), &q, n, actions);
+
+    let y = out.clone();
+    tape.add_backward_op(move |grads| {
+        let of_q = std::mem::take(&mut **grads.get_or_alloc_mut(&y)?);
+        let of_head = grads.get_or_alloc_mut(&head)?;
+        for (of_q, of_head) in of_q.chunks_exact(actions).zip(of_head.chunks_exact_mut(width)) {
+            let mean = mean(of_q);
+            of_head[0] += mean * actions as f32;
+            for (of_advantage, q) in of_head[1..].iter_mut().zip(of_q) {
+                *of_advantage += q - mean;
+            }
+        }
+        Ok(())
+    });
+    out.put_tape(tape)
+}
+
+/// What a batch of n is regressed on: Q(s, a) of the `actions` taken, on the `targets`, each error weighted.
+#[derive(Debug, Clone, Copy)]
+pub struct Regression<'a> {
+    /// Actions taken, n indices.
+    pub actions: &'a [u8],
+    /// TD targets y, n values.
+    pub targets: &'a [f32],
+    /// Importance weights, n values.
+    pub weights: &'a [f32],
+    /// What an error costs.
+    pub loss: Loss,
+}
+
+/// The mean over the batch of weight x loss(Q(s, a) - y). Also hands out the TD errors Q(s, a) - y and Q(s, a).
+pub(super) fn td_loss<T: Tape<f32, Cpu>>(
+    q: Rows<T>,
+    on: Regression<'_>,
+    errors: &mut Vec<f32>,
+    chosen: &mut Vec<f32>,
+) -> Tensor<Rank0, f32, Cpu, T> {
+    let (q, mut tape) = q.split_tape();
+    let (n, actions) = *q.shape();
+    let all = values(&q);
+    errors.clear();
+    chosen.clear();
+    let mut of_q = vec![0.0; n * actions];
+    let mut total = 0.0;
+    for i in 0..n {
+        let at = i * actions + usize::from(on.actions[i]);
+        let error = all[at] - on.targets[i];
+        let (loss, slope) = match on.loss {
+            Loss::MeanSquared => (error * error, 2.0 * error),
+            Loss::Huber { delta } if error.abs() > delta => {
+                (delta * (error.abs() - 0.5 * delta), delta.copysign(error))
+            }
+            Loss::Huber { .. } => (0.5 * error * error, error),
+        };
+        total += on.weights[i] * loss;
+        of_q[at] = on.weights[i] * slope / n as f32;
+        errors.push(error);
+        chosen.push(all[at]);
+    }
+    let loss = q.device().tensor(total / n as f32);
+    tape.add_backward_op(move |grads| {
+        add(grads.get_or_alloc_mut(&q)?, &of_q);
+        Ok(())
+    });
+    loss.put_tape(tape)
+}
+
+fn add(to: &mut [f32], from: &[f32]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to += from;
+    }
+}
+
+fn mean(values: &[f32]) -> f32 {
+    values.iter().sum::<f32>() / values.len() as f32
+}

@@ -1,0 +1,23 @@
+//! wayfield: a LIDAR robot learns to navigate, in a Bevy world, by prioritized-replay double dueling DQN.
+//!
+//! The system of Li, Yue, Shangguan and Jin, *Navigation of Mobile Robots Based on Deep Reinforcement Learning:
+//! Reward Function Optimization and Knowledge Transfer* (IJCAS 21(2), 2023). The rooms, from the ground up; each
+//! imports only from those above it:
+//!
+//! | room | what lives there |
+//! |---|---|
+//! | [`random`] | named, seeded streams of random numbers |
+//! | [`scenario`] | what a world is: the RON schema, its checks, its loader |
+//! | [`learning`] | what learning is: network, replay buffer, update rules; no Bevy |
+//! | [`control_step`] | the schedule of one control step, and its sets |
+//! | [`task`] | the Markov decision process: observation, reward, the end of episodes |
+//! | [`world`] | the world alive in the ECS: arenas, rapier, robot, obstacles, LIDAR |
+//! | [`agent`] | observations -> actions, transitions -> learner |
+
+// pub mod agent;
+pub mod control_step;
+// pub mod learning;
+pub mod random;
+pub mod scenario;
+pub mod task;
+pub mod world;

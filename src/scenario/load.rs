@@ -1,0 +1,149 @@
+//! Reading the project's RON files, with errors that name file, line, column and mend.
+//!
+//! In: a path (or a text and the path to blame). Out: any deserializable type, or a [`FileError`]. Nothing read
+//! here can take more than a mebibyte, nest without end, or panic.
+
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+use ron::Options;
+use ron::extensions::Extensions;
+use ron::ser::PrettyConfig;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::check::findings;
+use super::file_error::FileError;
+use super::ron_message::{explain, nearest};
+use super::schema::Scenario;
+
+/// The most bytes a RON file may have.
+const MOST_BYTES: u64 = 1 << 20;
+/// The most levels of nesting.
+const MOST_LEVELS: usize = 64;
+/// Where the project's own RON files lie, seen from its root.
+const SHIPPED: [&str; 3] = ["scenarios", "assets/presets", "assets/experiments"];
+
+impl Scenario {
+    /// The scenario in the file at `path`, read and checked.
+    ///
+    /// # Errors
+    /// [`FileError`] with all findings when the file can't be read, is no scenario, or describes an impossible one.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        Self::parse(&read_text(path)?, path)
+    }
+
+    /// The scenario that `text` spells, checked; `path` is only what errors name.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let scenario: Self = parse_ron(text, path)?;
+        let findings = findings(&scenario);
+        if findings.is_empty() { Ok(scenario) } else { Err(FileError::in_fields(path, text, &findings)) }
+    }
+}
+
+/// A `T` from the RON file at `path`.
+///
+/// # Errors
+/// [`FileError`] when the file can't be read or is no RON for a `T`.
+pub fn read_ron<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, FileError> {
+    let path = path.as_ref();
+    parse_ron(&read_text(path)?, path)
+}
+
+/// A `T` from RON text; `path` is only what errors name.
+///
+/// # Errors
+/// [`FileError`] when `text` is no RON for a `T`.
+pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T, FileError> {
+    if text.len() as u64 > MOST_BYTES {
+        return Err(too_large(path.as_ref()));
+    }
+    options().from_str(text).map_err(|error| {
+        let (offset, message) = explain(text, &error);
+        FileError::at(path.as_ref(), text, offset, message)
+    })
+}
+
+/// `value` as RON text that [`parse_ron`] reads back: one field a line, in the order of the type's fields.
+///
+/// # Errors
+/// ron's own, for types that RON can't spell; the project's types are not among them.
+pub fn to_ron<T: Serialize>(value: &T) -> Result<String, ron::Error> {
+    options().to_string_pretty(value, PrettyConfig::new().indentor("    "))
+}
+
+/// The text of the file at `path`.
+///
+/// # Errors
+/// [`FileError`] when it is missing (naming what is there instead), unreadable, over 1 MiB or not UTF-8.
+pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
+    let path = path.as_ref();
+    let fail = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => missing(path),
+        ErrorKind::IsADirectory => FileError::whole(
+            path,
+            format!("this is a folder: name a file in it{}", listing(&ron_files(path))),
+        ),
+        _ => FileError::whole(path, format!("can't be read: {error}")),
+    };
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes)).map_err(fail)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(too_large(path));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let text = String::from_utf8_lossy(&error.as_bytes()[..good]).into_owned();
+        FileError::at(path, &text, good, "not UTF-8 text from here on: save it as UTF-8")
+    })
+}
+
+fn options() -> Options {
+    let extensions =
+        Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    Options::default().with_default_extension(extensions).with_recursion_limit(MOST_LEVELS)
+}
+
+fn too_large(path: &Path) -> FileError {
+    FileError::whole(path, "larger than 1 MiB: that is no file of this kind")
+}
+
+/// The error for a file that is not there: the nearest name among its neighbours (or the shipped files), and a list.
+fn missing(path: &Path) -> FileError {
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut there = ron_files(folder);
+    if there.is_empty() {
+        there = SHIPPED.iter().flat_map(|folder| ron_files(Path::new(folder))).collect();
+    }
+    let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    let names = there.iter().filter_map(|file| file.file_name()?.to_str());
+    let near = nearest(name, names).and_then(|near| there.iter().find(|file| file.ends_with(near)));
+    let hint = near.map(|file| format!(": did you mean `{}`?", file.display())).unwrap_or_default();
+    FileError::whole(path, format!("no such file{hint}{}", listing(&there)))
+}
+
+/// The RON files of a folder in the order of their names; none if it can't be read.
+fn ron_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut files: Vec<_> =
+        entries.map(|entry| entry.path()).filter(|p| p.extension() == Some("ron".as_ref())).collect();
+    files.sort();
+    files
+}
+
+/// " (there are ...)": up to a dozen of `files`.
+fn listing(files: &[PathBuf]) -> String {
+    let names: Vec<_> = files.iter().take(12).map(|file| file.display().to_string()).collect();
+    match files.len() {
+        0 => String::new(),
+        n if n > 12 => format!(" (there are {} and {} more)", names.join(", "), n - 12),
+        _ => format!(" (there are {})", names.join(", ")),
+    }
+}

@@ -1,0 +1,109 @@
+//! ron's errors in words for someone who edits the file: what is wrong, in which field, how to mend it.
+//!
+//! In: the text and ron's [`SpannedError`]. Out: a byte offset and a message.
+
+use ron::error::{Error, Position, SpannedError};
+
+use super::outline::Outline;
+
+/// Where in `text` to point for `error`, and what to say there.
+pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
+    use Error as E;
+    let (start, end) = (offset(text, error.span.start), offset(text, error.span.end));
+    let outline = Outline::new(text);
+    let here = || field(&outline.path_at(end));
+    let must = |what: &str| (end, format!("{} must be {what}", here()));
+    match &error.code {
+        E::NoSuchStructField { expected, found, .. } => {
+            let inside = field(&outline.path_above(start));
+            (
+                start,
+                format!("unknown field `{found}` in {inside}: {}", choice(found, expected, "the fields are")),
+            )
+        }
+        E::NoSuchEnumVariant { expected, found, .. } => {
+            let of = field(&outline.path_at(start));
+            (
+                start,
+                format!("unknown choice `{found}` for {of}: {}", choice(found, expected, "the choices are")),
+            )
+        }
+        E::DuplicateStructField { field: name, .. } => {
+            (start, format!("`{name}` is written twice in {}: keep one", field(&outline.path_above(start))))
+        }
+        E::MissingStructField { field: name, .. } => {
+            (outline.value_around(end), format!("{} lacks the field `{name}`: add `{name}: ...`", here()))
+        }
+        E::ExpectedInteger => must("a whole number"),
+        E::ExpectedFloat => must("a number"),
+        E::ExpectedBoolean => must("true or false"),
+        E::ExpectedString => must("text in double quotes: \"...\""),
+        E::ExpectedArray => must("a list in square brackets: [...]"),
+        E::ExpectedStructLike => must("written with parentheses: (...)"),
+        E::ExpectedOption | E::ExpectedOptionEnd => must("None or Some(...)"),
+        E::ExpectedDifferentLength { expected, .. } => must(expected),
+        E::InvalidValueForType { expected, found } => must(&format!("{expected}, not {found}")),
+        E::IntegerOutOfBounds => (start, format!("{} is out of range for a whole number here", here())),
+        E::ExpectedComma if fraction(text, end) => {
+            let start = outline.value_around(end);
+            (start, format!("{} must be a whole number, without a fraction", here()))
+        }
+        E::ExpectedComma => (end, "a comma or a closing bracket is missing before this".into()),
+        E::ExpectedStructLikeEnd => {
+            (end, format!("{} must end here: a `)` is missing, or it has too many parts", here()))
+        }
+        E::ExpectedArrayEnd => (end, "a `]` is missing before this".into()),
+        E::ExpectedMapColon => {
+            (end, "a `:` between a field's name and its value is missing before this".into())
+        }
+        E::ExpectedNamedStructLike(_) => (end, format!("{} must be written in parentheses: (...)", here())),
+        E::ExpectedDifferentStructName { expected, found } => {
+            (start, format!("this must be `{expected}(...)` or only `(...)`, not `{found}`"))
+        }
+        E::ExpectedIdentifier | E::SuggestRawIdentifier(_) | E::InvalidIdentifier(_) => {
+            (end, "a field's name is missing here: write `name: value`".into())
+        }
+        E::TrailingCharacters => (end, "the file's value ends before this: remove what follows".into()),
+        E::UnclosedBlockComment => (start, "this comment has no end: close it with `*/`".into()),
+        E::ExpectedStringEnd => (start, "this text has no closing quote: add one".into()),
+        E::Eof => (end, "the file ends in the middle: a closing bracket is missing".into()),
+        E::ExceededRecursionLimit => (end, "brackets are nested too deep here: at most 64 levels".into()),
+        other => (end, format!("this is not RON: {other}")),
+    }
+}
+
+/// "did you mean `x`? the fields are `x`, `y`": the nearest of `known` to `word`, if one is near, and all of them.
+pub(crate) fn choice(word: &str, known: &[&str], lead: &str) -> String {
+    let hint = nearest(word, known.iter().copied())
+        .map(|near| format!("did you mean `{near}`? "))
+        .unwrap_or_default();
+    let all: Vec<_> = known.iter().map(|name| format!("`{name}`")).collect();
+    if all.is_empty() { "there are none here".into() } else { format!("{hint}{lead} {}", all.join(", ")) }
+}
+
+/// Which of `known` may have been meant by `word`.
+pub(crate) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    known
+        .map(|name| (strsim::jaro_winkler(&word, &name.to_lowercase()), name))
+        .filter(|&(score, _)| score > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+fn field(path: &str) -> String {
+    if path.is_empty() { "the file".into() } else { format!("`{path}`") }
+}
+
+/// Whether a number's fractional part starts at `offset`.
+fn fraction(text: &str, offset: usize) -> bool {
+    text[..offset].ends_with(|c: char| c.is_ascii_digit()) && text[offset..].starts_with('.')
+}
+
+/// ron's line and column (in characters) as a byte offset.
+fn offset(text: &str, position: Position) -> usize {
+    let line_start: usize =
+        text.split_inclusive('\n').take(position.line.saturating_sub(1)).map(str::len).sum();
+    let line = &text[line_start..];
+    line_start + line.char_indices().nth(position.col.saturating_sub(1)).map_or(line.len(), |(at, _)| at)
+}

@@ -1,0 +1,262 @@
+//! What a world is: the types that a scenario file spells, with the paper's numbers as their defaults.
+//!
+//! In: RON text, through [`Scenario::load`](super::Scenario::load). Out: plain numbers that the task and the
+//! world read. Nothing here is checked yet; [`findings`](super::findings) does that.
+//!
+//! Lengths are metres, times seconds, angles radians (counterclockwise positive, 0 along +x). The origin is the
+//! middle of the enclosure.
+
+use serde::{Deserialize, Serialize};
+
+/// One world: enclosure, obstacles, robot, LIDAR, and the rules of the task in it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// What to call it, 1 to 100 characters. The only field a file must have.
+    pub name: String,
+    /// What it is for or what it teaches, at most 2,000 characters.
+    #[serde(default)]
+    pub about: String,
+    /// The walls around it; hitting them is hitting an obstacle.
+    #[serde(default)]
+    pub enclosure: Enclosure,
+    /// What stands or moves inside, at most 10,000.
+    #[serde(default)]
+    pub obstacles: Vec<Obstacle>,
+    /// The robot's body and its motions.
+    #[serde(default)]
+    pub robot: Robot,
+    /// The robot's range finder.
+    #[serde(default)]
+    pub lidar: Lidar,
+    /// When an episode ends, and how long a step lasts.
+    #[serde(default)]
+    pub task: TaskRules,
+    /// Where the robot starts.
+    #[serde(default)]
+    pub starts: PlaceRule,
+    /// Where targets are put.
+    #[serde(default)]
+    pub targets: PlaceRule,
+    /// The timed course of the paper's tables 3, 4, 6 and 7.
+    #[serde(default)]
+    pub course: Course,
+}
+
+impl Default for Scenario {
+    /// The paper's enclosure with nothing in it.
+    fn default() -> Self {
+        Self {
+            name: "Empty".into(),
+            about: String::new(),
+            enclosure: Enclosure::default(),
+            obstacles: Vec::new(),
+            robot: Robot::default(),
+            lidar: Lidar::default(),
+            task: TaskRules::default(),
+            starts: PlaceRule::default(),
+            targets: PlaceRule::default(),
+            course: Course::default(),
+        }
+    }
+}
+
+/// The walls around the world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Enclosure {
+    /// A rectangle, centred on (0, 0), its sides along x and y; each side 0.5 to 1,000 m.
+    Rectangle {
+        /// Inner extent along x.
+        width_m: f32,
+        /// Inner extent along y.
+        height_m: f32,
+    },
+}
+
+impl Default for Enclosure {
+    /// The paper's square of 4 m x 4 m.
+    fn default() -> Self {
+        Self::Rectangle { width_m: 4.0, height_m: 4.0 }
+    }
+}
+
+/// One thing to keep clear of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Obstacle {
+    /// Its outline.
+    pub shape: Shape,
+    /// Where its middle is at step 0.
+    pub position_m: (f32, f32),
+    /// How it is turned at step 0, -2 pi to 2 pi.
+    #[serde(default)]
+    pub rotation_rad: f32,
+    /// How it moves.
+    #[serde(default)]
+    pub motion: ObstacleMotion,
+}
+
+/// The outline of an obstacle, about its middle. Sizes are 0.001 to 1,000 m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Shape {
+    /// A cylinder seen from above; the paper's have radius 0.15 m.
+    Circle {
+        /// From the middle to the rim.
+        radius_m: f32,
+    },
+    /// A box seen from above.
+    Rectangle {
+        /// Whole extent along its own x axis.
+        width_m: f32,
+        /// Whole extent along its own y axis.
+        height_m: f32,
+    },
+}
+
+/// How an obstacle moves: always a function of the step count alone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ObstacleMotion {
+    /// Not at all.
+    #[default]
+    Still,
+    /// Around a point at a constant distance, turning with the revolution as if fixed to a turntable.
+    Orbit {
+        /// The point.
+        centre_m: (f32, f32),
+        /// Counterclockwise positive; the obstacle's middle may move at 5 m/s at most.
+        speed_rad_s: f32,
+    },
+    /// Along straight lines from its position through each waypoint in order and back to its position, forever,
+    /// without turning. (The position is the first corner of the loop: don't repeat it.)
+    Patrol {
+        /// The further corners, 1 to 256.
+        waypoints_m: Vec<(f32, f32)>,
+        /// Along the path, 0 to 5 m/s.
+        speed_m_s: f32,
+    },
+}
+
+/// The robot: a disc with a differential drive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Robot {
+    /// Of the disc, 0.01 to 10 m.
+    pub radius_m: f32,
+    /// What it can do, 1 to 64; action k of the policy is motion k.
+    pub motions: Vec<Motion>,
+}
+
+impl Default for Robot {
+    /// The paper's five motions, equation (9) in its order (large left, small left, forward, small right, large
+    /// right) with v0 = 0.15 m/s and w0 = 0.75 rad/s of table 1. The radius, 0.1 m, is ours: the paper gives none.
+    fn default() -> Self {
+        let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
+        Self { radius_m: 0.1, motions: motions.into() }
+    }
+}
+
+/// One motion of the robot, held for a control period.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motion {
+    /// Speed along the heading, -5 to 5 m/s.
+    pub v_m_s: f32,
+    /// Turning speed, left positive, -20 to 20 rad/s.
+    pub w_rad_s: f32,
+}
+
+/// The LIDAR: beams spread evenly over the full circle, from the robot's centre.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Lidar {
+    /// How many beams, 1 to 4,096. Beam 0 looks along the heading, the others follow counterclockwise.
+    pub beams: usize,
+    /// What a beam reports when it meets nothing nearer, 0.01 to 1,000 m.
+    pub max_range_m: f32,
+    /// Standard deviation of the Gaussian noise on each range, 0 to 10 m.
+    pub noise_std_m: f32,
+    /// Probability that a beam is lost and reports the maximum range, 0 to 1.
+    pub dropout: f32,
+}
+
+impl Default for Lidar {
+    /// 24 beams (equation (8)), without noise; the range of 3.5 m is that of the robot the paper's setting follows.
+    fn default() -> Self {
+        Self { beams: 24, max_range_m: 3.5, noise_std_m: 0.0, dropout: 0.0 }
+    }
+}
+
+/// The rules of the task: when a target counts as reached, what counts as a collision, how long an episode is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TaskRules {
+    /// The paper's l_a: the target is reached when nearer than this, 0.001 to 100 m.
+    pub goal_radius_m: f32,
+    /// The paper's l_c: it is a collision when the smallest distance from the robot's centre to anything is under
+    /// this. More than the robot's radius, less than the LIDAR's range.
+    pub collision_range_m: f32,
+    /// Steps until an episode is cut off, 1 to 1,000,000.
+    pub time_limit_steps: u32,
+    /// Simulated time of one step, 0.001 to 10 s.
+    pub control_period_s: f32,
+    /// How far a new target is from the robot at least; more than the goal radius.
+    pub min_target_distance_m: f32,
+}
+
+impl Default for TaskRules {
+    /// l_a = 0.2 m and the control period of 0.2 s are the paper's; l_c, the time limit and the least distance of a
+    /// target are chosen, since the paper leaves them open.
+    fn default() -> Self {
+        Self {
+            goal_radius_m: 0.2,
+            collision_range_m: 0.13,
+            time_limit_steps: 500,
+            control_period_s: 0.2,
+            min_target_distance_m: 0.5,
+        }
+    }
+}
+
+/// Where starts or targets may be.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum PlaceRule {
+    /// Anywhere, evenly, that is clear of the walls and of every obstacle where it is at that moment.
+    Random {
+        /// The least distance from the point to any surface, 0 to 1,000 m.
+        #[serde(default = "default_clearance_m")]
+        clearance_m: f32,
+    },
+}
+
+impl Default for PlaceRule {
+    fn default() -> Self {
+        Self::Random { clearance_m: default_clearance_m() }
+    }
+}
+
+fn default_clearance_m() -> f32 {
+    0.35
+}
+
+/// The timed course: one navigation from a fixed start to a fixed target.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Course {
+    /// Where the robot starts.
+    pub start_m: (f32, f32),
+    /// Where it looks at first, -2 pi to 2 pi.
+    pub heading_rad: f32,
+    /// Where it must go.
+    pub target_m: (f32, f32),
+}
+
+impl Default for Course {
+    /// The paper's, from (0, 0) to (1.2, 1.2); the heading along +x is ours.
+    fn default() -> Self {
+        Self { start_m: (0.0, 0.0), heading_rad: 0.0, target_m: (1.2, 1.2) }
+    }
+}

@@ -1,0 +1,199 @@
+//! Eqs. (3) to (7): what a step is worth, term by term.
+//!
+//! In: distances before and after a step, whether it reached or hit. Out: [`RewardTerms`], whose sum is the reward.
+
+use bevy::prelude::Resource;
+use serde::{Deserialize, Serialize};
+
+/// Which of the paper's two rewards is given while neither reached nor collided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RewardKind {
+    /// Eq. (3): nothing.
+    Traditional,
+    /// Eq. (7): the fall of the potential, U_{t-1} - U_t.
+    Optimized,
+}
+
+/// The reward's parameters (Table 1).
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RewardConfig {
+    /// Eq. (3) or eq. (7).
+    pub kind: RewardKind,
+    /// r+, for reaching the target.
+    pub reached: f32,
+    /// r-, for a collision.
+    pub collided: f32,
+    /// mu of eq. (5), the attraction's gain, per m^2.
+    pub mu: f32,
+    /// sigma of eq. (6), the repulsion's gain.
+    pub sigma: f32,
+    /// l_r of eq. (6), in m: obstacles farther than this do not repel. The paper leaves it open.
+    pub l_r_m: f32,
+}
+
+impl Default for RewardConfig {
+    fn default() -> Self {
+        Self { kind: RewardKind::Optimized, reached: 250.0, collided: -200.0, mu: 100.0, sigma: 100.0, l_r_m: 0.3 }
+    }
+}
+
+/// The potential of eq. (4), in its two parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Potential {
+    /// U_a of eq. (5).
+    pub attraction: f32,
+    /// U_r of eq. (6).
+    pub repulsion: f32,
+}
+
+impl Potential {
+    /// U of eq. (4).
+    #[must_use]
+    pub fn total(&self) -> f32 {
+        self.attraction + self.repulsion
+    }
+}
+
+/// A reward, or a sum of rewards, split in what it was given for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RewardTerms {
+    /// r+ for reached targets.
+    pub reached: f32,
+    /// r- for collisions.
+    pub collided: f32,
+    /// The fall of the attraction, U_a at t-1 less U_a at t: what came of driving towards the target.
+    pub attraction: f32,
+    /// The fall of the repulsion, U_r at t-1 less U_r at t: what came of keeping clear.
+    pub repulsion: f32,
+}
+
+impl RewardTerms {
+    /// The reward: the sum of its terms.
+    #[must_use]
+    pub fn total(&self) -> f32 {
+        self.reached + self.collided + self.attraction + self.repulsion
+    }
+}
+
+impl core::ops::AddAssign for RewardTerms {
+    fn add_assign(&mut self, other: Self) {
+        self.reached += other.reached;
+        self.collided += other.collided;
+        self.attraction += other.attraction;
+        self.repulsion += other.repulsion;
+    }
+}
+
+impl RewardConfig {
+    /// Eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, the latter only within l_r.
+    ///
+    /// `d_g` is the distance to the target and `d_o` that to the nearest obstacle by LIDAR, both in m.
+    #[must_use]
+    pub fn potential(&self, d_g: f32, d_o: f32) -> Potential {
+        let attraction = 0.5 * self.mu * d_g * d_g;
+        let repulsion = if d_o <= self.l_r_m {
+            let closeness = 1.0 - d_o / self.l_r_m;
+            0.5 * self.sigma * closeness * closeness
+        } else {
+            0.0
+        };
+        Potential { attraction, repulsion }
+    }
+
+    /// Eq. (3) or eq. (7). `before` and `after` are the potentials U_{t-1} and U_t. Where a step both collides and
+    /// reaches the target, it counts as a collision.
+    #[must_use]
+    pub fn reward(&self, reached: bool, collided: bool, before: Potential, after: Potential) -> RewardTerms {
+        let mut terms = RewardTerms::default();
+        if collided {
+            terms.collided = self.collided;
+        } else if reached {
+            terms.reached = self.reached;
+        } else if self.kind == RewardKind::Optimized {
+            terms.attraction = before.attraction - after.attraction;
+            terms.repulsion = before.repulsion - after.repulsion;
+        }
+        terms
+    }
+
+    /// Every parameter finite, gains not negative, l_r positive: else the field's name, what is wrong and the mend.
+    ///
+    /// # Errors
+    /// The first field that cannot be used.
+    pub fn check(&self) -> Result<(), (&'static str, String)> {
+        let finite = [("reached", self.reached), ("collided", self.collided)];
+        let gains = [("mu", self.mu), ("sigma", self.sigma)];
+        for (field, value) in finite.into_iter().chain(gains) {
+            if !value.is_finite() {
+                return Err((field, format!("is {value}; give a finite number")));
+            }
+        }
+        for (field, value) in gains {
+            if value < 0.0 {
+                return Err((field, format!("is {value}; give 0 or more (the paper has 100)")));
+            }
+        }
+        if !self.l_r_m.is_finite() || self.l_r_m <= 0.0 {
+            return Err(("l_r_m", format!("is {}; give a distance above 0 m, such as 0.3", self.l_r_m)));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table_1() -> RewardConfig {
+        RewardConfig { l_r_m: 0.4, ..RewardConfig::default() }
+    }
+
+    #[test]
+    fn eq_5_attraction_is_half_mu_d_squared() {
+        // 100 * 1.2^2 / 2 = 72
+        assert!((table_1().potential(1.2, 3.0).attraction - 72.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn eq_6_repulsion_rises_within_l_r_and_is_zero_beyond() {
+        // 100 * (1 - 0.1/0.4)^2 / 2 = 28.125
+        assert!((table_1().potential(0.0, 0.1).repulsion - 28.125).abs() < 1e-4);
+        assert_eq!(table_1().potential(0.0, 0.4).repulsion, 0.0, "zero at l_r itself");
+        assert_eq!(table_1().potential(0.0, 0.41).repulsion, 0.0);
+    }
+
+    #[test]
+    fn eq_7_gives_the_fall_of_the_potential_or_a_terminal_reward() {
+        let r = table_1();
+        // 0.03 m nearer, from 1.00 to 0.97 m: 50 * (1 - 0.9409) = 2.955
+        // and from 0.3 to 0.2 m off an obstacle: 50 * (1/4)^2 - 50 * (1/2)^2 = -9.375
+        let before = r.potential(1.0, 0.3);
+        let after = r.potential(0.97, 0.2);
+        let terms = r.reward(false, false, before, after);
+        assert!((terms.attraction - 2.955).abs() < 1e-3);
+        assert!((terms.repulsion + 9.375).abs() < 1e-3);
+        assert!((terms.total() - (before.total() - after.total())).abs() < 1e-4);
+        assert_eq!(r.reward(true, false, before, after).total(), 250.0);
+        assert_eq!(r.reward(false, true, before, after).total(), -200.0);
+        assert_eq!(r.reward(true, true, before, after).total(), -200.0, "a collision is a collision");
+    }
+
+    #[test]
+    fn eq_3_gives_nothing_on_the_way() {
+        let r = RewardConfig { kind: RewardKind::Traditional, ..table_1() };
+        let (before, after) = (r.potential(1.0, 0.3), r.potential(0.97, 0.2));
+        assert_eq!(r.reward(false, false, before, after).total(), 0.0);
+        assert_eq!(r.reward(true, false, before, after).total(), 250.0);
+        assert_eq!(r.reward(false, true, before, after).total(), -200.0);
+    }
+
+    #[test]
+    fn unusable_parameters_are_named() {
+        let bad = RewardConfig { l_r_m: 0.0, ..RewardConfig::default() };
+        assert_eq!(bad.check().unwrap_err().0, "l_r_m");
+        let bad = RewardConfig { mu: -1.0, ..RewardConfig::default() };
+        assert_eq!(bad.check().unwrap_err().0, "mu");
+        assert_eq!(RewardConfig::default().check(), Ok(()));
+    }
+}

@@ -1,0 +1,107 @@
+//! Arenas: spawned from a scenario, rewound, saved and restored.
+//!
+//! In: a scenario, how many arenas, a seed. Out: one entity an arena, with the task's components, and its first
+//! observation taken. Arenas are changed between control steps only.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::*;
+
+use super::lidar::Beams;
+use super::physics::{self, Bodies};
+use super::{obstacles, robot};
+use crate::control_step::Begin;
+use crate::scenario::Scenario;
+use crate::task::{
+    Actions, Arena, ArenaState, Clock, CurrentScenario, Episode, Observations, Outcome, Outcomes, Pose, Restart,
+    Scan, Streams, Target, observation,
+};
+
+/// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
+/// episode in each.
+pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed: u64) {
+    physics::despawn_all(world);
+    world.insert_resource(CurrentScenario(scenario.clone()));
+    world.insert_resource(Beams::around(scenario.lidar.beams));
+    world.resource_mut::<Observations>().resize(arenas, observation::width(scenario.lidar.beams));
+    world.resource_mut::<Actions>().0 = vec![0; arenas];
+    world.resource_mut::<Outcomes>().0 = vec![Outcome::default(); arenas];
+    for index in 0..arenas {
+        let arena = world
+            .spawn((
+                Arena(index),
+                Pose::default(),
+                Scan::default(),
+                Target::default(),
+                Clock::default(),
+                Episode { restart: Restart::Everything, ..Episode::default() },
+                Streams::new(seed, index as u64),
+                physics::context(),
+            ))
+            .id();
+        physics::spawn_bodies(world, scenario, arena);
+    }
+    physics::make_bodies(world, scenario.task.control_period_s);
+    world.run_schedule(Begin);
+}
+
+/// Begins anew in every arena, with the streams and clocks that `fresh` gives for its number.
+pub fn rewind(world: &mut World, mut fresh: impl FnMut(usize) -> (Streams, Clock)) {
+    let mut arenas = world.query::<(&Arena, &mut Streams, &mut Clock, &mut Episode)>();
+    for (arena, mut streams, mut clock, mut episode) in arenas.iter_mut(world) {
+        (*streams, *clock) = fresh(arena.0);
+        *episode = Episode { restart: Restart::Everything, ..Episode::default() };
+    }
+    world.run_schedule(Begin);
+}
+
+/// The state of every arena, by number.
+pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
+    let mut arenas = world.query::<(&Arena, &Pose, &Scan, &Target, &Clock, &Episode, &Streams)>();
+    let mut states: Vec<(usize, ArenaState)> = arenas
+        .iter(world)
+        .map(|(arena, pose, scan, target, clock, episode, streams)| {
+            let state = ArenaState {
+                pose: *pose,
+                scan: scan.clone(),
+                target: *target,
+                clock: *clock,
+                episode: episode.clone(),
+                streams: streams.clone(),
+            };
+            (arena.0, state)
+        })
+        .collect();
+    states.sort_by_key(|(index, _)| *index);
+    states.into_iter().map(|(_, state)| state).collect()
+}
+
+/// Puts every arena back as [`snapshot`] found it, and rewrites the current observations from the saved scans.
+/// `states` must have one entry for each arena.
+pub fn restore(world: &mut World, states: &[ArenaState]) {
+    let scenario = world.resource::<CurrentScenario>().0.clone();
+    let mut rows = world.remove_resource::<Observations>().unwrap_or_default();
+    let width = rows.width;
+    let mut arenas = world.query::<(
+        &Arena,
+        &Bodies,
+        &mut RapierRigidBodySet,
+        &mut RapierContextColliders,
+        (&mut Pose, &mut Scan, &mut Target, &mut Clock, &mut Episode, &mut Streams),
+    )>();
+    for (arena, bodies, mut set, mut colliders, components) in arenas.iter_mut(world) {
+        let Some(state) = states.get(arena.0) else { continue };
+        let (mut pose, mut scan, mut target, mut clock, mut episode, mut streams) = components;
+        *pose = state.pose;
+        *scan = state.scan.clone();
+        *target = state.target;
+        *clock = state.clock;
+        *episode = state.episode.clone();
+        *streams = state.streams.clone();
+        robot::place_body(&mut set, bodies, &pose);
+        obstacles::place_bodies(&scenario, *clock, bodies, &mut set, &mut colliders);
+        observation::encode(&scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
+    }
+    world.insert_resource(rows);
+}

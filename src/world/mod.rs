@@ -1,0 +1,49 @@
+//! The world alive: arenas, bodies, motion and LIDAR in the ECS.
+//!
+//! In: a scenario, a number of arenas, a seed ([`populate`]); then actions, step by step. Out: poses and scans.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `arena.rs` | arenas spawned from a scenario, saved and restored |
+//! | `physics.rs` | everything of bevy_rapier: its plugin, its step, its bodies |
+//! | `robot.rs` | the differential drive |
+//! | `obstacles.rs` | moving obstacles as a function of the step count |
+//! | `lidar.rs` | the scan |
+
+mod arena;
+pub mod lidar;
+mod obstacles;
+mod physics;
+mod robot;
+
+use bevy::prelude::*;
+
+pub use arena::{populate, restore, rewind, snapshot};
+pub use physics::Bodies;
+pub use robot::{chord_velocity, turned};
+
+use crate::control_step::{Begin, BeginSet, ControlSet, ControlStep, ScanWritten};
+
+/// Responsible for bodies, motion and sensing. Arenas come with [`populate`].
+pub struct WorldPlugin;
+
+impl Plugin for WorldPlugin {
+    fn build(&self, app: &mut App) {
+        physics::build(app);
+        app.init_resource::<lidar::Beams>()
+            .add_systems(
+                ControlStep,
+                (
+                    (obstacles::advance, robot::actuate).chain().in_set(ControlSet::Actuate),
+                    (robot::read_pose, lidar::scan).chain().in_set(ControlSet::Sense).in_set(ScanWritten),
+                ),
+            )
+            .add_systems(
+                Begin,
+                (
+                    (obstacles::place, robot::place).chain().in_set(BeginSet::Place),
+                    lidar::scan_restarted.in_set(BeginSet::Sense),
+                ),
+            );
+    }
+}

@@ -1,0 +1,153 @@
+//! Everything of bevy_rapier stands here: its plugin, its step, and how bodies are made.
+//!
+//! Every arena is a physics context of its own, so arenas cannot meet, and arena k moves the same bits whatever the
+//! number of arenas. In: a scenario's shapes. Out: [`Bodies`], the handles by which the other files of this room
+//! command and read rapier's bodies directly.
+//!
+//! bevy_rapier's `SyncBackend` systems make bodies and colliders from components when arenas are spawned; in a
+//! control step only its `StepSimulation` runs. Copying every pose into a `Transform` and back each step would cost
+//! more than the step, and lose bits on the way; whoever draws reads [`Pose`](crate::task::Pose).
+
+use bevy::ecs::schedule::{Schedule, ScheduleLabel, SingleThreadedExecutor};
+use bevy::prelude::*;
+use bevy::transform::TransformPlugin;
+use bevy_rapier2d::prelude::*;
+use bevy_rapier2d::rapier::prelude::{ColliderHandle, RigidBodyHandle};
+
+use crate::control_step::{ControlSet, ControlStep};
+use crate::scenario::{Enclosure, ObstacleMotion, Scenario, Shape, pose_at};
+
+/// Runs when arenas have been spawned: makes rapier's bodies from the components.
+#[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
+struct MakeBodies;
+
+/// The walls' thickness, in m: deep enough that nothing gets through in one step.
+const WALL_M: f32 = 0.5;
+
+/// The handles of an arena's bodies in its physics context.
+#[derive(Component, Clone, Debug)]
+pub struct Bodies {
+    /// The robot.
+    pub robot: RigidBodyHandle,
+    /// The robot's collider, which its own LIDAR does not see.
+    pub robot_collider: ColliderHandle,
+    /// One for each obstacle of the scenario, in its order.
+    pub obstacles: Vec<RigidBodyHandle>,
+    /// What a beam can meet: the obstacles in the scenario's order, then the walls.
+    pub solids: Vec<ColliderHandle>,
+}
+
+/// What a body is in its arena; orders the handles.
+#[derive(Component, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Robot,
+    Obstacle(usize),
+    Wall(usize),
+}
+
+/// Installs rapier in [`ControlStep`].
+pub(super) fn build(app: &mut App) {
+    if !app.is_plugin_added::<TransformPlugin>() {
+        app.add_plugins(TransformPlugin);
+    }
+    app.add_plugins(
+        RapierPhysicsPlugin::<NoUserData>::default()
+            .in_schedule(ControlStep)
+            .with_default_system_setup(false)
+            .with_custom_initialization(RapierContextInitialization::NoAutomaticRapierContext),
+    );
+    app.insert_resource(TimestepMode::Fixed { dt: 0.2, substeps: 1 });
+    app.add_systems(
+        ControlStep,
+        RapierPhysicsPlugin::<NoUserData>::get_systems(PhysicsSet::StepSimulation).in_set(ControlSet::Simulate),
+    );
+    let mut make = Schedule::new(MakeBodies);
+    make.set_executor(SingleThreadedExecutor::new());
+    make.add_systems(RapierPhysicsPlugin::<NoUserData>::get_systems(PhysicsSet::SyncBackend));
+    app.add_schedule(make);
+}
+
+/// The components of an arena's own entity that make it a physics context without gravity.
+pub(super) fn context() -> impl Bundle {
+    (
+        RapierContextSimulation::default(),
+        RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) },
+    )
+}
+
+/// Spawns the bodies of `scenario` for the arena `context`, in an order that depends on the scenario alone.
+pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Entity) {
+    let link = RapierContextEntityLink(context);
+    let at = |x: f32, y: f32, angle: f32| {
+        Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(angle))
+    };
+    world.spawn((
+        Part::Robot,
+        link,
+        RigidBody::Dynamic,
+        Collider::ball(scenario.robot.radius_m),
+        LockedAxes::ROTATION_LOCKED,
+        Friction::coefficient(0.0),
+        Sleeping::disabled(),
+        at(0.0, 0.0, 0.0),
+    ));
+    for (index, obstacle) in scenario.obstacles.iter().enumerate() {
+        let (x, y, rotation) = pose_at(obstacle, 0, scenario.task.control_period_s);
+        let collider = match obstacle.shape {
+            Shape::Circle { radius_m } => Collider::ball(radius_m),
+            Shape::Rectangle { width_m, height_m } => Collider::cuboid(width_m / 2.0, height_m / 2.0),
+        };
+        let body = if obstacle.motion != ObstacleMotion::Still { RigidBody::KinematicPositionBased } else { RigidBody::Fixed };
+        world.spawn((Part::Obstacle(index), link, body, collider, at(x, y, rotation)));
+    }
+    let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
+    let (w, h, t) = (width_m / 2.0, height_m / 2.0, WALL_M / 2.0);
+    let walls = [(w + t, 0.0, t, h), (-w - t, 0.0, t, h), (0.0, h + t, w + WALL_M, t), (0.0, -h - t, w + WALL_M, t)];
+    for (index, (x, y, half_width, half_height)) in walls.into_iter().enumerate() {
+        let collider = Collider::cuboid(half_width, half_height);
+        world.spawn((Part::Wall(index), link, RigidBody::Fixed, collider, at(x, y, 0.0)));
+    }
+}
+
+/// Makes rapier's bodies of all that was spawned, and gives each arena its [`Bodies`].
+pub(super) fn make_bodies(world: &mut World, control_period_s: f32) {
+    world.insert_resource(TimestepMode::Fixed { dt: control_period_s, substeps: 1 });
+    world.run_schedule(MakeBodies);
+    let mut found: Vec<(Entity, Part, RigidBodyHandle, ColliderHandle)> = world
+        .query::<(&RapierContextEntityLink, &Part, &RapierRigidBodyHandle, &RapierColliderHandle)>()
+        .iter(world)
+        .map(|(link, part, body, collider)| (link.0, *part, body.0, collider.0))
+        .collect();
+    found.sort_by_key(|&(arena, part, ..)| (arena, part));
+    for parts in found.chunk_by(|a, b| a.0 == b.0) {
+        // The robot sorts first, then the obstacles in order, then the walls.
+        let (arena, _, robot, robot_collider) = parts[0];
+        let obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
+        world.entity_mut(arena).insert(Bodies {
+            robot,
+            robot_collider,
+            obstacles: parts.iter().filter(|p| obstacle(&p.1)).map(|p| p.2).collect(),
+            solids: parts[1..].iter().map(|p| p.3).collect(),
+        });
+    }
+}
+
+/// Takes away every arena and body.
+pub(super) fn despawn_all(world: &mut World) {
+    let mut all: Vec<Entity> =
+        world.query_filtered::<Entity, With<RapierContextEntityLink>>().iter(world).collect();
+    all.extend(world.query_filtered::<Entity, With<RapierContextSimulation>>().iter(world));
+    for entity in all {
+        world.despawn(entity);
+    }
+    // bevy_rapier looks after removed bodies here; their contexts are gone with them.
+    world.run_schedule(MakeBodies);
+}
+
+/// Whether rapier holds the robot in contact with anything.
+pub(super) fn robot_touches(context: &RapierContextSimulation, bodies: &Bodies) -> bool {
+    context
+        .narrow_phase
+        .contact_pairs_with(bodies.robot_collider)
+        .any(|pair| pair.manifolds.iter().any(|manifold| manifold.points.iter().any(|point| point.dist <= 0.0)))
+}

@@ -1,0 +1,114 @@
+//! The robot: a differential drive.
+//!
+//! In: the chosen motion (v, w) of eq. (9). Out: the body's velocity before the physics step, its pose after it.
+//!
+//! Driving with constant v and w for a time t describes an arc. Its chord has the length v t sinc(w t / 2) and points
+//! along the heading half way through, so one physics step with that velocity puts the robot exactly on the arc's
+//! end. The body is a disc with locked rotation: the wheels turn it, contacts do not. Its heading is kept here, by
+//! `libm`, so that the bits are the same on every platform.
+
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::*;
+use bevy_rapier2d::rapier::math::Pose as BodyPose;
+
+use super::physics::Bodies;
+use crate::scenario::Motion;
+use crate::task::{Actions, Arena, CurrentScenario, Episode, Pose, Restart, wrap_angle};
+
+/// The constant velocity, in m/s, that takes the robot in `seconds` to the end of its arc.
+#[must_use]
+pub fn chord_velocity(heading_rad: f32, motion: &Motion, seconds: f32) -> Vec2 {
+    let half_turn = 0.5 * motion.w_rad_s * seconds;
+    let sinc = if half_turn.abs() < 1e-4 { 1.0 } else { libm::sinf(half_turn) / half_turn };
+    let (sin, cos) = libm::sincosf(heading_rad + half_turn);
+    Vec2::new(cos, sin) * (motion.v_m_s * sinc)
+}
+
+/// The heading after `seconds` of `motion`, in rad, in (-pi, pi].
+#[must_use]
+pub fn turned(heading_rad: f32, motion: &Motion, seconds: f32) -> f32 {
+    wrap_angle(heading_rad + motion.w_rad_s * seconds)
+}
+
+/// `Actuate`: the chosen motion becomes the body's velocity.
+pub(super) fn actuate(
+    scenario: Res<CurrentScenario>,
+    actions: Res<Actions>,
+    mut arenas: Query<(&Arena, &Bodies, &Pose, &Episode, &mut RapierRigidBodySet, &mut RapierConfiguration)>,
+) {
+    let motions = &scenario.0.robot.motions;
+    for (arena, bodies, pose, episode, mut set, mut configuration) in &mut arenas {
+        if configuration.physics_pipeline_active == episode.parked {
+            configuration.physics_pipeline_active = !episode.parked;
+        }
+        if episode.parked {
+            continue;
+        }
+        let velocity =
+            chord_velocity(pose.heading_rad, &motions[actions.0[arena.0]], scenario.0.task.control_period_s);
+        if let Some(body) = set.bodies.get_mut(bodies.robot) {
+            body.set_linvel(velocity, true);
+        }
+    }
+}
+
+/// `Sense`: where the physics step has left the robot.
+pub(super) fn read_pose(
+    scenario: Res<CurrentScenario>,
+    actions: Res<Actions>,
+    mut arenas: Query<(&Arena, &Bodies, &RapierRigidBodySet, &Episode, &mut Pose)>,
+) {
+    for (arena, bodies, set, episode, mut pose) in &mut arenas {
+        if episode.parked {
+            continue;
+        }
+        if let Some(body) = set.bodies.get(bodies.robot) {
+            let position = body.translation();
+            let motion = &scenario.0.robot.motions[actions.0[arena.0]];
+            *pose = Pose {
+                x_m: position.x,
+                y_m: position.y,
+                heading_rad: turned(pose.heading_rad, motion, scenario.0.task.control_period_s),
+            };
+        }
+    }
+}
+
+/// `Place`: a restarted robot's body is put where its pose says, at rest.
+pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigidBodySet)>) {
+    for (bodies, pose, episode, mut set) in &mut arenas {
+        if !matches!(episode.restart, Restart::Episode | Restart::Everything) {
+            continue;
+        }
+        place_body(&mut set, bodies, pose);
+    }
+}
+
+/// Puts the robot's body where `pose` says, at rest.
+pub(super) fn place_body(set: &mut RapierRigidBodySet, bodies: &Bodies, pose: &Pose) {
+    if let Some(body) = set.bodies.get_mut(bodies.robot) {
+        body.set_position(BodyPose::translation(pose.x_m, pose.y_m), true);
+        body.set_linvel(Vec2::ZERO, true);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chord_ends_where_the_arc_ends() {
+        // On a circle of radius v / w = 0.1 m, heading east from its lowest point, for 0.2 s at 1.5 rad/s: 0.3 rad.
+        let motion = Motion { v_m_s: 0.15, w_rad_s: 1.5 };
+        let end = chord_velocity(0.0, &motion, 0.2) * 0.2;
+        assert!((end.x - 0.1 * 0.3_f32.sin()).abs() < 1e-7, "x = r sin(w t), got {}", end.x);
+        assert!((end.y - 0.1 * (1.0 - 0.3_f32.cos())).abs() < 1e-7, "y = r (1 - cos(w t)), got {}", end.y);
+        assert!((turned(0.0, &motion, 0.2) - 0.3).abs() < 1e-7);
+    }
+
+    #[test]
+    fn driving_straight_is_driving_straight() {
+        let motion = Motion { v_m_s: 0.15, w_rad_s: 0.0 };
+        assert_eq!(chord_velocity(0.0, &motion, 0.2), Vec2::new(0.15, 0.0));
+    }
+}
