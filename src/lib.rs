@@ -13,11 +13,17 @@
 //! | [`task`] | the Markov decision process: observation, reward, the end of episodes |
 //! | [`world`] | the world alive in the ECS: arenas, rapier, robot, obstacles, LIDAR |
 //! | [`agent`] | observations -> actions, transitions -> learner |
+//! | [`report`] | figures from a run's records |
+//! | [`run`] | what a user does without a window: train, evaluate, resume |
+//! | [`cli`] | the command line |
 
-// pub mod agent;
+pub mod agent;
+pub mod cli;
 pub mod control_step;
-// pub mod learning;
+pub mod learning;
 pub mod random;
+pub mod report;
+pub mod run;
 pub mod scenario;
 pub mod task;
 pub mod world;

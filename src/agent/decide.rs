@@ -63,7 +63,7 @@ pub(super) fn decide(
             let learner = &trainer.0;
             learner.q_values(&observations.current, arenas, &mut decisions.q_values);
             let (epsilon, width) = (learner.epsilon(), decisions.q_values.len() / arenas);
-            for (arena, row) in decisions.q_values.chunk_exact(width).enumerate() {
+            for (arena, row) in decisions.q_values.chunks_exact(width).enumerate() {
                 (actions.0[arena], decisions.explored[arena]) =
                     epsilon_greedy(row, epsilon, &mut decisions.streams[arena]);
             }
@@ -71,7 +71,7 @@ pub(super) fn decide(
         (Acting::Greedy, _, Some(policy)) => {
             policy.0.network.q_values(&observations.current, arenas, &mut decisions.q_values);
             let width = decisions.q_values.len() / arenas;
-            for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunk_exact(width)) {
+            for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunks_exact(width)) {
                 *action = greedy(row);
             }
             decisions.explored.fill(false);

@@ -4,6 +4,7 @@
 //! looked like ([`TrainingStats`]), and [`TrainingFault`] if a number went wrong.
 
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::learning::{Diverged, Experience, Learner};
 use crate::task::{Actions, Observations, Outcomes, TaskMode};
@@ -17,7 +18,7 @@ pub struct Trainer(pub Learner);
 pub struct TrainingFault(pub Option<Diverged>);
 
 /// Sums over the gradient steps since they were last taken.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrainingStats {
     /// Gradient steps in the sums.
     pub gradient_steps: u32,

@@ -187,6 +187,38 @@ pub struct ConfigError {
     pub problem: String,
 }
 
+impl Default for LearningConfig {
+    /// PER-D3QN as in Table 1 and algorithm 1 of the paper; where they are silent, PyTorch's optimizer defaults and
+    /// training from the first full batch on.
+    fn default() -> Self {
+        Self {
+            network: NetworkConfig { hidden: vec![64, 64], dueling: true },
+            double: true,
+            gamma: 0.99,
+            n_step: 1,
+            reward_scale: 1.0,
+            loss: Loss::MeanSquared,
+            optimizer: Optimizer::RmsProp { smoothing: 0.99, epsilon: 1e-8 },
+            learning_rate: Schedule::Constant(0.000_25),
+            batch_size: 64,
+            replay: ReplayConfig {
+                capacity: 1_000_000,
+                warmup_steps: 0,
+                sampling: Sampling::Prioritized {
+                    alpha: 1.0,
+                    beta: Schedule::Constant(0.0),
+                    importance_weights: false,
+                    epsilon: 0.01,
+                },
+            },
+            train_interval: 1,
+            gradient_steps: 1,
+            target_update: TargetUpdate::Hard { every: 2000 },
+            exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
+        }
+    }
+}
+
 impl Schedule {
     /// The value at `env_steps`.
     #[must_use]
@@ -218,13 +250,7 @@ impl LearningConfig {
     /// # Errors
     /// The first field out of its range.
     pub fn check(&self) -> Result<(), ConfigError> {
-        if self.network.hidden.len() > 8 {
-            let problem = format!("{} layers are too many; give at most 8", self.network.hidden.len());
-            return Err(ConfigError { field: "network.hidden".into(), problem });
-        }
-        for (i, &width) in self.network.hidden.iter().enumerate() {
-            within(&format!("network.hidden[{i}]"), width, 1..=4096)?;
-        }
+        check_hidden(&self.network.hidden)?;
         within("gamma", self.gamma, 0.0..=1.0)?;
         within("n_step", self.n_step, 1..=100)?;
         above_zero("reward_scale", self.reward_scale)?;
@@ -297,6 +323,16 @@ impl Exploration {
     }
 }
 
+/// At most 8 hidden layers, each of 1 to 4096 units.
+pub(super) fn check_hidden(hidden: &[usize]) -> Result<(), ConfigError> {
+    if hidden.len() > 8 {
+        let problem = format!("{} layers are too many; give at most 8", hidden.len());
+        return Err(ConfigError { field: "network.hidden".into(), problem });
+    }
+    let mut widths = hidden.iter().enumerate();
+    widths.try_for_each(|(i, &width)| within(&format!("network.hidden[{i}]"), width, 1..=4096))
+}
+
 /// `value` lies in `range` (NaN lies in none).
 pub(super) fn within<T: PartialOrd + Display>(
     field: &str,
@@ -329,4 +365,89 @@ fn share_below_one(field: &str, value: f32) -> Result<(), ConfigError> {
         field: field.into(),
         problem: format!("{value} is out of range; give 0 up to, but not, 1"),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A change to the default config, and the field that must be blamed for it.
+    type Breakage = (&'static str, fn(&mut LearningConfig));
+
+    #[test]
+    fn a_document_says_everything_and_comes_back_the_same() {
+        let config = LearningConfig {
+            loss: Loss::Huber { delta: 1.0 },
+            optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
+            learning_rate: Schedule::Linear { from: 5e-4, to: 1e-5, env_steps: 150_000 },
+            exploration: Exploration::Linear { start: 1.0, end: 0.05, env_steps: 40_000 },
+            target_update: TargetUpdate::Soft { tau: 0.005 },
+            ..LearningConfig::default()
+        };
+        for config in [config, LearningConfig::default()] {
+            assert_eq!(config.check(), Ok(()));
+            let text = ron::to_string(&config).expect("a config is RON");
+            let back: LearningConfig = ron::from_str(&text).expect("and RON a config");
+            assert_eq!(back, config, "{text}");
+        }
+        let text = ron::to_string(&LearningConfig::default()).expect("a config is RON");
+        let mistyped = text.replace("gamma", "gama");
+        assert!(ron::from_str::<LearningConfig>(&mistyped).is_err(), "a mistyped field is no field");
+    }
+
+    #[test]
+    fn every_value_out_of_its_range_is_blamed_by_name() {
+        let breakages: &[Breakage] = &[
+            ("network.hidden", |c| c.network.hidden = vec![1; 9]),
+            ("network.hidden[1]", |c| c.network.hidden = vec![64, 0]),
+            ("gamma", |c| c.gamma = 1.01),
+            ("gamma", |c| c.gamma = f32::NAN),
+            ("n_step", |c| c.n_step = 0),
+            ("reward_scale", |c| c.reward_scale = 0.0),
+            ("loss.delta", |c| c.loss = Loss::Huber { delta: -1.0 }),
+            ("optimizer.smoothing", |c| c.optimizer = Optimizer::RmsProp { smoothing: 1.0, epsilon: 1e-8 }),
+            ("optimizer.epsilon", |c| c.optimizer = Optimizer::RmsProp { smoothing: 0.9, epsilon: 0.0 }),
+            ("optimizer.beta2", |c| c.optimizer = Optimizer::Adam { beta1: 0.9, beta2: 2.0, epsilon: 1e-8 }),
+            ("learning_rate", |c| c.learning_rate = Schedule::Constant(-1e-3)),
+            ("learning_rate.env_steps", |c| {
+                c.learning_rate = Schedule::Linear { from: 1e-3, to: 1e-4, env_steps: 0 };
+            }),
+            ("batch_size", |c| c.batch_size = 0),
+            ("replay.capacity", |c| c.replay.capacity = 63),
+            ("replay.capacity", |c| c.replay.capacity = usize::MAX),
+            ("replay.sampling.beta", |c| {
+                c.replay.sampling = Sampling::Prioritized {
+                    alpha: 0.6,
+                    beta: Schedule::Constant(1.5),
+                    importance_weights: true,
+                    epsilon: 1e-3,
+                };
+            }),
+            ("train_interval", |c| c.train_interval = 0),
+            ("gradient_steps", |c| c.gradient_steps = 0),
+            ("target_update.every", |c| c.target_update = TargetUpdate::Hard { every: 0 }),
+            ("target_update.tau", |c| c.target_update = TargetUpdate::Soft { tau: 0.0 }),
+            ("exploration.decay", |c| {
+                c.exploration = Exploration::PerEpisode { start: 1.0, decay: 0.0, end: 0.05 };
+            }),
+            ("exploration.start", |c| {
+                c.exploration = Exploration::Linear { start: 2.0, end: 0.05, env_steps: 10 };
+            }),
+        ];
+        for (field, breakage) in breakages {
+            let mut config = LearningConfig::default();
+            breakage(&mut config);
+            let error = config.check().expect_err(field);
+            assert_eq!(&error.field, field, "{error}");
+            assert!(error.problem.contains("give") || error.problem.contains("raise"), "a mend: {error}");
+        }
+    }
+
+    #[test]
+    fn a_linear_schedule_is_a_line_and_then_level() {
+        let schedule = Schedule::Linear { from: 1.0, to: 0.5, env_steps: 100 };
+        for (step, value) in [(0, 1.0), (50, 0.75), (99, 0.505), (100, 0.5), (1_000_000, 0.5)] {
+            assert!((schedule.at(step) - value).abs() < 1e-6, "at {step}: {}", schedule.at(step));
+        }
+    }
 }

@@ -46,3 +46,69 @@ pub fn epsilon_greedy(q_row: &[f32], epsilon: f32, stream: &mut Stream) -> (usiz
     let random = below(stream, q_row.len());
     (if explored { random } else { greedy(q_row) }, explored)
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::Rng;
+
+    use super::*;
+    use crate::random::stream;
+
+    const TABLE_1: Exploration = Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 };
+
+    #[test]
+    fn epsilon_per_episode_is_equation_10() {
+        // 0.99^100 = exp(100 ln 0.99) = exp(-1.0050336) = 0.3660323; 0.99^298 = 0.0500, 0.99^299 < 0.05.
+        for (episodes, epsilon) in [(0, 1.0), (1, 0.99), (100, 0.366_032_3), (299, 0.05), (100_000, 0.05)] {
+            let found = TABLE_1.epsilon(0, episodes, None);
+            assert!((found - epsilon).abs() < 1e-6, "after {episodes} episodes: {found}");
+        }
+        assert_eq!(
+            TABLE_1.epsilon(1_000_000, 3, None),
+            TABLE_1.epsilon(0, 3, None),
+            "env steps do not matter"
+        );
+        let transfer = TABLE_1.epsilon(0, 10, Some(0.5));
+        assert!((transfer - 0.452_191_04).abs() < 1e-6, "0.5 x 0.99^10 = 0.5 x 0.9043821 after a transfer");
+    }
+
+    #[test]
+    fn linear_epsilon_goes_by_env_steps() {
+        let linear = Exploration::Linear { start: 1.0, end: 0.1, env_steps: 90 };
+        assert!((linear.epsilon(30, 7, None) - 0.7).abs() < 1e-6);
+        assert!((linear.epsilon(30, 7, Some(0.4)) - 0.3).abs() < 1e-6, "from 0.4 down to 0.1");
+        assert!((linear.epsilon(91, 0, Some(0.4)) - 0.1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn greedy_takes_the_largest_and_of_equals_the_first() {
+        assert_eq!(greedy(&[0.0, 2.0, 1.0]), 1);
+        assert_eq!(greedy(&[-1.0, 3.0, 3.0, 3.0]), 1);
+        assert_eq!(greedy(&[f32::NEG_INFINITY, -5.0]), 1);
+    }
+
+    #[test]
+    fn epsilon_is_the_share_of_random_actions_and_they_are_even() {
+        let mut random = stream(1, "test", 0);
+        let (mut explored, mut counts) = (0, [0; 4]);
+        for _ in 0..100_000 {
+            let (action, random) = epsilon_greedy(&[0.0, 0.0, 1.0, 0.0], 0.4, &mut random);
+            explored += u32::from(random);
+            counts[action] += 1;
+        }
+        assert!((39_000..41_000).contains(&explored), "{explored} of 100,000 with epsilon 0.4");
+        for action in [0, 1, 3] {
+            assert!((9_500..10_500).contains(&counts[action]), "a quarter of 40,000 each: {counts:?}");
+        }
+    }
+
+    #[test]
+    fn the_stream_moves_alike_whether_or_not_it_explores() {
+        let (mut never, mut always) = (stream(1, "test", 0), stream(1, "test", 0));
+        for _ in 0..100 {
+            assert!(!epsilon_greedy(&[0.0; 5], 0.0, &mut never).1, "epsilon 0 never explores");
+            assert!(epsilon_greedy(&[0.0; 5], 1.0, &mut always).1, "epsilon 1 always does");
+        }
+        assert_eq!(never.next_u64(), always.next_u64());
+    }
+}

@@ -6,13 +6,15 @@
 use super::config::{ConfigError, LearningConfig, TargetUpdate, within};
 use super::exploration::greedy;
 use super::n_step::{End, NStep, Pending};
-use super::network::{Gradient, NetworkShape, QNetwork};
-use super::ops::Regression;
+use super::network::{Gradient, NetworkShape, QNetwork, Regression};
 use super::optimizer::OptimizerState;
 use super::policy::{Policy, PolicyError};
 use super::replay::{Batch, ReplayBuffer, StateId};
 use crate::random::{Stream, stream};
 use serde::{Deserialize, Serialize};
+
+/// The most numbers in all observations of a replay buffer: 8 GB of them, 1 GB where addresses have 32 bits.
+const MOST_NUMBERS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
 
 /// One env step of one arena.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +50,9 @@ pub struct LearnStats {
 
 /// The learning blew up: a number is no longer finite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("learning diverged at gradient step {gradient_step}: {what}; try a lower learning_rate or reward_scale")]
+#[error(
+    "learning diverged at gradient step {gradient_step}: {what}; try a lower learning_rate or reward_scale"
+)]
 pub struct Diverged {
     /// The gradient step, counted from 1.
     pub gradient_step: u64,
@@ -117,6 +121,7 @@ impl Learner {
         config.check()?;
         within("arenas", arenas, 1..=65536)?;
         let shape = NetworkShape::new(&config.network, inputs, actions)?;
+        within("replay.capacity", config.replay.capacity, 1..=MOST_NUMBERS / inputs)?;
         let online = QNetwork::new(shape, &mut stream(seed, "learning: weights", 0))?;
         Ok(Self {
             config: config.clone(),
@@ -167,7 +172,7 @@ impl Learner {
         let progress = &mut self.progress;
         progress.env_steps += 1;
         let warm = progress.env_steps >= config.replay.warmup_steps && replay.len() >= config.batch_size;
-        if warm && progress.env_steps % config.train_interval == 0 {
+        if warm && progress.env_steps.is_multiple_of(config.train_interval) {
             progress.owed = progress.owed.saturating_add(config.gradient_steps);
         }
     }
@@ -196,7 +201,12 @@ impl Learner {
             sum.q += step.q;
         }
         let n = owed as f32;
-        Ok(Some(LearnStats { gradient_steps: owed, loss: sum.loss / n, td_error: sum.td_error / n, q: sum.q / n }))
+        Ok(Some(LearnStats {
+            gradient_steps: owed,
+            loss: sum.loss / n,
+            td_error: sum.td_error / n,
+            q: sum.q / n,
+        }))
     }
 
     fn gradient_step(&mut self) -> Result<LearnStats, Diverged> {
@@ -215,8 +225,10 @@ impl Learner {
 
         let on = Regression { actions: &batch.actions, targets, weights: &batch.weights, loss: config.loss };
         online.gradient(&batch.states, on, gradient);
-        let diverged =
-            |what: &str| Diverged { gradient_step: progress.gradient_steps, what: format!("{what} is not finite") };
+        let diverged = |what: &str| Diverged {
+            gradient_step: progress.gradient_steps,
+            what: format!("{what} is not finite"),
+        };
         if !gradient.loss.is_finite() {
             return Err(diverged("the loss"));
         }
@@ -295,7 +307,10 @@ impl Learner {
     pub fn start_from(&mut self, policy: &Policy, epsilon: Option<f32>) -> Result<(), PolicyError> {
         let (expected, found) = (self.online.shape(), policy.network.shape());
         if expected != found {
-            return Err(PolicyError::OtherNetwork { expected: expected.to_string(), found: found.to_string() });
+            return Err(PolicyError::OtherNetwork {
+                expected: expected.to_string(),
+                found: found.to_string(),
+            });
         }
         if let Some(epsilon) = epsilon.filter(|e| !(0.0..=1.0).contains(e)) {
             return Err(PolicyError::Epsilon(epsilon));
@@ -332,13 +347,14 @@ fn td_targets(batch: &Batch, chooser: &[f32], target_q: &[f32], targets: &mut Ve
     let rows = chooser.chunks_exact(actions).zip(target_q.chunks_exact(actions));
     let steps = batch.rewards.iter().zip(&batch.discounts);
     targets.clear();
-    targets.extend(steps.zip(rows).map(|((r, discount), (choose, value))| r + discount * value[greedy(choose)]));
+    targets
+        .extend(steps.zip(rows).map(|((r, discount), (choose, value))| r + discount * value[greedy(choose)]));
 }
 
 /// Lets the target network follow the online network after gradient step `step`.
 fn follow(update: TargetUpdate, step: u64, online: &QNetwork, target: &mut QNetwork) {
     match update {
-        TargetUpdate::Hard { every } if step % every == 0 => {
+        TargetUpdate::Hard { every } if step.is_multiple_of(every) => {
             target.update(|weights| weights.copy_from_slice(online.parameters()));
         }
         TargetUpdate::Hard { .. } => {}
@@ -353,4 +369,56 @@ fn follow(update: TargetUpdate, step: u64, online: &QNetwork, target: &mut QNetw
 /// Whether no value is NaN or infinite; without early exit, so that it is a loop of plain vector instructions.
 fn all_finite(values: &[f32]) -> bool {
     values.iter().map(|v| v.to_bits() & 0x7FFF_FFFF).fold(0, u32::max) < f32::INFINITY.to_bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two transitions; rewards 1 and 2, discounts 0.9 and (terminated) 0.
+    fn batch() -> Batch {
+        Batch { rewards: vec![1.0, 2.0], discounts: vec![0.9, 0.0], ..Batch::default() }
+    }
+
+    #[test]
+    fn a_single_dqn_target_takes_the_largest_value_of_the_target_network() {
+        let (target_q, mut y) = ([3.0, 5.0, 4.0, 70.0, 80.0, 90.0], Vec::new());
+        td_targets(&batch(), &target_q, &target_q, &mut y);
+        assert_eq!(y, [1.0 + 0.9 * 5.0, 2.0], "r + 0.9 x max, and r alone where the return has ended");
+    }
+
+    #[test]
+    fn a_double_dqn_target_takes_the_target_networks_value_of_the_online_networks_choice() {
+        let (target_q, online_q, mut y) =
+            ([3.0, 5.0, 4.0, 70.0, 80.0, 90.0], [9.0, 1.0, 2.0, 0.0, 0.0, 1.0], Vec::new());
+        td_targets(&batch(), &online_q, &target_q, &mut y);
+        assert_eq!(
+            y,
+            [1.0 + 0.9 * 3.0, 2.0],
+            "online prefers action 0, which the target network values at 3"
+        );
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_seen() {
+        assert!(all_finite(&[0.0, -1.0, f32::MAX, f32::MIN_POSITIVE / 2.0]));
+        for bad in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert!(!all_finite(&[1.0, bad, 1.0]), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_replay_buffer_larger_than_any_machine_is_refused() {
+        let mut config = LearningConfig::default();
+        config.replay.capacity = 1 << 24;
+        let error = Learner::new(&config, 1000, 5, 1, 0).expect_err("2^24 observations of 1000 numbers");
+        assert_eq!(error.field, "replay.capacity", "{error}");
+    }
+
+    #[test]
+    fn a_learner_can_be_shared_between_threads() {
+        fn shareable<T: Send + Sync + 'static>() {}
+        shareable::<Learner>();
+        shareable::<Policy>();
+    }
 }

@@ -33,10 +33,10 @@ pub mod sum_tree;
 
 pub use checkpoint::CheckpointError;
 pub use config::{
-    ConfigError, Exploration, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling, Schedule,
-    TargetUpdate,
+    ConfigError, Exploration, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
+    Schedule, TargetUpdate,
 };
-pub use exploration::epsilon_greedy;
+pub use exploration::{epsilon_greedy, greedy};
 pub use learner::{Diverged, Experience, LearnStats, Learner};
 pub use network::{NetworkShape, QNetwork};
 pub use policy::{Policy, PolicyError};

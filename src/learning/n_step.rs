@@ -106,3 +106,48 @@ impl NStep {
         &self.pending
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Feeds rewards 1, 2, 3, ... with state i before step i, the last step ending as `end`.
+    fn run(n: usize, steps: u64, end: End) -> Vec<Transition> {
+        let (mut accumulator, mut out) = (NStep::default(), Vec::new());
+        for i in 0..steps {
+            let step = Pending { state: StateId(i), action: i as u8, reward: (i + 1) as f32 };
+            let end = if i + 1 == steps { end } else { End::Open };
+            accumulator.push(step, StateId(i + 1), end, (n, 0.5), |t| out.push(t));
+        }
+        out
+    }
+
+    fn brief(transitions: &[Transition]) -> Vec<(u64, f32, f32, u64)> {
+        transitions.iter().map(|t| (t.state.0, t.reward, t.discount, t.next.0)).collect()
+    }
+
+    #[test]
+    fn one_step_returns_are_the_rewards() {
+        assert_eq!(brief(&run(1, 3, End::Open)), [(0, 1.0, 0.5, 1), (1, 2.0, 0.5, 2), (2, 3.0, 0.5, 3)]);
+    }
+
+    #[test]
+    fn three_step_returns_wait_for_three_rewards() {
+        // gamma 0.5: 1 + 0.5 x 2 + 0.25 x 3 = 2.75, then 2 + 1.5 + 1 = 4.5; discount 0.125.
+        assert_eq!(brief(&run(3, 4, End::Open)), [(0, 2.75, 0.125, 3), (1, 4.5, 0.125, 4)]);
+    }
+
+    #[test]
+    fn termination_closes_all_that_is_pending_without_bootstrap() {
+        let transitions = run(3, 3, End::Terminated);
+        assert_eq!(brief(&transitions), [(0, 2.75, 0.0, 3), (1, 3.5, 0.0, 3), (2, 3.0, 0.0, 3)]);
+        assert!(transitions.iter().all(|t| t.terminated && !t.truncated));
+    }
+
+    #[test]
+    fn truncation_bootstraps_from_the_last_state_over_fewer_steps() {
+        let transitions = run(3, 3, End::Truncated);
+        assert_eq!(brief(&transitions), [(0, 2.75, 0.125, 3), (1, 3.5, 0.25, 3), (2, 3.0, 0.5, 3)]);
+        assert!(transitions.iter().all(|t| t.truncated && !t.terminated));
+    }
+}

@@ -9,8 +9,9 @@ use std::ops::Range;
 use dfdx::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::config::{ConfigError, NetworkConfig, within};
-use super::ops::{Dense, Regression, Rows, dueling, rows, td_loss, values};
+use super::config::{ConfigError, NetworkConfig, check_hidden, within};
+pub use super::ops::Regression;
+use super::ops::{Dense, Rows, dueling, rows, td_loss, values};
 use crate::random::{Stream, between};
 
 /// The most parameters a network may have: 64 MB of them.
@@ -64,10 +65,7 @@ impl NetworkShape {
     pub fn check(&self) -> Result<(), ConfigError> {
         within("network.inputs", self.inputs, 1..=4096)?;
         within("network.actions", self.actions, 1..=255)?;
-        within("network.layers", self.hidden.len(), 0..=8)?;
-        for (i, &width) in self.hidden.iter().enumerate() {
-            within(&format!("network.hidden[{i}]"), width, 1..=4096)?;
-        }
+        check_hidden(&self.hidden)?;
         within("network.parameters", self.parameter_count(), 1..=MOST_PARAMETERS)
     }
 
@@ -110,6 +108,15 @@ impl NetworkShape {
             }
         }
         views
+    }
+}
+
+impl std::fmt::Display for NetworkShape {
+    /// As in "28-64-64-dueling 5".
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}-", self.inputs)?;
+        self.hidden.iter().try_for_each(|width| write!(f, "{width}-"))?;
+        write!(f, "{}{}", if self.dueling { "dueling " } else { "" }, self.actions)
     }
 }
 
@@ -273,5 +280,111 @@ impl PartialEq for QNetwork {
 impl std::fmt::Debug for QNetwork {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("QNetwork").field("shape", &self.shape).finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::stream;
+
+    fn shape(hidden: &[usize], actions: usize, dueling: bool) -> NetworkShape {
+        let config = NetworkConfig { hidden: hidden.to_vec(), dueling };
+        NetworkShape::new(&config, 2, actions).expect("a sound shape")
+    }
+
+    #[test]
+    fn a_dueling_head_is_value_plus_advantage_less_the_mean_advantage() {
+        // No hidden layer. V = x + 2y, A = (x, 2x, 6x) + (0, 0, 3); at (1, 10): V = 21, A = (1, 2, 9), mean 4.
+        let weights = [[1.0, 2.0], [1.0, 0.0], [2.0, 0.0], [6.0, 0.0]].concat();
+        let parameters = [weights, vec![0.0, 0.0, 0.0, 3.0]].concat();
+        let network = QNetwork::from_parameters(shape(&[], 3, true), parameters).expect("as many as it has");
+        let mut out = Vec::new();
+        network.q_values(&[1.0, 10.0], 1, &mut out);
+        assert_eq!(out, [18.0, 19.0, 26.0], "Q = 21 + (1, 2, 9) - 4");
+        network.value_and_advantage(&[1.0, 10.0], 1, &mut out);
+        assert_eq!(out, [21.0, -3.0, -2.0, 5.0], "V, then A with its mean taken out");
+    }
+
+    #[test]
+    fn a_hidden_layer_is_weights_bias_and_relu() {
+        // h = relu((x - y, x + y - 1)), Q = h_1 + 10 h_2 + 0.5; at (2, 3): h = (0, 4), Q = 40.5.
+        let parameters = vec![1.0, -1.0, 1.0, 1.0, 0.0, -1.0, 1.0, 10.0, 0.5];
+        let network =
+            QNetwork::from_parameters(shape(&[2], 1, false), parameters).expect("as many as it has");
+        let mut out = Vec::new();
+        network.q_values(&[2.0, 3.0, 0.0, 0.0], 2, &mut out);
+        assert_eq!(out, [40.5, 0.5], "two observations, row by row");
+    }
+
+    #[test]
+    fn parameters_have_stable_names_and_fill_the_flat_vector() {
+        let shape = shape(&[3], 2, true);
+        let names: Vec<_> = shape.parameters().into_iter().map(|view| (view.name, view.shape)).collect();
+        let expected = [
+            ("hidden.0.weight", vec![3, 2]),
+            ("hidden.0.bias", vec![3]),
+            ("value.weight", vec![1, 3]),
+            ("advantage.weight", vec![2, 3]),
+            ("value.bias", vec![1]),
+            ("advantage.bias", vec![2]),
+        ];
+        assert_eq!(names, expected.map(|(name, shape)| (name.to_string(), shape)));
+        let mut end = 0;
+        for view in shape.parameters() {
+            assert_eq!(view.range.start, end, "{} follows on the last", view.name);
+            end = view.range.end;
+        }
+        assert_eq!(end, shape.parameter_count());
+    }
+
+    #[test]
+    fn first_weights_are_even_within_one_over_the_root_of_the_inputs() {
+        let config = NetworkConfig { hidden: vec![64, 64], dueling: true };
+        let shape = NetworkShape::new(&config, 28, 5).expect("the paper's shape");
+        let network = QNetwork::new(shape.clone(), &mut stream(1, "test", 0)).expect("a sound shape");
+        for (name, inputs) in [("hidden.0.weight", 28.0_f32), ("hidden.1.weight", 64.0)] {
+            let view = shape.parameters().into_iter().find(|view| view.name == name).expect("it has this");
+            let (weights, bound) = (&network.parameters()[view.range], 1.0 / inputs.sqrt());
+            let largest = weights.iter().fold(0.0_f32, |largest, w| largest.max(w.abs()));
+            assert!(largest <= bound && largest > 0.99 * bound, "{name}: {largest}, bound {bound}");
+            let variance = weights.iter().map(|w| w * w).sum::<f32>() / weights.len() as f32;
+            assert!(
+                (variance * 3.0 * inputs - 1.0).abs() < 0.1,
+                "{name}: variance of an even draw is bound^2 / 3"
+            );
+        }
+        let other = QNetwork::new(shape, &mut stream(2, "test", 0)).expect("a sound shape");
+        assert_ne!(network, other, "another stream, other weights");
+    }
+
+    #[test]
+    fn a_batch_in_pieces_gives_what_single_rows_give() {
+        let network =
+            QNetwork::new(shape(&[16, 16], 3, true), &mut stream(1, "test", 0)).expect("a sound shape");
+        let mut noise = stream(2, "test", 0);
+        let observations: Vec<f32> = (0..2 * 300).map(|_| between(&mut noise, -1.0, 1.0)).collect();
+        let (mut all, mut one) = (vec![7.0; 5], Vec::new());
+        network.q_values(&observations, 300, &mut all);
+        assert_eq!(all.len(), 900, "an output vector of another length is resized");
+        for (observation, q) in observations.chunks(2).zip(all.chunks(3)) {
+            network.q_values(observation, 1, &mut one);
+            for (a, b) in q.iter().zip(&one) {
+                assert!((a - b).abs() < 1e-5, "{q:?} and {one:?}");
+            }
+        }
+        network.q_values(&[], 0, &mut all);
+        assert!(all.is_empty(), "no observations, no values");
+    }
+
+    #[test]
+    fn absurd_shapes_are_refused() {
+        for (hidden, inputs, actions) in
+            [(vec![64], 0, 5), (vec![64], 28, 0), (vec![64], 28, 256), (vec![4096; 8], 28, 5)]
+        {
+            let config = NetworkConfig { hidden, dueling: true };
+            assert!(NetworkShape::new(&config, inputs, actions).is_err(), "{config:?} {inputs} {actions}");
+        }
+        assert!(QNetwork::from_parameters(shape(&[3], 2, true), vec![0.0; 3]).is_err(), "too few parameters");
     }
 }

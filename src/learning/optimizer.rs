@@ -68,3 +68,59 @@ impl OptimizerState {
 fn flushed(moment: f32) -> f32 {
     if moment.abs() < TINY { 0.0 } else { moment }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(found: f32, expected: f32, what: &str) {
+        assert!((found - expected).abs() < 1e-6 * expected.abs().max(1.0), "{what}: {found}, not {expected}");
+    }
+
+    #[test]
+    fn two_steps_of_rmsprop_worked_by_hand() {
+        // smoothing 0.9, epsilon 0.1, rate 0.5, gradient 2 then -1, from p = 1.
+        // v1 = 0.1 x 4 = 0.4,               p1 = 1 - 0.5 x 2 / (sqrt 0.4 + 0.1)   = 1 - 1 / 0.7324555   = -0.3652706
+        // v2 = 0.9 x 0.4 + 0.1 x 1 = 0.46,  p2 = p1 + 0.5 / (sqrt 0.46 + 0.1)     = p1 + 0.5 / 0.7782330 =  0.2772105
+        let rmsprop = Optimizer::RmsProp { smoothing: 0.9, epsilon: 0.1 };
+        let (mut state, mut p) = (OptimizerState::new(&rmsprop, 1), [1.0]);
+        state.step(&rmsprop, 0.5, &mut p, &[2.0]);
+        close(p[0], -0.365_270_6, "after one step");
+        state.step(&rmsprop, 0.5, &mut p, &[-1.0]);
+        close(state.second[0], 0.46, "the mean square");
+        close(p[0], 0.277_210_5, "after two steps");
+    }
+
+    #[test]
+    fn two_steps_of_adam_worked_by_hand() {
+        // beta 0.9 and 0.99, epsilon 0.1, rate 0.5, gradient 2 then -1, from p = 1. Hats: bias corrected.
+        // m1 = 0.2, v1 = 0.04;  m^ = 0.2 / 0.1 = 2, v^ = 0.04 / 0.01 = 4;  p1 = 1 - 0.5 x 2 / 2.1 = 0.5238095
+        // m2 = 0.18 - 0.1 = 0.08, v2 = 0.0396 + 0.01 = 0.0496;  m^ = 0.08 / 0.19 = 0.4210526,
+        // v^ = 0.0496 / 0.0199 = 2.4924623, root 1.5787534;  p2 = p1 - 0.5 x 0.4210526 / 1.6787534 = 0.3984032
+        let adam = Optimizer::Adam { beta1: 0.9, beta2: 0.99, epsilon: 0.1 };
+        let (mut state, mut p) = (OptimizerState::new(&adam, 1), [1.0]);
+        state.step(&adam, 0.5, &mut p, &[2.0]);
+        close(p[0], 0.523_809_5, "after one step");
+        state.step(&adam, 0.5, &mut p, &[-1.0]);
+        close(state.first[0], 0.08, "the mean");
+        close(state.second[0], 0.0496, "the mean square");
+        close(p[0], 0.398_403_2, "after two steps");
+    }
+
+    #[test]
+    fn moments_of_a_dead_unit_end_at_zero_not_in_denormals() {
+        for optimizer in [
+            Optimizer::RmsProp { smoothing: 0.5, epsilon: 1e-8 },
+            Optimizer::Adam { beta1: 0.5, beta2: 0.5, epsilon: 1e-8 },
+        ] {
+            let (mut state, mut p) = (OptimizerState::new(&optimizer, 1), [1.0]);
+            state.step(&optimizer, 0.1, &mut p, &[1.0]);
+            for _ in 0..200 {
+                state.step(&optimizer, 0.1, &mut p, &[0.0]);
+                let moments = state.first.iter().chain(&state.second);
+                assert!(moments.into_iter().all(|m| *m == 0.0 || m.is_normal()), "{state:?}");
+            }
+            assert_eq!(state.second[0], 0.0);
+        }
+    }
+}

@@ -83,3 +83,88 @@ impl SumTree {
         node - self.leaves
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::random::{stream, unit};
+
+    /// The plain way: walk the weights until the point is used up.
+    fn find_plainly(weights: &[f64], mut point: f64) -> usize {
+        for (index, weight) in weights.iter().enumerate() {
+            if point < *weight {
+                return index;
+            }
+            point -= weight;
+        }
+        weights.len() - 1
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_walking_the_weights(
+            // Small whole numbers, so that sums are exact and both ways must agree to the bit.
+            start in prop::collection::vec(0_u32..20, 1..70),
+            changes in prop::collection::vec((any::<prop::sample::Index>(), 0_u32..20), 0..100),
+        ) {
+            let mut weights: Vec<f64> = start.iter().map(|&w| f64::from(w)).collect();
+            let mut tree = SumTree::new(weights.len());
+            tree.set_all(weights.iter().copied());
+            for (at, weight) in changes {
+                let at = at.index(weights.len());
+                weights[at] = f64::from(weight);
+                tree.set(at, f64::from(weight));
+                prop_assert_eq!(tree.get(at), f64::from(weight));
+            }
+            let total: f64 = weights.iter().sum();
+            prop_assert_eq!(tree.total(), total);
+            for point in 0..total as u32 {
+                let point = f64::from(point) + 0.5;
+                prop_assert_eq!(tree.find(point), find_plainly(&weights, point));
+            }
+        }
+
+        #[test]
+        fn one_by_one_or_all_at_once_is_the_same_tree(weights in prop::collection::vec(0.0..1.0_f64, 1..70)) {
+            let (mut one, mut all) = (SumTree::new(weights.len()), SumTree::new(weights.len()));
+            for (index, &weight) in weights.iter().enumerate().rev() {
+                one.set(index, 7.0);
+                one.set(index, weight);
+            }
+            all.set_all(weights.into_iter());
+            prop_assert_eq!(one, all, "inner nodes depend on the leaves alone");
+        }
+
+        #[test]
+        fn rounding_never_finds_a_weight_of_zero(
+            weights in prop::collection::vec(prop_oneof![Just(0.0), 1e-12..1e12_f64], 1..70),
+            share in 0.0..=1.0_f64,
+        ) {
+            let mut tree = SumTree::new(weights.len());
+            tree.set_all(weights.iter().copied());
+            prop_assume!(tree.total() > 0.0);
+            let found = tree.find(tree.total() * share);
+            prop_assert!(weights[found] > 0.0, "found {found}");
+        }
+    }
+
+    #[test]
+    fn draws_are_in_proportion() {
+        let weights = [1.0, 0.0, 2.0, 3.0, 0.5, 3.5];
+        let mut tree = SumTree::new(weights.len());
+        tree.set_all(weights.into_iter());
+        let (mut counts, draws) = ([0.0; 6], 100_000);
+        let mut random = stream(5, "test", 0);
+        for _ in 0..draws {
+            counts[tree.find(tree.total() * f64::from(unit(&mut random)))] += 1.0;
+        }
+        assert_eq!(counts[1], 0.0, "weight 0 is never drawn");
+        // Pearson's chi-square with 4 degrees of freedom exceeds 18.5 in one of a thousand fair samplers.
+        let expected = |w: f64| w / 10.0 * f64::from(draws);
+        let pairs = weights.iter().zip(counts).filter(|(w, _)| **w > 0.0);
+        let chi_square: f64 = pairs.map(|(&w, n)| (n - expected(w)).powi(2) / expected(w)).sum();
+        assert!(chi_square < 18.5, "chi-square {chi_square}: {counts:?}");
+    }
+}

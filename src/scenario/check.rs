@@ -1,8 +1,9 @@
-//! Whether a scenario can be meant: every number in its range, everything inside the walls, room for the task.
+//! Whether a scenario can be meant: every number in its range, everything inside the walls, room for the
+//! task.
 //!
-//! In: a [`Scenario`] that was read or built. Out: [`Finding`]s, each with the field's path and the mend; none when
-//! all is well. The limits also keep a hostile file from taking memory or time: a scenario without findings is
-//! safe to run.
+//! In: a [`Scenario`] that was read or built. Out: [`Finding`]s, each with the field's path and the mend;
+//! none when all is well. The limits also keep a hostile file from taking memory or time: a scenario without
+//! findings is safe to run.
 
 mod numbers;
 mod space;
@@ -13,7 +14,8 @@ use std::ops::RangeInclusive;
 use super::file_error::Finding;
 use super::schema::Scenario;
 
-/// All that is wrong with `scenario`. Whether there is room for the task is asked only when the numbers are sound.
+/// All that is wrong with `scenario`. Whether there is room for the task is asked only when the numbers are
+/// sound.
 #[must_use]
 pub fn findings(scenario: &Scenario) -> Vec<Finding> {
     let mut notes = Notes(Vec::new());
@@ -43,9 +45,17 @@ impl Notes {
         }
     }
 
-    /// Notes `value` unless it is greater than `bound`, which is called `what`.
+    /// Notes a list of `count` entries unless it has as many as `range` says.
+    fn count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
+        if !range.contains(&count) {
+            let (low, high) = (range.start(), range.end());
+            self.add(path, format!("has {count} entries: write {low} to {high} of them"));
+        }
+    }
+
+    /// Notes `value` unless it is greater than `bound`, which is called `what`, or was noted before.
     fn above(&mut self, path: fmt::Arguments<'_>, value: f32, bound: f32, what: &str) {
-        if value <= bound {
+        if value <= bound && !self.0.iter().any(|finding| finding.path == path.to_string()) {
             self.add(path, format!("is {value}: write more than {what}, {bound} m"));
         }
     }

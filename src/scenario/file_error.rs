@@ -56,7 +56,8 @@ impl FileError {
         Self { path: path.into(), problems: vec![Problem { line_column, message: message.into() }] }
     }
 
-    /// What a check found, each placed in the text where the text has its field. Only the first hundred are kept.
+    /// What a check found, each placed in the text where the text has its field. Only the first hundred are
+    /// kept.
     #[must_use]
     pub fn in_fields(path: &Path, text: &str, findings: &[Finding]) -> Self {
         let outline = Outline::new(text);

@@ -1,13 +1,13 @@
 //! How far a point is from the walls and the obstacles.
 //!
-//! In: a [`Scenario`], a point, a step. Out: signed distances, positive in the open. f32 by plain arithmetic and
-//! `libm`, so that what is drawn by them is the same on every platform.
+//! In: a [`Scenario`], a point, a step. Out: signed distances, positive in the open. f32 by plain arithmetic
+//! and `libm`, so that what is drawn by them is the same on every platform.
 
 use super::motion::pose_at;
 use super::schema::{Enclosure, Obstacle, Scenario, Shape};
 
-/// The distance, in m, from `point_m` to the nearest surface of an obstacle (where it is at `step`) or of a wall;
-/// negative inside an obstacle or outside the enclosure.
+/// The distance, in m, from `point_m` to the nearest surface of an obstacle (where it is at `step`) or of a
+/// wall; negative inside an obstacle or outside the enclosure.
 #[must_use]
 pub fn clearance(scenario: &Scenario, point_m: (f32, f32), step: u64) -> f32 {
     let to_wall = wall_distance(&scenario.enclosure, point_m);

@@ -1,7 +1,7 @@
 //! Reading the project's RON files, with errors that name file, line, column and mend.
 //!
-//! In: a path (or a text and the path to blame). Out: any deserializable type, or a [`FileError`]. Nothing read
-//! here can take more than a mebibyte, nest without end, or panic.
+//! In: a path (or a text and the path to blame). Out: any deserializable type, or a [`FileError`]. Nothing
+//! read here can take more than a mebibyte, nest without end, or panic.
 
 use std::ffi::OsStr;
 use std::fs::File;
@@ -30,7 +30,8 @@ impl Scenario {
     /// The scenario in the file at `path`, read and checked.
     ///
     /// # Errors
-    /// [`FileError`] with all findings when the file can't be read, is no scenario, or describes an impossible one.
+    /// [`FileError`] with all findings when the file can't be read, is no scenario, or describes an
+    /// impossible one.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::parse(&read_text(path)?, path)
@@ -115,16 +116,18 @@ fn too_large(path: &Path) -> FileError {
     FileError::whole(path, "larger than 1 MiB: that is no file of this kind")
 }
 
-/// The error for a file that is not there: the nearest name among its neighbours (or the shipped files), and a list.
+/// The error for a file that is not there: the nearest name among its neighbours (or the shipped files), and
+/// a list.
 fn missing(path: &Path) -> FileError {
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut there = ron_files(folder);
     if there.is_empty() {
         there = SHIPPED.iter().flat_map(|folder| ron_files(Path::new(folder))).collect();
     }
-    let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
-    let names = there.iter().filter_map(|file| file.file_name()?.to_str());
-    let near = nearest(name, names).and_then(|near| there.iter().find(|file| file.ends_with(near)));
+    let name = path.file_stem().and_then(OsStr::to_str).unwrap_or_default();
+    let names = there.iter().filter_map(|file| file.file_stem()?.to_str());
+    let near = nearest(name, names)
+        .and_then(|near| there.iter().find(|file| file.file_stem() == Some(near.as_ref())));
     let hint = near.map(|file| format!(": did you mean `{}`?", file.display())).unwrap_or_default();
     FileError::whole(path, format!("no such file{hint}{}", listing(&there)))
 }

@@ -1,8 +1,9 @@
 //! What a world is: its schema in RON, its checks, its loader. Spawns nothing, knows no Bevy.
 //!
-//! In: a scenario file (`scenarios/*.ron`). Out: a checked [`Scenario`], the pose of its obstacles at any step
-//! ([`pose_at`]), and random starts and targets that are clear of them ([`draw_start`], [`draw_target`]).
-//! [`read_ron`] also serves every other RON file of the project, so that all report mistakes alike.
+//! In: a scenario file (`scenarios/*.ron`). Out: a checked [`Scenario`], the pose of its obstacles at any
+//! step ([`pose_at`]), and random starts and targets that are clear of them ([`draw_start`],
+//! [`draw_target`]). [`read_ron`] also serves every other RON file of the project, so that all report
+//! mistakes alike.
 
 mod check;
 mod file_error;
@@ -20,5 +21,5 @@ pub use geometry::clearance;
 pub use load::{parse_ron, read_ron, read_text, to_ron};
 pub use motion::pose_at;
 pub use placement::{NoFreePlace, draw_start, draw_target};
-pub(crate) use ron_message::{choice, nearest};
+pub use ron_message::nearest;
 pub use schema::*;

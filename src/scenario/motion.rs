@@ -1,19 +1,20 @@
 //! Where an obstacle is: a pure function of the step count, so that no clock and no history enters.
 //!
-//! In: an [`Obstacle`], a step, the control period. Out: its pose. All of it is worked in f64 with `libm`, so that
-//! the bits agree on every platform, and from the step count itself, so that nothing drifts: the angle after 10^9
-//! steps is right to about 1e-8 rad.
+//! In: an [`Obstacle`], a step, the control period. Out: its pose. All of it is worked in f64 with `libm`, so
+//! that the bits agree on every platform, and from the step count itself, so that nothing drifts: the angle
+//! after 10^9 steps is right to about 1e-8 rad.
 
 use std::f64::consts::{PI, TAU};
 
 use super::schema::{Obstacle, ObstacleMotion};
 
-/// The pose (x in m, y in m, rotation in rad, in [-pi, pi]) of `obstacle` after `step` steps of `control_period_s`.
+/// The pose (x in m, y in m, rotation in rad, in [-pi, pi]) of `obstacle` after `step` steps of
+/// `control_period_s`.
 ///
 /// Orbit: the obstacle revolves about the centre and turns with the revolution. Patrol: it starts at its own
-/// position, visits the waypoints in order, returns to its position, and so on; it doesn't turn, and a negative
-/// speed goes the other way round. Numbers that [`findings`](super::findings) would refuse may give NaN, never a
-/// panic.
+/// position, visits the waypoints in order, returns to its position, and so on; it doesn't turn, and a
+/// negative speed goes the other way round. Numbers that [`findings`](super::findings) would refuse may give
+/// NaN, never a panic.
 #[must_use]
 pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f32, f32) {
     let position = wide(obstacle.position_m);
@@ -149,8 +150,8 @@ mod tests {
                 (f64::from(x).hypot(f64::from(y)) - radius).abs() < 1e-6,
                 "the distance stays at step {step}"
             );
-            // The f32 nearest to 0.15 and 0.2, exactly: 10066330 / 2^26 and 13421773 / 2^26. Turns in integers:
-            // product * step / 2^52 rad, reduced by tau in steps that keep every bit that matters.
+            // The f32 nearest to 0.15 and 0.2, exactly: 10066330 / 2^26 and 13421773 / 2^26. Turns in
+            // integers: product * step / 2^52 rad, reduced by tau in steps that keep every bit that matters.
             let exact = 10_066_330_i128 * 13_421_773 * i128::from(step);
             let tau = (TAU * 2.0_f64.powi(50)) as i128 * 4;
             // tau above is the f64 nearest to 2 pi, short of it by 2.45e-16.

@@ -1,8 +1,8 @@
 //! Which field of a RON text stands where: a tolerant walk over brackets, keys and commas.
 //!
 //! In: RON text, broken or not. Out: from a byte offset the field around it, from a field's path
-//! (`obstacles[2].shape.radius_m`) its offset. Names of structs and enum variants are no part of a path. It judges
-//! nothing: ron has parsed the text, or says where it gave up.
+//! (`obstacles[2].shape.radius_m`) its offset. Names of structs and enum variants are no part of a path. It
+//! judges nothing: ron has parsed the text, or says where it gave up.
 
 /// One value of the text.
 struct Node {
@@ -115,7 +115,7 @@ impl<'a> Outline<'a> {
     pub fn offset_of(&self, path: &str) -> Option<usize> {
         let mut node = 0;
         for step in path.split(['.', '[']) {
-            let index = step.strip_suffix(']').and_then(|digits| digits.parse().ok());
+            let index = step.strip_suffix(']').and_then(|digits| digits.parse::<usize>().ok());
             let is_it = |other: &Node| match (other.step, index) {
                 (Step::Field((from, to)), None) => &self.text[from..to] == step,
                 (Step::Index(i), Some(index)) => i == index,
@@ -178,7 +178,10 @@ fn token_length(rest: &str, first: char) -> usize {
     match first {
         '"' => quoted(rest),
         '\'' => match rest.strip_prefix("'\\") {
-            Some(escaped) => escaped.find('\'').map_or(rest.len(), |end| end + 3),
+            Some(escaped) => {
+                let closing = escaped.char_indices().skip(1).find(|&(_, c)| c == '\'');
+                closing.map_or(rest.len(), |(end, _)| end + 3)
+            }
             None => rest.char_indices().nth(2).filter(|&(_, c)| c == '\'').map_or(1, |(end, _)| end + 1),
         },
         c if c.is_alphanumeric() || matches!(c, '_' | '+' | '-') => {
@@ -267,7 +270,8 @@ World(
 
     #[test]
     fn a_deep_text_is_walked_without_recursion() {
-        let outline = Outline::new(&"[".repeat(200_000));
+        let text = "[".repeat(200_000);
+        let outline = Outline::new(&text);
         assert!(outline.path_at(50).ends_with("[0]"));
     }
 }

@@ -1,6 +1,7 @@
 //! Random starts and targets that keep clear of the walls and of the obstacles where they are at that step.
 //!
-//! In: a [`Scenario`], the step, a [`Stream`]. Out: a start or a target. Called at every reset: nothing allocates.
+//! In: a [`Scenario`], the step, a [`Stream`]. Out: a start or a target. Called at every reset: nothing
+//! allocates.
 
 use std::f32::consts::{PI, TAU};
 
@@ -13,8 +14,8 @@ const TRIES: u32 = 1_000;
 /// Grid points along each side of the enclosure.
 const GRID: u32 = 64;
 
-/// At this moment no point satisfies the rule. (A scenario without findings has room at step 0 and at the other
-/// moments that the checks look at.)
+/// At this moment no point satisfies the rule. (A scenario without findings has room at step 0 and at the
+/// other moments that the checks look at.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "no free space for a {what} at step {step}: fewer or smaller obstacles, or a smaller clearance_m, make room"
@@ -120,8 +121,8 @@ mod tests {
 
     #[test]
     fn scarce_room_is_found_all_the_same() {
-        // Two slabs leave a corridor in which only a strip of 20 um, along a row of the grid, is clear enough: the
-        // grid finds its points when chance does not.
+        // Two slabs leave a corridor in which only a strip of 20 um, along a row of the grid, is clear
+        // enough: the grid finds its points when chance does not.
         let mut scenario = boxed_in(1.0);
         let slab = |height_m, y| Obstacle {
             shape: Shape::Rectangle { width_m: 4.0, height_m },

@@ -12,7 +12,9 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
     let (start, end) = (offset(text, error.span.start), offset(text, error.span.end));
     let outline = Outline::new(text);
     let here = || field(&outline.path_at(end));
-    let must = |what: &str| (end, format!("{} must be {what}", here()));
+    // Where a bracket or comma stands instead of a value, the value is what comes before.
+    let at_value = if text[end..].starts_with(value_start) { end } else { last_of(&text[..end]) };
+    let must = |what: &str| (end, format!("{} must be {what}", field(&outline.path_at(at_value))));
     match &error.code {
         E::NoSuchStructField { expected, found, .. } => {
             let inside = field(&outline.path_above(start));
@@ -40,25 +42,36 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
         E::ExpectedString => must("text in double quotes: \"...\""),
         E::ExpectedArray => must("a list in square brackets: [...]"),
         E::ExpectedStructLike => must("written with parentheses: (...)"),
-        E::ExpectedOption | E::ExpectedOptionEnd => must("None or Some(...)"),
-        E::ExpectedDifferentLength { expected, .. } => must(expected),
+        E::ExpectedDifferentLength { expected, .. } => (end, format!("{} must be {expected}", here())),
         E::InvalidValueForType { expected, found } => must(&format!("{expected}, not {found}")),
-        E::IntegerOutOfBounds => (start, format!("{} is out of range for a whole number here", here())),
+        E::IntegerOutOfBounds => {
+            let path = field(&outline.path_at(start));
+            (start, format!("{path} must be a whole number in range: this one is negative or too large"))
+        }
         E::ExpectedComma if fraction(text, end) => {
             let start = outline.value_around(end);
             (start, format!("{} must be a whole number, without a fraction", here()))
         }
         E::ExpectedComma => (end, "a comma or a closing bracket is missing before this".into()),
-        E::ExpectedStructLikeEnd => {
-            (end, format!("{} must end here: a `)` is missing, or it has too many parts", here()))
-        }
-        E::ExpectedArrayEnd => (end, "a `]` is missing before this".into()),
+        E::ExpectedStructLikeEnd => (
+            end,
+            format!(
+                "{} must end before this: a `)` is missing, or it has too many parts",
+                field(&outline.path_above(end))
+            ),
+        ),
         E::ExpectedMapColon => {
             (end, "a `:` between a field's name and its value is missing before this".into())
+        }
+        E::ExpectedNamedStructLike(_) if text[end..].starts_with([')', ']', '}']) => {
+            (end, "this closes no open bracket, or a value is missing before it".into())
         }
         E::ExpectedNamedStructLike(_) => (end, format!("{} must be written in parentheses: (...)", here())),
         E::ExpectedDifferentStructName { expected, found } => {
             (start, format!("this must be `{expected}(...)` or only `(...)`, not `{found}`"))
+        }
+        E::ExpectedIdentifier if text[end..].starts_with([']', '}']) => {
+            (end, format!("{} is still open: a `)` is missing before this", here()))
         }
         E::ExpectedIdentifier | E::SuggestRawIdentifier(_) | E::InvalidIdentifier(_) => {
             (end, "a field's name is missing here: write `name: value`".into())
@@ -67,13 +80,16 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
         E::UnclosedBlockComment => (start, "this comment has no end: close it with `*/`".into()),
         E::ExpectedStringEnd => (start, "this text has no closing quote: add one".into()),
         E::Eof => (end, "the file ends in the middle: a closing bracket is missing".into()),
-        E::ExceededRecursionLimit => (end, "brackets are nested too deep here: at most 64 levels".into()),
+        E::ExceededRecursionLimit => {
+            (end, "brackets are nested too deep here: nothing in this file needs so many".into())
+        }
         other => (end, format!("this is not RON: {other}")),
     }
 }
 
-/// "did you mean `x`? the fields are `x`, `y`": the nearest of `known` to `word`, if one is near, and all of them.
-pub(crate) fn choice(word: &str, known: &[&str], lead: &str) -> String {
+/// "did you mean `x`? the fields are `x`, `y`": the nearest of `known` to `word`, if one is near, and all of
+/// them.
+fn choice(word: &str, known: &[&str], lead: &str) -> String {
     let hint = nearest(word, known.iter().copied())
         .map(|near| format!("did you mean `{near}`? "))
         .unwrap_or_default();
@@ -81,8 +97,9 @@ pub(crate) fn choice(word: &str, known: &[&str], lead: &str) -> String {
     if all.is_empty() { "there are none here".into() } else { format!("{hint}{lead} {}", all.join(", ")) }
 }
 
-/// Which of `known` may have been meant by `word`.
-pub(crate) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+/// Which of `known` may have been meant by `word`, if any is near: the "did you mean" of every message.
+#[must_use]
+pub fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     known
         .map(|name| (strsim::jaro_winkler(&word, &name.to_lowercase()), name))
@@ -93,6 +110,16 @@ pub(crate) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> O
 
 fn field(path: &str) -> String {
     if path.is_empty() { "the file".into() } else { format!("`{path}`") }
+}
+
+/// Whether a value may start with this character.
+fn value_start(c: char) -> bool {
+    !matches!(c, ')' | ']' | '}' | ',') && !c.is_whitespace()
+}
+
+/// The offset of the last character of `text` that is no space.
+fn last_of(text: &str) -> usize {
+    text.trim_end().char_indices().next_back().map_or(0, |(at, _)| at)
 }
 
 /// Whether a number's fractional part starts at `offset`.

@@ -3,8 +3,8 @@
 //! In: RON text, through [`Scenario::load`](super::Scenario::load). Out: plain numbers that the task and the
 //! world read. Nothing here is checked yet; [`findings`](super::findings) does that.
 //!
-//! Lengths are metres, times seconds, angles radians (counterclockwise positive, 0 along +x). The origin is the
-//! middle of the enclosure.
+//! Lengths are metres, times seconds, angles radians (counterclockwise positive, 0 along +x). The origin is
+//! the middle of the enclosure.
 
 use serde::{Deserialize, Serialize};
 
@@ -89,7 +89,7 @@ pub struct Obstacle {
     pub shape: Shape,
     /// Where its middle is at step 0.
     pub position_m: (f32, f32),
-    /// How it is turned at step 0, -2 pi to 2 pi.
+    /// How it is turned at step 0, -6.3 to 6.3 (a full turn either way).
     #[serde(default)]
     pub rotation_rad: f32,
     /// How it moves.
@@ -129,8 +129,8 @@ pub enum ObstacleMotion {
         /// Counterclockwise positive; the obstacle's middle may move at 5 m/s at most.
         speed_rad_s: f32,
     },
-    /// Along straight lines from its position through each waypoint in order and back to its position, forever,
-    /// without turning. (The position is the first corner of the loop: don't repeat it.)
+    /// Along straight lines from its position through each waypoint in order and back to its position,
+    /// forever, without turning. (The position is the first corner of the loop: don't repeat it.)
     Patrol {
         /// The further corners, 1 to 256.
         waypoints_m: Vec<(f32, f32)>,
@@ -150,8 +150,9 @@ pub struct Robot {
 }
 
 impl Default for Robot {
-    /// The paper's five motions, equation (9) in its order (large left, small left, forward, small right, large
-    /// right) with v0 = 0.15 m/s and w0 = 0.75 rad/s of table 1. The radius, 0.1 m, is ours: the paper gives none.
+    /// The paper's five motions, equation (9) in its order (large left, small left, forward, small right,
+    /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s of table 1. The radius, 0.1 m, is ours: the paper
+    /// gives none.
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
         Self { radius_m: 0.1, motions: motions.into() }
@@ -183,20 +184,22 @@ pub struct Lidar {
 }
 
 impl Default for Lidar {
-    /// 24 beams (equation (8)), without noise; the range of 3.5 m is that of the robot the paper's setting follows.
+    /// 24 beams (equation (8)), without noise; the range of 3.5 m is that of the robot the paper's setting
+    /// follows.
     fn default() -> Self {
         Self { beams: 24, max_range_m: 3.5, noise_std_m: 0.0, dropout: 0.0 }
     }
 }
 
-/// The rules of the task: when a target counts as reached, what counts as a collision, how long an episode is.
+/// The rules of the task: when a target counts as reached, what counts as a collision, how long an episode
+/// is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TaskRules {
     /// The paper's l_a: the target is reached when nearer than this, 0.001 to 100 m.
     pub goal_radius_m: f32,
-    /// The paper's l_c: it is a collision when the smallest distance from the robot's centre to anything is under
-    /// this. More than the robot's radius, less than the LIDAR's range.
+    /// The paper's l_c: it is a collision when the smallest distance from the robot's centre to anything is
+    /// under this. More than the robot's radius, less than the LIDAR's range.
     pub collision_range_m: f32,
     /// Steps until an episode is cut off, 1 to 1,000,000.
     pub time_limit_steps: u32,
@@ -207,8 +210,8 @@ pub struct TaskRules {
 }
 
 impl Default for TaskRules {
-    /// l_a = 0.2 m and the control period of 0.2 s are the paper's; l_c, the time limit and the least distance of a
-    /// target are chosen, since the paper leaves them open.
+    /// l_a = 0.2 m and the control period of 0.2 s are the paper's; l_c, the time limit and the least
+    /// distance of a target are chosen, since the paper leaves them open.
     fn default() -> Self {
         Self {
             goal_radius_m: 0.2,
@@ -248,7 +251,7 @@ fn default_clearance_m() -> f32 {
 pub struct Course {
     /// Where the robot starts.
     pub start_m: (f32, f32),
-    /// Where it looks at first, -2 pi to 2 pi.
+    /// Where it looks at first, -6.3 to 6.3 (a full turn either way).
     pub heading_rad: f32,
     /// Where it must go.
     pub target_m: (f32, f32),

@@ -46,12 +46,18 @@ pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed
     world.run_schedule(Begin);
 }
 
-/// Begins anew in every arena, with the streams and clocks that `fresh` gives for its number.
-pub fn rewind(world: &mut World, mut fresh: impl FnMut(usize) -> (Streams, Clock)) {
+/// Begins anew in every arena, with the streams and the clock that `fresh` gives for its number; where it gives none,
+/// the arena is parked.
+pub fn rewind(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(Streams, Clock)>) {
     let mut arenas = world.query::<(&Arena, &mut Streams, &mut Clock, &mut Episode)>();
     for (arena, mut streams, mut clock, mut episode) in arenas.iter_mut(world) {
-        (*streams, *clock) = fresh(arena.0);
-        *episode = Episode { restart: Restart::Everything, ..Episode::default() };
+        *episode = match fresh(arena.0) {
+            Some(begin) => {
+                (*streams, *clock) = begin;
+                Episode { restart: Restart::Everything, ..Episode::default() }
+            }
+            None => Episode { parked: true, ..Episode::default() },
+        };
     }
     world.run_schedule(Begin);
 }

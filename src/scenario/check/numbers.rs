@@ -1,6 +1,7 @@
 //! Each number of a scenario against its range, and against the numbers it must fit.
 
 use super::Notes;
+use crate::scenario::geometry::length;
 use crate::scenario::schema::*;
 
 const METRES: &str = " (metres)";
@@ -8,16 +9,18 @@ const METRES_A_SECOND: &str = " (metres a second)";
 const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_A_SECOND: &str = " (radians a second)";
 /// A full turn either way, with a little room for rounding.
-const TURN: f32 = 6.2832;
+const TURN: f32 = 6.3;
 /// The fastest that an obstacle or the robot may move, m/s.
 const FASTEST_M_S: f32 = 5.0;
+/// The fastest that anything may turn or revolve, rad/s.
+const FASTEST_RAD_S: f32 = 20.0;
 
 pub(super) fn check(scenario: &Scenario, notes: &mut Notes) {
     texts(scenario, notes);
     let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
     notes.number(format_args!("enclosure.width_m"), width_m, 0.5..=1000.0, METRES);
     notes.number(format_args!("enclosure.height_m"), height_m, 0.5..=1000.0, METRES);
-    notes.number(format_args!("obstacles"), scenario.obstacles.len(), 0..=10_000, " of them");
+    notes.count(format_args!("obstacles"), scenario.obstacles.len(), 0..=10_000);
     for (k, obstacle) in scenario.obstacles.iter().enumerate().take(10_000) {
         check_obstacle(k, obstacle, notes);
     }
@@ -55,20 +58,20 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, notes: &mut Notes) {
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             point(format_args!("obstacles[{k}].motion.centre_m"), *centre_m, notes);
             let path = format_args!("obstacles[{k}].motion.speed_rad_s");
-            notes.number(path, *speed_rad_s, -20.0..=20.0, RADIANS_A_SECOND);
-            let arm = (obstacle.position_m.0 - centre_m.0).hypot(obstacle.position_m.1 - centre_m.1);
+            notes.number(path, *speed_rad_s, -FASTEST_RAD_S..=FASTEST_RAD_S, RADIANS_A_SECOND);
+            let arm = length(obstacle.position_m.0 - centre_m.0, obstacle.position_m.1 - centre_m.1);
             let speed = (arm * speed_rad_s).abs();
-            if speed > FASTEST_M_S {
+            if speed > FASTEST_M_S && speed_rad_s.abs() <= FASTEST_RAD_S && arm.is_finite() {
                 let most = FASTEST_M_S / arm;
                 notes.add(
                     path,
-                    format!("makes the obstacle move at {speed} m/s: write at most {most} (5 m/s)"),
+                    format!("makes the obstacle move at {speed:.3} m/s: write at most {most:.3}, for 5 m/s"),
                 );
             }
         }
         ObstacleMotion::Patrol { waypoints_m, speed_m_s } => {
             let path = format_args!("obstacles[{k}].motion.waypoints_m");
-            notes.number(path, waypoints_m.len(), 1..=256, " of them");
+            notes.count(path, waypoints_m.len(), 1..=256);
             for (j, &corner) in waypoints_m.iter().enumerate().take(256) {
                 point(format_args!("obstacles[{k}].motion.waypoints_m[{j}]"), corner, notes);
             }
@@ -80,14 +83,14 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, notes: &mut Notes) {
 
 fn robot(robot: &Robot, notes: &mut Notes) {
     notes.number(format_args!("robot.radius_m"), robot.radius_m, 0.01..=10.0, METRES);
-    notes.number(format_args!("robot.motions"), robot.motions.len(), 1..=64, " of them");
+    notes.count(format_args!("robot.motions"), robot.motions.len(), 1..=64);
     for (k, motion) in robot.motions.iter().enumerate().take(64) {
         let path = format_args!("robot.motions[{k}].v_m_s");
         notes.number(path, motion.v_m_s, -FASTEST_M_S..=FASTEST_M_S, METRES_A_SECOND);
         notes.number(
             format_args!("robot.motions[{k}].w_rad_s"),
             motion.w_rad_s,
-            -20.0..=20.0,
+            -FASTEST_RAD_S..=FASTEST_RAD_S,
             RADIANS_A_SECOND,
         );
     }

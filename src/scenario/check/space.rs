@@ -57,8 +57,9 @@ fn course(scenario: &Scenario, notes: &mut Notes) {
         let clear = clearance(scenario, point, 0);
         let least = task.collision_range_m;
         if clear < least {
+            let lies = if clear < 0.0 { "inside an obstacle or wall" } else { "from an obstacle or wall" };
             let message =
-                format!("is {clear:.3} m clear of the nearest obstacle or wall: put it where {least} m are");
+                format!("lies {:.3} m {lies}: put it at least {least} m clear of everything", clear.abs());
             notes.add(format_args!("course.{name}"), message);
         }
     }
@@ -106,8 +107,11 @@ fn room(scenario: &Scenario, notes: &mut Notes) {
     none("starts", starts, &scenario.starts);
     none("targets", targets, &scenario.targets);
     if spread {
-        let message = "leaves no target in reach for some places of the robot: the free space must be twice as long; \
-                       write less, or make room";
+        let message = format!(
+            "is {}: the free space for targets is less than twice as long, so some places of the robot leave no \
+             target; write less, or make room",
+            scenario.task.min_target_distance_m
+        );
         notes.add(format_args!("task.min_target_distance_m"), message);
     }
 }

@@ -1,0 +1,100 @@
+//! What a gradient step and a forward pass of the paper's network cost, on one core.
+//!
+//! `cargo bench --bench learner`: 28 inputs, two hidden layers of 64, 5 actions.
+
+use divan::{Bencher, counter::ItemsCount};
+use wayfield::learning::{
+    Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
+    Schedule, TargetUpdate,
+};
+use wayfield::random::{below, normal, stream};
+
+const INPUTS: usize = 28;
+const ACTIONS: usize = 5;
+
+fn main() {
+    divan::main();
+}
+
+fn config(dueling: bool, batch_size: usize) -> LearningConfig {
+    LearningConfig {
+        network: NetworkConfig { hidden: vec![64, 64], dueling },
+        double: true,
+        gamma: 0.99,
+        n_step: 1,
+        reward_scale: 0.01,
+        loss: Loss::MeanSquared,
+        optimizer: Optimizer::RmsProp { smoothing: 0.9, epsilon: 1e-7 },
+        learning_rate: Schedule::Constant(0.000_25),
+        batch_size,
+        replay: ReplayConfig {
+            capacity: 100_000,
+            warmup_steps: 20_000,
+            sampling: Sampling::Prioritized {
+                alpha: 0.6,
+                beta: Schedule::Constant(0.4),
+                importance_weights: true,
+                epsilon: 1e-3,
+            },
+        },
+        train_interval: 1,
+        gradient_steps: 1,
+        target_update: TargetUpdate::Hard { every: 2000 },
+        exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
+    }
+}
+
+/// A learner, warmed up on noise, and the next experience to give it.
+struct Bench {
+    learner: Learner,
+    observations: Vec<Vec<f32>>,
+    step: usize,
+}
+
+impl Bench {
+    fn new(config: &LearningConfig) -> Self {
+        let learner = Learner::new(config, INPUTS, ACTIONS, 1, 1).expect("a sound config");
+        let mut noise = stream(1, "bench", 0);
+        let observations = (0..1000).map(|_| (0..INPUTS).map(|_| normal(&mut noise)).collect()).collect();
+        let mut bench = Self { learner, observations, step: 0 };
+        while bench.learner.due() == 0 {
+            bench.remember();
+        }
+        bench
+    }
+
+    fn remember(&mut self) {
+        let mut noise = stream(2, "bench", self.step as u64);
+        let n = self.observations.len();
+        self.learner.remember(&Experience {
+            arena: 0,
+            observation: &self.observations[self.step % n],
+            action: below(&mut noise, ACTIONS),
+            reward: normal(&mut noise),
+            next_observation: &self.observations[(self.step + 1) % n],
+            terminated: self.step.is_multiple_of(100),
+            truncated: false,
+        });
+        self.step += 1;
+    }
+}
+
+/// One env step remembered and one gradient step taken.
+#[divan::bench(args = [(64, false), (64, true), (128, false), (128, true)], sample_count = 200, sample_size = 20)]
+fn gradient_step(bencher: Bencher, (batch_size, dueling): (usize, bool)) {
+    let mut bench = Bench::new(&config(dueling, batch_size));
+    bencher.counter(ItemsCount::new(1_usize)).bench_local(|| {
+        bench.remember();
+        bench.learner.train().expect("it does not diverge")
+    });
+}
+
+/// The Q-values of so many observations.
+#[divan::bench(args = [1, 16, 64, 256])]
+fn forward(bencher: Bencher, n: usize) {
+    let learner = Learner::new(&config(true, 64), INPUTS, ACTIONS, 1, 1).expect("a sound config");
+    let mut noise = stream(1, "bench", 0);
+    let observations: Vec<f32> = (0..n * INPUTS).map(|_| normal(&mut noise)).collect();
+    let mut q = Vec::new();
+    bencher.counter(ItemsCount::new(n)).bench_local(|| learner.q_values(&observations, n, &mut q));
+}

@@ -1,0 +1,343 @@
+//! The command line: what a user types becomes a job, what comes of it becomes text and an exit status.
+//!
+//! In: arguments. Out: results on stdout, logs and progress on stderr; exit status 0 on success, 1 when a run failed,
+//! 2 for arguments or files that cannot be used.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use clap::{ArgGroup, Parser};
+
+use crate::learning::Policy;
+use crate::run::evaluate::{self, Evaluation, Evaluator};
+use crate::run::folder::{RunConfig, Transfer};
+use crate::run::optimum;
+use crate::run::preset::Budget;
+use crate::run::records::{Milestone, Summary};
+use crate::run::train::{Job, train};
+use crate::run::{RunError, shipped};
+use crate::task::Places;
+
+/// A LIDAR robot learns to navigate, in seconds.
+///
+/// Trains a robot to reach targets among obstacles by prioritized-replay double dueling DQN, and tests what it has
+/// learnt. Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed, 2 arguments or
+/// files that cannot be used.
+#[derive(Parser, Debug)]
+#[command(version, max_term_width = 100, group(ArgGroup::new("mode").args(["train", "eval"])))]
+struct Arguments {
+    /// Train: by default the preset `fast` in Scenario I, into a new folder under runs/
+    #[arg(long, help_heading = "What to do")]
+    train: bool,
+
+    /// Test a policy greedily: success over rounds of navigations it has never seen
+    #[arg(long, value_name = "POLICY", help_heading = "What to do")]
+    eval: Option<PathBuf>,
+
+    /// The world: a RON file, or a shipped one by name (scenario-1, scenario-2, empty) [default: scenario-1]
+    #[arg(long, value_name = "FILE", help_heading = "Training and testing", conflicts_with = "resume")]
+    scenario: Option<String>,
+
+    /// The seed of every random draw [default: 0]
+    #[arg(long, value_name = "N", help_heading = "Training and testing", conflicts_with = "resume")]
+    seed: Option<u64>,
+
+    /// Print one JSON object instead of text
+    #[arg(long, help_heading = "Training and testing", requires = "mode")]
+    json: bool,
+
+    /// How to learn: a RON file, or a shipped one by name (fast, per_d3qn, per_d3qn_tuned, dqn) [default: fast]
+    #[arg(long, value_name = "FILE", help_heading = "Training", requires = "train", conflicts_with = "resume")]
+    preset: Option<String>,
+
+    /// Train until N episodes have ended [default: the preset's budget]
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with = "steps",
+        value_parser = clap::value_parser!(u64).range(1..))]
+    episodes: Option<u64>,
+
+    /// Train for N env steps, over all arenas [default: the preset's budget]
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train",
+        value_parser = clap::value_parser!(u64).range(1..))]
+    steps: Option<u64>,
+
+    /// How many arenas run side by side [default: the preset's]
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with = "resume")]
+    arenas: Option<usize>,
+
+    /// The run's folder, which must not hold a run yet [default: runs/<scenario>-<preset>-<seed>]
+    #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train", conflicts_with = "resume")]
+    out: Option<PathBuf>,
+
+    /// Start from a policy's weights (transfer)
+    #[arg(long, value_name = "POLICY", help_heading = "Training", requires = "train", conflicts_with = "resume")]
+    init: Option<PathBuf>,
+
+    /// Epsilon at the start, with --init (the paper: 0.5) [default: the preset's]
+    #[arg(long, value_name = "X", help_heading = "Training", requires = "init")]
+    epsilon: Option<f32>,
+
+    /// Go on exactly where the run in DIR stopped; --episodes or --steps give it a larger budget, counted from its start
+    #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train")]
+    resume: Option<PathBuf>,
+
+    /// Rounds of navigations
+    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", default_value_t = 5,
+        value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    rounds: u32,
+
+    /// Navigations in a round
+    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", default_value_t = 100,
+        value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    navigations: u32,
+
+    /// Also drive the timed course, 5 rounds of 5: from (0, 0) to (1.2, 1.2)
+    #[arg(long, help_heading = "Testing", requires = "eval")]
+    course: bool,
+
+    /// Also compare the times with the least possible ones, found by a planner that knows the world
+    #[arg(long, help_heading = "Testing", requires = "eval")]
+    optimum: bool,
+}
+
+/// Runs the command line of this process, which began at `began`; gives its exit status.
+pub fn main(began: Instant) -> ExitCode {
+    let arguments = Arguments::parse();
+    let done = if arguments.train {
+        train_command(arguments, began)
+    } else if let Some(policy) = arguments.eval.clone() {
+        eval_command(&arguments, &policy)
+    } else {
+        Err(RunError::Unusable(
+            "this build opens no window: train with `wayfield --train`, test with `wayfield --eval POLICY`; \
+             `wayfield --help` lists everything"
+                .into(),
+        ))
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_status())
+        }
+    }
+}
+
+fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
+    let budget = match (arguments.episodes, arguments.steps) {
+        (Some(n), _) => Some(Budget::Episodes(n)),
+        (None, Some(n)) => Some(Budget::EnvSteps(n)),
+        (None, None) => None,
+    };
+    let job = match arguments.resume {
+        Some(folder) => Job::Resume { folder, budget },
+        None => {
+            let scenario_from = arguments.scenario.unwrap_or_else(|| "scenario-1".into());
+            let preset_from = arguments.preset.unwrap_or_else(|| "fast".into());
+            let scenario = shipped::scenario(&scenario_from)?;
+            let mut preset = shipped::preset(&preset_from)?;
+            preset.budget = budget.unwrap_or(preset.budget);
+            preset.arenas = arguments.arenas.unwrap_or(preset.arenas);
+            if let Some(finding) = preset.findings().first() {
+                return Err(RunError::Unusable(format!("{preset_from}: {finding}")));
+            }
+            if let Some(epsilon) = arguments.epsilon.filter(|x| !(0.0..=1.0).contains(x)) {
+                return Err(RunError::Unusable(format!("--epsilon is {epsilon}; give 0 to 1")));
+            }
+            let policy = arguments.init.as_deref().map(read_policy).transpose()?;
+            let transfer = arguments
+                .init
+                .map(|init| Transfer { policy: init.display().to_string(), epsilon: arguments.epsilon });
+            let config = RunConfig {
+                version: env!("CARGO_PKG_VERSION").into(),
+                seed: arguments.seed.unwrap_or(0),
+                scenario_from,
+                preset_from,
+                transfer,
+                scenario,
+                preset,
+            };
+            Job::New { config: Box::new(config), policy, out: arguments.out }
+        }
+    };
+    let (folder, summary) = train(job, stop_on_signal(), began)?;
+    if arguments.json {
+        print_json(&summary)
+    } else {
+        print!("{}", summary_text(&folder, &summary));
+        Ok(())
+    }
+}
+
+/// A flag that Ctrl-C and SIGTERM set; a second one ends the process at once.
+fn stop_on_signal() -> &'static AtomicBool {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    let handler = || {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        eprintln!("stopping: saving a checkpoint (once more ends at once, without one)");
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
+        eprintln!("warning: Ctrl-C will not save a checkpoint: {error}");
+    }
+    &STOP
+}
+
+fn summary_text(folder: &Path, summary: &Summary) -> String {
+    let percent = |rate: Option<f64>| rate.map_or("-".into(), |r| format!("{:.1} %", 100.0 * r));
+    let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.2} s"));
+    let first = |m: &Option<Milestone>| match m {
+        Some(m) => format!("{} env steps, {} episodes, {:.1} s", m.env_steps, m.episodes, m.wall_s),
+        None => "not reached".into(),
+    };
+    let Summary { episodes, env_steps, gradient_steps, wall_s, .. } = summary;
+    format!(
+        "best policy     {} success, mean time {}\n\
+         last policy     {} success\n\
+         first 96 %      {}\n\
+         first 99 %      {}\n\
+         trained         {episodes} episodes, {env_steps} env steps, {gradient_steps} gradient steps, {wall_s:.1} s\n\
+         run folder      {}\n\
+         test it         wayfield --eval {}\n",
+        percent(summary.best_success_rate),
+        seconds(summary.best_mean_time_s),
+        percent(summary.last_success_rate),
+        first(&summary.first_96),
+        first(&summary.first_99),
+        folder.display(),
+        folder.join("policy.safetensors").display(),
+    )
+}
+
+/// What `--eval --json` prints.
+#[derive(serde::Serialize)]
+struct EvaluationReport {
+    policy: String,
+    scenario: String,
+    #[serde(flatten)]
+    evaluation: Evaluation,
+    #[serde(flatten)]
+    course: Option<CourseReport>,
+    #[serde(flatten)]
+    optimum: Option<OptimumReport>,
+}
+
+#[derive(serde::Serialize)]
+struct CourseReport {
+    course_success_rate: f64,
+    course_time_s: Option<f64>,
+    course_times_s: Vec<f64>,
+}
+
+#[derive(serde::Serialize)]
+struct OptimumReport {
+    optimum_mean_time_s: Option<f64>,
+    time_ratio: Option<f64>,
+}
+
+fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
+    let policy = read_policy(path)?;
+    let scenario_from = arguments.scenario.as_deref().unwrap_or("scenario-1");
+    let scenario = Arc::new(shipped::scenario(scenario_from)?);
+    let seed = arguments.seed.unwrap_or(0);
+    let period = scenario.task.control_period_s;
+    let round = arguments.navigations as usize;
+    let count = arguments.rounds as usize * round;
+
+    let navigations = Evaluator::new(&scenario, count).run(&policy, seed, count, Places::Drawn)?;
+    let evaluation = Evaluation::of(&navigations, round, period, seed);
+    let course = if arguments.course {
+        let driven = Evaluator::new(&scenario, 25).run(&policy, seed, 25, Places::Course)?;
+        let of = Evaluation::of(&driven, 5, period, seed);
+        Some(CourseReport {
+            course_success_rate: of.success_rate,
+            course_time_s: of.mean_time_s,
+            course_times_s: evaluate::times_s(&driven, period).collect(),
+        })
+    } else {
+        None
+    };
+    let optimum = arguments.optimum.then(|| {
+        let ratio = optimum::mean_time_ratio(&scenario, &navigations);
+        OptimumReport { optimum_mean_time_s: ratio.map(|r| r.0), time_ratio: ratio.map(|r| r.1) }
+    });
+    let report = EvaluationReport {
+        policy: path.display().to_string(),
+        scenario: scenario.name.clone(),
+        evaluation,
+        course,
+        optimum,
+    };
+    if arguments.json {
+        return print_json(&report);
+    }
+    print!("{}", evaluation_text(&report));
+    Ok(())
+}
+
+fn evaluation_text(report: &EvaluationReport) -> String {
+    use std::fmt::Write;
+    let e = &report.evaluation;
+    let rounds: Vec<String> = e.rounds.iter().map(|r| format!("{:.0}", 100.0 * r)).collect();
+    let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.3} s"));
+    let mut text = format!(
+        "{} in {}, {} navigations, seed {}\n\
+         success         {:.1} %  (rounds: {})\n\
+         collision       {:.1} %\n\
+         out of time     {:.1} %\n\
+         mean time       {}\n",
+        report.policy,
+        report.scenario,
+        e.navigations,
+        e.seed,
+        100.0 * e.success_rate,
+        rounds.join(" "),
+        100.0 * e.collision_rate,
+        100.0 * e.timeout_rate,
+        seconds(e.mean_time_s),
+    );
+    if let Some(course) = &report.course {
+        let _ = writeln!(
+            text,
+            "course          {}, {:.0} % of {} drives (the paper's PER-D3QN: 13.155 s in Scenario I)",
+            seconds(course.course_time_s),
+            100.0 * course.course_success_rate,
+            25
+        );
+    }
+    if let Some(optimum) = &report.optimum {
+        let ratio = optimum.time_ratio.map_or("-".into(), |r| format!("{r:.3}"));
+        let _ = writeln!(
+            text,
+            "optimum         {} for the same navigations; the policy takes {ratio} times that",
+            seconds(optimum.optimum_mean_time_s)
+        );
+    }
+    text
+}
+
+fn print_json(value: &impl serde::Serialize) -> Result<(), RunError> {
+    let text = serde_json::to_string(value).map_err(|error| RunError::Failed(error.to_string()))?;
+    println!("{text}");
+    Ok(())
+}
+
+/// The most bytes that a policy's file may have: 2^24 parameters and a header.
+const LARGEST_POLICY: u64 = 1 << 27;
+
+fn read_policy(path: &Path) -> Result<Policy, RunError> {
+    let unusable = |why: String| RunError::Unusable(format!("{}: {why}", path.display()));
+    let metadata = std::fs::metadata(path)
+        .map_err(|error| unusable(format!("can't be read ({error}): give the policy.safetensors of a run")))?;
+    if metadata.is_dir() {
+        return Err(unusable("is a folder: give the policy.safetensors in it".into()));
+    }
+    if metadata.len() > LARGEST_POLICY {
+        return Err(unusable(format!("is {} bytes long: no policy is that large", metadata.len())));
+    }
+    let bytes = std::fs::read(path).map_err(|error| unusable(format!("can't be read: {error}")))?;
+    Policy::from_bytes(&bytes).map_err(|error| unusable(error.to_string()))
+}

@@ -1,0 +1,334 @@
+//! Checkpoints: everything a learner is, to the bit.
+//!
+//! In: a learner and a writer, or a reader and the config it was saved with. Out: bytes, or a learner that goes on as
+//! if it had never stopped.
+//!
+//! Layout, little-endian: magic (8 bytes), version (u32), length of the head (u64), the head (postcard: config,
+//! counters, streams, weights, moments, chains), the replay buffer's arrays (states, transitions, leaves of the sum
+//! tree), CRC-32C of all before it. Lengths of arrays follow from the config and the counters, never from the file
+//! alone, and are checked before memory is taken.
+
+use std::io::{self, Read, Write};
+
+use serde::{Deserialize, Serialize};
+
+use super::config::{ConfigError, LearningConfig};
+use super::learner::{Chain, Learner, Progress};
+use super::optimizer::OptimizerState;
+use super::replay::{Priorities, ReplayBuffer, Stored};
+
+const MAGIC: &[u8; 8] = b"wayfield";
+const VERSION: u32 = 1;
+
+/// The most bytes a head may have: networks are bounded to 2^24 parameters, of which there are four arrays.
+const LONGEST_HEAD: u64 = 1 << 29;
+
+/// Why a checkpoint could not be written or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// The file could not be written, or read, or ends too early.
+    #[error("checkpoint: {0}")]
+    Io(#[from] io::Error),
+    /// Some other file.
+    #[error("not a wayfield checkpoint")]
+    NotCheckpoint,
+    /// Of another wayfield.
+    #[error("checkpoint version {found}, but this wayfield reads version {VERSION}")]
+    Version {
+        /// The file's version.
+        found: u32,
+    },
+    /// Saved by a learner that learns otherwise.
+    #[error("the checkpoint was made with another `{field}`; resume with the config it was made with")]
+    OtherConfig {
+        /// What differs.
+        field: &'static str,
+    },
+    /// What the file says cannot be.
+    #[error("the checkpoint is damaged: {0}")]
+    Damaged(&'static str),
+    /// The config itself makes no sense.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+}
+
+/// All but the replay buffer's arrays.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    config: LearningConfig,
+    inputs: usize,
+    actions: usize,
+    progress: Progress,
+    online: Vec<f32>,
+    target: Vec<f32>,
+    optimizer: OptimizerState,
+    chains: Vec<Chain>,
+    states: u64,
+    first_transition: u64,
+    transitions: u64,
+    largest_priority: f64,
+}
+
+impl Learner {
+    /// Writes everything: networks, moments, replay buffer with its priorities, unfinished returns, streams, counters.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn save(&self, writer: impl Write) -> Result<(), CheckpointError> {
+        let replay = &self.replay;
+        let head = Head {
+            config: self.config.clone(),
+            inputs: self.online.shape().inputs,
+            actions: self.online.shape().actions,
+            progress: self.progress.clone(),
+            online: self.online.parameters().to_vec(),
+            target: self.target.parameters().to_vec(),
+            optimizer: self.optimizer.clone(),
+            chains: self.chains.clone(),
+            states: replay.states.pushed,
+            first_transition: replay.head,
+            transitions: replay.tail,
+            largest_priority: replay.priorities.as_ref().map_or(1.0, |p| p.largest),
+        };
+        let head = postcard::to_allocvec(&head).map_err(io::Error::other)?;
+
+        let mut out = Summed { inner: writer, crc: 0 };
+        out.write_all(MAGIC)?;
+        out.write_all(&VERSION.to_le_bytes())?;
+        out.write_all(&(head.len() as u64).to_le_bytes())?;
+        out.write_all(&head)?;
+        let states = &replay.states.values[..replay.states.used() * self.online.shape().inputs];
+        write_array(&mut out, states.iter().map(|v| v.to_le_bytes()))?;
+        write_array(&mut out, replay.transitions.iter().map(|t| t.to_bytes()))?;
+        let leaves = (0..replay.transitions.len()).map(|slot| replay.priority(slot).to_le_bytes());
+        write_array(&mut out, leaves)?;
+        let crc = out.crc;
+        out.inner.write_all(&crc.to_le_bytes())?;
+        out.inner.flush()?;
+        Ok(())
+    }
+
+    /// The learner that [`Learner::save`] wrote, made for the same `config` and sizes.
+    ///
+    /// # Errors
+    /// Anything wrong with the file; a damaged one is told by its checksum and never makes this panic.
+    pub fn restore(
+        config: &LearningConfig,
+        inputs: usize,
+        actions: usize,
+        arenas: usize,
+        reader: impl Read,
+    ) -> Result<Self, CheckpointError> {
+        let mut learner = Self::new(config, inputs, actions, arenas, 0)?;
+        let mut file = Summed { inner: reader, crc: 0 };
+        if &file.array::<8>()? != MAGIC {
+            return Err(CheckpointError::NotCheckpoint);
+        }
+        let found = u32::from_le_bytes(file.array()?);
+        if found != VERSION {
+            return Err(CheckpointError::Version { found });
+        }
+        let length = u64::from_le_bytes(file.array()?);
+        if length > LONGEST_HEAD {
+            return Err(CheckpointError::Damaged("its head is too long"));
+        }
+        let mut bytes = Vec::new();
+        (&mut file).take(length).read_to_end(&mut bytes)?;
+        let head: Head = postcard::from_bytes(&bytes).map_err(|_| CheckpointError::Damaged("its head"))?;
+        head.check(&learner)?;
+
+        learner.replay.read(&head, inputs, actions, &mut file)?;
+        let (crc, stored) = (file.crc, u32::from_le_bytes(file.array()?));
+        if crc != stored {
+            return Err(CheckpointError::Damaged("its checksum does not agree"));
+        }
+        learner.online.update(|weights| weights.copy_from_slice(&head.online));
+        learner.target.update(|weights| weights.copy_from_slice(&head.target));
+        learner.optimizer = head.optimizer;
+        learner.chains = head.chains;
+        learner.progress = head.progress;
+        Ok(learner)
+    }
+}
+
+impl Head {
+    /// Agrees with a fresh learner of the config asked for, in all lengths.
+    fn check(&self, learner: &Learner) -> Result<(), CheckpointError> {
+        let shape = learner.online.shape();
+        for (field, same) in [
+            ("learning", self.config == learner.config),
+            ("observation", self.inputs == shape.inputs),
+            ("actions", self.actions == shape.actions),
+            ("arenas", self.chains.len() == learner.chains.len()),
+        ] {
+            if !same {
+                return Err(CheckpointError::OtherConfig { field });
+            }
+        }
+        let parameters = learner.online.parameters().len();
+        let kept = self.transitions.checked_sub(self.first_transition);
+        let pending = |chain: &Chain| {
+            let n_step = chain.n_step.pending();
+            n_step.len() < self.config.n_step && n_step.iter().all(|p| usize::from(p.action) < self.actions)
+        };
+        for (what, sane) in [
+            ("its weights", self.online.len() == parameters && self.target.len() == parameters),
+            ("its moments", self.optimizer.first.len() == learner.optimizer.first.len()),
+            ("its moments", self.optimizer.second.len() == parameters),
+            ("its transitions' count", kept.is_some_and(|n| n <= learner.replay.capacity() as u64)),
+            ("its counters", self.states < 1 << 62 && self.transitions < 1 << 62),
+            ("its priorities", self.largest_priority.is_finite() && self.largest_priority > 0.0),
+            ("its chains", self.chains.iter().all(pending)),
+        ] {
+            if !sane {
+                return Err(CheckpointError::Damaged(what));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ReplayBuffer {
+    /// Reads the arrays into an empty buffer.
+    fn read(
+        &mut self,
+        head: &Head,
+        inputs: usize,
+        actions: usize,
+        file: &mut Summed<impl Read>,
+    ) -> Result<(), CheckpointError> {
+        self.states.pushed = head.states;
+        (self.head, self.tail) = (head.first_transition, head.transitions);
+        let used = self.states.used();
+        let mut values = self.states.values.iter_mut();
+        read_array(file, used * inputs, |bytes| {
+            if let Some(value) = values.next() {
+                *value = f32::from_le_bytes(bytes);
+            }
+        })?;
+        let slots = self.tail.min(self.capacity() as u64) as usize;
+        read_array(file, slots, |bytes| self.transitions.push(Stored::from_bytes(bytes)))?;
+        if self.transitions.iter().any(|t| !t.exists(used, actions)) {
+            return Err(CheckpointError::Damaged("a transition refers to nothing"));
+        }
+        let mut leaves = Vec::new();
+        read_array(file, slots, |bytes| leaves.push(f64::from_le_bytes(bytes)))?;
+        // Which transition last refers to a state follows from the transitions kept; those gone do not matter.
+        for number in self.head..self.tail {
+            let slot = self.slot(number);
+            let Stored { state, next, .. } = self.transitions[slot];
+            for state in [state, next] {
+                self.states.last_user[state as usize] = number + 1;
+            }
+            if !(leaves[slot].is_finite() && leaves[slot] > 0.0) {
+                return Err(CheckpointError::Damaged("a priority is not above 0"));
+            }
+        }
+        if let Some(Priorities { tree, largest }) = &mut self.priorities {
+            tree.set_all(leaves.into_iter());
+            *largest = head.largest_priority;
+        }
+        Ok(())
+    }
+}
+
+impl Stored {
+    /// Whether its states and its action are such as there are.
+    fn exists(&self, states: usize, actions: usize) -> bool {
+        (self.state.max(self.next) as usize) < states && usize::from(self.action) < actions
+    }
+
+    fn to_bytes(self) -> [u8; 18] {
+        let mut bytes = [0; 18];
+        bytes[0..4].copy_from_slice(&self.state.to_le_bytes());
+        bytes[4..8].copy_from_slice(&self.next.to_le_bytes());
+        bytes[8..12].copy_from_slice(&self.reward.to_le_bytes());
+        bytes[12..16].copy_from_slice(&self.discount.to_le_bytes());
+        bytes[16] = self.action;
+        bytes[17] = self.flags;
+        bytes
+    }
+
+    fn from_bytes(bytes: [u8; 18]) -> Self {
+        let four = |at: usize| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
+        Self {
+            state: u32::from_le_bytes(four(0)),
+            next: u32::from_le_bytes(four(4)),
+            reward: f32::from_le_bytes(four(8)),
+            discount: f32::from_le_bytes(four(12)),
+            action: bytes[16],
+            flags: bytes[17],
+        }
+    }
+}
+
+/// Writes elements of N bytes, in pieces large enough for any writer.
+fn write_array<const N: usize>(
+    out: &mut impl Write,
+    elements: impl Iterator<Item = [u8; N]>,
+) -> io::Result<()> {
+    let mut piece = Vec::with_capacity(PIECE + N);
+    for element in elements {
+        piece.extend_from_slice(&element);
+        if piece.len() >= PIECE {
+            out.write_all(&piece)?;
+            piece.clear();
+        }
+    }
+    out.write_all(&piece)
+}
+
+/// Reads `count` elements of N bytes, likewise in pieces.
+fn read_array<const N: usize>(
+    file: &mut impl Read,
+    count: usize,
+    mut each: impl FnMut([u8; N]),
+) -> io::Result<()> {
+    let mut piece = vec![0; PIECE / N * N];
+    let mut left = count * N;
+    while left > 0 {
+        let bytes = left.min(piece.len());
+        file.read_exact(&mut piece[..bytes])?;
+        piece[..bytes].as_chunks().0.iter().for_each(|&element| each(element));
+        left -= bytes;
+    }
+    Ok(())
+}
+
+/// How many bytes are read or written at once.
+const PIECE: usize = 1 << 16;
+
+/// A reader or writer that keeps the CRC-32C of all that has passed.
+struct Summed<T> {
+    inner: T,
+    crc: u32,
+}
+
+impl<T: Write> Write for Summed<T> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.inner.write(bytes)?;
+        self.crc = crc32c::crc32c_append(self.crc, &bytes[..n]);
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<T: Read> Read for Summed<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let n = self.inner.read(bytes)?;
+        self.crc = crc32c::crc32c_append(self.crc, &bytes[..n]);
+        Ok(n)
+    }
+}
+
+impl<T: Read> Summed<T> {
+    fn array<const N: usize>(&mut self) -> io::Result<[u8; N]> {
+        let mut bytes = [0; N];
+        self.read_exact(&mut bytes)?;
+        Ok(bytes)
+    }
+}

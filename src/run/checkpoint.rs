@@ -1,0 +1,152 @@
+//! Everything that a run needs to go on to the bit: `checkpoint/latest.bin`.
+//!
+//! In: the learner, the arenas, the streams, and where the records stand. Out: one file, written whole or not at all:
+//! magic, version, length and CRC-32C of the head, the head (postcard: [`Standing`]), then the learner's own
+//! checkpoint, which has a checksum of its own.
+
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{BufReader, Read, Write};
+
+use bevy::prelude::World;
+use serde::{Deserialize, Serialize};
+
+use super::RunError;
+use super::folder::{RunConfig, RunFolder};
+use super::records::Milestone;
+use crate::agent::{Decisions, Trainer, TrainingStats};
+use crate::learning::Learner;
+use crate::random::Stream;
+use crate::task::{ArenaState, observation};
+use crate::world;
+
+const NAME: &str = "checkpoint/latest.bin";
+const MAGIC: &[u8; 8] = b"wayfrun\n";
+const VERSION: u32 = 1;
+/// The most bytes a head may have: 4096 arenas with 4096 beams each, and a policy.
+const LONGEST_HEAD: u64 = 1 << 28;
+
+/// Where a run stands, beside its learner.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Standing {
+    /// Every arena.
+    pub arenas: Vec<ArenaState>,
+    /// The exploration streams.
+    pub exploration: Vec<Stream>,
+    /// Sums over the gradient steps since the last row.
+    pub stats: TrainingStats,
+    /// Loss, TD error and Q of the last row.
+    pub means: Option<(f64, f64, f64)>,
+    /// Returns of the last episodes, at most 100.
+    pub recent_returns: VecDeque<f64>,
+    /// Length of `episodes.csv`.
+    pub episodes_bytes: u64,
+    /// Length of `evaluations.csv`.
+    pub evaluations_bytes: u64,
+    /// Evaluate when so many env steps are reached.
+    pub next_evaluation: u64,
+    /// Env steps at the last evaluation.
+    pub evaluated_at: Option<u64>,
+    /// Success rate of the last evaluation.
+    pub last_success_rate: Option<f64>,
+    /// The best policy so far.
+    pub best: Option<Best>,
+    /// When 96 % was first reached.
+    pub first_96: Option<Milestone>,
+    /// When 99 % was first reached.
+    pub first_99: Option<Milestone>,
+    /// Wall time used by then, in s.
+    pub wall_s: f64,
+}
+
+/// The best policy so far, by evaluation: more successes first, then less time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// Share of navigations that succeeded, 0 to 1.
+    pub success_rate: f64,
+    /// Mean time of those, in s.
+    pub mean_time_s: Option<f64>,
+    /// Its file.
+    pub bytes: Vec<u8>,
+}
+
+impl Best {
+    /// Whether a policy with this evaluation is better than `self`.
+    #[must_use]
+    pub fn is_beaten_by(&self, success_rate: f64, mean_time_s: Option<f64>) -> bool {
+        let time = |t: Option<f64>| t.unwrap_or(f64::INFINITY);
+        success_rate > self.success_rate
+            || (success_rate == self.success_rate && time(mean_time_s) < time(self.mean_time_s))
+    }
+}
+
+/// Takes what the world holds into `standing`, and writes the checkpoint.
+///
+/// # Errors
+/// It cannot be written; the one before is still there.
+pub fn save(folder: &RunFolder, world: &mut World, standing: &mut Standing) -> Result<(), RunError> {
+    standing.arenas = world::snapshot(world);
+    standing.exploration = world.resource::<Decisions>().streams.clone();
+    standing.stats = *world.resource::<TrainingStats>();
+    let path = folder.path().join(NAME);
+    let head = postcard::to_allocvec(standing).map_err(|error| RunError::failed(&path, error))?;
+    let learner = &world.resource::<Trainer>().0;
+    folder.write(NAME, |file| {
+        file.write_all(MAGIC)?;
+        file.write_all(&VERSION.to_le_bytes())?;
+        file.write_all(&(head.len() as u64).to_le_bytes())?;
+        file.write_all(&crc32c::crc32c(&head).to_le_bytes())?;
+        file.write_all(&head)?;
+        learner.save(file).map_err(std::io::Error::other)
+    })
+}
+
+/// Reads what [`save`] wrote.
+///
+/// # Errors
+/// There is none, or it is damaged, or of another configuration.
+pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<(Standing, Learner), RunError> {
+    let path = folder.path().join(NAME);
+    let bad = |why: &str| RunError::unusable(&path, why);
+    let file = File::open(&path).map_err(|error| bad(&format!("no checkpoint to go on from: {error}")))?;
+    let mut file = BufReader::new(file);
+    let mut array = [0_u8; 24];
+    file.read_exact(&mut array).map_err(|_| bad("is too short to be a checkpoint"))?;
+    let (magic, rest) = array.split_at(8);
+    if magic != MAGIC {
+        return Err(bad("is no checkpoint of a run"));
+    }
+    let version = u32::from_le_bytes([rest[0], rest[1], rest[2], rest[3]]);
+    if version != VERSION {
+        return Err(bad(&format!("is of checkpoint version {version}, but this wayfield reads version {VERSION}")));
+    }
+    let mut length = [0_u8; 8];
+    length.copy_from_slice(&rest[4..12]);
+    let length = u64::from_le_bytes(length);
+    let crc = u32::from_le_bytes([rest[12], rest[13], rest[14], rest[15]]);
+    if length > LONGEST_HEAD {
+        return Err(bad("is damaged: its head is too long"));
+    }
+    let mut head = Vec::new();
+    (&mut file).take(length).read_to_end(&mut head).map_err(|error| bad(&error.to_string()))?;
+    if head.len() as u64 != length || crc32c::crc32c(&head) != crc {
+        return Err(bad("is damaged: the checksum of its head does not agree"));
+    }
+    let standing: Standing = postcard::from_bytes(&head).map_err(|_| bad("is damaged: its head"))?;
+    let arenas = config.preset.arenas;
+    if standing.arenas.len() != arenas || standing.exploration.len() != arenas {
+        return Err(bad("is of another number of arenas than config.ron says"));
+    }
+    let inputs = observation::width(config.scenario.lidar.beams);
+    let actions = config.scenario.robot.motions.len();
+    let learner = Learner::restore(&config.preset.learning, inputs, actions, arenas, file)
+        .map_err(|error| bad(&error.to_string()))?;
+    Ok((standing, learner))
+}
+
+/// Puts a populated world back to where `standing` was taken.
+pub fn restore(world: &mut World, standing: &Standing) {
+    world::restore(world, &standing.arenas);
+    world.resource_mut::<Decisions>().streams.clone_from(&standing.exploration);
+    *world.resource_mut::<TrainingStats>() = standing.stats;
+}

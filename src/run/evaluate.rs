@@ -1,0 +1,184 @@
+//! Evaluation: how well a policy drives, greedily, in a world and with seeds of its own.
+//!
+//! In: a policy, a scenario, a seed. Out: [`Evaluation`]: success, collision and time-out rates, times.
+//!
+//! **Success**: the robot comes nearer to the target than l_a (0.2 m) before anything is nearer to it than l_c
+//! (0.13 m) by LIDAR or touches its body, within the scenario's time limit (500 steps, 100 s). One navigation is one
+//! start and one target; neither they nor the obstacles' phase are ever seen in training.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use serde::Serialize;
+
+use super::{RunError, simulation};
+use crate::agent::GreedyPolicy;
+use crate::learning::Policy;
+use crate::random;
+use crate::scenario::Scenario;
+use crate::task::{Clock, EpisodeEnd, EpisodeEnded, Places, Pose, Streams, Target, observation};
+use crate::world;
+
+/// The most navigations that are driven side by side.
+const SIDE_BY_SIDE: usize = 512;
+
+/// How one navigation went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Navigation {
+    /// How it ended.
+    pub end: EpisodeEnd,
+    /// Control steps until then.
+    pub steps: u32,
+    /// Where it started.
+    pub start: Pose,
+    /// Where it was to go.
+    pub target: Target,
+    /// The obstacles' clock at its start.
+    pub clock: Clock,
+}
+
+impl Navigation {
+    /// Whether the target was reached.
+    #[must_use]
+    pub fn succeeded(&self) -> bool {
+        self.end == EpisodeEnd::Reached
+    }
+}
+
+/// How a set of navigations went.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// Share of navigations that succeeded, 0 to 1.
+    pub success_rate: f64,
+    /// The same round by round (tables 2 and 5).
+    pub rounds: Vec<f64>,
+    /// Share that ended in a collision.
+    pub collision_rate: f64,
+    /// Share that ran out of time.
+    pub timeout_rate: f64,
+    /// Mean simulated time of the successful ones, in s; null without any.
+    pub mean_time_s: Option<f64>,
+    /// How many navigations.
+    pub navigations: usize,
+    /// The seed of their starts and targets.
+    pub seed: u64,
+}
+
+impl Evaluation {
+    /// The rates and means of `navigations`, in rounds of `round` each.
+    #[must_use]
+    pub fn of(navigations: &[Navigation], round: usize, control_period_s: f32, seed: u64) -> Self {
+        let rate = |of: &[Navigation], end| of.iter().filter(|n| n.end == end).count() as f64 / of.len() as f64;
+        Self {
+            success_rate: rate(navigations, EpisodeEnd::Reached),
+            rounds: navigations.chunks(round).map(|chunk| rate(chunk, EpisodeEnd::Reached)).collect(),
+            collision_rate: rate(navigations, EpisodeEnd::Collided),
+            timeout_rate: rate(navigations, EpisodeEnd::TimedOut),
+            mean_time_s: mean_time_s(navigations, control_period_s),
+            navigations: navigations.len(),
+            seed,
+        }
+    }
+}
+
+/// The simulated time of each successful navigation, in s.
+pub fn times_s(navigations: &[Navigation], control_period_s: f32) -> impl Iterator<Item = f64> {
+    navigations.iter().filter(|n| n.succeeded()).map(move |n| seconds(n.steps, control_period_s))
+}
+
+fn mean_time_s(navigations: &[Navigation], control_period_s: f32) -> Option<f64> {
+    let (count, sum) = times_s(navigations, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+/// `steps` control periods in s, without the period's own f32 rounding showing (0.2 is meant, not 0.200000003).
+fn seconds(steps: u32, control_period_s: f32) -> f64 {
+    f64::from(steps) * (f64::from(control_period_s) * 1e6).round() / 1e6
+}
+
+/// A world in which policies are tried, built once and used again.
+pub struct Evaluator {
+    app: App,
+    scenario: Arc<Scenario>,
+    arenas: usize,
+}
+
+impl Evaluator {
+    /// An evaluator for up to `navigations` navigations at a time.
+    #[must_use]
+    pub fn new(scenario: &Arc<Scenario>, navigations: usize) -> Self {
+        let arenas = navigations.clamp(1, SIDE_BY_SIDE);
+        Self { app: simulation::navigating(scenario, arenas), scenario: scenario.clone(), arenas }
+    }
+
+    /// Drives `count` navigations with `policy`; `places` says where from and to. Navigation j depends on the policy,
+    /// the scenario, `seed` and j alone.
+    ///
+    /// # Errors
+    /// The policy is for other observations or actions than the scenario's; or no place was found for a start.
+    pub fn run(
+        &mut self,
+        policy: &Policy,
+        seed: u64,
+        count: usize,
+        places: Places,
+    ) -> Result<Vec<Navigation>, RunError> {
+        fits(policy, &self.scenario)?;
+        let world = self.app.world_mut();
+        world.insert_resource(GreedyPolicy(policy.clone()));
+        world.insert_resource(places);
+        let mut navigations = Vec::with_capacity(count);
+        while navigations.len() < count {
+            let first = navigations.len();
+            let batch = self.arenas.min(count - first);
+            let world = self.app.world_mut();
+            world::rewind(world, |arena| (arena < batch).then(|| fresh(seed, (first + arena) as u64)));
+            let begun = world::snapshot(world);
+            let mut ends = vec![None; batch];
+            // The time limit ends every navigation.
+            while ends.iter().any(Option::is_none) {
+                simulation::step(&mut self.app)?;
+                for ended in self.app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain() {
+                    ends[ended.arena] = Some((ended.end, ended.steps));
+                }
+            }
+            navigations.extend(ends.into_iter().flatten().zip(begun).map(|((end, steps), state)| Navigation {
+                end,
+                steps,
+                start: state.pose,
+                target: state.target,
+                clock: state.clock,
+            }));
+        }
+        Ok(navigations)
+    }
+}
+
+/// The streams of navigation `index`, and the obstacles' clock at its start.
+fn fresh(seed: u64, index: u64) -> (Streams, Clock) {
+    let clock = random::below(&mut random::stream(seed, "navigation: clock", index), 100_000);
+    let streams = Streams {
+        places: random::stream(seed, "navigation: places", index),
+        sensor: random::stream(seed, "navigation: sensor", index),
+    };
+    (streams, Clock(clock as u64))
+}
+
+/// Whether `policy` can drive in `scenario`.
+///
+/// # Errors
+/// It cannot; what differs.
+pub fn fits(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
+    let shape = policy.network.shape();
+    let inputs = observation::width(scenario.lidar.beams);
+    let actions = scenario.robot.motions.len();
+    if (shape.inputs, shape.actions) == (inputs, actions) {
+        return Ok(());
+    }
+    Err(RunError::Unusable(format!(
+        "the policy takes {} numbers and chooses among {} motions, but scenario \"{}\" gives {inputs} numbers \
+         ({} beams and 4) and has {actions} motions: use the scenario it was trained in, or one with as many beams \
+         and motions",
+        shape.inputs, shape.actions, scenario.name, scenario.lidar.beams
+    )))
+}

@@ -1,0 +1,186 @@
+//! A run's folder: what is written where, and each file whole or not at all.
+//!
+//! | file | what |
+//! |---|---|
+//! | `config.ron` | all that was resolved: scenario, preset, seed, version |
+//! | `episodes.csv`, `evaluations.csv` | a row each ([`records`](super::records)) |
+//! | `events.out.tfevents.*` | the same for TensorBoard |
+//! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last |
+//! | `checkpoint/latest.bin` | everything needed to go on |
+//! | `summary.json`, `learning-curve.svg` | the run in short, and as a picture |
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::preset::Preset;
+use super::RunError;
+use crate::scenario::{FileError, Scenario, read_ron, to_ron};
+
+/// All that was resolved before a run began: `config.ron`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunConfig {
+    /// The version of wayfield that made the run.
+    pub version: String,
+    /// The seed of every random draw.
+    pub seed: u64,
+    /// What the scenario was asked for as.
+    pub scenario_from: String,
+    /// What the preset was asked for as.
+    pub preset_from: String,
+    /// The policy that training started from, if any.
+    #[serde(default)]
+    pub transfer: Option<Transfer>,
+    /// The world.
+    pub scenario: Scenario,
+    /// How to learn, command-line changes included.
+    pub preset: Preset,
+}
+
+/// Knowledge transfer: training starts from a policy (section 3.2).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Transfer {
+    /// The policy's file, as it was asked for.
+    pub policy: String,
+    /// Epsilon at the start, if not the preset's.
+    pub epsilon: Option<f32>,
+}
+
+/// A run's folder on disk.
+#[derive(Clone, Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+}
+
+impl RunFolder {
+    /// Makes the folder for a new run and writes `config.ron` into it. Without a path: `runs/<scenario>-<preset>-<seed>`,
+    /// with a number behind it if that is taken.
+    ///
+    /// # Errors
+    /// The folder holds a run already, or cannot be written.
+    pub fn create(path: Option<PathBuf>, config: &RunConfig) -> Result<Self, RunError> {
+        let folder = Self { path: path.unwrap_or_else(|| default_path(config)) };
+        if folder.config().exists() {
+            let why = "holds a run already: go on with it by --resume, or give --out another folder";
+            return Err(RunError::unusable(&folder.path, why));
+        }
+        let unwritable = |error: io::Error| {
+            RunError::unusable(&folder.path, format!("can't be written ({error}): give --out another folder"))
+        };
+        fs::create_dir_all(folder.path.join("checkpoint")).map_err(unwritable)?;
+        folder.write_config(config).map_err(|error| match error {
+            RunError::Failed(text) | RunError::Unusable(text) => RunError::Unusable(text),
+        })?;
+        Ok(folder)
+    }
+
+    /// The folder of a run that was begun, and its configuration.
+    ///
+    /// # Errors
+    /// It is not there, or its `config.ron` cannot be used.
+    pub fn open(path: &Path) -> Result<(Self, RunConfig), RunError> {
+        let folder = Self { path: path.into() };
+        if !folder.config().exists() {
+            let why = "is no run's folder (it has no config.ron): give --resume the folder of a run";
+            return Err(RunError::unusable(path, why));
+        }
+        let config: RunConfig = read_ron(folder.config())?;
+        let findings: Vec<_> = config.preset.findings().into_iter().chain(crate::scenario::findings(&config.scenario)).collect();
+        if !findings.is_empty() {
+            return Err(FileError::in_fields(&folder.config(), "", &findings).into());
+        }
+        Ok((folder, config))
+    }
+
+    /// Writes `config.ron` anew.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_config(&self, config: &RunConfig) -> Result<(), RunError> {
+        let text = to_ron(config).map_err(|error| RunError::failed(&self.config(), error))?;
+        self.write("config.ron", |file| file.write_all(text.as_bytes()))
+    }
+
+    /// Writes the file `name` by `write`: whole or not at all, an older one is replaced at the end.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(
+        &self,
+        name: &str,
+        write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+    ) -> Result<(), RunError> {
+        let path = self.path.join(name);
+        let in_folder = path.parent().unwrap_or(&self.path);
+        let attempt = || -> io::Result<()> {
+            let mut temporary = tempfile::NamedTempFile::new_in(in_folder)?;
+            let mut writer = BufWriter::new(temporary.as_file_mut());
+            write(&mut writer)?;
+            writer.flush()?;
+            drop(writer);
+            make_readable(temporary.path())?;
+            temporary.as_file().sync_all()?;
+            temporary.persist(&path).map_err(|error| error.error)?;
+            Ok(())
+        };
+        attempt().map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
+    }
+
+    /// A CSV file of the run, opened to add rows behind its first `bytes` bytes; whatever stood behind them is gone.
+    ///
+    /// # Errors
+    /// It cannot be opened, or is shorter than that.
+    pub fn csv(&self, name: &str, bytes: u64) -> Result<csv::Writer<File>, RunError> {
+        let path = self.path.join(name);
+        let open = || -> io::Result<File> {
+            let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;
+            if file.metadata()?.len() < bytes {
+                return Err(io::Error::other("it is shorter than the checkpoint says; rows were lost"));
+            }
+            file.set_len(bytes)?;
+            io::Seek::seek(&mut file, io::SeekFrom::End(0))?;
+            Ok(file)
+        };
+        let file = open().map_err(|error| RunError::unusable(&path, error))?;
+        Ok(csv::WriterBuilder::new().has_headers(bytes == 0).from_writer(file))
+    }
+
+    /// The folder's path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn config(&self) -> PathBuf {
+        self.path.join("config.ron")
+    }
+}
+
+/// Temporary files are made private; what a run leaves behind is as readable as any file.
+#[cfg(unix)]
+fn make_readable(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    fs::set_permissions(path, fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn make_readable(_: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+fn default_path(config: &RunConfig) -> PathBuf {
+    let stem = |from: &str| Path::new(from).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = format!("{}-{}-{}", stem(&config.scenario_from), stem(&config.preset_from), config.seed);
+    let runs = Path::new("runs");
+    let mut path = runs.join(&name);
+    let mut number = 2;
+    while path.join("config.ron").exists() {
+        path = runs.join(format!("{name}-{number}"));
+        number += 1;
+    }
+    path
+}

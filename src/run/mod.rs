@@ -1,0 +1,66 @@
+//! What a user does without a window: train, evaluate, transfer, resume.
+//!
+//! In: a scenario, a preset, a seed (or a run's folder, or a policy). Out: run folders, results, progress.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `preset.rs` | how to learn: the file of all switches and numbers |
+//! | `shipped.rs` | the scenarios and presets that come with the program, by name |
+//! | `simulation.rs` | the headless app: the rooms' plugins put together |
+//! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
+//! | `evaluate.rs` | success over rounds of navigations, and the timed course |
+//! | `optimum.rs` | the least time that any policy could need |
+//! | `folder.rs` | a run's folder: what is written where, whole or not at all |
+//! | `records.rs` | the rows of `episodes.csv` and `evaluations.csv`, and the summary |
+//! | `checkpoint.rs` | everything that a run needs to go on to the bit |
+//! | `tensorboard.rs`, `progress.rs` | the same for TensorBoard, and for whoever waits |
+
+pub mod checkpoint;
+pub mod evaluate;
+pub mod folder;
+pub mod optimum;
+pub mod preset;
+pub mod progress;
+pub mod records;
+pub mod shipped;
+pub mod simulation;
+pub mod tensorboard;
+pub mod train;
+
+/// Why a command could not do what it was asked.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RunError {
+    /// Arguments or files that cannot be used: nothing was begun. Exit status 2.
+    #[error("{0}")]
+    Unusable(String),
+    /// The work itself failed. Exit status 1.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl RunError {
+    /// The process's exit status.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Unusable(_) => 2,
+            Self::Failed(_) => 1,
+        }
+    }
+
+    /// A file that cannot be used, and why.
+    pub(crate) fn unusable(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
+        Self::Unusable(format!("{}: {why}", path.display()))
+    }
+
+    /// A file that could not be written while at work, and why.
+    pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
+        Self::Failed(format!("{}: {why}", path.display()))
+    }
+}
+
+impl From<crate::scenario::FileError> for RunError {
+    fn from(error: crate::scenario::FileError) -> Self {
+        Self::Unusable(error.to_string())
+    }
+}

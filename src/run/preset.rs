@@ -1,0 +1,106 @@
+//! A preset: how to learn. Everything that is chosen beside the world and the seed.
+//!
+//! In: a RON file of `assets/presets/`, or a user's own. Out: a checked [`Preset`].
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::learning::LearningConfig;
+use crate::scenario::{FileError, Finding, parse_ron, read_text};
+use crate::task::RewardConfig;
+
+/// How to learn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Preset {
+    /// What it is for and what is special about it.
+    #[serde(default)]
+    pub about: String,
+    /// How many arenas run side by side, 1 to 4096. The paper: 1.
+    pub arenas: usize,
+    /// How long a run is, unless the command line says otherwise.
+    pub budget: Budget,
+    /// When the policy is evaluated during training.
+    #[serde(default)]
+    pub evaluation: EvaluationRule,
+    /// What a step is worth: eqs. (3) to (7).
+    #[serde(default)]
+    pub reward: RewardConfig,
+    /// The algorithm and its numbers.
+    pub learning: LearningConfig,
+}
+
+/// How long a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Budget {
+    /// Until so many episodes have ended, over all arenas.
+    Episodes(u64),
+    /// Until so many env steps were taken, over all arenas.
+    EnvSteps(u64),
+}
+
+/// When and how long the greedy policy is evaluated during training. Evaluations have a world and streams of their
+/// own: they change nothing of what is learnt, only which policy is kept as the best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EvaluationRule {
+    /// Every so many env steps, at least 1.
+    pub every_env_steps: u64,
+    /// Over so many navigations (always the same ones), 1 to 100,000.
+    pub navigations: usize,
+}
+
+impl Default for EvaluationRule {
+    fn default() -> Self {
+        Self { every_env_steps: 10_000, navigations: 200 }
+    }
+}
+
+impl Preset {
+    /// The preset in the file at `path`, read and checked.
+    ///
+    /// # Errors
+    /// With file, line, column and mend: a file that cannot be read, is no preset, or asks for what cannot be.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        Self::parse(&read_text(path)?, path)
+    }
+
+    /// The preset that `text` spells, checked; `path` is only what errors name.
+    ///
+    /// # Errors
+    /// As [`Preset::load`].
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let preset: Self = parse_ron(text, path)?;
+        let findings = preset.findings();
+        if findings.is_empty() { Ok(preset) } else { Err(FileError::in_fields(path, text, &findings)) }
+    }
+
+    /// Everything in it that cannot be meant.
+    #[must_use]
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        let mut found = |path: &str, message: String| findings.push(Finding { path: path.into(), message });
+        if !(1..=4096).contains(&self.arenas) {
+            found("arenas", format!("is {}; give 1 to 4096", self.arenas));
+        }
+        if matches!(self.budget, Budget::Episodes(0) | Budget::EnvSteps(0)) {
+            found("budget", "is 0; give at least 1".into());
+        }
+        if self.evaluation.every_env_steps == 0 {
+            found("evaluation.every_env_steps", "is 0; give at least 1, such as 10000".into());
+        }
+        if !(1..=100_000).contains(&self.evaluation.navigations) {
+            found("evaluation.navigations", format!("is {}; give 1 to 100000", self.evaluation.navigations));
+        }
+        if let Err((field, problem)) = self.reward.check() {
+            found(&format!("reward.{field}"), problem);
+        }
+        if let Err(error) = self.learning.check() {
+            found(&format!("learning.{}", error.field), error.problem);
+        }
+        findings
+    }
+}

@@ -1,0 +1,107 @@
+//! The scenarios and presets that come with the program, by name: they work from any folder.
+//!
+//! In: what the user typed after `--scenario` or `--preset`: a file's path, or a shipped name. Out: the thing itself.
+
+use std::path::Path;
+
+use super::preset::Preset;
+use crate::scenario::{FileError, Scenario};
+
+/// A file of the project, compiled in.
+struct Shipped {
+    name: &'static str,
+    path: &'static str,
+    text: &'static str,
+}
+
+macro_rules! shipped {
+    ($folder:literal: $($name:literal),+ $(,)?) => {
+        &[$(Shipped {
+            name: $name,
+            path: concat!($folder, "/", $name, ".ron"),
+            text: include_str!(concat!("../../", $folder, "/", $name, ".ron")),
+        }),+]
+    };
+}
+
+const SCENARIOS: &[Shipped] = shipped!("scenarios": "scenario-1", "scenario-2", "empty");
+const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
+
+/// The scenario at the path `wanted`, or the shipped one of that name.
+///
+/// # Errors
+/// With file, line, column and mend, as [`Scenario::load`].
+pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
+    match find(SCENARIOS, wanted) {
+        Some(file) => Scenario::parse(file.text, file.path),
+        None => Scenario::load(wanted).map_err(|error| with_names(error, wanted, SCENARIOS)),
+    }
+}
+
+/// The preset at the path `wanted`, or the shipped one of that name.
+///
+/// # Errors
+/// With file, line, column and mend, as [`Preset::load`].
+pub fn preset(wanted: &str) -> Result<Preset, FileError> {
+    match find(PRESETS, wanted) {
+        Some(file) => Preset::parse(file.text, file.path),
+        None => Preset::load(wanted).map_err(|error| with_names(error, wanted, PRESETS)),
+    }
+}
+
+/// A shipped file is meant if no file of the user's has that path, and the name (or the path it has in the project)
+/// is one of those shipped.
+fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
+    if Path::new(wanted).exists() {
+        return None;
+    }
+    files.iter().find(|file| file.name == wanted || file.path == wanted)
+}
+
+/// For a name that is neither a file nor shipped: the error also says what is shipped.
+fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
+    if wanted.contains(['/', '\\', '.']) || Path::new(wanted).exists() {
+        return error;
+    }
+    let names: Vec<&str> = files.iter().map(|file| file.name).collect();
+    let nearest = names
+        .iter()
+        .map(|name| (strsim::jaro_winkler(name, wanted), name))
+        .filter(|(likeness, _)| *likeness > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let mend = match nearest {
+        Some((_, name)) => format!("did you mean `{name}`?"),
+        None => "give a file's path or a shipped name".into(),
+    };
+    let message = format!("no such file, and nothing of that name is shipped: {mend} Shipped: {}", names.join(", "));
+    FileError::whole(Path::new(wanted), message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_shipped_loads_by_name() {
+        for file in SCENARIOS {
+            if let Err(error) = scenario(file.name) {
+                panic!("{error}");
+            }
+        }
+        for file in PRESETS {
+            if let Err(error) = preset(file.name) {
+                panic!("{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_mistyped_name_is_answered_with_the_nearest() {
+        let error = preset("fsat").unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "fsat: no such file, and nothing of that name is shipped: did you mean `fast`? \
+             Shipped: fast, dqn, per_d3qn, per_d3qn_tuned"
+        );
+    }
+}

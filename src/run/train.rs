@@ -1,0 +1,501 @@
+//! The training loop: step, record, evaluate, keep the best, stop.
+//!
+//! In: what to run ([`Job`]) and a flag that asks to stop. Out: a run's folder, and its [`Summary`]. Wall time decides
+//! when a checkpoint is written and what the progress bar says, never what is learnt.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+
+use super::checkpoint::{self, Best, Standing};
+use super::evaluate::{self, Evaluation, Evaluator};
+use super::folder::{RunConfig, RunFolder};
+use super::preset::Budget;
+use super::progress::{Goal, Progress, Status};
+use super::records::{EpisodeRow, EvaluationRow, Milestone, Summary};
+use super::tensorboard::EventWriter;
+use super::{RunError, simulation};
+use crate::agent::{Trainer, TrainingStats};
+use crate::learning::{Learner, Policy};
+use crate::random::{self, Stream};
+use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
+use crate::scenario::Scenario;
+use crate::task::{EpisodeEnded, Places, observation};
+
+/// A checkpoint is written this often, beside those at the start and the end.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
+
+/// What to run.
+pub enum Job {
+    /// A new run.
+    New {
+        /// All that was resolved.
+        config: Box<RunConfig>,
+        /// The policy to start from, if any.
+        policy: Option<Policy>,
+        /// The folder, if not the default one.
+        out: Option<PathBuf>,
+    },
+    /// An old run goes on.
+    Resume {
+        /// Its folder.
+        folder: PathBuf,
+        /// Its budget from now on, counted from the run's very start, if another than before.
+        budget: Option<Budget>,
+    },
+}
+
+/// Runs `job` until its budget is used up or `stop` is set, whichever comes first; `began` is when the process did.
+///
+/// # Errors
+/// Files that cannot be used or written; learning that diverged. Checkpoints written before are kept.
+pub fn train(job: Job, stop: &AtomicBool, began: Instant) -> Result<(PathBuf, Summary), RunError> {
+    let mut run = match job {
+        Job::New { config, policy, out } => Run::begin(*config, policy, out, began)?,
+        Job::Resume { folder, budget } => Run::resume(&folder, budget, began)?,
+    };
+    run.progress.line(&format!("{}: {}", run.folder.path().display(), run.description()));
+    let result = run.steps(stop);
+    // Whatever ended it: rows that were written stay written.
+    let flushed = run.flush();
+    result?;
+    flushed?;
+    let summary = run.end()?;
+    Ok((run.folder.path().to_path_buf(), summary))
+}
+
+/// A learner as `config` asks for, starting from `policy` if there is one.
+///
+/// # Errors
+/// The configuration or the policy does not fit.
+fn learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
+    let inputs = observation::width(config.scenario.lidar.beams);
+    let actions = config.scenario.robot.motions.len();
+    let preset = &config.preset;
+    let mut learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, config.seed)
+        .map_err(|error| RunError::Unusable(format!("{}: {error}", config.preset_from)))?;
+    if let (Some(policy), Some(transfer)) = (policy, &config.transfer) {
+        evaluate::fits(policy, &config.scenario)?;
+        learner
+            .start_from(policy, transfer.epsilon)
+            .map_err(|error| RunError::Unusable(format!("{}: {error}", transfer.policy)))?;
+    }
+    Ok(learner)
+}
+
+struct Run {
+    config: RunConfig,
+    app: App,
+    evaluator: Evaluator,
+    evaluation_seed: u64,
+    folder: RunFolder,
+    episodes: csv::Writer<File>,
+    evaluations: csv::Writer<File>,
+    events: EventWriter,
+    progress: Progress,
+    standing: Standing,
+    began: Instant,
+    /// Wall time of earlier processes, in s.
+    earlier_s: f64,
+    saved: Instant,
+}
+
+impl Run {
+    fn begin(
+        config: RunConfig,
+        policy: Option<Policy>,
+        out: Option<PathBuf>,
+        began: Instant,
+    ) -> Result<Self, RunError> {
+        let learner = learner(&config, policy.as_ref())?;
+        let folder = RunFolder::create(out, &config)?;
+        let standing =
+            Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
+        let mut run = Self::open(config, folder, learner, standing, began)?;
+        run.flush()?;
+        run.save()?;
+        Ok(run)
+    }
+
+    fn resume(path: &Path, budget: Option<Budget>, began: Instant) -> Result<Self, RunError> {
+        let (folder, mut config) = RunFolder::open(path)?;
+        let (standing, learner) = checkpoint::load(&folder, &config)?;
+        let budget = budget.unwrap_or(config.preset.budget);
+        if remaining(budget, &learner) == 0 {
+            let done = match budget {
+                Budget::Episodes(_) => format!("{} episodes", learner.episodes()),
+                Budget::EnvSteps(_) => format!("{} env steps", learner.env_steps()),
+            };
+            return Err(RunError::unusable(
+                path,
+                format!("this run has had its {done}: to go on, give --episodes or --steps more than that (they count from the run's start)"),
+            ));
+        }
+        if budget != config.preset.budget {
+            config.preset.budget = budget;
+            folder.write_config(&config)?;
+        }
+        let mut run = Self::open(config, folder, learner, standing, began)?;
+        checkpoint::restore(run.app.world_mut(), &run.standing);
+        if let Some(best) = &run.standing.best {
+            run.write_policy("policy.safetensors", &best.bytes)?;
+        }
+        Ok(run)
+    }
+
+    fn open(
+        config: RunConfig,
+        folder: RunFolder,
+        learner: Learner,
+        standing: Standing,
+        began: Instant,
+    ) -> Result<Self, RunError> {
+        let scenario = Arc::new(config.scenario.clone());
+        let preset = &config.preset;
+        let goal = match preset.budget {
+            Budget::Episodes(n) => Goal::Episodes(n),
+            Budget::EnvSteps(n) => Goal::EnvSteps(n),
+        };
+        let events = EventWriter::create(folder.path(), &format!("{}", standing.episodes_bytes))
+            .map_err(|error| RunError::unusable(folder.path(), error))?;
+        Ok(Self {
+            app: simulation::training(&scenario, &preset.reward, preset.arenas, config.seed, learner),
+            evaluator: Evaluator::new(&scenario, preset.evaluation.navigations),
+            evaluation_seed: evaluation_seed(config.seed),
+            episodes: folder.csv("episodes.csv", standing.episodes_bytes)?,
+            evaluations: folder.csv("evaluations.csv", standing.evaluations_bytes)?,
+            events,
+            progress: Progress::new(goal, false),
+            earlier_s: standing.wall_s,
+            standing,
+            began,
+            saved: Instant::now(),
+            folder,
+            config,
+        })
+    }
+
+    /// What is run, in a line.
+    fn description(&self) -> String {
+        let RunConfig { scenario, preset_from, seed, transfer, preset, .. } = &self.config;
+        let from = transfer.as_ref().map_or(String::new(), |t| format!(", from {}", t.policy));
+        let arenas = preset.arenas;
+        format!(
+            "{}, preset {preset_from}, seed {seed}, {arenas} arena{}{from}",
+            scenario.name,
+            if arenas == 1 { "" } else { "s" }
+        )
+    }
+
+    fn learner(&self) -> &Learner {
+        &self.app.world().resource::<Trainer>().0
+    }
+
+    fn wall_s(&self) -> f64 {
+        self.earlier_s + self.began.elapsed().as_secs_f64()
+    }
+
+    /// Control steps, until the budget is used up or somebody asks to stop.
+    fn steps(&mut self, stop: &AtomicBool) -> Result<(), RunError> {
+        while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
+            simulation::step(&mut self.app)?;
+            self.record_episodes()?;
+            if self.learner().env_steps() >= self.standing.next_evaluation {
+                self.standing.next_evaluation += self.config.preset.evaluation.every_env_steps;
+                self.evaluate()?;
+            }
+            if self.saved.elapsed() >= CHECKPOINT_EVERY {
+                self.flush()?;
+                self.save()?;
+            }
+            self.show_progress();
+        }
+        Ok(())
+    }
+
+    fn show_progress(&mut self) {
+        let returns = &self.standing.recent_returns;
+        let mean_return = (!returns.is_empty()).then(|| returns.iter().sum::<f64>() / returns.len() as f64);
+        let learner = &self.app.world().resource::<Trainer>().0;
+        self.progress.update(&Status {
+            episodes: learner.episodes(),
+            env_steps: learner.env_steps(),
+            gradient_steps: learner.gradient_steps(),
+            mean_return,
+            success_rate: self.standing.last_success_rate,
+            epsilon: learner.epsilon(),
+        });
+    }
+
+    /// A row for every episode that the last step ended.
+    fn record_episodes(&mut self) -> Result<(), RunError> {
+        let world = self.app.world_mut();
+        if world.resource::<Messages<EpisodeEnded>>().is_empty() {
+            return Ok(());
+        }
+        let ended: Vec<EpisodeEnded> = world.resource_mut::<Messages<EpisodeEnded>>().drain().collect();
+        if let Some(means) = world.resource_mut::<TrainingStats>().take_means() {
+            self.standing.means = Some(means);
+        }
+        let wall_s = self.wall_s();
+        let learner = &self.app.world().resource::<Trainer>().0;
+        let means = self.standing.means;
+        let before = learner.episodes() - ended.len() as u64;
+        for (number, ended) in (before + 1..).zip(&ended) {
+            let row = EpisodeRow {
+                episode: number,
+                arena: ended.arena,
+                env_steps: learner.env_steps(),
+                gradient_steps: learner.gradient_steps(),
+                steps: ended.steps,
+                total_return: f64::from(ended.rewards.total()),
+                reward_reached: ended.rewards.reached,
+                reward_collided: ended.rewards.collided,
+                reward_attraction: ended.rewards.attraction,
+                reward_repulsion: ended.rewards.repulsion,
+                targets: ended.targets,
+                collision: EpisodeRow::collision_of(ended.end),
+                epsilon: learner.epsilon(),
+                loss: means.map(|m| m.0),
+                td_error: means.map(|m| m.1),
+                mean_q: means.map(|m| m.2),
+                wall_s,
+            };
+            self.episodes.serialize(&row).map_err(|e| cannot_write(&self.folder, "episodes.csv", e))?;
+            self.standing.recent_returns.push_back(row.total_return);
+            if self.standing.recent_returns.len() > 100 {
+                self.standing.recent_returns.pop_front();
+            }
+            for (tag, value) in [
+                ("episode/return", Some(row.total_return)),
+                ("episode/steps", Some(f64::from(row.steps))),
+                ("episode/targets", Some(f64::from(row.targets))),
+                ("learning/loss", row.loss),
+                ("learning/td_error", row.td_error),
+                ("learning/mean_q", row.mean_q),
+                ("learning/epsilon", Some(f64::from(row.epsilon))),
+            ] {
+                if let Some(value) = value {
+                    self.events
+                        .scalar(tag, row.env_steps, value as f32)
+                        .map_err(|e| cannot_write(&self.folder, "events", e))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Evaluates the present policy, writes it down, and keeps it if it is the best.
+    fn evaluate(&mut self) -> Result<(), RunError> {
+        let count = self.config.preset.evaluation.navigations;
+        let policy = self.policy(None);
+        let navigations = self.evaluator.run(&policy, self.evaluation_seed, count, Places::Drawn)?;
+        let period = self.config.scenario.task.control_period_s;
+        let result = Evaluation::of(&navigations, count, period, self.evaluation_seed);
+        let learner = &self.app.world().resource::<Trainer>().0;
+        let row = EvaluationRow {
+            env_steps: learner.env_steps(),
+            episodes: learner.episodes(),
+            gradient_steps: learner.gradient_steps(),
+            success_rate: result.success_rate,
+            collision_rate: result.collision_rate,
+            timeout_rate: result.timeout_rate,
+            mean_time_s: result.mean_time_s,
+            wall_s: self.wall_s(),
+        };
+        self.evaluations.serialize(&row).map_err(|e| cannot_write(&self.folder, "evaluations.csv", e))?;
+        let fail = |e| cannot_write(&self.folder, "events", e);
+        self.events.scalar("evaluation/success_rate", row.env_steps, row.success_rate as f32).map_err(fail)?;
+        if let Some(time) = row.mean_time_s {
+            self.events.scalar("evaluation/mean_time_s", row.env_steps, time as f32).map_err(fail)?;
+        }
+
+        let milestone = Milestone { env_steps: row.env_steps, episodes: row.episodes, wall_s: row.wall_s };
+        let standing = &mut self.standing;
+        standing.last_success_rate = Some(row.success_rate);
+        standing.evaluated_at = Some(row.env_steps);
+        for (first, rate) in [(&mut standing.first_96, 0.96), (&mut standing.first_99, 0.99)] {
+            if first.is_none() && row.success_rate >= rate {
+                *first = Some(milestone);
+                let percent = 100.0 * rate;
+                self.progress.line(&format!(
+                    "{percent:.0} % reached after {} env steps, {:.1} s",
+                    row.env_steps, row.wall_s
+                ));
+            }
+        }
+        let beaten = |best: &Best| best.is_beaten_by(row.success_rate, row.mean_time_s);
+        if standing.best.as_ref().is_none_or(beaten) {
+            let bytes = self.bytes(&self.policy(Some(&row)))?;
+            self.write_policy("policy.safetensors", &bytes)?;
+            self.standing.best =
+                Some(Best { success_rate: row.success_rate, mean_time_s: row.mean_time_s, bytes });
+        }
+        Ok(())
+    }
+
+    /// The present policy, with what a user needs to know about it.
+    fn policy(&self, evaluated: Option<&EvaluationRow>) -> Policy {
+        let mut policy = self.learner().policy();
+        policy.metadata = metadata(&self.config, self.learner(), evaluated);
+        policy
+    }
+
+    fn bytes(&self, policy: &Policy) -> Result<Vec<u8>, RunError> {
+        policy.to_bytes().map_err(|error| RunError::Failed(format!("the policy cannot be saved: {error}")))
+    }
+
+    fn write_policy(&self, name: &str, bytes: &[u8]) -> Result<(), RunError> {
+        self.folder.write(name, |file| std::io::Write::write_all(file, bytes))
+    }
+
+    fn flush(&mut self) -> Result<(), RunError> {
+        let folder = &self.folder;
+        self.episodes.flush().map_err(|e| cannot_write(folder, "episodes.csv", e))?;
+        self.evaluations.flush().map_err(|e| cannot_write(folder, "evaluations.csv", e))?;
+        self.events.flush().map_err(|e| cannot_write(folder, "events", e))
+    }
+
+    /// A checkpoint of this moment. Everything must have been flushed.
+    fn save(&mut self) -> Result<(), RunError> {
+        let length = |writer: &csv::Writer<File>| writer.get_ref().metadata().map(|m| m.len());
+        let failed = |e| cannot_write(&self.folder, "episodes.csv", e);
+        self.standing.episodes_bytes = length(&self.episodes).map_err(failed)?;
+        self.standing.evaluations_bytes = length(&self.evaluations).map_err(failed)?;
+        self.standing.wall_s = self.wall_s();
+        checkpoint::save(&self.folder, self.app.world_mut(), &mut self.standing)?;
+        self.saved = Instant::now();
+        Ok(())
+    }
+
+    /// The last checkpoint, the last evaluation, the last policy, the summary and the picture.
+    ///
+    /// The last evaluation comes after the checkpoint: had the run gone on, it would not have taken place, and a
+    /// resumed run must end like one that never stopped.
+    fn end(&mut self) -> Result<Summary, RunError> {
+        self.save()?;
+        let finished = remaining(self.config.preset.budget, self.learner()) == 0;
+        if self.standing.evaluated_at != Some(self.learner().env_steps()) {
+            self.evaluate()?;
+        }
+        self.flush()?;
+        let last = self.bytes(&self.policy(None))?;
+        self.write_policy("policy-last.safetensors", &last)?;
+
+        let best = self.standing.best.as_ref();
+        let learner = self.learner();
+        let summary = Summary {
+            version: self.config.version.clone(),
+            scenario: self.config.scenario.name.clone(),
+            preset: self.config.preset_from.clone(),
+            seed: self.config.seed,
+            finished,
+            episodes: learner.episodes(),
+            env_steps: learner.env_steps(),
+            gradient_steps: learner.gradient_steps(),
+            wall_s: self.wall_s(),
+            best_success_rate: best.map(|b| b.success_rate),
+            best_mean_time_s: best.and_then(|b| b.mean_time_s),
+            last_success_rate: self.standing.last_success_rate,
+            first_96: self.standing.first_96,
+            first_99: self.standing.first_99,
+        };
+        let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
+        self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
+        self.draw()?;
+        let how = if finished { "done" } else { "stopped; go on with --resume" };
+        self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
+        Ok(summary)
+    }
+
+    /// `learning-curve.svg`, from the rows on disk (a resumed run's first half is only there).
+    fn draw(&self) -> Result<(), RunError> {
+        let read = |name: &str| {
+            csv::Reader::from_path(self.folder.path().join(name)).map_err(|e| cannot_write(&self.folder, name, e))
+        };
+        let episodes: Vec<EpisodePoint> = read("episodes.csv")?
+            .deserialize::<EpisodeRow>()
+            .filter_map(Result::ok)
+            .map(|row| EpisodePoint {
+                env_steps: row.env_steps,
+                total_return: row.total_return,
+                targets: row.targets,
+            })
+            .collect();
+        let evaluations: Vec<EvaluationPoint> = read("evaluations.csv")?
+            .deserialize::<EvaluationRow>()
+            .filter_map(Result::ok)
+            .map(|row| EvaluationPoint {
+                env_steps: row.env_steps,
+                success_rate: row.success_rate,
+                mean_time_s: row.mean_time_s,
+            })
+            .collect();
+        let svg = learning_curve_svg(&self.description(), &episodes, &evaluations)
+            .map_err(|error| RunError::Failed(format!("the learning curve cannot be drawn: {error}")))?;
+        self.folder.write("learning-curve.svg", |file| std::io::Write::write_all(file, svg.as_bytes()))
+    }
+}
+
+/// What is left of a budget.
+fn remaining(budget: Budget, learner: &Learner) -> u64 {
+    match budget {
+        Budget::Episodes(n) => n.saturating_sub(learner.episodes()),
+        Budget::EnvSteps(n) => n.saturating_sub(learner.env_steps()),
+    }
+}
+
+/// The seed of the evaluations during training, far from any that a user would give to `--eval`.
+fn evaluation_seed(seed: u64) -> u64 {
+    let mut stream: Stream = random::stream(seed, "evaluation during training", 0);
+    rand::Rng::next_u64(&mut stream)
+}
+
+fn cannot_write(folder: &RunFolder, name: &str, error: impl std::fmt::Display) -> RunError {
+    RunError::failed(&folder.path().join(name), format!("can't be written: {error}"))
+}
+
+/// What a user of a policy needs to know: what goes in, what comes out, where it comes from.
+fn metadata(
+    config: &RunConfig,
+    learner: &Learner,
+    evaluated: Option<&EvaluationRow>,
+) -> std::collections::BTreeMap<String, String> {
+    let Scenario { name, lidar, robot, task, .. } = &config.scenario;
+    let motions: Vec<String> =
+        robot.motions.iter().map(|m| format!("{} m/s {} rad/s", m.v_m_s, m.w_rad_s)).collect();
+    let mut metadata: std::collections::BTreeMap<String, String> = [
+        ("wayfield", config.version.clone()),
+        ("scenario", name.clone()),
+        ("preset", config.preset_from.clone()),
+        ("seed", config.seed.to_string()),
+        ("env_steps", learner.env_steps().to_string()),
+        ("gradient_steps", learner.gradient_steps().to_string()),
+        (
+            "observation",
+            format!(
+                "{} LIDAR ranges / {} m (beam 0 ahead, counterclockwise); bearing of the target / pi rad (left \
+                 positive); its distance / {} m; the smallest range / {} m; the number of its beam / {}",
+                lidar.beams,
+                observation::RANGE_SCALE_M,
+                observation::DISTANCE_SCALE_M,
+                observation::RANGE_SCALE_M,
+                lidar.beams
+            ),
+        ),
+        ("actions", motions.join("; ")),
+        ("control_period_s", task.control_period_s.to_string()),
+        ("lidar_max_range_m", lidar.max_range_m.to_string()),
+    ]
+    .into_iter()
+    .map(|(key, value)| (key.to_string(), value))
+    .collect();
+    if let Some(row) = evaluated {
+        metadata.insert("success_rate".into(), row.success_rate.to_string());
+    }
+    metadata
+}

@@ -1,0 +1,203 @@
+//! A headless app as the trainer builds it, without the agent: the tests choose the actions.
+//!
+//! In: a scenario, a number of arenas, a seed. Out: a [`Lab`] that steps, and tells what it sees. [`closed_form`]
+//! holds the geometry that the LIDAR and the clearances are held against, worked in f64 and without parry.
+#![allow(dead_code, reason = "each test file uses its own part of the helpers")]
+
+pub mod closed_form;
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
+use wayfield::control_step::{ControlStep, ControlStepPlugin};
+use wayfield::random::{self, Stream};
+use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
+use wayfield::task::{
+    Actions, Arena, ArenaState, EpisodeEnded, Observations, Outcome, Outcomes, Pose, RewardConfig, TaskMode,
+    TaskPlugin, observation,
+};
+use wayfield::world::{self, Bodies, WorldPlugin, lidar};
+
+/// World and task in one headless app.
+pub struct Lab {
+    pub app: App,
+    pub scenario: Arc<Scenario>,
+}
+
+impl Lab {
+    /// `arenas` arenas of `scenario` with the paper's reward, going on after each end.
+    pub fn new(scenario: &Scenario, arenas: usize, seed: u64) -> Self {
+        Self::with(scenario, arenas, seed, RewardConfig::default(), TaskMode::Continuing)
+    }
+
+    pub fn with(scenario: &Scenario, arenas: usize, seed: u64, reward: RewardConfig, mode: TaskMode) -> Self {
+        let mut app = empty_app(reward, mode);
+        let scenario = Arc::new(scenario.clone());
+        world::populate(app.world_mut(), &scenario, arenas, seed);
+        Self { app, scenario }
+    }
+
+    /// Replaces the arenas, as hot reloading does.
+    pub fn populate(&mut self, scenario: &Scenario, arenas: usize, seed: u64) {
+        self.scenario = Arc::new(scenario.clone());
+        world::populate(self.app.world_mut(), &self.scenario, arenas, seed);
+    }
+
+    /// One control step; arena k takes `actions[k]`.
+    pub fn step(&mut self, actions: &[usize]) {
+        self.app.world_mut().resource_mut::<Actions>().0.copy_from_slice(actions);
+        self.app.world_mut().run_schedule(ControlStep);
+    }
+
+    /// The episodes that have ended since this was last asked.
+    pub fn ended(&mut self) -> Vec<EpisodeEnded> {
+        self.app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().collect()
+    }
+
+    /// The state of every arena, by number.
+    pub fn states(&mut self) -> Vec<ArenaState> {
+        world::snapshot(self.app.world_mut())
+    }
+
+    pub fn state(&mut self, arena: usize) -> ArenaState {
+        self.states().swap_remove(arena)
+    }
+
+    /// Changes the state of one arena by hand: puts its robot or its target elsewhere.
+    pub fn edit(&mut self, arena: usize, change: impl FnOnce(&mut ArenaState)) {
+        let mut states = self.states();
+        change(&mut states[arena]);
+        world::restore(self.app.world_mut(), &states);
+    }
+
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.app.world().resource::<Outcomes>().0
+    }
+
+    /// What the policy of `arena` sees now.
+    pub fn row(&self, arena: usize) -> Vec<f32> {
+        self.app.world().resource::<Observations>().row(arena).to_vec()
+    }
+
+    /// A scan from `pose` in `arena`, cast anew against the colliders as they are now.
+    pub fn cast(&mut self, arena: usize, pose: &Pose) -> Vec<f32> {
+        let beams = lidar::Beams::around(self.scenario.lidar.beams);
+        let max_range_m = self.scenario.lidar.max_range_m;
+        self.look(arena, |bodies, _, colliders| {
+            let mut ranges_m = Vec::new();
+            lidar::cast(&colliders.colliders, &bodies.solids, pose, &beams.0, max_range_m, &mut ranges_m);
+            ranges_m
+        })
+    }
+
+    /// Lets `ask` look at rapier's bodies and colliders of `arena`.
+    pub fn look<T>(
+        &mut self,
+        arena: usize,
+        ask: impl FnOnce(&Bodies, &RapierRigidBodySet, &RapierContextColliders) -> T,
+    ) -> T {
+        let world = self.app.world_mut();
+        let mut arenas = world.query::<(&Arena, &Bodies, &RapierRigidBodySet, &RapierContextColliders)>();
+        let (_, bodies, set, colliders) =
+            arenas.iter(world).find(|(number, ..)| number.0 == arena).expect("the arena exists");
+        ask(bodies, set, colliders)
+    }
+
+    /// Every arena's observation is eq. (8) of its present scan, pose and target.
+    pub fn assert_observations_current(&mut self, when: &str) {
+        for (arena, state) in self.states().iter().enumerate() {
+            let mut fresh = vec![f32::NAN; observation::width(state.scan.ranges_m.len())];
+            observation::encode(&state.scan, &state.pose, &state.target, &mut fresh);
+            assert_eq!(
+                bits(&self.row(arena)),
+                bits(&fresh),
+                "{when}, arena {arena}: the observation is eq. (8) of the present scan, pose and target"
+            );
+        }
+    }
+}
+
+/// The plugins of world and task, with no arena yet.
+pub fn empty_app(reward: RewardConfig, mode: TaskMode) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, ControlStepPlugin, TaskPlugin { reward, mode }, WorldPlugin));
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+pub fn bits(numbers: &[f32]) -> Vec<u32> {
+    numbers.iter().map(|x| x.to_bits()).collect()
+}
+
+/// For each arena a stream of its own, from which its actions are drawn.
+pub fn drivers(arenas: usize) -> Vec<Stream> {
+    (0..arenas as u64).map(|k| random::stream(99, "actions", k)).collect()
+}
+
+pub fn random_actions(drivers: &mut [Stream]) -> Vec<usize> {
+    drivers.iter_mut().map(|driver| random::below(driver, 5)).collect()
+}
+
+/// The motion that turns most towards the target; one in four is random, so that some robots hit something.
+pub fn steer(lab: &Lab, drivers: &mut [Stream]) -> Vec<usize> {
+    let beams = lab.scenario.lidar.beams;
+    let steered = |(arena, driver): (usize, &mut Stream)| {
+        let chance = random::below(driver, 20);
+        let bearing_rad = lab.row(arena)[beams] * PI;
+        match bearing_rad {
+            _ if chance < 5 => chance,
+            b if b > 0.3 => 0,
+            b if b > 0.1 => 1,
+            b if b > -0.1 => 2,
+            b if b > -0.3 => 3,
+            _ => 4,
+        }
+    };
+    drivers.iter_mut().enumerate().map(steered).collect()
+}
+
+pub fn still(shape: Shape, position_m: (f32, f32), rotation_rad: f32) -> Obstacle {
+    Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Still }
+}
+
+/// As the paper's Scenario I: four cylinders that stand still.
+pub fn four_cylinders() -> Scenario {
+    let at = [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)];
+    let obstacles = at.map(|position_m| still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)).into();
+    Scenario { name: "Four cylinders".into(), obstacles, ..Scenario::default() }
+}
+
+/// Cylinders that revolve, a turned box that revolves, a box on patrol, and a turned box that stands still.
+pub fn moving() -> Scenario {
+    let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s };
+    let cylinder = |position_m| Obstacle {
+        motion: orbit(0.1),
+        ..still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)
+    };
+    let slab = Shape::Rectangle { width_m: 0.3, height_m: 0.15 };
+    let patrol = ObstacleMotion::Patrol { waypoints_m: vec![(1.4, -1.5), (0.9, -1.2)], speed_m_s: 0.1 };
+    Scenario {
+        name: "Moving".into(),
+        obstacles: vec![
+            cylinder((0.6, 0.6)),
+            cylinder((-0.6, -0.6)),
+            Obstacle { motion: orbit(0.1), ..still(slab.clone(), (-0.7, 0.6), 0.4) },
+            Obstacle { motion: patrol, ..still(slab.clone(), (-1.4, -1.5), 0.2) },
+            still(slab, (0.0, 0.0), 0.7),
+        ],
+        ..Scenario::default()
+    }
+}
+
+/// A few metres of nothing, and no walls within the LIDAR's range.
+pub fn wide_open() -> Scenario {
+    Scenario {
+        enclosure: wayfield::scenario::Enclosure::Rectangle { width_m: 200.0, height_m: 200.0 },
+        ..Scenario::default()
+    }
+}
