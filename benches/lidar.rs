@@ -1,1 +1,78 @@
-fn main(){}
+//! One scan of one arena (24 beams): arena by arena against its few shapes, as wayfield does, and the same beams
+//! through rapier's query pipeline.
+//!
+//! `cargo bench --bench lidar`; items are beams.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use bevy::math::Vec2;
+use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
+use bevy_rapier2d::rapier::parry::query::DefaultQueryDispatcher;
+use bevy_rapier2d::rapier::prelude::{QueryFilter, Ray};
+use common::Lab;
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
+use wayfield::scenario::Scenario;
+use wayfield::task::Pose;
+use wayfield::world::{Bodies, lidar};
+
+fn main() {
+    divan::main();
+}
+
+const BEAMS: usize = 24;
+const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
+
+#[divan::bench(args = ["still", "moving"])]
+fn wayfield_scan(bencher: Bencher, obstacles: &str) {
+    let mut lab = stepped(obstacles);
+    let beams = lidar::Beams::around(BEAMS);
+    lab.look(0, |bodies, _, colliders| {
+        let mut ranges_m = Vec::new();
+        bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
+            let (colliders, pose) = (&colliders.colliders, black_box(&POSE));
+            lidar::cast(colliders, &bodies.solids, pose, &beams.0, 3.5, &mut ranges_m);
+            ranges_m[0]
+        });
+    });
+}
+
+#[divan::bench(args = ["still", "moving"])]
+fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
+    let mut lab = stepped(obstacles);
+    let beams = lidar::Beams::around(BEAMS);
+    let world = lab.app.world_mut();
+    let mut arenas = world.query::<(
+        &Bodies,
+        &RapierContextSimulation,
+        &RapierRigidBodySet,
+        &RapierContextColliders,
+    )>();
+    let (bodies, context, set, colliders) = arenas.single(world).expect("one arena");
+    let filter = QueryFilter::new().exclude_rigid_body(bodies.robot);
+    let pipeline = context.broad_phase.as_query_pipeline(
+        &DefaultQueryDispatcher,
+        &set.bodies,
+        &colliders.colliders,
+        filter,
+    );
+    let mut ranges_m = vec![0.0; BEAMS];
+    bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
+        let pose = black_box(&POSE);
+        let heading = Vec2::from_angle(pose.heading_rad);
+        for (beam, range) in beams.0.iter().zip(&mut ranges_m) {
+            let ray = Ray::new(Vec2::new(pose.x_m, pose.y_m), heading.rotate(*beam));
+            *range = pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance);
+        }
+        ranges_m[0]
+    });
+}
+
+/// One arena after a step, so that rapier's own pipeline is up to date.
+fn stepped(obstacles: &str) -> Lab {
+    let scenario: Scenario = if obstacles == "still" { common::four_cylinders() } else { common::moving() };
+    let mut lab = Lab::new(&scenario, 1, 1);
+    lab.step(&[2]);
+    lab
+}

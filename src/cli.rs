@@ -14,7 +14,6 @@ use clap::{ArgGroup, Parser};
 use crate::learning::Policy;
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
-use crate::run::optimum;
 use crate::run::preset::Budget;
 use crate::run::records::{Milestone, Summary};
 use crate::run::train::{Job, train};
@@ -234,8 +233,9 @@ struct CourseReport {
 
 #[derive(serde::Serialize)]
 struct OptimumReport {
-    optimum_mean_time_s: Option<f64>,
-    time_ratio: Option<f64>,
+    optimum_navigations: usize,
+    optimum_mean_time_s: f64,
+    time_ratio: f64,
 }
 
 fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
@@ -260,10 +260,15 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     } else {
         None
     };
-    let optimum = arguments.optimum.then(|| {
-        let ratio = optimum::mean_time_ratio(&scenario, &navigations);
-        OptimumReport { optimum_mean_time_s: ratio.map(|r| r.0), time_ratio: ratio.map(|r| r.1) }
-    });
+    let optimum = if arguments.optimum {
+        evaluate::against_optimum(&scenario, &navigations).map(|against| OptimumReport {
+            optimum_navigations: against.navigations,
+            optimum_mean_time_s: against.optimum_mean_time_s,
+            time_ratio: against.time_ratio,
+        })
+    } else {
+        None
+    };
     let report = EvaluationReport {
         policy: path.display().to_string(),
         scenario: scenario.name.clone(),
@@ -309,11 +314,12 @@ fn evaluation_text(report: &EvaluationReport) -> String {
         );
     }
     if let Some(optimum) = &report.optimum {
-        let ratio = optimum.time_ratio.map_or("-".into(), |r| format!("{r:.3}"));
         let _ = writeln!(
             text,
-            "optimum         {} for the same navigations; the policy takes {ratio} times that",
-            seconds(optimum.optimum_mean_time_s)
+            "least time      {} over {} of these navigations; the policy takes {:.3} times that",
+            seconds(Some(optimum.optimum_mean_time_s)),
+            optimum.optimum_navigations,
+            optimum.time_ratio
         );
     }
     text

@@ -1,4 +1,5 @@
-//! A learner that was saved and restored goes on as if it had never stopped, to the bit; a broken file is an error.
+//! A learner that was saved and restored goes on as if it had never stopped, to the bit; a broken file is an
+//! error.
 
 use wayfield::learning::{
     CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer,

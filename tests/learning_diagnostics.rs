@@ -1,5 +1,5 @@
-//! Tiny tasks whose values are known, which a right learner learns in seconds: a bandit, a chain, a stochastic reward,
-//! a time limit. Each leaves one part of the algorithm nowhere to hide.
+//! Tiny tasks whose values are known, which a right learner learns in seconds: a bandit, a chain, a
+//! stochastic reward, a time limit. Each leaves one part of the algorithm nowhere to hide.
 
 use wayfield::learning::{
     Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
@@ -96,8 +96,8 @@ fn bandit_values_are_the_rewards() {
 
 #[test]
 fn chain_values_are_the_discounted_reward_at_its_end() {
-    // States 0 to 4; action 1 goes right, 0 left; right from 4 brings 1 and ends. Q(s, right) = 0.9^(4 - s), and
-    // Q(s, left) = 0.9 V(s - 1): five backups deep.
+    // States 0 to 4; action 1 goes right, 0 left; right from 4 brings 1 and ends. Q(s, right) = 0.9^(4 - s),
+    // and Q(s, left) = 0.9 V(s - 1): five backups deep.
     for config in variants(0.9) {
         let q = learn(&config, 5, 2, 8000, |state, action, _| match (state, action) {
             (4, 1) => (1.0, 4, true, false),
@@ -128,7 +128,8 @@ fn a_stochastic_rewards_value_is_its_mean() {
         coin(Sampling::Prioritized { alpha: 1.0, beta, importance_weights, epsilon: 1e-3 })
     };
     close(alpha_1(true), 0.3, 0.03, "prioritized, with importance weights");
-    // Without weights, drawing by |error| balances 0.3 (1 - q)^2 against 0.7 q^2: q = 1 / (1 + sqrt(7 / 3)) = 0.396.
+    // Without weights, drawing by |error| balances 0.3 (1 - q)^2 against 0.7 q^2: q = 1 / (1 + sqrt(7 / 3)) =
+    // 0.396.
     close(
         alpha_1(false),
         0.396,
@@ -139,7 +140,8 @@ fn a_stochastic_rewards_value_is_its_mean() {
 
 #[test]
 fn a_time_limit_is_bootstrapped_through() {
-    // One state, reward 1 a step, cut after 5 steps, unseen by the robot: an endless task of value 1 / (1 - 0.9).
+    // One state, reward 1 a step, cut after 5 steps, unseen by the robot: an endless task of value 1 / (1 -
+    // 0.9).
     for n_step in [1, 3] {
         let mut config = config(0.9, PRIORITIZED);
         config.n_step = n_step;

@@ -1,4 +1,5 @@
-//! The network's gradient is the slope of its loss: against central finite differences, parameter by parameter.
+//! The network's gradient is the slope of its loss: against central finite differences, parameter by
+//! parameter.
 
 use wayfield::learning::network::{Gradient, NetworkShape, QNetwork, Regression};
 use wayfield::learning::{Loss, NetworkConfig};

@@ -1,8 +1,9 @@
 //! Whole training steps agree with PyTorch's.
 //!
-//! `reference/learning_step.py` trains on nine env steps with float64 PyTorch and writes `learning_step.json`; here the
-//! learner is given the same steps, weights and switches. Every part is in play at once: n-step returns, termination and
-//! truncation, reward scale, (double) TD targets, (dueling) network, MSE or Huber, RMSProp or Adam, both target updates.
+//! `reference/learning_step.py` trains on nine env steps with float64 PyTorch and writes
+//! `learning_step.json`; here the learner is given the same steps, weights and switches. Every part is in
+//! play at once: n-step returns, termination and truncation, reward scale, (double) TD targets, (dueling)
+//! network, MSE or Huber, RMSProp or Adam, both target updates.
 
 use std::collections::BTreeMap;
 
@@ -50,7 +51,8 @@ fn config(case: &Value) -> LearningConfig {
         replay: ReplayConfig {
             capacity: 8,
             warmup_steps: 9,
-            // With alpha 0 all priorities are 1, and a stratified batch of 8 from 8 holds each transition once.
+            // With alpha 0 all priorities are 1, and a stratified batch of 8 from 8 holds each transition
+            // once.
             sampling: Sampling::Prioritized {
                 alpha: 0.0,
                 beta: Schedule::Constant(1.0),

@@ -118,7 +118,8 @@ proptest! {
         };
         let mut learner = Learner::new(&config, 1, 2, 3, 0).expect("a sound config");
         let mut random = stream(1, "test", 0);
-        // Each arena counts up by its own power of ten, reward 1 a step: so next = state + return x that power.
+        // Each arena counts up by its own power of ten, reward 1 a step: so next = state + return x that
+        // power.
         let mut at = [0.0_f32; 3];
         let scale = [1.0, 1000.0, 1_000_000.0];
         for (arena, end) in steps {

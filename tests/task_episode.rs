@@ -1,1 +1,250 @@
+//! What steps are worth, what ends an episode, and what goes on.
 
+mod common;
+
+use common::{Lab, bits};
+use wayfield::scenario::Scenario;
+use wayfield::task::{
+    EpisodeEnd, EpisodeEnded, Pose, RewardConfig, RewardKind, RewardTerms, Target, TaskMode,
+};
+
+/// The robot in the middle of an empty enclosure, looking along x; the target `ahead_m` before it.
+fn facing(scenario: &Scenario, ahead_m: f32, reward: RewardConfig, mode: TaskMode) -> Lab {
+    let mut lab = Lab::with(scenario, 1, 4, reward, mode);
+    let potential = lab.app.world().resource::<RewardConfig>().potential(ahead_m, 1.0);
+    lab.edit(0, |state| {
+        state.pose = Pose::default();
+        state.target = Target { x_m: ahead_m, y_m: 0.0 };
+        state.episode.potential = potential;
+    });
+    lab
+}
+
+#[test]
+fn a_reached_target_pays_250_is_redrawn_and_the_episode_goes_on() {
+    let scenario = Scenario::default();
+    let reward = RewardConfig::default();
+    let mut lab = facing(&scenario, 0.25, reward.clone(), TaskMode::Continuing);
+    lab.step(&[2]);
+    assert!(!lab.outcomes()[0].reached, "0.22 m is farther than l_a = 0.2 m");
+    let before = lab.state(0);
+    lab.step(&[2]);
+    let (outcome, after) = (lab.outcomes()[0], lab.state(0));
+    assert!(outcome.reached && outcome.terminated() && !outcome.truncated(), "0.19 m is nearer than l_a");
+    assert_eq!(outcome.reward, RewardTerms { reached: 250.0, ..RewardTerms::default() }, "r+ and nothing else");
+    assert!(lab.ended().is_empty(), "the episode goes on");
+    assert_eq!((after.episode.steps, after.episode.targets), (2, 1));
+    assert!((after.pose.x_m - 0.06).abs() < 1e-6 && after.pose.y_m == 0.0, "the robot has driven on, not jumped");
+    assert_eq!(after.clock.0, before.clock.0 + 1);
+    assert_ne!(after.target, before.target, "only the target is redrawn");
+
+    // The step after the redraw pays the fall of the new target's potential, in f64 by hand.
+    let distance = |pose: &Pose| {
+        f64::from(after.target.x_m - pose.x_m).hypot(f64::from(after.target.y_m - pose.y_m))
+    };
+    let u_before = 50.0 * distance(&after.pose).powi(2);
+    assert!((f64::from(after.episode.potential.attraction) - u_before).abs() < 1e-3, "U is of the new target");
+    lab.step(&[2]);
+    let u_after = 50.0 * distance(&lab.state(0).pose).powi(2);
+    let terms = lab.outcomes()[0].reward;
+    assert!(
+        (f64::from(terms.total()) - (u_before - u_after)).abs() < 1e-3 && terms.reached == 0.0,
+        "no jump: {terms:?}, the new target's potential fell by {}",
+        u_before - u_after
+    );
+}
+
+#[test]
+fn a_collision_costs_200_and_ends_the_episode() {
+    let scenario = Scenario::default();
+    let mut lab = facing(&scenario, 0.21, RewardConfig::default(), TaskMode::Continuing);
+    lab.step(&[2]);
+    lab.edit(0, |state| {
+        state.pose = Pose { x_m: 1.82, y_m: 0.0, heading_rad: 0.0 };
+        state.target = Target { x_m: -1.0, y_m: 1.0 };
+    });
+    let mut sum = lab.outcomes()[0].reward;
+    lab.step(&[2]);
+    assert!(!lab.outcomes()[0].collided, "0.15 m to the wall is more than l_c = 0.13 m");
+    sum += lab.outcomes()[0].reward;
+    lab.step(&[2]);
+    let outcome = lab.outcomes()[0];
+    sum += outcome.reward;
+    assert!(outcome.collided && outcome.terminated() && !outcome.truncated(), "0.12 m is less than l_c");
+    assert_eq!(outcome.reward, RewardTerms { collided: -200.0, ..RewardTerms::default() }, "r- and nothing else");
+    let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::Collided, steps: 3, targets: 1, rewards: sum };
+    assert_eq!(lab.ended(), vec![ended], "published with its steps, targets and the sum of its rewards");
+    let fresh = lab.state(0);
+    assert_eq!((fresh.episode.steps, fresh.episode.targets), (0, 0), "a new episode has begun");
+    assert_eq!(fresh.episode.rewards, RewardTerms::default());
+    assert!(fresh.scan.nearest_m > 0.13 && !fresh.scan.touching, "clear of everything");
+}
+
+#[test]
+fn the_time_limit_cuts_an_episode_off_without_terminating_it() {
+    let mut scenario = Scenario::default();
+    scenario.task.time_limit_steps = 20;
+    let mut lab = facing(&scenario, 1.9, RewardConfig::default(), TaskMode::Continuing);
+    let mut sum = RewardTerms::default();
+    for step in 1..=20 {
+        assert!(lab.ended().is_empty(), "step {step}");
+        lab.step(&[0]);
+        let outcome = lab.outcomes()[0];
+        assert_eq!(outcome.truncated(), step == 20, "step {step} of 20");
+        assert!(!outcome.terminated(), "a time limit is no end of the process");
+        sum += outcome.reward;
+    }
+    let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::TimedOut, steps: 20, targets: 0, rewards: sum };
+    assert_eq!(lab.ended(), vec![ended]);
+    assert_eq!(lab.state(0).episode.steps, 0, "and a new one has begun");
+}
+
+/// 400 steps of 16 arenas: every step's reward against eqs. (3) to (7) in f64, every episode's against its steps'.
+fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
+    let mut scenario = scenario.clone();
+    scenario.task.time_limit_steps = 90;
+    let arenas = 16;
+    let mut lab = Lab::with(&scenario, arenas, 9, reward.clone(), TaskMode::Continuing);
+    let mut drivers = common::drivers(arenas);
+    let mut sums = vec![(RewardTerms::default(), 0, 0); arenas];
+    let mut seen = Vec::new();
+    let potential = |pose: &Pose, target: &Target, nearest_m: f32| {
+        let d_g = f64::from(pose.x_m - target.x_m).hypot(f64::from(pose.y_m - target.y_m));
+        let near = (1.0 - f64::from(nearest_m) / f64::from(reward.l_r_m)).max(0.0);
+        (0.5 * f64::from(reward.mu) * d_g * d_g, 0.5 * f64::from(reward.sigma) * near * near)
+    };
+    let mut repelled = 0;
+    for step in 0..400 {
+        let before = lab.states();
+        let actions = common::steer(&lab, &mut drivers);
+        lab.step(&actions);
+        let after = lab.states();
+        for arena in 0..arenas {
+            let outcome = lab.outcomes()[arena];
+            let (sum, steps, targets) = &mut sums[arena];
+            *sum += outcome.reward;
+            *steps += 1;
+            *targets += u32::from(outcome.reached);
+            if outcome.collided {
+                assert_eq!(outcome.reward.total(), -200.0);
+            } else if outcome.reached {
+                assert_eq!(outcome.reward.total(), 250.0);
+            } else if reward.kind == RewardKind::Traditional {
+                assert_eq!(outcome.reward, RewardTerms::default(), "eq. (3) gives nothing on the way");
+            } else if !outcome.timed_out {
+                let from = potential(&before[arena].pose, &before[arena].target, before[arena].scan.nearest_m);
+                let to = potential(&after[arena].pose, &after[arena].target, after[arena].scan.nearest_m);
+                let terms = outcome.reward;
+                assert!(
+                    (f64::from(terms.attraction) - (from.0 - to.0)).abs() < 1e-3
+                        && (f64::from(terms.repulsion) - (from.1 - to.1)).abs() < 1e-3,
+                    "step {step}, arena {arena}: eq. (7) from {from:?} to {to:?}, got {terms:?}"
+                );
+                repelled += usize::from(terms.repulsion != 0.0);
+                // mu d_g |step| at most: 100 x 4.7 x 0.031.
+                assert!(terms.attraction.abs() < 15.0, "no redraw or restart makes the reward jump: {terms:?}");
+            }
+        }
+        for episode in lab.ended() {
+            let (rewards, steps, targets) = std::mem::take(&mut sums[episode.arena]);
+            assert_eq!(
+                (episode.rewards, episode.steps, episode.targets),
+                (rewards, steps, targets),
+                "an episode's rewards, steps and targets are those of its steps, to the bit"
+            );
+            assert_eq!(lab.outcomes()[episode.arena].collided, episode.end == EpisodeEnd::Collided);
+            seen.push(episode);
+        }
+    }
+    assert!(seen.iter().any(|episode| episode.end == EpisodeEnd::Collided));
+    assert!(seen.iter().any(|episode| episode.end == EpisodeEnd::TimedOut));
+    assert!(seen.iter().any(|episode| episode.targets > 1));
+    assert!(reward.kind == RewardKind::Traditional || repelled > 100, "some steps are near obstacles: {repelled}");
+}
+
+#[test]
+fn optimized_rewards_are_eq_7_step_by_step_and_add_up() {
+    rewards_add_up(&common::four_cylinders(), &RewardConfig::default());
+    rewards_add_up(&common::moving(), &RewardConfig { mu: 70.0, sigma: 140.0, l_r_m: 0.5, ..RewardConfig::default() });
+}
+
+#[test]
+fn traditional_rewards_are_eq_3_step_by_step_and_add_up() {
+    let reward = RewardConfig { kind: RewardKind::Traditional, ..RewardConfig::default() };
+    rewards_add_up(&common::moving(), &reward);
+}
+
+#[test]
+fn the_judge_sees_the_lidars_nearest_range() {
+    let scenario = common::moving();
+    let mut lab = Lab::new(&scenario, 16, 12);
+    let mut drivers = common::drivers(16);
+    let mut collisions = 0;
+    for _ in 0..300 {
+        let before = lab.states();
+        let actions = common::random_actions(&mut drivers);
+        lab.step(&actions);
+        for (arena, after) in lab.states().iter().enumerate() {
+            let outcome = lab.outcomes()[arena];
+            collisions += usize::from(outcome.collided);
+            if !outcome.collided && outcome.episode_end(TaskMode::Continuing).is_none() {
+                assert!(after.scan.nearest_m >= 0.13, "an episode that goes on has d_o >= l_c");
+            }
+            if outcome.collided {
+                // A step moves robot and obstacle by less than 0.06 m; a corner may hide between two beams.
+                assert!(before[arena].scan.nearest_m < 0.13 + 0.2, "nobody collides out of the blue");
+            }
+        }
+    }
+    assert!(collisions > 10, "{collisions}");
+}
+
+#[test]
+fn after_a_single_navigation_the_arena_is_parked_and_nothing_of_it_changes() {
+    let mut scenario = common::moving();
+    scenario.task.time_limit_steps = 60;
+    (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.02, 0.02);
+    let arenas = 24;
+    let mut lab =
+        Lab::with(&scenario, arenas, 17, RewardConfig::default(), TaskMode::SingleNavigation);
+    let mut drivers = common::drivers(arenas);
+    let mut parked = vec![None; arenas];
+    let mut ends = Vec::new();
+    for step in 1..=80 {
+        let actions = common::steer(&lab, &mut drivers);
+        lab.step(&actions);
+        let now: Vec<_> = (0..arenas)
+            .map(|arena| {
+                let bodies = lab.look(arena, |bodies, set, _| {
+                    let all = bodies.obstacles.iter().chain([&bodies.robot]);
+                    all.map(|&body| *set.bodies[body].position()).collect::<Vec<_>>()
+                });
+                (lab.state(arena), bits(&lab.row(arena)), bodies)
+            })
+            .collect();
+        for episode in lab.ended() {
+            assert!(parked[episode.arena].is_none(), "a navigation ends once");
+            assert!(!lab.outcomes()[episode.arena].parked, "the step that ends it still counts");
+            assert!(now[episode.arena].0.episode.parked);
+            parked[episode.arena] = Some((step, now[episode.arena].clone()));
+            ends.push(episode.end);
+        }
+        for (arena, then) in parked.iter().enumerate() {
+            match then {
+                Some((since, then)) if *since < step => {
+                    assert!(lab.outcomes()[arena].parked, "arena {arena} is parked since step {since}");
+                    assert_eq!(lab.outcomes()[arena].reward.total(), 0.0);
+                    assert_eq!(now[arena].0, then.0, "step {step}: state of arena {arena}, parked since {since}");
+                    assert_eq!(now[arena].1, then.1, "step {step}: observation of arena {arena}");
+                    assert_eq!(now[arena].2, then.2, "step {step}: bodies of arena {arena}");
+                }
+                Some(_) => {}
+                None => assert_eq!(now[arena].0.clock.0, step, "the others move on"),
+            }
+        }
+    }
+    assert_eq!(ends.len(), arenas, "every navigation has ended");
+    for end in [EpisodeEnd::Reached, EpisodeEnd::Collided, EpisodeEnd::TimedOut] {
+        assert!(ends.contains(&end), "the test sees {end:?}");
+    }
+}

@@ -57,7 +57,7 @@ fn a_rewound_clock_takes_the_obstacles_along() {
     let mut lab = Lab::new(&common::moving(), 3, 8);
     for clock in [0, 1, 777, 1_000_000_007] {
         lab.step(&[2, 2, 2]);
-        let fresh = |arena| (Streams::new(4, arena as u64), Clock(clock + arena as u64));
+        let fresh = |arena| Some((Streams::new(4, arena as u64), Clock(clock + arena as u64)));
         world::rewind(lab.app.world_mut(), fresh);
         for arena in 0..3 {
             assert_eq!(lab.state(arena).clock, Clock(clock + arena as u64));

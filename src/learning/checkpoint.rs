@@ -1,12 +1,12 @@
 //! Checkpoints: everything a learner is, to the bit.
 //!
-//! In: a learner and a writer, or a reader and the config it was saved with. Out: bytes, or a learner that goes on as
-//! if it had never stopped.
+//! In: a learner and a writer, or a reader and the config it was saved with. Out: bytes, or a learner that
+//! goes on as if it had never stopped.
 //!
-//! Layout, little-endian: magic (8 bytes), version (u32), length of the head (u64), the head (postcard: config,
-//! counters, streams, weights, moments, chains), the replay buffer's arrays (states, transitions, leaves of the sum
-//! tree), CRC-32C of all before it. Lengths of arrays follow from the config and the counters, never from the file
-//! alone, and are checked before memory is taken.
+//! Layout, little-endian: magic (8 bytes), version (u32), length of the head (u64), the head (postcard:
+//! config, counters, streams, weights, moments, chains), the replay buffer's arrays (states, transitions,
+//! leaves of the sum tree), CRC-32C of all before it. Lengths of arrays follow from the config and the
+//! counters, never from the file alone, and are checked before memory is taken.
 
 use std::io::{self, Read, Write};
 
@@ -71,7 +71,8 @@ struct Head {
 }
 
 impl Learner {
-    /// Writes everything: networks, moments, replay buffer with its priorities, unfinished returns, streams, counters.
+    /// Writes everything: networks, moments, replay buffer with its priorities, unfinished returns, streams,
+    /// counters.
     ///
     /// # Errors
     /// The writer's.
@@ -214,7 +215,8 @@ impl ReplayBuffer {
         }
         let mut leaves = Vec::new();
         read_array(file, slots, |bytes| leaves.push(f64::from_le_bytes(bytes)))?;
-        // Which transition last refers to a state follows from the transitions kept; those gone do not matter.
+        // Which transition last refers to a state follows from the transitions kept; those gone do not
+        // matter.
         for number in self.head..self.tail {
             let slot = self.slot(number);
             let Stored { state, next, .. } = self.transitions[slot];

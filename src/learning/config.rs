@@ -1,7 +1,7 @@
 //! How to learn: the `learning:` part of a preset, and the check of every value in it.
 //!
-//! In: a RON (or any serde) document. Out: a [`LearningConfig`], or a [`ConfigError`] that names the field, what
-//! is wrong with it and how to mend it. The paper's Table 1 is one such document; every algorithm choice
+//! In: a RON (or any serde) document. Out: a [`LearningConfig`], or a [`ConfigError`] that names the field,
+//! what is wrong with it and how to mend it. The paper's Table 1 is one such document; every algorithm choice
 //! beside it is a switch here.
 
 use std::fmt::Display;
@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 pub struct LearningConfig {
     /// The Q-network's layers.
     pub network: NetworkConfig,
-    /// Double DQN: the online network chooses the next action, the target network values it (van Hasselt et al.
-    /// 2016). `false`: the target network does both (Mnih et al. 2015).
+    /// Double DQN: the online network chooses the next action, the target network values it (van Hasselt et
+    /// al. 2016). `false`: the target network does both (Mnih et al. 2015).
     pub double: bool,
     /// The discount per step, 0 to 1. Table 1: 0.99.
     pub gamma: f32,
@@ -130,7 +130,8 @@ pub enum Sampling {
         alpha: f32,
         /// The exponent of the importance weights, 0 to 1, by env steps.
         beta: Schedule,
-        /// Whether errors are weighted by (N P(i))^-beta, over the batch's largest. Algorithm 1 has no weights.
+        /// Whether errors are weighted by (N P(i))^-beta, over the batch's largest. Algorithm 1 has no
+        /// weights.
         importance_weights: bool,
         /// Added to |TD error| to make a priority, above 0, so that none is never drawn again.
         epsilon: f32,
@@ -188,8 +189,8 @@ pub struct ConfigError {
 }
 
 impl Default for LearningConfig {
-    /// PER-D3QN as in Table 1 and algorithm 1 of the paper; where they are silent, PyTorch's optimizer defaults and
-    /// training from the first full batch on.
+    /// PER-D3QN as in Table 1 and algorithm 1 of the paper; where they are silent, PyTorch's optimizer
+    /// defaults and training from the first full batch on.
     fn default() -> Self {
         Self {
             network: NetworkConfig { hidden: vec![64, 64], dueling: true },

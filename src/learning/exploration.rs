@@ -8,8 +8,9 @@ use crate::random::{Stream, below, unit};
 impl Exploration {
     /// Epsilon, the chance of a random action (0 to 1), after `env_steps` and `episodes`.
     ///
-    /// Per episode it is eq. (10): max(end, start decay^episodes). `start` replaces the schedule's own start, as
-    /// knowledge transfer asks (section 3.2: 0.5). Nothing is accumulated, so a resumed run agrees to the bit.
+    /// Per episode it is eq. (10): max(end, start decay^episodes). `start` replaces the schedule's own start,
+    /// as knowledge transfer asks (section 3.2: 0.5). Nothing is accumulated, so a resumed run agrees to the
+    /// bit.
     #[must_use]
     pub fn epsilon(&self, env_steps: u64, episodes: u64, start: Option<f32>) -> f32 {
         match *self {
@@ -39,8 +40,8 @@ pub fn greedy(q_row: &[f32]) -> usize {
 
 /// A random action with chance `epsilon`, else the greedy one; and whether it was the random one.
 ///
-/// Both draws (whether, which) are made either way, so that the stream's place does not depend on the outcome.
-/// `q_row` holds one Q-value per action and must not be empty.
+/// Both draws (whether, which) are made either way, so that the stream's place does not depend on the
+/// outcome. `q_row` holds one Q-value per action and must not be empty.
 pub fn epsilon_greedy(q_row: &[f32], epsilon: f32, stream: &mut Stream) -> (usize, bool) {
     let explored = unit(stream) < epsilon;
     let random = below(stream, q_row.len());

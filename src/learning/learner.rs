@@ -1,7 +1,8 @@
 //! The learner: remembers what the arenas do, and takes the gradient steps that are due.
 //!
-//! In: experiences, one per env step of an arena. Out: Q-values, epsilon, statistics of each training, a policy.
-//! This is algorithm 1 of the paper with every part switchable: (double) (dueling) DQN with (prioritized) replay.
+//! In: experiences, one per env step of an arena. Out: Q-values, epsilon, statistics of each training, a
+//! policy. This is algorithm 1 of the paper with every part switchable: (double) (dueling) DQN with
+//! (prioritized) replay.
 
 use super::config::{ConfigError, LearningConfig, TargetUpdate, within};
 use super::exploration::greedy;
@@ -106,8 +107,8 @@ struct Scratch {
 }
 
 impl Learner {
-    /// A learner for observations of `inputs` numbers, `actions` actions and `arenas` arenas, whose weights and
-    /// draws are those of `seed`.
+    /// A learner for observations of `inputs` numbers, `actions` actions and `arenas` arenas, whose weights
+    /// and draws are those of `seed`.
     ///
     /// # Errors
     /// A value of `config` or a size makes no sense.
@@ -147,8 +148,8 @@ impl Learner {
         self.online.q_values(observations, n, out);
     }
 
-    /// Stores one env step and counts it. While an arena's chain is unbroken, `observation` is taken to be the
-    /// last `next_observation` and not stored again.
+    /// Stores one env step and counts it. While an arena's chain is unbroken, `observation` is taken to be
+    /// the last `next_observation` and not stored again.
     ///
     /// # Panics
     /// `arena`, `action` or an observation's length is not what the learner was made for.
@@ -177,8 +178,8 @@ impl Learner {
         }
     }
 
-    /// Gradient steps owed: `gradient_steps` for every `train_interval` env steps since the last training, once
-    /// warm-up is over and the replay buffer can fill a batch.
+    /// Gradient steps owed: `gradient_steps` for every `train_interval` env steps since the last training,
+    /// once warm-up is over and the replay buffer can fill a batch.
     #[must_use]
     pub fn due(&self) -> u32 {
         self.progress.owed
@@ -299,8 +300,9 @@ impl Learner {
         &self.target
     }
 
-    /// Takes `policy`'s weights as the start of both networks (knowledge transfer, section 3.2), with fresh optimizer
-    /// moments. `epsilon` (0 to 1; the paper: 0.5) replaces the start of the exploration's schedule.
+    /// Takes `policy`'s weights as the start of both networks (knowledge transfer, section 3.2), with fresh
+    /// optimizer moments. `epsilon` (0 to 1; the paper: 0.5) replaces the start of the exploration's
+    /// schedule.
     ///
     /// # Errors
     /// The policy's network has another shape, or `epsilon` is out of range.
@@ -328,8 +330,8 @@ impl Learner {
         Policy { network: self.online.clone(), metadata: Default::default() }
     }
 
-    /// The arenas were reset from outside: their next observations do not follow from the last. Steps still awaiting
-    /// their n-step return are closed as if truncated.
+    /// The arenas were reset from outside: their next observations do not follow from the last. Steps still
+    /// awaiting their n-step return are closed as if truncated.
     pub fn break_chains(&mut self) {
         let Self { chains, replay, config, .. } = self;
         for chain in chains {
@@ -340,8 +342,8 @@ impl Learner {
     }
 }
 
-/// y = R + discount Q_target(s', a*) into `targets`, where a* is the best action by `chooser`: the online network's
-/// Q(s', .) in double DQN, the target network's own else.
+/// y = R + discount Q_target(s', a*) into `targets`, where a* is the best action by `chooser`: the online
+/// network's Q(s', .) in double DQN, the target network's own else.
 fn td_targets(batch: &Batch, chooser: &[f32], target_q: &[f32], targets: &mut Vec<f32>) {
     let actions = target_q.len() / batch.rewards.len();
     let rows = chooser.chunks_exact(actions).zip(target_q.chunks_exact(actions));
@@ -366,7 +368,8 @@ fn follow(update: TargetUpdate, step: u64, online: &QNetwork, target: &mut QNetw
     }
 }
 
-/// Whether no value is NaN or infinite; without early exit, so that it is a loop of plain vector instructions.
+/// Whether no value is NaN or infinite; without early exit, so that it is a loop of plain vector
+/// instructions.
 fn all_finite(values: &[f32]) -> bool {
     values.iter().map(|v| v.to_bits() & 0x7FFF_FFFF).fold(0, u32::max) < f32::INFINITY.to_bits()
 }

@@ -1,9 +1,9 @@
 //! Learning: a prioritized-replay double dueling deep Q-network (PER-D3QN), readable as plain Rust.
 //!
 //! In: transitions (observation, action, reward, next observation) from any environment, and a
-//! [`LearningConfig`] whose every algorithm choice is a switch. Out: Q-values to act by, a [`Policy`] to keep,
-//! and statistics of each training. Nothing here knows of Bevy, of robots or of clocks; all randomness comes
-//! from the named streams of [`crate::random`], so one seed gives the same bits, always.
+//! [`LearningConfig`] whose every algorithm choice is a switch. Out: Q-values to act by, a [`Policy`] to
+//! keep, and statistics of each training. Nothing here knows of Bevy, of robots or of clocks; all randomness
+//! comes from the named streams of [`crate::random`], so one seed gives the same bits, always.
 //!
 //! | file | duty |
 //! |---|---|

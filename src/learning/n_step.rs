@@ -1,8 +1,8 @@
 //! Returns over n steps, one accumulator per arena.
 //!
-//! In: the steps of one arena as they come. Out: transitions whose return is R = sum of gamma^i r_i over m steps,
-//! m = n within an episode and fewer at its end, with the discount that the bootstrap value is due: gamma^m, or
-//! 0 where the return has ended (Sutton 1988; with replay: Hessel et al. 2018).
+//! In: the steps of one arena as they come. Out: transitions whose return is R = sum of gamma^i r_i over m
+//! steps, m = n within an episode and fewer at its end, with the discount that the bootstrap value is due:
+//! gamma^m, or 0 where the return has ended (Sutton 1988; with replay: Hessel et al. 2018).
 
 use std::collections::VecDeque;
 

@@ -1,8 +1,8 @@
 //! The Q-network: fully connected layers with ReLU, then Q-values, plain or dueling (fig. 5).
 //!
 //! In: observations, row-major. Out: Q-values (or V and A); and for training the gradient of the TD loss with
-//! respect to all parameters. The parameters are one flat vector, owned here, so that optimizer, target network,
-//! policy files and checkpoints need to know nothing of tensors; dfdx's tensors mirror it.
+//! respect to all parameters. The parameters are one flat vector, owned here, so that optimizer, target
+//! network, policy files and checkpoints need to know nothing of tensors; dfdx's tensors mirror it.
 
 use std::ops::Range;
 
@@ -82,7 +82,8 @@ impl NetworkShape {
         self.layers().map(|(inputs, outputs)| (inputs + 1) * outputs).sum()
     }
 
-    /// Every parameter tensor in its stable order. A dueling head is stored as one matrix whose first row is V's.
+    /// Every parameter tensor in its stable order. A dueling head is stored as one matrix whose first row is
+    /// V's.
     #[must_use]
     pub fn parameters(&self) -> Vec<ParameterView> {
         let mut views = Vec::new();
@@ -143,7 +144,8 @@ pub struct Gradient {
 }
 
 impl QNetwork {
-    /// A network with weights and biases drawn evenly from +-1/sqrt(inputs of the layer), as PyTorch's `Linear`.
+    /// A network with weights and biases drawn evenly from +-1/sqrt(inputs of the layer), as PyTorch's
+    /// `Linear`.
     ///
     /// # Errors
     /// See [`NetworkShape::check`].
@@ -214,9 +216,9 @@ impl QNetwork {
         });
     }
 
-    /// V and A of `n` observations into `out`: row-major, n x (1 + actions), V first. A plain network has no V of
-    /// its own; there V is the mean Q-value and A what each differs by, which is what a dueling head converges to.
-    /// A is given with its mean taken out, so that Q = V + A either way.
+    /// V and A of `n` observations into `out`: row-major, n x (1 + actions), V first. A plain network has no
+    /// V of its own; there V is the mean Q-value and A what each differs by, which is what a dueling head
+    /// converges to. A is given with its mean taken out, so that Q = V + A either way.
     pub fn value_and_advantage(&self, observations: &[f32], n: usize, out: &mut Vec<f32>) {
         let mut head = Vec::new();
         let width = self.shape.actions + usize::from(self.shape.dueling);
@@ -295,7 +297,8 @@ mod tests {
 
     #[test]
     fn a_dueling_head_is_value_plus_advantage_less_the_mean_advantage() {
-        // No hidden layer. V = x + 2y, A = (x, 2x, 6x) + (0, 0, 3); at (1, 10): V = 21, A = (1, 2, 9), mean 4.
+        // No hidden layer. V = x + 2y, A = (x, 2x, 6x) + (0, 0, 3); at (1, 10): V = 21, A = (1, 2, 9), mean
+        // 4.
         let weights = [[1.0, 2.0], [1.0, 0.0], [2.0, 0.0], [6.0, 0.0]].concat();
         let parameters = [weights, vec![0.0, 0.0, 0.0, 3.0]].concat();
         let network = QNetwork::from_parameters(shape(&[], 3, true), parameters).expect("as many as it has");

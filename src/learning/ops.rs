@@ -1,9 +1,9 @@
 //! The network's three operations on dfdx's tape: a dense layer, the dueling combination, the TD loss.
 //!
-//! In: tensors of batch x units, with or without a tape. Out: the same; with a tape, each operation has noted how
-//! gradients flow back. dfdx has such operations of its own, but its bias broadcast, ReLU and row selection walk
-//! general strides element by element and cost more than the products; these do the products by dfdx and the
-//! rest in plain loops.
+//! In: tensors of batch x units, with or without a tape. Out: the same; with a tape, each operation has noted
+//! how gradients flow back. dfdx has such operations of its own, but its bias broadcast, ReLU and row
+//! selection walk general strides element by element and cost more than the products; these do the products
+//! by dfdx and the rest in plain loops.
 
 use dfdx::prelude::*;
 
@@ -121,7 +121,8 @@ pub struct Regression<'a> {
     pub loss: Loss,
 }
 
-/// The mean over the batch of weight x loss(Q(s, a) - y). Also hands out the TD errors Q(s, a) - y and Q(s, a).
+/// The mean over the batch of weight x loss(Q(s, a) - y). Also hands out the TD errors Q(s, a) - y and Q(s,
+/// a).
 pub(super) fn td_loss<T: Tape<f32, Cpu>>(
     q: Rows<T>,
     on: Regression<'_>,

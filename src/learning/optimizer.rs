@@ -1,14 +1,14 @@
 //! RMSProp and Adam over flat slices, with moments that can be seen and saved.
 //!
-//! In: parameters, their gradient, a learning rate. Out: the parameters, moved; the moments, updated. The formulas
-//! are PyTorch's (`torch.optim.RMSprop`, `torch.optim.Adam`, no weight decay).
+//! In: parameters, their gradient, a learning rate. Out: the parameters, moved; the moments, updated. The
+//! formulas are PyTorch's (`torch.optim.RMSprop`, `torch.optim.Adam`, no weight decay).
 
 use serde::{Deserialize, Serialize};
 
 use super::config::Optimizer;
 
-/// Moments below this are set to 0. Gradients of dead ReLUs let moments decay into denormal numbers, which cost a
-/// hundred cycles each; 1e-30 is far below what `epsilon` lets the step feel.
+/// Moments below this are set to 0. Gradients of dead ReLUs let moments decay into denormal numbers, which
+/// cost a hundred cycles each; 1e-30 is far below what `epsilon` lets the step feel.
 const TINY: f32 = 1e-30;
 
 /// The state of an optimizer for a network of so many parameters.
@@ -50,7 +50,8 @@ impl OptimizerState {
                 }
             }
             Optimizer::Adam { beta1, beta2, epsilon } => {
-                // The moments start at 0; dividing by these undoes that bias. In f64: 0.999^t for t up to 10^7.
+                // The moments start at 0; dividing by these undoes that bias. In f64: 0.999^t for t up to
+                // 10^7.
                 let correction = |beta: f32| 1.0 - libm::pow(f64::from(beta), self.steps as f64);
                 let step_size = (f64::from(learning_rate) / correction(beta1)) as f32;
                 let root = (1.0 / correction(beta2).sqrt()) as f32;
@@ -80,8 +81,10 @@ mod tests {
     #[test]
     fn two_steps_of_rmsprop_worked_by_hand() {
         // smoothing 0.9, epsilon 0.1, rate 0.5, gradient 2 then -1, from p = 1.
-        // v1 = 0.1 x 4 = 0.4,               p1 = 1 - 0.5 x 2 / (sqrt 0.4 + 0.1)   = 1 - 1 / 0.7324555   = -0.3652706
-        // v2 = 0.9 x 0.4 + 0.1 x 1 = 0.46,  p2 = p1 + 0.5 / (sqrt 0.46 + 0.1)     = p1 + 0.5 / 0.7782330 =  0.2772105
+        // v1 = 0.1 x 4 = 0.4              p1 = 1 - 0.5 x 2 / (sqrt 0.4 + 0.1) = 1 - 1 / 0.7324555 =
+        // -0.3652706 v2 = 0.9 x 0.4 + 0.1 x 1 = 0.46
+        //                                 p2 = p1 + 0.5 / (sqrt 0.46 + 0.1) = p1 + 0.5 / 0.7782330 =
+        // 0.2772105
         let rmsprop = Optimizer::RmsProp { smoothing: 0.9, epsilon: 0.1 };
         let (mut state, mut p) = (OptimizerState::new(&rmsprop, 1), [1.0]);
         state.step(&rmsprop, 0.5, &mut p, &[2.0]);
@@ -94,9 +97,12 @@ mod tests {
     #[test]
     fn two_steps_of_adam_worked_by_hand() {
         // beta 0.9 and 0.99, epsilon 0.1, rate 0.5, gradient 2 then -1, from p = 1. Hats: bias corrected.
-        // m1 = 0.2, v1 = 0.04;  m^ = 0.2 / 0.1 = 2, v^ = 0.04 / 0.01 = 4;  p1 = 1 - 0.5 x 2 / 2.1 = 0.5238095
-        // m2 = 0.18 - 0.1 = 0.08, v2 = 0.0396 + 0.01 = 0.0496;  m^ = 0.08 / 0.19 = 0.4210526,
-        // v^ = 0.0496 / 0.0199 = 2.4924623, root 1.5787534;  p2 = p1 - 0.5 x 0.4210526 / 1.6787534 = 0.3984032
+        // m1 = 0.2,              m^ = 0.2 / 0.1 = 2
+        // v1 = 0.04,             v^ = 0.04 / 0.01 = 4, root 2
+        //                        p1 = 1 - 0.5 x 2 / 2.1 = 0.5238095
+        // m2 = 0.18 - 0.1,       m^ = 0.08 / 0.19 = 0.4210526
+        // v2 = 0.0396 + 0.01,    v^ = 0.0496 / 0.0199 = 2.4924623, root 1.5787534
+        //                        p2 = p1 - 0.5 x 0.4210526 / 1.6787534 = 0.3984032
         let adam = Optimizer::Adam { beta1: 0.9, beta2: 0.99, epsilon: 0.1 };
         let (mut state, mut p) = (OptimizerState::new(&adam, 1), [1.0]);
         state.step(&adam, 0.5, &mut p, &[2.0]);

@@ -1,8 +1,8 @@
 //! A policy: a trained network with its metadata, as safetensors bytes.
 //!
 //! In: a network and whatever a user needs to know about it (observation order and units, scenario, seed), as
-//! text by key. Out: a safetensors file's bytes, which PyTorch and others can read; and back, with every doubt
-//! about foreign bytes answered by an error. The same policy always gives the same bytes.
+//! text by key. Out: a safetensors file's bytes, which PyTorch and others can read; and back, with every
+//! doubt about foreign bytes answered by an error. The same policy always gives the same bytes.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -14,7 +14,8 @@ use super::network::{NetworkShape, QNetwork};
 /// The version of the layout below; raised when an older reader would misread a newer file.
 const VERSION: u32 = 1;
 
-/// The one metadata key. The safetensors crate writes metadata in a hash map's random order; one key has one order.
+/// The one metadata key. The safetensors crate writes metadata in a hash map's random order; one key has one
+/// order.
 const KEY: &str = "wayfield";
 
 /// A trained network and what is needed to use it.
@@ -97,8 +98,8 @@ pub enum PolicyError {
 }
 
 impl Policy {
-    /// The policy as the bytes of a safetensors file: one f32 tensor per [`NetworkShape::parameters`] name, weights
-    /// outputs x inputs.
+    /// The policy as the bytes of a safetensors file: one f32 tensor per [`NetworkShape::parameters`] name,
+    /// weights outputs x inputs.
     ///
     /// # Errors
     /// A weight is not finite.

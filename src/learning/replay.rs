@@ -1,10 +1,11 @@
 //! The replay buffer: a ring of transitions over a ring of states, and batches drawn from it.
 //!
-//! In: observations and transitions; after a training, TD errors. Out: batches, drawn evenly or in proportion to
-//! priority (Schaul et al. 2016), with importance weights. First in, first out.
+//! In: observations and transitions; after a training, TD errors. Out: batches, drawn evenly or in proportion
+//! to priority (Schaul et al. 2016), with importance weights. First in, first out.
 //!
-//! Memory, for the paper's 1,000,000 transitions of 28 numbers: 126 MB of states (each stored once), 9 MB of their
-//! last users, 18 MB of transitions, 17 MB of sum tree: 170 MB when full, and nothing to speak of before.
+//! Memory, for the paper's 1,000,000 transitions of 28 numbers: 126 MB of states (each stored once), 9 MB of
+//! their last users, 18 MB of transitions, 17 MB of sum tree: 170 MB when full, and nothing to speak of
+//! before.
 
 use rand::Rng;
 
@@ -70,11 +71,12 @@ pub struct Batch {
 }
 
 impl ReplayBuffer {
-    /// An empty buffer for observations of `inputs` numbers. At most `pending` steps may be awaiting their n-step
-    /// return at a time.
+    /// An empty buffer for observations of `inputs` numbers. At most `pending` steps may be awaiting their
+    /// n-step return at a time.
     ///
-    /// There are 1/8 more states than transitions, since an episode of k steps has k + 1 states. When episodes
-    /// average fewer than 8 steps, the oldest transitions are dropped before the capacity is reached.
+    /// There are 1/8 more states than transitions, since an episode of k steps has k + 1 states. When
+    /// episodes average fewer than 8 steps, the oldest transitions are dropped before the capacity is
+    /// reached.
     #[must_use]
     pub fn new(config: &ReplayConfig, inputs: usize, pending: usize) -> Self {
         let capacity = config.capacity;
@@ -117,8 +119,8 @@ impl ReplayBuffer {
         self.states.holds(id)
     }
 
-    /// Stores an observation of `inputs` numbers. Transitions that refer to the one it replaces go first, and with
-    /// them all older ones.
+    /// Stores an observation of `inputs` numbers. Transitions that refer to the one it replaces go first, and
+    /// with them all older ones.
     pub fn push_state(&mut self, observation: &[f32]) -> StateId {
         let users = self.states.users_of_next();
         while self.head < users {
@@ -127,8 +129,8 @@ impl ReplayBuffer {
         self.states.push(observation)
     }
 
-    /// Stores a transition, with the largest priority so far; drops the oldest if full. A transition whose states
-    /// are gone already (its arena stood still for more than a whole buffer) is not stored.
+    /// Stores a transition, with the largest priority so far; drops the oldest if full. A transition whose
+    /// states are gone already (its arena stood still for more than a whole buffer) is not stored.
     pub fn push(&mut self, transition: &Transition) {
         let next = if transition.terminated { transition.state } else { transition.next };
         if !self.holds(transition.state) || !self.holds(next) {
@@ -173,8 +175,8 @@ impl ReplayBuffer {
         (number % self.capacity as u64) as usize
     }
 
-    /// Draws `n` transitions, with replacement, into `batch`. `env_steps` is for beta's schedule. The buffer must
-    /// not be empty.
+    /// Draws `n` transitions, with replacement, into `batch`. `env_steps` is for beta's schedule. The buffer
+    /// must not be empty.
     ///
     /// Prioritized: the priorities laid end to end are cut into n equal pieces and a point drawn from each
     /// (stratified proportional sampling). The importance weights (N P(i))^-beta over the batch's largest are
@@ -209,8 +211,8 @@ impl ReplayBuffer {
         }
     }
 
-    /// Gives the transitions in `slots`, just sampled, the priority (|TD error| + epsilon)^alpha. Does nothing when
-    /// sampling is uniform.
+    /// Gives the transitions in `slots`, just sampled, the priority (|TD error| + epsilon)^alpha. Does
+    /// nothing when sampling is uniform.
     pub fn update_priorities(&mut self, slots: &[usize], td_errors: &[f32]) {
         let Some(Priorities { tree, largest }) = &mut self.priorities else { return };
         let Sampling::Prioritized { alpha, epsilon, .. } = self.sampling else { return };

@@ -1,7 +1,8 @@
 //! The state ring: every observation once, found again by an id.
 //!
-//! In: observations in the order they are seen. Out: ids, and the observations behind those still kept. Successive
-//! transitions share a state (one's next is the other's first), so this halves a replay buffer's memory.
+//! In: observations in the order they are seen. Out: ids, and the observations behind those still kept.
+//! Successive transitions share a state (one's next is the other's first), so this halves a replay buffer's
+//! memory.
 
 use serde::{Deserialize, Serialize};
 

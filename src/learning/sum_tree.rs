@@ -3,8 +3,9 @@
 //! In: a weight per index. Out: the index under any point of the weights laid end to end (Schaul et al. 2016,
 //! appendix B.2.1).
 //!
-//! Weights are f64. An f32 root over 10^6 leaves resolves 1 part in 10^7: a small priority beside it would be lost,
-//! and the draw would be unfair at exactly the sizes that Table 1 asks for. The f64 tree costs 8 MB more there.
+//! Weights are f64. An f32 root over 10^6 leaves resolves 1 part in 10^7: a small priority beside it would be
+//! lost, and the draw would be unfair at exactly the sizes that Table 1 asks for. The f64 tree costs 8 MB
+//! more there.
 
 /// The weights of `capacity` indices and all their partial sums.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,8 +17,8 @@ pub struct SumTree {
 }
 
 impl SumTree {
-    /// All weights 0. `capacity` is at least 1. The memory is zeroed by the operating system, page by page, when
-    /// it is first touched.
+    /// All weights 0. `capacity` is at least 1. The memory is zeroed by the operating system, page by page,
+    /// when it is first touched.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
         let leaves = capacity.max(1).next_power_of_two();
@@ -45,7 +46,8 @@ impl SumTree {
     /// Gives `index` (< capacity) the `weight` (finite, not negative).
     ///
     /// Each parent is the sum of its two children, computed anew and not by adding differences: so no error
-    /// accumulates, and the inner nodes are a function of the leaves alone (a checkpoint need only keep leaves).
+    /// accumulates, and the inner nodes are a function of the leaves alone (a checkpoint need only keep
+    /// leaves).
     pub fn set(&mut self, index: usize, weight: f64) {
         let mut node = self.leaves + index;
         self.nodes[node] = weight;
@@ -66,8 +68,9 @@ impl SumTree {
         }
     }
 
-    /// The index under `point` (0 <= point < total) when the weights are laid end to end in the order of their
-    /// indices. An index of weight 0 is never found as long as the total is above 0, whatever rounding does.
+    /// The index under `point` (0 <= point < total) when the weights are laid end to end in the order of
+    /// their indices. An index of weight 0 is never found as long as the total is above 0, whatever rounding
+    /// does.
     #[must_use]
     pub fn find(&self, mut point: f64) -> usize {
         let mut node = 1;

@@ -4,6 +4,7 @@
 //! steps: success of the greedy policy, return per episode, targets per episode. Colours are Okabe and Ito's,
 //! which colour-blind readers can tell apart; no panel needs colour to be read.
 
+use std::error::Error;
 use std::ops::Range;
 
 use plotters::coord::Shift;
@@ -11,7 +12,6 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use thiserror::Error;
 
 /// One ended episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,11 +36,11 @@ pub struct EvaluationPoint {
 }
 
 /// The figure could not be drawn.
-#[derive(Debug, Error)]
+#[derive(Debug, thiserror::Error)]
 #[error("the learning curve could not be drawn: {0}")]
 pub struct DrawError(String);
 
-/// Draws the learning curve of one run, as the text of an SVG file of at most about 200 kB.
+/// Draws the learning curve of one run, as the text of an SVG file of less than 300 kB.
 ///
 /// Points may come in any order, and none at all is no error. A value that is no finite number is left out.
 /// Of very many episodes every n-th is drawn as a point; the moving mean is over all of them.
@@ -61,29 +61,23 @@ pub fn learning_curve_svg(
     let panels = [
         Panel {
             heading: "Success rate of the greedy policy",
-            remark: best(evaluations),
             colour: GREEN,
             unit: "%",
             y: Axis { range: 0.0..100.0, step: 25.0 },
-            reference: Some((PAPER_PERCENT, "paper: 96%")),
-            data: Data::Evaluations(success),
+            data: Data::Evaluations(success, best(evaluations)),
         },
         Panel {
             heading: "Return per episode",
-            remark: String::new(),
             colour: BLUE,
             unit: "",
-            y: Axis::around(&returns, None),
-            reference: None,
+            y: Axis::around(&returns, &[], 0.0),
             data: Data::Episodes(returns),
         },
         Panel {
             heading: "Targets reached per episode",
-            remark: String::new(),
             colour: VERMILION,
             unit: "",
-            y: Axis::around(&targets, Some(0.0)),
-            reference: None,
+            y: Axis::around(&targets, &[0.0, 1.0], 1.0),
             data: Data::Episodes(targets),
         },
     ];
@@ -92,7 +86,7 @@ pub fn learning_curve_svg(
     draw(&mut svg, title, &x, &panels).map_err(|error| DrawError(error.to_string()))?;
     // plotters knows whole pixels only, so all is drawn at twice its size and shown at half.
     let size = |scale| format!(r#"width="{}" height="{}""#, WIDTH / scale, HEIGHT / scale);
-    Ok(svg.replacen(&size(1), &size(SCALE as u32), 1))
+    Ok(svg.replacen(&size(1), &size(SCALE), 1))
 }
 
 /// What the paper reports for its robot, in percent.
@@ -103,14 +97,16 @@ const WINDOW: usize = 50;
 const MAX_MARKS: usize = 900;
 
 // Sizes in drawn pixels: SCALE of them are one pixel shown.
-const SCALE: i32 = 2;
+const SCALE: u32 = 2;
 const WIDTH: u32 = 1800;
-const HEIGHT: u32 = 1480;
-const TITLE_HEIGHT: i32 = 104;
-const HEADING_HEIGHT: i32 = 72;
-const PLOT_HEIGHT: i32 = 336;
-const LEFT: i32 = 136;
-const RIGHT: i32 = 184;
+const HEIGHT: u32 = TITLE_HEIGHT as u32 + 3 * PANEL_HEIGHT as u32 + 128;
+const TITLE_HEIGHT: i32 = 96;
+const PANEL_HEIGHT: i32 = 420;
+const HEADING_HEIGHT: i32 = 92;
+const LEFT: i32 = 144;
+const RIGHT: i32 = 208;
+const HAIRLINE: u32 = 2;
+const STROKE: u32 = 4;
 
 // One scale of type: title, headings, all else. plotters' SVG divides sizes by 1.24.
 const TITLE: f64 = 20.0 * SCALE as f64 * 1.24;
@@ -130,18 +126,15 @@ type Curve = Vec<(f64, f64)>;
 
 struct Panel {
     heading: &'static str,
-    /// Said at the right of the heading; may be empty.
-    remark: String,
     colour: RGBColor,
     unit: &'static str,
     y: Axis,
-    reference: Option<(f64, &'static str)>,
     data: Data,
 }
 
 enum Data {
-    /// Few points, joined.
-    Evaluations(Curve),
+    /// Few points, joined; and what is to be said of them.
+    Evaluations(Curve, String),
     /// Many noisy points, under their moving mean.
     Episodes(Curve),
 }
@@ -159,20 +152,20 @@ impl Axis {
         Self { range: 0.0..end, step: tidy_step(end / 6.0) }
     }
 
-    /// Around all values of a curve (and `also`), from a tick to a tick.
-    fn around(curve: &Curve, also: Option<f64>) -> Self {
-        let values = || curve.iter().map(|p| p.1).chain(also);
-        let (mut low, mut high) =
-            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    /// Around all values of a curve and those of `also`, from a tick to a tick at least `least_step` apart.
+    fn around(curve: &Curve, also: &[f64], least_step: f64) -> Self {
+        let values = || curve.iter().map(|p| p.1).chain(also.iter().copied());
+        let mut low = values().fold(f64::INFINITY, f64::min);
+        let mut high = values().fold(f64::NEG_INFINITY, f64::max);
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        if high - low <= high.abs().max(low.abs()) * 1e-6 {
-            // One value only: give it room, and keep a bound that was asked for.
-            let room = high.abs().max(1.0) * 0.5;
-            (low, high) = (if also.is_some() { low } else { low - room }, high + room);
+        let size = high.abs().max(low.abs());
+        if high - low <= size * 1e-6 {
+            let room = size.max(1.0) * 0.5;
+            (low, high) = (low - room, high + room);
         }
-        let step = tidy_step((high - low) / 4.0);
+        let step = tidy_step((high - low) / 4.0).max(least_step);
         Self { range: (low / step).floor() * step..(high / step).ceil() * step, step }
     }
 
@@ -253,58 +246,225 @@ fn best(evaluations: &[EvaluationPoint]) -> String {
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
-
-fn text(size: f64, colour: RGBColor, h: HPos, v: VPos) -> TextStyle<'static> {
-    (FONT, size).into_text_style(&(WIDTH, HEIGHT)).color(&colour).pos(Pos::new(h, v))
-}
+type Drawn = Result<(), Box<dyn Error>>;
 
 fn draw(svg: &mut String, title: &str, x: &Axis, panels: &[Panel]) -> Drawn {
     let root = SVGBackend::with_string(svg, (WIDTH, HEIGHT)).into_drawing_area();
     root.fill(&WHITE)?;
-    let style = text(TITLE, INK, HPos::Left, VPos::Center).transform(FontTransform::None);
-    root.draw(&Text::new(title.to_owned(), (LEFT, TITLE_HEIGHT / 2 + 8), style))?;
-
+    write(&root, title, (LEFT, TITLE_HEIGHT / 2 + 8), TITLE, &INK, HPos::Left)?;
     let mut top = TITLE_HEIGHT;
-    for (i, panel) in panels.iter().enumerate() {
-        draw_panel(&root, top, x, panel, i + 1 == panels.len())?;
-        top += HEADING_HEIGHT + PLOT_HEIGHT;
+    for panel in panels {
+        draw_panel(&root, top, x, panel)?;
+        top += PANEL_HEIGHT;
     }
-    let middle = LEFT + (WIDTH as i32 - LEFT - RIGHT) / 2;
-    let style = text(TEXT, SOFT_INK, HPos::Center, VPos::Center);
-    root.draw(&Text::new("environment steps (thousands)", (middle, top + 88), style))?;
+    let right = WIDTH as i32 - RIGHT;
+    for tick in x.ticks() {
+        let at = LEFT + (tick / x.range.end * f64::from(right - LEFT)).round() as i32;
+        root.draw(&PathElement::new([(at, top), (at, top + 10)], SOFT_INK.stroke_width(HAIRLINE)))?;
+        write(&root, &x.label(tick), (at, top + 32), TEXT, &SOFT_INK, HPos::Center)?;
+    }
+    let name = "environment steps (thousands)";
+    write(&root, name, ((LEFT + right) / 2, top + 76), TEXT, &SOFT_INK, HPos::Center)?;
     root.present()?;
     Ok(())
 }
 
-fn draw_panel(root: &Area, top: i32, x: &Axis, panel: &Panel, with_x_labels: bool) -> Drawn {
-    let right = WIDTH as i32 - RIGHT;
-    let heading = top + HEADING_HEIGHT / 2;
-    root.draw(&Text::new(panel.heading, (LEFT, heading), text(HEADING, INK, HPos::Left, VPos::Center)))?;
-    let small = |colour, h| text(TEXT, colour, h, VPos::Center);
-    root.draw(&Text::new(panel.remark.clone(), (right, heading), small(SOFT_INK, HPos::Right)))?;
+fn draw_panel(root: &Area, top: i32, x: &Axis, panel: &Panel) -> Drawn {
+    let (upper, lower, right) = (top + HEADING_HEIGHT, top + PANEL_HEIGHT, WIDTH as i32 - RIGHT);
+    let heading = upper - 36;
+    write(root, panel.heading, (LEFT, heading), HEADING, &INK, HPos::Left)?;
 
-    let below = if with_x_labels { 52 } else { 0 };
-    let area = root
-        .clone()
-        .shrink((0, top + HEADING_HEIGHT - 12), (right, PLOT_HEIGHT - 24 + below));
-    let mut chart = ChartBuilder::on(&area)
-        .y_label_area_size(LEFT)
-        .x_label_area_size(below)
-        .build_cartesian_2d(
-            x.range.clone().with_key_points(x.ticks()),
-            panel.y.range.clone().with_key_points(panel.y.ticks()),
-        )?;
-    chart
-        .configure_mesh()
-        .disable_x_mesh()
-        .bold_line_style(GRID.stroke_width(SCALE as u32))
-        .light_line_style(TRANSPARENT)
-        .axis_style(TRANSPARENT)
-        .set_all_tick_mark_size(8)
-        .label_style(small(SOFT_INK, HPos::Center))
-        .x_label_formatter(&|&tick| x.label(tick))
-        .y_label_formatter(&|&tick| panel.y.label(tick) + panel.unit)
-        .draw()?;
+    let pixels = (LEFT..right, lower..upper);
+    let plot = root.apply_coord_spec(Cartesian2d::<RangedCoordf64, RangedCoordf64>::new(
+        x.range.clone(),
+        panel.y.range.clone(),
+        pixels,
+    ));
+    let height = |value| plot.map_coordinate(&(0.0, value)).1;
+    for tick in panel.y.ticks() {
+        let colour = if tick == panel.y.range.start { SOFT_INK } else { GRID };
+        let at = height(tick);
+        root.draw(&PathElement::new([(LEFT, at), (right, at)], colour.stroke_width(HAIRLINE)))?;
+        let label = panel.y.label(tick) + panel.unit;
+        write(root, &label, (LEFT - 16, at), TEXT, &SOFT_INK, HPos::Right)?;
+    }
+
+    let colour = panel.colour;
+    let beside = right + 16;
+    let (Data::Evaluations(curve, _) | Data::Episodes(curve)) = &panel.data;
+    match &panel.data {
+        Data::Evaluations(_, remark) => {
+            let paper = height(PAPER_PERCENT);
+            let line = [(LEFT, paper), (right, paper)];
+            root.draw(&DashedPathElement::new(line, 12, 8, INK.stroke_width(HAIRLINE)))?;
+            write(root, "paper: 96%", (beside, paper), TEXT, &INK, HPos::Left)?;
+            write(root, remark, (right, heading), TEXT, &SOFT_INK, HPos::Right)?;
+            let points = thinned(curve);
+            plot.draw(&PathElement::new(points.clone(), colour.stroke_width(STROKE)))?;
+            let radius = if points.len() <= 80 { 7 } else { 4 };
+            for point in points {
+                plot.draw(&Circle::new(point, radius, colour.filled()))?;
+            }
+        }
+        Data::Episodes(_) => {
+            let points = thinned(curve);
+            let (radius, strength) = if points.len() <= 100 { (5, 0.6) } else { (3, 0.3) };
+            for point in points {
+                plot.draw(&Circle::new(point, radius, colour.mix(strength).filled()))?;
+            }
+            let mean = moving_mean(curve);
+            if let Some(&(_, last)) = mean.last() {
+                plot.draw(&PathElement::new(thinned(&mean), colour.stroke_width(STROKE)))?;
+                let at = height(last).clamp(upper, lower);
+                write(root, &number(last, 1), (beside, at), TEXT, &colour, HPos::Left)?;
+            }
+            draw_key(root, (right, heading), colour, mean.is_empty())?;
+        }
+    }
+    if curve.is_empty() {
+        // Between two lines of the grid.
+        let middle = ((LEFT + right) / 2, upper + (lower - upper) * 5 / 8);
+        write(root, "nothing yet", middle, TEXT, &SOFT_INK, HPos::Center)?;
+    }
     Ok(())
+}
+
+/// What points and line stand for, ending at `right` in the heading's row.
+fn draw_key(root: &Area, (right, y): (i32, i32), colour: RGBColor, points_only: bool) -> Drawn {
+    let mut left = right - 104;
+    if !points_only {
+        let mean = format!("mean of {WINDOW}");
+        write(root, &mean, (right, y), TEXT, &SOFT_INK, HPos::Right)?;
+        let line = [(right - 224, y), (right - 168, y)];
+        root.draw(&PathElement::new(line, colour.stroke_width(STROKE)))?;
+        left -= 272;
+    }
+    for (dx, dy) in [(-34, 5), (-24, -6), (-14, 4)] {
+        root.draw(&Circle::new((left + dx, y + dy), 3, colour.mix(0.5).filled()))?;
+    }
+    write(root, "episode", (left, y), TEXT, &SOFT_INK, HPos::Left)
+}
+
+/// Writes a line of text, centred on `at` in height.
+fn write(root: &Area, text: &str, at: (i32, i32), size: f64, colour: &RGBColor, side: HPos) -> Drawn {
+    let style = (FONT, size).into_text_style(root).color(colour).pos(Pos::new(side, VPos::Center));
+    root.draw(&Text::new(text, at, style))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn episodes(n: u64) -> Vec<EpisodePoint> {
+        let one = |i| EpisodePoint {
+            env_steps: i * 37,
+            total_return: (i * 7919 % 101) as f64 - 60.0,
+            targets: (i % 13) as u32,
+        };
+        (1..=n).map(one).collect()
+    }
+
+    fn evaluation(env_steps: u64, success_rate: f64) -> EvaluationPoint {
+        EvaluationPoint { env_steps, success_rate, mean_time_s: Some(5.04) }
+    }
+
+    fn svg(episodes: &[EpisodePoint], evaluations: &[EvaluationPoint]) -> String {
+        learning_curve_svg("A run", episodes, evaluations).expect("is drawn")
+    }
+
+    /// Every coordinate of the marks and lines, to see that nothing leaves the picture.
+    fn marks(svg: &str) -> Vec<(f64, f64)> {
+        let value = |line: &str, name: &str| {
+            let rest = line.split_once(&format!(" {name}=\""))?.1;
+            Some(rest.split_once('"')?.0.to_owned())
+        };
+        let number = |text: &str| text.parse::<f64>().expect("a number");
+        let mut found = Vec::new();
+        for line in svg.lines() {
+            if let (Some(x), Some(y)) = (value(line, "cx"), value(line, "cy")) {
+                found.push((number(&x), number(&y)));
+            }
+            let points = value(line, "points").unwrap_or_default();
+            found.extend(points.split_whitespace().map(|pair| {
+                let (x, y) = pair.split_once(',').expect("a pair");
+                (number(x), number(y))
+            }));
+        }
+        found
+    }
+
+    #[test]
+    fn any_run_gives_a_picture_that_holds_all_its_marks() {
+        let odd = |total_return| EpisodePoint { env_steps: 500, total_return, targets: 1 };
+        let cases: [(&str, Vec<EpisodePoint>, Vec<EvaluationPoint>); 6] = [
+            ("empty", vec![], vec![]),
+            ("one of each", episodes(1), vec![evaluation(37, 0.5)]),
+            ("all at step 0", vec![EpisodePoint { env_steps: 0, total_return: 0.0, targets: 0 }], vec![]),
+            ("constant", vec![odd(-7.5); 80], vec![evaluation(10, 1.0), evaluation(20, 1.0)]),
+            (
+                "not finite",
+                vec![odd(f64::NAN), odd(f64::INFINITY), odd(1e300)],
+                vec![evaluation(1, f64::NAN)],
+            ),
+            ("huge and far", vec![odd(9e11), odd(-9e11)], vec![evaluation(u64::MAX, 7.0)]),
+        ];
+        for (name, episodes, evaluations) in cases {
+            let svg = svg(&episodes, &evaluations);
+            assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{name}");
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
+            for (x, y) in marks(&svg) {
+                let inside = (0.0..=f64::from(WIDTH)).contains(&x) && (0.0..=f64::from(HEIGHT)).contains(&y);
+                assert!(inside, "{name}: a mark at {x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_run_is_a_small_file_and_the_same_one_each_time() {
+        let (many, evals) =
+            (episodes(100_000), (1..5000).map(|i| evaluation(i * 740, 0.9)).collect::<Vec<_>>());
+        let one = svg(&many, &evals);
+        assert!(one.len() < 300_000, "{} bytes", one.len());
+        assert_eq!(one, svg(&many, &evals));
+        let mut shuffled = many;
+        shuffled.reverse();
+        assert_eq!(one, svg(&shuffled, &evals), "order of points does not matter");
+    }
+
+    #[test]
+    fn the_best_evaluation_is_said() {
+        let evaluations = [evaluation(1000, 0.5), evaluation(12_000, 0.9999), evaluation(13_000, 0.9999)];
+        assert_eq!(best(&evaluations), "best: 99.9% at 12,000 steps, 5.0 s a target");
+        assert!(svg(&[], &evaluations).contains("best: 99.9%"));
+        assert_eq!(best(&[]), "");
+    }
+
+    #[test]
+    fn the_title_is_text_not_markup() {
+        let svg = learning_curve_svg("a < b & c", &[], &[]).expect("is drawn");
+        assert!(svg.contains("a &lt; b &amp; c"));
+    }
+
+    #[test]
+    fn means_are_over_whole_windows() {
+        let curve: Curve = (0..60).map(|i| (f64::from(i), f64::from(i))).collect();
+        let mean = moving_mean(&curve);
+        assert_eq!(mean.len(), 11);
+        assert_eq!((mean[0], mean[10]), ((49.0, 24.5), (59.0, 34.5)));
+        assert!(moving_mean(&curve[..49].to_vec()).is_empty());
+    }
+
+    #[test]
+    fn ticks_are_round_and_enclose_the_values() {
+        let axis = Axis::around(&vec![(0.0, -13.0), (1.0, 71.0)], &[], 0.0);
+        assert_eq!(axis.ticks(), [-25.0, 0.0, 25.0, 50.0, 75.0]);
+        let axis = Axis::around(&vec![(0.0, 2.0)], &[0.0, 1.0], 1.0);
+        assert_eq!(axis.ticks(), [0.0, 1.0, 2.0], "counts have whole ticks");
+        assert!(Axis::around(&vec![(0.0, -7.5)], &[], 0.0).ticks().len() >= 3, "a constant has room");
+        let labels = |axis: Axis| axis.ticks().into_iter().map(|t| axis.label(t)).collect::<Vec<_>>();
+        assert_eq!(labels(Axis { range: 0.0..0.5, step: 0.25 }), ["0.00", "0.25", "0.50"]);
+        assert_eq!(labels(Axis { range: -2500.0..0.0, step: 2500.0 }), ["\u{2212}2,500", "0"]);
+        assert_eq!(Axis::thousands(1_000_000).ticks(), [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0]);
+    }
 }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use serde::Serialize;
 
+use super::optimum::{Resolution, least_time};
 use super::{RunError, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
@@ -83,7 +84,7 @@ impl Evaluation {
 
 /// The simulated time of each successful navigation, in s.
 pub fn times_s(navigations: &[Navigation], control_period_s: f32) -> impl Iterator<Item = f64> {
-    navigations.iter().filter(|n| n.succeeded()).map(move |n| seconds(n.steps, control_period_s))
+    navigations.iter().filter(|n| n.succeeded()).map(move |n| f64::from(n.steps) * period_s(control_period_s))
 }
 
 fn mean_time_s(navigations: &[Navigation], control_period_s: f32) -> Option<f64> {
@@ -91,9 +92,53 @@ fn mean_time_s(navigations: &[Navigation], control_period_s: f32) -> Option<f64>
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// `steps` control periods in s, without the period's own f32 rounding showing (0.2 is meant, not 0.200000003).
-fn seconds(steps: u32, control_period_s: f32) -> f64 {
-    f64::from(steps) * (f64::from(control_period_s) * 1e6).round() / 1e6
+/// The control period in s without its f32 rounding showing (0.2 is meant, not 0.200000003).
+fn period_s(control_period_s: f32) -> f64 {
+    (f64::from(control_period_s) * 1e6).round() / 1e6
+}
+
+/// How the successful navigations compare with the least possible times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AgainstOptimum {
+    /// How many were compared: those that succeeded and for which the planner found a way.
+    pub navigations: usize,
+    /// Mean time of the planner's ways, in s.
+    pub optimum_mean_time_s: f64,
+    /// Mean time of the policy over that: 1 is the optimum.
+    pub time_ratio: f64,
+}
+
+/// Plans every successful navigation anew with full knowledge of the world ([`least_time`]), on all cores. None if
+/// there is nothing to compare.
+#[must_use]
+pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Option<AgainstOptimum> {
+    let succeeded: Vec<&Navigation> = navigations.iter().filter(|n| n.succeeded()).collect();
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let share = succeeded.len().div_ceil(cores).max(1);
+    let plan = |n: &&Navigation| {
+        let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
+        let plan =
+            least_time(scenario, start, (n.target.x_m, n.target.y_m), n.clock.0, Resolution::default())?;
+        Some((u64::from(n.steps), u64::from(plan.steps)))
+    };
+    let sums = |chunk: &[&Navigation]| {
+        chunk.iter().filter_map(plan).fold((0, 0, 0), |(n, of_policy, of_plan), (policy, planned)| {
+            (n + 1, of_policy + policy, of_plan + planned)
+        })
+    };
+    let (count, driven, planned) = std::thread::scope(|scope| {
+        let workers: Vec<_> =
+            succeeded.chunks(share).map(|chunk| scope.spawn(move || sums(chunk))).collect();
+        workers
+            .into_iter()
+            .filter_map(|worker| worker.join().ok())
+            .fold((0_usize, 0_u64, 0_u64), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2))
+    });
+    (count > 0).then(|| AgainstOptimum {
+        navigations: count,
+        optimum_mean_time_s: planned as f64 / count as f64 * period_s(scenario.task.control_period_s),
+        time_ratio: driven as f64 / planned as f64,
+    })
 }
 
 /// A world in which policies are tried, built once and used again.

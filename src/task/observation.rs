@@ -79,13 +79,12 @@ impl Observations {
 /// `Sense`: what the step has led to.
 pub(super) fn observe_next(
     mut observations: ResMut<Observations>,
-    arenas: Query<(&Arena, &Scan, &Pose, &Target, &Episode)>,
+    arenas: Query<(&Arena, &Scan, &Pose, &Target)>,
 ) {
     let width = observations.width;
-    for (arena, scan, pose, target, episode) in &arenas {
-        if !episode.parked {
-            encode(scan, pose, target, &mut observations.next[arena.0 * width..][..width]);
-        }
+    // Parked arenas too: `current` and `next` change places after every step.
+    for (arena, scan, pose, target) in &arenas {
+        encode(scan, pose, target, &mut observations.next[arena.0 * width..][..width]);
     }
 }
 

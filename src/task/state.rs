@@ -63,7 +63,7 @@ pub struct Scan {
     pub ranges_m: Vec<f32>,
     /// The smallest range without noise and dropout, in m: d_o, by which collisions and rewards are judged.
     pub nearest_m: f32,
-    /// Whether rapier holds the robot's body in contact with another.
+    /// Whether the robot's body touches another.
     pub touching: bool,
 }
 

@@ -81,7 +81,6 @@ pub(super) fn scan(
     beams: Res<Beams>,
     mut arenas: Query<(
         &Bodies,
-        &RapierContextSimulation,
         &RapierContextColliders,
         &Pose,
         &Episode,
@@ -89,9 +88,9 @@ pub(super) fn scan(
         &mut Scan,
     )>,
 ) {
-    for (bodies, context, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
+    for (bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
         if !episode.parked {
-            scan.touching = robot_touches(context, bodies);
+            scan.touching = robot_touches(&colliders.colliders, bodies);
             take(&scenario.0.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
         }
     }

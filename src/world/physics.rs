@@ -12,7 +12,7 @@ use bevy::ecs::schedule::{Schedule, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::transform::TransformPlugin;
 use bevy_rapier2d::prelude::*;
-use bevy_rapier2d::rapier::prelude::{ColliderHandle, RigidBodyHandle};
+use bevy_rapier2d::rapier::prelude::{ColliderHandle, ColliderSet, RigidBodyHandle};
 
 use crate::control_step::{ControlSet, ControlStep};
 use crate::scenario::{Enclosure, ObstacleMotion, Scenario, Shape, pose_at};
@@ -23,6 +23,13 @@ struct MakeBodies;
 
 /// The walls' thickness, in m: deep enough that nothing gets through in one step.
 const WALL_M: f32 = 0.5;
+
+/// Bodies nearer than this, in m, touch: rapier rests a body a hair off what stops it.
+const TOUCH_M: f32 = 0.0005;
+
+/// How far ahead, in m, rapier may look for what a body would meet in the coming step: farther than any step goes, so
+/// that a body stops at a surface instead of in it.
+const LOOK_AHEAD_M: f32 = 50.0;
 
 /// The handles of an arena's bodies in its physics context.
 #[derive(Component, Clone, Debug)]
@@ -89,6 +96,7 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
         LockedAxes::ROTATION_LOCKED,
         Friction::coefficient(0.0),
         Sleeping::disabled(),
+        SoftCcd { prediction: LOOK_AHEAD_M },
         at(0.0, 0.0, 0.0),
     ));
     for (index, obstacle) in scenario.obstacles.iter().enumerate() {
@@ -144,10 +152,12 @@ pub(super) fn despawn_all(world: &mut World) {
     world.run_schedule(MakeBodies);
 }
 
-/// Whether rapier holds the robot in contact with anything.
-pub(super) fn robot_touches(context: &RapierContextSimulation, bodies: &Bodies) -> bool {
-    context
-        .narrow_phase
-        .contact_pairs_with(bodies.robot_collider)
-        .any(|pair| pair.manifolds.iter().any(|manifold| manifold.points.iter().any(|point| point.dist <= 0.0)))
+/// Whether the robot's body touches anything, where all are after the step. (The distances in rapier's contact
+/// manifolds may be those of an earlier step: it takes manifolds up again while bodies have moved little.)
+pub(super) fn robot_touches(colliders: &ColliderSet, bodies: &Bodies) -> bool {
+    let robot = &colliders[bodies.robot_collider];
+    let (centre, reach_m) = (robot.translation(), robot.shape().compute_local_aabb().half_extents().x + TOUCH_M);
+    bodies.solids.iter().map(|&handle| &colliders[handle]).any(|solid| {
+        solid.shape().distance_to_local_point(solid.position().inverse_transform_point(centre), true) <= reach_m
+    })
 }

@@ -23,7 +23,7 @@ pub fn range(scenario: &Scenario, step: u64, origin: (f64, f64), angle_rad: f64,
     nearest.max(0.0)
 }
 
-/// [`range`], and how far it moves when the beam is shifted sideways by 2 um: where a beam grazes a surface or a
+/// [`range`], and how far it moves when the beam is shifted sideways by 10 um: where a beam grazes a surface or a
 /// corner, the rounding of f32 decides whether it hits.
 pub fn range_within(
     scenario: &Scenario,
@@ -33,7 +33,7 @@ pub fn range_within(
     max_m: f64,
 ) -> (f64, f64) {
     let (sin, cos) = angle_rad.sin_cos();
-    let shifted = [-2e-6, 0.0, 2e-6]
+    let shifted = [-1e-5, 0.0, 1e-5]
         .map(|by| range(scenario, step, (origin.0 - by * sin, origin.1 + by * cos), angle_rad, max_m));
     (shifted.into_iter().fold(f64::INFINITY, f64::min), shifted.into_iter().fold(0.0, f64::max))
 }
