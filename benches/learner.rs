@@ -80,7 +80,11 @@ impl Bench {
 }
 
 /// One env step remembered and one gradient step taken.
-#[divan::bench(args = [(64, false), (64, true), (128, false), (128, true)], sample_count = 200, sample_size = 20)]
+#[divan::bench(
+    args = [(64, false), (64, true), (128, false), (128, true)],
+    sample_count = 200,
+    sample_size = 20
+)]
 fn gradient_step(bencher: Bencher, (batch_size, dueling): (usize, bool)) {
     let mut bench = Bench::new(&config(dueling, batch_size));
     bencher.counter(ItemsCount::new(1_usize)).bench_local(|| {

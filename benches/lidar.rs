@@ -43,12 +43,8 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     let mut lab = stepped(obstacles);
     let beams = lidar::Beams::around(BEAMS);
     let world = lab.app.world_mut();
-    let mut arenas = world.query::<(
-        &Bodies,
-        &RapierContextSimulation,
-        &RapierRigidBodySet,
-        &RapierContextColliders,
-    )>();
+    let mut arenas =
+        world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
     let (bodies, context, set, colliders) = arenas.single(world).expect("one arena");
     let filter = QueryFilter::new().exclude_rigid_body(bodies.robot);
     let pipeline = context.broad_phase.as_query_pipeline(

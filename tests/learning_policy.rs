@@ -139,7 +139,11 @@ fn a_transfer_wants_the_same_network() {
 
 proptest! {
     #[test]
-    fn no_bytes_make_it_panic(at in any::<prop::sample::Index>(), byte in any::<u8>(), cut in any::<prop::sample::Index>()) {
+    fn no_bytes_make_it_panic(
+        at in any::<prop::sample::Index>(),
+        byte in any::<u8>(),
+        cut in any::<prop::sample::Index>(),
+    ) {
         let mut bytes = policy().to_bytes().expect("finite weights");
         let at = at.index(bytes.len());
         bytes[at] = byte;

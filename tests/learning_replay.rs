@@ -58,8 +58,13 @@ fn ops() -> impl Strategy<Value = Vec<Op>> {
 
 proptest! {
     #[test]
-    fn no_sample_reads_an_overwritten_state(ops in ops(), capacity in 1_usize..20, by_priority in any::<bool>()) {
-        let mut replay = buffer(capacity, if by_priority { prioritized(1.0, 1.0) } else { Sampling::Uniform });
+    fn no_sample_reads_an_overwritten_state(
+        ops in ops(),
+        capacity in 1_usize..20,
+        by_priority in any::<bool>(),
+    ) {
+        let sampling = if by_priority { prioritized(1.0, 1.0) } else { Sampling::Uniform };
+        let mut replay = buffer(capacity, sampling);
         let mut random = stream(1, "test", 0);
         // The model: all states ever, and the transitions kept, by a search where the buffer keeps an index.
         let mut states: Vec<(StateId, f32)> = Vec::new();
@@ -77,9 +82,8 @@ proptest! {
                     states.push((replay.push_state(&[value]), value));
                 }
                 Op::Transition(a, b) => {
-                    let (Some(a), Some(b)) = (states.len().checked_sub(1 + a), states.len().checked_sub(1 + b)) else {
-                        continue;
-                    };
+                    let before = |age: usize| states.len().checked_sub(1 + age);
+                    let (Some(a), Some(b)) = (before(a), before(b)) else { continue };
                     replay.push(&told(states[a], states[b]));
                     if a.min(b) + room >= states.len() {
                         if kept.len() == capacity {
@@ -97,7 +101,8 @@ proptest! {
             prop_assert_eq!(&batch.states, &batch.rewards, "the state is the one that was stored");
             prop_assert_eq!(&batch.next_states, &batch.discounts, "and so is the next");
             for (state, next) in batch.states.iter().zip(&batch.next_states) {
-                prop_assert!(kept.contains(&(*state as usize, *next as usize)), "{state} -> {next} was dropped");
+                let found = kept.contains(&(*state as usize, *next as usize));
+                prop_assert!(found, "{state} -> {next} was dropped");
             }
         }
     }
@@ -143,7 +148,8 @@ proptest! {
                 let (state, next, steps) = (batch.states[i], batch.next_states[i], batch.rewards[i]);
                 prop_assert!((1.0..=n_step as f32).contains(&steps), "a return over 1 to n steps");
                 let scale = scale.into_iter().find(|s| next - state == s * steps);
-                prop_assert!(batch.discounts[i] == 0.0 || scale.is_some(), "{state} -> {next} in {steps} steps");
+                let joined = batch.discounts[i] == 0.0 || scale.is_some();
+                prop_assert!(joined, "{state} -> {next} in {steps} steps");
             }
         }
     }

@@ -31,19 +31,28 @@ fn a_reached_target_pays_250_is_redrawn_and_the_episode_goes_on() {
     lab.step(&[2]);
     let (outcome, after) = (lab.outcomes()[0], lab.state(0));
     assert!(outcome.reached && outcome.terminated() && !outcome.truncated(), "0.19 m is nearer than l_a");
-    assert_eq!(outcome.reward, RewardTerms { reached: 250.0, ..RewardTerms::default() }, "r+ and nothing else");
+    assert_eq!(
+        outcome.reward,
+        RewardTerms { reached: 250.0, ..RewardTerms::default() },
+        "r+ and nothing else"
+    );
     assert!(lab.ended().is_empty(), "the episode goes on");
     assert_eq!((after.episode.steps, after.episode.targets), (2, 1));
-    assert!((after.pose.x_m - 0.06).abs() < 1e-6 && after.pose.y_m == 0.0, "the robot has driven on, not jumped");
+    assert!(
+        (after.pose.x_m - 0.06).abs() < 1e-6 && after.pose.y_m == 0.0,
+        "the robot has driven on, not jumped"
+    );
     assert_eq!(after.clock.0, before.clock.0 + 1);
     assert_ne!(after.target, before.target, "only the target is redrawn");
 
     // The step after the redraw pays the fall of the new target's potential, in f64 by hand.
-    let distance = |pose: &Pose| {
-        f64::from(after.target.x_m - pose.x_m).hypot(f64::from(after.target.y_m - pose.y_m))
-    };
+    let distance =
+        |pose: &Pose| f64::from(after.target.x_m - pose.x_m).hypot(f64::from(after.target.y_m - pose.y_m));
     let u_before = 50.0 * distance(&after.pose).powi(2);
-    assert!((f64::from(after.episode.potential.attraction) - u_before).abs() < 1e-3, "U is of the new target");
+    assert!(
+        (f64::from(after.episode.potential.attraction) - u_before).abs() < 1e-3,
+        "U is of the new target"
+    );
     lab.step(&[2]);
     let u_after = 50.0 * distance(&lab.state(0).pose).powi(2);
     let terms = lab.outcomes()[0].reward;
@@ -71,7 +80,11 @@ fn a_collision_costs_200_and_ends_the_episode() {
     let outcome = lab.outcomes()[0];
     sum += outcome.reward;
     assert!(outcome.collided && outcome.terminated() && !outcome.truncated(), "0.12 m is less than l_c");
-    assert_eq!(outcome.reward, RewardTerms { collided: -200.0, ..RewardTerms::default() }, "r- and nothing else");
+    assert_eq!(
+        outcome.reward,
+        RewardTerms { collided: -200.0, ..RewardTerms::default() },
+        "r- and nothing else"
+    );
     let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::Collided, steps: 3, targets: 1, rewards: sum };
     assert_eq!(lab.ended(), vec![ended], "published with its steps, targets and the sum of its rewards");
     let fresh = lab.state(0);
@@ -132,7 +145,8 @@ fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
             } else if reward.kind == RewardKind::Traditional {
                 assert_eq!(outcome.reward, RewardTerms::default(), "eq. (3) gives nothing on the way");
             } else if !outcome.timed_out {
-                let from = potential(&before[arena].pose, &before[arena].target, before[arena].scan.nearest_m);
+                let from =
+                    potential(&before[arena].pose, &before[arena].target, before[arena].scan.nearest_m);
                 let to = potential(&after[arena].pose, &after[arena].target, after[arena].scan.nearest_m);
                 let terms = outcome.reward;
                 assert!(
@@ -142,7 +156,10 @@ fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
                 );
                 repelled += usize::from(terms.repulsion != 0.0);
                 // mu d_g |step| at most: 100 x 4.7 x 0.031.
-                assert!(terms.attraction.abs() < 15.0, "no redraw or restart makes the reward jump: {terms:?}");
+                assert!(
+                    terms.attraction.abs() < 15.0,
+                    "no redraw or restart makes the reward jump: {terms:?}"
+                );
             }
         }
         for episode in lab.ended() {
@@ -159,13 +176,19 @@ fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
     assert!(seen.iter().any(|episode| episode.end == EpisodeEnd::Collided));
     assert!(seen.iter().any(|episode| episode.end == EpisodeEnd::TimedOut));
     assert!(seen.iter().any(|episode| episode.targets > 1));
-    assert!(reward.kind == RewardKind::Traditional || repelled > 100, "some steps are near obstacles: {repelled}");
+    assert!(
+        reward.kind == RewardKind::Traditional || repelled > 100,
+        "some steps are near obstacles: {repelled}"
+    );
 }
 
 #[test]
 fn optimized_rewards_are_eq_7_step_by_step_and_add_up() {
     rewards_add_up(&common::four_cylinders(), &RewardConfig::default());
-    rewards_add_up(&common::moving(), &RewardConfig { mu: 70.0, sigma: 140.0, l_r_m: 0.5, ..RewardConfig::default() });
+    rewards_add_up(
+        &common::moving(),
+        &RewardConfig { mu: 70.0, sigma: 140.0, l_r_m: 0.5, ..RewardConfig::default() },
+    );
 }
 
 #[test]
@@ -205,8 +228,7 @@ fn after_a_single_navigation_the_arena_is_parked_and_nothing_of_it_changes() {
     scenario.task.time_limit_steps = 60;
     (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.02, 0.02);
     let arenas = 24;
-    let mut lab =
-        Lab::with(&scenario, arenas, 17, RewardConfig::default(), TaskMode::SingleNavigation);
+    let mut lab = Lab::with(&scenario, arenas, 17, RewardConfig::default(), TaskMode::SingleNavigation);
     let mut drivers = common::drivers(arenas);
     let mut parked = vec![None; arenas];
     let mut ends = Vec::new();
@@ -234,7 +256,10 @@ fn after_a_single_navigation_the_arena_is_parked_and_nothing_of_it_changes() {
                 Some((since, then)) if *since < step => {
                     assert!(lab.outcomes()[arena].parked, "arena {arena} is parked since step {since}");
                     assert_eq!(lab.outcomes()[arena].reward.total(), 0.0);
-                    assert_eq!(now[arena].0, then.0, "step {step}: state of arena {arena}, parked since {since}");
+                    assert_eq!(
+                        now[arena].0, then.0,
+                        "step {step}: state of arena {arena}, parked since {since}"
+                    );
                     assert_eq!(now[arena].1, then.1, "step {step}: observation of arena {arena}");
                     assert_eq!(now[arena].2, then.2, "step {step}: bodies of arena {arena}");
                 }

@@ -118,7 +118,10 @@ fn distances_worked_by_hand() {
     assert!(near(ranges[12], 2.0), "beam 12 looks back");
     assert!(near(ranges[3], 2.0 * 2.0_f32.sqrt()), "beam 3 looks into the corner");
     let ranges = lab.cast(0, &pose(0.0, 0.0, -PI / 2.0));
-    assert!(near(ranges[6], 0.45), "counterclockwise: with the heading to the right, the cylinder is to the left");
+    assert!(
+        near(ranges[6], 0.45),
+        "counterclockwise: with the heading to the right, the cylinder is to the left"
+    );
     assert!(near(ranges[18], 2.0) && ranges[18] > 1.0, "and not to the right");
 }
 
@@ -165,7 +168,8 @@ fn drive_into(scenario: &Scenario, from: Pose, max_steps: usize) -> f64 {
         if state.scan.touching {
             assert!(lab.outcomes()[0].collided, "contact is a collision");
             let warned = warned.expect("the LIDAR has fallen under l_c");
-            assert!(warned < step, "before the body touches");
+            // l_c less the radius is just one step's 0.03 m, so at worst it is the same step.
+            assert!(warned <= step, "no later than the body touches");
             return gap;
         }
     }

@@ -38,7 +38,9 @@ fn with(noise_std_m: f32, dropout: f32) -> Scenario {
 
 #[test]
 fn a_clean_lidar_reports_the_true_ranges() {
-    assert!(ranges(&with(0.0, 0.0), 50, 1).iter().all(|(clean, reported)| clean.to_bits() == reported.to_bits()));
+    assert!(
+        ranges(&with(0.0, 0.0), 50, 1).iter().all(|(clean, reported)| clean.to_bits() == reported.to_bits())
+    );
 }
 
 #[test]
@@ -60,7 +62,10 @@ fn as_many_beams_are_lost_as_the_scenario_says() {
     let pairs = ranges(&with(0.0, 0.1), 300, 1);
     let lost = pairs.iter().filter(|(_, reported)| *reported == 3.5).count() as f64 / pairs.len() as f64;
     assert!((lost - 0.1).abs() < 0.005, "a share of {lost} reads the maximum range");
-    assert!(pairs.iter().all(|(clean, reported)| reported == clean || *reported == 3.5), "the others are right");
+    assert!(
+        pairs.iter().all(|(clean, reported)| reported == clean || *reported == 3.5),
+        "the others are right"
+    );
 }
 
 #[test]
@@ -72,7 +77,8 @@ fn noisy_ranges_stay_within_0_and_the_maximum() {
 
 #[test]
 fn noise_and_dropout_repeat_with_the_seed() {
-    let reported = |seed| bits(&ranges(&with(0.05, 0.1), 30, seed).iter().map(|pair| pair.1).collect::<Vec<_>>());
+    let reported =
+        |seed| bits(&ranges(&with(0.05, 0.1), 30, seed).iter().map(|pair| pair.1).collect::<Vec<_>>());
     assert_eq!(reported(5), reported(5), "the same seed, the same noise");
     assert_ne!(reported(5), reported(6), "another seed, other noise");
 }

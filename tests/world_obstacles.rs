@@ -16,7 +16,11 @@ fn assert_in_place(lab: &mut Lab, arena: usize, when: &str) {
             let (x, y, turn) = pose_at(obstacle, clock.0, scenario.task.control_period_s);
             let body = &set.bodies[bodies.obstacles[index]];
             let collider = &colliders.colliders[bodies.solids[index]];
-            assert_eq!(collider.parent(), Some(bodies.obstacles[index]), "solids are in the scenario's order");
+            assert_eq!(
+                collider.parent(),
+                Some(bodies.obstacles[index]),
+                "solids are in the scenario's order"
+            );
             for (what, at) in [("body", body.position()), ("collider", collider.position())] {
                 assert_eq!(
                     (at.translation.x, at.translation.y),
@@ -45,7 +49,11 @@ fn moving_obstacles_follow_the_step_count_through_restarts() {
         lab.step(&actions);
         restarts += lab.ended().len();
         for arena in 0..3 {
-            assert_eq!(lab.state(arena).clock, Clock(step), "the clock counts control steps and never restarts");
+            assert_eq!(
+                lab.state(arena).clock,
+                Clock(step),
+                "the clock counts control steps and never restarts"
+            );
             assert_in_place(&mut lab, arena, &format!("after step {step}"));
         }
     }

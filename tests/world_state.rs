@@ -21,7 +21,11 @@ fn assert_fresh(lab: &mut Lab, when: &str) {
             bits(&cast),
             "{when}, arena {arena}: the scan is what the LIDAR sees now"
         );
-        assert_eq!(state.scan.nearest_m, cast.iter().copied().fold(3.5, f32::min), "{when}: d_o is of that scan");
+        assert_eq!(
+            state.scan.nearest_m,
+            cast.iter().copied().fold(3.5, f32::min),
+            "{when}: d_o is of that scan"
+        );
         let origin = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
         for (i, &range) in cast.iter().enumerate() {
             let turn = i as f64 * std::f64::consts::TAU / cast.len() as f64;
@@ -66,7 +70,10 @@ fn no_scan_is_stale(mut scenario: Scenario) {
             }
         }
     }
-    assert!(collisions > 3 && time_outs > 3 && redrawn > 20, "{collisions}, {time_outs}, {redrawn}: all were seen");
+    assert!(
+        collisions > 3 && time_outs > 3 && redrawn > 20,
+        "{collisions}, {time_outs}, {redrawn}: all were seen"
+    );
     let fresh = |arena| Some((Streams::new(77, arena as u64), Clock(1000 * arena as u64)));
     world::rewind(lab.app.world_mut(), fresh);
     assert_fresh(&mut lab, "right after rewind");
@@ -85,7 +92,9 @@ fn no_scan_is_stale_among_moving_obstacles() {
 #[test]
 fn an_arena_that_a_rewind_leaves_out_is_parked() {
     let mut lab = Lab::with(&common::moving(), 3, 6, RewardConfig::default(), TaskMode::SingleNavigation);
-    world::rewind(lab.app.world_mut(), |arena| (arena != 1).then(|| (Streams::new(1, arena as u64), Clock(5))));
+    world::rewind(lab.app.world_mut(), |arena| {
+        (arena != 1).then(|| (Streams::new(1, arena as u64), Clock(5)))
+    });
     let (before, row) = (lab.states(), lab.row(1));
     for _ in 0..5 {
         lab.step(&[2, 2, 2]);
