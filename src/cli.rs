@@ -49,7 +49,13 @@ struct Arguments {
     json: bool,
 
     /// How to learn: a RON file, or a shipped one by name (fast, per_d3qn, per_d3qn_tuned, dqn) [default: fast]
-    #[arg(long, value_name = "FILE", help_heading = "Training", requires = "train", conflicts_with = "resume")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        help_heading = "Training",
+        requires = "train",
+        conflicts_with = "resume"
+    )]
     preset: Option<String>,
 
     /// Train until N episodes have ended [default: the preset's budget]
@@ -67,11 +73,23 @@ struct Arguments {
     arenas: Option<usize>,
 
     /// The run's folder, which must not hold a run yet [default: runs/<scenario>-<preset>-<seed>]
-    #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train", conflicts_with = "resume")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        help_heading = "Training",
+        requires = "train",
+        conflicts_with = "resume"
+    )]
     out: Option<PathBuf>,
 
     /// Start from a policy's weights (transfer)
-    #[arg(long, value_name = "POLICY", help_heading = "Training", requires = "train", conflicts_with = "resume")]
+    #[arg(
+        long,
+        value_name = "POLICY",
+        help_heading = "Training",
+        requires = "train",
+        conflicts_with = "resume"
+    )]
     init: Option<PathBuf>,
 
     /// Epsilon at the start, with --init (the paper: 0.5) [default: the preset's]
@@ -336,8 +354,9 @@ const LARGEST_POLICY: u64 = 1 << 27;
 
 fn read_policy(path: &Path) -> Result<Policy, RunError> {
     let unusable = |why: String| RunError::Unusable(format!("{}: {why}", path.display()));
-    let metadata = std::fs::metadata(path)
-        .map_err(|error| unusable(format!("can't be read ({error}): give the policy.safetensors of a run")))?;
+    let metadata = std::fs::metadata(path).map_err(|error| {
+        unusable(format!("can't be read ({error}): give the policy.safetensors of a run"))
+    })?;
     if metadata.is_dir() {
         return Err(unusable("is a folder: give the policy.safetensors in it".into()));
     }

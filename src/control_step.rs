@@ -16,7 +16,8 @@
 //! | `Restart` | new targets, new episodes, `EpisodeEnded` | [`TaskPlugin`](crate::task::TaskPlugin) |
 
 use bevy::ecs::schedule::{
-    IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor, SystemSet,
+    IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
+    SystemSet,
 };
 use bevy::prelude::{App, Plugin};
 
@@ -78,7 +79,8 @@ impl Plugin for ControlStepPlugin {
         use {BeginSet as B, ControlSet as C};
         let mut step = strict(Schedule::new(ControlStep));
         step.configure_sets(
-            (C::Decide, C::Actuate, C::Simulate, C::Sense, C::Judge, C::Remember, C::Learn, C::Restart).chain(),
+            (C::Decide, C::Actuate, C::Simulate, C::Sense, C::Judge, C::Remember, C::Learn, C::Restart)
+                .chain(),
         );
         let mut begin = strict(Schedule::new(Begin));
         begin.configure_sets((B::Draw, B::Place, B::Sense, B::Observe).chain());

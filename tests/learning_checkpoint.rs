@@ -62,7 +62,8 @@ impl World {
                 learner.q_values(&observation, 1, &mut q);
                 let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut self.random);
                 let next = std::array::from_fn(|_| normal(&mut self.random) + action as f32);
-                let (terminated, truncated) = (unit(&mut self.random) < 0.1, unit(&mut self.random) < 0.1);
+                // So many short chains that the state ring, too, forces transitions out.
+                let (terminated, truncated) = (unit(&mut self.random) < 0.1, unit(&mut self.random) < 0.4);
                 learner.remember(&Experience {
                     arena,
                     observation: &observation,

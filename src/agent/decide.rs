@@ -6,8 +6,8 @@
 use bevy::prelude::*;
 
 use super::Trainer;
-use crate::learning::exploration::{epsilon_greedy, greedy};
 use crate::learning::Policy;
+use crate::learning::exploration::{epsilon_greedy, greedy};
 use crate::random::{self, Stream};
 use crate::task::{Actions, Observations};
 

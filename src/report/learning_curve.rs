@@ -231,15 +231,12 @@ fn thinned(curve: &Curve) -> Curve {
 
 /// The best evaluation in words: more successes first, then less time (as the best policy is chosen).
 fn best(evaluations: &[EvaluationPoint]) -> String {
-    let best = evaluations
-        .iter()
-        .filter(|e| e.success_rate.is_finite())
-        .max_by(|a, b| {
-            let time = |e: &EvaluationPoint| e.mean_time_s.unwrap_or(f64::INFINITY);
-            (a.success_rate.total_cmp(&b.success_rate))
-                .then(time(b).total_cmp(&time(a)))
-                .then(b.env_steps.cmp(&a.env_steps))
-        });
+    let best = evaluations.iter().filter(|e| e.success_rate.is_finite()).max_by(|a, b| {
+        let time = |e: &EvaluationPoint| e.mean_time_s.unwrap_or(f64::INFINITY);
+        (a.success_rate.total_cmp(&b.success_rate))
+            .then(time(b).total_cmp(&time(a)))
+            .then(b.env_steps.cmp(&a.env_steps))
+    });
     let Some(best) = best else {
         return String::new();
     };

@@ -118,7 +118,9 @@ pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<(Standing, Learner
     }
     let version = u32::from_le_bytes([rest[0], rest[1], rest[2], rest[3]]);
     if version != VERSION {
-        return Err(bad(&format!("is of checkpoint version {version}, but this wayfield reads version {VERSION}")));
+        return Err(bad(&format!(
+            "is of checkpoint version {version}, but this wayfield reads version {VERSION}"
+        )));
     }
     let mut length = [0_u8; 8];
     length.copy_from_slice(&rest[4..12]);

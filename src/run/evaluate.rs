@@ -69,7 +69,8 @@ impl Evaluation {
     /// The rates and means of `navigations`, in rounds of `round` each.
     #[must_use]
     pub fn of(navigations: &[Navigation], round: usize, control_period_s: f32, seed: u64) -> Self {
-        let rate = |of: &[Navigation], end| of.iter().filter(|n| n.end == end).count() as f64 / of.len() as f64;
+        let rate =
+            |of: &[Navigation], end| of.iter().filter(|n| n.end == end).count() as f64 / of.len() as f64;
         Self {
             success_rate: rate(navigations, EpisodeEnd::Reached),
             rounds: navigations.chunks(round).map(|chunk| rate(chunk, EpisodeEnd::Reached)).collect(),
@@ -88,7 +89,8 @@ pub fn times_s(navigations: &[Navigation], control_period_s: f32) -> impl Iterat
 }
 
 fn mean_time_s(navigations: &[Navigation], control_period_s: f32) -> Option<f64> {
-    let (count, sum) = times_s(navigations, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
+    let (count, sum) =
+        times_s(navigations, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
     (count > 0).then(|| sum / f64::from(count))
 }
 
@@ -127,8 +129,7 @@ pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Optio
         })
     };
     let (count, driven, planned) = std::thread::scope(|scope| {
-        let workers: Vec<_> =
-            succeeded.chunks(share).map(|chunk| scope.spawn(move || sums(chunk))).collect();
+        let workers: Vec<_> = succeeded.chunks(share).map(|chunk| scope.spawn(move || sums(chunk))).collect();
         workers
             .into_iter()
             .filter_map(|worker| worker.join().ok())
@@ -187,12 +188,8 @@ impl Evaluator {
                     ends[ended.arena] = Some((ended.end, ended.steps));
                 }
             }
-            navigations.extend(ends.into_iter().flatten().zip(begun).map(|((end, steps), state)| Navigation {
-                end,
-                steps,
-                start: state.pose,
-                target: state.target,
-                clock: state.clock,
+            navigations.extend(ends.into_iter().flatten().zip(begun).map(|((end, steps), state)| {
+                Navigation { end, steps, start: state.pose, target: state.target, clock: state.clock }
             }));
         }
         Ok(navigations)

@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::preset::Preset;
 use super::RunError;
+use super::preset::Preset;
 use crate::scenario::{FileError, Scenario, read_ron, to_ron};
 
 /// All that was resolved before a run began: `config.ron`.
@@ -89,7 +89,8 @@ impl RunFolder {
             return Err(RunError::unusable(path, why));
         }
         let config: RunConfig = read_ron(folder.config())?;
-        let findings: Vec<_> = config.preset.findings().into_iter().chain(crate::scenario::findings(&config.scenario)).collect();
+        let findings: Vec<_> =
+            config.preset.findings().into_iter().chain(crate::scenario::findings(&config.scenario)).collect();
         if !findings.is_empty() {
             return Err(FileError::in_fields(&folder.config(), "", &findings).into());
         }

@@ -11,16 +11,19 @@
 //! | `evaluate.rs` | success over rounds of navigations, and the timed course |
 //! | `optimum.rs` | the least time that any policy could need |
 //! | `folder.rs` | a run's folder: what is written where, whole or not at all |
-//! | `records.rs` | the rows of `episodes.csv` and `evaluations.csv`, and the summary |
+//! | `records.rs`, `recorder.rs` | the rows of `episodes.csv` and `evaluations.csv`, and who writes them |
+//! | `policy_card.rs` | what the user of a policy needs to know |
 //! | `checkpoint.rs` | everything that a run needs to go on to the bit |
-//! | `tensorboard.rs`, `progress.rs` | the same for TensorBoard, and for whoever waits |
+//! | `tensorboard.rs`, `progress.rs` | the same rows for TensorBoard, and for whoever waits |
 
 pub mod checkpoint;
 pub mod evaluate;
 pub mod folder;
 pub mod optimum;
+pub mod policy_card;
 pub mod preset;
 pub mod progress;
+pub mod recorder;
 pub mod records;
 pub mod shipped;
 pub mod simulation;

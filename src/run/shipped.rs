@@ -73,7 +73,8 @@ fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
         Some((_, name)) => format!("did you mean `{name}`?"),
         None => "give a file's path or a shipped name".into(),
     };
-    let message = format!("no such file, and nothing of that name is shipped: {mend} Shipped: {}", names.join(", "));
+    let message =
+        format!("no such file, and nothing of that name is shipped: {mend} Shipped: {}", names.join(", "));
     FileError::whole(Path::new(wanted), message)
 }
 

@@ -3,7 +3,6 @@
 //! In: what to run ([`Job`]) and a flag that asks to stop. Out: a run's folder, and its [`Summary`]. Wall time decides
 //! when a checkpoint is written and what the progress bar says, never what is learnt.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,14 +15,12 @@ use super::evaluate::{self, Evaluation, Evaluator};
 use super::folder::{RunConfig, RunFolder};
 use super::preset::Budget;
 use super::progress::{Goal, Progress, Status};
+use super::recorder::Recorder;
 use super::records::{EpisodeRow, EvaluationRow, Milestone, Summary};
-use super::tensorboard::EventWriter;
-use super::{RunError, simulation};
+use super::{RunError, policy_card, simulation};
 use crate::agent::{Trainer, TrainingStats};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
-use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
-use crate::scenario::Scenario;
 use crate::task::{EpisodeEnded, Places, observation};
 
 /// A checkpoint is written this often, beside those at the start and the end.
@@ -61,8 +58,11 @@ pub fn train(job: Job, stop: &AtomicBool, began: Instant) -> Result<(PathBuf, Su
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.description()));
     let result = run.steps(stop);
     // Whatever ended it: rows that were written stay written.
-    let flushed = run.flush();
-    result?;
+    let flushed = run.recorder.flush();
+    result.map_err(|error| {
+        let kept = run.folder.path().join("checkpoint");
+        RunError::Failed(format!("{error} (the last checkpoint is kept in {})", kept.display()))
+    })?;
     flushed?;
     let summary = run.end()?;
     Ok((run.folder.path().to_path_buf(), summary))
@@ -93,9 +93,7 @@ struct Run {
     evaluator: Evaluator,
     evaluation_seed: u64,
     folder: RunFolder,
-    episodes: csv::Writer<File>,
-    evaluations: csv::Writer<File>,
-    events: EventWriter,
+    recorder: Recorder,
     progress: Progress,
     standing: Standing,
     began: Instant,
@@ -116,7 +114,6 @@ impl Run {
         let standing =
             Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
         let mut run = Self::open(config, folder, learner, standing, began)?;
-        run.flush()?;
         run.save()?;
         Ok(run)
     }
@@ -132,7 +129,9 @@ impl Run {
             };
             return Err(RunError::unusable(
                 path,
-                format!("this run has had its {done}: to go on, give --episodes or --steps more than that (they count from the run's start)"),
+                format!(
+                    "this run has had its {done}: to go on, give --episodes or --steps more than that (they count from the run's start)"
+                ),
             ));
         }
         if budget != config.preset.budget {
@@ -160,15 +159,11 @@ impl Run {
             Budget::Episodes(n) => Goal::Episodes(n),
             Budget::EnvSteps(n) => Goal::EnvSteps(n),
         };
-        let events = EventWriter::create(folder.path(), &format!("{}", standing.episodes_bytes))
-            .map_err(|error| RunError::unusable(folder.path(), error))?;
         Ok(Self {
             app: simulation::training(&scenario, &preset.reward, preset.arenas, config.seed, learner),
             evaluator: Evaluator::new(&scenario, preset.evaluation.navigations),
             evaluation_seed: evaluation_seed(config.seed),
-            episodes: folder.csv("episodes.csv", standing.episodes_bytes)?,
-            evaluations: folder.csv("evaluations.csv", standing.evaluations_bytes)?,
-            events,
+            recorder: Recorder::open(&folder, standing.episodes_bytes, standing.evaluations_bytes)?,
             progress: Progress::new(goal, false),
             earlier_s: standing.wall_s,
             standing,
@@ -209,7 +204,6 @@ impl Run {
                 self.evaluate()?;
             }
             if self.saved.elapsed() >= CHECKPOINT_EVERY {
-                self.flush()?;
                 self.save()?;
             }
             self.show_progress();
@@ -265,25 +259,10 @@ impl Run {
                 mean_q: means.map(|m| m.2),
                 wall_s,
             };
-            self.episodes.serialize(&row).map_err(|e| cannot_write(&self.folder, "episodes.csv", e))?;
+            self.recorder.episode(&row)?;
             self.standing.recent_returns.push_back(row.total_return);
             if self.standing.recent_returns.len() > 100 {
                 self.standing.recent_returns.pop_front();
-            }
-            for (tag, value) in [
-                ("episode/return", Some(row.total_return)),
-                ("episode/steps", Some(f64::from(row.steps))),
-                ("episode/targets", Some(f64::from(row.targets))),
-                ("learning/loss", row.loss),
-                ("learning/td_error", row.td_error),
-                ("learning/mean_q", row.mean_q),
-                ("learning/epsilon", Some(f64::from(row.epsilon))),
-            ] {
-                if let Some(value) = value {
-                    self.events
-                        .scalar(tag, row.env_steps, value as f32)
-                        .map_err(|e| cannot_write(&self.folder, "events", e))?;
-                }
             }
         }
         Ok(())
@@ -307,12 +286,7 @@ impl Run {
             mean_time_s: result.mean_time_s,
             wall_s: self.wall_s(),
         };
-        self.evaluations.serialize(&row).map_err(|e| cannot_write(&self.folder, "evaluations.csv", e))?;
-        let fail = |e| cannot_write(&self.folder, "events", e);
-        self.events.scalar("evaluation/success_rate", row.env_steps, row.success_rate as f32).map_err(fail)?;
-        if let Some(time) = row.mean_time_s {
-            self.events.scalar("evaluation/mean_time_s", row.env_steps, time as f32).map_err(fail)?;
-        }
+        self.recorder.evaluation(&row)?;
 
         let milestone = Milestone { env_steps: row.env_steps, episodes: row.episodes, wall_s: row.wall_s };
         let standing = &mut self.standing;
@@ -341,7 +315,7 @@ impl Run {
     /// The present policy, with what a user needs to know about it.
     fn policy(&self, evaluated: Option<&EvaluationRow>) -> Policy {
         let mut policy = self.learner().policy();
-        policy.metadata = metadata(&self.config, self.learner(), evaluated);
+        policy.metadata = policy_card::metadata(&self.config, self.learner(), evaluated);
         policy
     }
 
@@ -353,19 +327,9 @@ impl Run {
         self.folder.write(name, |file| std::io::Write::write_all(file, bytes))
     }
 
-    fn flush(&mut self) -> Result<(), RunError> {
-        let folder = &self.folder;
-        self.episodes.flush().map_err(|e| cannot_write(folder, "episodes.csv", e))?;
-        self.evaluations.flush().map_err(|e| cannot_write(folder, "evaluations.csv", e))?;
-        self.events.flush().map_err(|e| cannot_write(folder, "events", e))
-    }
-
-    /// A checkpoint of this moment. Everything must have been flushed.
+    /// A checkpoint of this moment.
     fn save(&mut self) -> Result<(), RunError> {
-        let length = |writer: &csv::Writer<File>| writer.get_ref().metadata().map(|m| m.len());
-        let failed = |e| cannot_write(&self.folder, "episodes.csv", e);
-        self.standing.episodes_bytes = length(&self.episodes).map_err(failed)?;
-        self.standing.evaluations_bytes = length(&self.evaluations).map_err(failed)?;
+        (self.standing.episodes_bytes, self.standing.evaluations_bytes) = self.recorder.flush()?;
         self.standing.wall_s = self.wall_s();
         checkpoint::save(&self.folder, self.app.world_mut(), &mut self.standing)?;
         self.saved = Instant::now();
@@ -382,7 +346,7 @@ impl Run {
         if self.standing.evaluated_at != Some(self.learner().env_steps()) {
             self.evaluate()?;
         }
-        self.flush()?;
+        self.recorder.flush()?;
         let last = self.bytes(&self.policy(None))?;
         self.write_policy("policy-last.safetensors", &last)?;
 
@@ -406,38 +370,10 @@ impl Run {
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
-        self.draw()?;
+        self.recorder.draw(&self.description())?;
         let how = if finished { "done" } else { "stopped; go on with --resume" };
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
         Ok(summary)
-    }
-
-    /// `learning-curve.svg`, from the rows on disk (a resumed run's first half is only there).
-    fn draw(&self) -> Result<(), RunError> {
-        let read = |name: &str| {
-            csv::Reader::from_path(self.folder.path().join(name)).map_err(|e| cannot_write(&self.folder, name, e))
-        };
-        let episodes: Vec<EpisodePoint> = read("episodes.csv")?
-            .deserialize::<EpisodeRow>()
-            .filter_map(Result::ok)
-            .map(|row| EpisodePoint {
-                env_steps: row.env_steps,
-                total_return: row.total_return,
-                targets: row.targets,
-            })
-            .collect();
-        let evaluations: Vec<EvaluationPoint> = read("evaluations.csv")?
-            .deserialize::<EvaluationRow>()
-            .filter_map(Result::ok)
-            .map(|row| EvaluationPoint {
-                env_steps: row.env_steps,
-                success_rate: row.success_rate,
-                mean_time_s: row.mean_time_s,
-            })
-            .collect();
-        let svg = learning_curve_svg(&self.description(), &episodes, &evaluations)
-            .map_err(|error| RunError::Failed(format!("the learning curve cannot be drawn: {error}")))?;
-        self.folder.write("learning-curve.svg", |file| std::io::Write::write_all(file, svg.as_bytes()))
     }
 }
 
@@ -453,49 +389,4 @@ fn remaining(budget: Budget, learner: &Learner) -> u64 {
 fn evaluation_seed(seed: u64) -> u64 {
     let mut stream: Stream = random::stream(seed, "evaluation during training", 0);
     rand::Rng::next_u64(&mut stream)
-}
-
-fn cannot_write(folder: &RunFolder, name: &str, error: impl std::fmt::Display) -> RunError {
-    RunError::failed(&folder.path().join(name), format!("can't be written: {error}"))
-}
-
-/// What a user of a policy needs to know: what goes in, what comes out, where it comes from.
-fn metadata(
-    config: &RunConfig,
-    learner: &Learner,
-    evaluated: Option<&EvaluationRow>,
-) -> std::collections::BTreeMap<String, String> {
-    let Scenario { name, lidar, robot, task, .. } = &config.scenario;
-    let motions: Vec<String> =
-        robot.motions.iter().map(|m| format!("{} m/s {} rad/s", m.v_m_s, m.w_rad_s)).collect();
-    let mut metadata: std::collections::BTreeMap<String, String> = [
-        ("wayfield", config.version.clone()),
-        ("scenario", name.clone()),
-        ("preset", config.preset_from.clone()),
-        ("seed", config.seed.to_string()),
-        ("env_steps", learner.env_steps().to_string()),
-        ("gradient_steps", learner.gradient_steps().to_string()),
-        (
-            "observation",
-            format!(
-                "{} LIDAR ranges / {} m (beam 0 ahead, counterclockwise); bearing of the target / pi rad (left \
-                 positive); its distance / {} m; the smallest range / {} m; the number of its beam / {}",
-                lidar.beams,
-                observation::RANGE_SCALE_M,
-                observation::DISTANCE_SCALE_M,
-                observation::RANGE_SCALE_M,
-                lidar.beams
-            ),
-        ),
-        ("actions", motions.join("; ")),
-        ("control_period_s", task.control_period_s.to_string()),
-        ("lidar_max_range_m", lidar.max_range_m.to_string()),
-    ]
-    .into_iter()
-    .map(|(key, value)| (key.to_string(), value))
-    .collect();
-    if let Some(row) = evaluated {
-        metadata.insert("success_rate".into(), row.success_rate.to_string());
-    }
-    metadata
 }

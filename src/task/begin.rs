@@ -48,7 +48,8 @@ pub(super) fn draw(
         let drawn = match *places {
             Places::Course => {
                 let course = &scenario.course;
-                *pose = Pose { x_m: course.start_m.0, y_m: course.start_m.1, heading_rad: course.heading_rad };
+                *pose =
+                    Pose { x_m: course.start_m.0, y_m: course.start_m.1, heading_rad: course.heading_rad };
                 *target = Target { x_m: course.target_m.0, y_m: course.target_m.1 };
                 Ok(())
             }

@@ -6,7 +6,9 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Arena, CurrentScenario, Episode, Pose, Restart, RewardConfig, RewardTerms, Scan, Target, TaskMode};
+use super::{
+    Arena, CurrentScenario, Episode, Pose, Restart, RewardConfig, RewardTerms, Scan, Target, TaskMode,
+};
 
 /// What came of one step of one arena.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 pub use begin::{Places, TaskFault};
-pub use judge::{EpisodeEnded, EpisodeEnd, Outcome, Outcomes};
+pub use judge::{EpisodeEnd, EpisodeEnded, Outcome, Outcomes};
 pub use observation::Observations;
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
 pub use state::{Arena, ArenaState, Clock, Episode, Pose, Restart, Scan, Streams, Target, wrap_angle};

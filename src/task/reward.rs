@@ -34,7 +34,14 @@ pub struct RewardConfig {
 
 impl Default for RewardConfig {
     fn default() -> Self {
-        Self { kind: RewardKind::Optimized, reached: 250.0, collided: -200.0, mu: 100.0, sigma: 100.0, l_r_m: 0.3 }
+        Self {
+            kind: RewardKind::Optimized,
+            reached: 250.0,
+            collided: -200.0,
+            mu: 100.0,
+            sigma: 100.0,
+            l_r_m: 0.3,
+        }
     }
 }
 

@@ -14,8 +14,8 @@ use super::{obstacles, robot};
 use crate::control_step::Begin;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaState, Clock, CurrentScenario, Episode, Observations, Outcome, Outcomes, Pose, Restart,
-    Scan, Streams, Target, observation,
+    Actions, Arena, ArenaState, Clock, CurrentScenario, Episode, Observations, Outcome, Outcomes, Pose,
+    Restart, Scan, Streams, Target, observation,
 };
 
 /// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an

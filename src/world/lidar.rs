@@ -79,14 +79,7 @@ pub fn disturb(lidar: &Lidar, stream: &mut Stream, ranges_m: &mut [f32]) {
 pub(super) fn scan(
     scenario: Res<CurrentScenario>,
     beams: Res<Beams>,
-    mut arenas: Query<(
-        &Bodies,
-        &RapierContextColliders,
-        &Pose,
-        &Episode,
-        &mut Streams,
-        &mut Scan,
-    )>,
+    mut arenas: Query<(&Bodies, &RapierContextColliders, &Pose, &Episode, &mut Streams, &mut Scan)>,
 ) {
     for (bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
         if !episode.parked {

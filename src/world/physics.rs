@@ -66,7 +66,8 @@ pub(super) fn build(app: &mut App) {
     app.insert_resource(TimestepMode::Fixed { dt: 0.2, substeps: 1 });
     app.add_systems(
         ControlStep,
-        RapierPhysicsPlugin::<NoUserData>::get_systems(PhysicsSet::StepSimulation).in_set(ControlSet::Simulate),
+        RapierPhysicsPlugin::<NoUserData>::get_systems(PhysicsSet::StepSimulation)
+            .in_set(ControlSet::Simulate),
     );
     let mut make = Schedule::new(MakeBodies);
     make.set_executor(SingleThreadedExecutor::new());
@@ -105,12 +106,17 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
             Shape::Circle { radius_m } => Collider::ball(radius_m),
             Shape::Rectangle { width_m, height_m } => Collider::cuboid(width_m / 2.0, height_m / 2.0),
         };
-        let body = if obstacle.motion != ObstacleMotion::Still { RigidBody::KinematicPositionBased } else { RigidBody::Fixed };
+        let body = if obstacle.motion != ObstacleMotion::Still {
+            RigidBody::KinematicPositionBased
+        } else {
+            RigidBody::Fixed
+        };
         world.spawn((Part::Obstacle(index), link, body, collider, at(x, y, rotation)));
     }
     let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
     let (w, h, t) = (width_m / 2.0, height_m / 2.0, WALL_M / 2.0);
-    let walls = [(w + t, 0.0, t, h), (-w - t, 0.0, t, h), (0.0, h + t, w + WALL_M, t), (0.0, -h - t, w + WALL_M, t)];
+    let walls =
+        [(w + t, 0.0, t, h), (-w - t, 0.0, t, h), (0.0, h + t, w + WALL_M, t), (0.0, -h - t, w + WALL_M, t)];
     for (index, (x, y, half_width, half_height)) in walls.into_iter().enumerate() {
         let collider = Collider::cuboid(half_width, half_height);
         world.spawn((Part::Wall(index), link, RigidBody::Fixed, collider, at(x, y, 0.0)));
@@ -156,8 +162,10 @@ pub(super) fn despawn_all(world: &mut World) {
 /// manifolds may be those of an earlier step: it takes manifolds up again while bodies have moved little.)
 pub(super) fn robot_touches(colliders: &ColliderSet, bodies: &Bodies) -> bool {
     let robot = &colliders[bodies.robot_collider];
-    let (centre, reach_m) = (robot.translation(), robot.shape().compute_local_aabb().half_extents().x + TOUCH_M);
+    let (centre, reach_m) =
+        (robot.translation(), robot.shape().compute_local_aabb().half_extents().x + TOUCH_M);
     bodies.solids.iter().map(|&handle| &colliders[handle]).any(|solid| {
-        solid.shape().distance_to_local_point(solid.position().inverse_transform_point(centre), true) <= reach_m
+        solid.shape().distance_to_local_point(solid.position().inverse_transform_point(centre), true)
+            <= reach_m
     })
 }
