@@ -1,0 +1,154 @@
+//! Exactness, as a user meets it: the same seed makes the same run, byte by byte, and a run that was stopped, by its
+//! budget, by Ctrl-C or by force, goes on as if nothing had happened.
+
+mod cli_support;
+
+use cli_support::{Desk, brisk, end, noisy, quick_fast, quick_per, signal, wait_until};
+use cli_support::{SCENARIO_1, SCENARIO_2};
+
+/// A desk with the presets and scenarios of these tests.
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.write("per.ron", quick_per());
+    desk.write("fast.ron", quick_fast());
+    desk.write("one.ron", brisk(SCENARIO_1));
+    desk.write("two.ron", brisk(SCENARIO_2));
+    desk.write("noisy.ron", noisy(SCENARIO_2));
+    desk
+}
+
+/// The same scenario, preset and seed make the same run twice; another seed makes another.
+fn assert_repeats(what: &str) {
+    let desk = desk();
+    desk.succeed(&format!("--train {what} --seed 3 --out a"));
+    desk.succeed(&format!("--train {what} --seed 3 --out b"));
+    desk.succeed(&format!("--train {what} --seed 4 --out c"));
+    desk.assert_same_run("a", "b");
+    let (a, c) = (desk.substance("a"), desk.substance("c"));
+    assert_ne!(a.episodes, c.episodes, "another seed, other episodes");
+    assert_ne!(a.evaluations, c.evaluations, "another seed, other evaluations");
+    assert!(a.last != c.last && a.best != c.best, "another seed, other policies");
+    assert!(a.summary["gradient_steps"].as_u64().unwrap() > 1000, "so short a run proves little");
+}
+
+#[test]
+fn one_arena_of_prioritized_dqn_repeats_to_the_bit() {
+    assert_repeats("--scenario one.ron --preset per.ron --steps 5000");
+}
+
+#[test]
+fn sixteen_arenas_of_the_default_algorithm_repeat_to_the_bit() {
+    assert_repeats("--scenario noisy.ron --preset fast.ron --steps 8000");
+}
+
+/// A run of the whole budget equals one of half the budget that is resumed to the whole.
+fn assert_resumes(what: &str, half: &str, whole: &str) {
+    let desk = desk();
+    desk.succeed(&format!("--train {what} --seed 5 {whole} --out straight"));
+    desk.succeed(&format!("--train {what} --seed 5 {half} --out halves"));
+    assert_ne!(desk.substance("straight").episodes, desk.substance("halves").episodes);
+    desk.succeed(&format!("--train --resume halves {whole}"));
+    desk.assert_same_run("straight", "halves");
+}
+
+#[test]
+fn three_hundred_episodes_are_a_hundred_and_fifty_and_a_hundred_and_fifty() {
+    assert_resumes("--scenario one.ron --preset per.ron", "--episodes 150", "--episodes 300");
+}
+
+#[test]
+fn sixteen_arenas_with_three_step_returns_resume_to_the_bit() {
+    // The half is no multiple of anything: windows of returns, schedules and evaluations are all under way.
+    assert_resumes("--scenario one.ron --preset fast.ron", "--steps 5200", "--steps 10000");
+}
+
+#[test]
+fn moving_obstacles_and_an_erring_lidar_resume_to_the_bit() {
+    assert_resumes("--scenario two.ron --preset per.ron", "--episodes 31", "--episodes 60");
+    assert_resumes("--scenario noisy.ron --preset fast.ron", "--episodes 45", "--episodes 90");
+}
+
+#[test]
+fn many_small_steps_make_the_same_run() {
+    let desk = desk();
+    desk.succeed("--train --scenario noisy.ron --preset fast.ron --steps 3000 --out straight");
+    desk.succeed("--train --scenario noisy.ron --preset fast.ron --steps 1 --out pieces");
+    for steps in [17, 999, 1001, 1017, 1500, 2222, 3000] {
+        desk.succeed(&format!("--train --resume pieces --steps {steps}"));
+    }
+    desk.assert_same_run("straight", "pieces");
+}
+
+/// Whether a run that is under way has put rows on disk.
+#[cfg(unix)]
+fn has_rows(desk: &Desk, run: &str, more_than: u64) -> bool {
+    std::fs::metadata(desk.path(&format!("{run}/episodes.csv"))).is_ok_and(|file| file.len() > more_than)
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_cleanly_and_resume_ends_as_if_undisturbed() {
+    let desk = desk();
+    let what = "--train --scenario two.ron --preset per.ron --seed 6 --episodes 400";
+    desk.succeed(&format!("{what} --out undisturbed"));
+
+    for name in ["INT", "TERM"] {
+        let mut child = desk.start(&format!("{what} --out {name}"));
+        wait_until(&mut child, "rows in episodes.csv", || has_rows(&desk, name, 0));
+        signal(&child, name);
+        let stopped = end(child);
+        assert_eq!(stopped.status, Some(0), "{}", stopped.stderr);
+        assert!(stopped.stderr.contains("stopping: saving a checkpoint"), "{}", stopped.stderr);
+        assert!(stopped.stderr.contains("go on with --resume"), "{}", stopped.stderr);
+        assert!(stopped.stdout.contains("last policy"), "a stopped run has a summary: {}", stopped.stdout);
+        let summary = desk.json(&format!("{name}/summary.json"));
+        assert_eq!(summary["finished"], false, "it was to be stopped in the middle");
+
+        // Without a number, it goes on to the budget it was given at first.
+        let done = desk.succeed(&format!("--train --resume {name} --json"));
+        assert_eq!(done.json()["finished"], true);
+        desk.assert_same_run("undisturbed", name);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_was_killed_goes_on_from_its_last_checkpoint_as_if_undisturbed() {
+    let desk = desk();
+    let what = "--train --scenario one.ron --preset per.ron --seed 7";
+    desk.succeed(&format!("{what} --episodes 400 --out undisturbed"));
+
+    // Killed for the first time behind the checkpoint of the start, then behind one in the middle. Both times there
+    // are rows on disk of which the checkpoint knows nothing.
+    let mut child = desk.start(&format!("{what} --episodes 100 --out killed"));
+    wait_until(&mut child, "rows in episodes.csv", || has_rows(&desk, "killed", 0));
+    signal(&child, "KILL");
+    assert_eq!(end(child).status, None);
+    desk.succeed("--train --resume killed");
+    let rows = std::fs::metadata(desk.path("killed/episodes.csv")).unwrap().len();
+
+    let mut child = desk.start("--train --resume killed --episodes 400");
+    wait_until(&mut child, "more rows in episodes.csv", || has_rows(&desk, "killed", rows));
+    signal(&child, "KILL");
+    assert_eq!(end(child).status, None);
+    desk.succeed("--train --resume killed");
+    desk.assert_same_run("undisturbed", "killed");
+}
+
+#[test]
+fn a_finished_run_wants_a_larger_budget() {
+    let desk = desk();
+    desk.succeed("--train --scenario one.ron --preset fast.ron --steps 1600 --out run");
+    let before = desk.everything();
+    for more in ["", " --steps 1600", " --steps 800", " --episodes 1"] {
+        let done = desk.run(&format!("--train --resume run{more}"));
+        assert_eq!(done.status, Some(2), "{more}: {}", done.stderr);
+        assert!(done.stderr.starts_with("error: run: this run has had its"), "{}", done.stderr);
+        assert!(done.stderr.contains("--episodes or --steps"), "{}", done.stderr);
+        assert_eq!(done.stdout, "");
+        assert!(desk.everything() == before, "a refused resume changes nothing");
+    }
+    let done = desk.succeed("--train --resume run --steps 3200 --json");
+    assert_eq!(done.json()["env_steps"], 3200);
+    assert!(desk.text("run/config.ron").contains("EnvSteps(3200)"), "the new budget is written down");
+}

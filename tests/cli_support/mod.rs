@@ -1,0 +1,264 @@
+//! What every test of the command line needs: a desk to work at, the binary, and files cut to size.
+//!
+//! The binary is run as a user runs it: arguments in, stdout, stderr, exit status and files out.
+
+// Each test binary has a copy of its own and none needs everything.
+#![allow(dead_code)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder of its own, in which the binary is run and which is gone afterwards.
+pub struct Desk {
+    folder: TempDir,
+}
+
+/// A command that has ended.
+#[derive(Debug)]
+pub struct Done {
+    pub status: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Desk {
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, contents: impl AsRef<[u8]>) {
+        fs::write(self.path(name), contents).unwrap();
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    pub fn text(&self, name: &str) -> String {
+        String::from_utf8(self.read(name)).unwrap()
+    }
+
+    pub fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.text(name)).unwrap()
+    }
+
+    /// The binary with `arguments` (separated by blanks), ready to start.
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_wayfield"));
+        command.args(arguments.split_whitespace()).current_dir(self.folder.path()).stdin(Stdio::null());
+        command
+    }
+
+    /// Runs the binary to its end.
+    pub fn run(&self, arguments: &str) -> Done {
+        let output = self.command(arguments).output().unwrap();
+        Done {
+            status: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// Runs the binary to its end, which must be a success.
+    pub fn succeed(&self, arguments: &str) -> Done {
+        let done = self.run(arguments);
+        assert_eq!(done.status, Some(0), "wayfield {arguments}\n{}", done.stderr);
+        done
+    }
+
+    /// Starts the binary; what it says is collected by [`end`].
+    pub fn start(&self, arguments: &str) -> Child {
+        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
+    /// Every file below the desk, with its bytes.
+    pub fn everything(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
+        fn walk(folder: &Path, into: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {
+            for entry in fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    walk(&path, into);
+                    into.insert(path, None);
+                } else {
+                    let bytes = fs::read(&path).unwrap();
+                    into.insert(path, Some(bytes));
+                }
+            }
+        }
+        let mut files = BTreeMap::new();
+        walk(self.folder.path(), &mut files);
+        files
+    }
+
+    /// The rows of a CSV file, without the column `wall_s`.
+    pub fn rows(&self, name: &str) -> Vec<BTreeMap<String, String>> {
+        let mut reader = csv::Reader::from_path(self.path(name)).unwrap();
+        let rows: Vec<BTreeMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
+        rows.into_iter()
+            .map(|mut row| {
+                assert!(row.remove("wall_s").is_some(), "{name} has no column wall_s");
+                row
+            })
+            .collect()
+    }
+
+    /// A CSV file's text, line by line, cut before the last column, which must be `wall_s`.
+    fn lines_without_wall_time(&self, name: &str) -> Vec<String> {
+        let text = self.text(name);
+        assert!(text.lines().next().is_some_and(|head| head.ends_with(",wall_s")), "{name}: {text}");
+        text.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned()).collect()
+    }
+
+    /// Everything in the run's folder that must not differ between two runs of the same seed.
+    pub fn substance(&self, run: &str) -> Substance {
+        let mut summary = self.json(&format!("{run}/summary.json"));
+        forget_wall_time(&mut summary);
+        Substance {
+            best: self.read(&format!("{run}/policy.safetensors")),
+            last: self.read(&format!("{run}/policy-last.safetensors")),
+            episodes: self.lines_without_wall_time(&format!("{run}/episodes.csv")),
+            evaluations: self.lines_without_wall_time(&format!("{run}/evaluations.csv")),
+            config: self.text(&format!("{run}/config.ron")),
+            summary,
+        }
+    }
+
+    /// Asserts that two runs are the same, naming the first thing that differs.
+    pub fn assert_same_run(&self, one: &str, other: &str) {
+        let (a, b) = (self.substance(one), self.substance(other));
+        for (name, a, b) in
+            [("episodes.csv", &a.episodes, &b.episodes), ("evaluations.csv", &a.evaluations, &b.evaluations)]
+        {
+            assert!(a.len() > 1, "{one}/{name} has no rows");
+            for (number, (a, b)) in a.iter().zip(b).enumerate() {
+                assert_eq!(a, b, "{name} of {one} and {other} differ in line {}", number + 1);
+            }
+            assert_eq!(a.len(), b.len(), "{name} of {one} and {other} differ in length");
+        }
+        assert_eq!(a.config, b.config, "config.ron of {one} and {other} differ");
+        assert_eq!(a.summary, b.summary, "summary.json of {one} and {other} differ");
+        assert!(a.last == b.last, "policy-last.safetensors of {one} and {other} differ");
+        assert!(a.best == b.best, "policy.safetensors of {one} and {other} differ");
+    }
+}
+
+/// What a run is, wall time aside.
+#[derive(Debug, PartialEq)]
+pub struct Substance {
+    pub best: Vec<u8>,
+    pub last: Vec<u8>,
+    pub episodes: Vec<String>,
+    pub evaluations: Vec<String>,
+    pub config: String,
+    pub summary: Value,
+}
+
+fn forget_wall_time(value: &mut Value) {
+    if let Value::Object(fields) = value {
+        fields.remove("wall_s");
+        fields.values_mut().for_each(forget_wall_time);
+    }
+}
+
+impl Done {
+    /// The one JSON object that stdout must be.
+    pub fn json(&self) -> Value {
+        let value: Value = serde_json::from_str(&self.stdout)
+            .unwrap_or_else(|error| panic!("stdout is not one JSON value ({error}): {}", self.stdout));
+        assert!(value.is_object(), "{value}");
+        value
+    }
+}
+
+/// Waits for a started command.
+pub fn end(child: Child) -> Done {
+    let output = child.wait_with_output().unwrap();
+    Done {
+        status: output.status.code(),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// Waits until `what` holds; ends the child and fails if it does not within a minute or the child ends before.
+pub fn wait_until(child: &mut Child, what: &str, holds: impl Fn() -> bool) {
+    let began = Instant::now();
+    while !holds() {
+        if began.elapsed() > Duration::from_secs(60) || child.try_wait().unwrap().is_some() {
+            let _ = child.kill();
+            panic!("never came: {what}");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Sends the signal `name` (as `kill` spells it).
+pub fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").arg(format!("-{name}")).arg(child.id().to_string()).status().unwrap();
+    assert!(status.success());
+}
+
+/// `text` with replacements, each of which must have exactly one place.
+pub fn edited(text: &str, replacements: &[(&str, &str)]) -> String {
+    replacements.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert_eq!(text.matches(from).count(), 1, "`{from}` in {text}");
+        text.replace(from, to)
+    })
+}
+
+pub const FAST: &str = include_str!("../../assets/presets/fast.ron");
+pub const PER_D3QN: &str = include_str!("../../assets/presets/per_d3qn.ron");
+pub const SCENARIO_1: &str = include_str!("../../scenarios/scenario-1.ron");
+pub const SCENARIO_2: &str = include_str!("../../scenarios/scenario-2.ron");
+
+/// The paper's algorithm in one arena, made quick: a small network, a replay buffer that overflows many times, and
+/// evaluations that are frequent and short. Prioritized, RMSProp, hard target updates, epsilon by episodes.
+pub fn quick_per() -> String {
+    edited(
+        PER_D3QN,
+        &[
+            ("every_env_steps: 20000, navigations: 200", "every_env_steps: 1500, navigations: 20"),
+            ("hidden: [64, 64]", "hidden: [16]"),
+            ("batch_size: 64", "batch_size: 16"),
+            ("capacity: 1000000", "capacity: 2000"),
+            ("every: 2000", "every: 100"),
+        ],
+    )
+}
+
+/// The default preset's algorithm in 16 arenas, made quick: 3-step returns, Adam, Huber, a soft target, schedules by
+/// env steps.
+pub fn quick_fast() -> String {
+    edited(
+        FAST,
+        &[
+            ("every_env_steps: 5000, navigations: 200", "every_env_steps: 1500, navigations: 20"),
+            ("hidden: [64, 64]", "hidden: [16]"),
+            ("batch_size: 128", "batch_size: 32"),
+            ("capacity: 200000", "capacity: 3000"),
+        ],
+    )
+}
+
+/// A scenario with shorter episodes.
+pub fn brisk(scenario: &str) -> String {
+    edited(scenario, &[("    obstacles: [", "    task: (time_limit_steps: 120),\n\n    obstacles: [")])
+}
+
+/// A scenario with shorter episodes and a LIDAR that errs.
+pub fn noisy(scenario: &str) -> String {
+    edited(
+        &brisk(scenario),
+        &[("    obstacles: [", "    lidar: (noise_std_m: 0.02, dropout: 0.05),\n\n    obstacles: [")],
+    )
+}
