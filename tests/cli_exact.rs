@@ -73,7 +73,7 @@ fn many_small_steps_make_the_same_run() {
     let desk = desk();
     desk.succeed("--train --scenario noisy.ron --preset fast.ron --steps 3000 --out straight");
     desk.succeed("--train --scenario noisy.ron --preset fast.ron --steps 1 --out pieces");
-    for steps in [17, 999, 1001, 1017, 1500, 2222, 3000] {
+    for steps in [17, 999, 1017, 1500, 2222, 3000] {
         desk.succeed(&format!("--train --resume pieces --steps {steps}"));
     }
     desk.assert_same_run("straight", "pieces");

@@ -84,9 +84,8 @@ fn the_course_always_begins_and_ends_at_the_same_places() {
 
 #[test]
 fn no_room_for_a_start_is_reported_and_names_the_arena() {
-    let mut scenario = Scenario::default();
-    scenario.obstacles =
-        vec![common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, (0.0, 0.0), 0.0)];
+    let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, (0.0, 0.0), 0.0);
+    let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
     let lab = Lab::new(&scenario, 1, 1);
     let fault = lab.app.world().resource::<TaskFault>().0.clone().expect("the fault is there to be seen");
     assert!(fault.starts_with("arena 0, step 0: no free space for a start"), "{fault}");

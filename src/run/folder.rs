@@ -40,6 +40,24 @@ pub struct RunConfig {
     pub preset: Preset,
 }
 
+impl RunConfig {
+    /// The scenario's file name without folder and ending.
+    #[must_use]
+    pub fn scenario_name(&self) -> String {
+        stem(&self.scenario_from)
+    }
+
+    /// The preset's file name without folder and ending.
+    #[must_use]
+    pub fn preset_name(&self) -> String {
+        stem(&self.preset_from)
+    }
+}
+
+fn stem(from: &str) -> String {
+    Path::new(from).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 /// Knowledge transfer: training starts from a policy (section 3.2).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -174,8 +192,7 @@ fn make_readable(_: &Path) -> io::Result<()> {
 }
 
 fn default_path(config: &RunConfig) -> PathBuf {
-    let stem = |from: &str| Path::new(from).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let name = format!("{}-{}-{}", stem(&config.scenario_from), stem(&config.preset_from), config.seed);
+    let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
     let runs = Path::new("runs");
     let mut path = runs.join(&name);
     let mut number = 2;

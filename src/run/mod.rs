@@ -9,6 +9,7 @@
 //! | `simulation.rs` | the headless app: the rooms' plugins put together |
 //! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
 //! | `evaluate.rs` | success over rounds of navigations, and the timed course |
+//! | `examiner.rs` | evaluation during training, on a thread of its own |
 //! | `optimum.rs` | the least time that any policy could need |
 //! | `folder.rs` | a run's folder: what is written where, whole or not at all |
 //! | `records.rs`, `recorder.rs` | the rows of `episodes.csv` and `evaluations.csv`, and who writes them |
@@ -18,6 +19,7 @@
 
 pub mod checkpoint;
 pub mod evaluate;
+pub mod examiner;
 pub mod folder;
 pub mod optimum;
 pub mod policy_card;

@@ -1,21 +1,21 @@
 //! The card of a policy: what its user needs to know, kept in the policy's own file.
 //!
-//! In: the run's configuration, the learner, the evaluation that made the policy the best. Out: text by key, the same
+//! In: the run's configuration, its counters, the success rate in the evaluation that made the policy the best. Out: text by key, the same
 //! bytes for the same run (no dates, no times).
 
 use std::collections::BTreeMap;
 
 use super::folder::RunConfig;
-use super::records::EvaluationRow;
-use crate::learning::Learner;
 use crate::scenario::Scenario;
 use crate::task::observation;
 
-/// What a user of a policy needs to know: what goes in, what comes out, where it comes from.
+/// What a user of a policy needs to know: what goes in, what comes out, where it comes from. `success_rate` (0 to 1)
+/// is that of its evaluation, if it had one.
+#[must_use]
 pub fn metadata(
     config: &RunConfig,
-    learner: &Learner,
-    evaluated: Option<&EvaluationRow>,
+    (env_steps, gradient_steps): (u64, u64),
+    success_rate: Option<f64>,
 ) -> BTreeMap<String, String> {
     let Scenario { name, lidar, robot, task, .. } = &config.scenario;
     let motions: Vec<String> =
@@ -23,10 +23,10 @@ pub fn metadata(
     let mut metadata: BTreeMap<String, String> = [
         ("wayfield", config.version.clone()),
         ("scenario", name.clone()),
-        ("preset", config.preset_from.clone()),
+        ("preset", config.preset_name()),
         ("seed", config.seed.to_string()),
-        ("env_steps", learner.env_steps().to_string()),
-        ("gradient_steps", learner.gradient_steps().to_string()),
+        ("env_steps", env_steps.to_string()),
+        ("gradient_steps", gradient_steps.to_string()),
         (
             "observation",
             format!(
@@ -46,8 +46,8 @@ pub fn metadata(
     .into_iter()
     .map(|(key, value)| (key.to_string(), value))
     .collect();
-    if let Some(row) = evaluated {
-        metadata.insert("success_rate".into(), row.success_rate.to_string());
+    if let Some(rate) = success_rate {
+        metadata.insert("success_rate".into(), rate.to_string());
     }
     metadata
 }

@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 
 use super::checkpoint::{self, Best, Standing};
-use super::evaluate::{self, Evaluation, Evaluator};
+use super::evaluate;
+use super::examiner::{Candidate, Examination, Examiner};
 use super::folder::{RunConfig, RunFolder};
 use super::preset::Budget;
 use super::progress::{Goal, Progress, Status};
@@ -21,7 +22,7 @@ use super::{RunError, policy_card, simulation};
 use crate::agent::{Trainer, TrainingStats};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
-use crate::task::{EpisodeEnded, Places, observation};
+use crate::task::{EpisodeEnded, observation};
 
 /// A checkpoint is written this often, beside those at the start and the end.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
@@ -90,8 +91,7 @@ fn learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunEr
 struct Run {
     config: RunConfig,
     app: App,
-    evaluator: Evaluator,
-    evaluation_seed: u64,
+    examiner: Examiner,
     folder: RunFolder,
     recorder: Recorder,
     progress: Progress,
@@ -161,8 +161,7 @@ impl Run {
         };
         Ok(Self {
             app: simulation::training(&scenario, &preset.reward, preset.arenas, config.seed, learner),
-            evaluator: Evaluator::new(&scenario, preset.evaluation.navigations),
-            evaluation_seed: evaluation_seed(config.seed),
+            examiner: Examiner::new(&scenario, preset.evaluation.navigations, evaluation_seed(config.seed)),
             recorder: Recorder::open(&folder, standing.episodes_bytes, standing.evaluations_bytes)?,
             progress: Progress::new(goal, false),
             earlier_s: standing.wall_s,
@@ -176,11 +175,12 @@ impl Run {
 
     /// What is run, in a line.
     fn description(&self) -> String {
-        let RunConfig { scenario, preset_from, seed, transfer, preset, .. } = &self.config;
+        let RunConfig { scenario, seed, transfer, preset, .. } = &self.config;
+        let name = self.config.preset_name();
         let from = transfer.as_ref().map_or(String::new(), |t| format!(", from {}", t.policy));
         let arenas = preset.arenas;
         format!(
-            "{}, preset {preset_from}, seed {seed}, {arenas} arena{}{from}",
+            "{}, preset {name}, seed {seed}, {arenas} arena{}{from}",
             scenario.name,
             if arenas == 1 { "" } else { "s" }
         )
@@ -201,7 +201,10 @@ impl Run {
             self.record_episodes()?;
             if self.learner().env_steps() >= self.standing.next_evaluation {
                 self.standing.next_evaluation += self.config.preset.evaluation.every_env_steps;
-                self.evaluate()?;
+                self.hand_in()?;
+            }
+            while let Some(examination) = self.examiner.take(false)? {
+                self.examined(examination)?;
             }
             if self.saved.elapsed() >= CHECKPOINT_EVERY {
                 self.save()?;
@@ -268,30 +271,46 @@ impl Run {
         Ok(())
     }
 
-    /// Evaluates the present policy, writes it down, and keeps it if it is the best.
-    fn evaluate(&mut self) -> Result<(), RunError> {
-        let count = self.config.preset.evaluation.navigations;
-        let policy = self.policy(None);
-        let navigations = self.evaluator.run(&policy, self.evaluation_seed, count, Places::Drawn)?;
-        let period = self.config.scenario.task.control_period_s;
-        let result = Evaluation::of(&navigations, count, period, self.evaluation_seed);
-        let learner = &self.app.world().resource::<Trainer>().0;
-        let row = EvaluationRow {
+    /// Hands the present policy to the examiner, once he is done with those before.
+    fn hand_in(&mut self) -> Result<(), RunError> {
+        self.await_examinations()?;
+        let learner = self.learner();
+        let candidate = Candidate {
+            policy: learner.policy(),
             env_steps: learner.env_steps(),
             episodes: learner.episodes(),
             gradient_steps: learner.gradient_steps(),
+        };
+        self.standing.evaluated_at = Some(candidate.env_steps);
+        self.examiner.hand_in(candidate)
+    }
+
+    fn await_examinations(&mut self) -> Result<(), RunError> {
+        while let Some(examination) = self.examiner.take(true)? {
+            self.examined(examination)?;
+        }
+        Ok(())
+    }
+
+    /// Writes an examination down, and keeps the policy if it is the best.
+    fn examined(&mut self, examination: Examination) -> Result<(), RunError> {
+        let Examination { candidate, result, done } = examination;
+        let result = result?;
+        let row = EvaluationRow {
+            env_steps: candidate.env_steps,
+            episodes: candidate.episodes,
+            gradient_steps: candidate.gradient_steps,
             success_rate: result.success_rate,
             collision_rate: result.collision_rate,
             timeout_rate: result.timeout_rate,
             mean_time_s: result.mean_time_s,
-            wall_s: self.wall_s(),
+            wall_s: self.earlier_s + done.duration_since(self.began).as_secs_f64(),
         };
         self.recorder.evaluation(&row)?;
 
         let milestone = Milestone { env_steps: row.env_steps, episodes: row.episodes, wall_s: row.wall_s };
         let standing = &mut self.standing;
         standing.last_success_rate = Some(row.success_rate);
-        standing.evaluated_at = Some(row.env_steps);
         for (first, rate) in [(&mut standing.first_96, 0.96), (&mut standing.first_99, 0.99)] {
             if first.is_none() && row.success_rate >= rate {
                 *first = Some(milestone);
@@ -304,23 +323,18 @@ impl Run {
         }
         let beaten = |best: &Best| best.is_beaten_by(row.success_rate, row.mean_time_s);
         if standing.best.as_ref().is_none_or(beaten) {
-            let bytes = self.bytes(&self.policy(Some(&row)))?;
+            let mut policy = candidate.policy;
+            policy.metadata = policy_card::metadata(
+                &self.config,
+                (row.env_steps, row.gradient_steps),
+                Some(row.success_rate),
+            );
+            let bytes = bytes(&policy)?;
             self.write_policy("policy.safetensors", &bytes)?;
             self.standing.best =
                 Some(Best { success_rate: row.success_rate, mean_time_s: row.mean_time_s, bytes });
         }
         Ok(())
-    }
-
-    /// The present policy, with what a user needs to know about it.
-    fn policy(&self, evaluated: Option<&EvaluationRow>) -> Policy {
-        let mut policy = self.learner().policy();
-        policy.metadata = policy_card::metadata(&self.config, self.learner(), evaluated);
-        policy
-    }
-
-    fn bytes(&self, policy: &Policy) -> Result<Vec<u8>, RunError> {
-        policy.to_bytes().map_err(|error| RunError::Failed(format!("the policy cannot be saved: {error}")))
     }
 
     fn write_policy(&self, name: &str, bytes: &[u8]) -> Result<(), RunError> {
@@ -329,6 +343,7 @@ impl Run {
 
     /// A checkpoint of this moment.
     fn save(&mut self) -> Result<(), RunError> {
+        self.await_examinations()?;
         (self.standing.episodes_bytes, self.standing.evaluations_bytes) = self.recorder.flush()?;
         self.standing.wall_s = self.wall_s();
         checkpoint::save(&self.folder, self.app.world_mut(), &mut self.standing)?;
@@ -344,11 +359,14 @@ impl Run {
         self.save()?;
         let finished = remaining(self.config.preset.budget, self.learner()) == 0;
         if self.standing.evaluated_at != Some(self.learner().env_steps()) {
-            self.evaluate()?;
+            self.hand_in()?;
+            self.await_examinations()?;
         }
         self.recorder.flush()?;
-        let last = self.bytes(&self.policy(None))?;
-        self.write_policy("policy-last.safetensors", &last)?;
+        let mut last = self.learner().policy();
+        let counters = (self.learner().env_steps(), self.learner().gradient_steps());
+        last.metadata = policy_card::metadata(&self.config, counters, None);
+        self.write_policy("policy-last.safetensors", &bytes(&last)?)?;
 
         let best = self.standing.best.as_ref();
         let learner = self.learner();
@@ -375,6 +393,10 @@ impl Run {
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
         Ok(summary)
     }
+}
+
+fn bytes(policy: &Policy) -> Result<Vec<u8>, RunError> {
+    policy.to_bytes().map_err(|error| RunError::Failed(format!("the policy cannot be saved: {error}")))
 }
 
 /// What is left of a budget.

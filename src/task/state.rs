@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn wrapped_angles_stay_in_range() {
         for k in -50..50 {
-            for offset in [-3.1_f32, -1.0, 0.0, 0.5, 3.14] {
+            for offset in [-3.1_f32, -1.0, 0.0, 0.5, 3.1] {
                 let wrapped = wrap_angle(offset + k as f32 * 2.0 * PI);
                 assert!(wrapped > -PI && wrapped <= PI, "{wrapped}");
                 assert!((wrapped - offset).abs() < 1e-3, "{offset} plus {k} turns became {wrapped}");

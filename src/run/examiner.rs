@@ -1,0 +1,107 @@
+//! The examiner: evaluates policies on a thread of its own, while training goes on.
+//!
+//! In: policies, in order. Out: their examinations, in the same order. An evaluation changes nothing of what is
+//! learnt and has a world and streams of its own, so a run's result does not depend on how quick the examiner is.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+use std::time::Instant;
+
+use super::RunError;
+use super::evaluate::{Evaluation, Evaluator};
+use crate::learning::Policy;
+use crate::scenario::Scenario;
+use crate::task::Places;
+
+/// A policy, and when in the run it was taken.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The policy.
+    pub policy: Policy,
+    /// Env steps of the run by then.
+    pub env_steps: u64,
+    /// Episodes by then.
+    pub episodes: u64,
+    /// Gradient steps by then.
+    pub gradient_steps: u64,
+}
+
+/// What came of examining a candidate.
+#[derive(Debug)]
+pub struct Examination {
+    /// Who was examined.
+    pub candidate: Candidate,
+    /// How it did.
+    pub result: Result<Evaluation, RunError>,
+    /// When that was known.
+    pub done: Instant,
+}
+
+/// The examiner, seen from the training loop.
+pub struct Examiner {
+    candidates: Sender<Candidate>,
+    examinations: Receiver<Examination>,
+    /// Candidates handed in whose examination was not taken yet.
+    waiting: usize,
+}
+
+impl Examiner {
+    /// An examiner who drives `navigations` navigations of `scenario` with each policy, always the same ones, of
+    /// `seed`.
+    #[must_use]
+    pub fn new(scenario: &Arc<Scenario>, navigations: usize, seed: u64) -> Self {
+        let (candidates, inbox) = channel::<Candidate>();
+        let (outbox, examinations) = channel();
+        let scenario = scenario.clone();
+        thread::spawn(move || {
+            let period = scenario.task.control_period_s;
+            let mut evaluator = Evaluator::new(&scenario, navigations);
+            for candidate in inbox {
+                let driven = evaluator.run(&candidate.policy, seed, navigations, Places::Drawn);
+                let result = driven.map(|driven| Evaluation::of(&driven, navigations, period, seed));
+                if outbox.send(Examination { candidate, result, done: Instant::now() }).is_err() {
+                    return;
+                }
+            }
+        });
+        Self { candidates, examinations, waiting: 0 }
+    }
+
+    /// Hands in a candidate.
+    ///
+    /// # Errors
+    /// The examiner's thread has died.
+    pub fn hand_in(&mut self, candidate: Candidate) -> Result<(), RunError> {
+        self.candidates.send(candidate).map_err(|_| died())?;
+        self.waiting += 1;
+        Ok(())
+    }
+
+    /// The next examination: if it is done by now, or, if `wait`, as soon as it is. None if no candidate is waiting,
+    /// or none is done.
+    ///
+    /// # Errors
+    /// The examiner's thread has died.
+    pub fn take(&mut self, wait: bool) -> Result<Option<Examination>, RunError> {
+        use std::sync::mpsc::TryRecvError;
+        if self.waiting == 0 {
+            return Ok(None);
+        }
+        let examination = if wait {
+            self.examinations.recv().map_err(|_| died())?
+        } else {
+            match self.examinations.try_recv() {
+                Ok(examination) => examination,
+                Err(TryRecvError::Empty) => return Ok(None),
+                Err(TryRecvError::Disconnected) => return Err(died()),
+            }
+        };
+        self.waiting -= 1;
+        Ok(Some(examination))
+    }
+}
+
+fn died() -> RunError {
+    RunError::Failed("the evaluation of a policy ended unexpectedly (its own message stands above)".into())
+}

@@ -1,0 +1,282 @@
+//! What a user gets for arguments and files that cannot be used: exit status 2, one clear message on stderr that
+//! names the file, the line and the mend, nothing on stdout, and nothing left behind. And what is said when learning
+//! itself fails, or when somebody asks for help.
+
+mod cli_support;
+
+use cli_support::{Desk, FAST, SCENARIO_1, edited, quick_fast};
+
+/// A desk with a good preset, a run of one step, and its policy.
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.write("quick.ron", quick_fast());
+    desk.succeed("--train --preset quick.ron --steps 1 --out run");
+    desk
+}
+
+/// Asserts that `arguments` are refused as they should be, with a message that has every one of `needles`.
+fn assert_refused(desk: &Desk, arguments: &str, needles: &[&str]) {
+    let before = desk.everything();
+    let done = desk.run(arguments);
+    let said = format!("wayfield {arguments}\n{}", done.stderr);
+    assert_eq!(done.status, Some(2), "{said}");
+    assert_eq!(done.stdout, "", "{said}");
+    assert!(done.stderr.starts_with("error: "), "{said}");
+    assert_eq!(done.stderr.matches("error: ").count(), 1, "one message: {said}");
+    assert!(!done.stderr.contains("panicked") && !done.stderr.contains("RUST_BACKTRACE"), "{said}");
+    for needle in needles {
+        assert!(done.stderr.contains(needle), "`{needle}` is not in: {said}");
+    }
+    let after = desk.everything();
+    let changed: Vec<_> = after.keys().chain(before.keys()).filter(|&k| before.get(k) != after.get(k)).collect();
+    assert!(changed.is_empty(), "{said}left behind or changed: {changed:?}");
+}
+
+/// Asserts that `arguments` are refused in one line, beside having every one of `needles`.
+fn assert_refused_in_a_line(desk: &Desk, arguments: &str, needles: &[&str]) {
+    assert_refused(desk, arguments, needles);
+    let said = desk.run(arguments).stderr;
+    assert_eq!(said.lines().count(), 1, "{said}");
+}
+
+#[test]
+fn scenarios_that_cannot_be_used() {
+    let desk = desk();
+    let broken = [
+        ("comma.ron", ("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15) position_m: (0.6, 0.6)"), &["comma.ron:14:"][..]),
+        ("field.ron", ("    obstacles: [", "    obstacels: ["), &["field.ron:12:5", "obstacels", "did you mean `obstacles`?"]),
+        ("outside.ron", ("position_m: (0.6, 0.6)", "position_m: (1.95, 0.6)"), &["outside.ron:13:", "obstacles[0]", "beyond the enclosure", "move it inwards"]),
+        ("full.ron", ("    obstacles: [", "    targets: Random(clearance_m: 1.9),\n    obstacles: ["), &["full.ron:12:", "`targets`", "no free space", "smaller clearance_m"]),
+    ];
+    for (name, edit, needles) in broken {
+        desk.write(name, edited(SCENARIO_1, &[edit]));
+        let needles: Vec<&str> = needles.iter().copied().chain([name]).collect();
+        assert_refused_in_a_line(&desk, &format!("--train --preset quick.ron --scenario {name} --out new"), &needles);
+        assert_refused_in_a_line(&desk, &format!("--eval run/policy.safetensors --scenario {name}"), &needles);
+    }
+    for (arguments, needles) in [
+        ("--train --scenario nothing/here.ron", &["nothing/here.ron", "no such"][..]),
+        ("--train --scenario secnario-2", &["secnario-2: no such file", "did you mean `scenario-2`?"]),
+        ("--train --scenario run", &["run", "folder"]),
+        ("--eval run/policy.safetensors --scenario run/policy.safetensors", &["run/policy.safetensors"]),
+    ] {
+        assert_refused_in_a_line(&desk, arguments, needles);
+    }
+}
+
+#[test]
+fn presets_that_cannot_be_used() {
+    let desk = desk();
+    let broken = [
+        ("comma.ron", ("gamma: 0.95,", "gamma: 0.95"), &["comma.ron:19:9", "comma"][..]),
+        ("field.ron", ("n_step: 3", "nstep: 3"), &["field.ron:19:9", "nstep", "did you mean `n_step`?"]),
+        ("arenas.ron", ("arenas: 16", "arenas: 0"), &["arenas.ron:4:13", "`arenas` is 0; give 1 to 4096"]),
+        ("batch.ron", ("batch_size: 128", "batch_size: 0"), &["batch.ron:24:", "`learning.batch_size`", "at least 1"]),
+        ("gamma.ron", ("gamma: 0.95", "gamma: 1.5"), &["gamma.ron:18:", "`learning.gamma`", "1.5"]),
+        ("rate.ron", ("from: 0.0005", "from: NaN"), &["rate.ron:23:", "`learning.learning_rate", "NaN"]),
+        ("layer.ron", ("hidden: [64, 64]", "hidden: [64, 0]"), &["layer.ron:16:", "`learning.network.hidden"]),
+        ("reward.ron", ("mu: 100.0", "mu: inf"), &["reward.ron:11:", "`reward.mu`"]),
+        ("round.ron", ("every_env_steps: 5000", "every_env_steps: 0"), &["round.ron:6:", "every_env_steps` is 0"]),
+    ];
+    for (name, edit, needles) in broken {
+        desk.write(name, edited(FAST, &[edit]));
+        assert_refused_in_a_line(&desk, &format!("--train --preset {name} --out new"), needles);
+    }
+    for (arguments, needles) in [
+        ("--train --preset nothing.ron", &["nothing.ron: no such file"][..]),
+        ("--train --preset per_d3qm", &["per_d3qm: no such file", "did you mean `per_d3qn`?"]),
+        ("--train --preset zebra", &["zebra: no such file", "fast, dqn, per_d3qn, per_d3qn_tuned"]),
+        ("--train --arenas 0", &["`arenas` is 0; give 1 to 4096"]),
+        ("--train --arenas 5000", &["`arenas` is 5000; give 1 to 4096"]),
+    ] {
+        assert_refused_in_a_line(&desk, arguments, needles);
+    }
+}
+
+#[test]
+fn policies_that_cannot_be_used() {
+    let desk = desk();
+    let good = desk.read("run/policy.safetensors");
+    let mut nan = good.clone();
+    let end = nan.len();
+    nan[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
+    desk.write("nan.safetensors", &nan);
+    desk.write("truncated.safetensors", &good[..good.len() / 2]);
+    desk.write("header.safetensors", &good[..100]);
+    desk.write("empty.safetensors", b"");
+    desk.write("text.safetensors", "Dear reader, this is no policy at all.");
+    desk.write("scenario.ron", edited(SCENARIO_1, &[("    obstacles: [", "    lidar: (beams: 12),\n    obstacles: [")]));
+    desk.succeed("--train --preset quick.ron --scenario scenario.ron --steps 1 --out twelve");
+
+    let given = "give the policy.safetensors of a run";
+    for (name, needles) in [
+        ("nan.safetensors", &["NaN", "`value.weight`", "diverged"][..]),
+        ("truncated.safetensors", &["not a safetensors file", given]),
+        ("header.safetensors", &["not a safetensors file", given]),
+        ("empty.safetensors", &["not a safetensors file", given]),
+        ("text.safetensors", &["not a safetensors file", given]),
+        ("absent.safetensors", &["can't be read", given]),
+        ("run", &["is a folder", "give the policy.safetensors in it"]),
+        ("twelve/policy.safetensors", &["16 numbers", "28 numbers", "24 beams", "\"Scenario I\"", "use the scenario it was trained in"]),
+    ] {
+        let needles: Vec<&str> = needles.iter().copied().chain([name]).collect();
+        assert_refused_in_a_line(&desk, &format!("--eval {name}"), &needles);
+        assert_refused_in_a_line(&desk, &format!("--eval {name} --json"), &needles);
+        assert_refused_in_a_line(&desk, &format!("--train --preset quick.ron --init {name} --out new"), &needles);
+    }
+    // The other way round, and another network for the same observations.
+    assert_refused_in_a_line(
+        &desk,
+        "--eval run/policy.safetensors --scenario scenario.ron",
+        &["run/policy.safetensors", "28 numbers", "16 numbers", "12 beams"],
+    );
+    assert_refused_in_a_line(
+        &desk,
+        "--train --preset fast --init run/policy.safetensors --out new",
+        &["run/policy.safetensors", "16", "64"],
+    );
+}
+
+#[test]
+fn places_where_no_run_can_be_written() {
+    let desk = desk();
+    desk.write("file", "in the way");
+    for out in ["file", "file/below", "/proc/wayfield", "/dev/null/run"] {
+        let needles = [out, "can't be written", "give --out another folder"];
+        assert_refused_in_a_line(&desk, &format!("--train --preset quick.ron --out {out}"), &needles);
+    }
+    // The default folder as well.
+    desk.write("runs", "in the way");
+    assert_refused_in_a_line(&desk, "--train --preset quick.ron", &["runs/scenario-1-quick-0", "can't be written"]);
+}
+
+#[test]
+fn arguments_that_cannot_be_used() {
+    let desk = desk();
+    for (arguments, needles) in [
+        ("--train --seed abc", &["'abc'", "--seed"][..]),
+        ("--train --seed -1", &["'-1'", "--seed"]),
+        ("--train --seed 1.5", &["'1.5'", "--seed"]),
+        ("--train --episodes 0", &["'0'", "--episodes"]),
+        ("--train --steps 0", &["'0'", "--steps"]),
+        ("--train --episodes 5 --steps 5", &["--episodes", "--steps"]),
+        ("--train --arenas two", &["'two'", "--arenas"]),
+        ("--train --init run/policy.safetensors --epsilon 2", &["--epsilon is 2", "give 0 to 1"]),
+        ("--train --init run/policy.safetensors --epsilon NaN", &["--epsilon is NaN", "give 0 to 1"]),
+        ("--train --init run/policy.safetensors --epsilon=-0.1", &["--epsilon is -0.1", "give 0 to 1"]),
+        ("--train --epsilon 0.5", &["--init"]),
+        ("--train --eval run/policy.safetensors", &["--train", "--eval"]),
+        ("--train --resume run --seed 3", &["--resume", "--seed"]),
+        ("--train --resume run --preset fast", &["--resume", "--preset"]),
+        ("--train --resume run --out new", &["--resume", "--out"]),
+        ("--resume run", &["--train"]),
+        ("--train --rounds 3", &["--eval"]),
+        ("--train --course", &["--eval"]),
+        ("--eval run/policy.safetensors --out new", &["--train"]),
+        ("--eval run/policy.safetensors --rounds 0", &["'0'", "--rounds"]),
+        ("--eval", &["--eval", "POLICY"]),
+        ("--json", &["--train", "--eval"]),
+        ("--trian", &["--trian", "--train"]),
+        ("run", &["'run'"]),
+    ] {
+        assert_refused(&desk, arguments, needles);
+    }
+}
+
+#[test]
+fn runs_that_cannot_be_resumed() {
+    let desk = desk();
+    assert_refused_in_a_line(&desk, "--train --resume absent", &["absent: is no run's folder", "--resume"]);
+    desk.write("plain", "");
+    assert_refused_in_a_line(&desk, "--train --resume plain", &["plain", "no run's folder"]);
+
+    let (checkpoint, config) = (desk.read("run/checkpoint/latest.bin"), desk.text("run/config.ron"));
+    let resume = "--train --resume run --steps 2000";
+    let mut flipped = checkpoint.clone();
+    let middle = flipped.len() / 2;
+    flipped[middle] ^= 0x10;
+    let mut head = checkpoint.clone();
+    head[40] ^= 0x10;
+    let mut version = checkpoint.clone();
+    version[8] = 99;
+    for (bytes, needle) in [
+        (&flipped[..], "damaged"),
+        (&head[..], "damaged"),
+        (&version[..], "version 99"),
+        (&checkpoint[..checkpoint.len() - 10], ""),
+        (&checkpoint[..10], "too short"),
+        (b"Dear reader, this is no checkpoint.", "no checkpoint"),
+    ] {
+        desk.write("run/checkpoint/latest.bin", bytes);
+        assert_refused_in_a_line(&desk, resume, &["run/checkpoint/latest.bin", needle]);
+    }
+    std::fs::remove_file(desk.path("run/checkpoint/latest.bin")).unwrap();
+    assert_refused_in_a_line(&desk, resume, &["run/checkpoint/latest.bin", "no checkpoint to go on from"]);
+    desk.write("run/checkpoint/latest.bin", &checkpoint);
+
+    // A config.ron that was edited so that it no longer fits its checkpoint, or anything.
+    for (from, to, needle) in [
+        ("arenas: 16", "arenas: 8", "number of arenas"),
+        ("gamma: 0.95", "gamma: 0.9", ""),
+        ("beams: 24", "beams: 12", ""),
+        ("gamma: 0.95", "gamma: 95", "gamma"),
+        ("gamma: 0.95", "gamma: zebra", "run/config.ron:"),
+    ] {
+        desk.write("run/config.ron", edited(&config, &[(from, to)]));
+        assert_refused_in_a_line(&desk, resume, &["run/", needle]);
+    }
+    desk.write("run/config.ron", &config);
+    desk.succeed(resume);
+}
+
+#[test]
+fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
+    let desk = Desk::new();
+    // Allowed by every check, and hopeless: the squares of such errors are no numbers any more.
+    let hopeless =
+        edited(&quick_fast(), &[("reward_scale: 0.01", "reward_scale: 1e36"), ("Huber(delta: 1.0)", "MeanSquared")]);
+    desk.write("hopeless.ron", hopeless);
+    let done = desk.run("--train --preset hopeless.ron --steps 20000 --out run");
+    assert_eq!((done.status, done.stdout.as_str()), (Some(1), ""), "{}", done.stderr);
+    let message = done.stderr.lines().last().unwrap();
+    for needle in ["error: run: learning diverged", "learning_rate", "the last good checkpoint is kept", "--resume"] {
+        assert!(message.contains(needle), "`{needle}` is not in: {}", done.stderr);
+    }
+    assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+    assert!(!desk.path("run/policy.safetensors").exists(), "no policy of NaNs is left for anyone to use");
+    assert!(desk.rows("run/episodes.csv").len() > 1, "what was driven is on record");
+
+    // Going on diverges in the same place; stopping before does not, so the checkpoint is sound.
+    assert_eq!(desk.run("--train --resume run").status, Some(1));
+    let before = desk.succeed("--train --resume run --steps 800 --json").json();
+    assert_eq!(before["env_steps"], 800);
+    desk.succeed("--eval run/policy.safetensors --rounds 1 --navigations 10");
+}
+
+#[test]
+fn help_tells_of_every_flag_and_version_is_the_crates() {
+    let desk = Desk::new();
+    let help = desk.succeed("--help");
+    assert_eq!(help.stderr, "");
+    for flag in [
+        "--train", "--eval", "--scenario", "--seed", "--json", "--preset", "--episodes", "--steps", "--arenas",
+        "--out", "--init", "--epsilon", "--resume", "--rounds", "--navigations", "--course", "--help", "--version",
+    ] {
+        let has = |line: &str| line.split([' ', ',']).any(|word| word == flag);
+        let mut lines = help.stdout.lines().skip_while(|line| !(line.trim_start().starts_with('-') && has(line)));
+        assert!(lines.next().is_some(), "{flag} is not in\n{}", help.stdout);
+        let tells = lines.next().map(str::trim).unwrap_or_default();
+        assert!(tells.len() > 10, "{flag} has no description in\n{}", help.stdout);
+    }
+    for word in ["scenario-1", "per_d3qn", "fast", "Exit status"] {
+        assert!(help.stdout.contains(word), "`{word}` is not in\n{}", help.stdout);
+    }
+    assert!(desk.succeed("-h").stdout.len() <= help.stdout.len());
+    assert_eq!(desk.succeed("--version").stdout, format!("wayfield {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[cfg(not(feature = "window"))]
+#[test]
+fn without_arguments_and_a_window_one_sentence_says_what_can_be_done() {
+    assert_refused_in_a_line(&Desk::new(), "", &["wayfield --train", "wayfield --eval", "--help"]);
+}
