@@ -18,16 +18,25 @@ use crate::run::preset::Budget;
 use crate::run::records::{Milestone, Summary};
 use crate::run::train::{Job, train};
 use crate::run::{RunError, shipped};
+use crate::scenario::Scenario;
 use crate::task::Places;
 
-/// A LIDAR robot learns to navigate, in seconds.
-///
-/// Trains a robot to reach targets among obstacles by prioritized-replay double dueling DQN, and tests what it has
-/// learnt. Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed, 2 arguments or
-/// files that cannot be used.
+const AFTER_HELP: &str = "\
+Examples:
+  wayfield --train                                   Scenario I, in seconds, into runs/
+  wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
+  wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
+  wayfield --train --resume runs/scenario-1-fast-0 --steps 300000
+
+Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed, 2 arguments or
+files that cannot be used. Ctrl-C saves a checkpoint and ends cleanly.";
+
+/// A LIDAR robot learns to navigate, in seconds, by prioritized-replay double dueling DQN
 #[derive(Parser, Debug)]
-#[command(version, max_term_width = 100, group(ArgGroup::new("mode").args(["train", "eval"])))]
+#[command(version, max_term_width = 110, after_help = AFTER_HELP, group(ArgGroup::new("mode").args(["train", "eval"])))]
 struct Arguments {
+    // clap drops a `requires` whose object conflicts with what was given; so whatever requires --train also
+    // conflicts with --eval, and the other way round.
     /// Train: by default the preset `fast` in Scenario I, into a new folder under runs/
     #[arg(long, help_heading = "What to do")]
     train: bool,
@@ -41,7 +50,8 @@ struct Arguments {
     scenario: Option<String>,
 
     /// The seed of every random draw [default: 0]
-    #[arg(long, value_name = "N", help_heading = "Training and testing", conflicts_with = "resume")]
+    #[arg(long, value_name = "N", help_heading = "Training and testing", conflicts_with = "resume",
+        value_parser = seed, allow_negative_numbers = true)]
     seed: Option<u64>,
 
     /// Print one JSON object instead of text
@@ -54,22 +64,22 @@ struct Arguments {
         value_name = "FILE",
         help_heading = "Training",
         requires = "train",
-        conflicts_with = "resume"
+        conflicts_with_all = ["eval", "resume"]
     )]
     preset: Option<String>,
 
     /// Train until N episodes have ended [default: the preset's budget]
-    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with = "steps",
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "steps"],
         value_parser = clap::value_parser!(u64).range(1..))]
     episodes: Option<u64>,
 
     /// Train for N env steps, over all arenas [default: the preset's budget]
-    #[arg(long, value_name = "N", help_heading = "Training", requires = "train",
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with = "eval",
         value_parser = clap::value_parser!(u64).range(1..))]
     steps: Option<u64>,
 
     /// How many arenas run side by side [default: the preset's]
-    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with = "resume")]
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "resume"])]
     arenas: Option<usize>,
 
     /// The run's folder, which must not hold a run yet [default: runs/<scenario>-<preset>-<seed>]
@@ -78,7 +88,7 @@ struct Arguments {
         value_name = "DIR",
         help_heading = "Training",
         requires = "train",
-        conflicts_with = "resume"
+        conflicts_with_all = ["eval", "resume"]
     )]
     out: Option<PathBuf>,
 
@@ -88,34 +98,34 @@ struct Arguments {
         value_name = "POLICY",
         help_heading = "Training",
         requires = "train",
-        conflicts_with = "resume"
+        conflicts_with_all = ["eval", "resume"]
     )]
     init: Option<PathBuf>,
 
     /// Epsilon at the start, with --init (the paper: 0.5) [default: the preset's]
-    #[arg(long, value_name = "X", help_heading = "Training", requires = "init")]
+    #[arg(long, value_name = "X", help_heading = "Training", requires = "init", conflicts_with_all = ["eval", "resume"])]
     epsilon: Option<f32>,
 
     /// Go on exactly where the run in DIR stopped; --episodes or --steps give it a larger budget, counted from its start
-    #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train")]
+    #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train", conflicts_with = "eval")]
     resume: Option<PathBuf>,
 
     /// Rounds of navigations
-    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", default_value_t = 5,
+    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with = "train", default_value_t = 5,
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     rounds: u32,
 
     /// Navigations in a round
-    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", default_value_t = 100,
+    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with = "train", default_value_t = 100,
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     navigations: u32,
 
     /// Also drive the timed course, 5 rounds of 5: from (0, 0) to (1.2, 1.2)
-    #[arg(long, help_heading = "Testing", requires = "eval")]
+    #[arg(long, help_heading = "Testing", requires = "eval", conflicts_with = "train")]
     course: bool,
 
     /// Also compare the times with the least possible ones, found by a planner that knows the world
-    #[arg(long, help_heading = "Testing", requires = "eval")]
+    #[arg(long, help_heading = "Testing", requires = "eval", conflicts_with = "train")]
     optimum: bool,
 }
 
@@ -163,7 +173,7 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
             if let Some(epsilon) = arguments.epsilon.filter(|x| !(0.0..=1.0).contains(x)) {
                 return Err(RunError::Unusable(format!("--epsilon is {epsilon}; give 0 to 1")));
             }
-            let policy = arguments.init.as_deref().map(read_policy).transpose()?;
+            let policy = arguments.init.as_deref().map(|path| read_policy(path, &scenario)).transpose()?;
             let transfer = arguments
                 .init
                 .map(|init| Transfer { policy: init.display().to_string(), epsilon: arguments.epsilon });
@@ -257,9 +267,9 @@ struct OptimumReport {
 }
 
 fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
-    let policy = read_policy(path)?;
     let scenario_from = arguments.scenario.as_deref().unwrap_or("scenario-1");
     let scenario = Arc::new(shipped::scenario(scenario_from)?);
+    let policy = read_policy(path, &scenario)?;
     let seed = arguments.seed.unwrap_or(0);
     let period = scenario.task.control_period_s;
     let round = arguments.navigations as usize;
@@ -352,7 +362,8 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), RunError> {
 /// The most bytes that a policy's file may have: 2^24 parameters and a header.
 const LARGEST_POLICY: u64 = 1 << 27;
 
-fn read_policy(path: &Path) -> Result<Policy, RunError> {
+/// The policy in the file at `path`, which must be able to drive in `scenario`.
+fn read_policy(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
     let unusable = |why: String| RunError::Unusable(format!("{}: {why}", path.display()));
     let metadata = std::fs::metadata(path).map_err(|error| {
         unusable(format!("can't be read ({error}): give the policy.safetensors of a run"))
@@ -364,5 +375,13 @@ fn read_policy(path: &Path) -> Result<Policy, RunError> {
         return Err(unusable(format!("is {} bytes long: no policy is that large", metadata.len())));
     }
     let bytes = std::fs::read(path).map_err(|error| unusable(format!("can't be read: {error}")))?;
-    Policy::from_bytes(&bytes).map_err(|error| unusable(error.to_string()))
+    let policy = Policy::from_bytes(&bytes)
+        .map_err(|error| unusable(format!("{error}: give the policy.safetensors of a run")))?;
+    evaluate::fits(&policy, scenario).map_err(|error| unusable(error.to_string()))?;
+    Ok(policy)
+}
+
+/// A seed as typed.
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("give a whole number from 0 to {}", u64::MAX))
 }

@@ -53,11 +53,7 @@ fn a_run_leaves_everything_that_is_promised() {
     {
         assert!(done.stdout.contains(needle), "`{needle}` is not in\n{}", done.stdout);
     }
-    assert!(
-        done.stderr.starts_with("run: Scenario I, preset quick.ron, seed 8, 16 arenas\n"),
-        "{}",
-        done.stderr
-    );
+    assert!(done.stderr.starts_with("run: Scenario I, preset quick, seed 8, 16 arenas\n"), "{}", done.stderr);
     assert!(done.stderr.ends_with("done: run\n"), "{}", done.stderr);
     assert!(!done.stderr.contains(['\u{1b}', '\r']), "plain lines where stderr is no terminal");
 }
@@ -124,7 +120,7 @@ fn config_ron_holds_all_that_is_needed_to_do_it_again() {
 #[test]
 fn default_folders_are_named_after_the_run_and_never_taken_twice() {
     let desk = desk();
-    let train = "--train --scenario brisk.ron --preset quick.ron --steps 16 --seed 3";
+    let train = "--train --scenario brisk.ron --preset quick.ron --steps 1600 --seed 3";
     assert!(desk.succeed(train).stdout.contains("run folder      runs/brisk-quick-3\n"));
     let first = desk.substance("runs/brisk-quick-3");
     assert!(desk.succeed(train).stdout.contains("run folder      runs/brisk-quick-3-2\n"));

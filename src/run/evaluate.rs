@@ -4,7 +4,7 @@
 //!
 //! **Success**: the robot comes nearer to the target than l_a (0.2 m) before anything is nearer to it than l_c
 //! (0.13 m) by LIDAR or touches its body, within the scenario's time limit (500 steps, 100 s). One navigation is one
-//! start and one target; neither they nor the obstacles' phase are ever seen in training.
+//! start and one target, drawn from streams that training never uses, and one moment of the obstacles' motion.
 
 use std::sync::Arc;
 
@@ -157,8 +157,8 @@ impl Evaluator {
         Self { app: simulation::navigating(scenario, arenas), scenario: scenario.clone(), arenas }
     }
 
-    /// Drives `count` navigations with `policy`; `places` says where from and to. Navigation j depends on the policy,
-    /// the scenario, `seed` and j alone.
+    /// Drives `count` navigations with `policy`; `places` says where from and to. Where navigation j starts and
+    /// goes to depends on the scenario, `seed` and j alone.
     ///
     /// # Errors
     /// The policy is for other observations or actions than the scenario's; or no place was found for a start.

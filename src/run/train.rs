@@ -58,12 +58,14 @@ pub fn train(job: Job, stop: &AtomicBool, began: Instant) -> Result<(PathBuf, Su
     };
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.description()));
     let result = run.steps(stop);
-    // Whatever ended it: rows that were written stay written.
+    // Whatever ended it: what is under way is waited for, and rows that were written stay written.
+    let examined = run.await_examinations();
     let flushed = run.recorder.flush();
     result.map_err(|error| {
         let kept = run.folder.path().join("checkpoint");
         RunError::Failed(format!("{error} (the last checkpoint is kept in {})", kept.display()))
     })?;
+    examined?;
     flushed?;
     let summary = run.end()?;
     Ok((run.folder.path().to_path_buf(), summary))
