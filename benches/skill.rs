@@ -36,10 +36,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let default = ["fast:scenario-1", "fast:scenario-2", "per_d3qn:scenario-1"].map(String::from).to_vec();
     println!("{seeds} seeds each: median (worst)\n");
-    println!("| run | 96 %: env steps | wall s | 99 %: env steps | wall s | whole run s | success of 500 | time / least time |");
+    println!(
+        "| run | 96 %: env steps | wall s | 99 %: env steps | wall s | whole run s | success of 500 | time / least time |"
+    );
     println!("|---|---|---|---|---|---|---|---|");
     for pair in if pairs.is_empty() { default } else { pairs } {
-        let (preset, scenario) = pair.split_once(':').ok_or("give PRESET:SCENARIO, such as fast:scenario-1")?;
+        let (preset, scenario) =
+            pair.split_once(':').ok_or("give PRESET:SCENARIO, such as fast:scenario-1")?;
         let outcomes = (0..seeds).map(|seed| run(preset, scenario, seed)).collect::<Result<Vec<_>, _>>()?;
         let steps = |m: &Option<Milestone>| m.map_or(f64::INFINITY, |m| m.env_steps as f64);
         let wall = |m: &Option<Milestone>| m.map_or(f64::INFINITY, |m| m.wall_s);

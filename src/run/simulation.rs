@@ -1,6 +1,6 @@
 //! The headless app: the rooms' plugins, put together.
 //!
-//! In: a scenario, arenas, a seed. Out: an [`App`] whose world runs [`ControlStep`](crate::control_step::ControlStep)
+//! In: a scenario, arenas, a seed. Out: an [`App`] whose world runs [`ControlStep`]
 //! as often as its caller likes. The windowed app will add the same plugins.
 
 use std::sync::Arc;
@@ -16,7 +16,6 @@ use crate::task::{RewardConfig, TaskFault, TaskMode, TaskPlugin};
 use crate::world::{WorldPlugin, populate};
 
 /// An app in which `learner` trains in `arenas` arenas of `scenario`, every arena at its first observation.
-#[must_use]
 pub fn training(
     scenario: &Arc<Scenario>,
     reward: &RewardConfig,
@@ -38,7 +37,6 @@ pub fn training(
 }
 
 /// An app in which fixed policies make single navigations in `arenas` arenas of `scenario`.
-#[must_use]
 pub fn navigating(scenario: &Arc<Scenario>, arenas: usize) -> App {
     let mut app = App::new();
     app.add_plugins((
