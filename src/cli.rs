@@ -28,8 +28,8 @@ Examples:
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
   wayfield --train --resume runs/scenario-1-fast-0 --steps 300000
 
-Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed, 2 arguments or
-files that cannot be used. Ctrl-C saves a checkpoint and ends cleanly.";
+Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
+2 arguments or files that cannot be used. Ctrl-C saves a checkpoint and ends cleanly.";
 
 /// A LIDAR robot learns to navigate, in seconds, by prioritized-replay double dueling DQN
 #[derive(Parser, Debug)]
@@ -70,12 +70,12 @@ struct Arguments {
 
     /// Train until N episodes have ended [default: the preset's budget]
     #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "steps"],
-        value_parser = clap::value_parser!(u64).range(1..))]
+        value_parser = budget, allow_negative_numbers = true)]
     episodes: Option<u64>,
 
-    /// Train for N env steps, over all arenas [default: the preset's budget]
+    /// Train for N env steps over all arenas, rounded up to whole control steps [default: the preset's budget]
     #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with = "eval",
-        value_parser = clap::value_parser!(u64).range(1..))]
+        value_parser = budget, allow_negative_numbers = true)]
     steps: Option<u64>,
 
     /// How many arenas run side by side [default: the preset's]
@@ -382,6 +382,10 @@ fn read_policy(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
 }
 
 /// A seed as typed.
+fn budget(text: &str) -> Result<u64, String> {
+    text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "give a whole number, 1 or more".into())
+}
+
 fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("give a whole number from 0 to {}", u64::MAX))
 }

@@ -79,6 +79,10 @@ fn many_small_steps_make_the_same_run() {
     desk.assert_same_run("straight", "pieces");
 }
 
+/// More bytes than the column names of `episodes.csv` take, fewer than those and the first rows on disk.
+#[cfg(unix)]
+const HEADER: u64 = 300;
+
 /// Whether a run that is under way has put rows on disk.
 #[cfg(unix)]
 fn has_rows(desk: &Desk, run: &str, more_than: u64) -> bool {
@@ -94,7 +98,7 @@ fn ctrl_c_stops_cleanly_and_resume_ends_as_if_undisturbed() {
 
     for name in ["INT", "TERM"] {
         let mut child = desk.start(&format!("{what} --out {name}"));
-        wait_until(&mut child, "rows in episodes.csv", || has_rows(&desk, name, 0));
+        wait_until(&mut child, "rows in episodes.csv", || has_rows(&desk, name, HEADER));
         signal(&child, name);
         let stopped = end(child);
         assert_eq!(stopped.status, Some(0), "{}", stopped.stderr);
@@ -121,7 +125,7 @@ fn a_run_that_was_killed_goes_on_from_its_last_checkpoint_as_if_undisturbed() {
     // Killed for the first time behind the checkpoint of the start, then behind one in the middle. Both times there
     // are rows on disk of which the checkpoint knows nothing.
     let mut child = desk.start(&format!("{what} --episodes 100 --out killed"));
-    wait_until(&mut child, "rows in episodes.csv", || has_rows(&desk, "killed", 0));
+    wait_until(&mut child, "rows in episodes.csv", || has_rows(&desk, "killed", HEADER));
     signal(&child, "KILL");
     assert_eq!(end(child).status, None);
     desk.succeed("--train --resume killed");
@@ -140,10 +144,10 @@ fn a_finished_run_wants_a_larger_budget() {
     let desk = desk();
     desk.succeed("--train --scenario one.ron --preset fast.ron --steps 1600 --out run");
     let before = desk.everything();
-    for more in ["", " --steps 1600", " --steps 800", " --episodes 1"] {
+    for more in ["", " --steps 1600", " --steps 800"] {
         let done = desk.run(&format!("--train --resume run{more}"));
         assert_eq!(done.status, Some(2), "{more}: {}", done.stderr);
-        assert!(done.stderr.starts_with("error: run: this run has had its"), "{}", done.stderr);
+        assert!(done.stderr.starts_with("error: run: this run has had "), "{}", done.stderr);
         assert!(done.stderr.contains("--episodes or --steps"), "{}", done.stderr);
         assert_eq!(done.stdout, "");
         assert!(desk.everything() == before, "a refused resume changes nothing");

@@ -29,7 +29,7 @@ fn each_broken_file_is_explained_as_written_beside_it() {
 #[test]
 fn a_missing_file_names_its_neighbours() {
     let near = format!("{FIXTURES}/neighbours");
-    let listed = format!("(there are {near}/crossing.ron, {near}/doorway.ron)");
+    let listed = format!("(files there: {near}/crossing.ron, {near}/doorway.ron)");
     assert_eq!(
         complaint(&format!("{near}/dorway.ron")),
         format!("{near}/dorway.ron: no such file: did you mean `{near}/doorway.ron`? {listed}")
@@ -43,7 +43,7 @@ fn a_missing_file_names_its_neighbours() {
     let told = complaint("scenario-1.ron");
     assert!(
         told.starts_with(
-            "scenario-1.ron: no such file: did you mean `scenarios/scenario-1.ron`? (there are "
+            "scenario-1.ron: no such file: did you mean `scenarios/scenario-1.ron`? (files there: "
         ),
         "where nothing is near, the shipped files are: {told}"
     );

@@ -85,13 +85,17 @@ impl Evaluation {
 
 /// The simulated time of each successful navigation, in s.
 pub fn times_s(navigations: &[Navigation], control_period_s: f32) -> impl Iterator<Item = f64> {
-    navigations.iter().filter(|n| n.succeeded()).map(move |n| f64::from(n.steps) * period_s(control_period_s))
+    navigations
+        .iter()
+        .filter(|n| n.succeeded())
+        .map(move |n| (f64::from(n.steps) * period_s(control_period_s) * 1e6).round() / 1e6)
 }
 
 fn mean_time_s(navigations: &[Navigation], control_period_s: f32) -> Option<f64> {
     let (count, sum) =
         times_s(navigations, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
-    (count > 0).then(|| sum / f64::from(count))
+    // Rounded to a microsecond: sums of a period's decimals do not come out even.
+    (count > 0).then(|| (sum / f64::from(count) * 1e6).round() / 1e6)
 }
 
 /// The control period in s without its f32 rounding showing (0.2 is meant, not 0.200000003).

@@ -89,6 +89,10 @@ impl RunFolder {
         let unwritable = |error: io::Error| {
             RunError::unusable(&folder.path, format!("can't be written ({error}): give --out another folder"))
         };
+        if fs::read_dir(&folder.path).is_ok_and(|mut entries| entries.next().is_some()) {
+            let why = "is not empty: give --out a new or an empty folder";
+            return Err(RunError::unusable(&folder.path, why));
+        }
         fs::create_dir_all(folder.path.join("checkpoint")).map_err(unwritable)?;
         folder.write_config(config).map_err(|error| match error {
             RunError::Failed(text) | RunError::Unusable(text) => RunError::Unusable(text),
@@ -149,11 +153,16 @@ impl RunFolder {
         attempt().map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
     }
 
-    /// A CSV file of the run, opened to add rows behind its first `bytes` bytes; whatever stood behind them is gone.
+    /// A CSV file of rows like `Row`, opened to add some behind its first `bytes` bytes; whatever stood behind them is
+    /// gone. A new file gets its header at once.
     ///
     /// # Errors
     /// It cannot be opened, or is shorter than that.
-    pub fn csv(&self, name: &str, bytes: u64) -> Result<csv::Writer<File>, RunError> {
+    pub fn csv<Row: Serialize + Default>(
+        &self,
+        name: &str,
+        bytes: u64,
+    ) -> Result<csv::Writer<File>, RunError> {
         let path = self.path.join(name);
         let open = || -> io::Result<File> {
             let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;
@@ -162,10 +171,13 @@ impl RunFolder {
             }
             file.set_len(bytes)?;
             io::Seek::seek(&mut file, io::SeekFrom::End(0))?;
+            if bytes == 0 {
+                file.write_all(header::<Row>()?.as_bytes())?;
+            }
             Ok(file)
         };
         let file = open().map_err(|error| RunError::unusable(&path, error))?;
-        Ok(csv::WriterBuilder::new().has_headers(bytes == 0).from_writer(file))
+        Ok(csv::WriterBuilder::new().has_headers(false).from_writer(file))
     }
 
     /// The folder's path.
@@ -177,6 +189,15 @@ impl RunFolder {
     fn config(&self) -> PathBuf {
         self.path.join("config.ron")
     }
+}
+
+/// The line of column names of a CSV file of rows like `Row`.
+fn header<Row: Serialize + Default>() -> io::Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.serialize(Row::default()).map_err(io::Error::other)?;
+    let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+    let line = bytes.split_inclusive(|&byte| byte == b'\n').next().unwrap_or_default();
+    Ok(String::from_utf8_lossy(line).into_owned())
 }
 
 /// Temporary files are made private; what a run leaves behind is as readable as any file.

@@ -29,8 +29,8 @@ impl Recorder {
     /// A file cannot be opened, or is shorter than that.
     pub fn open(folder: &RunFolder, episodes_bytes: u64, evaluations_bytes: u64) -> Result<Self, RunError> {
         Ok(Self {
-            episodes: folder.csv(EPISODES, episodes_bytes)?,
-            evaluations: folder.csv(EVALUATIONS, evaluations_bytes)?,
+            episodes: folder.csv::<EpisodeRow>(EPISODES, episodes_bytes)?,
+            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, evaluations_bytes)?,
             events: EventWriter::create(folder.path(), "")
                 .map_err(|error| RunError::unusable(folder.path(), error))?,
             folder: folder.clone(),

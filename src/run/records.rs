@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::task::EpisodeEnd;
 
 /// A row of `episodes.csv`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeRow {
     /// Number of the episode, from 1, in the order in which they ended.
     pub episode: u64,
@@ -57,7 +57,7 @@ impl EpisodeRow {
 }
 
 /// A row of `evaluations.csv`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EvaluationRow {
     /// Env steps when the policy was evaluated.
     pub env_steps: u64,

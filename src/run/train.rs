@@ -132,7 +132,8 @@ impl Run {
             return Err(RunError::unusable(
                 path,
                 format!(
-                    "this run has had its {done}: to go on, give --episodes or --steps more than that (they count from the run's start)"
+                    "this run has had {done} already: to go on, give --episodes or --steps more than that \
+                     (they count from the run's start)"
                 ),
             ));
         }

@@ -141,12 +141,12 @@ fn ron_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// " (there are ...)": up to a dozen of `files`.
+/// " (files there: ...)": up to a dozen of `files`.
 fn listing(files: &[PathBuf]) -> String {
     let names: Vec<_> = files.iter().take(12).map(|file| file.display().to_string()).collect();
     match files.len() {
         0 => String::new(),
-        n if n > 12 => format!(" (there are {} and {} more)", names.join(", "), n - 12),
-        _ => format!(" (there are {})", names.join(", ")),
+        n if n > 12 => format!(" (files there: {} and {} more)", names.join(", "), n - 12),
+        _ => format!(" (files there: {})", names.join(", ")),
     }
 }
