@@ -77,7 +77,7 @@ fn run(preset: &str, scenario: &str, seed: u64) -> Result<Outcome, Box<dyn Error
     let (folder, summary) = train(job, &AtomicBool::new(false), Instant::now())?;
     let policy = Policy::from_bytes(&std::fs::read(Path::new(&folder).join("policy.safetensors"))?)?;
     let navigations = Evaluator::new(&world, 500).run(&policy, 1000 + seed, 500, Places::Drawn)?;
-    let evaluation = Evaluation::of(&navigations, 100, world.task.control_period_s, 1000 + seed);
+    let evaluation = Evaluation::of(&navigations, 100, &world.task, 1000 + seed);
     Ok(Outcome {
         first_96: summary.first_96,
         first_99: summary.first_99,

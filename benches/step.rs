@@ -1,14 +1,26 @@
-//! One control step of world and task (physics, LIDAR, reward, restarts; no agent), with random actions.
+//! One control step of world and task (physics, LIDAR, reward, restarts) with random actions; and the same with
+//! everything in, the forward pass of a greedy agent too.
 //!
 //! `cargo bench --bench step`; items are environment steps.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
 use common::Lab;
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use wayfield::agent::{Acting, AgentPlugin, GreedyPolicy};
+use wayfield::control_step::{ControlStep, ControlStepPlugin};
+use wayfield::learning::{NetworkShape, Policy, QNetwork};
+use wayfield::random;
 use wayfield::scenario::Scenario;
+use wayfield::task::{EpisodeEnded, RewardConfig, TaskMode, TaskPlugin, observation};
+use wayfield::world::{self, WorldPlugin};
 
 fn main() {
     divan::main();
@@ -24,6 +36,40 @@ fn still_obstacles(bencher: Bencher, arenas: usize) {
 #[divan::bench(args = ARENAS)]
 fn moving_obstacles(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::moving(), arenas);
+}
+
+/// The network is Table 1's (28-64-64, dueling) with its first weights: it drives badly, at the same cost.
+#[divan::bench(args = ARENAS)]
+fn everything_in(bencher: Bencher, arenas: usize) {
+    let scenario = Arc::new(common::four_cylinders());
+    let shape = NetworkShape {
+        inputs: observation::width(scenario.lidar.beams),
+        hidden: vec![64, 64],
+        actions: scenario.robot.motions.len(),
+        dueling: true,
+    };
+    let network = QNetwork::new(shape, &mut random::stream(1, "weights", 0)).expect("the shape is sound");
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        ControlStepPlugin,
+        TaskPlugin { reward: RewardConfig::default(), mode: TaskMode::Continuing },
+        WorldPlugin,
+        AgentPlugin { acting: Acting::Greedy, seed: 1, arenas },
+    ));
+    app.insert_resource(GreedyPolicy(Policy { network, metadata: BTreeMap::new() }));
+    app.finish();
+    app.cleanup();
+    app.update();
+    let world = app.world_mut();
+    world::populate(world, &scenario, arenas, 1);
+    for _ in 0..200 {
+        world.run_schedule(ControlStep);
+    }
+    bencher.counter(ItemsCount::new(arenas)).bench_local(|| {
+        world.run_schedule(ControlStep);
+        world.resource_mut::<Messages<EpisodeEnded>>().drain().count()
+    });
 }
 
 fn control_step(bencher: Bencher, scenario: &Scenario, arenas: usize) {

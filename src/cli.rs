@@ -276,10 +276,10 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     let count = arguments.rounds as usize * round;
 
     let navigations = Evaluator::new(&scenario, count).run(&policy, seed, count, Places::Drawn)?;
-    let evaluation = Evaluation::of(&navigations, round, period, seed);
+    let evaluation = Evaluation::of(&navigations, round, &scenario.task, seed);
     let course = if arguments.course {
         let driven = Evaluator::new(&scenario, 25).run(&policy, seed, 25, Places::Course)?;
-        let of = Evaluation::of(&driven, 5, period, seed);
+        let of = Evaluation::of(&driven, 5, &scenario.task, seed);
         Some(CourseReport {
             course_success_rate: of.success_rate,
             course_time_s: of.mean_time_s,

@@ -98,11 +98,11 @@ fn presets_that_cannot_be_used() {
         ("arenas.ron", ("arenas: 16", "arenas: 0"), &["arenas.ron:4:13", "`arenas` is 0; give 1 to 4096"]),
         (
             "batch.ron",
-            ("batch_size: 128", "batch_size: 0"),
+            ("batch_size: 64", "batch_size: 0"),
             &["batch.ron:24:", "`learning.batch_size`", "at least 1"],
         ),
         ("gamma.ron", ("gamma: 0.95", "gamma: 1.5"), &["gamma.ron:18:", "`learning.gamma`", "1.5"]),
-        ("rate.ron", ("from: 0.0005", "from: NaN"), &["rate.ron:23:", "`learning.learning_rate", "NaN"]),
+        ("rate.ron", ("from: 0.001", "from: NaN"), &["rate.ron:23:", "`learning.learning_rate", "NaN"]),
         (
             "layer.ron",
             ("hidden: [64, 64]", "hidden: [64, 0]"),
@@ -305,7 +305,7 @@ fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
 
     // Going on diverges in the same place; stopping before does not, so the checkpoint is sound.
     assert_eq!(desk.run("--train --resume run").status, Some(1));
-    let before = desk.succeed("--train --resume run --steps 800 --json").json();
+    let before = desk.succeed("--train --resume run --steps 400 --json").json();
     assert_eq!(before["env_steps"], 800);
     desk.succeed("--eval run/policy.safetensors --rounds 1 --navigations 10");
 }

@@ -7,12 +7,17 @@ use std::f32::consts::PI;
 use bevy::math::Vec2;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
 use bevy_rapier2d::rapier::parry::query::DefaultQueryDispatcher;
-use bevy_rapier2d::rapier::prelude::{QueryFilter, Ray};
-use common::{Lab, closed_form};
+use bevy_rapier2d::rapier::prelude::{
+    ColliderBuilder, ColliderHandle, ColliderSet, QueryFilter, Ray, Vector,
+};
+use common::{Lab, bits, closed_form};
 use proptest::prelude::*;
 use wayfield::scenario::{Scenario, Shape};
 use wayfield::task::{Pose, RewardConfig, TaskMode};
-use wayfield::world::{Bodies, lidar::Beams};
+use wayfield::world::{
+    Bodies,
+    lidar::{self, Beams},
+};
 
 fn pose(x_m: f32, y_m: f32, heading_rad: f32) -> Pose {
     Pose { x_m, y_m, heading_rad }
@@ -218,4 +223,60 @@ fn an_obstacle_that_drives_into_the_robot_is_seen_coming() {
         }
     }
     assert!(collisions > 100, "{collisions}");
+}
+
+/// Every beam cast against every shape: what [`lidar::cast`] must give although it leaves most of them out.
+fn cast_every_beam(
+    colliders: &ColliderSet,
+    solids: &[ColliderHandle],
+    from: &Pose,
+    beams: &[Vec2],
+    max_m: f32,
+) -> Vec<f32> {
+    let (sin, cos) = libm::sincosf(from.heading_rad);
+    let mut ranges = vec![max_m; beams.len()];
+    for collider in solids.iter().map(|&handle| &colliders[handle]) {
+        let placed = collider.position();
+        let origin = placed.inverse_transform_point(Vec2::new(from.x_m, from.y_m));
+        let heading = placed.inverse_transform_vector(Vec2::new(cos, sin));
+        for (beam, range) in beams.iter().zip(&mut ranges) {
+            let ray = Ray::new(origin, heading.rotate(*beam));
+            *range = collider.shape().cast_local_ray(&ray, *range, true).unwrap_or(*range);
+        }
+    }
+    ranges
+}
+
+/// Discs and turned boxes from 1 mm to 5 m, some of them on round numbers, so that beams run along their sides.
+fn any_solid() -> impl Strategy<Value = ColliderBuilder> {
+    let size = || prop_oneof![(-3.0_f32..0.7).prop_map(|power| 10.0_f32.powf(power)), Just(0.25)];
+    let place = || prop_oneof![-4.0_f32..4.0, (-8_i8..8).prop_map(|k| 0.5 * f32::from(k))];
+    let turn = prop_oneof![-PI..PI, Just(0.0)];
+    (any::<bool>(), size(), size(), place(), place(), turn).prop_map(|(disc, a, b, x, y, turn)| {
+        let solid = if disc { ColliderBuilder::ball(a) } else { ColliderBuilder::cuboid(a, b) };
+        solid.translation(Vector::new(x, y)).rotation(turn)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    #[test]
+    fn leaving_out_beams_changes_no_bit(
+        scene in prop::collection::vec(any_solid(), 1..9),
+        near in prop::option::of(0_usize..9), dx in -4.0_f32..4.0, dy in -4.0_f32..4.0, shrink in 0_i32..7,
+        heading in prop_oneof![-PI..PI, (-4_i8..=4).prop_map(|k| f32::from(k) * PI / 4.0)],
+        count in prop_oneof![Just(24_usize), 1_usize..200], max_m in prop_oneof![Just(3.5_f32), 0.05_f32..50.0],
+    ) {
+        let mut colliders = ColliderSet::new();
+        let solids: Vec<_> = scene.into_iter().map(|solid| colliders.insert(solid)).collect();
+        // Anywhere, or around one of the shapes: on its rim, within it, at its very middle.
+        let middle = near.map_or(Vec2::ZERO, |k| colliders[solids[k % solids.len()]].translation());
+        let scale = if shrink == 6 { 0.0 } else { 0.2_f32.powi(shrink) };
+        let from = pose(middle.x + dx * scale, middle.y + dy * scale, heading);
+        let beams = Beams::around(count).0;
+        let mut ranges = Vec::new();
+        lidar::cast(&colliders, &solids, &from, &beams, max_m, &mut ranges);
+        prop_assert_eq!(bits(&ranges), bits(&cast_every_beam(&colliders, &solids, &from, &beams, max_m)));
+    }
 }

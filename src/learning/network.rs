@@ -244,7 +244,7 @@ impl QNetwork {
         out.resize(n * width, 0.0);
         let pieces = observations[..n * inputs].chunks(PIECE * inputs);
         for (observations, out) in pieces.zip(out.chunks_mut(PIECE * width)) {
-            let x = rows(&self.device, observations, observations.len() / inputs, inputs);
+            let x = rows(&self.device, observations.to_vec(), observations.len() / inputs, inputs);
             finish(self.head(x)).copy_into(out);
         }
     }
@@ -258,16 +258,21 @@ impl QNetwork {
     /// The loss of regressing Q(s, a) on targets, and its gradient, for observations row-major, n x inputs,
     /// where n is the number of actions in `on`.
     pub fn gradient(&self, observations: &[f32], on: Regression<'_>, out: &mut Gradient) {
-        let x = rows(&self.device, observations, on.actions.len(), self.shape.inputs);
+        let x = rows(&self.device, observations.to_vec(), on.actions.len(), self.shape.inputs);
         let head = self.head(x.leaky_traced());
         let q = if self.shape.dueling { dueling(head) } else { head };
         let loss = td_loss(q, on, &mut out.td_errors, &mut out.q);
         out.loss = values(&loss)[0];
         let grads = loss.backward();
-        out.values.clear();
+        out.values.resize(self.parameters.len(), 0.0);
+        let mut rest = out.values.as_mut_slice();
         for Dense { weight, bias } in &self.layers {
-            out.values.extend_from_slice(&values(&grads.get(weight)));
-            out.values.extend_from_slice(&values(&grads.get(bias)));
+            let (outputs, inputs) = *weight.shape();
+            let (head, tail) = rest.split_at_mut(outputs * inputs);
+            grads.get(weight).copy_into(head);
+            let (head, tail) = tail.split_at_mut(outputs);
+            grads.get(bias).copy_into(head);
+            rest = tail;
         }
     }
 }

@@ -13,10 +13,8 @@ use super::config::Loss;
 pub(super) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
 
 /// Rows from row-major `values`.
-pub(super) fn rows(device: &Cpu, values: &[f32], n: usize, width: usize) -> Rows {
-    let mut tensor = device.zeros_like(&(n, width));
-    tensor.copy_from(values);
-    tensor
+pub(super) fn rows(device: &Cpu, values: Vec<f32>, n: usize, width: usize) -> Rows {
+    device.tensor_from_vec(values, (n, width))
 }
 
 /// The values of `tensor`, row-major.
@@ -35,12 +33,13 @@ pub(super) struct Dense {
 
 impl Dense {
     /// x W^T + b, then a ReLU if asked. `input_gradient`: whether x wants its gradient (observations do not).
+    /// x and the layer must have no other use on the tape: gradients are set, not added to.
     pub(super) fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>, relu: bool, input_gradient: bool) -> Rows<T> {
         let (x, mut tape) = x.split_tape();
         let (n, outputs) = (x.shape().0, self.weight.shape().0);
 
-        let mut out = x.clone().matmul(self.weight.clone().permute::<_, Axes2<1, 0>>());
-        let mut activations = values(&out);
+        let mut y = x.clone().matmul(self.weight.clone().permute::<_, Axes2<1, 0>>());
+        let mut activations = values(&y);
         let bias = values(&self.bias);
         for row in activations.chunks_exact_mut(outputs) {
             for (z, b) in row.iter_mut().zip(&bias) {
@@ -50,11 +49,10 @@ impl Dense {
                 }
             }
         }
-        out.copy_from(&activations);
-
-        let (weight, bias, y) = (self.weight.clone(), self.bias.clone(), out.clone());
+        y.copy_from(&activations);
+        let (Self { weight, bias }, of_y) = (self.clone(), y.clone());
         tape.add_backward_op(move |grads| {
-            let mut gradient = std::mem::take(&mut **grads.get_or_alloc_mut(&y)?);
+            let mut gradient = std::mem::take(&mut **grads.get_or_alloc_mut(&of_y)?);
             if relu {
                 for (g, &a) in gradient.iter_mut().zip(&activations) {
                     *g = if a > 0.0 { *g } else { 0.0 };
@@ -64,16 +62,15 @@ impl Dense {
             for row in gradient.chunks_exact(outputs) {
                 add(of_bias, row);
             }
-            let gradient = y.device().try_tensor_from_vec(gradient, (n, outputs))?;
+            let gradient = x.device().try_tensor_from_vec(gradient, (n, outputs))?;
             let of_weight = gradient.clone().permute::<_, Axes2<1, 0>>().try_matmul(x.clone())?;
-            add(grads.get_or_alloc_mut(&weight)?, &values(&of_weight));
+            of_weight.copy_into(grads.get_or_alloc_mut(&weight)?);
             if input_gradient {
-                let of_x = gradient.try_matmul(weight)?;
-                add(grads.get_or_alloc_mut(&x)?, &values(&of_x));
+                gradient.try_matmul(weight)?.copy_into(grads.get_or_alloc_mut(&x)?);
             }
             Ok(())
         });
-        out.put_tape(tape)
+        y.put_tape(tape)
     }
 }
 
@@ -90,7 +87,7 @@ pub(super) fn dueling<T: Tape<f32, Cpu>>(head: Rows<T>) -> Rows<T> {
             *q = base + advantage;
         }
     }
-    let out = rows(head.device(), &q, n, actions);
+    let out = rows(head.device(), q, n, actions);
 
     let y = out.clone();
     tape.add_backward_op(move |grads| {

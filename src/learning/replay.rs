@@ -186,12 +186,12 @@ impl ReplayBuffer {
         match (&self.priorities, self.sampling) {
             (Some(Priorities { tree, .. }), Sampling::Prioritized { beta, importance_weights, .. }) => {
                 let piece = tree.total() / n as f64;
-                batch.slots.extend((0..n).map(|i| tree.find(piece * (i as f64 + fine(stream)))));
+                tree.find_all((0..n).map(|i| piece * (i as f64 + fine(stream))), &mut batch.slots);
                 if importance_weights {
                     let beta = beta.at(env_steps);
                     let weight = |&slot: &usize| tree.get(slot);
                     let least = batch.slots.iter().map(weight).fold(f64::INFINITY, f64::min);
-                    let weights = batch.slots.iter().map(|s| libm::powf((least / weight(s)) as f32, beta));
+                    let weights = batch.slots.iter().map(|s| power((least / weight(s)) as f32, beta));
                     batch.weights.extend(weights);
                 }
             }
@@ -217,7 +217,7 @@ impl ReplayBuffer {
         let Some(Priorities { tree, largest }) = &mut self.priorities else { return };
         let Sampling::Prioritized { alpha, epsilon, .. } = self.sampling else { return };
         for (&slot, error) in slots.iter().zip(td_errors) {
-            let priority = f64::from(libm::powf(error.abs() + epsilon, alpha));
+            let priority = f64::from(power(error.abs() + epsilon, alpha));
             *largest = largest.max(priority);
             tree.set(slot, priority);
         }
@@ -244,4 +244,30 @@ impl Batch {
 /// A draw from [0, 1) in steps of 2^-53: fine enough to reach every one of 10^6 transitions.
 fn fine(stream: &mut Stream) -> f64 {
     (stream.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+}
+
+/// base^exponent for a base of at least 0 (0 counts as the least normal number) and a moderate exponent: some
+/// units in the last place off, the same on every platform, and more than twice as fast as `libm::powf`.
+fn power(base: f32, exponent: f32) -> f32 {
+    libm::exp2f(exponent * libm::log2f(base.max(f32::MIN_POSITIVE)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_are_right_to_rounding() {
+        for exponent in [0.0, 0.1, 0.4, 0.6, 1.0] {
+            for base in [1e-30, 1e-6, 0.001, 0.3, 0.999, 1.0, 1.7, 42.0, 1e9] {
+                let exact = f64::from(base).powf(f64::from(exponent));
+                let error = (f64::from(power(base, exponent)) / exact - 1.0).abs();
+                assert!(error < 1e-5, "{base}^{exponent}: off by {error}");
+            }
+            let least = power(f32::MIN_POSITIVE, exponent);
+            assert_eq!(power(0.0, exponent), least, "0 counts as the least normal number");
+            assert_eq!(power(1.0, exponent), 1.0);
+        }
+        assert!(power(0.0, 1.0) > 0.0, "no priority is 0, or it would never be drawn again");
+    }
 }

@@ -49,11 +49,12 @@ impl SumTree {
     /// accumulates, and the inner nodes are a function of the leaves alone (a checkpoint need only keep
     /// leaves).
     pub fn set(&mut self, index: usize, weight: f64) {
-        let mut node = self.leaves + index;
-        self.nodes[node] = weight;
+        let (mut node, mut sum) = (self.leaves + index, weight);
+        self.nodes[node] = sum;
         while node > 1 {
+            sum += self.nodes[node ^ 1];
             node /= 2;
-            self.nodes[node] = self.nodes[2 * node] + self.nodes[2 * node + 1];
+            self.nodes[node] = sum;
         }
     }
 
@@ -72,18 +73,34 @@ impl SumTree {
     /// their indices. An index of weight 0 is never found as long as the total is above 0, whatever rounding
     /// does.
     #[must_use]
-    pub fn find(&self, mut point: f64) -> usize {
-        let mut node = 1;
-        while node < self.leaves {
-            let left = self.nodes[2 * node];
-            if point < left || self.nodes[2 * node + 1] <= 0.0 {
-                node *= 2;
-            } else {
-                point -= left;
-                node = 2 * node + 1;
+    pub fn find(&self, point: f64) -> usize {
+        let mut found = [(1, point)];
+        self.descend(&mut found);
+        found[0].0 - self.leaves
+    }
+
+    /// What [`Self::find`] gives for each of `points`, into `found`. All go down the tree side by side, so that
+    /// they wait for memory together and not one after the other.
+    pub fn find_all(&self, points: impl Iterator<Item = f64>, found: &mut Vec<usize>) {
+        let mut walks: Vec<_> = points.map(|point| (1, point)).collect();
+        self.descend(&mut walks);
+        found.clear();
+        found.extend(walks.iter().map(|(node, _)| node - self.leaves));
+    }
+
+    /// Walks from each (node, point within it) down to a leaf; all nodes are equally deep.
+    fn descend(&self, walks: &mut [(usize, f64)]) {
+        let mut level = 1;
+        while level < self.leaves {
+            for (node, point) in &mut *walks {
+                let [left, right] = [self.nodes[2 * *node], self.nodes[2 * *node + 1]];
+                // Without branches, which no processor could foretell.
+                let to_right = (*point >= left) & (right > 0.0);
+                *point -= left * f64::from(to_right);
+                *node = 2 * *node + usize::from(to_right);
             }
+            level *= 2;
         }
-        node - self.leaves
     }
 }
 
@@ -123,9 +140,13 @@ mod tests {
             }
             let total: f64 = weights.iter().sum();
             prop_assert_eq!(tree.total(), total);
-            for point in 0..total as u32 {
-                let point = f64::from(point) + 0.5;
-                prop_assert_eq!(tree.find(point), find_plainly(&weights, point));
+            let points: Vec<_> = (0..total as u32).map(|point| f64::from(point) + 0.5).collect();
+            let mut found = vec![7];
+            tree.find_all(points.iter().copied(), &mut found);
+            prop_assert_eq!(found.len(), points.len());
+            for (point, found) in points.into_iter().zip(found) {
+                prop_assert_eq!(found, find_plainly(&weights, point));
+                prop_assert_eq!(found, tree.find(point));
             }
         }
 

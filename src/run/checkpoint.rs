@@ -59,25 +59,17 @@ pub struct Standing {
     pub wall_s: f64,
 }
 
-/// The best policy so far, by evaluation: more successes first, then less time.
+/// The best policy so far: that with the least mean time in its evaluation, a failure counted as the time limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Best {
     /// Share of navigations that succeeded, 0 to 1.
     pub success_rate: f64,
     /// Mean time of those, in s.
     pub mean_time_s: Option<f64>,
+    /// Mean time of all, in s, a failure counted as the time limit.
+    pub mean_cost_s: f64,
     /// Its file.
     pub bytes: Vec<u8>,
-}
-
-impl Best {
-    /// Whether a policy with this evaluation is better than `self`.
-    #[must_use]
-    pub fn is_beaten_by(&self, success_rate: f64, mean_time_s: Option<f64>) -> bool {
-        let time = |t: Option<f64>| t.unwrap_or(f64::INFINITY);
-        success_rate > self.success_rate
-            || (success_rate == self.success_rate && time(mean_time_s) < time(self.mean_time_s))
-    }
 }
 
 /// Takes what the world holds into `standing`, and writes the checkpoint.

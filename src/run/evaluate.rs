@@ -16,7 +16,7 @@ use super::{RunError, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
 use crate::random;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, TaskRules};
 use crate::task::{Clock, EpisodeEnd, EpisodeEnded, Places, Pose, Streams, Target, observation};
 use crate::world;
 
@@ -59,6 +59,9 @@ pub struct Evaluation {
     pub timeout_rate: f64,
     /// Mean simulated time of the successful ones, in s; null without any.
     pub mean_time_s: Option<f64>,
+    /// Mean simulated time of all, in s, where one that failed counts as the whole time limit: of the policies of a
+    /// run, the best is the one with the least.
+    pub mean_cost_s: f64,
     /// How many navigations.
     pub navigations: usize,
     /// The seed of their starts and targets.
@@ -68,7 +71,7 @@ pub struct Evaluation {
 impl Evaluation {
     /// The rates and means of `navigations`, in rounds of `round` each.
     #[must_use]
-    pub fn of(navigations: &[Navigation], round: usize, control_period_s: f32, seed: u64) -> Self {
+    pub fn of(navigations: &[Navigation], round: usize, rules: &TaskRules, seed: u64) -> Self {
         let rate =
             |of: &[Navigation], end| of.iter().filter(|n| n.end == end).count() as f64 / of.len() as f64;
         Self {
@@ -76,7 +79,8 @@ impl Evaluation {
             rounds: navigations.chunks(round).map(|chunk| rate(chunk, EpisodeEnd::Reached)).collect(),
             collision_rate: rate(navigations, EpisodeEnd::Collided),
             timeout_rate: rate(navigations, EpisodeEnd::TimedOut),
-            mean_time_s: mean_time_s(navigations, control_period_s),
+            mean_time_s: mean_time_s(navigations, rules.control_period_s),
+            mean_cost_s: mean_cost_s(navigations, rules),
             navigations: navigations.len(),
             seed,
         }
@@ -96,6 +100,13 @@ fn mean_time_s(navigations: &[Navigation], control_period_s: f32) -> Option<f64>
         times_s(navigations, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
     // Rounded to a microsecond: sums of a period's decimals do not come out even.
     (count > 0).then(|| (sum / f64::from(count) * 1e6).round() / 1e6)
+}
+
+fn mean_cost_s(navigations: &[Navigation], rules: &TaskRules) -> f64 {
+    let steps = |n: &Navigation| if n.succeeded() { n.steps } else { rules.time_limit_steps };
+    let sum: u64 = navigations.iter().map(|n| u64::from(steps(n))).sum();
+    let mean = sum as f64 / navigations.len() as f64 * period_s(rules.control_period_s);
+    (mean * 1e6).round() / 1e6
 }
 
 /// The control period in s without its f32 rounding showing (0.2 is meant, not 0.200000003).

@@ -55,11 +55,10 @@ impl Examiner {
         let (outbox, examinations) = channel();
         let scenario = scenario.clone();
         thread::spawn(move || {
-            let period = scenario.task.control_period_s;
             let mut evaluator = Evaluator::new(&scenario, navigations);
             for candidate in inbox {
                 let driven = evaluator.run(&candidate.policy, seed, navigations, Places::Drawn);
-                let result = driven.map(|driven| Evaluation::of(&driven, navigations, period, seed));
+                let result = driven.map(|driven| Evaluation::of(&driven, navigations, &scenario.task, seed));
                 if outbox.send(Examination { candidate, result, done: Instant::now() }).is_err() {
                     return;
                 }

