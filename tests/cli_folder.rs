@@ -75,12 +75,10 @@ fn the_summary_and_the_records_agree() {
     let rates: Vec<f64> = evaluations.iter().map(|row| row["success_rate"].parse().unwrap()).collect();
     assert_eq!(summary["last_success_rate"].as_f64(), rates.last().copied());
     let cost = |row: &BTreeMap<String, String>| row["mean_cost_s"].parse::<f64>().unwrap();
-    let best = evaluations.iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap();
-    assert_eq!(
-        summary["best_success_rate"].as_f64(),
-        best["success_rate"].parse().ok(),
-        "the least cost is best"
-    );
+    let least = evaluations.iter().map(cost).reduce(f64::min).unwrap();
+    let best = evaluations.iter().rfind(|row| cost(row) <= 1.01 * least).unwrap();
+    let rate: f64 = best["success_rate"].parse().unwrap();
+    assert_eq!(summary["best_success_rate"], rate, "the best is the latest near the least cost");
     for first in ["first_96", "first_99"] {
         let milestone = summary.get(first).expect(first);
         let keys = ["env_steps", "episodes", "wall_s"];

@@ -52,7 +52,7 @@ pub struct LearnStats {
 /// The learning blew up: a number is no longer finite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "learning diverged at gradient step {gradient_step}: {what}; try a lower learning_rate or reward_scale"
+    "learning diverged at gradient step {gradient_step}: {what}; try a new run with a lower learning_rate or reward_scale"
 )]
 pub struct Diverged {
     /// The gradient step, counted from 1.

@@ -59,7 +59,9 @@ pub struct Standing {
     pub wall_s: f64,
 }
 
-/// The best policy so far: that with the least mean time in its evaluation, a failure counted as the time limit.
+/// The best policy so far: the latest of those whose mean time in their evaluation, a failure counted as the time limit,
+/// is within [`Best::AS_GOOD`] of the least. (So small a difference over some hundred navigations is chance, and of
+/// two policies that are equal but for chance the one that learnt longer is the better bet.)
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Best {
     /// Share of navigations that succeeded, 0 to 1.
@@ -68,8 +70,15 @@ pub struct Best {
     pub mean_time_s: Option<f64>,
     /// Mean time of all, in s, a failure counted as the time limit.
     pub mean_cost_s: f64,
+    /// The least such mean of any policy so far, in s.
+    pub least_cost_s: f64,
     /// Its file.
     pub bytes: Vec<u8>,
+}
+
+impl Best {
+    /// A mean time of up to so many times the least is as good as the least.
+    pub const AS_GOOD: f64 = 1.01;
 }
 
 /// Takes what the world holds into `standing`, and writes the checkpoint.

@@ -59,8 +59,8 @@ pub struct Evaluation {
     pub timeout_rate: f64,
     /// Mean simulated time of the successful ones, in s; null without any.
     pub mean_time_s: Option<f64>,
-    /// Mean simulated time of all, in s, where one that failed counts as the whole time limit: of the policies of a
-    /// run, the best is the one with the least.
+    /// Mean simulated time of all, in s, where one that failed counts as the whole time limit: by it the best policy
+    /// of a run is chosen.
     pub mean_cost_s: f64,
     /// How many navigations.
     pub navigations: usize,

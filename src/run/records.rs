@@ -73,8 +73,8 @@ pub struct EvaluationRow {
     pub timeout_rate: f64,
     /// Mean simulated time of the successful ones, in s.
     pub mean_time_s: Option<f64>,
-    /// Mean simulated time of all, in s, where one that failed counts as the whole time limit: the best policy is the
-    /// one with the least.
+    /// Mean simulated time of all, in s, where one that failed counts as the whole time limit: by it the best policy is
+    /// chosen.
     pub mean_cost_s: f64,
     /// Wall time since the process began (all processes together, if resumed), in s.
     pub wall_s: f64,

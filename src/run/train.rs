@@ -325,7 +325,9 @@ impl Run {
                 ));
             }
         }
-        if standing.best.as_ref().is_none_or(|best| row.mean_cost_s < best.mean_cost_s) {
+        let least_cost_s =
+            standing.best.as_ref().map_or(row.mean_cost_s, |best| best.least_cost_s.min(row.mean_cost_s));
+        if row.mean_cost_s <= least_cost_s * Best::AS_GOOD {
             let mut policy = candidate.policy;
             policy.metadata = policy_card::metadata(
                 &self.config,
@@ -338,6 +340,7 @@ impl Run {
                 success_rate: row.success_rate,
                 mean_time_s: row.mean_time_s,
                 mean_cost_s: row.mean_cost_s,
+                least_cost_s,
                 bytes,
             });
         }
