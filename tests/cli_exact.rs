@@ -156,3 +156,20 @@ fn a_finished_run_wants_a_larger_budget() {
     assert_eq!(done.json()["env_steps"], 3200);
     assert!(desk.text("run/config.ron").contains("EnvSteps(3200)"), "the new budget is written down");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn one_core_or_two_make_the_same_run() {
+    let desk = desk();
+    let what = "--train --scenario noisy.ron --preset fast.ron --steps 8000 --seed 3";
+    desk.succeed(&format!("{what} --out free"));
+    // The first core that this process may use, and no other.
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let allowed = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:")).unwrap().trim();
+    let core = allowed.split([',', '-']).next().unwrap();
+    let mut pinned = std::process::Command::new("taskset");
+    pinned.args(["-c", core, env!("CARGO_BIN_EXE_wayfield")]).args(what.split_whitespace());
+    let done = pinned.args(["--out", "pinned"]).current_dir(desk.path("")).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    desk.assert_same_run("free", "pinned");
+}
