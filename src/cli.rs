@@ -228,13 +228,14 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
          first 99 %      {}\n\
          trained         {episodes} episodes, {env_steps} env steps, {gradient_steps} gradient steps, {wall_s:.1} s\n\
          run folder      {}\n\
-         test it         wayfield --eval {}\n",
+         test it         {} --eval {}\n",
         percent(summary.best_success_rate),
         seconds(summary.best_mean_time_s),
         percent(summary.last_success_rate),
         first(&summary.first_96),
         first(&summary.first_99),
         folder.display(),
+        std::env::args().next().unwrap_or_else(|| "wayfield".into()),
         folder.join("policy.safetensors").display(),
     )
 }
