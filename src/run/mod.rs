@@ -10,7 +10,7 @@
 //! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
 //! | `evaluate.rs` | success over rounds of navigations, and the timed course |
 //! | `examiner.rs` | evaluation during training, on a thread of its own |
-//! | `optimum.rs` | the least time that any policy could need |
+//! | `optimum/` | the least time that any policy could need |
 //! | `folder.rs` | a run's folder: what is written where, whole or not at all |
 //! | `records.rs`, `recorder.rs` | the rows of `episodes.csv` and `evaluations.csv`, and who writes them |
 //! | `policy_card.rs` | what the user of a policy needs to know |
