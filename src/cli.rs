@@ -275,6 +275,10 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     let period = scenario.task.control_period_s;
     let round = arguments.navigations as usize;
     let count = arguments.rounds as usize * round;
+    if count > MOST_NAVIGATIONS {
+        let why = format!("{count} navigations are asked for; give --rounds and --navigations for at most");
+        return Err(RunError::Unusable(format!("{why} {MOST_NAVIGATIONS} in all")));
+    }
 
     let navigations = Evaluator::new(&scenario, count).run(&policy, seed, count, Places::Drawn)?;
     let evaluation = Evaluation::of(&navigations, round, &scenario.task, seed);
@@ -359,6 +363,9 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), RunError> {
     println!("{text}");
     Ok(())
 }
+
+/// The most navigations of one `--eval`.
+const MOST_NAVIGATIONS: usize = 1_000_000;
 
 /// The most bytes that a policy's file may have: 2^24 parameters and a header.
 const LARGEST_POLICY: u64 = 1 << 27;

@@ -229,6 +229,7 @@ fn arguments_that_cannot_be_used() {
         ("--eval run/policy.safetensors --epsilon 0.5 --init run/policy.safetensors", &["--eval"]),
         ("--eval run/policy.safetensors --out new", &["--out", "--eval"]),
         ("--eval run/policy.safetensors --rounds 0", &["'0'", "--rounds"]),
+        ("--eval run/policy.safetensors --rounds 10000 --navigations 10000", &["100000000", "1000000"]),
         ("--eval", &["--eval", "POLICY"]),
         ("--json", &["--train", "--eval"]),
         ("--trian", &["--trian", "--train"]),
