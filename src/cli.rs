@@ -3,6 +3,7 @@
 //! In: arguments. Out: results on stdout, logs and progress on stderr; exit status 0 on success, 1 when a run failed,
 //! 2 for arguments or files that cannot be used.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -26,7 +27,7 @@ Examples:
   wayfield --train                                   Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
-  wayfield --train --resume runs/scenario-1-fast-0 --steps 300000
+  wayfield --train --resume runs/scenario-1-fast-0 --steps 600000
 
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
 2 arguments or files that cannot be used. Ctrl-C saves a checkpoint and ends cleanly.";
@@ -146,7 +147,7 @@ pub fn main(began: Instant) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell(&format!("error: {error}"));
             ExitCode::from(error.exit_status())
         }
     }
@@ -167,11 +168,21 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
             let mut preset = shipped::preset(&preset_from)?;
             preset.budget = budget.unwrap_or(preset.budget);
             preset.arenas = arguments.arenas.unwrap_or(preset.arenas);
+            if let Some(arenas) = arguments.arenas.filter(|n| !(1..=4096).contains(n)) {
+                return Err(RunError::Unusable(format!("--arenas is {arenas}; give 1 to 4096")));
+            }
             if let Some(finding) = preset.findings().first() {
                 return Err(RunError::Unusable(format!("{preset_from}: {finding}")));
             }
             if let Some(epsilon) = arguments.epsilon.filter(|x| !(0.0..=1.0).contains(x)) {
                 return Err(RunError::Unusable(format!("--epsilon is {epsilon}; give 0 to 1")));
+            }
+            let warmup = preset.learning.replay.warmup_steps;
+            if matches!(preset.budget, Budget::EnvSteps(n) if n <= warmup) {
+                tell(&format!(
+                    "warning: nothing will be learnt: the budget ends before the preset's warm-up of {warmup} env \
+                     steps"
+                ));
             }
             let policy = arguments.init.as_deref().map(|path| read_policy(path, &scenario)).transpose()?;
             let transfer = arguments
@@ -190,12 +201,7 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         }
     };
     let (folder, summary) = train(job, stop_on_signal(), began)?;
-    if arguments.json {
-        print_json(&summary)
-    } else {
-        print!("{}", summary_text(&folder, &summary));
-        Ok(())
-    }
+    if arguments.json { print_json(&summary) } else { say(&summary_text(&folder, &summary)) }
 }
 
 /// A flag that Ctrl-C and SIGTERM set; a second one ends the process at once.
@@ -205,10 +211,10 @@ fn stop_on_signal() -> &'static AtomicBool {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        eprintln!("stopping: saving a checkpoint (once more ends at once, without one)");
+        tell("stopping: saving a checkpoint (once more ends at once, without one)");
     };
     if let Err(error) = ctrlc::set_handler(handler) {
-        eprintln!("warning: Ctrl-C will not save a checkpoint: {error}");
+        tell(&format!("warning: Ctrl-C will not save a checkpoint: {error}"));
     }
     &STOP
 }
@@ -221,6 +227,12 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         None => "not reached".into(),
     };
     let Summary { episodes, env_steps, gradient_steps, wall_s, .. } = summary;
+    let quoted = |text: &str| if text.contains(' ') { format!("'{text}'") } else { text.to_owned() };
+    // Tests are made in Scenario I unless another is named.
+    let scenario = match summary.scenario_from.as_str() {
+        "scenario-1" => String::new(),
+        other => format!(" --scenario {}", quoted(other)),
+    };
     format!(
         "best policy     {} success, mean time {}\n\
          last policy     {} success\n\
@@ -228,7 +240,7 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
          first 99 %      {}\n\
          trained         {episodes} episodes, {env_steps} env steps, {gradient_steps} gradient steps, {wall_s:.1} s\n\
          run folder      {}\n\
-         test it         {} --eval {}\n",
+         test it         {} --eval {}{scenario}\n",
         percent(summary.best_success_rate),
         seconds(summary.best_mean_time_s),
         percent(summary.last_success_rate),
@@ -236,7 +248,7 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         first(&summary.first_99),
         folder.display(),
         std::env::args().next().unwrap_or_else(|| "wayfield".into()),
-        folder.join("policy.safetensors").display(),
+        quoted(&folder.join("policy.safetensors").display().to_string()),
     )
 }
 
@@ -263,14 +275,17 @@ struct CourseReport {
 #[derive(serde::Serialize)]
 struct OptimumReport {
     optimum_navigations: usize,
-    optimum_mean_time_s: f64,
-    time_ratio: f64,
+    optimum_mean_time_s: Option<f64>,
+    time_ratio: Option<f64>,
 }
 
 fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     let scenario_from = arguments.scenario.as_deref().unwrap_or("scenario-1");
     let scenario = Arc::new(shipped::scenario(scenario_from)?);
     let policy = read_policy(path, &scenario)?;
+    if let Some(other) = policy.metadata.get("scenario").filter(|name| **name != scenario.name) {
+        tell(&format!("note: this policy was trained in {other} and is tested in {}", scenario.name));
+    }
     let seed = arguments.seed.unwrap_or(0);
     let period = scenario.task.control_period_s;
     let round = arguments.navigations as usize;
@@ -293,15 +308,14 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     } else {
         None
     };
-    let optimum = if arguments.optimum {
-        evaluate::against_optimum(&scenario, &navigations).map(|against| OptimumReport {
-            optimum_navigations: against.navigations,
-            optimum_mean_time_s: against.optimum_mean_time_s,
-            time_ratio: against.time_ratio,
-        })
-    } else {
-        None
-    };
+    let optimum = arguments.optimum.then(|| {
+        let against = evaluate::against_optimum(&scenario, &navigations);
+        OptimumReport {
+            optimum_navigations: against.map_or(0, |a| a.navigations),
+            optimum_mean_time_s: against.map(|a| a.optimum_mean_time_s),
+            time_ratio: against.map(|a| a.time_ratio),
+        }
+    });
     let report = EvaluationReport {
         policy: path.display().to_string(),
         scenario: scenario.name.clone(),
@@ -312,12 +326,11 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     if arguments.json {
         return print_json(&report);
     }
-    print!("{}", evaluation_text(&report));
-    Ok(())
+    say(&evaluation_text(&report))
 }
 
 fn evaluation_text(report: &EvaluationReport) -> String {
-    use std::fmt::Write;
+    use std::fmt::Write as _;
     let e = &report.evaluation;
     let rounds: Vec<String> = e.rounds.iter().map(|r| format!("{:.0}", 100.0 * r)).collect();
     let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.3} s"));
@@ -349,10 +362,10 @@ fn evaluation_text(report: &EvaluationReport) -> String {
     if let Some(optimum) = &report.optimum {
         let _ = writeln!(
             text,
-            "least time      {} over {} of these navigations; the policy takes {:.3} times that",
-            seconds(Some(optimum.optimum_mean_time_s)),
+            "least time      {} over {} of these navigations; the policy takes {} times that",
+            seconds(optimum.optimum_mean_time_s),
             optimum.optimum_navigations,
-            optimum.time_ratio
+            optimum.time_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}"))
         );
     }
     text
@@ -360,8 +373,23 @@ fn evaluation_text(report: &EvaluationReport) -> String {
 
 fn print_json(value: &impl serde::Serialize) -> Result<(), RunError> {
     let text = serde_json::to_string(value).map_err(|error| RunError::Failed(error.to_string()))?;
-    println!("{text}");
-    Ok(())
+    say(&format!("{text}\n"))
+}
+
+/// Results, to stdout. Whoever closes it early has seen enough.
+fn say(text: &str) -> Result<(), RunError> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(RunError::Failed(format!("the results can't be written to stdout: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Everything else, to stderr, if anybody listens.
+fn tell(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// The most navigations of one `--eval`.
@@ -389,11 +417,12 @@ fn read_policy(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
     Ok(policy)
 }
 
-/// A seed as typed.
+/// A number of episodes or env steps, as typed.
 fn budget(text: &str) -> Result<u64, String> {
     text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "give a whole number, 1 or more".into())
 }
 
+/// A seed, as typed.
 fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("give a whole number from 0 to {}", u64::MAX))
 }

@@ -4,7 +4,7 @@ mod cli_support;
 
 use std::sync::OnceLock;
 
-use cli_support::{Desk, FAST, edited};
+use cli_support::{Desk, FAST, edited, quick_fast};
 use serde_json::Value;
 
 /// A desk on which the default preset has trained for 30,000 env steps with seed 1, once for all tests:
@@ -189,4 +189,39 @@ fn a_transferred_run_resumes_to_the_bit() {
     desk.succeed(&format!("{what} --steps 2000 --out onward-halves"));
     desk.succeed("--train --resume onward-halves --steps 4000");
     desk.assert_same_run("onward", "onward-halves");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn results_that_nobody_can_take_are_no_panic() {
+    let desk = Desk::new();
+    desk.write("fast.ron", quick_fast());
+    desk.succeed("--train --preset fast.ron --steps 64 --out run");
+    let eval = |stdout: std::process::Stdio| {
+        std::process::Command::new(env!("CARGO_BIN_EXE_wayfield"))
+            .args(["--eval", "run/policy.safetensors", "--rounds", "1", "--navigations", "2"])
+            .current_dir(desk.path(""))
+            .stdout(stdout)
+            .output()
+            .unwrap()
+    };
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let closed = eval(writer.into());
+    assert_eq!(closed.status.code(), Some(0), "whoever closes stdout has seen enough");
+    let full = eval(std::fs::File::options().write(true).open("/dev/full").unwrap().into());
+    let told = String::from_utf8_lossy(&full.stderr).into_owned();
+    assert_eq!(full.status.code(), Some(1), "{told}");
+    assert!(told.contains("stdout") && !told.contains("panicked"), "{told}");
+}
+
+#[test]
+fn the_printed_next_step_tests_in_the_world_of_the_run() {
+    let desk = Desk::new();
+    desk.write("fast.ron", quick_fast());
+    let done = desk.succeed("--train --scenario scenario-2 --preset fast.ron --steps 64 --out run");
+    assert!(done.stdout.contains("--eval run/policy.safetensors --scenario scenario-2"), "{}", done.stdout);
+    assert!(done.stderr.contains("warning: nothing will be learnt"), "{}", done.stderr);
+    let elsewhere = desk.run("--eval run/policy.safetensors --rounds 1 --navigations 2");
+    assert!(elsewhere.stderr.contains("trained in Scenario II"), "{}", elsewhere.stderr);
 }

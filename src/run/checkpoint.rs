@@ -108,7 +108,9 @@ pub fn save(folder: &RunFolder, world: &mut World, standing: &mut Standing) -> R
 /// There is none, or it is damaged, or of another configuration.
 pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<(Standing, Learner), RunError> {
     let path = folder.path().join(NAME);
-    let bad = |why: &str| RunError::unusable(&path, why);
+    let bad = |why: &str| {
+        RunError::unusable(&path, format!("{why} (restore the file if you have a copy, or train anew)"))
+    };
     let file = File::open(&path).map_err(|error| bad(&format!("no checkpoint to go on from: {error}")))?;
     let mut file = BufReader::new(file);
     let mut array = [0_u8; 24];

@@ -147,7 +147,7 @@ pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Optio
         let workers: Vec<_> = succeeded.chunks(share).map(|chunk| scope.spawn(move || sums(chunk))).collect();
         workers
             .into_iter()
-            .filter_map(|worker| worker.join().ok())
+            .map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
             .fold((0_usize, 0_u64, 0_u64), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2))
     });
     (count > 0).then(|| AgainstOptimum {

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::RunError;
 use super::preset::Preset;
-use crate::scenario::{FileError, Scenario, read_ron, to_ron};
+use crate::scenario::{FileError, Scenario, parse_ron, read_text, to_ron};
 
 /// All that was resolved before a run began: `config.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -110,11 +110,12 @@ impl RunFolder {
             let why = "is no run's folder (it has no config.ron): give --resume the folder of a run";
             return Err(RunError::unusable(path, why));
         }
-        let config: RunConfig = read_ron(folder.config())?;
+        let text = read_text(folder.config())?;
+        let config: RunConfig = parse_ron(&text, folder.config())?;
         let findings: Vec<_> =
             config.preset.findings().into_iter().chain(crate::scenario::findings(&config.scenario)).collect();
         if !findings.is_empty() {
-            return Err(FileError::in_fields(&folder.config(), "", &findings).into());
+            return Err(FileError::in_fields(&folder.config(), &text, &findings).into());
         }
         Ok((folder, config))
     }

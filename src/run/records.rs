@@ -98,6 +98,8 @@ pub struct Summary {
     pub version: String,
     /// The scenario's name.
     pub scenario: String,
+    /// The scenario, as it was asked for.
+    pub scenario_from: String,
     /// The preset, as it was asked for.
     pub preset: String,
     /// The run's seed.

@@ -60,10 +60,17 @@ fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
 
 /// For a name that is neither a file nor shipped: the error also says what is shipped.
 fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
-    if wanted.contains(['/', '\\', '.']) || Path::new(wanted).exists() {
+    if Path::new(wanted).exists() {
         return error;
     }
     let names: Vec<&str> = files.iter().map(|file| file.name).collect();
+    if wanted.contains(['/', '\\', '.']) {
+        let shipped = names.join(", ");
+        return FileError::whole(
+            error.path(),
+            format!("{}; shipped by name: {shipped}", error.problems()[0].message),
+        );
+    }
     let nearest = names
         .iter()
         .map(|name| (strsim::jaro_winkler(name, wanted), name))
@@ -71,7 +78,7 @@ fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let mend = match nearest {
         Some((_, name)) => format!("did you mean `{name}`?"),
-        None => "give a file's path or a shipped name".into(),
+        None => "give a file's path or a shipped name.".into(),
     };
     let message =
         format!("no such file, and nothing of that name is shipped: {mend} Shipped: {}", names.join(", "));

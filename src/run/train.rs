@@ -383,6 +383,7 @@ impl Run {
         let summary = Summary {
             version: self.config.version.clone(),
             scenario: self.config.scenario.name.clone(),
+            scenario_from: self.config.scenario_from.clone(),
             preset: self.config.preset_from.clone(),
             seed: self.config.seed,
             finished,
