@@ -124,7 +124,7 @@ fn presets_that_cannot_be_used() {
         ("--train --preset per_d3qm", &["per_d3qm: no such file", "did you mean `per_d3qn`?"]),
         ("--train --preset zebra", &["zebra: no such file", "fast, dqn, per_d3qn, per_d3qn_tuned"]),
         ("--train --arenas 0", &["--arenas is 0; give 1 to 4096"]),
-        ("--train --arenas 5000", &["`arenas` is 5000; give 1 to 4096"]),
+        ("--train --arenas 5000", &["--arenas is 5000; give 1 to 4096"]),
     ] {
         assert_refused_in_a_line(&desk, arguments, needles);
     }

@@ -6,7 +6,7 @@
 //!
 //! **The world as searched.** A motion (v, w) held for a control period takes the robot along an arc; the search
 //! goes from arc's end to arc's end in f64, by the same formula as the world. A step is allowed when the true
-//! distance from its end to every wall and obstacle (where [`pose_at`] puts it after that step) is at least
+//! distance from its end to every wall and obstacle (where `pose_at` puts it after that step) is at least
 //! `collision_range_m`; the target is reached by an allowed step that ends nearer than `goal_radius_m`. What lies
 //! between the ends of steps isn't judged. Both distances are kept with [`MARGIN_M`] to spare, so that a plan holds
 //! in the world's f32 too.
