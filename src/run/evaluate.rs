@@ -152,7 +152,9 @@ pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Optio
     });
     (count > 0).then(|| AgainstOptimum {
         navigations: count,
-        optimum_mean_time_s: planned as f64 / count as f64 * period_s(scenario.task.control_period_s),
+        optimum_mean_time_s: (planned as f64 / count as f64 * period_s(scenario.task.control_period_s) * 1e6)
+            .round()
+            / 1e6,
         time_ratio: driven as f64 / planned as f64,
     })
 }
