@@ -16,7 +16,6 @@ pub use decide::{Acting, Decisions, GreedyPolicy};
 pub use train::{Trainer, TrainingFault, TrainingStats};
 
 use crate::control_step::{ControlSet, ControlStep};
-use crate::learning::Learner;
 
 /// Responsible for choosing each arena's motion.
 pub struct AgentPlugin {
@@ -40,14 +39,6 @@ impl Plugin for AgentPlugin {
 ///
 /// Insert the learner as [`Trainer`] before the first step.
 pub struct TrainingPlugin;
-
-impl TrainingPlugin {
-    /// The resource that holds `learner` for the systems of this plugin.
-    #[must_use]
-    pub fn trainer(learner: Learner) -> Trainer {
-        Trainer(learner)
-    }
-}
 
 impl Plugin for TrainingPlugin {
     fn build(&self, app: &mut App) {

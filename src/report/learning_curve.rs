@@ -45,7 +45,8 @@ pub struct DrawError(String);
 /// Draws the learning curve of one run, as the text of an SVG file of less than 300 kB.
 ///
 /// Points may come in any order, and none at all is no error. A value that is no finite number is left out.
-/// Of very many episodes every n-th is drawn as a point; the moving mean is over all of them.
+/// Of very many episodes every n-th is drawn as a point; the moving mean is over all of them. The evaluation named as
+/// the best is the latest whose cost is at most `as_good` (1 or more) times the least.
 ///
 /// # Errors
 /// When the drawing library fails; none of the input is known to bring that about.
@@ -53,6 +54,7 @@ pub fn learning_curve_svg(
     title: &str,
     episodes: &[EpisodePoint],
     evaluations: &[EvaluationPoint],
+    as_good: f64,
 ) -> Result<String, DrawError> {
     let last = episodes.iter().map(|e| e.env_steps).chain(evaluations.iter().map(|e| e.env_steps)).max();
     let x = Axis::thousands(last.unwrap_or(0));
@@ -66,7 +68,7 @@ pub fn learning_curve_svg(
             colour: GREEN,
             unit: "%",
             y: Axis { range: 0.0..100.0, step: 25.0 },
-            data: Data::Evaluations(success, best(evaluations)),
+            data: Data::Evaluations(success, best(evaluations, as_good)),
         },
         Panel {
             heading: "Return per episode",
@@ -231,11 +233,11 @@ fn thinned(curve: &Curve) -> Curve {
     (0..MAX_MARKS).map(|i| curve[i * (curve.len() - 1) / (MAX_MARKS - 1)]).collect()
 }
 
-/// The best evaluation in words: the latest within 1 % of the least cost (as the best policy is chosen).
-fn best(evaluations: &[EvaluationPoint]) -> String {
+/// The best evaluation in words: the latest whose cost is at most `as_good` times the least.
+fn best(evaluations: &[EvaluationPoint], as_good: f64) -> String {
     let known = || evaluations.iter().filter(|e| e.success_rate.is_finite());
     let least = known().map(|e| e.mean_cost_s).fold(f64::INFINITY, f64::min);
-    let best = known().filter(|e| e.mean_cost_s <= 1.01 * least).max_by_key(|e| e.env_steps);
+    let best = known().filter(|e| e.mean_cost_s <= as_good * least).max_by_key(|e| e.env_steps);
     let Some(best) = best else {
         return String::new();
     };
@@ -376,7 +378,7 @@ mod tests {
     }
 
     fn svg(episodes: &[EpisodePoint], evaluations: &[EvaluationPoint]) -> String {
-        learning_curve_svg("A run", episodes, evaluations).expect("is drawn")
+        learning_curve_svg("A run", episodes, evaluations, 1.01).expect("is drawn")
     }
 
     /// Every coordinate of the marks and lines, to see that nothing leaves the picture.
@@ -441,14 +443,14 @@ mod tests {
     #[test]
     fn the_best_evaluation_is_said() {
         let evaluations = [evaluation(1000, 0.5), evaluation(12_000, 0.9999), evaluation(13_000, 0.9999)];
-        assert_eq!(best(&evaluations), "best: 99.9% at 13,000 steps, 5.0 s a target");
+        assert_eq!(best(&evaluations, 1.01), "best: 99.9% at 13,000 steps, 5.0 s a target");
         assert!(svg(&[], &evaluations).contains("best: 99.9%"));
-        assert_eq!(best(&[]), "");
+        assert_eq!(best(&[], 1.01), "");
     }
 
     #[test]
     fn the_title_is_text_not_markup() {
-        let svg = learning_curve_svg("a < b & c", &[], &[]).expect("is drawn");
+        let svg = learning_curve_svg("a < b & c", &[], &[], 1.01).expect("is drawn");
         assert!(svg.contains("a &lt; b &amp; c"));
     }
 

@@ -92,26 +92,29 @@ pub fn times_s(navigations: &[Navigation], control_period_s: f32) -> impl Iterat
     navigations
         .iter()
         .filter(|n| n.succeeded())
-        .map(move |n| (f64::from(n.steps) * period_s(control_period_s) * 1e6).round() / 1e6)
+        .map(move |n| to_microsecond(f64::from(n.steps) * period_s(control_period_s)))
 }
 
 fn mean_time_s(navigations: &[Navigation], control_period_s: f32) -> Option<f64> {
     let (count, sum) =
         times_s(navigations, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
-    // Rounded to a microsecond: sums of a period's decimals do not come out even.
-    (count > 0).then(|| (sum / f64::from(count) * 1e6).round() / 1e6)
+    (count > 0).then(|| to_microsecond(sum / f64::from(count)))
 }
 
 fn mean_cost_s(navigations: &[Navigation], rules: &TaskRules) -> f64 {
     let steps = |n: &Navigation| if n.succeeded() { n.steps } else { rules.time_limit_steps };
     let sum: u64 = navigations.iter().map(|n| u64::from(steps(n))).sum();
-    let mean = sum as f64 / navigations.len() as f64 * period_s(rules.control_period_s);
-    (mean * 1e6).round() / 1e6
+    to_microsecond(sum as f64 / navigations.len() as f64 * period_s(rules.control_period_s))
 }
 
 /// The control period in s without its f32 rounding showing (0.2 is meant, not 0.200000003).
 fn period_s(control_period_s: f32) -> f64 {
-    (f64::from(control_period_s) * 1e6).round() / 1e6
+    to_microsecond(f64::from(control_period_s))
+}
+
+/// Rounded to a microsecond: sums of a period's decimals do not come out even.
+fn to_microsecond(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
 }
 
 /// How the successful navigations compare with the least possible times.
@@ -152,9 +155,9 @@ pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Optio
     });
     (count > 0).then(|| AgainstOptimum {
         navigations: count,
-        optimum_mean_time_s: (planned as f64 / count as f64 * period_s(scenario.task.control_period_s) * 1e6)
-            .round()
-            / 1e6,
+        optimum_mean_time_s: to_microsecond(
+            planned as f64 / count as f64 * period_s(scenario.task.control_period_s),
+        ),
         time_ratio: driven as f64 / planned as f64,
     })
 }

@@ -6,6 +6,7 @@ use std::fs::File;
 use std::io::Write;
 
 use super::RunError;
+use super::checkpoint::Best;
 use super::folder::RunFolder;
 use super::records::{EpisodeRow, EvaluationRow};
 use super::tensorboard::EventWriter;
@@ -108,7 +109,7 @@ impl Recorder {
                 mean_time_s: row.mean_time_s,
                 mean_cost_s: row.mean_cost_s,
             })?;
-        let svg = learning_curve_svg(title, &episodes, &evaluations)
+        let svg = learning_curve_svg(title, &episodes, &evaluations, Best::AS_GOOD)
             .map_err(|error| self.failed("learning-curve.svg", error))?;
         self.folder.write("learning-curve.svg", |file| file.write_all(svg.as_bytes()))
     }

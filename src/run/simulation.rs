@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::RunError;
-use crate::agent::{Acting, AgentPlugin, TrainingFault, TrainingPlugin};
+use crate::agent::{Acting, AgentPlugin, Trainer, TrainingFault, TrainingPlugin};
 use crate::control_step::{ControlStep, ControlStepPlugin};
 use crate::learning::Learner;
 use crate::scenario::Scenario;
@@ -32,7 +32,7 @@ pub fn training(
         AgentPlugin { acting: Acting::Exploring, seed, arenas },
         TrainingPlugin,
     ))
-    .insert_resource(TrainingPlugin::trainer(learner));
+    .insert_resource(Trainer(learner));
     ready(app, scenario, arenas, seed)
 }
 
