@@ -69,12 +69,13 @@ fn run(preset: &str, scenario: &str, seed: u64) -> Result<Outcome, Box<dyn Error
         scenario_from: scenario.into(),
         preset_from: preset.into(),
         transfer: None,
+        keep_after_episodes: Vec::new(),
         scenario: shipped::scenario(scenario)?,
         preset: shipped::preset(preset)?,
     };
     let world = Arc::new(config.scenario.clone());
     let job = Job::New { config: Box::new(config), policy: None, out: Some(out.path().join("run")) };
-    let (folder, summary) = train(job, &AtomicBool::new(false), Instant::now())?;
+    let (folder, summary) = train(job, &AtomicBool::new(false), Instant::now(), None)?;
     let policy = Policy::from_bytes(&std::fs::read(Path::new(&folder).join("policy.safetensors"))?)?;
     let navigations = Evaluator::new(&world, 500).run(&policy, 1000 + seed, 500, Places::Drawn)?;
     let evaluation = Evaluation::of(&navigations, 100, &world.task, 1000 + seed);

@@ -6,6 +6,7 @@
 //! | `episodes.csv`, `evaluations.csv` | a row each ([`records`](super::records)) |
 //! | `events.out.tfevents.*` | the same for TensorBoard |
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last |
+//! | `policy-after-N-episodes.safetensors` | as it stood then, where the configuration asks for it |
 //! | `checkpoint/latest.bin` | everything needed to go on |
 //! | `summary.json`, `learning-curve.svg` | the run in short, and as a picture |
 
@@ -34,6 +35,10 @@ pub struct RunConfig {
     /// The policy that training started from, if any.
     #[serde(default)]
     pub transfer: Option<Transfer>,
+    /// After how many ended episodes the policy is kept as it stands then, in a file of its own
+    /// ([`RunFolder::policy_after`]), beside the best and the last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub keep_after_episodes: Vec<u64>,
     /// The world.
     pub scenario: Scenario,
     /// How to learn, command-line changes included.
@@ -179,6 +184,12 @@ impl RunFolder {
         };
         let file = open().map_err(|error| RunError::unusable(&path, error))?;
         Ok(csv::WriterBuilder::new().has_headers(false).from_writer(file))
+    }
+
+    /// The name of the file that keeps the policy as it stood after `episodes`.
+    #[must_use]
+    pub fn policy_after(episodes: u64) -> String {
+        format!("policy-after-{episodes}-episodes.safetensors")
     }
 
     /// The folder's path.

@@ -45,8 +45,10 @@ pub struct Status {
     pub epsilon: f32,
 }
 
+/// Who is told how a run is getting on, every tenth of a second, where no bar of its own is wanted.
+pub type Listener = Box<dyn FnMut(&Status)>;
+
 /// Shows a run's progress on stderr.
-#[derive(Debug)]
 pub struct Progress {
     goal: Goal,
     started: Instant,
@@ -56,9 +58,9 @@ pub struct Progress {
     face: Face,
 }
 
-#[derive(Debug)]
 enum Face {
     Quiet,
+    Told(Listener),
     Bar(ProgressBar),
     Lines,
 }
@@ -67,7 +69,17 @@ impl Progress {
     /// Starts the clock. With `quiet` nothing is shown but [warnings](Self::warn).
     #[must_use]
     pub fn new(goal: Goal, quiet: bool) -> Self {
-        let face = if quiet { Face::Quiet } else { Face::for_stderr(goal) };
+        Self::with(goal, if quiet { Face::Quiet } else { Face::for_stderr(goal) })
+    }
+
+    /// Tells `listener` instead of anybody at stderr, who hears [warnings](Self::warn) only.
+    #[must_use]
+    pub fn told(listener: Listener) -> Self {
+        // The goal is the bar's, and there is none.
+        Self::with(Goal::Episodes(0), Face::Told(listener))
+    }
+
+    fn with(goal: Goal, face: Face) -> Self {
         let due = if matches!(face, Face::Lines) { FIRST_LINE } else { Duration::ZERO };
         let rates = Rates::default();
         Self { goal, started: Instant::now(), due, last: Status::default(), rates, face }
@@ -88,7 +100,7 @@ impl Progress {
     /// Says `text` on a line of its own, above the bar.
     pub fn line(&mut self, text: &str) {
         match &self.face {
-            Face::Quiet => {}
+            Face::Quiet | Face::Told(_) => {}
             Face::Bar(bar) => bar.println(text),
             Face::Lines => say(text),
         }
@@ -99,7 +111,7 @@ impl Progress {
         let text = format!("warning: {text}");
         match &self.face {
             Face::Bar(bar) => bar.println(text),
-            Face::Quiet | Face::Lines => say(&text),
+            Face::Quiet | Face::Told(_) | Face::Lines => say(&text),
         }
     }
 
@@ -107,7 +119,7 @@ impl Progress {
     pub fn finish(&mut self, text: &str) {
         self.show(self.started.elapsed());
         match &self.face {
-            Face::Quiet => {}
+            Face::Quiet | Face::Told(_) => {}
             Face::Bar(bar) => {
                 bar.abandon();
                 say(text);
@@ -119,8 +131,12 @@ impl Progress {
     fn show(&mut self, now: Duration) {
         self.rates.note(now, &self.last);
         let view = View { elapsed: now, goal: self.goal, status: &self.last, rates: &self.rates };
-        match &self.face {
+        match &mut self.face {
             Face::Quiet => self.due = Duration::MAX,
+            Face::Told(listener) => {
+                self.due = now + REDRAW;
+                listener(&self.last);
+            }
             Face::Bar(bar) => {
                 self.due = now + REDRAW;
                 bar.set_prefix(view.advance());

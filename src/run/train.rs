@@ -15,7 +15,7 @@ use super::evaluate;
 use super::examiner::{Candidate, Examination, Examiner};
 use super::folder::{RunConfig, RunFolder};
 use super::preset::Budget;
-use super::progress::{Goal, Progress, Status};
+use super::progress::{Goal, Listener, Progress, Status};
 use super::recorder::Recorder;
 use super::records::{EpisodeRow, EvaluationRow, Milestone, Summary};
 use super::{RunError, policy_card, simulation};
@@ -48,13 +48,19 @@ pub enum Job {
 }
 
 /// Runs `job` until its budget is used up or `stop` is set, whichever comes first; `began` is when the process did.
+/// How it is getting on is shown on stderr, or told to `listener` instead.
 ///
 /// # Errors
 /// Files that cannot be used or written; learning that diverged. Checkpoints written before are kept.
-pub fn train(job: Job, stop: &AtomicBool, began: Instant) -> Result<(PathBuf, Summary), RunError> {
+pub fn train(
+    job: Job,
+    stop: &AtomicBool,
+    began: Instant,
+    listener: Option<Listener>,
+) -> Result<(PathBuf, Summary), RunError> {
     let mut run = match job {
-        Job::New { config, policy, out } => Run::begin(*config, policy, out, began)?,
-        Job::Resume { folder, budget } => Run::resume(&folder, budget, began)?,
+        Job::New { config, policy, out } => Run::begin(*config, policy, out, began, listener)?,
+        Job::Resume { folder, budget } => Run::resume(&folder, budget, began, listener)?,
     };
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.description()));
     let result = run.steps(stop);
@@ -110,17 +116,23 @@ impl Run {
         policy: Option<Policy>,
         out: Option<PathBuf>,
         began: Instant,
+        listener: Option<Listener>,
     ) -> Result<Self, RunError> {
         let learner = learner(&config, policy.as_ref())?;
         let folder = RunFolder::create(out, &config)?;
         let standing =
             Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
-        let mut run = Self::open(config, folder, learner, standing, began)?;
+        let mut run = Self::open(config, folder, learner, standing, began, listener)?;
         run.save()?;
         Ok(run)
     }
 
-    fn resume(path: &Path, budget: Option<Budget>, began: Instant) -> Result<Self, RunError> {
+    fn resume(
+        path: &Path,
+        budget: Option<Budget>,
+        began: Instant,
+        listener: Option<Listener>,
+    ) -> Result<Self, RunError> {
         let (folder, mut config) = RunFolder::open(path)?;
         let (standing, learner) = checkpoint::load(&folder, &config)?;
         let budget = budget.unwrap_or(config.preset.budget);
@@ -141,7 +153,7 @@ impl Run {
             config.preset.budget = budget;
             folder.write_config(&config)?;
         }
-        let mut run = Self::open(config, folder, learner, standing, began)?;
+        let mut run = Self::open(config, folder, learner, standing, began, listener)?;
         checkpoint::restore(run.app.world_mut(), &run.standing);
         if let Some(best) = &run.standing.best {
             run.write_policy("policy.safetensors", &best.bytes)?;
@@ -155,6 +167,7 @@ impl Run {
         learner: Learner,
         standing: Standing,
         began: Instant,
+        listener: Option<Listener>,
     ) -> Result<Self, RunError> {
         let scenario = Arc::new(config.scenario.clone());
         let preset = &config.preset;
@@ -166,7 +179,7 @@ impl Run {
             app: simulation::training(&scenario, &preset.reward, preset.arenas, config.seed, learner),
             examiner: Examiner::new(&scenario, preset.evaluation.navigations, evaluation_seed(config.seed)),
             recorder: Recorder::open(&folder, standing.episodes_bytes, standing.evaluations_bytes)?,
-            progress: Progress::new(goal, false),
+            progress: listener.map_or_else(|| Progress::new(goal, false), Progress::told),
             earlier_s: standing.wall_s,
             standing,
             began,
@@ -200,8 +213,10 @@ impl Run {
     /// Control steps, until the budget is used up or somebody asks to stop.
     fn steps(&mut self, stop: &AtomicBool) -> Result<(), RunError> {
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
+            let episodes_before = self.learner().episodes();
             simulation::step(&mut self.app)?;
             self.record_episodes()?;
+            self.keep_policy(episodes_before)?;
             if self.learner().env_steps() >= self.standing.next_evaluation {
                 self.standing.next_evaluation += self.config.preset.evaluation.every_env_steps;
                 self.hand_in()?;
@@ -272,6 +287,27 @@ impl Run {
             }
         }
         Ok(())
+    }
+
+    /// Keeps the policy as it stands, if the last step has brought the run to a number of episodes for which
+    /// `config.ron` asks for it.
+    fn keep_policy(&self, episodes_before: u64) -> Result<(), RunError> {
+        let episodes = self.learner().episodes();
+        let asked = &self.config.keep_after_episodes;
+        for after in asked.iter().filter(|after| (episodes_before + 1..=episodes).contains(after)) {
+            let policy = self.present_policy();
+            self.write_policy(&RunFolder::policy_after(*after), &bytes(&policy)?)?;
+        }
+        Ok(())
+    }
+
+    /// The policy as it stands, with its card.
+    fn present_policy(&self) -> Policy {
+        let learner = self.learner();
+        let mut policy = learner.policy();
+        let counters = (learner.env_steps(), learner.gradient_steps());
+        policy.metadata = policy_card::metadata(&self.config, counters, None);
+        policy
     }
 
     /// Hands the present policy to the examiner, once he is done with those before.
@@ -373,10 +409,7 @@ impl Run {
             self.await_examinations()?;
         }
         self.recorder.flush()?;
-        let mut last = self.learner().policy();
-        let counters = (self.learner().env_steps(), self.learner().gradient_steps());
-        last.metadata = policy_card::metadata(&self.config, counters, None);
-        self.write_policy("policy-last.safetensors", &bytes(&last)?)?;
+        self.write_policy("policy-last.safetensors", &bytes(&self.present_policy())?)?;
 
         let best = self.standing.best.as_ref();
         let learner = self.learner();
