@@ -4,14 +4,15 @@
 //! steps: success of the greedy policy, return per episode, targets per episode. Colours are Okabe and Ito's,
 //! which colour-blind readers can tell apart; no panel needs colour to be read.
 
-use std::error::Error;
-use std::ops::Range;
-
-use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::text_anchor::HPos;
+
+use super::style::{
+    Area, Axis, BLUE, DrawError, Drawn, GREEN, GRID, HAIRLINE, HEADING, INK, SOFT_INK, STROKE, TEXT, TITLE,
+    VERMILION, number, picture, thinned, usable, write,
+};
 
 /// One ended episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,11 +38,6 @@ pub struct EvaluationPoint {
     pub mean_cost_s: f64,
 }
 
-/// The figure could not be drawn.
-#[derive(Debug, thiserror::Error)]
-#[error("the learning curve could not be drawn: {0}")]
-pub struct DrawError(String);
-
 /// Draws the learning curve of one run, as the text of an SVG file of less than 300 kB.
 ///
 /// Points may come in any order, and none at all is no error. A value that is no finite number is left out.
@@ -57,7 +53,7 @@ pub fn learning_curve_svg(
     as_good: f64,
 ) -> Result<String, DrawError> {
     let last = episodes.iter().map(|e| e.env_steps).chain(evaluations.iter().map(|e| e.env_steps)).max();
-    let x = Axis::thousands(last.unwrap_or(0));
+    let x = thousands(last.unwrap_or(0));
     let success = tidy(evaluations.iter().map(|e| (e.env_steps, e.success_rate.clamp(0.0, 1.0) * 100.0)));
     let returns = tidy(episodes.iter().map(|e| (e.env_steps, e.total_return)));
     let targets = tidy(episodes.iter().map(|e| (e.env_steps, f64::from(e.targets))));
@@ -74,23 +70,19 @@ pub fn learning_curve_svg(
             heading: "Return per episode",
             colour: BLUE,
             unit: "",
-            y: Axis::around(&returns, &[], 0.0),
+            y: Axis::around(returns.iter().map(|p| p.1), 0.0),
             data: Data::Episodes(returns),
         },
         Panel {
             heading: "Targets reached per episode",
             colour: VERMILION,
             unit: "",
-            y: Axis::around(&targets, &[0.0, 1.0], 1.0),
+            y: Axis::around(targets.iter().map(|p| p.1).chain([0.0, 1.0]), 1.0),
             data: Data::Episodes(targets),
         },
     ];
 
-    let mut svg = String::new();
-    draw(&mut svg, title, &x, &panels).map_err(|error| DrawError(error.to_string()))?;
-    // plotters knows whole pixels only, so all is drawn at twice its size and shown at half.
-    let size = |scale| format!(r#"width="{}" height="{}""#, WIDTH / scale, HEIGHT / scale);
-    Ok(svg.replacen(&size(1), &size(SCALE), 1))
+    picture((WIDTH, HEIGHT), |root| draw(root, title, &x, &panels))
 }
 
 /// What the paper reports for its robot, in percent.
@@ -100,8 +92,7 @@ const WINDOW: usize = 50;
 /// At most so many marks, and so many corners of a line, in a panel.
 const MAX_MARKS: usize = 900;
 
-// Sizes in drawn pixels: SCALE of them are one pixel shown.
-const SCALE: u32 = 2;
+// Sizes in drawn pixels.
 const WIDTH: u32 = 1800;
 const HEIGHT: u32 = TITLE_HEIGHT as u32 + 3 * PANEL_HEIGHT as u32 + 128;
 const TITLE_HEIGHT: i32 = 96;
@@ -109,21 +100,6 @@ const PANEL_HEIGHT: i32 = 420;
 const HEADING_HEIGHT: i32 = 92;
 const LEFT: i32 = 144;
 const RIGHT: i32 = 208;
-const HAIRLINE: u32 = 2;
-const STROKE: u32 = 4;
-
-// One scale of type: title, headings, all else. plotters' SVG divides sizes by 1.24.
-const TITLE: f64 = 20.0 * SCALE as f64 * 1.24;
-const HEADING: f64 = 15.0 * SCALE as f64 * 1.24;
-const TEXT: f64 = 13.0 * SCALE as f64 * 1.24;
-const FONT: &str = "Helvetica, Arial, sans-serif";
-
-const GREEN: RGBColor = RGBColor(0, 158, 115);
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const VERMILION: RGBColor = RGBColor(213, 94, 0);
-const INK: RGBColor = RGBColor(34, 34, 34);
-const SOFT_INK: RGBColor = RGBColor(96, 96, 96);
-const GRID: RGBColor = RGBColor(226, 226, 226);
 
 /// A curve's points: thousands of environment steps, and the value there. In order, and finite.
 type Curve = Vec<(f64, f64)>;
@@ -143,76 +119,15 @@ enum Data {
     Episodes(Curve),
 }
 
-/// What an axis spans, and the distance of its ticks (which lie at whole multiples of it).
-struct Axis {
-    range: Range<f64>,
-    step: f64,
-}
-
-impl Axis {
-    /// From 0 to `last` environment steps, in thousands.
-    fn thousands(last: u64) -> Self {
-        let end = if last == 0 { 1.0 } else { last as f64 / 1000.0 };
-        Self { range: 0.0..end, step: tidy_step(end / 6.0) }
-    }
-
-    /// Around all values of a curve and those of `also`, from a tick to a tick at least `least_step` apart.
-    fn around(curve: &Curve, also: &[f64], least_step: f64) -> Self {
-        let values = || curve.iter().map(|p| p.1).chain(also.iter().copied());
-        let mut low = values().fold(f64::INFINITY, f64::min);
-        let mut high = values().fold(f64::NEG_INFINITY, f64::max);
-        if low > high {
-            (low, high) = (0.0, 1.0);
-        }
-        let size = high.abs().max(low.abs());
-        if high - low <= size * 1e-6 {
-            let room = size.max(1.0) * 0.5;
-            (low, high) = (low - room, high + room);
-        }
-        let step = tidy_step((high - low) / 4.0).max(least_step);
-        Self { range: (low / step).floor() * step..(high / step).ceil() * step, step }
-    }
-
-    fn ticks(&self) -> Vec<f64> {
-        let first = (self.range.start / self.step - 1e-6).ceil();
-        let last = (self.range.end / self.step + 1e-6).floor();
-        (0..=(last - first) as u32).map(|i| (first + f64::from(i)) * self.step).collect()
-    }
-
-    /// A tick's text: as many decimals as the ticks need, a true minus, thousands set apart.
-    fn label(&self, tick: f64) -> String {
-        let digits = (-self.step.log10().floor()).clamp(0.0, 6.0) as usize;
-        let digits = if self.step * 10_f64.powi(digits as i32) % 1.0 > 1e-6 { digits + 1 } else { digits };
-        number(tick, digits)
-    }
-}
-
-/// The smallest of 1, 2, 2.5, 5 times a power of ten that is not under `least`.
-fn tidy_step(least: f64) -> f64 {
-    let power = 10_f64.powf(least.log10().floor());
-    [1.0, 2.0, 2.5, 5.0].into_iter().map(|m| m * power).find(|&s| s >= least * 0.999).unwrap_or(10.0 * power)
-}
-
-/// A number with so many decimals, a true minus, and thousands set apart by commas.
-fn number(x: f64, digits: usize) -> String {
-    let plain = format!("{:.digits$}", x.abs());
-    let whole = plain.find('.').unwrap_or(plain.len());
-    let mut text = String::new();
-    if x < 0.0 && plain.bytes().any(|b| (b'1'..=b'9').contains(&b)) {
-        text.push('\u{2212}');
-    }
-    for (i, c) in plain.chars().enumerate() {
-        if i > 0 && i < whole && (whole - i) % 3 == 0 {
-            text.push(',');
-        }
-        text.push(c);
-    }
-    text
+/// From 0 to `last` environment steps, in thousands.
+fn thousands(last: u64) -> Axis {
+    let end = if last == 0 { 1.0 } else { last as f64 / 1000.0 };
+    Axis::within([0.0, end].into_iter(), 6.0)
 }
 
 /// Points in order of their steps, those left out that cannot be drawn.
 fn tidy(points: impl Iterator<Item = (u64, f64)>) -> Curve {
-    let mut points: Vec<_> = points.filter(|p| p.1.abs() < 1e12).collect();
+    let mut points: Vec<_> = points.filter(|p| usable(p.1)).collect();
     points.sort_by_key(|p| p.0);
     points.into_iter().map(|(steps, value)| (steps as f64 / 1000.0, value)).collect()
 }
@@ -223,14 +138,6 @@ fn moving_mean(curve: &Curve) -> Curve {
         .windows(WINDOW)
         .map(|w| (w[WINDOW - 1].0, w.iter().map(|p| p.1).sum::<f64>() / WINDOW as f64))
         .collect()
-}
-
-/// At most `MAX_MARKS` of the points, evenly taken, the first and the last among them.
-fn thinned(curve: &Curve) -> Curve {
-    if curve.len() <= MAX_MARKS {
-        return curve.clone();
-    }
-    (0..MAX_MARKS).map(|i| curve[i * (curve.len() - 1) / (MAX_MARKS - 1)]).collect()
 }
 
 /// The best evaluation in words: the latest whose cost is at most `as_good` times the least.
@@ -248,27 +155,21 @@ fn best(evaluations: &[EvaluationPoint], as_good: f64) -> String {
     format!("best: {percent}% at {steps} steps{time}")
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn Error>>;
-
-fn draw(svg: &mut String, title: &str, x: &Axis, panels: &[Panel]) -> Drawn {
-    let root = SVGBackend::with_string(svg, (WIDTH, HEIGHT)).into_drawing_area();
-    root.fill(&WHITE)?;
-    write(&root, title, (LEFT, TITLE_HEIGHT / 2 + 8), TITLE, &INK, HPos::Left)?;
+fn draw(root: &Area, title: &str, x: &Axis, panels: &[Panel]) -> Drawn {
+    write(root, title, (LEFT, TITLE_HEIGHT / 2 + 8), TITLE, &INK, HPos::Left)?;
     let mut top = TITLE_HEIGHT;
     for panel in panels {
-        draw_panel(&root, top, x, panel)?;
+        draw_panel(root, top, x, panel)?;
         top += PANEL_HEIGHT;
     }
     let right = WIDTH as i32 - RIGHT;
     for tick in x.ticks() {
         let at = LEFT + (tick / x.range.end * f64::from(right - LEFT)).round() as i32;
         root.draw(&PathElement::new([(at, top), (at, top + 10)], SOFT_INK.stroke_width(HAIRLINE)))?;
-        write(&root, &x.label(tick), (at, top + 32), TEXT, &SOFT_INK, HPos::Center)?;
+        write(root, &x.label(tick), (at, top + 32), TEXT, &SOFT_INK, HPos::Center)?;
     }
     let name = "environment steps (thousands)";
-    write(&root, name, ((LEFT + right) / 2, top + 76), TEXT, &SOFT_INK, HPos::Center)?;
-    root.present()?;
+    write(root, name, ((LEFT + right) / 2, top + 76), TEXT, &SOFT_INK, HPos::Center)?;
     Ok(())
 }
 
@@ -302,7 +203,7 @@ fn draw_panel(root: &Area, top: i32, x: &Axis, panel: &Panel) -> Drawn {
             root.draw(&DashedPathElement::new(line, 12, 8, INK.stroke_width(HAIRLINE)))?;
             write(root, "paper: 96%", (beside, paper), TEXT, &INK, HPos::Left)?;
             write(root, remark, (right, heading), TEXT, &SOFT_INK, HPos::Right)?;
-            let points = thinned(curve);
+            let points = thinned(curve, MAX_MARKS);
             plot.draw(&PathElement::new(points.clone(), colour.stroke_width(STROKE)))?;
             let radius = if points.len() <= 80 { 7 } else { 4 };
             for point in points {
@@ -310,14 +211,14 @@ fn draw_panel(root: &Area, top: i32, x: &Axis, panel: &Panel) -> Drawn {
             }
         }
         Data::Episodes(_) => {
-            let points = thinned(curve);
+            let points = thinned(curve, MAX_MARKS);
             let (radius, strength) = if points.len() <= 100 { (5, 0.6) } else { (3, 0.3) };
             for point in points {
                 plot.draw(&Circle::new(point, radius, colour.mix(strength).filled()))?;
             }
             let mean = moving_mean(curve);
             if let Some(&(_, last)) = mean.last() {
-                plot.draw(&PathElement::new(thinned(&mean), colour.stroke_width(STROKE)))?;
+                plot.draw(&PathElement::new(thinned(&mean, MAX_MARKS), colour.stroke_width(STROKE)))?;
                 let at = height(last).clamp(upper, lower);
                 write(root, &number(last, 1), (beside, at), TEXT, &colour, HPos::Left)?;
             }
@@ -346,13 +247,6 @@ fn draw_key(root: &Area, (right, y): (i32, i32), colour: RGBColor, points_only: 
         root.draw(&Circle::new((left + dx, y + dy), 3, colour.mix(0.5).filled()))?;
     }
     write(root, "episode", (left, y), TEXT, &SOFT_INK, HPos::Left)
-}
-
-/// Writes a line of text, centred on `at` in height.
-fn write(root: &Area, text: &str, at: (i32, i32), size: f64, colour: &RGBColor, side: HPos) -> Drawn {
-    let style = (FONT, size).into_text_style(root).color(colour).pos(Pos::new(side, VPos::Center));
-    root.draw(&Text::new(text, at, style))?;
-    Ok(())
 }
 
 #[cfg(test)]
@@ -464,15 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn ticks_are_round_and_enclose_the_values() {
-        let axis = Axis::around(&vec![(0.0, -13.0), (1.0, 71.0)], &[], 0.0);
-        assert_eq!(axis.ticks(), [-25.0, 0.0, 25.0, 50.0, 75.0]);
-        let axis = Axis::around(&vec![(0.0, 2.0)], &[0.0, 1.0], 1.0);
-        assert_eq!(axis.ticks(), [0.0, 1.0, 2.0], "counts have whole ticks");
-        assert!(Axis::around(&vec![(0.0, -7.5)], &[], 0.0).ticks().len() >= 3, "a constant has room");
-        let labels = |axis: Axis| axis.ticks().into_iter().map(|t| axis.label(t)).collect::<Vec<_>>();
-        assert_eq!(labels(Axis { range: 0.0..0.5, step: 0.25 }), ["0.00", "0.25", "0.50"]);
-        assert_eq!(labels(Axis { range: -2500.0..0.0, step: 2500.0 }), ["\u{2212}2,500", "0"]);
-        assert_eq!(Axis::thousands(1_000_000).ticks(), [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0]);
+    fn steps_are_counted_in_thousands() {
+        assert_eq!(thousands(1_000_000).ticks(), [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0]);
     }
 }

@@ -1,10 +1,24 @@
 //! Figures and tables from run folders, as files.
 //!
 //! In: the records a run leaves behind. Out: text in a file's format, the same for the same records: nothing
-//! here looks at a clock, so a figure changes only when its numbers do.
+//! here looks at a clock or at the machine's fonts, so a figure changes only when its numbers do.
 //!
-//! | figure | what it shows |
+//! | module | what it gives |
 //! |---|---|
-//! | [`learning_curve`] | success, return and targets of one run, over its environment steps |
+//! | [`learning_curve`] | the picture of one run: success, return and targets over its environment steps |
+//! | [`chart`] | the figures of a comparison: curves with bands, rows of dots, maps of a world |
+//! | [`raster`] | a figure as PNG |
+//! | [`statistics`] | means over seeds with their intervals |
+//! | [`table`] | tables |
+//! | [`page`], [`markdown`] | the report they make up |
 
+pub mod chart;
 pub mod learning_curve;
+pub mod markdown;
+pub mod page;
+pub mod raster;
+pub mod statistics;
+mod style;
+pub mod table;
+
+pub use style::DrawError;

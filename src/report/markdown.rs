@@ -1,0 +1,241 @@
+//! The report and its tables as Markdown, for a repository.
+//!
+//! In: a [`Page`], a [`Table`]. Out: GitHub's Markdown: figures by links to their files beside it, tables in the
+//! text. What looks like markup in a name or a sentence is escaped and reads as it stands.
+
+use super::page::{
+    CLAIMS, Item, PROVENANCE, Page, SETTINGS, Section, Setting, Verdict, address, encoded, paragraphs, tally,
+};
+use super::table::{Column, ColumnKind, Table};
+
+impl Table {
+    /// The table as GitHub's Markdown: title, rows, notes as a list.
+    pub fn to_markdown(&self) -> String {
+        let cell = |row, i| inline(&Table::cell(row, i).text());
+        let rows: Vec<Vec<String>> =
+            self.rows.iter().map(|row| (0..self.columns.len()).map(|i| cell(row, i)).collect()).collect();
+        let mut blocks = vec![format!("**{}**", inline(&self.title)), grid(&self.columns, &rows)];
+        if !self.notes.is_empty() {
+            blocks.push(list(self.notes.iter().map(|note| start(note))));
+        }
+        document(&blocks)
+    }
+}
+
+/// The page as Markdown.
+pub fn markdown(page: &Page) -> String {
+    let mut blocks = vec![format!("# {}", inline(&page.title))];
+    blocks.extend(page.warning.iter().map(|warning| format!("> **Warning:** {}", inline(warning))));
+    blocks.extend(page.lead.iter().flat_map(|text| words(text)));
+    blocks.extend(claims(&page.claims));
+    for one in &page.sections {
+        section(&mut blocks, one);
+    }
+    if !page.settings.is_empty() {
+        blocks.push(format!("## {SETTINGS}"));
+        blocks.extend(page.settings.iter().map(setting));
+    }
+    if !page.provenance.is_empty() {
+        blocks.push(format!("## {PROVENANCE}"));
+        blocks.push(list(page.provenance.iter().map(|(n, v)| format!("**{}:** {}", inline(n), inline(v)))));
+    }
+    document(&blocks)
+}
+
+fn claims(claims: &[Verdict]) -> Vec<String> {
+    let Some(tally) = tally(claims) else { return Vec::new() };
+    let rows: Vec<_> = claims
+        .iter()
+        .map(|one| {
+            let claim = format!("[{}](#{})", inline(&one.claim), encoded(&one.anchor));
+            vec![outcome(one), claim, inline(&one.sentence)]
+        })
+        .collect();
+    let columns = ["Outcome", "Claim", "Finding"].map(words_column);
+    vec![format!("## {CLAIMS}"), tally, grid(&columns, &rows)]
+}
+
+fn section(blocks: &mut Vec<String>, section: &Section) {
+    // GitHub's own anchors follow the heading's words; this one is the section's.
+    blocks.push(format!("<a id=\"{}\"></a>", html(&section.id)));
+    blocks.push(format!("## {}", inline(&section.heading)));
+    blocks.extend(words(&section.about));
+    for item in &section.items {
+        match item {
+            Item::Text(text) => blocks.extend(words(text)),
+            Item::Figure { name, caption, verdicts, .. } => {
+                let (svg, png) = (address("figures", name, "svg"), address("figures", name, "png"));
+                blocks.push(format!("![{}]({svg})", inline(name)));
+                blocks.push(format!("{} ([SVG]({svg}), [PNG]({png}))", start(caption)));
+                blocks.extend(findings(verdicts));
+            }
+            Item::Table { table, verdicts } => {
+                let (csv, md) = (address("tables", &table.name, "csv"), address("tables", &table.name, "md"));
+                blocks.push(table.to_markdown().trim_end().to_owned());
+                blocks.push(format!("([CSV]({csv}), [Markdown]({md}))"));
+                blocks.extend(findings(verdicts));
+            }
+        }
+    }
+}
+
+fn findings(verdicts: &[Verdict]) -> Option<String> {
+    let line =
+        |one: &Verdict| format!("{}: *{}*\\\n  {}", outcome(one), inline(&one.claim), start(&one.sentence));
+    (!verdicts.is_empty()).then(|| list(verdicts.iter().map(line)))
+}
+
+fn outcome(verdict: &Verdict) -> String {
+    format!("{}\u{a0}{}", verdict.outcome.glyph(), verdict.outcome.word().replace(' ', "\u{a0}"))
+}
+
+fn setting(setting: &Setting) -> String {
+    let longest = setting.ron.split(|c| c != '`').map(str::len).max().unwrap_or(0);
+    let fence = "`".repeat((longest + 1).max(3));
+    format!(
+        "<details><summary>{}</summary>\n\n{fence}ron\n{}\n{fence}\n\n</details>",
+        html(&setting.heading),
+        setting.ron.trim_end(),
+    )
+}
+
+/// Blocks with a blank line between them.
+fn document(blocks: &[String]) -> String {
+    blocks.join("\n\n") + "\n"
+}
+
+fn list(lines: impl Iterator<Item = String>) -> String {
+    lines.map(|line| format!("- {line}")).collect::<Vec<_>>().join("\n")
+}
+
+fn words(text: &str) -> Vec<String> {
+    paragraphs(text).map(|paragraph| start(&paragraph)).collect()
+}
+
+fn words_column(heading: &str) -> Column {
+    Column { heading: heading.to_owned(), unit: String::new(), kind: ColumnKind::Text }
+}
+
+/// A table whose columns also align in the source. The texts are escaped already.
+fn grid(columns: &[Column], rows: &[Vec<String>]) -> String {
+    let headings: Vec<_> = columns.iter().map(|column| inline(&column.text())).collect();
+    let lines = || std::iter::once(&headings).chain(rows);
+    let width = |i: usize| lines().map(|line| line[i].chars().count()).max().unwrap_or(0).max(3);
+    let widths: Vec<_> = (0..columns.len()).map(width).collect();
+    let row = |line: &Vec<String>| {
+        let cells = line.iter().zip(columns).zip(&widths).map(|((text, column), &width)| match column.kind {
+            ColumnKind::Text => format!(" {text:<width$} |"),
+            ColumnKind::Number => format!(" {text:>width$} |"),
+        });
+        format!("|{}", cells.collect::<String>())
+    };
+    let rules = columns.iter().zip(&widths).map(|(column, width)| match column.kind {
+        ColumnKind::Text => format!(" {} |", "-".repeat(*width)),
+        ColumnKind::Number => format!(" {}: |", "-".repeat(width - 1)),
+    });
+    let rule = format!("|{}", rules.collect::<String>());
+    let mut lines: Vec<_> = lines().map(row).collect();
+    lines.insert(1, rule);
+    lines.join("\n")
+}
+
+/// Text that stands within a line: on one line, and nothing in it is markup.
+fn inline(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in line(text).chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '$' => escaped.extend(['\\', c]),
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// Text that starts a line, where `#`, `-` and `1.` would be markup too.
+fn start(text: &str) -> String {
+    let text = inline(text);
+    let digits = text.bytes().take_while(u8::is_ascii_digit).count();
+    let (number, rest) = text.split_at(digits);
+    let numbered = digits > 0 && (rest.len() == 1 || rest.as_bytes().get(1) == Some(&b' '));
+    match rest.chars().next() {
+        Some('#' | '-' | '+' | '=') if digits == 0 => format!("\\{text}"),
+        Some('.' | ')') if numbered => format!("{number}\\{rest}"),
+        _ => text,
+    }
+}
+
+/// Text within an HTML element or attribute, on one line.
+fn html(text: &str) -> String {
+    maud::html! { (line(text)) }.into_string()
+}
+
+/// Text on one line. A space that must not break stays one.
+fn line(text: &str) -> String {
+    text.split_ascii_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::page::tests::sample as page;
+    use super::super::table::tests::sample as table;
+    use super::*;
+
+    /// Bars that part cells, not those that are text.
+    fn bars(line: &str) -> usize {
+        line.replace("\\|", "").matches('|').count()
+    }
+
+    #[test]
+    fn a_table_has_its_shape() {
+        let text = table().to_markdown();
+        let lines: Vec<_> = text.lines().filter(|line| line.starts_with('|')).collect();
+        assert_eq!(lines.len(), 4);
+        let length = lines[0].chars().count();
+        for line in &lines {
+            assert_eq!((bars(line), line.chars().count()), (6, length), "{line}");
+        }
+        assert!(lines[1].starts_with("| ---") && lines[1].contains("-: |"));
+        assert!(lines[2].contains("a \\| b, &lt;i&gt;") && lines[2].contains(" 99.4 \u{b1} 0.8 |"));
+        assert!(lines[3].contains("&gt; 1,800"));
+        assert!(text.starts_with("**Success &amp; time**\n\n|"));
+        assert!(text.ends_with("|\n\n- Mean of 5 seeds &lt;each&gt;.\n"));
+    }
+
+    #[test]
+    fn the_page_has_its_parts_and_no_markup_of_others() {
+        let text = markdown(&page());
+        assert!(
+            text.starts_with("# A \"report\" &lt;of&gt; us\n\n> **Warning:** Only 2 seeds &lt;each&gt;.\n")
+        );
+        for part in [
+            "\n\\# First &amp; &lt;last&gt;.\n",
+            "\n1\\. Two &lt;two&gt; is long.\n",
+            "[A &lt; B &amp; C](#table%20%222%22)",
+            "<a id=\"table &quot;2&quot;\"></a>",
+            "![fig 9](figures/fig%209.svg)",
+            "[PNG](figures/fig%209.png)",
+            "[CSV](tables/table2.csv)",
+            "<summary>DQN &lt;1&gt;</summary>",
+            "\n````ron\n(a: \"<x> & ```\")\n````\n",
+            "- **Command:** wayfield &lt;x&gt; &amp;&amp; y\n",
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+        assert!(!text.contains("<script") && !text.contains("<svg"));
+        assert_eq!(text, markdown(&page()));
+    }
+
+    #[test]
+    fn only_what_would_be_markup_is_escaped() {
+        assert_eq!(start("96.8 of 100"), "96.8 of 100");
+        assert_eq!(start("1. one"), "1\\. one");
+        assert_eq!(start("7)"), "7\\)");
+        assert_eq!(start("- x"), "\\- x");
+        assert_eq!(start("2023"), "2023");
+        assert_eq!(start(""), "");
+        assert_eq!(inline("a_b *c* `d`\n e\u{a0}f"), "a\\_b \\*c\\* \\`d\\` e\u{a0}f");
+    }
+}
