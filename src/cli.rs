@@ -13,6 +13,7 @@ use std::time::Instant;
 use clap::{ArgGroup, Parser};
 
 use crate::learning::Policy;
+use crate::reproduce::{Request, reproduce};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::preset::Budget;
@@ -28,16 +29,18 @@ Examples:
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
   wayfield --train --resume runs/scenario-1-fast-0 --steps 600000
+  wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
 
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
 2 arguments or files that cannot be used. Ctrl-C saves a checkpoint and ends cleanly.";
 
 /// A LIDAR robot learns to navigate, in seconds, by prioritized-replay double dueling DQN
 #[derive(Parser, Debug)]
-#[command(version, max_term_width = 110, after_help = AFTER_HELP, group(ArgGroup::new("mode").args(["train", "eval"])))]
+#[command(version, max_term_width = 110, after_help = AFTER_HELP, group(ArgGroup::new("mode").args(["train", "eval", "reproduce"])),
+    group(ArgGroup::new("writing").args(["train", "reproduce"]).multiple(true)))]
 struct Arguments {
     // clap drops a `requires` whose object conflicts with what was given; so whatever requires --train also
-    // conflicts with --eval, and the other way round.
+    // conflicts with --eval and --reproduce, and so on.
     /// Train: by default the preset `fast` in Scenario I, into a new folder under runs/
     #[arg(long, help_heading = "What to do")]
     train: bool,
@@ -46,12 +49,17 @@ struct Arguments {
     #[arg(long, value_name = "POLICY", help_heading = "What to do")]
     eval: Option<PathBuf>,
 
+    /// Reproduce the paper: train, test and report every figure and table over several seeds
+    #[arg(long, help_heading = "What to do")]
+    reproduce: bool,
+
     /// The world: a RON file, or a shipped one by name (scenario-1, scenario-2, empty) [default: scenario-1]
-    #[arg(long, value_name = "FILE", help_heading = "Training and testing", conflicts_with = "resume")]
+    #[arg(long, value_name = "FILE", help_heading = "Training and testing",
+        conflicts_with_all = ["resume", "reproduce"])]
     scenario: Option<String>,
 
     /// The seed of every random draw [default: 0]
-    #[arg(long, value_name = "N", help_heading = "Training and testing", conflicts_with = "resume",
+    #[arg(long, value_name = "N", help_heading = "Training and testing", conflicts_with_all = ["resume", "reproduce"],
         value_parser = seed, allow_negative_numbers = true)]
     seed: Option<u64>,
 
@@ -65,30 +73,31 @@ struct Arguments {
         value_name = "FILE",
         help_heading = "Training",
         requires = "train",
-        conflicts_with_all = ["eval", "resume"]
+        conflicts_with_all = ["eval", "reproduce", "resume"]
     )]
     preset: Option<String>,
 
     /// Train until N episodes have ended [default: the preset's budget]
-    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "steps"],
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "reproduce", "steps"],
         value_parser = budget, allow_negative_numbers = true)]
     episodes: Option<u64>,
 
     /// Train for N env steps over all arenas, rounded up to whole control steps [default: the preset's budget]
-    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with = "eval",
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "reproduce"],
         value_parser = budget, allow_negative_numbers = true)]
     steps: Option<u64>,
 
     /// How many arenas run side by side [default: the preset's]
-    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "resume"])]
+    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "reproduce", "resume"])]
     arenas: Option<usize>,
 
-    /// The run's folder, which must not hold a run yet [default: runs/<scenario>-<preset>-<seed>]
+    /// The run's folder, which must not hold a run yet [default: runs/<scenario>-<preset>-<seed>]; with --reproduce the
+    /// report's, which is taken up again if it holds one [default: runs/reproduce]
     #[arg(
         long,
         value_name = "DIR",
         help_heading = "Training",
-        requires = "train",
+        requires = "writing",
         conflicts_with_all = ["eval", "resume"]
     )]
     out: Option<PathBuf>,
@@ -99,35 +108,59 @@ struct Arguments {
         value_name = "POLICY",
         help_heading = "Training",
         requires = "train",
-        conflicts_with_all = ["eval", "resume"]
+        conflicts_with_all = ["eval", "reproduce", "resume"]
     )]
     init: Option<PathBuf>,
 
     /// Epsilon at the start, with --init (the paper: 0.5) [default: the preset's]
-    #[arg(long, value_name = "X", help_heading = "Training", requires = "init", conflicts_with_all = ["eval", "resume"])]
+    #[arg(long, value_name = "X", help_heading = "Training", requires = "init", conflicts_with_all = ["eval", "reproduce", "resume"])]
     epsilon: Option<f32>,
 
     /// Go on exactly where the run in DIR stopped; --episodes or --steps give it a larger budget, counted from its start
-    #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train", conflicts_with = "eval")]
+    #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "reproduce"])]
     resume: Option<PathBuf>,
 
     /// Rounds of navigations
-    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with = "train", default_value_t = 5,
+    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with_all = ["train", "reproduce"], default_value_t = 5,
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     rounds: u32,
 
     /// Navigations in a round
-    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with = "train", default_value_t = 100,
+    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with_all = ["train", "reproduce"], default_value_t = 100,
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     navigations: u32,
 
     /// Also drive the timed course, 5 rounds of 5: from (0, 0) to (1.2, 1.2)
-    #[arg(long, help_heading = "Testing", requires = "eval", conflicts_with = "train")]
+    #[arg(long, help_heading = "Testing", requires = "eval", conflicts_with_all = ["train", "reproduce"])]
     course: bool,
 
     /// Also compare the times with the least possible ones, found by a planner that knows the world
-    #[arg(long, help_heading = "Testing", requires = "eval", conflicts_with = "train")]
+    #[arg(long, help_heading = "Testing", requires = "eval", conflicts_with_all = ["train", "reproduce"])]
     optimum: bool,
+
+    /// Only these figures, tables or experiments, such as fig9,table2
+    #[arg(long, value_name = "NAMES", help_heading = "Reproducing", requires = "reproduce", value_delimiter = ',',
+        conflicts_with_all = ["train", "eval"])]
+    only: Vec<String>,
+
+    /// How many seeds [default: the experiments' own, 5]
+    #[arg(long, value_name = "N", help_heading = "Reproducing", requires = "reproduce",
+        conflicts_with_all = ["train", "eval"], value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: Option<u64>,
+
+    /// A rough report in a minute: a tenth of the episodes and of the tests, two seeds
+    #[arg(long, help_heading = "Reproducing", requires = "reproduce", conflicts_with_all = ["train", "eval"])]
+    quick: bool,
+
+    /// An experiment of your own, a RON file like those in assets/experiments, instead of the paper's; may be repeated
+    #[arg(long, value_name = "FILE", help_heading = "Reproducing", requires = "reproduce",
+        conflicts_with_all = ["train", "eval"])]
+    experiment: Vec<PathBuf>,
+
+    /// How many runs at a time; no result depends on it [default: as many as there are cores]
+    #[arg(long, value_name = "N", help_heading = "Reproducing", requires = "reproduce",
+        conflicts_with_all = ["train", "eval"], value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
 }
 
 /// Runs the command line of this process, which began at `began`; gives its exit status.
@@ -137,6 +170,8 @@ pub fn main(began: Instant) -> ExitCode {
         train_command(arguments, began)
     } else if let Some(policy) = arguments.eval.clone() {
         eval_command(&arguments, &policy)
+    } else if arguments.reproduce {
+        reproduce_command(arguments, began)
     } else {
         Err(RunError::Unusable(
             "this build opens no window: train with `wayfield --train`, test with `wayfield --eval POLICY`; \
@@ -194,13 +229,14 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
                 scenario_from,
                 preset_from,
                 transfer,
+                keep_after_episodes: Vec::new(),
                 scenario,
                 preset,
             };
             Job::New { config: Box::new(config), policy, out: arguments.out }
         }
     };
-    let (folder, summary) = train(job, stop_on_signal(), began)?;
+    let (folder, summary) = train(job, stop_on_signal(), began, None)?;
     if arguments.json { print_json(&summary) } else { say(&summary_text(&folder, &summary)) }
 }
 
@@ -250,6 +286,57 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         std::env::args().next().unwrap_or_else(|| "wayfield".into()),
         quoted(&folder.join("policy.safetensors").display().to_string()),
     )
+}
+
+/// What `--reproduce --json` prints.
+#[derive(serde::Serialize)]
+struct ReproductionReport {
+    report: String,
+    runs: usize,
+    wall_s: f64,
+    claims: Vec<ClaimReport>,
+}
+
+#[derive(serde::Serialize)]
+struct ClaimReport {
+    claim: String,
+    outcome: &'static str,
+    because: String,
+}
+
+fn reproduce_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
+    let request = Request {
+        experiments: arguments.experiment,
+        only: arguments.only,
+        seeds: arguments.seeds,
+        quick: arguments.quick,
+        out: arguments.out,
+        at_a_time: arguments.jobs.map(usize::from),
+    };
+    let done = reproduce(&request, stop_on_signal(), began)?;
+    let claims = done.claims.into_iter().map(|verdict| ClaimReport {
+        claim: verdict.claim,
+        outcome: verdict.outcome.word(),
+        because: verdict.sentence,
+    });
+    let report = ReproductionReport {
+        report: done.folder.join("report.html").display().to_string(),
+        runs: done.runs,
+        wall_s: done.wall_s,
+        claims: claims.collect(),
+    };
+    if arguments.json { print_json(&report) } else { say(&reproduction_text(&report)) }
+}
+
+fn reproduction_text(report: &ReproductionReport) -> String {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    for claim in &report.claims {
+        let _ = writeln!(text, "{:<11} {}\n            {}", claim.outcome, claim.claim, claim.because);
+    }
+    let minutes = report.wall_s / 60.0;
+    let _ = writeln!(text, "report      {} ({} runs, {minutes:.1} minutes)", report.report, report.runs);
+    text
 }
 
 /// What `--eval --json` prints.

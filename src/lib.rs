@@ -13,8 +13,9 @@
 //! | [`task`] | the Markov decision process: observation, reward, the end of episodes |
 //! | [`world`] | the world alive in the ECS: arenas, rapier, robot, obstacles, LIDAR |
 //! | [`agent`] | observations -> actions, transitions -> learner |
-//! | [`report`] | figures from a run's records |
+//! | [`report`] | figures, tables, statistics, pages: drawn and written, not computed here |
 //! | [`run`] | what a user does without a window: train, evaluate, resume |
+//! | [`reproduce`] | the paper's figures and tables: many runs, one report |
 //! | [`cli`] | the command line |
 
 pub mod agent;
@@ -23,6 +24,7 @@ pub mod control_step;
 pub mod learning;
 pub mod random;
 pub mod report;
+pub mod reproduce;
 pub mod run;
 pub mod scenario;
 pub mod task;

@@ -14,7 +14,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("agent", &["random", "learning", "control_step", "task", "world"]),
     ("report", &[]),
     ("run", &["random", "scenario", "learning", "control_step", "task", "world", "agent", "report"]),
-    ("cli", &["random", "scenario", "learning", "task", "run"]),
+    ("reproduce", &["scenario", "learning", "task", "report", "run"]),
+    ("cli", &["random", "scenario", "learning", "task", "run", "reproduce"]),
 ];
 
 fn sources(path: &Path, found: &mut Vec<PathBuf>) {

@@ -1,4 +1,4 @@
-//! The scenarios and presets that come with the program, by name: they work from any folder.
+//! The scenarios, presets and experiments that come with the program, by name: they work from any folder.
 //!
 //! In: what the user typed after `--scenario` or `--preset`: a file's path, or a shipped name. Out: the thing itself.
 
@@ -26,6 +26,15 @@ macro_rules! shipped {
 
 const SCENARIOS: &[Shipped] = shipped!("scenarios": "scenario-1", "scenario-2", "empty");
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
+
+const EXPERIMENTS: &[Shipped] =
+    shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "speeds");
+
+/// The experiments that come with the program: path in the project, text. Parsing them is the business of the room
+/// that carries them out.
+pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
+    EXPERIMENTS.iter().map(|file| (file.path, file.text))
+}
 
 /// The scenario at the path `wanted`, or the shipped one of that name.
 ///

@@ -1,0 +1,259 @@
+//! Carries out a plan: every training and every test of it, several at a time, each once and for all.
+//!
+//! In: a [`Plan`], a folder. Out: a folder for each training in it, with its trials. A run depends on its
+//! configuration alone, so no result depends on how many are under way at a time, or in what order, or whether it was
+//! stopped and taken up again.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread;
+use std::time::Instant;
+
+use super::experiment::TestRule;
+use super::plan::{Plan, Training, Which};
+use super::progress::Board;
+use super::trial;
+use crate::learning::Policy;
+use crate::run::RunError;
+use crate::run::folder::RunFolder;
+use crate::run::preset::Budget;
+use crate::run::records::Summary;
+use crate::run::train::{Job, train};
+
+/// Carries out all of `plan` in folders under `folder`, `at_a_time` runs side by side.
+///
+/// # Errors
+/// The first run that failed (the others are stopped, their checkpoints kept); or `stop` was set.
+pub fn carry_out(
+    plan: &Plan,
+    folder: &Path,
+    at_a_time: usize,
+    stop: &'static AtomicBool,
+) -> Result<(), RunError> {
+    let board = Board::new(&plan.trainings);
+    let queue = Queue::new(plan);
+    let worker = || {
+        while let Some(index) = queue.next(stop) {
+            let done = one(plan, index, folder, &board, stop);
+            queue.done(index, done, stop);
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 0..at_a_time.max(1) {
+            scope.spawn(worker);
+        }
+    });
+    board.finish();
+    let state = queue.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    match state.failed {
+        Some(error) => Err(error),
+        None if state.done.len() < plan.trainings.len() => Err(RunError::Failed(format!(
+            "stopped after {} of {} runs; the same command goes on from there",
+            state.done.len(),
+            plan.trainings.len()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// What is still to be done.
+struct Queue<'a> {
+    plan: &'a Plan,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+struct State {
+    /// Not begun yet, the most urgent first.
+    waiting: Vec<usize>,
+    done: BTreeSet<usize>,
+    under_way: usize,
+    failed: Option<RunError>,
+}
+
+impl<'a> Queue<'a> {
+    fn new(plan: &'a Plan) -> Self {
+        let mut waiting: Vec<usize> = (0..plan.trainings.len()).collect();
+        // Those that others wait for first, then the longest: so no core is left without work for long at the end.
+        let urgency = |&index: &usize| {
+            let awaited = plan.trainings.iter().any(|t| t.origin == Some(index));
+            let length = match plan.trainings[index].config.preset.budget {
+                Budget::Episodes(n) => n,
+                Budget::EnvSteps(n) => n / 2000,
+            };
+            (std::cmp::Reverse(awaited), std::cmp::Reverse(length))
+        };
+        waiting.sort_by_key(urgency);
+        let state = State { waiting, done: BTreeSet::new(), under_way: 0, failed: None };
+        Self { plan, state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    /// The next training that can begin; waits for one if need be. None when there is nothing left to do.
+    fn next(&self, stop: &AtomicBool) -> Option<usize> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if stop.load(Ordering::Relaxed) || state.failed.is_some() || state.waiting.is_empty() {
+                return None;
+            }
+            let ready = |&index: &usize| match self.plan.trainings[index].origin {
+                Some(from) => state.done.contains(&from),
+                None => true,
+            };
+            if let Some(at) = state.waiting.iter().position(ready) {
+                state.under_way += 1;
+                return Some(state.waiting.remove(at));
+            }
+            if state.under_way == 0 {
+                return None;
+            }
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Training `index` has come to an end: finished, stopped or failed.
+    fn done(&self, index: usize, result: Result<bool, RunError>, stop: &AtomicBool) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.under_way -= 1;
+        match result {
+            Ok(true) => {
+                state.done.insert(index);
+            }
+            Ok(false) => {}
+            Err(error) => {
+                let name = &self.plan.trainings[index].name;
+                let error = match error {
+                    RunError::Failed(why) => RunError::Failed(format!("{name}: {why}")),
+                    unusable => unusable,
+                };
+                state.failed.get_or_insert(error);
+                // Runs under way stop at their next step, with a checkpoint.
+                stop.store(true, Ordering::Relaxed);
+            }
+        }
+        self.changed.notify_all();
+    }
+}
+
+/// Trains and tests training `index`; false if it was stopped.
+fn one(
+    plan: &Plan,
+    index: usize,
+    folder: &Path,
+    board: &Arc<Board>,
+    stop: &'static AtomicBool,
+) -> Result<bool, RunError> {
+    let training = &plan.trainings[index];
+    let path = folder.join(&training.name);
+    let before = is_finished(training, &path);
+    if !before && !train_it(plan, index, folder, board, stop)? {
+        return Ok(false);
+    }
+    test_it(training, &path)?;
+    board.done(index, before);
+    Ok(true)
+}
+
+/// Whether the run in `path` is the one that is wanted, has come to the end of its budget, and has kept all that is
+/// wanted.
+fn is_finished(training: &Training, path: &Path) -> bool {
+    let Ok(text) = fs::read_to_string(path.join("summary.json")) else { return false };
+    let Ok(summary) = serde_json::from_str::<Summary>(&text) else { return false };
+    let long_enough = match training.config.preset.budget {
+        Budget::Episodes(n) => summary.episodes >= n,
+        Budget::EnvSteps(n) => summary.env_steps >= n,
+    };
+    let kept = |&episodes: &u64| path.join(RunFolder::policy_after(episodes)).exists();
+    let same = RunFolder::open(path).is_ok_and(|(_, mut there)| {
+        there.preset.budget = training.config.preset.budget;
+        there.keep_after_episodes.clone_from(&training.config.keep_after_episodes);
+        there == training.config
+    });
+    summary.finished && long_enough && same && training.config.keep_after_episodes.iter().all(kept)
+}
+
+/// Trains, from the last checkpoint if there is one that fits; false if it was stopped.
+fn train_it(
+    plan: &Plan,
+    index: usize,
+    folder: &Path,
+    board: &Arc<Board>,
+    stop: &'static AtomicBool,
+) -> Result<bool, RunError> {
+    let training = &plan.trainings[index];
+    let path = folder.join(&training.name);
+    let began = Instant::now();
+    let listener = || Some(board.listener(index, training));
+    let mut gone_on = None;
+    if RunFolder::open(&path).is_ok_and(|(_, there)| there == training.config)
+        && path.join("checkpoint/latest.bin").exists()
+    {
+        match train(Job::Resume { folder: path.clone(), budget: None }, stop, began, listener()) {
+            Ok((_, summary)) => gone_on = Some(summary),
+            // A checkpoint that cannot be used, or one of the very end, when the summary was not yet written.
+            Err(RunError::Unusable(_)) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    let summary = match gone_on {
+        Some(summary) => summary,
+        None => {
+            // What is there is the beginning of the same run, or too short a run to be of use: it can be made again.
+            if path.exists() {
+                fs::remove_dir_all(&path).map_err(|error| RunError::failed(&path, error))?;
+            }
+            let config = Box::new(training.config.clone());
+            let job = Job::New { config, policy: origin(plan, training, folder)?, out: Some(path.clone()) };
+            train(job, stop, began, listener())?.1
+        }
+    };
+    if !summary.finished {
+        return Ok(false);
+    }
+    // Hundreds of megabytes over all runs, and of no more use.
+    let checkpoint = path.join("checkpoint");
+    fs::remove_dir_all(&checkpoint).map_err(|error| RunError::failed(&checkpoint, error))?;
+    Ok(true)
+}
+
+/// The policy that a training starts from, if any.
+fn origin(plan: &Plan, training: &Training, folder: &Path) -> Result<Option<Policy>, RunError> {
+    let (Some(transfer), Some(from)) = (&training.config.transfer, training.origin) else {
+        return Ok(None);
+    };
+    let name = Path::new(&transfer.policy).file_name().unwrap_or_default();
+    trial::read_policy(&folder.join(&plan.trainings[from].name).join(name)).map(Some)
+}
+
+/// Makes the trials that are wanted and not yet noted.
+fn test_it(training: &Training, path: &Path) -> Result<(), RunError> {
+    let mut trials = trial::noted(path);
+    let noted = trials.len();
+    for &(which, (rounds, navigations, seed)) in &training.tests {
+        let rule = TestRule { rounds, navigations, seed };
+        let file = trial::file(which);
+        if trials.iter().any(|trial| trial.policy == file && trial.rule == rule) {
+            continue;
+        }
+        trials.push(trial::test(path, &training.config.scenario, which, rule)?);
+    }
+    if trials.len() > noted {
+        let (folder, _) = RunFolder::open(path)?;
+        trial::note(&folder, &trials)?;
+    }
+    Ok(())
+}
+
+/// The trial of `which` by `rule` in the run's folder at `path`.
+///
+/// # Errors
+/// There is none: the plan was not carried out.
+pub fn trial_of(path: &Path, which: Which, rule: TestRule) -> Result<trial::Trial, RunError> {
+    let file = trial::file(which);
+    trial::noted(path)
+        .into_iter()
+        .find(|trial| trial.policy == file && trial.rule == rule)
+        .ok_or_else(|| RunError::failed(path, format!("holds no trial of {file}")))
+}

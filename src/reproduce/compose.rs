@@ -1,0 +1,181 @@
+//! The page: what is said around figures and tables.
+//!
+//! In: results. Out: a [`Page`]: claims on top, a section for each experiment, the exact settings, where it all comes
+//! from.
+
+use super::experiment::Claim;
+use super::figures;
+use super::plan::{Plan, Selected};
+use super::results::Results;
+use super::select::stem;
+use super::verdict::verdict;
+use super::{Request, tables};
+use crate::report::page::{Item, Page, Section, Setting, Verdict};
+use crate::report::table::number;
+use crate::run::RunError;
+use crate::run::preset::Budget;
+use crate::scenario::to_ron;
+
+const PAPER: &str = "Li, Yue, Shangguan, Jin: Navigation of Mobile Robots Based on Deep Reinforcement Learning: Reward \
+                     Function Optimization and Knowledge Transfer. International Journal of Control, Automation and \
+                     Systems 21(2), 2023, 563-574, doi 10.1007/s12555-021-0642-7";
+
+/// The whole page.
+///
+/// # Errors
+/// Results are missing; a drawing failed.
+pub fn page(
+    results: &Results<'_>,
+    selected: &[Selected],
+    plan: &Plan,
+    request: &Request,
+    at_a_time: usize,
+    wall_s: f64,
+) -> Result<Page, RunError> {
+    let sections = (0..selected.len())
+        .map(|index| section(results, index, &selected[index]))
+        .collect::<Result<Vec<_>, _>>()?;
+    let claims: Vec<Verdict> = sections.iter().flat_map(|section| &section.items).flat_map(verdicts).cloned().collect();
+    let runs = plan.trainings.len();
+    let lead = format!(
+        "Figures and tables of {PAPER}. Made anew by wayfield {}: {runs} trainings, each from its own seed, tested on \
+         starts and targets that none has seen. Every number below comes from these runs; each verdict is computed, not \
+         written.",
+        env!("CARGO_PKG_VERSION")
+    );
+    let warning = request.quick.then(|| {
+        "this is a rough report (--quick): a tenth of the episodes and of the tests, two seeds. Its numbers say nothing \
+         about the paper's claims."
+            .to_string()
+    });
+    Ok(Page {
+        title: "The paper, reproduced".into(),
+        lead: vec![lead],
+        warning,
+        claims,
+        sections,
+        settings: settings(selected, plan)?,
+        provenance: provenance(results, plan, at_a_time, wall_s),
+    })
+}
+
+fn verdicts(item: &Item) -> &[Verdict] {
+    match item {
+        Item::Figure { verdicts, .. } | Item::Table { verdicts, .. } => verdicts,
+        Item::Text(_) => &[],
+    }
+}
+
+fn section(results: &Results<'_>, index: usize, selected: &Selected) -> Result<Section, RunError> {
+    let experiment = &selected.source.experiment;
+    let id = stem(&selected.source.from);
+    let judge = |claims: &[Claim]| -> Result<Vec<Verdict>, RunError> {
+        claims.iter().map(|claim| judged(results, index, claim, &id)).collect()
+    };
+    let mut items = Vec::new();
+    for figure in selected.figures.iter().map(|&i| &experiment.figures[i]) {
+        items.push(Item::Figure {
+            name: figure.name.clone(),
+            svg: figures::draw(results, index, figure)?,
+            caption: format!("{} {}", figure.title, figure.caption).trim().to_string(),
+            verdicts: judge(&figure.claims)?,
+        });
+    }
+    for table in selected.tables.iter().map(|&i| &experiment.tables[i]) {
+        items.push(Item::Table {
+            table: tables::make(results, index, table)?,
+            verdicts: judge(&table.claims)?,
+        });
+    }
+    Ok(Section { id: id.clone(), heading: experiment.title.clone(), about: experiment.about.clone(), items })
+}
+
+/// The verdict on a claim, under the first condition.
+fn judged(results: &Results<'_>, index: usize, claim: &Claim, anchor: &str) -> Result<Verdict, RunError> {
+    let arms = &results.experiment(index).arms;
+    let values = |name: &str| {
+        let arm = arms.iter().position(|arm| arm.name == name).unwrap_or(0);
+        results.values(index, 0, arm, claim.measure, claim.after)
+    };
+    Ok(verdict(claim, &values(&claim.better)?, &values(&claim.than)?, anchor))
+}
+
+/// The experiments as they were carried out, and every scenario and preset with all that was resolved.
+fn settings(selected: &[Selected], plan: &Plan) -> Result<Vec<Setting>, RunError> {
+    let ron = |error: ron::Error| RunError::Failed(error.to_string());
+    let mut settings = Vec::new();
+    for selected in selected {
+        settings.push(Setting {
+            heading: format!("Experiment {}", selected.source.from),
+            ron: to_ron(&selected.source.experiment).map_err(ron)?,
+        });
+    }
+    for training in plan.trainings.iter().filter(|training| training.config.seed == 1) {
+        settings.push(Setting {
+            heading: format!("Run {}", training.name),
+            ron: to_ron(&training.config).map_err(ron)?,
+        });
+    }
+    Ok(settings)
+}
+
+fn provenance(
+    results: &Results<'_>,
+    plan: &Plan,
+    at_a_time: usize,
+    wall_s: f64,
+) -> Vec<(String, String)> {
+    let seeds = plan.trainings.iter().map(|training| training.config.seed).max().unwrap_or(0);
+    let episodes: u64 = plan
+        .trainings
+        .iter()
+        .map(|training| match training.config.preset.budget {
+            Budget::Episodes(n) => n,
+            Budget::EnvSteps(_) => 0,
+        })
+        .sum();
+    let command: Vec<String> = std::env::args().skip(1).collect();
+    [
+        ("Version", format!("wayfield {}", env!("CARGO_PKG_VERSION"))),
+        ("Command", format!("wayfield {}", command.join(" "))),
+        ("Seeds", if seeds == 1 { "1".into() } else { format!("1 to {seeds}") }),
+        (
+            "Trainings",
+            format!(
+                "{}: {} episodes in trainings counted by episodes, {} env steps in all",
+                plan.trainings.len(),
+                number(episodes as f64, 0),
+                number(results.env_steps() as f64, 0)
+            ),
+        ),
+        ("Machine", machine()),
+        (
+            "Time",
+            format!(
+                "{:.1} minutes, {at_a_time} runs at a time ({:.1} minutes if one after another)",
+                wall_s / 60.0,
+                results.minutes()
+            ),
+        ),
+    ]
+    .into_iter()
+    .map(|(what, how)| (what.to_string(), how))
+    .collect()
+}
+
+/// Processor, cores, memory and system, as far as they can be known.
+fn machine() -> String {
+    let mut parts = Vec::new();
+    if let Ok(mut system) = sysinfo::System::new() {
+        system.refresh_memory();
+        system.refresh_cpu_all();
+        let cpus = system.cpus();
+        if let Some(cpu) = cpus.first() {
+            parts.push(cpu.brand().trim().to_string());
+        }
+        parts.push(format!("{} cores", cpus.len()));
+        parts.push(format!("{:.0} GiB", system.total_memory() as f64 / f64::from(1 << 30)));
+    }
+    parts.push(sysinfo::System::long_os_version().unwrap_or_else(|_| std::env::consts::OS.into()));
+    parts.join(", ")
+}

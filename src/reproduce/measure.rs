@@ -1,0 +1,87 @@
+//! What is measured of a trained arm, and in what sense more of it is better.
+//!
+//! In: a name in an experiment's file. Out: unit, heading, digits, direction; the numbers come from
+//! [`results`](super::results).
+
+use serde::{Deserialize, Serialize};
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Measure {
+    /// Share of test navigations that succeed, in percent.
+    Success,
+    /// Mean time of the paper's course over 25 drives, in s; a drive that fails counts as the time limit.
+    CourseTime,
+    /// Mean time of all test navigations, in s; one that fails counts as the time limit.
+    MeanTime,
+    /// Time of the successful test navigations over the planner's for the same ones; 1 is the optimum.
+    TimeRatio,
+    /// Mean return of the last 100 episodes of training.
+    Return,
+    /// Mean number of targets reached in the last 100 episodes of training.
+    Targets,
+    /// Episodes of the last stage until the mean of 50 of its episodes reaches so many targets an episode.
+    EpisodesTo(f64),
+    /// The same in thousands of env steps of the last stage.
+    StepsTo(f64),
+}
+
+impl Measure {
+    /// What it is, short enough for a column.
+    #[must_use]
+    pub fn heading(self) -> String {
+        match self {
+            Self::Success => "Success".into(),
+            Self::CourseTime => "Course".into(),
+            Self::MeanTime => "Mean time".into(),
+            Self::TimeRatio => "Time / least".into(),
+            Self::Return => "Return".into(),
+            Self::Targets => "Targets an episode".into(),
+            Self::EpisodesTo(targets) => format!("Episodes to {targets} targets"),
+            Self::StepsTo(targets) => format!("Steps to {targets} targets"),
+        }
+    }
+
+    /// Its unit; empty for a pure number.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Success => "%",
+            Self::CourseTime | Self::MeanTime => "s",
+            Self::StepsTo(_) => "thousands",
+            Self::TimeRatio | Self::Return | Self::Targets | Self::EpisodesTo(_) => "",
+        }
+    }
+
+    /// Decimals worth showing.
+    #[must_use]
+    pub fn digits(self) -> usize {
+        match self {
+            Self::Success | Self::Targets | Self::StepsTo(_) => 1,
+            Self::CourseTime | Self::MeanTime | Self::TimeRatio => 2,
+            Self::Return | Self::EpisodesTo(_) => 0,
+        }
+    }
+
+    /// Whether more of it is better.
+    #[must_use]
+    pub fn more_is_better(self) -> bool {
+        matches!(self, Self::Success | Self::Return | Self::Targets)
+    }
+
+    /// Whether a policy must be tested for it (the others are read from the records of training).
+    #[must_use]
+    pub fn needs_test(self) -> bool {
+        matches!(self, Self::Success | Self::CourseTime | Self::MeanTime | Self::TimeRatio)
+    }
+
+    /// What is wrong with its number, if anything.
+    pub(super) fn problem(self) -> Option<String> {
+        match self {
+            Self::EpisodesTo(x) | Self::StepsTo(x) if !(0.01..=1000.0).contains(&x) => {
+                Some(format!("asks for {x} targets an episode; give 0.01 to 1000"))
+            }
+            _ => None,
+        }
+    }
+}

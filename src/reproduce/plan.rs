@@ -1,0 +1,319 @@
+//! The plan: which trainings the experiments need, each once.
+//!
+//! In: experiments, and which of their figures and tables are wanted. Out: [`Plan`]: a list of trainings, each before
+//! those that start from its weights, and for each arm, condition and seed the trainings that it consists of.
+//!
+//! Arms of different experiments often are the same training, or one is the beginning of the other (figure 8's DQN is
+//! the first 800 episodes of figure 9's). Schedules depend on the steps taken and not on the budget, so the longer
+//! training serves both, to the bit.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::experiment::{Arm, Draw, Experiment, Show, Stage, TestRule, Tested};
+use crate::run::folder::{RunConfig, Transfer};
+use crate::run::preset::Budget;
+use crate::run::{RunError, shipped};
+use crate::scenario::{self, FileError, to_ron};
+
+/// An experiment, and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// Its file, or its path in the project for a shipped one.
+    pub from: String,
+    /// The experiment.
+    pub experiment: Experiment,
+}
+
+/// An experiment, and which of its figures and tables are wanted.
+#[derive(Clone, Debug)]
+pub struct Selected {
+    /// The experiment and where it comes from.
+    pub source: Source,
+    /// Indices of the wanted figures.
+    pub figures: Vec<usize>,
+    /// Indices of the wanted tables.
+    pub tables: Vec<usize>,
+}
+
+/// One training, and what is wanted of it.
+#[derive(Clone, Debug)]
+pub struct Training {
+    /// The name of its folder; the same for the same configuration.
+    pub name: String,
+    /// All that a run is told.
+    pub config: RunConfig,
+    /// The training whose weights it starts from.
+    pub origin: Option<usize>,
+    /// What is tested.
+    pub tests: BTreeSet<(Which, TestKey)>,
+}
+
+/// Which policy of a training is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Which {
+    /// As it stands after so many episodes of the training.
+    After(u64),
+    /// The best by the training's own evaluations.
+    Best,
+}
+
+/// A [`TestRule`] that can be ordered: rounds, navigations, seed.
+pub type TestKey = (usize, usize, u64);
+
+impl TestRule {
+    /// The rule as a key.
+    #[must_use]
+    pub fn key(&self) -> TestKey {
+        (self.rounds, self.navigations, self.seed)
+    }
+}
+
+/// An arm under a condition with a seed: its trainings, one for each stage that is needed.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// Index into [`Plan::trainings`], and how many of its episodes belong to the stage (none: all of it).
+    pub stages: Vec<(usize, Option<u64>)>,
+    /// The episodes of all stages together, if all are counted in episodes.
+    pub episodes: Option<u64>,
+}
+
+impl Chain {
+    /// The stage in which the arm has had `after` episodes in all, as an index into `stages`, and how many of the
+    /// stage's own those are. The arm's last stage if it is not counted in episodes.
+    #[must_use]
+    pub fn at(&self, after: u64) -> Option<(usize, u64)> {
+        let mut before = 0;
+        for (index, (_, length)) in self.stages.iter().enumerate() {
+            let length = (*length)?;
+            if after <= before + length {
+                return Some((index, after - before));
+            }
+            before += length;
+        }
+        None
+    }
+}
+
+/// What there is to do.
+#[derive(Debug, Default)]
+pub struct Plan {
+    /// Every training once, each before those that start from it.
+    pub trainings: Vec<Training>,
+    /// By experiment, condition, arm (indices) and seed (from 1).
+    pub chains: BTreeMap<(usize, usize, usize, u64), Chain>,
+}
+
+impl Plan {
+    /// The plan for `selected`.
+    ///
+    /// # Errors
+    /// A scenario or preset cannot be used.
+    pub fn new(selected: &[Selected]) -> Result<Self, RunError> {
+        let mut plan = Self::default();
+        for (index, selected) in selected.iter().enumerate() {
+            let experiment = &selected.source.experiment;
+            let needed = selected.needed_episodes();
+            let marks = selected.marks();
+            for condition in 0..experiment.conditions.len().max(1) {
+                for (arm_index, arm) in experiment.arms.iter().enumerate() {
+                    for seed in 1..=experiment.seeds {
+                        let chain = plan.chain(&selected.source, condition, arm, seed, needed)?;
+                        plan.tests(&chain, arm, &marks, &experiment.test, &selected.source)?;
+                        plan.chains.insert((index, condition, arm_index, seed), chain);
+                    }
+                }
+            }
+        }
+        Ok(plan)
+    }
+
+    /// The trainings of an arm, up to `needed` episodes if not all are.
+    fn chain(
+        &mut self,
+        source: &Source,
+        condition: usize,
+        arm: &Arm,
+        seed: u64,
+        needed: Option<u64>,
+    ) -> Result<Chain, RunError> {
+        let mut chain = Chain { stages: Vec::new(), episodes: Some(0) };
+        for stage in &arm.stages {
+            let mut config = config(source, condition, stage, seed)?;
+            let mut length = None;
+            if let Budget::Episodes(n) = config.preset.budget {
+                let before = chain.episodes.unwrap_or(0);
+                let wanted = match needed.filter(|_| arm.policy == Tested::AsItStands) {
+                    Some(needed) => n.min(needed.saturating_sub(before)),
+                    None => n,
+                };
+                if wanted == 0 {
+                    break;
+                }
+                config.preset.budget = Budget::Episodes(wanted);
+                length = Some(wanted);
+            }
+            let origin = chain.stages.last().copied();
+            let training = self.add(config, origin, stage.epsilon, arm.policy)?;
+            chain.stages.push((training, length));
+            chain.episodes = chain.episodes.zip(length).map(|(sum, n)| sum + n);
+        }
+        Ok(chain)
+    }
+
+    /// The index of the training that `config` describes, which becomes longer if need be.
+    fn add(
+        &mut self,
+        mut config: RunConfig,
+        origin: Option<(usize, Option<u64>)>,
+        epsilon: Option<f32>,
+        tested: Tested,
+    ) -> Result<usize, RunError> {
+        let mut from = None;
+        if let Some((training, length)) = origin {
+            let earlier = &mut self.trainings[training];
+            let file = match length {
+                Some(episodes) => {
+                    keep(&mut earlier.config, episodes);
+                    crate::run::folder::RunFolder::policy_after(episodes)
+                }
+                None => "policy-last.safetensors".into(),
+            };
+            config.transfer = Some(Transfer { policy: format!("{}/{file}", earlier.name), epsilon });
+            from = Some(training);
+        }
+        let name = name(&config, tested)?;
+        if let Some(index) = self.trainings.iter().position(|training| training.name == name) {
+            let budget = &mut self.trainings[index].config.preset.budget;
+            if let (Budget::Episodes(a), Budget::Episodes(b)) = (*budget, config.preset.budget) {
+                *budget = Budget::Episodes(a.max(b));
+            }
+            return Ok(index);
+        }
+        self.trainings.push(Training { name, config, origin: from, tests: BTreeSet::new() });
+        Ok(self.trainings.len() - 1)
+    }
+
+    /// Notes what is tested of an arm.
+    fn tests(
+        &mut self,
+        chain: &Chain,
+        arm: &Arm,
+        marks: &BTreeSet<u64>,
+        rule: &TestRule,
+        source: &Source,
+    ) -> Result<(), RunError> {
+        if arm.policy == Tested::Best {
+            if let Some((training, _)) = chain.stages.last().filter(|_| !marks.is_empty()) {
+                self.trainings[*training].tests.insert((Which::Best, rule.key()));
+            }
+            return Ok(());
+        }
+        for &mark in marks {
+            let Some((stage, episodes)) = chain.at(mark) else {
+                return Err(RunError::Unusable(format!(
+                    "{}: a figure or table looks at arm \"{}\" after {mark} episodes, but its stages are not all counted \
+                     in episodes or are not so long: give them `budget: Episodes(...)`, or the arm `policy: Best`",
+                    source.from, arm.name
+                )));
+            };
+            let training = &mut self.trainings[chain.stages[stage].0];
+            keep(&mut training.config, episodes);
+            training.tests.insert((Which::After(episodes), rule.key()));
+        }
+        Ok(())
+    }
+}
+
+impl Selected {
+    /// How many episodes of an arm are needed; None for all.
+    fn needed_episodes(&self) -> Option<u64> {
+        let curves = self.picked_figures().any(|figure| matches!(figure, Draw::Curves { .. }));
+        if curves { None } else { self.marks().last().copied() }
+    }
+
+    fn picked_figures(&self) -> impl Iterator<Item = &Draw> {
+        self.figures.iter().map(|&i| &self.source.experiment.figures[i].draw)
+    }
+
+    /// After how many episodes somebody looks at a policy or a curve.
+    fn marks(&self) -> BTreeSet<u64> {
+        let experiment = &self.source.experiment;
+        let mut marks = BTreeSet::new();
+        for figure in self.figures.iter().map(|&i| &experiment.figures[i]) {
+            match &figure.draw {
+                Draw::Curves { .. } => {}
+                Draw::Dots { after, .. } | Draw::Course { after } => {
+                    marks.insert(*after);
+                }
+            }
+            marks.extend(figure.claims.iter().map(|claim| claim.after));
+        }
+        for table in self.tables.iter().map(|&i| &experiment.tables[i]) {
+            match &table.show {
+                Show::Seeds { after, .. } | Show::Measures { after, .. } => {
+                    marks.insert(*after);
+                }
+                Show::Contrast { after, .. } => marks.extend(after),
+            }
+            marks.extend(table.claims.iter().map(|claim| claim.after));
+        }
+        marks
+    }
+}
+
+fn keep(config: &mut RunConfig, episodes: u64) {
+    if !config.keep_after_episodes.contains(&episodes) {
+        config.keep_after_episodes.push(episodes);
+        config.keep_after_episodes.sort_unstable();
+    }
+}
+
+/// All that a run of `stage` is told, its origin aside.
+fn config(source: &Source, condition: usize, stage: &Stage, seed: u64) -> Result<RunConfig, RunError> {
+    let experiment = &source.experiment;
+    let beside = |name: &str| beside(&source.from, name);
+    let mut scenario = shipped::scenario(&beside(&stage.scenario))?;
+    let mut preset = shipped::preset(&beside(&stage.preset))?;
+    preset.budget = stage.budget.unwrap_or(preset.budget);
+    preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
+    stage.change.apply(&mut scenario, &mut preset);
+    if let Some(condition) = experiment.conditions.get(condition) {
+        condition.change.apply(&mut scenario, &mut preset);
+    }
+    let findings = scenario::findings(&scenario).into_iter().chain(preset.findings());
+    if let Some(finding) = findings.into_iter().next() {
+        let changed = format!("what is changed in {} or {}", stage.scenario, stage.preset);
+        return Err(FileError::whole(Path::new(&source.from), format!("{changed}: {finding}")).into());
+    }
+    Ok(RunConfig {
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed,
+        scenario_from: stage.scenario.clone(),
+        preset_from: stage.preset.clone(),
+        transfer: None,
+        keep_after_episodes: Vec::new(),
+        scenario,
+        preset,
+    })
+}
+
+/// The path of a file that lies beside the experiment, or `name` as it is.
+fn beside(experiment: &str, name: &str) -> String {
+    let path: PathBuf = Path::new(experiment).parent().unwrap_or(Path::new("")).join(name);
+    if path.is_file() { path.display().to_string() } else { name.into() }
+}
+
+/// A name for the run of `config`: the same for the same configuration. A longer run of so many episodes is the same
+/// run, unless the best policy of all of it is what is tested.
+fn name(config: &RunConfig, tested: Tested) -> Result<String, RunError> {
+    let mut identity = config.clone();
+    identity.keep_after_episodes.clear();
+    if tested == Tested::AsItStands && matches!(identity.preset.budget, Budget::Episodes(_)) {
+        identity.preset.budget = Budget::Episodes(1);
+    }
+    let text = to_ron(&identity).map_err(|error| RunError::Failed(error.to_string()))?;
+    let mark = crc32c::crc32c(text.as_bytes());
+    let (scenario, preset) = (config.scenario_name(), config.preset_name());
+    Ok(format!("{preset}-{scenario}-{mark:08x}-seed{}", config.seed))
+}

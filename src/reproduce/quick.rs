@@ -1,0 +1,51 @@
+//! `--quick`: the same experiments, done roughly.
+//!
+//! In: an experiment. Out: one with a tenth of the episodes and of the tests, and two seeds. Its numbers say nothing
+//! about the paper; it shows in a minute what the full report will look like, and that everything runs.
+
+use super::experiment::{Draw, Experiment, Show};
+use crate::run::preset::{Budget, EvaluationRule};
+
+/// How much shorter everything is.
+const SHORTER: u64 = 10;
+
+/// How many seeds a rough experiment has.
+const SEEDS: u64 = 2;
+
+/// Makes `experiment` a rough one. `budget_of` tells the budget of a preset by its name, for stages that leave it to
+/// that.
+pub fn roughen(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<Budget>) {
+    experiment.seeds = experiment.seeds.min(SEEDS);
+    experiment.test.navigations = (experiment.test.navigations / SHORTER as usize).max(1);
+    experiment.evaluation = Some(EvaluationRule { every_env_steps: 10_000, navigations: 20 });
+    for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
+        stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(|budget| match budget {
+            Budget::Episodes(n) => Budget::Episodes(fewer(n)),
+            Budget::EnvSteps(n) => Budget::EnvSteps(fewer(n)),
+        });
+    }
+    for figure in &mut experiment.figures {
+        match &mut figure.draw {
+            Draw::Curves { smoothing, .. } => *smoothing = (*smoothing / SHORTER as usize).max(1),
+            Draw::Dots { after, .. } | Draw::Course { after } => *after = fewer(*after),
+        }
+    }
+    for table in &mut experiment.tables {
+        match &mut table.show {
+            Show::Seeds { after, .. } | Show::Measures { after, .. } => *after = fewer(*after),
+            Show::Contrast { after, .. } => {
+                after.iter_mut().for_each(|after| *after = fewer(*after));
+                after.dedup();
+            }
+        }
+    }
+    let claims_of_tables = experiment.tables.iter_mut().flat_map(|table| &mut table.claims);
+    let claims_of_figures = experiment.figures.iter_mut().flat_map(|figure| &mut figure.claims);
+    for claim in claims_of_figures.chain(claims_of_tables) {
+        claim.after = fewer(claim.after);
+    }
+}
+
+fn fewer(n: u64) -> u64 {
+    (n / SHORTER).max(1)
+}

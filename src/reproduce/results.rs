@@ -1,0 +1,306 @@
+//! What came of it: the number of any measure for any arm, condition and seed.
+//!
+//! In: a plan that was carried out, and its folder. Out: [`Value`]s and learning curves, read from the records of
+//! training and the trials.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::carry_out::trial_of;
+use super::experiment::{Experiment, Series, TestRule, Tested};
+use super::measure::Measure;
+use super::plan::{Chain, Plan, Selected, Training, Which};
+use super::trial::Trial;
+use super::yardstick::Yardstick;
+use crate::report::statistics::moving_mean;
+use crate::run::RunError;
+use crate::run::records::EpisodeRow;
+
+/// Episodes in the means that tell how far training is.
+const WINDOW: usize = 100;
+/// Episodes in the moving mean that tells when a level is reached.
+const LEVEL_WINDOW: usize = 50;
+
+/// A number measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Value {
+    /// The number, in the measure's unit.
+    pub value: f64,
+    /// The run ended before the level was reached: the true number is more than this.
+    pub at_least: bool,
+}
+
+impl Value {
+    fn exact(value: f64) -> Self {
+        Self { value, at_least: false }
+    }
+}
+
+/// Episodes of a training, as far as they are needed.
+#[derive(Debug)]
+struct Records {
+    env_steps: Vec<u64>,
+    returns: Vec<f64>,
+    targets: Vec<f64>,
+}
+
+/// All that came of a plan.
+pub struct Results<'a> {
+    plan: &'a Plan,
+    selected: &'a [Selected],
+    runs: PathBuf,
+    yardsticks: Yardstick,
+    records: Vec<Records>,
+    trials: RefCell<BTreeMap<(usize, Which, super::plan::TestKey), Trial>>,
+}
+
+impl<'a> Results<'a> {
+    /// Reads the records of every training of `plan`, which was carried out in `runs`.
+    ///
+    /// # Errors
+    /// A record cannot be read.
+    pub fn read(
+        plan: &'a Plan,
+        selected: &'a [Selected],
+        runs: &Path,
+        yardsticks: Yardstick,
+    ) -> Result<Self, RunError> {
+        let read = |training: &Training| records(&runs.join(&training.name).join("episodes.csv"));
+        let records = plan.trainings.iter().map(read).collect::<Result<_, _>>()?;
+        Ok(Self { plan, selected, runs: runs.into(), yardsticks, records, trials: RefCell::default() })
+    }
+
+    /// Experiment `index`.
+    #[must_use]
+    pub fn experiment(&self, index: usize) -> &'a Experiment {
+        &self.selected[index].source.experiment
+    }
+
+    /// The trainings of an arm (by index) under a condition with a seed.
+    #[must_use]
+    pub fn chain(&self, experiment: usize, condition: usize, arm: usize, seed: u64) -> &'a Chain {
+        &self.plan.chains[&(experiment, condition, arm, seed)]
+    }
+
+    /// What `measure` says of an arm (by index) after so many episodes, a value for each seed.
+    ///
+    /// # Errors
+    /// A trial is missing; the planner's world cannot be made.
+    pub fn values(
+        &self,
+        experiment: usize,
+        condition: usize,
+        arm: usize,
+        measure: Measure,
+        after: u64,
+    ) -> Result<Vec<Value>, RunError> {
+        let seeds = 1..=self.experiment(experiment).seeds;
+        seeds.map(|seed| self.value(experiment, condition, arm, seed, measure, after)).collect()
+    }
+
+    fn value(
+        &self,
+        experiment: usize,
+        condition: usize,
+        arm: usize,
+        seed: u64,
+        measure: Measure,
+        after: u64,
+    ) -> Result<Value, RunError> {
+        let chain = self.chain(experiment, condition, arm, seed);
+        let of = self.experiment(experiment);
+        let (stage, which) = match of.arms[arm].policy {
+            Tested::Best => (chain.stages.len() - 1, Which::Best),
+            Tested::AsItStands => {
+                let (stage, episodes) = chain.at(after).unwrap_or((chain.stages.len() - 1, after));
+                (stage, Which::After(episodes))
+            }
+        };
+        let training = chain.stages[stage].0;
+        Ok(match measure {
+            Measure::Success | Measure::CourseTime | Measure::MeanTime | Measure::TimeRatio => {
+                Value::exact(self.tested(training, which, of.test, measure)?)
+            }
+            Measure::Return | Measure::Targets => {
+                let records = &self.records[training];
+                let all = if measure == Measure::Return { &records.returns } else { &records.targets };
+                let end = match which {
+                    Which::After(episodes) => (episodes as usize).min(all.len()),
+                    Which::Best => all.len(),
+                };
+                let window = WINDOW.min((end / 4).max(1));
+                let last = &all[end - window.min(end)..end];
+                Value::exact(last.iter().sum::<f64>() / last.len().max(1) as f64)
+            }
+            Measure::EpisodesTo(level) | Measure::StepsTo(level) => {
+                let records = &self.records[training];
+                let end = match which {
+                    Which::After(episodes) => (episodes as usize).min(records.targets.len()),
+                    Which::Best => records.targets.len(),
+                };
+                let targets = &records.targets[..end];
+                let window = LEVEL_WINDOW.min((end / 4).max(1));
+                let reached = moving_mean(targets, window)
+                    .iter()
+                    .enumerate()
+                    .position(|(i, &mean)| i + 1 >= window && mean >= level);
+                let episode = reached.unwrap_or(end.saturating_sub(1));
+                let value = match measure {
+                    Measure::StepsTo(_) => records.env_steps.get(episode).map_or(0.0, |&n| n as f64 / 1e3),
+                    _ => (episode + 1) as f64,
+                };
+                Value { value, at_least: reached.is_none() }
+            }
+        })
+    }
+
+    /// A measure that is taken from a trial.
+    fn tested(
+        &self,
+        training: usize,
+        which: Which,
+        rule: TestRule,
+        measure: Measure,
+    ) -> Result<f64, RunError> {
+        self.with_trial(training, which, rule, |trial| {
+            let task = &self.plan.trainings[training].config.scenario.task;
+            let (period_s, limit) = (f64::from(task.control_period_s), task.time_limit_steps);
+            let mean_s = |steps: &[Option<u32>]| {
+                let sum: u64 = steps.iter().map(|steps| u64::from(steps.unwrap_or(limit))).sum();
+                round(sum as f64 / steps.len() as f64 * period_s)
+            };
+            Ok(match measure {
+                Measure::CourseTime => mean_s(&trial.course_steps),
+                Measure::MeanTime => mean_s(&trial.steps),
+                Measure::TimeRatio => {
+                    let measured = self.yardstick(training, which, rule)?;
+                    let pairs = trial.steps.iter().zip(&measured.navigations);
+                    let both = pairs.filter_map(|(driven, least)| Some(((*driven)?, least.plan_steps?)));
+                    let (driven, least) = both.fold((0_u64, 0_u64), |(driven, least), (d, l)| {
+                        (driven + u64::from(d), least + u64::from(l))
+                    });
+                    if least == 0 { f64::NAN } else { driven as f64 / least as f64 }
+                }
+                _ => 100.0 * trial.success_rate(),
+            })
+        })
+    }
+
+    /// The least times of the world that a training's policies are tested in.
+    ///
+    /// # Errors
+    /// The policy that shows the test's starts and targets cannot be read.
+    pub fn yardstick(
+        &self,
+        training: usize,
+        which: Which,
+        rule: TestRule,
+    ) -> Result<std::rc::Rc<super::yardstick::Least>, RunError> {
+        let of = &self.plan.trainings[training];
+        let policy = self.runs.join(&of.name).join(super::trial::file(which));
+        self.yardsticks.of(&of.config.scenario, rule, &policy)
+    }
+
+    fn with_trial<T>(
+        &self,
+        training: usize,
+        which: Which,
+        rule: TestRule,
+        look: impl FnOnce(&Trial) -> Result<T, RunError>,
+    ) -> Result<T, RunError> {
+        let key = (training, which, rule.key());
+        if !self.trials.borrow().contains_key(&key) {
+            let folder = self.runs.join(&self.plan.trainings[training].name);
+            self.trials.borrow_mut().insert(key, trial_of(&folder, which, rule)?);
+        }
+        look(&self.trials.borrow()[&key])
+    }
+
+    /// The training in which an arm's policy is found after so many episodes, and which of its policies that is.
+    #[must_use]
+    pub fn policy(
+        &self,
+        experiment: usize,
+        condition: usize,
+        arm: usize,
+        seed: u64,
+        after: u64,
+    ) -> (usize, Which) {
+        let chain = self.chain(experiment, condition, arm, seed);
+        let last = chain.stages.len() - 1;
+        match self.experiment(experiment).arms[arm].policy {
+            Tested::Best => (chain.stages[last].0, Which::Best),
+            Tested::AsItStands => {
+                let (stage, episodes) = chain.at(after).unwrap_or((last, after));
+                (chain.stages[stage].0, Which::After(episodes))
+            }
+        }
+    }
+
+    /// Where a policy's file is.
+    #[must_use]
+    pub fn policy_file(&self, training: usize, which: Which) -> PathBuf {
+        self.runs.join(&self.plan.trainings[training].name).join(super::trial::file(which))
+    }
+
+    /// The training at `index`.
+    #[must_use]
+    pub fn training(&self, index: usize) -> &'a Training {
+        &self.plan.trainings[index]
+    }
+
+    /// A series over the episodes of all stages of an arm, one curve for each seed.
+    #[must_use]
+    pub fn curves(&self, experiment: usize, condition: usize, arm: usize, series: Series) -> Vec<Vec<f64>> {
+        let seeds = 1..=self.experiment(experiment).seeds;
+        seeds
+            .map(|seed| {
+                let chain = self.chain(experiment, condition, arm, seed);
+                let stages = chain.stages.iter().flat_map(|&(training, length)| {
+                    let records = &self.records[training];
+                    let all = match series {
+                        Series::Return => &records.returns,
+                        Series::Targets => &records.targets,
+                    };
+                    let length = length.map_or(all.len(), |n| (n as usize).min(all.len()));
+                    all[..length].iter().copied()
+                });
+                stages.collect()
+            })
+            .collect()
+    }
+
+    /// Wall time of all trainings together, in minutes.
+    #[must_use]
+    pub fn minutes(&self) -> f64 {
+        let wall_s = |training: &Training| {
+            let text = std::fs::read_to_string(self.runs.join(&training.name).join("summary.json")).ok()?;
+            serde_json::from_str::<crate::run::records::Summary>(&text).ok().map(|summary| summary.wall_s)
+        };
+        self.plan.trainings.iter().filter_map(wall_s).sum::<f64>() / 60.0
+    }
+
+    /// Env steps of all trainings together.
+    #[must_use]
+    pub fn env_steps(&self) -> u64 {
+        self.records.iter().filter_map(|records| records.env_steps.last()).sum()
+    }
+}
+
+fn records(path: &Path) -> Result<Records, RunError> {
+    let mut reader = csv::Reader::from_path(path).map_err(|error| RunError::failed(path, error))?;
+    let mut records = Records { env_steps: Vec::new(), returns: Vec::new(), targets: Vec::new() };
+    for row in reader.deserialize::<EpisodeRow>() {
+        let row = row.map_err(|error| RunError::failed(path, error))?;
+        records.env_steps.push(row.env_steps);
+        records.returns.push(row.total_return);
+        records.targets.push(f64::from(row.targets));
+    }
+    Ok(records)
+}
+
+/// Rounded to a microsecond: 0.2 is meant, not f32's 0.200000003.
+fn round(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
+}

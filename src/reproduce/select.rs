@@ -1,0 +1,92 @@
+//! Which experiments are to be done, and which of their figures and tables are wanted.
+//!
+//! In: what the user asked for. Out: [`Selected`] experiments, with the seeds and the roughness asked for.
+
+use std::collections::BTreeMap;
+
+use super::Request;
+use super::experiment::Experiment;
+use super::plan::{Selected, Source};
+use super::quick::roughen;
+use crate::run::{RunError, shipped};
+use crate::scenario::nearest;
+
+/// The experiments that `request` asks for.
+///
+/// # Errors
+/// A file cannot be used; a name stands for two things; nothing is called what `--only` names.
+pub fn select(request: &Request) -> Result<Vec<Selected>, RunError> {
+    let mut sources = Vec::new();
+    if request.experiments.is_empty() {
+        for (from, text) in shipped::experiments() {
+            sources.push(Source { from: from.into(), experiment: Experiment::parse(text, from)? });
+        }
+    }
+    for from in &request.experiments {
+        sources.push(Source { from: from.display().to_string(), experiment: Experiment::load(from)? });
+    }
+    let names = names(&sources)?;
+    for wanted in &request.only {
+        if !names.contains_key(wanted) {
+            let all: Vec<&str> = names.keys().map(String::as_str).collect();
+            let mend = match nearest(wanted, all.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`? "),
+                None => String::new(),
+            };
+            let all = all.join(", ");
+            let why = format!("--only: nothing is called `{wanted}`; {mend}There are: {all}");
+            return Err(RunError::Unusable(why));
+        }
+    }
+    let wanted = |item: &str, also: &[String], of: &str| {
+        let all_names = std::iter::once(item).chain(also.iter().map(String::as_str)).chain([of]);
+        request.only.is_empty() || all_names.into_iter().any(|name| request.only.iter().any(|o| o == name))
+    };
+    let mut selected = Vec::new();
+    for mut source in sources {
+        let stem = stem(&source.from);
+        let experiment = &mut source.experiment;
+        if request.quick {
+            roughen(experiment, |preset| shipped::preset(preset).ok().map(|preset| preset.budget));
+        }
+        experiment.seeds = request.seeds.unwrap_or(experiment.seeds);
+        let picked = |n: usize, wanted: &dyn Fn(usize) -> bool| (0..n).filter(|&i| wanted(i)).collect();
+        let figures: Vec<usize> =
+            picked(experiment.figures.len(), &|i| wanted(&experiment.figures[i].name, &[], &stem));
+        let tables: Vec<usize> = picked(experiment.tables.len(), &|i| {
+            wanted(&experiment.tables[i].name, &experiment.tables[i].also, &stem)
+        });
+        if !figures.is_empty() || !tables.is_empty() {
+            selected.push(Selected { source, figures, tables });
+        }
+    }
+    Ok(selected)
+}
+
+/// Every name under which `--only` finds something, each with the experiment that it belongs to.
+fn names(sources: &[Source]) -> Result<BTreeMap<String, String>, RunError> {
+    let mut names: BTreeMap<String, String> = BTreeMap::new();
+    for source in sources {
+        let experiment = &source.experiment;
+        let figures = experiment.figures.iter().map(|figure| &figure.name);
+        let tables = experiment.tables.iter().flat_map(|table| std::iter::once(&table.name).chain(&table.also));
+        for name in figures.chain(tables) {
+            if let Some(other) = names.insert(name.clone(), source.from.clone()) {
+                let from = &source.from;
+                let why = format!("{from}: `{name}` is also the name of something in {other}; give it another");
+                return Err(RunError::Unusable(why));
+            }
+        }
+    }
+    // An experiment's own name stands for all of it, unless a figure or table has it.
+    for source in sources {
+        names.entry(stem(&source.from)).or_insert_with(|| source.from.clone());
+    }
+    Ok(names)
+}
+
+/// An experiment's name: its file's, without folder and ending.
+#[must_use]
+pub fn stem(from: &str) -> String {
+    std::path::Path::new(from).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}

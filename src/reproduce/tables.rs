@@ -1,0 +1,287 @@
+//! The tables of an experiment.
+//!
+//! In: what a table is to show, and the results. Out: a [`Table`], with notes on how its numbers came about.
+
+use super::experiment::{Experiment, Show, TableSpec, Tested};
+use super::figures::{row_name, rows};
+use super::measure::Measure;
+use super::results::{Results, Value};
+use super::trial::COURSE_DRIVES;
+use super::verdict::{compare, plain};
+use crate::report::statistics::Estimate;
+use crate::report::table::{Cell, Column, ColumnKind, Table, number};
+use crate::run::RunError;
+use crate::run::optimum::Bounds;
+
+/// Makes a table of experiment `index`.
+///
+/// # Errors
+/// Results are missing.
+pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Table, RunError> {
+    let (columns, rows, mut notes) = match &spec.show {
+        Show::Seeds { measure, after, paper } => seeds(results, index, *measure, *after, paper)?,
+        Show::Measures { measures, after } => measures_of(results, index, measures, *after)?,
+        Show::Contrast { measures, better, than, after } => {
+            contrast(results, index, measures, better, than, after)?
+        }
+    };
+    let experiment = results.experiment(index);
+    notes.extend(notes_on(experiment, spec));
+    Ok(Table { name: spec.name.clone(), title: spec.title.clone(), columns, rows, notes })
+}
+
+type Parts = (Vec<Column>, Vec<Vec<Cell>>, Vec<String>);
+
+fn text(heading: &str) -> Column {
+    Column { heading: heading.into(), unit: String::new(), kind: ColumnKind::Text }
+}
+
+fn numbers(heading: impl Into<String>, unit: &str) -> Column {
+    Column { heading: heading.into(), unit: unit.into(), kind: ColumnKind::Number }
+}
+
+fn seeds(
+    results: &Results<'_>,
+    index: usize,
+    measure: Measure,
+    after: u64,
+    paper: &[(String, f64)],
+) -> Result<Parts, RunError> {
+    let experiment = results.experiment(index);
+    let (unit, digits) = (measure.unit(), measure.digits());
+    let mut columns = vec![text("")];
+    columns.extend((1..=experiment.seeds).map(|seed| numbers(format!("Seed {seed}"), "")));
+    columns.push(numbers("Mean", unit));
+    if !paper.is_empty() {
+        columns.push(numbers("Paper", unit));
+        columns.push(numbers("Difference", unit));
+    }
+    let timed = matches!(measure, Measure::CourseTime | Measure::MeanTime);
+    if timed {
+        columns.push(numbers("Mean / least", ""));
+        if !paper.is_empty() {
+            columns.push(numbers("Paper / least", ""));
+        }
+    }
+    let mut table_rows = Vec::new();
+    let mut notes: Vec<String> = Vec::new();
+    for (condition, arm) in rows(results, index) {
+        let values = results.values(index, condition, arm, measure, after)?;
+        let mean = Estimate::of(&plain(&values));
+        let mut row = vec![Cell::Text(row_name(results, index, condition, arm))];
+        row.extend(values.iter().map(|value| cell(value, digits)));
+        row.push(estimate(mean, digits));
+        let papers = paper.iter().find(|(name, _)| *name == experiment.arms[arm].name).map(|p| p.1);
+        if !paper.is_empty() {
+            let value = |value| Cell::Number { value, digits: digits.max(decimals(value)) };
+            row.push(papers.map_or(Cell::Empty, value));
+            row.push(match papers.zip(mean) {
+                Some((paper, mean)) => {
+                    Cell::Signed { value: mean.mean - paper, half_width: mean.half_width, digits }
+                }
+                None => Cell::Empty,
+            });
+        }
+        if timed {
+            let least = least(results, index, (condition, arm), measure, after)?;
+            let ratio = |of: Option<f64>| match of.zip(least) {
+                Some((time_s, (plan_s, _))) => Cell::Number { value: time_s / plan_s, digits: 3 },
+                None => Cell::Empty,
+            };
+            row.push(ratio(mean.map(|mean| mean.mean)));
+            if !paper.is_empty() {
+                row.push(ratio(papers));
+            }
+            if let Some((plan_s, bound_s)) = least {
+                let (training, _) = results.policy(index, condition, arm, 1, after);
+                let world = &results.training(training).config.scenario.name;
+                let note = format!(
+                    "Least time in {world}: {}\u{a0}s by a planner that knows the world; no way takes less than {}\u{a0}s \
+                     (proven).",
+                    number(plan_s, 2),
+                    number(bound_s, 2)
+                );
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
+            }
+        }
+        table_rows.push(row);
+    }
+    Ok((columns, table_rows, notes))
+}
+
+/// Mean least time, and mean proven lower bound, in s, of the course or of the test's navigations.
+fn least(
+    results: &Results<'_>,
+    index: usize,
+    (condition, arm): (usize, usize),
+    measure: Measure,
+    after: u64,
+) -> Result<Option<(f64, f64)>, RunError> {
+    let (training, which) = results.policy(index, condition, arm, 1, after);
+    let least = results.yardstick(training, which, results.experiment(index).test)?;
+    let bounds = if measure == Measure::CourseTime { &least.course } else { &least.navigations };
+    let period_s = f64::from(results.training(training).config.scenario.task.control_period_s);
+    let known: Option<Vec<(u32, u32)>> =
+        bounds.iter().map(|&Bounds { lower_steps, plan_steps }| Some((plan_steps?, lower_steps))).collect();
+    Ok(known.filter(|known| !known.is_empty()).map(|known| {
+        let mean = |of: fn(&(u32, u32)) -> u32| {
+            known.iter().map(|pair| f64::from(of(pair))).sum::<f64>() / known.len() as f64 * period_s
+        };
+        (mean(|pair| pair.0), mean(|pair| pair.1))
+    }))
+}
+
+fn measures_of(
+    results: &Results<'_>,
+    index: usize,
+    measures: &[Measure],
+    after: u64,
+) -> Result<Parts, RunError> {
+    let mut columns = vec![text("")];
+    columns.extend(measures.iter().map(|measure| numbers(measure.heading(), measure.unit())));
+    let row = |(condition, arm): (usize, usize)| {
+        let mut row = vec![Cell::Text(row_name(results, index, condition, arm))];
+        for &measure in measures {
+            let values = results.values(index, condition, arm, measure, after)?;
+            row.push(mean(&values, measure));
+        }
+        Ok(row)
+    };
+    let table_rows = rows(results, index).into_iter().map(row).collect::<Result<_, RunError>>()?;
+    Ok((columns, table_rows, Vec::new()))
+}
+
+fn contrast(
+    results: &Results<'_>,
+    index: usize,
+    measures: &[Measure],
+    better: &str,
+    than: &str,
+    afters: &[u64],
+) -> Result<Parts, RunError> {
+    let experiment = results.experiment(index);
+    let arm = |name: &str| experiment.arms.iter().position(|arm| arm.name == name).unwrap_or(0);
+    let (better_arm, than_arm) = (arm(better), arm(than));
+    let mut columns = vec![text("Condition")];
+    if afters.len() > 1 {
+        columns.push(numbers("Episodes", ""));
+    }
+    for measure in measures {
+        columns.push(numbers(format!("{}: {better}", measure.heading()), measure.unit()));
+        columns.push(numbers(than, measure.unit()));
+        columns.push(numbers("Difference", measure.unit()));
+        columns.push(text("Paper's order"));
+    }
+    let mut table_rows = Vec::new();
+    for condition in 0..experiment.conditions.len().max(1) {
+        for &after in afters {
+            let name = experiment.conditions.get(condition).map_or("as it is", |c| c.name.as_str());
+            let mut row = vec![Cell::Text(name.into())];
+            if afters.len() > 1 {
+                row.push(Cell::Number { value: after as f64, digits: 0 });
+            }
+            for &measure in measures {
+                let one = results.values(index, condition, better_arm, measure, after)?;
+                let other = results.values(index, condition, than_arm, measure, after)?;
+                let compared = compare(measure, &one, &other);
+                row.extend([mean(&one, measure), mean(&other, measure)]);
+                row.push(compared.difference.map_or(Cell::Empty, |difference| Cell::Signed {
+                    value: difference.mean,
+                    half_width: difference.half_width,
+                    digits: measure.digits(),
+                }));
+                row.push(Cell::Verdict(compared.outcome));
+            }
+            table_rows.push(row);
+        }
+    }
+    let note = format!(
+        "\"held\": the 95 % interval of the difference lies wholly on the side where {better} is ahead; \"reversed\": on \
+         the other side; \"not shown\": it holds 0."
+    );
+    Ok((columns, table_rows, vec![note]))
+}
+
+fn cell(value: &Value, digits: usize) -> Cell {
+    match *value {
+        Value { value, at_least: true } => Cell::AtLeast { value, digits },
+        Value { value, at_least: false } => Cell::Number { value, digits },
+    }
+}
+
+fn estimate(estimate: Option<Estimate>, digits: usize) -> Cell {
+    estimate
+        .map_or(Cell::Empty, |e| Cell::Estimate { mean: e.mean, half_width: e.half_width, digits })
+}
+
+/// The mean over the seeds with its interval; a lower bound where some never got there.
+fn mean(values: &[Value], measure: Measure) -> Cell {
+    let digits = measure.digits();
+    let mean = Estimate::of(&plain(values));
+    match mean {
+        Some(mean) if values.iter().any(|value| value.at_least) => {
+            Cell::AtLeast { value: mean.mean, digits }
+        }
+        mean => estimate(mean, digits),
+    }
+}
+
+/// Decimals that a number of the paper is given with.
+fn decimals(value: f64) -> usize {
+    (0..3).find(|&digits| (value * 10_f64.powi(digits)).fract().abs() < 1e-6).unwrap_or(3) as usize
+}
+
+/// What one must know to read the numbers.
+fn notes_on(experiment: &Experiment, spec: &TableSpec) -> Vec<String> {
+    let measures: &[Measure] = match &spec.show {
+        Show::Seeds { measure, .. } => std::slice::from_ref(measure),
+        Show::Measures { measures, .. } | Show::Contrast { measures, .. } => measures,
+    };
+    let mut notes = Vec::new();
+    let after = match &spec.show {
+        Show::Seeds { after, .. } | Show::Measures { after, .. } => Some(after),
+        Show::Contrast { .. } => None,
+    };
+    let mut when = match after {
+        Some(after) => format!("Tested after {} episodes, greedily", number(*after as f64, 0)),
+        None => "Tested greedily".into(),
+    };
+    let seeds = experiment.seeds;
+    when += &format!(", over {seeds} seed{}", if seeds == 1 { "" } else { "s" });
+    when += "; ± is the 95 % interval of the mean (Student's t).";
+    notes.push(when);
+    for arm in experiment.arms.iter().filter(|arm| arm.policy == Tested::Best) {
+        notes.push(format!("{}: the best policy of its training, by evaluations of its own.", arm.name));
+    }
+    let test = &experiment.test;
+    if measures.contains(&Measure::Success) {
+        notes.push(format!(
+            "Success: each seed's policy drives {} rounds of {} navigations that it has never seen.",
+            test.rounds, test.navigations
+        ));
+    }
+    if measures.contains(&Measure::CourseTime) {
+        notes.push(format!(
+            "Course: mean of {COURSE_DRIVES} drives of each seed's policy; a drive that fails counts as the time limit. \
+             Where nothing moves and nothing is noisy, all drives of a policy are the same."
+        ));
+    }
+    if measures.contains(&Measure::MeanTime) {
+        notes.push("Mean time: over all test navigations; one that fails counts as the time limit.".into());
+    }
+    if measures.contains(&Measure::TimeRatio) {
+        notes.push(
+            "Time / least: total time of the successful test navigations over the planner's for the same ones.".into(),
+        );
+    }
+    if measures.iter().any(|m| matches!(m, Measure::EpisodesTo(_) | Measure::StepsTo(_))) {
+        notes.push(
+            "Episodes (steps) to a level: of the last stage, until the mean of 50 episodes reaches it while still exploring; \
+             \"> n\": some seeds never did, and count in full."
+                .into(),
+        );
+    }
+    notes
+}

@@ -1,0 +1,148 @@
+//! Whether a claim held, in one sentence computed from the data.
+//!
+//! In: a claim, and the values of both arms over the seeds. Out: a [`Verdict`]: *held* when the 95 % interval of the
+//! difference (Welch) lies wholly on the claimed side of 0, *reversed* when it lies wholly on the other, else *not
+//! shown*.
+
+use super::experiment::Claim;
+use super::measure::Measure;
+use super::results::Value;
+use crate::report::page::Verdict;
+use crate::report::statistics::{Estimate, difference};
+use crate::report::table::{Outcome, number};
+
+/// How two arms compare: the difference in the measure's own direction, and what follows from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// Mean of the one less mean of the other, in the measure's unit; None if there is nothing to compare.
+    pub difference: Option<Estimate>,
+    /// What it says of the claim that the one is better.
+    pub outcome: Outcome,
+}
+
+/// Compares the arm that is claimed to be `better` with the other.
+#[must_use]
+pub fn compare(measure: Measure, better: &[Value], than: &[Value]) -> Comparison {
+    let difference = difference(&plain(better), &plain(than));
+    let sign = if measure.more_is_better() { 1.0 } else { -1.0 };
+    let outcome = match difference {
+        Some(Estimate { mean, half_width: Some(half_width), .. }) => {
+            // Equal to the last digit is no difference, whatever rounding says.
+            let least = 1e-9 * mean.abs().max(1.0);
+            let (middle, reach) = (sign * mean, half_width.max(least));
+            if middle > reach {
+                Outcome::Held
+            } else if middle < -reach {
+                Outcome::Reversed
+            } else {
+                Outcome::NotShown
+            }
+        }
+        _ => Outcome::NotShown,
+    };
+    Comparison { difference, outcome }
+}
+
+/// The verdict on `claim`; `anchor` is the section that shows it.
+#[must_use]
+pub fn verdict(claim: &Claim, better: &[Value], than: &[Value], anchor: &str) -> Verdict {
+    let measure = claim.measure;
+    let Comparison { difference, outcome } = compare(measure, better, than);
+    let unit = match measure.unit() {
+        "" => String::new(),
+        unit => format!("\u{a0}{unit}"),
+    };
+    let reads = |estimate: Option<Estimate>| {
+        estimate.map_or("nothing".into(), |e| format!("{}{unit}", with_interval(&e, measure.digits())))
+    };
+    let mut sentence = format!(
+        "{} after {} episodes: {} {}, {} {}",
+        measure.heading(),
+        number(claim.after as f64, 0),
+        claim.better,
+        reads(Estimate::of(&plain(better))),
+        claim.than,
+        reads(Estimate::of(&plain(than))),
+    );
+    if let Some(difference) = difference {
+        let sign = if difference.mean > 0.0 { "+" } else { "" };
+        sentence += &format!("; difference {sign}{}{unit}", with_interval(&difference, measure.digits()));
+    }
+    sentence += match (outcome, difference.and_then(|d| d.half_width)) {
+        (Outcome::Held, _) => ". The claim holds.",
+        (Outcome::Reversed, _) => ". It is the other way round.",
+        (Outcome::NotShown, Some(_)) => ". The interval holds 0: no difference is shown.",
+        (Outcome::NotShown, None) => ". One seed shows nothing.",
+    };
+    for (name, values) in [(&claim.better, better), (&claim.than, than)] {
+        let never = values.iter().filter(|value| value.at_least).count();
+        if never > 0 {
+            let all = values.len();
+            sentence += &format!(" ({never} of {all} runs of {name} never got there; they count in full.)");
+        }
+    }
+    Verdict { claim: claim.says.clone(), outcome, sentence, anchor: anchor.into() }
+}
+
+/// The numbers alone.
+#[must_use]
+pub fn plain(values: &[Value]) -> Vec<f64> {
+    values.iter().map(|value| value.value).collect()
+}
+
+fn with_interval(estimate: &Estimate, digits: usize) -> String {
+    match estimate.half_width {
+        Some(half_width) => format!("{} ± {}", number(estimate.mean, digits), number(half_width, digits)),
+        None => number(estimate.mean, digits),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(of: &[f64]) -> Vec<Value> {
+        of.iter().map(|&value| Value { value, at_least: false }).collect()
+    }
+
+    fn outcome(measure: Measure, better: &[f64], than: &[f64]) -> Outcome {
+        compare(measure, &values(better), &values(than)).outcome
+    }
+
+    #[test]
+    fn a_claim_holds_when_the_interval_lies_on_its_side() {
+        // Means 99 and 90, standard errors sqrt(1/3) each: far apart.
+        let (high, low) = ([98.0, 99.0, 100.0], [89.0, 90.0, 91.0]);
+        assert_eq!(outcome(Measure::Success, &high, &low), Outcome::Held);
+        assert_eq!(outcome(Measure::Success, &low, &high), Outcome::Reversed);
+        assert_eq!(outcome(Measure::MeanTime, &low, &high), Outcome::Held, "less time is better");
+        // Means 96 and 94, standard errors sqrt(16/3) each: 2 +- 2.776 sqrt(32/3) = 9.07 (Welch: 4 degrees of freedom).
+        let (one, other) = ([92.0, 96.0, 100.0], [90.0, 94.0, 98.0]);
+        assert_eq!(outcome(Measure::Success, &one, &other), Outcome::NotShown);
+        assert_eq!(outcome(Measure::Success, &[99.0], &[1.0]), Outcome::NotShown, "one seed shows nothing");
+        assert_eq!(outcome(Measure::Success, &[5.0, 5.0], &[5.0, 5.0]), Outcome::NotShown, "no difference");
+        assert_eq!(outcome(Measure::Success, &[6.0, 6.0], &[5.0, 5.0]), Outcome::Held, "no spread at all");
+    }
+
+    #[test]
+    fn a_verdict_says_the_numbers_it_rests_on() {
+        let claim = Claim {
+            says: "More is reached".into(),
+            measure: Measure::Success,
+            better: "A".into(),
+            than: "B".into(),
+            after: 1000,
+        };
+        // {98, 99, 100}: 99, sd 1, half width 4.3027 / sqrt 3 = 2.48; the difference's: 2.7764 sqrt(2/3) = 2.27.
+        let said = verdict(&claim, &values(&[98.0, 99.0, 100.0]), &values(&[89.0, 90.0, 91.0]), "here");
+        assert_eq!(
+            said.sentence,
+            "Success after 1,000 episodes: A 99.0 ± 2.5\u{a0}%, B 90.0 ± 2.5\u{a0}%; difference +9.0 ± 2.3\u{a0}%. \
+             The claim holds."
+        );
+        let never = [Value { value: 800.0, at_least: true }, Value { value: 700.0, at_least: false }];
+        let claim = Claim { measure: Measure::EpisodesTo(4.0), after: 800, ..claim };
+        let said = verdict(&claim, &values(&[300.0, 310.0]), &never, "here");
+        assert!(said.sentence.ends_with("(1 of 2 runs of B never got there; they count in full.)"));
+    }
+}
