@@ -168,6 +168,13 @@ fn a_saved_world_goes_on_to_the_bit_with_a_noisy_lidar() {
 }
 
 #[test]
+fn a_saved_world_goes_on_to_the_bit_with_a_drive_that_lags() {
+    let mut scenario = common::moving();
+    scenario.robot.actuator_lag_s = 0.5;
+    goes_on_to_the_bit(scenario);
+}
+
+#[test]
 fn a_saved_world_goes_on_to_the_bit_even_in_contact() {
     // A robot may scrape along things here: rapier's contacts are at work when the snapshot is taken.
     let mut scenario = common::moving();

@@ -14,8 +14,8 @@ use super::{obstacles, robot};
 use crate::control_step::Begin;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaState, Clock, CurrentScenario, Episode, Observations, Outcome, Outcomes, Pose,
-    Restart, Scan, Streams, Target, observation,
+    Actions, Arena, ArenaState, Clock, CurrentScenario, Drive, Episode, Observations, Outcome, Outcomes,
+    Pose, Restart, Scan, Streams, Target, observation,
 };
 
 /// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
@@ -32,6 +32,7 @@ pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed
             .spawn((
                 Arena(index),
                 Pose::default(),
+                Drive::default(),
                 Scan::default(),
                 Target::default(),
                 Clock::default(),
@@ -64,12 +65,13 @@ pub fn rewind(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(Streams
 
 /// The state of every arena, by number.
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
-    let mut arenas = world.query::<(&Arena, &Pose, &Scan, &Target, &Clock, &Episode, &Streams)>();
+    let mut arenas = world.query::<(&Arena, &Pose, &Drive, &Scan, &Target, &Clock, &Episode, &Streams)>();
     let mut states: Vec<(usize, ArenaState)> = arenas
         .iter(world)
-        .map(|(arena, pose, scan, target, clock, episode, streams)| {
+        .map(|(arena, pose, drive, scan, target, clock, episode, streams)| {
             let state = ArenaState {
                 pose: *pose,
+                drive: *drive,
                 scan: scan.clone(),
                 target: *target,
                 clock: *clock,
@@ -94,12 +96,13 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         &Bodies,
         &mut RapierRigidBodySet,
         &mut RapierContextColliders,
-        (&mut Pose, &mut Scan, &mut Target, &mut Clock, &mut Episode, &mut Streams),
+        (&mut Pose, &mut Drive, &mut Scan, &mut Target, &mut Clock, &mut Episode, &mut Streams),
     )>();
     for (arena, bodies, mut set, mut colliders, components) in arenas.iter_mut(world) {
         let Some(state) = states.get(arena.0) else { continue };
-        let (mut pose, mut scan, mut target, mut clock, mut episode, mut streams) = components;
+        let (mut pose, mut drive, mut scan, mut target, mut clock, mut episode, mut streams) = components;
         *pose = state.pose;
+        *drive = state.drive;
         *scan = state.scan.clone();
         *target = state.target;
         *clock = state.clock;
