@@ -4,7 +4,7 @@ mod cli_support;
 
 use std::sync::OnceLock;
 
-use cli_support::{Desk, FAST, edited, quick_fast};
+use cli_support::{Desk, FAST, SCENARIO_1, edited, quick_fast};
 use serde_json::Value;
 
 /// A desk on which the default preset has trained for 30,000 env steps with seed 1, once for all tests:
@@ -128,6 +128,30 @@ fn another_scenario_is_another_world() {
     let success = |report| number(report, "success_rate");
     assert!(success(&two) < success(&one), "moving obstacles are harder: {two}");
     assert!(success(&empty) > 0.5, "a robot that can go round obstacles can do without: {empty}");
+}
+
+#[test]
+fn in_a_world_whose_drive_lags_no_least_time_is_claimed() {
+    let desk = taught();
+    desk.write(
+        "lag.ron",
+        edited(SCENARIO_1, &[("    obstacles: [", "    robot: (actuator_lag_s: 0.3),\n    obstacles: [")]),
+    );
+    let what = "--eval taught/policy.safetensors --rounds 1 --navigations 20 --optimum --json";
+    let (lagging, prompt) = (desk.succeed(&format!("{what} --scenario lag.ron")), desk.succeed(what));
+    assert_eq!(prompt.stderr, "");
+    assert!(number(&prompt.json(), "time_ratio") >= 1.0, "{}", prompt.stdout);
+    let report = lagging.json();
+    assert_eq!(report["optimum_navigations"], 0, "{report}");
+    assert_eq!(
+        (&report["optimum_mean_time_s"], &report["time_ratio"]),
+        (&Value::Null, &Value::Null),
+        "{report}"
+    );
+    for needle in ["note: ", "no lag", "Scenario I", "actuator_lag_s is 0.3"] {
+        assert!(lagging.stderr.contains(needle), "`{needle}` is not in {}", lagging.stderr);
+    }
+    assert_eq!(lagging.stderr.lines().count(), 1, "{}", lagging.stderr);
 }
 
 /// The bytes behind a safetensors file's header: the weights.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use serde::Serialize;
 
-use super::optimum::{Resolution, least_time};
+use super::optimum::{Resolution, is_modelled, least_time};
 use super::{RunError, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
@@ -129,9 +129,12 @@ pub struct AgainstOptimum {
 }
 
 /// Plans every successful navigation anew with full knowledge of the world ([`least_time`]), on all cores. None if
-/// there is nothing to compare.
+/// there is nothing to compare, or the planner does not model the scenario ([`is_modelled`]: a lag of the drive).
 #[must_use]
 pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Option<AgainstOptimum> {
+    if !is_modelled(scenario) {
+        return None;
+    }
     let succeeded: Vec<&Navigation> = navigations.iter().filter(|n| n.succeeded()).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let share = succeeded.len().div_ceil(cores).max(1);
