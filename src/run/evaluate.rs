@@ -12,7 +12,7 @@ use bevy::prelude::*;
 use serde::Serialize;
 
 use super::optimum::{Resolution, is_modelled, least_time};
-use super::{RunError, simulation};
+use super::{RunError, policy_card, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
 use crate::random;
@@ -180,7 +180,7 @@ impl Evaluator {
         Self { app: simulation::navigating(scenario, arenas), scenario: scenario.clone(), arenas }
     }
 
-    /// Drives `count` navigations with `policy`; `places` says where from and to. Where navigation j starts and
+    /// Drives `count` navigations with `policy`, which sees what its card says ([`policy_card::encoding`]); `places` says where from and to. Where navigation j starts and
     /// goes to depends on the scenario, `seed` and j alone.
     ///
     /// # Errors
@@ -194,6 +194,7 @@ impl Evaluator {
     ) -> Result<Vec<Navigation>, RunError> {
         fits(policy, &self.scenario)?;
         let world = self.app.world_mut();
+        world.insert_resource(policy_card::encoding(policy)?);
         world.insert_resource(GreedyPolicy(policy.clone()));
         world.insert_resource(places);
         let mut navigations = Vec::with_capacity(count);
@@ -234,6 +235,7 @@ fn fresh(seed: u64, index: u64) -> (Streams, Clock) {
 /// # Errors
 /// It cannot; what differs.
 pub fn fits(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
+    policy_card::encoding(policy)?;
     let shape = policy.network.shape();
     let inputs = observation::width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();

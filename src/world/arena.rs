@@ -14,8 +14,8 @@ use super::{obstacles, robot};
 use crate::control_step::Begin;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaState, Clock, CurrentScenario, Drive, Episode, Observations, Outcome, Outcomes,
-    Pose, Restart, Scan, Streams, Target, observation,
+    Actions, Arena, ArenaState, Clock, CurrentScenario, Drive, Encoding, Episode, Observations, Outcome,
+    Outcomes, Pose, Restart, Scan, Streams, Target, observation,
 };
 
 /// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
@@ -91,6 +91,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
     let scenario = world.resource::<CurrentScenario>().0.clone();
     let mut rows = world.remove_resource::<Observations>().unwrap_or_default();
     let width = rows.width;
+    let encoding = *world.resource::<Encoding>();
     let mut arenas = world.query::<(
         &Arena,
         &Bodies,
@@ -110,7 +111,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         *streams = state.streams.clone();
         robot::place_body(&mut set, bodies, &pose);
         obstacles::place_bodies(&scenario, *clock, bodies, &mut set, &mut colliders);
-        observation::encode(&scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
+        observation::encode(encoding, &scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
     }
     world.insert_resource(rows);
 }
