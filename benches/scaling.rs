@@ -69,7 +69,7 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let learning = LearningConfig { train_interval: u64::MAX, ..preset.learning };
     let before = resident_kb();
     let learner = Learner::new(&learning, observation::width(24), 5, arenas, 1)?;
-    let mut app = simulation::training(&scenario, &preset.reward, arenas, 1, learner);
+    let mut app = simulation::training(&scenario, preset.observation, &preset.reward, arenas, 1, learner);
     for _ in 0..(2_000 / arenas).max(4) {
         simulation::step(&mut app)?;
     }

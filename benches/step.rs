@@ -19,7 +19,7 @@ use wayfield::control_step::{ControlStep, ControlStepPlugin};
 use wayfield::learning::{NetworkShape, Policy, QNetwork};
 use wayfield::random;
 use wayfield::scenario::Scenario;
-use wayfield::task::{EpisodeEnded, RewardConfig, TaskMode, TaskPlugin, observation};
+use wayfield::task::{Encoding, EpisodeEnded, RewardConfig, TaskMode, TaskPlugin, observation};
 use wayfield::world::{self, WorldPlugin};
 
 fn main() {
@@ -53,7 +53,11 @@ fn everything_in(bencher: Bencher, arenas: usize) {
     app.add_plugins((
         MinimalPlugins,
         ControlStepPlugin,
-        TaskPlugin { reward: RewardConfig::default(), mode: TaskMode::Continuing },
+        TaskPlugin {
+            observation: Encoding::Scaled,
+            reward: RewardConfig::default(),
+            mode: TaskMode::Continuing,
+        },
         WorldPlugin,
         AgentPlugin { acting: Acting::Greedy, seed: 1, arenas },
     ));

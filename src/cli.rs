@@ -16,6 +16,7 @@ use crate::learning::Policy;
 use crate::reproduce::{Request, reproduce};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
+use crate::run::optimum::is_modelled;
 use crate::run::preset::Budget;
 use crate::run::records::{Milestone, Summary};
 use crate::run::train::{Job, train};
@@ -395,6 +396,12 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     } else {
         None
     };
+    if arguments.optimum && !is_modelled(&scenario) {
+        tell(&format!(
+            "note: no least times: the planner knows no lag of the drive, and in {} actuator_lag_s is {}",
+            scenario.name, scenario.robot.actuator_lag_s
+        ));
+    }
     let optimum = arguments.optimum.then(|| {
         let against = evaluate::against_optimum(&scenario, &navigations);
         OptimumReport {

@@ -4,8 +4,9 @@ mod cli_support;
 
 use std::sync::OnceLock;
 
-use cli_support::{Desk, FAST, edited, quick_fast};
+use cli_support::{Desk, FAST, SCENARIO_1, edited, quick_fast, raw};
 use serde_json::Value;
+use wayfield::learning::Policy;
 
 /// A desk on which the default preset has trained for 30,000 env steps with seed 1, once for all tests:
 /// `taught/policy.safetensors`.
@@ -128,6 +129,63 @@ fn another_scenario_is_another_world() {
     let success = |report| number(report, "success_rate");
     assert!(success(&two) < success(&one), "moving obstacles are harder: {two}");
     assert!(success(&empty) > 0.5, "a robot that can go round obstacles can do without: {empty}");
+}
+
+#[test]
+fn in_a_world_whose_drive_lags_no_least_time_is_claimed() {
+    let desk = taught();
+    desk.write(
+        "lag.ron",
+        edited(SCENARIO_1, &[("    obstacles: [", "    robot: (actuator_lag_s: 0.3),\n    obstacles: [")]),
+    );
+    let what = "--eval taught/policy.safetensors --rounds 1 --navigations 20 --optimum --json";
+    let (lagging, prompt) = (desk.succeed(&format!("{what} --scenario lag.ron")), desk.succeed(what));
+    assert_eq!(prompt.stderr, "");
+    assert!(number(&prompt.json(), "time_ratio") >= 1.0, "{}", prompt.stdout);
+    let report = lagging.json();
+    assert_eq!(report["optimum_navigations"], 0, "{report}");
+    assert_eq!(
+        (&report["optimum_mean_time_s"], &report["time_ratio"]),
+        (&Value::Null, &Value::Null),
+        "{report}"
+    );
+    for needle in ["note: ", "no lag", "Scenario I", "actuator_lag_s is 0.3"] {
+        assert!(lagging.stderr.contains(needle), "`{needle}` is not in {}", lagging.stderr);
+    }
+    assert_eq!(lagging.stderr.lines().count(), 1, "{}", lagging.stderr);
+}
+
+#[test]
+fn a_raw_policy_is_shown_raw_observations_and_nothing_else() {
+    let desk = Desk::new();
+    desk.write("raw.ron", raw(FAST));
+    desk.succeed("--train --preset raw.ron --steps 30000 --seed 1 --out run");
+    // During training: where scaled numbers are shown to it, it does not get there.
+    let evaluations = desk.rows("run/evaluations.csv");
+    let last: f64 = evaluations.last().unwrap()["success_rate"].parse().unwrap();
+    assert!(last >= 0.9, "{last}");
+    let success = |name: &str| {
+        number(&desk.succeed(&format!("--eval {name} --rounds 2 --seed 77 --json")).json(), "success_rate")
+    };
+    let own = success("run/policy.safetensors");
+    assert!(own >= 0.9, "{own}");
+
+    let mut policy = Policy::from_bytes(&desk.read("run/policy.safetensors")).unwrap();
+    assert_eq!(policy.metadata["encoding"], "raw");
+    let told = policy.metadata["observation"].clone();
+    assert!(told.starts_with("24 LIDAR ranges in m (") && !told.contains('/'), "{told}");
+    let scaled = Policy::from_bytes(&taught().read("taught/policy.safetensors")).unwrap();
+    assert_eq!(scaled.metadata["encoding"], "scaled");
+    let told = &scaled.metadata["observation"];
+    assert!(told.starts_with("24 LIDAR ranges / 3.5 m (") && told.contains("/ pi rad"), "{told}");
+
+    // The same weights under another card, or none, as before there were two encodings: scaled.
+    policy.metadata.insert("encoding".into(), "scaled".into());
+    desk.write("misled.safetensors", policy.to_bytes().unwrap());
+    policy.metadata.remove("encoding");
+    desk.write("old.safetensors", policy.to_bytes().unwrap());
+    let (misled, old) = (success("misled.safetensors"), success("old.safetensors"));
+    assert!(misled < 0.5 && misled == old, "{misled}, {old}: the card decides, and scaled is the default");
 }
 
 /// The bytes behind a safetensors file's header: the weights.

@@ -3,7 +3,7 @@
 
 mod cli_support;
 
-use cli_support::{Desk, brisk, end, noisy, quick_fast, quick_per, signal, wait_until};
+use cli_support::{Desk, brisk, edited, end, noisy, quick_fast, quick_per, raw, signal, wait_until};
 use cli_support::{SCENARIO_1, SCENARIO_2};
 
 /// A desk with the presets and scenarios of these tests.
@@ -66,6 +66,32 @@ fn sixteen_arenas_with_three_step_returns_resume_to_the_bit() {
 fn moving_obstacles_and_an_erring_lidar_resume_to_the_bit() {
     assert_resumes("--scenario two.ron --preset per.ron", "--episodes 31", "--episodes 60");
     assert_resumes("--scenario noisy.ron --preset fast.ron", "--episodes 45", "--episodes 90");
+}
+
+#[test]
+fn a_drive_that_lags_resumes_to_the_bit() {
+    let desk = desk();
+    desk.write(
+        "lag.ron",
+        edited(&noisy(SCENARIO_2), &[("    lidar: (", "    robot: (actuator_lag_s: 0.3),\n    lidar: (")]),
+    );
+    desk.succeed("--train --scenario lag.ron --preset fast.ron --seed 5 --steps 6000 --out straight");
+    desk.succeed("--train --scenario lag.ron --preset fast.ron --seed 5 --steps 3100 --out halves");
+    desk.succeed("--train --resume halves --steps 6000");
+    desk.assert_same_run("straight", "halves");
+    desk.succeed("--train --scenario noisy.ron --preset fast.ron --seed 5 --steps 6000 --out prompt");
+    assert_ne!(desk.substance("straight").episodes, desk.substance("prompt").episodes, "the lag is felt");
+}
+
+#[test]
+fn raw_observations_resume_to_the_bit() {
+    let desk = desk();
+    desk.write("raw.ron", raw(&quick_fast()));
+    let what = "--train --scenario one.ron --preset raw.ron --seed 5";
+    desk.succeed(&format!("{what} --steps 6000 --out straight"));
+    desk.succeed(&format!("{what} --steps 3100 --out halves"));
+    desk.succeed("--train --resume halves --steps 6000");
+    desk.assert_same_run("straight", "halves");
 }
 
 #[test]

@@ -124,6 +124,19 @@ fn config_ron_holds_all_that_is_needed_to_do_it_again() {
 }
 
 #[test]
+fn a_config_ron_from_before_lag_and_encoding_still_loads() {
+    let desk = desk();
+    desk.succeed("--train --scenario brisk.ron --preset quick.ron --steps 16 --out run");
+    let text = desk.text("run/config.ron");
+    let config: RunConfig = read_ron(desk.path("run/config.ron")).unwrap();
+    let old: Vec<&str> =
+        text.lines().filter(|l| !l.contains("actuator_lag_s:") && !l.contains("observation:")).collect();
+    assert_eq!(old.len(), text.lines().count() - 2, "{text}");
+    desk.write("old.ron", old.join("\n"));
+    assert_eq!(read_ron::<RunConfig>(desk.path("old.ron")).unwrap(), config, "none, and Scaled");
+}
+
+#[test]
 fn default_folders_are_named_after_the_run_and_never_taken_twice() {
     let desk = desk();
     let train = "--train --scenario brisk.ron --preset quick.ron --steps 1600 --seed 3";

@@ -4,7 +4,8 @@
 
 mod cli_support;
 
-use cli_support::{Desk, FAST, SCENARIO_1, edited, quick_fast};
+use cli_support::{Desk, FAST, SCENARIO_1, edited, quick_fast, raw};
+use wayfield::learning::Policy;
 
 /// A desk with a good preset, a run of one step, and its policy.
 fn desk() -> Desk {
@@ -95,6 +96,11 @@ fn presets_that_cannot_be_used() {
     let broken = [
         ("comma.ron", ("gamma: 0.95,", "gamma: 0.95"), &["comma.ron:19:9", "comma"][..]),
         ("field.ron", ("n_step: 3", "nstep: 3"), &["field.ron:19:9", "nstep", "did you mean `n_step`?"]),
+        (
+            "encoding.ron",
+            ("    reward: (", "    observation: Row,\n    reward: ("),
+            &["encoding.ron:7:", "`observation`", "did you mean `Raw`?"],
+        ),
         ("arenas.ron", ("arenas: 16", "arenas: 0"), &["arenas.ron:4:13", "`arenas` is 0; give 1 to 4096"]),
         (
             "batch.ron",
@@ -182,6 +188,36 @@ fn policies_that_cannot_be_used() {
         "--train --preset fast --init run/policy.safetensors --out new",
         &["run/policy.safetensors", "16", "64"],
     );
+}
+
+#[test]
+fn policies_of_another_encoding_cannot_be_started_from() {
+    let desk = desk();
+    desk.write("raw.ron", raw(&quick_fast()));
+    desk.succeed("--train --preset raw.ron --steps 1 --out raw");
+    for (preset, init, needles) in [
+        ("quick.ron", "raw", ["raw observations", "the preset's are scaled", "`observation: Raw`"]),
+        ("raw.ron", "run", ["scaled observations", "the preset's are raw", "`observation: Scaled`"]),
+    ] {
+        let policy = format!("{init}/policy.safetensors");
+        let needles: Vec<&str> = needles.into_iter().chain([policy.as_str()]).collect();
+        assert_refused_in_a_line(
+            &desk,
+            &format!("--train --preset {preset} --init {policy} --out new"),
+            &needles,
+        );
+    }
+    desk.succeed("--train --preset raw.ron --init raw/policy.safetensors --steps 1 --out onward");
+
+    let mut later = Policy::from_bytes(&desk.read("run/policy.safetensors")).unwrap();
+    later.metadata.insert("encoding".into(), "logarithmic".into());
+    desk.write("later.safetensors", later.to_bytes().unwrap());
+    for arguments in
+        ["--eval later.safetensors", "--train --preset quick.ron --init later.safetensors --out new"]
+    {
+        let needles = ["later.safetensors", "\"logarithmic\"", "newer wayfield"];
+        assert_refused_in_a_line(&desk, arguments, &needles);
+    }
 }
 
 #[test]

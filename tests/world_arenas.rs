@@ -88,6 +88,13 @@ fn arena_k_moves_and_senses_the_same_bits_among_1_2_7_or_64_with_a_noisy_lidar()
 }
 
 #[test]
+fn arena_k_moves_and_senses_the_same_bits_among_1_2_7_or_64_with_a_drive_that_lags() {
+    let mut scenario = common::moving();
+    scenario.robot.actuator_lag_s = 0.3;
+    arena_k_is_the_same_among_however_many(&scenario);
+}
+
+#[test]
 fn the_same_seed_gives_the_same_bits_and_another_seed_other_starts() {
     let scenario = restless(common::moving());
     let run = |seed| tracks(&mut Lab::new(&scenario, 4, seed), 4);

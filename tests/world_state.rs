@@ -5,7 +5,8 @@ mod common;
 use common::{Lab, bits, closed_form};
 use wayfield::scenario::Scenario;
 use wayfield::task::{
-    ArenaState, Clock, EpisodeEnd, Outcome, RewardConfig, Streams, TaskMode, observation::RANGE_SCALE_M,
+    ArenaState, Clock, Encoding, EpisodeEnd, Outcome, RewardConfig, Streams, TaskMode,
+    observation::RANGE_SCALE_M,
 };
 use wayfield::world;
 
@@ -168,11 +169,41 @@ fn a_saved_world_goes_on_to_the_bit_with_a_noisy_lidar() {
 }
 
 #[test]
+fn a_saved_world_goes_on_to_the_bit_with_a_drive_that_lags() {
+    let mut scenario = common::moving();
+    scenario.robot.actuator_lag_s = 0.5;
+    goes_on_to_the_bit(scenario);
+}
+
+#[test]
 fn a_saved_world_goes_on_to_the_bit_even_in_contact() {
     // A robot may scrape along things here: rapier's contacts are at work when the snapshot is taken.
     let mut scenario = common::moving();
     (scenario.task.collision_range_m, scenario.robot.radius_m) = (0.1005, 0.1);
     goes_on_to_the_bit(scenario);
+}
+
+#[test]
+fn raw_observations_are_raw_at_every_turn() {
+    let mut scenario = common::moving();
+    scenario.task.time_limit_steps = 30;
+    let mut lab = Lab::new(&scenario, 4, 3);
+    lab.app.insert_resource(Encoding::Raw);
+    lab.edit(0, |_| ());
+    let mut drivers = common::drivers(4);
+    for step in 0..100 {
+        // In metres and radians, whether restored, after a step, or of a new episode.
+        for (arena, state) in lab.states().iter().enumerate() {
+            let row = lab.row(arena);
+            assert_eq!(bits(&row[..24]), bits(&state.scan.ranges_m), "step {step}, arena {arena}");
+            let sight = [state.pose.bearing_rad(&state.target), state.pose.distance_m(&state.target)];
+            assert_eq!(bits(&row[24..26]), bits(&sight), "step {step}, arena {arena}");
+            assert_eq!(row[26], state.scan.nearest_m, "step {step}, arena {arena}");
+            assert_eq!(state.scan.ranges_m[row[27] as usize], row[26], "step {step}, arena {arena}");
+        }
+        lab.step(&common::random_actions(&mut drivers));
+    }
+    assert!(lab.ended().len() > 8, "episodes ended on the way");
 }
 
 #[test]

@@ -22,7 +22,8 @@ use crate::world;
 
 const NAME: &str = "checkpoint/latest.bin";
 const MAGIC: &[u8; 8] = b"wayfrun\n";
-const VERSION: u32 = 1;
+/// 2: arenas hold the drive's actual velocity.
+const VERSION: u32 = 2;
 /// The most bytes a head may have: 4096 arenas with 4096 beams each, and a policy.
 const LONGEST_HEAD: u64 = 1 << 28;
 

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use serde::Serialize;
 
-use super::optimum::{Resolution, least_time};
-use super::{RunError, simulation};
+use super::optimum::{Resolution, is_modelled, least_time};
+use super::{RunError, policy_card, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
 use crate::random;
@@ -129,9 +129,12 @@ pub struct AgainstOptimum {
 }
 
 /// Plans every successful navigation anew with full knowledge of the world ([`least_time`]), on all cores. None if
-/// there is nothing to compare.
+/// there is nothing to compare, or the planner does not model the scenario ([`is_modelled`]: a lag of the drive).
 #[must_use]
 pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Option<AgainstOptimum> {
+    if !is_modelled(scenario) {
+        return None;
+    }
     let succeeded: Vec<&Navigation> = navigations.iter().filter(|n| n.succeeded()).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let share = succeeded.len().div_ceil(cores).max(1);
@@ -177,7 +180,7 @@ impl Evaluator {
         Self { app: simulation::navigating(scenario, arenas), scenario: scenario.clone(), arenas }
     }
 
-    /// Drives `count` navigations with `policy`; `places` says where from and to. Where navigation j starts and
+    /// Drives `count` navigations with `policy`, which sees what its card says ([`policy_card::encoding`]); `places` says where from and to. Where navigation j starts and
     /// goes to depends on the scenario, `seed` and j alone.
     ///
     /// # Errors
@@ -191,6 +194,7 @@ impl Evaluator {
     ) -> Result<Vec<Navigation>, RunError> {
         fits(policy, &self.scenario)?;
         let world = self.app.world_mut();
+        world.insert_resource(policy_card::encoding(policy)?);
         world.insert_resource(GreedyPolicy(policy.clone()));
         world.insert_resource(places);
         let mut navigations = Vec::with_capacity(count);
@@ -231,6 +235,7 @@ fn fresh(seed: u64, index: u64) -> (Streams, Clock) {
 /// # Errors
 /// It cannot; what differs.
 pub fn fits(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
+    policy_card::encoding(policy)?;
     let shape = policy.network.shape();
     let inputs = observation::width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();

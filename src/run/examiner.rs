@@ -17,7 +17,7 @@ use crate::task::Places;
 /// A policy, and when in the run it was taken.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// The policy.
+    /// The policy, with its card: by that it is shown what it was trained to see.
     pub policy: Policy,
     /// Env steps of the run by then.
     pub env_steps: u64,

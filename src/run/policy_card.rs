@@ -1,13 +1,61 @@
 //! The card of a policy: what its user needs to know, kept in the policy's own file.
 //!
+//! It is for people to read; only by [`ENCODING`] does the program go, to show a policy what it was trained to see.
+//!
 //! In: the run's configuration, its counters, the success rate in the evaluation that made the policy the best. Out: text by key, the same
 //! bytes for the same run (no dates, no times).
 
 use std::collections::BTreeMap;
 
+use super::RunError;
 use super::folder::RunConfig;
-use crate::scenario::Scenario;
-use crate::task::observation;
+use crate::learning::Policy;
+use crate::scenario::{Lidar, Scenario};
+use crate::task::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
+
+/// The key under which a policy says in which units its observations are: `scaled`, or `raw`. Policies of wayfields
+/// that knew no other than `scaled` don't have it.
+pub const ENCODING: &str = "encoding";
+
+/// In which units `policy` must be shown its observations.
+///
+/// # Errors
+/// It says something that this wayfield does not know.
+pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
+    match policy.metadata.get(ENCODING).map(String::as_str) {
+        None | Some("scaled") => Ok(Encoding::Scaled),
+        Some("raw") => Ok(Encoding::Raw),
+        Some(other) => Err(RunError::Unusable(format!(
+            "the policy's observations are encoded as \"{other}\", which this wayfield does not know (it knows scaled \
+             and raw): use a newer wayfield"
+        ))),
+    }
+}
+
+/// How `encoding` is written on the card.
+#[must_use]
+pub fn encoding_name(encoding: Encoding) -> &'static str {
+    match encoding {
+        Encoding::Scaled => "scaled",
+        Encoding::Raw => "raw",
+    }
+}
+
+/// Order and units of the numbers that go in, in words.
+fn observation(encoding: Encoding, lidar: &Lidar) -> String {
+    let beams = lidar.beams;
+    match encoding {
+        Encoding::Scaled => format!(
+            "{beams} LIDAR ranges / {RANGE_SCALE_M} m (beam 0 ahead, counterclockwise); bearing of the target / pi rad \
+             (left positive); its distance / {DISTANCE_SCALE_M} m; the smallest range / {RANGE_SCALE_M} m; the number of \
+             its beam / {beams}"
+        ),
+        Encoding::Raw => format!(
+            "{beams} LIDAR ranges in m (beam 0 ahead, counterclockwise); bearing of the target in rad (left positive); \
+             its distance in m; the smallest range in m; the number of its beam, from 0"
+        ),
+    }
+}
 
 /// What a user of a policy needs to know: what goes in, what comes out, where it comes from. `success_rate` (0 to 1)
 /// is that of its evaluation, if it had one.
@@ -27,18 +75,8 @@ pub fn metadata(
         ("seed", config.seed.to_string()),
         ("env_steps", env_steps.to_string()),
         ("gradient_steps", gradient_steps.to_string()),
-        (
-            "observation",
-            format!(
-                "{} LIDAR ranges / {} m (beam 0 ahead, counterclockwise); bearing of the target / pi rad (left \
-                 positive); its distance / {} m; the smallest range / {} m; the number of its beam / {}",
-                lidar.beams,
-                observation::RANGE_SCALE_M,
-                observation::DISTANCE_SCALE_M,
-                observation::RANGE_SCALE_M,
-                lidar.beams
-            ),
-        ),
+        (ENCODING, encoding_name(config.preset.observation).into()),
+        ("observation", observation(config.preset.observation, lidar)),
         ("actions", motions.join("; ")),
         ("control_period_s", task.control_period_s.to_string()),
         ("lidar_max_range_m", lidar.max_range_m.to_string()),

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::learning::LearningConfig;
 use crate::scenario::{FileError, Finding, parse_ron, read_text};
-use crate::task::RewardConfig;
+use crate::task::{Encoding, RewardConfig};
 
 /// How to learn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +24,9 @@ pub struct Preset {
     /// When the policy is evaluated during training.
     #[serde(default)]
     pub evaluation: EvaluationRule,
+    /// In which units eq. (8) enters the network: `Scaled` to the order of one, or `Raw`. The paper doesn't say.
+    #[serde(default)]
+    pub observation: Encoding,
     /// What a step is worth: eqs. (3) to (7).
     #[serde(default)]
     pub reward: RewardConfig,

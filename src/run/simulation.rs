@@ -12,12 +12,13 @@ use crate::agent::{Acting, AgentPlugin, Trainer, TrainingFault, TrainingPlugin};
 use crate::control_step::{ControlStep, ControlStepPlugin};
 use crate::learning::Learner;
 use crate::scenario::Scenario;
-use crate::task::{RewardConfig, TaskFault, TaskMode, TaskPlugin};
+use crate::task::{Encoding, RewardConfig, TaskFault, TaskMode, TaskPlugin};
 use crate::world::{WorldPlugin, populate};
 
 /// An app in which `learner` trains in `arenas` arenas of `scenario`, every arena at its first observation.
 pub fn training(
     scenario: &Arc<Scenario>,
+    observation: Encoding,
     reward: &RewardConfig,
     arenas: usize,
     seed: u64,
@@ -27,7 +28,7 @@ pub fn training(
     app.add_plugins((
         MinimalPlugins,
         ControlStepPlugin,
-        TaskPlugin { reward: reward.clone(), mode: TaskMode::Continuing },
+        TaskPlugin { observation, reward: reward.clone(), mode: TaskMode::Continuing },
         WorldPlugin,
         AgentPlugin { acting: Acting::Exploring, seed, arenas },
         TrainingPlugin,
@@ -36,13 +37,18 @@ pub fn training(
     ready(app, scenario, arenas, seed)
 }
 
-/// An app in which fixed policies make single navigations in `arenas` arenas of `scenario`.
+/// An app in which fixed policies make single navigations in `arenas` arenas of `scenario`. Whoever puts in a policy
+/// puts in its [`Encoding`] too.
 pub fn navigating(scenario: &Arc<Scenario>, arenas: usize) -> App {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
         ControlStepPlugin,
-        TaskPlugin { reward: RewardConfig::default(), mode: TaskMode::SingleNavigation },
+        TaskPlugin {
+            observation: Encoding::default(),
+            reward: RewardConfig::default(),
+            mode: TaskMode::SingleNavigation,
+        },
         WorldPlugin,
         AgentPlugin { acting: Acting::Greedy, seed: 0, arenas },
     ));

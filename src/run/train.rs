@@ -22,7 +22,7 @@ use super::{RunError, policy_card, simulation};
 use crate::agent::{Trainer, TrainingStats};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
-use crate::task::{EpisodeEnded, observation};
+use crate::task::{Encoding, EpisodeEnded, observation};
 
 /// A checkpoint is written this often, beside those at the start and the end.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
@@ -89,11 +89,27 @@ fn learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunEr
         .map_err(|error| RunError::Unusable(format!("{}: {error}", config.preset_from)))?;
     if let (Some(policy), Some(transfer)) = (policy, &config.transfer) {
         evaluate::fits(policy, &config.scenario)?;
+        same_encoding(policy, preset.observation)
+            .map_err(|error| RunError::Unusable(format!("{}: {error}", transfer.policy)))?;
         learner
             .start_from(policy, transfer.epsilon)
             .map_err(|error| RunError::Unusable(format!("{}: {error}", transfer.policy)))?;
     }
     Ok(learner)
+}
+
+/// Whether `policy` was trained to see what a preset with `observation` will show it.
+fn same_encoding(policy: &Policy, observation: Encoding) -> Result<(), RunError> {
+    let own = policy_card::encoding(policy)?;
+    if own == observation {
+        return Ok(());
+    }
+    Err(RunError::Unusable(format!(
+        "the policy was trained with {} observations, but the preset's are {}: start from it with a preset that says \
+         `observation: {own:?}`",
+        policy_card::encoding_name(own),
+        policy_card::encoding_name(observation)
+    )))
 }
 
 struct Run {
@@ -176,7 +192,14 @@ impl Run {
             Budget::EnvSteps(n) => Goal::EnvSteps(n),
         };
         Ok(Self {
-            app: simulation::training(&scenario, &preset.reward, preset.arenas, config.seed, learner),
+            app: simulation::training(
+                &scenario,
+                preset.observation,
+                &preset.reward,
+                preset.arenas,
+                config.seed,
+                learner,
+            ),
             examiner: Examiner::new(&scenario, preset.evaluation.navigations, evaluation_seed(config.seed)),
             recorder: Recorder::open(&folder, standing.episodes_bytes, standing.evaluations_bytes)?,
             progress: listener.map_or_else(|| Progress::new(goal, false), Progress::told),
@@ -204,6 +227,15 @@ impl Run {
 
     fn learner(&self) -> &Learner {
         &self.app.world().resource::<Trainer>().0
+    }
+
+    /// The present policy, with its card.
+    fn policy(&self) -> Policy {
+        let learner = self.learner();
+        let mut policy = learner.policy();
+        policy.metadata =
+            policy_card::metadata(&self.config, (learner.env_steps(), learner.gradient_steps()), None);
+        policy
     }
 
     fn wall_s(&self) -> f64 {
@@ -295,19 +327,10 @@ impl Run {
         let episodes = self.learner().episodes();
         let asked = &self.config.keep_after_episodes;
         for after in asked.iter().filter(|after| (episodes_before + 1..=episodes).contains(after)) {
-            let policy = self.present_policy();
+            let policy = self.policy();
             self.write_policy(&RunFolder::policy_after(*after), &bytes(&policy)?)?;
         }
         Ok(())
-    }
-
-    /// The policy as it stands, with its card.
-    fn present_policy(&self) -> Policy {
-        let learner = self.learner();
-        let mut policy = learner.policy();
-        let counters = (learner.env_steps(), learner.gradient_steps());
-        policy.metadata = policy_card::metadata(&self.config, counters, None);
-        policy
     }
 
     /// Hands the present policy to the examiner, once he is done with those before.
@@ -315,7 +338,7 @@ impl Run {
         self.await_examinations()?;
         let learner = self.learner();
         let candidate = Candidate {
-            policy: learner.policy(),
+            policy: self.policy(),
             env_steps: learner.env_steps(),
             episodes: learner.episodes(),
             gradient_steps: learner.gradient_steps(),
@@ -409,7 +432,7 @@ impl Run {
             self.await_examinations()?;
         }
         self.recorder.flush()?;
-        self.write_policy("policy-last.safetensors", &bytes(&self.present_policy())?)?;
+        self.write_policy("policy-last.safetensors", &bytes(&self.policy())?)?;
 
         let best = self.standing.best.as_ref();
         let learner = self.learner();

@@ -147,15 +147,18 @@ pub struct Robot {
     pub radius_m: f32,
     /// What it can do, 1 to 64; action k of the policy is motion k.
     pub motions: Vec<Motion>,
+    /// Time constant of the drive, 0 to 10 s: the robot's actual (v, w) follows the chosen motion as a first-order lag,
+    /// d(v, w)/dt = (chosen - actual) / lag. 0: at once.
+    pub actuator_lag_s: f32,
 }
 
 impl Default for Robot {
     /// The paper's five motions, equation (9) in its order (large left, small left, forward, small right,
-    /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s of table 1. The radius, 0.1 m, is ours: the paper
-    /// gives none.
+    /// large right) with v0 = 0.15 m/s and w0 = 0.75 rad/s of table 1. The radius, 0.1 m, and a drive without lag are
+    /// ours: the paper says nothing of either.
     fn default() -> Self {
         let motions = [1.5, 0.75, 0.0, -0.75, -1.5].map(|w_rad_s| Motion { v_m_s: 0.15, w_rad_s });
-        Self { radius_m: 0.1, motions: motions.into() }
+        Self { radius_m: 0.1, motions: motions.into(), actuator_lag_s: 0.0 }
     }
 }
 

@@ -1,11 +1,11 @@
 //! Where episodes start and targets lie.
 //!
 //! In: what each arena is owed ([`Restart`]), its own stream `places`, and the scenario's rules. Out: a new
-//! [`Pose`] and [`Target`], and an [`Episode`] at zero. Bodies, scans and observations follow in [`Begin`].
+//! [`Pose`] at rest, a new [`Target`], and an [`Episode`] at zero. Bodies, scans and observations follow in [`Begin`].
 
 use bevy::prelude::*;
 
-use super::{Arena, Clock, CurrentScenario, Episode, Pose, Restart, Streams, Target};
+use super::{Arena, Clock, CurrentScenario, Drive, Episode, Pose, Restart, Streams, Target};
 use crate::control_step::Begin;
 use crate::scenario::{draw_start, draw_target};
 
@@ -30,20 +30,21 @@ pub(super) fn run_begin(world: &mut World, arenas: &mut QueryState<&Episode>) {
     }
 }
 
-/// `Draw`: a new target, and for a new episode a new start.
+/// `Draw`: a new target, and for a new episode a new start, at rest.
 pub(super) fn draw(
     scenario: Res<CurrentScenario>,
     places: Res<Places>,
     mut fault: ResMut<TaskFault>,
-    mut arenas: Query<(&Arena, &Clock, &mut Pose, &mut Target, &mut Episode, &mut Streams)>,
+    mut arenas: Query<(&Arena, &Clock, &mut Pose, &mut Drive, &mut Target, &mut Episode, &mut Streams)>,
 ) {
     let scenario = &*scenario.0;
-    for (arena, clock, mut pose, mut target, mut episode, mut streams) in &mut arenas {
+    for (arena, clock, mut pose, mut drive, mut target, mut episode, mut streams) in &mut arenas {
         if episode.restart == Restart::No {
             continue;
         }
         if episode.restart != Restart::Target {
             *episode = Episode { restart: episode.restart, ..Episode::default() };
+            *drive = Drive::default();
         }
         let drawn = match *places {
             Places::Course => {

@@ -23,9 +23,9 @@ use bevy::prelude::*;
 
 pub use begin::{Places, TaskFault};
 pub use judge::{EpisodeEnd, EpisodeEnded, Outcome, Outcomes};
-pub use observation::Observations;
+pub use observation::{Encoding, Observations};
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
-pub use state::{Arena, ArenaState, Clock, Episode, Pose, Restart, Scan, Streams, Target, wrap_angle};
+pub use state::{Arena, ArenaState, Clock, Drive, Episode, Pose, Restart, Scan, Streams, Target, wrap_angle};
 
 use crate::control_step::{Begin, BeginSet, ControlSet, ControlStep, ScanWritten};
 use crate::scenario::Scenario;
@@ -49,6 +49,8 @@ pub enum TaskMode {
 
 /// Responsible for observations, rewards, the end of episodes, and starts and targets.
 pub struct TaskPlugin {
+    /// In which units observations are made.
+    pub observation: Encoding,
     /// How rewards are computed.
     pub reward: RewardConfig,
     /// Whether arenas go on after a target or an end.
@@ -57,7 +59,8 @@ pub struct TaskPlugin {
 
 impl Plugin for TaskPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(self.reward.clone())
+        app.insert_resource(self.observation)
+            .insert_resource(self.reward.clone())
             .insert_resource(self.mode)
             .init_resource::<Observations>()
             .init_resource::<Actions>()

@@ -1,6 +1,6 @@
 //! The state of one arena, as the task sees it: components on the arena's entity.
 //!
-//! In: `world/` writes [`Pose`] and [`Scan`], `begin.rs` writes [`Target`] and [`Episode`]. Out: everything else
+//! In: `world/` writes [`Pose`], [`Drive`] and [`Scan`], `begin.rs` writes [`Target`] and [`Episode`]. Out: everything else
 //! reads them. Positions are in the arena's own frame, whose origin is the enclosure's centre.
 
 use bevy::prelude::*;
@@ -37,6 +37,16 @@ impl Pose {
     pub fn bearing_rad(&self, target: &Target) -> f32 {
         wrap_angle(libm::atan2f(target.y_m - self.y_m, target.x_m - self.x_m) - self.heading_rad)
     }
+}
+
+/// How fast the robot actually goes at this moment: what its drive has made of the motions chosen so far. At rest when
+/// an episode begins. Wheels know nothing of contacts: one that stops the body leaves this as it is.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    /// Speed along the heading, in m/s.
+    pub v_m_s: f32,
+    /// Turning speed, left positive, in rad/s.
+    pub w_rad_s: f32,
 }
 
 /// The same angle in (-pi, pi], in rad.
@@ -133,6 +143,8 @@ impl Streams {
 pub struct ArenaState {
     /// The robot's pose.
     pub pose: Pose,
+    /// How fast it goes.
+    pub drive: Drive,
     /// The last scan.
     pub scan: Scan,
     /// The present target.

@@ -14,8 +14,8 @@ use super::{obstacles, robot};
 use crate::control_step::Begin;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaState, Clock, CurrentScenario, Episode, Observations, Outcome, Outcomes, Pose,
-    Restart, Scan, Streams, Target, observation,
+    Actions, Arena, ArenaState, Clock, CurrentScenario, Drive, Encoding, Episode, Observations, Outcome,
+    Outcomes, Pose, Restart, Scan, Streams, Target, observation,
 };
 
 /// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
@@ -32,6 +32,7 @@ pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed
             .spawn((
                 Arena(index),
                 Pose::default(),
+                Drive::default(),
                 Scan::default(),
                 Target::default(),
                 Clock::default(),
@@ -64,12 +65,13 @@ pub fn rewind(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(Streams
 
 /// The state of every arena, by number.
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
-    let mut arenas = world.query::<(&Arena, &Pose, &Scan, &Target, &Clock, &Episode, &Streams)>();
+    let mut arenas = world.query::<(&Arena, &Pose, &Drive, &Scan, &Target, &Clock, &Episode, &Streams)>();
     let mut states: Vec<(usize, ArenaState)> = arenas
         .iter(world)
-        .map(|(arena, pose, scan, target, clock, episode, streams)| {
+        .map(|(arena, pose, drive, scan, target, clock, episode, streams)| {
             let state = ArenaState {
                 pose: *pose,
+                drive: *drive,
                 scan: scan.clone(),
                 target: *target,
                 clock: *clock,
@@ -89,17 +91,19 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
     let scenario = world.resource::<CurrentScenario>().0.clone();
     let mut rows = world.remove_resource::<Observations>().unwrap_or_default();
     let width = rows.width;
+    let encoding = *world.resource::<Encoding>();
     let mut arenas = world.query::<(
         &Arena,
         &Bodies,
         &mut RapierRigidBodySet,
         &mut RapierContextColliders,
-        (&mut Pose, &mut Scan, &mut Target, &mut Clock, &mut Episode, &mut Streams),
+        (&mut Pose, &mut Drive, &mut Scan, &mut Target, &mut Clock, &mut Episode, &mut Streams),
     )>();
     for (arena, bodies, mut set, mut colliders, components) in arenas.iter_mut(world) {
         let Some(state) = states.get(arena.0) else { continue };
-        let (mut pose, mut scan, mut target, mut clock, mut episode, mut streams) = components;
+        let (mut pose, mut drive, mut scan, mut target, mut clock, mut episode, mut streams) = components;
         *pose = state.pose;
+        *drive = state.drive;
         *scan = state.scan.clone();
         *target = state.target;
         *clock = state.clock;
@@ -107,7 +111,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         *streams = state.streams.clone();
         robot::place_body(&mut set, bodies, &pose);
         obstacles::place_bodies(&scenario, *clock, bodies, &mut set, &mut colliders);
-        observation::encode(&scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
+        observation::encode(encoding, &scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
     }
     world.insert_resource(rows);
 }

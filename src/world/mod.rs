@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `arena.rs` | arenas spawned from a scenario, saved and restored |
 //! | `physics.rs` | everything of bevy_rapier: its plugin, its step, its bodies |
-//! | `robot.rs` | the differential drive |
+//! | `robot.rs` | the differential drive and its lag |
 //! | `obstacles.rs` | moving obstacles as a function of the step count |
 //! | `lidar.rs` | the scan |
 
@@ -20,7 +20,7 @@ use bevy::prelude::*;
 
 pub use arena::{populate, restore, rewind, snapshot};
 pub use physics::Bodies;
-pub use robot::{chord_velocity, turned};
+pub use robot::{Lag, chord_velocity, turned};
 
 use crate::control_step::{Begin, BeginSet, ControlSet, ControlStep, ScanWritten};
 

@@ -1,6 +1,11 @@
 //! The robot: a differential drive.
 //!
-//! In: the chosen motion (v, w) of eq. (9). Out: the body's velocity before the physics step, its pose after it.
+//! In: the chosen motion (v, w) of eq. (9). Out: the body's velocity before the physics step, its pose and [`Drive`]
+//! after it.
+//!
+//! What is driven in a step is the mean of the actual (v, w) over it: the chosen motion itself, or what the scenario's
+//! [`Lag`] makes of it. With a lag that is a simplification, for v and w change within the step and the true path is
+//! no arc; its turn and its length (what is reversed taken off) are kept, so the heading after the step is exact.
 //!
 //! Driving with constant v and w for a time t describes an arc. Its chord has the length v t sinc(w t / 2) and points
 //! along the heading half way through, so one physics step with that velocity puts the robot exactly on the arc's
@@ -12,8 +17,8 @@ use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
 
 use super::physics::Bodies;
-use crate::scenario::Motion;
-use crate::task::{Actions, Arena, CurrentScenario, Episode, Pose, Restart, wrap_angle};
+use crate::scenario::{Motion, Scenario};
+use crate::task::{Actions, Arena, CurrentScenario, Drive, Episode, Pose, Restart, wrap_angle};
 
 /// The constant velocity, in m/s, that takes the robot in `seconds` to the end of its arc.
 #[must_use]
@@ -30,45 +35,100 @@ pub fn turned(heading_rad: f32, motion: &Motion, seconds: f32) -> f32 {
     wrap_angle(heading_rad + motion.w_rad_s * seconds)
 }
 
-/// `Actuate`: the chosen motion becomes the body's velocity.
+/// A drive whose actual u = (v, w) follows the chosen one as a first-order lag, over one control step: a share of the
+/// difference is left, the rest is made up. Without a lag nothing is left, and the step drives the chosen motion to the
+/// bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lag {
+    /// Share of the difference at the step's start that is left on average over the step, 0 to 1.
+    mean: f32,
+    /// Share of it that is left at the step's end, 0 to 1.
+    end: f32,
+}
+
+impl Lag {
+    /// The lag with time constant `lag_s`, 0 s or more, over steps of `seconds`, more than 0.
+    ///
+    /// From du/dt = (chosen - u) / lag the difference falls as e^(-t / lag); over T seconds its mean is
+    /// (lag / T)(1 - e^(-T / lag)).
+    #[must_use]
+    pub fn new(lag_s: f32, seconds: f32) -> Self {
+        if lag_s <= 0.0 {
+            return Self { mean: 0.0, end: 0.0 };
+        }
+        let lags = seconds / lag_s;
+        Self { mean: -libm::expm1f(-lags) / lags, end: libm::expf(-lags) }
+    }
+
+    /// What is driven on average in a step that begins with `drive` while `chosen` is chosen, and what the drive does
+    /// at its end.
+    #[must_use]
+    pub fn step(&self, drive: &Drive, chosen: &Motion) -> (Motion, Drive) {
+        // Whatever the drive did, nothing of it is left: not even the sign of a zero.
+        let left = |share: f32, actual: f32, chosen: f32| {
+            if share == 0.0 { chosen } else { chosen + (actual - chosen) * share }
+        };
+        let v = |share| left(share, drive.v_m_s, chosen.v_m_s);
+        let w = |share| left(share, drive.w_rad_s, chosen.w_rad_s);
+        let mean = Motion { v_m_s: v(self.mean), w_rad_s: w(self.mean) };
+        (mean, Drive { v_m_s: v(self.end), w_rad_s: w(self.end) })
+    }
+
+    /// That of the robot of `scenario` over its control period.
+    fn of(scenario: &Scenario) -> Self {
+        Self::new(scenario.robot.actuator_lag_s, scenario.task.control_period_s)
+    }
+}
+
+/// `Actuate`: what is driven in this step becomes the body's velocity.
 pub(super) fn actuate(
     scenario: Res<CurrentScenario>,
     actions: Res<Actions>,
-    mut arenas: Query<(&Arena, &Bodies, &Pose, &Episode, &mut RapierRigidBodySet, &mut RapierConfiguration)>,
+    mut arenas: Query<(
+        &Arena,
+        &Bodies,
+        &Pose,
+        &Drive,
+        &Episode,
+        &mut RapierRigidBodySet,
+        &mut RapierConfiguration,
+    )>,
 ) {
-    let motions = &scenario.0.robot.motions;
-    for (arena, bodies, pose, episode, mut set, mut configuration) in &mut arenas {
+    let lag = Lag::of(&scenario.0);
+    for (arena, bodies, pose, drive, episode, mut set, mut configuration) in &mut arenas {
         if configuration.physics_pipeline_active == episode.parked {
             configuration.physics_pipeline_active = !episode.parked;
         }
         if episode.parked {
             continue;
         }
-        let velocity =
-            chord_velocity(pose.heading_rad, &motions[actions.0[arena.0]], scenario.0.task.control_period_s);
+        let (motion, _) = lag.step(drive, &scenario.0.robot.motions[actions.0[arena.0]]);
+        let velocity = chord_velocity(pose.heading_rad, &motion, scenario.0.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
         }
     }
 }
 
-/// `Sense`: where the physics step has left the robot.
+/// `Sense`: where the physics step has left the robot, and how fast it goes now.
 pub(super) fn read_pose(
     scenario: Res<CurrentScenario>,
     actions: Res<Actions>,
-    mut arenas: Query<(&Arena, &Bodies, &RapierRigidBodySet, &Episode, &mut Pose)>,
+    mut arenas: Query<(&Arena, &Bodies, &RapierRigidBodySet, &Episode, &mut Pose, &mut Drive)>,
 ) {
-    for (arena, bodies, set, episode, mut pose) in &mut arenas {
+    let lag = Lag::of(&scenario.0);
+    for (arena, bodies, set, episode, mut pose, mut drive) in &mut arenas {
         if episode.parked {
             continue;
         }
         if let Some(body) = set.bodies.get(bodies.robot) {
             let position = body.translation();
-            let motion = &scenario.0.robot.motions[actions.0[arena.0]];
+            let (motion, after) = lag.step(&drive, &scenario.0.robot.motions[actions.0[arena.0]]);
+            *drive = after;
             *pose = Pose {
                 x_m: position.x,
                 y_m: position.y,
-                heading_rad: turned(pose.heading_rad, motion, scenario.0.task.control_period_s),
+                heading_rad: turned(pose.heading_rad, &motion, scenario.0.task.control_period_s),
             };
         }
     }

@@ -250,6 +250,11 @@ pub fn quick_fast() -> String {
     )
 }
 
+/// A preset that shows the network eq. (8) in metres and radians.
+pub fn raw(preset: &str) -> String {
+    edited(preset, &[("    reward: (", "    observation: Raw,\n    reward: (")])
+}
+
 /// A scenario with shorter episodes.
 pub fn brisk(scenario: &str) -> String {
     edited(scenario, &[("    obstacles: [", "    task: (time_limit_steps: 120),\n\n    obstacles: [")])

@@ -16,8 +16,8 @@ use wayfield::control_step::{ControlStep, ControlStepPlugin};
 use wayfield::random::{self, Stream};
 use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
 use wayfield::task::{
-    Actions, Arena, ArenaState, EpisodeEnded, Observations, Outcome, Outcomes, Pose, RewardConfig, TaskMode,
-    TaskPlugin, observation,
+    Actions, Arena, ArenaState, Encoding, EpisodeEnded, Observations, Outcome, Outcomes, Pose, RewardConfig,
+    TaskMode, TaskPlugin, observation,
 };
 use wayfield::world::{self, Bodies, WorldPlugin, lidar};
 
@@ -108,9 +108,10 @@ impl Lab {
 
     /// Every arena's observation is eq. (8) of its present scan, pose and target.
     pub fn assert_observations_current(&mut self, when: &str) {
+        let encoding = *self.app.world().resource::<Encoding>();
         for (arena, state) in self.states().iter().enumerate() {
             let mut fresh = vec![f32::NAN; observation::width(state.scan.ranges_m.len())];
-            observation::encode(&state.scan, &state.pose, &state.target, &mut fresh);
+            observation::encode(encoding, &state.scan, &state.pose, &state.target, &mut fresh);
             assert_eq!(
                 bits(&self.row(arena)),
                 bits(&fresh),
@@ -123,7 +124,12 @@ impl Lab {
 /// The plugins of world and task, with no arena yet.
 pub fn empty_app(reward: RewardConfig, mode: TaskMode) -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, ControlStepPlugin, TaskPlugin { reward, mode }, WorldPlugin));
+    app.add_plugins((
+        MinimalPlugins,
+        ControlStepPlugin,
+        TaskPlugin { observation: Encoding::default(), reward, mode },
+        WorldPlugin,
+    ));
     app.finish();
     app.cleanup();
     app.update();

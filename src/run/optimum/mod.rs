@@ -33,6 +33,9 @@
 //!    changes by no more than q does. So if the goal's disc is clear of both circles, that length to the target less
 //!    the goal radius is a bound.
 //!
+//! **A lag of the drive is not modelled.** Both the search and the bounds take a motion to be driven from its first
+//! moment on. Of a scenario with `actuator_lag_s` the planner therefore says nothing ([`is_modelled`]).
+//!
 //! **The judge is a hair more lenient**: it takes the shortest of the LIDAR's beams, which may pass the nearest point
 //! by. With 24 beams and a collision range of 0.13 m that is 2.1 mm at most at a cylinder of 0.15 m, 1.1 mm at a wall,
 //! 18 mm at a box's corner. So the true optimum may seldom be a step shorter; take that off `collision_range_m` for a
@@ -88,9 +91,16 @@ impl Default for Resolution {
     }
 }
 
+/// Whether plans and bounds hold in `scenario`: not if its robot's drive lags.
+#[must_use]
+pub fn is_modelled(scenario: &Scenario) -> bool {
+    scenario.robot.actuator_lag_s == 0.0
+}
+
 /// The shortest plan found from `start` (x in m, y in m, heading in rad) to `target` (in m) when the obstacles are
 /// where `clock` steps have brought them. At least one step is taken. None when there is no way within the
-/// scenario's time limit, or none at this resolution and within some million states.
+/// scenario's time limit, or none at this resolution and within some million states; and when the scenario is not one
+/// that [`is_modelled`].
 #[must_use]
 pub fn least_time(
     scenario: &Scenario,
@@ -99,6 +109,9 @@ pub fn least_time(
     clock: u64,
     resolution: Resolution,
 ) -> Option<Plan> {
+    if !is_modelled(scenario) {
+        return None;
+    }
     let mut world = World::new(scenario, clock, MARGIN_M);
     let bound = Bound::new(scenario, start, target);
     let goal = Goal::new(scenario, target, -MARGIN_M);
@@ -129,9 +142,13 @@ pub fn least_time(
 }
 
 /// A number of steps that no plan undercuts, whatever the resolution: proven as the module's docs say, by the
-/// geodesic and the turning bound after every sequence of the first few motions. `u32::MAX` where there is no way.
+/// geodesic and the turning bound after every sequence of the first few motions. `u32::MAX` where there is no way. In a
+/// scenario that is not one that [`is_modelled`] all that is known is that it takes a step: 1.
 #[must_use]
 pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), target: (f32, f32), clock: u64) -> u32 {
+    if !is_modelled(scenario) {
+        return 1;
+    }
     look_ahead(scenario, start, target, clock, &Bound::new(scenario, start, target), LOOKAHEAD)
 }
 

@@ -79,6 +79,16 @@ fn straight_ahead_it_just_drives() {
 }
 
 #[test]
+fn of_a_drive_that_lags_nothing_is_said() {
+    // From rest the robot of the test above is 0.15 m/s x 0.3 s = 0.045 m behind: it needs 35 steps.
+    let mut scenario = Scenario::default();
+    scenario.robot.actuator_lag_s = 0.3;
+    assert_eq!(straight(&scenario, (1.2, 0.0)), None, "a plan of 34 steps would be a lie");
+    assert_eq!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), (1.2, 0.0), 0), 1);
+    assert!(!is_modelled(&scenario) && is_modelled(&Scenario::default()));
+}
+
+#[test]
 fn a_target_behind_costs_the_turn() {
     // The turning circle's middle is 1 m ahead of the target and 0.1 m aside, so the tangent is 1 m long; the
     // turn is pi + 2 atan(0.1) = 3.3409 rad on a radius of 0.1 m. (0.33409 + 1 - 0.2) m / 0.03 m = 37.8.

@@ -6,6 +6,7 @@ use crate::scenario::schema::*;
 
 const METRES: &str = " (metres)";
 const METRES_A_SECOND: &str = " (metres a second)";
+const SECONDS: &str = " (seconds)";
 const RADIANS: &str = " (radians: a full turn is 6.2832)";
 const RADIANS_A_SECOND: &str = " (radians a second)";
 /// A full turn either way, with a little room for rounding.
@@ -94,6 +95,7 @@ fn robot(robot: &Robot, notes: &mut Notes) {
             RADIANS_A_SECOND,
         );
     }
+    notes.number(format_args!("robot.actuator_lag_s"), robot.actuator_lag_s, 0.0..=10.0, SECONDS);
 }
 
 fn lidar(lidar: &Lidar, notes: &mut Notes) {
@@ -108,7 +110,7 @@ fn task(scenario: &Scenario, notes: &mut Notes) {
     notes.number(format_args!("task.goal_radius_m"), task.goal_radius_m, 0.001..=100.0, METRES);
     notes.number(format_args!("task.collision_range_m"), task.collision_range_m, 0.01..=100.0, METRES);
     notes.number(format_args!("task.time_limit_steps"), task.time_limit_steps, 1..=1_000_000, "");
-    notes.number(format_args!("task.control_period_s"), task.control_period_s, 0.001..=10.0, " (seconds)");
+    notes.number(format_args!("task.control_period_s"), task.control_period_s, 0.001..=10.0, SECONDS);
     let path = format_args!("task.min_target_distance_m");
     notes.number(path, task.min_target_distance_m, 0.001..=1000.0, METRES);
 
