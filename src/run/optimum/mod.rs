@@ -63,6 +63,18 @@ pub struct Plan {
     pub time_s: f32,
     /// The motion of each step, as an index into the robot's motions.
     pub actions: Vec<u8>,
+    /// Where the robot is after 0, 1, ... steps, as the search has it: x in m, y in m, heading in rad in [-pi, pi].
+    /// One more than there are steps.
+    pub poses: Vec<(f32, f32, f32)>,
+}
+
+/// What is known of the least number of control steps: it is `lower_steps` at least and `plan_steps` at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    /// Proven: see [`lower_bound_steps`].
+    pub lower_steps: u32,
+    /// What the planner needs; None where it finds no way (see [`least_time`]).
+    pub plan_steps: Option<u32>,
 }
 
 /// How finely states are told apart. The search is run with the coarsest cells first, then with halved ones.
@@ -99,10 +111,38 @@ pub fn least_time(
     clock: u64,
     resolution: Resolution,
 ) -> Option<Plan> {
-    let mut world = World::new(scenario, clock, MARGIN_M);
+    shortest(scenario, start, target, clock, resolution, &Bound::new(scenario, start, target))
+}
+
+/// [`lower_bound_steps`] and the steps of [`least_time`] in one, sooner than both apart.
+#[must_use]
+pub fn bounds(
+    scenario: &Scenario,
+    start: (f32, f32, f32),
+    target: (f32, f32),
+    clock: u64,
+    resolution: Resolution,
+) -> Bounds {
     let bound = Bound::new(scenario, start, target);
+    let plan = shortest(scenario, start, target, clock, resolution, &bound);
+    let plan_steps = plan.map(|plan| plan.steps);
+    // More than a plan takes can't be proven.
+    let enough = plan_steps.unwrap_or(u32::MAX);
+    Bounds { lower_steps: look_ahead(scenario, start, target, clock, &bound, LOOKAHEAD, enough), plan_steps }
+}
+
+/// [`least_time`] by bounds that are known already.
+fn shortest(
+    scenario: &Scenario,
+    start: (f32, f32, f32),
+    target: (f32, f32),
+    clock: u64,
+    resolution: Resolution,
+    bound: &Bound,
+) -> Option<Plan> {
+    let mut world = World::new(scenario, clock, MARGIN_M);
     let goal = Goal::new(scenario, target, -MARGIN_M);
-    let least = look_ahead(scenario, start, target, clock, &bound, 64);
+    let least = look_ahead(scenario, start, target, clock, bound, 64, u32::MAX);
     let mut best = None;
     let mut fewer_than = scenario.task.time_limit_steps.saturating_add(1);
     for halving in 0..=resolution.halvings {
@@ -113,9 +153,9 @@ pub fn least_time(
             fewer_than,
             states: if halving == 0 { MOST_STATES } else { resolution.refining_states },
         };
-        if let Some(plan) = search(&mut world, &bound, &goal, start, &mut cells, &limits) {
-            fewer_than = plan.len() as u32;
-            best = Some(plan);
+        if let Some(actions) = search(&mut world, bound, &goal, start, &mut cells, &limits) {
+            fewer_than = actions.len() as u32;
+            best = Some(actions);
         }
         if fewer_than <= least {
             break;
@@ -124,7 +164,8 @@ pub fn least_time(
     best.map(|actions| {
         let steps = actions.len() as u32;
         let time_s = (f64::from(steps) * f64::from(scenario.task.control_period_s)) as f32;
-        Plan { steps, time_s, actions }
+        let poses = world.drive(start, &actions).map(|state| state.pose()).collect();
+        Plan { steps, time_s, actions, poses }
     })
 }
 
@@ -132,7 +173,7 @@ pub fn least_time(
 /// geodesic and the turning bound after every sequence of the first few motions. `u32::MAX` where there is no way.
 #[must_use]
 pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), target: (f32, f32), clock: u64) -> u32 {
-    look_ahead(scenario, start, target, clock, &Bound::new(scenario, start, target), LOOKAHEAD)
+    look_ahead(scenario, start, target, clock, &Bound::new(scenario, start, target), LOOKAHEAD, u32::MAX)
 }
 
 #[cfg(test)]
