@@ -1,7 +1,7 @@
 //! Bounds that no plan can beat: the shortest way round the obstacles, and the least turning.
 //!
 //! In: a scenario, a start, a target. Out: how many steps are needed at least from any state. What is proven, and how,
-//! stands in the module [`super`].
+//! stands in docs/optimum.md.
 
 use std::f64::consts::{PI, TAU};
 
