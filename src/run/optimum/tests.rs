@@ -93,14 +93,6 @@ fn straight_drives_take_the_way_over_the_stride() {
 }
 
 #[test]
-fn a_target_nearer_to_the_wall_than_the_robot_may_be_is_bounded_too() {
-    // The slab reaches up to 0.1 m from the wall; the target is 0.05 m from it.
-    let scenario = Scenario { obstacles: vec![slab((0.0, 1.6), 0.1, 0.6)], ..Scenario::default() };
-    let bounds = bounds(&scenario, (-1.0, 1.5, 0.0), (0.6, 1.95), 0, Resolution::default());
-    assert!(bounds.plan_steps.is_some_and(|steps| bounds.lower_steps <= steps), "{bounds:?}");
-}
-
-#[test]
 fn a_target_behind_costs_the_turn() {
     // The turning circle's middle is 1 m ahead of the target and 0.1 m aside, so the tangent is 1 m long; the
     // turn is pi + 2 atan(0.1) = 3.3409 rad on a radius of 0.1 m. (0.33409 + 1 - 0.2) m / 0.03 m = 37.8.
