@@ -169,10 +169,7 @@ mod tests {
     fn differences_of_few_or_equal_values() {
         near(difference(&[1.0, 3.0], &[5.0; 3]).and_then(|e| e.half_width).expect("enough"), 12.7062);
         assert_eq!(difference(&[1.0; 2], &[5.0; 3]).and_then(|e| e.half_width), Some(0.0));
-        assert_eq!(
-            difference(&[1.0], &[5.0, 6.0]),
-            Some(Estimate { mean: -4.5, half_width: None, n: 3 })
-        );
+        assert_eq!(difference(&[1.0], &[5.0, 6.0]), Some(Estimate { mean: -4.5, half_width: None, n: 3 }));
         assert_eq!(difference(&[], &[1.0]), None);
         assert_eq!(difference(&[1.0], &[f64::INFINITY]), None);
     }

@@ -49,15 +49,8 @@ pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 pub(super) const SOFT_INK: RGBColor = RGBColor(96, 96, 96);
 pub(super) const GRID: RGBColor = RGBColor(226, 226, 226);
 
-const PALETTE: [RGBColor; 7] = [
-    BLUE,
-    VERMILION,
-    GREEN,
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    INK,
-];
+const PALETTE: [RGBColor; 7] =
+    [BLUE, VERMILION, GREEN, RGBColor(204, 121, 167), RGBColor(230, 159, 0), RGBColor(86, 180, 233), INK];
 
 /// The palette's colour of that number, counted round.
 pub(super) fn colour(number: usize) -> RGBColor {
@@ -135,9 +128,8 @@ pub(super) fn mark(root: &Area, number: usize, (x, y): At) -> Drawn {
         if corners.is_empty() {
             root.draw(&Circle::new((x, y), radius as i32, colour.filled()))?;
         } else {
-            let place = |&(dx, dy): &(f64, f64)| {
-                (x + (dx * radius).round() as i32, y + (dy * radius).round() as i32)
-            };
+            let place =
+                |&(dx, dy): &(f64, f64)| (x + (dx * radius).round() as i32, y + (dy * radius).round() as i32);
             area(root, corners.iter().map(place).collect(), colour.filled())?;
         }
     }

@@ -121,7 +121,8 @@ impl Check<'_> {
                     }
                     Some(_) if k == 0 => self.found(
                         &format!("{at}.epsilon"),
-                        "is for stages that take up another's weights; set it in the preset for the first".into(),
+                        "is for stages that take up another's weights; set it in the preset for the first"
+                            .into(),
                     ),
                     _ => {}
                 }

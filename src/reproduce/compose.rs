@@ -35,7 +35,8 @@ pub fn page(
     let sections = (0..selected.len())
         .map(|index| section(results, index, &selected[index]))
         .collect::<Result<Vec<_>, _>>()?;
-    let claims: Vec<Verdict> = sections.iter().flat_map(|section| &section.items).flat_map(verdicts).cloned().collect();
+    let claims: Vec<Verdict> =
+        sections.iter().flat_map(|section| &section.items).flat_map(verdicts).cloned().collect();
     let runs = plan.trainings.len();
     let lead = format!(
         "Figures and tables of {PAPER}. Made anew by wayfield {}: {runs} trainings, each from its own seed, tested on \
@@ -119,12 +120,7 @@ fn settings(selected: &[Selected], plan: &Plan) -> Result<Vec<Setting>, RunError
     Ok(settings)
 }
 
-fn provenance(
-    results: &Results<'_>,
-    plan: &Plan,
-    at_a_time: usize,
-    wall_s: f64,
-) -> Vec<(String, String)> {
+fn provenance(results: &Results<'_>, plan: &Plan, at_a_time: usize, wall_s: f64) -> Vec<(String, String)> {
     let seeds = plan.trainings.iter().map(|training| training.config.seed).max().unwrap_or(0);
     let episodes: u64 = plan
         .trainings

@@ -189,9 +189,10 @@ fn map(scenario: &Scenario, clock: u64, title: &str, paths: Vec<Path>) -> Map {
             Shape::Rectangle { width_m, height_m } => {
                 let (sin, cos) = f64::from(turn).sin_cos();
                 let (w, h) = (f64::from(width_m) / 2.0, f64::from(height_m) / 2.0);
-                boxes.push([(w, h), (-w, h), (-w, -h), (w, -h)].map(|(dx, dy): (f64, f64)| {
-                    (x + cos * dx - sin * dy, y + sin * dx + cos * dy)
-                }));
+                boxes.push(
+                    [(w, h), (-w, h), (-w, -h), (w, -h)]
+                        .map(|(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy)),
+                );
             }
         }
     }
@@ -202,11 +203,7 @@ fn map(scenario: &Scenario, clock: u64, title: &str, paths: Vec<Path>) -> Map {
         height_m: f64::from(height_m),
         circles,
         boxes,
-        start: (
-            f64::from(course.start_m.0),
-            f64::from(course.start_m.1),
-            f64::from(course.heading_rad),
-        ),
+        start: (f64::from(course.start_m.0), f64::from(course.start_m.1), f64::from(course.heading_rad)),
         target: (
             f64::from(course.target_m.0),
             f64::from(course.target_m.1),

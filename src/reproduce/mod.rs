@@ -155,9 +155,8 @@ fn spend(folder: &Path, began: Instant) -> Result<Spent, RunError> {
 
 /// Writes the report: the page, and each figure and table as files of their own.
 fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
-    let file = |path: PathBuf, bytes: &[u8]| {
-        fs::write(&path, bytes).map_err(|error| RunError::failed(&path, error))
-    };
+    let file =
+        |path: PathBuf, bytes: &[u8]| fs::write(&path, bytes).map_err(|error| RunError::failed(&path, error));
     let (figures, tables) = (folder.join("figures"), folder.join("tables"));
     for made in [&figures, &tables] {
         fs::create_dir_all(made).map_err(|error| RunError::failed(made, error))?;

@@ -69,11 +69,13 @@ fn names(sources: &[Source]) -> Result<BTreeMap<String, String>, RunError> {
     for source in sources {
         let experiment = &source.experiment;
         let figures = experiment.figures.iter().map(|figure| &figure.name);
-        let tables = experiment.tables.iter().flat_map(|table| std::iter::once(&table.name).chain(&table.also));
+        let tables =
+            experiment.tables.iter().flat_map(|table| std::iter::once(&table.name).chain(&table.also));
         for name in figures.chain(tables) {
             if let Some(other) = names.insert(name.clone(), source.from.clone()) {
                 let from = &source.from;
-                let why = format!("{from}: `{name}` is also the name of something in {other}; give it another");
+                let why =
+                    format!("{from}: `{name}` is also the name of something in {other}; give it another");
                 return Err(RunError::Unusable(why));
             }
         }

@@ -212,8 +212,7 @@ fn cell(value: &Value, digits: usize) -> Cell {
 }
 
 fn estimate(estimate: Option<Estimate>, digits: usize) -> Cell {
-    estimate
-        .map_or(Cell::Empty, |e| Cell::Estimate { mean: e.mean, half_width: e.half_width, digits })
+    estimate.map_or(Cell::Empty, |e| Cell::Estimate { mean: e.mean, half_width: e.half_width, digits })
 }
 
 /// The mean over the seeds with its interval; a lower bound where some never got there.
@@ -221,9 +220,7 @@ fn mean(values: &[Value], measure: Measure) -> Cell {
     let digits = measure.digits();
     let mean = Estimate::of(&plain(values));
     match mean {
-        Some(mean) if values.iter().any(|value| value.at_least) => {
-            Cell::AtLeast { value: mean.mean, digits }
-        }
+        Some(mean) if values.iter().any(|value| value.at_least) => Cell::AtLeast { value: mean.mean, digits },
         mean => estimate(mean, digits),
     }
 }

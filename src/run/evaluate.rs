@@ -7,17 +7,20 @@
 //! start and one target, drawn from streams that training never uses, and one moment of the obstacles' motion.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bevy::prelude::*;
 use serde::Serialize;
 
-use super::optimum::{Resolution, is_modelled, least_time};
+use super::optimum::{self, Bounds, Resolution};
 use super::{RunError, policy_card, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
 use crate::random;
 use crate::scenario::{Scenario, TaskRules};
-use crate::task::{Clock, EpisodeEnd, EpisodeEnded, Places, Pose, Streams, Target, observation};
+use crate::task::{
+    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, Places, Pose, Streams, Target, observation,
+};
 use crate::world;
 
 /// The most navigations that are driven side by side.
@@ -117,6 +120,38 @@ fn to_microsecond(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
+/// What is known of the least time of each navigation, however it went: the planner's bounds, with full knowledge of
+/// the world ([`optimum::bounds`]), at its default resolution. In order; the same on any number of `threads` (0: one a
+/// core).
+#[must_use]
+pub fn bounds(scenario: &Scenario, navigations: &[Navigation], threads: usize) -> Vec<Bounds> {
+    let of = |n: &Navigation| {
+        let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
+        let target = (n.target.x_m, n.target.y_m);
+        optimum::bounds(scenario, start, target, n.clock.0, Resolution::default())
+    };
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = if threads == 0 { cores() } else { threads }.min(navigations.len());
+    // Some take a hundred times as long as others, so each thread takes whichever is next.
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let left = || {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            navigations.get(index).map(|navigation| (index, of(navigation)))
+        };
+        std::iter::from_fn(left).collect::<Vec<_>>()
+    };
+    let mut found: Vec<_> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        workers
+            .into_iter()
+            .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    });
+    found.sort_by_key(|(index, _)| *index);
+    found.into_iter().map(|(_, bounds)| bounds).collect()
+}
+
 /// How the successful navigations compare with the least possible times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AgainstOptimum {
@@ -124,45 +159,42 @@ pub struct AgainstOptimum {
     pub navigations: usize,
     /// Mean time of the planner's ways, in s.
     pub optimum_mean_time_s: f64,
-    /// Mean time of the policy over that: 1 is the optimum.
+    /// Mean time of the policy over that: 1 is the optimum, if the planner found it.
     pub time_ratio: f64,
+    /// Mean time of the policy over the mean of the proven lower bounds, 1 or more: the ratio to the true optimum is
+    /// between `time_ratio` and this.
+    pub lower_bound_ratio: f64,
 }
 
-/// Plans every successful navigation anew with full knowledge of the world ([`least_time`]), on all cores. None if
-/// there is nothing to compare, or the planner does not model the scenario ([`is_modelled`]: a lag of the drive).
+impl AgainstOptimum {
+    /// Compares `navigations` with their `bounds`, one for each ([`bounds`]). None if there is nothing to compare.
+    #[must_use]
+    pub fn of(navigations: &[Navigation], bounds: &[Bounds], rules: &TaskRules) -> Option<Self> {
+        let (mut count, mut driven, mut planned, mut proven) = (0_usize, 0_u64, 0_u64, 0_u64);
+        for (navigation, bounds) in navigations.iter().zip(bounds).filter(|(n, _)| n.succeeded()) {
+            let Some(plan_steps) = bounds.plan_steps else { continue };
+            count += 1;
+            driven += u64::from(navigation.steps);
+            planned += u64::from(plan_steps);
+            proven += u64::from(bounds.lower_steps);
+        }
+        (count > 0).then(|| Self {
+            navigations: count,
+            optimum_mean_time_s: to_microsecond(
+                planned as f64 / count as f64 * period_s(rules.control_period_s),
+            ),
+            time_ratio: driven as f64 / planned as f64,
+            lower_bound_ratio: driven as f64 / proven as f64,
+        })
+    }
+}
+
+/// Plans every successful navigation anew with full knowledge of the world ([`bounds`]), on all cores. None if there
+/// is nothing to compare, or the planner does not model the scenario ([`optimum::is_modelled`]: a lag of the drive).
 #[must_use]
 pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Option<AgainstOptimum> {
-    if !is_modelled(scenario) {
-        return None;
-    }
-    let succeeded: Vec<&Navigation> = navigations.iter().filter(|n| n.succeeded()).collect();
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let share = succeeded.len().div_ceil(cores).max(1);
-    let plan = |n: &&Navigation| {
-        let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let plan =
-            least_time(scenario, start, (n.target.x_m, n.target.y_m), n.clock.0, Resolution::default())?;
-        Some((u64::from(n.steps), u64::from(plan.steps)))
-    };
-    let sums = |chunk: &[&Navigation]| {
-        chunk.iter().filter_map(plan).fold((0, 0, 0), |(n, of_policy, of_plan), (policy, planned)| {
-            (n + 1, of_policy + policy, of_plan + planned)
-        })
-    };
-    let (count, driven, planned) = std::thread::scope(|scope| {
-        let workers: Vec<_> = succeeded.chunks(share).map(|chunk| scope.spawn(move || sums(chunk))).collect();
-        workers
-            .into_iter()
-            .map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .fold((0_usize, 0_u64, 0_u64), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2))
-    });
-    (count > 0).then(|| AgainstOptimum {
-        navigations: count,
-        optimum_mean_time_s: to_microsecond(
-            planned as f64 / count as f64 * period_s(scenario.task.control_period_s),
-        ),
-        time_ratio: driven as f64 / planned as f64,
-    })
+    let succeeded: Vec<Navigation> = navigations.iter().filter(|n| n.succeeded()).copied().collect();
+    AgainstOptimum::of(&succeeded, &bounds(scenario, &succeeded, 0), &scenario.task)
 }
 
 /// A world in which policies are tried, built once and used again.
@@ -180,8 +212,8 @@ impl Evaluator {
         Self { app: simulation::navigating(scenario, arenas), scenario: scenario.clone(), arenas }
     }
 
-    /// Drives `count` navigations with `policy`, which sees what its card says ([`policy_card::encoding`]); `places` says where from and to. Where navigation j starts and
-    /// goes to depends on the scenario, `seed` and j alone.
+    /// Drives `count` navigations with `policy`, which sees what its card says ([`policy_card::encoding`]); `places`
+    /// says where from and to. Where navigation j starts and goes to depends on the scenario, `seed` and j alone.
     ///
     /// # Errors
     /// The policy is for other observations or actions than the scenario's; or no place was found for a start.
@@ -192,11 +224,7 @@ impl Evaluator {
         count: usize,
         places: Places,
     ) -> Result<Vec<Navigation>, RunError> {
-        fits(policy, &self.scenario)?;
-        let world = self.app.world_mut();
-        world.insert_resource(policy_card::encoding(policy)?);
-        world.insert_resource(GreedyPolicy(policy.clone()));
-        world.insert_resource(places);
+        self.follow(policy, places)?;
         let mut navigations = Vec::with_capacity(count);
         while navigations.len() < count {
             let first = navigations.len();
@@ -217,6 +245,45 @@ impl Evaluator {
             }));
         }
         Ok(navigations)
+    }
+
+    /// Drives navigation 0 of [`Evaluator::run`] alone: how it went, and the robot's pose after 0, 1, ... steps.
+    ///
+    /// # Errors
+    /// As [`Evaluator::run`].
+    pub fn trace(
+        &mut self,
+        policy: &Policy,
+        seed: u64,
+        places: Places,
+    ) -> Result<(Navigation, Vec<Pose>), RunError> {
+        self.follow(policy, places)?;
+        let world = self.app.world_mut();
+        world::rewind(world, |arena| (arena == 0).then(|| fresh(seed, 0)));
+        let begun = world::snapshot(world).swap_remove(0);
+        let mut robots = world.query::<(&Arena, &Pose)>();
+        let mut poses = vec![begun.pose];
+        // The time limit ends it.
+        loop {
+            simulation::step(&mut self.app)?;
+            let world = self.app.world_mut();
+            poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
+            let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
+            if let Some(EpisodeEnded { end, steps, .. }) = ended {
+                let ArenaState { pose: start, target, clock, .. } = begun;
+                return Ok((Navigation { end, steps, start, target, clock }, poses));
+            }
+        }
+    }
+
+    /// From now on `policy` drives, from and to where `places` says.
+    fn follow(&mut self, policy: &Policy, places: Places) -> Result<(), RunError> {
+        fits(policy, &self.scenario)?;
+        let world = self.app.world_mut();
+        world.insert_resource(policy_card::encoding(policy)?);
+        world.insert_resource(GreedyPolicy(policy.clone()));
+        world.insert_resource(places);
+        Ok(())
     }
 }
 

@@ -9,8 +9,8 @@ use plotters::style::text_anchor::HPos;
 
 use super::{LEFT, WIDTH, draw_nothing};
 use crate::report::style::{
-    Area, At, Axis, DrawError, Drawn, Entry, GRID, HAIRLINE, HEADING, INK, Key, LINE_HEIGHT, SOFT_INK, STROKE,
-    TEXT, area, bounds, colour, draw_title, fitted, line, mark, picture, spread, text_width, thinned,
+    Area, At, Axis, DrawError, Drawn, Entry, GRID, HAIRLINE, HEADING, INK, Key, LINE_HEIGHT, SOFT_INK,
+    STROKE, TEXT, area, bounds, colour, draw_title, fitted, line, mark, picture, spread, text_width, thinned,
     title_height, usable, write,
 };
 
@@ -170,7 +170,14 @@ impl Frame {
         Ok(())
     }
 
-    fn draw_panel(&self, root: &Area, panel: &Panel, marks: &[&XMark], sides: (i32, i32), raised: i32) -> Drawn {
+    fn draw_panel(
+        &self,
+        root: &Area,
+        panel: &Panel,
+        marks: &[&XMark],
+        sides: (i32, i32),
+        raised: i32,
+    ) -> Drawn {
         let (upper, lower) = sides;
         let heading = fitted(&panel.heading, HEADING, self.right - LEFT);
         write(root, &heading, (LEFT, upper - 32 - raised), HEADING, &INK, HPos::Left)?;
@@ -197,7 +204,8 @@ impl Frame {
         }
         let place = |x, value| (self.at_x(x), at_y(value));
         for one in &panel.lines {
-            let band = |end: fn(&Point) -> f64| one.band().map(move |p| place(p.x, end(p))).collect::<Vec<_>>();
+            let band =
+                |end: fn(&Point) -> f64| one.band().map(move |p| place(p.x, end(p))).collect::<Vec<_>>();
             let mut corners = band(|p| p.high);
             corners.extend(band(|p| p.low).into_iter().rev());
             area(root, corners, colour(one.colour).mix(0.16).filled())?;
@@ -206,7 +214,8 @@ impl Frame {
             let raw: Vec<At> = rough(&one.raw).into_iter().map(|(x, value)| place(x, value)).collect();
             line(root, raw, colour(one.colour).mix(0.35).stroke_width(1))?;
         }
-        let ways = panel.lines.iter().map(|l| l.points.iter().map(|p| place(p.x, p.mean)).collect::<Vec<_>>());
+        let ways =
+            panel.lines.iter().map(|l| l.points.iter().map(|p| place(p.x, p.mean)).collect::<Vec<_>>());
         let ways: Vec<Vec<At>> = ways.collect();
         for (one, way) in panel.lines.iter().zip(&ways) {
             line(root, way.clone(), colour(one.colour).stroke_width(STROKE))?;

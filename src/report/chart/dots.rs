@@ -9,8 +9,8 @@ use super::{WIDTH, draw_nothing};
 use crate::report::statistics::Estimate;
 use crate::report::style::{
     Area, At, Axis, BLUE, DrawError, Drawn, Entry, GRID, HAIRLINE, HEADING, INK, Key, SOFT_INK, STROKE, TEXT,
-    VERMILION, area, bounds, draw_title, fitted, line, picture, text_width, title_height, usable, write,
-    wrapped,
+    VERMILION, area, bounds, draw_title, fitted, line, picture, text_width, title_height, usable, wrapped,
+    write,
 };
 
 /// A horizontal dot plot.
@@ -234,7 +234,8 @@ fn draw_mean(root: &Area, (x, y): At, [low, high]: [i32; 2]) -> Drawn {
 
 fn draw_paper(root: &Area, (x, y): At) -> Drawn {
     line(root, vec![(x, y - 26), (x, y + 26)], VERMILION.stroke_width(STROKE))?;
-    let corners = |reach: i32| vec![(x, y - 26 - reach), (x + reach, y - 26), (x, y - 26 + reach), (x - reach, y - 26)];
+    let corners =
+        |reach: i32| vec![(x, y - 26 - reach), (x + reach, y - 26), (x, y - 26 + reach), (x - reach, y - 26)];
     area(root, corners(9), VERMILION.filled())
 }
 

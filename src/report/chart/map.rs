@@ -183,7 +183,12 @@ impl Plan {
     }
 
     fn draw_walls(&self, root: &Area) -> Drawn {
-        let walls = [(self.left, self.upper), (self.right, self.upper), (self.right, self.lower), (self.left, self.lower)];
+        let walls = [
+            (self.left, self.upper),
+            (self.right, self.upper),
+            (self.right, self.lower),
+            (self.left, self.lower),
+        ];
         line(root, closed(walls.to_vec()), INK.stroke_width(STROKE + 2))
     }
 }

@@ -6,7 +6,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
 use super::{
-    Area, At, Drawn, HAIRLINE, LINE_HEIGHT, SOFT_INK, STROKE, TEXT, area, fitted, line, mark, text_width, write,
+    Area, At, Drawn, HAIRLINE, LINE_HEIGHT, SOFT_INK, STROKE, TEXT, area, fitted, line, mark, text_width,
+    write,
 };
 
 /// Draws a sign around a place, in a field of `SIGN_WIDTH`.

@@ -1,7 +1,7 @@
 //! Bounds that no plan can beat: the shortest way round the obstacles, and the least turning.
 //!
 //! In: a scenario, a start, a target. Out: how many steps are needed at least from any state. What is proven, and how,
-//! stands in the module [`super`].
+//! stands in docs/optimum.md.
 
 use std::f64::consts::{PI, TAU};
 
@@ -163,9 +163,10 @@ impl Geodesic {
             geodesic.screens.push(screen);
             points.extend(outline);
         }
-        // No way bends outside the rectangle of the robot's centre, which is convex.
+        // No way bends outside a rectangle that holds it all: the robot's centre's, and the target besides.
         let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
         let (reach_x, reach_y) = (f64::from(width_m) / 2.0 - range, f64::from(height_m) / 2.0 - range);
+        let (reach_x, reach_y) = (reach_x.max(goal.x.abs()), reach_y.max(goal.y.abs()));
         points.retain(|&(x, y)| x.abs() <= reach_x && y.abs() <= reach_y);
         geodesic.measure(points);
         geodesic

@@ -4,42 +4,20 @@
 //! [`lower_bound_steps`], which no plan can beat. No Bevy and no physics engine: the robot is a point that must keep
 //! its distance.
 //!
-//! **The world as searched.** A motion (v, w) held for a control period takes the robot along an arc; the search
-//! goes from arc's end to arc's end in f64, by the same formula as the world. A step is allowed when the true
-//! distance from its end to every wall and obstacle (where `pose_at` puts it after that step) is at least
-//! `collision_range_m`; the target is reached by an allowed step that ends nearer than `goal_radius_m`. What lies
-//! between the ends of steps isn't judged. Both distances are kept with [`MARGIN_M`] to spare, so that a plan holds
-//! in the world's f32 too.
+//! **The world as searched.** From arc's end to arc's end in f64, by the same formula as the world. A step is allowed
+//! when the true distance from its end to every wall and obstacle (where `pose_at` puts it after that step) is at least
+//! `collision_range_m`; the target is reached by an allowed step that ends nearer than `goal_radius_m`. A plan keeps
+//! both with [`MARGIN_M`] to spare, so that it holds in the world's f32; the lower bound has the margin on the other side.
 //!
-//! **How near the plan is to the optimum.** [`least_time`] is a best-first search over exact states that keeps one
-//! state for each cell of a grid over (x, y, heading), and also step where anything moves. So a plan is always
-//! feasible, an upper bound; merging states in a cell may cost steps, fewer the smaller the cells. Where `steps`
-//! equals the lower bound the plan is proven optimal. Measured over 500 random navigations at the default resolution:
-//! the mean is 0.16 % above the mean bound in the empty enclosure and in Scenario I (nine plans of ten proven optimal),
-//! 2.4 % in Scenario II, where the bound knows little of what moves. The paper's course in Scenario I, heading 0:
-//! 54 steps = 10.8 s, proven optimal.
-//!
-//! **What is proven below.** Everything that guides the search, and [`lower_bound_steps`], rests on bounds that
-//! hold for the world with its margins on the other side (goal radius larger, collision range smaller by
-//! [`MARGIN_M`]):
-//! 1. *Geodesic.* A step moves the robot by the chord s of the fastest motion at most. Of two points at least R from
-//!    an obstacle and at most s apart, every point between is at least sqrt(R^2 - s^2 / 4) from it (Stewart's
-//!    theorem), so the polyline through the steps' ends keeps out of each obstacle grown by that much, and out of
-//!    any convex polygon inscribed in it. The shortest way round these polygons, by their corners, less the goal
-//!    radius, is no longer than s a step. Obstacles that move, that stand within the goal radius of the target, or
-//!    that are too many, are left out, which can only shorten the way; so are all where R <= s / 2.
-//! 2. *Turning.* Where every motion drives forward, the path bends no tighter than some radius r. The shortest
-//!    such path to a point q outside both turning circles is an arc and its tangent (Bui et al. 1994), and its length
-//!    changes by no more than q does. So if the goal's disc is clear of both circles, that length to the target less
-//!    the goal radius is a bound.
+//! **Plan and bound.** A plan is feasible, so an upper bound of the optimum: the search merges states by cells, which
+//! may cost steps, fewer the smaller the cells. All that guides it, and [`lower_bound_steps`], rests on two proven bounds:
+//! the way round the obstacles that stand still, and the turning. Where both agree the optimum is known.
 //!
 //! **A lag of the drive is not modelled.** Both the search and the bounds take a motion to be driven from its first
 //! moment on. Of a scenario with `actuator_lag_s` the planner therefore says nothing ([`is_modelled`]).
 //!
-//! **The judge is a hair more lenient**: it takes the shortest of the LIDAR's beams, which may pass the nearest point
-//! by. With 24 beams and a collision range of 0.13 m that is 2.1 mm at most at a cylinder of 0.15 m, 1.1 mm at a wall,
-//! 18 mm at a box's corner. So the true optimum may seldom be a step shorter; take that off `collision_range_m` for a
-//! bound on it too.
+//! The proofs, what they leave out, how lenient the judge is, how near plan and bound are, and what all this says
+//! of the paper's times: docs/optimum.md.
 
 mod bound;
 mod search;
@@ -48,6 +26,8 @@ mod world;
 use bound::Bound;
 use search::{Cells, LOOKAHEAD, Limits, look_ahead, search};
 use world::{Goal, World};
+
+use serde::{Deserialize, Serialize};
 
 use crate::scenario::Scenario;
 
@@ -66,6 +46,18 @@ pub struct Plan {
     pub time_s: f32,
     /// The motion of each step, as an index into the robot's motions.
     pub actions: Vec<u8>,
+    /// Where the robot is after 0, 1, ... steps, as the search has it: x in m, y in m, heading in rad in [-pi, pi].
+    /// One more than there are steps.
+    pub poses: Vec<(f32, f32, f32)>,
+}
+
+/// What is known of the least number of control steps: it is `lower_steps` at least and `plan_steps` at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// Proven: see [`lower_bound_steps`].
+    pub lower_steps: u32,
+    /// What the planner needs; None where it finds no way (see [`least_time`]).
+    pub plan_steps: Option<u32>,
 }
 
 /// How finely states are told apart. The search is run with the coarsest cells first, then with halved ones.
@@ -112,10 +104,41 @@ pub fn least_time(
     if !is_modelled(scenario) {
         return None;
     }
-    let mut world = World::new(scenario, clock, MARGIN_M);
+    shortest(scenario, start, target, clock, resolution, &Bound::new(scenario, start, target))
+}
+
+/// [`lower_bound_steps`] and the steps of [`least_time`] in one, sooner than both apart.
+#[must_use]
+pub fn bounds(
+    scenario: &Scenario,
+    start: (f32, f32, f32),
+    target: (f32, f32),
+    clock: u64,
+    resolution: Resolution,
+) -> Bounds {
+    if !is_modelled(scenario) {
+        return Bounds { lower_steps: 1, plan_steps: None };
+    }
     let bound = Bound::new(scenario, start, target);
+    let plan = shortest(scenario, start, target, clock, resolution, &bound);
+    let plan_steps = plan.map(|plan| plan.steps);
+    // More than a plan takes can't be proven.
+    let enough = plan_steps.unwrap_or(u32::MAX);
+    Bounds { lower_steps: look_ahead(scenario, start, target, clock, &bound, LOOKAHEAD, enough), plan_steps }
+}
+
+/// [`least_time`] by bounds that are known already.
+fn shortest(
+    scenario: &Scenario,
+    start: (f32, f32, f32),
+    target: (f32, f32),
+    clock: u64,
+    resolution: Resolution,
+    bound: &Bound,
+) -> Option<Plan> {
+    let mut world = World::new(scenario, clock, MARGIN_M);
     let goal = Goal::new(scenario, target, -MARGIN_M);
-    let least = look_ahead(scenario, start, target, clock, &bound, 64);
+    let least = look_ahead(scenario, start, target, clock, bound, 64, u32::MAX);
     let mut best = None;
     let mut fewer_than = scenario.task.time_limit_steps.saturating_add(1);
     for halving in 0..=resolution.halvings {
@@ -126,9 +149,9 @@ pub fn least_time(
             fewer_than,
             states: if halving == 0 { MOST_STATES } else { resolution.refining_states },
         };
-        if let Some(plan) = search(&mut world, &bound, &goal, start, &mut cells, &limits) {
-            fewer_than = plan.len() as u32;
-            best = Some(plan);
+        if let Some(actions) = search(&mut world, bound, &goal, start, &mut cells, &limits) {
+            fewer_than = actions.len() as u32;
+            best = Some(actions);
         }
         if fewer_than <= least {
             break;
@@ -137,11 +160,12 @@ pub fn least_time(
     best.map(|actions| {
         let steps = actions.len() as u32;
         let time_s = (f64::from(steps) * f64::from(scenario.task.control_period_s)) as f32;
-        Plan { steps, time_s, actions }
+        let poses = world.drive(start, &actions).map(|state| state.pose()).collect();
+        Plan { steps, time_s, actions, poses }
     })
 }
 
-/// A number of steps that no plan undercuts, whatever the resolution: proven as the module's docs say, by the
+/// A number of steps that no plan undercuts, whatever the resolution: proven in docs/optimum.md, by the
 /// geodesic and the turning bound after every sequence of the first few motions. `u32::MAX` where there is no way. In a
 /// scenario that is not one that [`is_modelled`] all that is known is that it takes a step: 1.
 #[must_use]
@@ -149,7 +173,7 @@ pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), target: (f
     if !is_modelled(scenario) {
         return 1;
     }
-    look_ahead(scenario, start, target, clock, &Bound::new(scenario, start, target), LOOKAHEAD)
+    look_ahead(scenario, start, target, clock, &Bound::new(scenario, start, target), LOOKAHEAD, u32::MAX)
 }
 
 #[cfg(test)]

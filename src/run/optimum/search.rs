@@ -174,7 +174,8 @@ pub(super) fn search(
 }
 
 /// The least bound, in whole steps, over the ends of every sequence of motions that is looked at, `states` in all:
-/// the most hopeful are gone on from first, and none is left out.
+/// the most hopeful are gone on from first, and none is left out. The greatest that this has been on the way holds,
+/// and `enough` steps are as many as are asked for.
 pub(super) fn look_ahead(
     scenario: &Scenario,
     start: (f32, f32, f32),
@@ -182,18 +183,20 @@ pub(super) fn look_ahead(
     clock: u64,
     bound: &Bound,
     states: usize,
+    enough: u32,
 ) -> u32 {
     let mut world = World::new(scenario, clock, -MARGIN_M);
     let goal = Goal::new(scenario, target, MARGIN_M);
     let mut nodes = vec![(State::new(start), 0)];
     let mut queue = Queue::default();
     queue.push(0, 0);
+    let mut proven = 1;
     while let Some((parts_here, index)) = queue.pop() {
         let (state, steps) = nodes[index];
-        let so_far = whole(f64::from(parts_here) / PARTS);
+        proven = proven.max(whole(f64::from(parts_here) / PARTS));
         // A target that has been reached is queued with just its steps.
-        if nodes.len() >= states || (index > 0 && goal.holds(state.x, state.y)) {
-            return so_far;
+        if nodes.len() >= states || proven >= enough || (index > 0 && goal.holds(state.x, state.y)) {
+            return proven;
         }
         let steps = steps + 1;
         world.prepare(steps);

@@ -89,6 +89,20 @@ fn of_a_drive_that_lags_nothing_is_said() {
 }
 
 #[test]
+fn straight_drives_take_the_way_over_the_stride() {
+    let scenario = Scenario::default();
+    for k in 1..=16_u8 {
+        // From 0.315 m: (d - 0.2) m over 0.03 m is never near a whole number.
+        let (d, heading) = (0.115 + 0.2 * f32::from(k), 0.4 * f32::from(k));
+        let start = (-0.5 * d * heading.cos(), -0.5 * d * heading.sin(), heading);
+        let target = (-start.0, -start.1);
+        let steps = ((f64::from(d) - 0.2) / 0.03).ceil() as u32;
+        let bounds = bounds(&scenario, start, target, 0, Resolution::default());
+        assert_eq!(bounds, Bounds { lower_steps: steps, plan_steps: Some(steps) }, "{d} m");
+    }
+}
+
+#[test]
 fn a_target_behind_costs_the_turn() {
     // The turning circle's middle is 1 m ahead of the target and 0.1 m aside, so the tangent is 1 m long; the
     // turn is pi + 2 atan(0.1) = 3.3409 rad on a radius of 0.1 m. (0.33409 + 1 - 0.2) m / 0.03 m = 37.8.
@@ -234,7 +248,18 @@ proptest! {
         prop_assert_eq!(plan.steps as usize, plan.actions.len());
         prop_assert_eq!(replay(scenario, start, target, clock, &plan.actions), Ok(plan.steps));
         prop_assert!(plan.steps <= first.steps, "a finer search is never worse");
-        prop_assert!(lower_bound_steps(scenario, start, target, clock) <= plan.steps);
+        let lower_steps = lower_bound_steps(scenario, start, target, clock);
+        prop_assert!(lower_steps <= plan.steps);
+        let both = bounds(scenario, start, target, clock, Resolution::default());
+        prop_assert_eq!(both, Bounds { lower_steps, plan_steps: Some(plan.steps) });
+        prop_assert_eq!(plan.poses.len(), plan.actions.len() + 1);
+        prop_assert_eq!((plan.poses[0].0, plan.poses[0].1), (start.0, start.1));
+        for (step, &(x, y, heading)) in (0..).zip(&plan.poses).skip(1) {
+            prop_assert!(clearance(scenario, (x, y), clock + step) >= scenario.task.collision_range_m);
+            prop_assert!(heading.abs() <= std::f32::consts::PI);
+            let arrived = libm::hypotf(target.0 - x, target.1 - y) < scenario.task.goal_radius_m;
+            prop_assert_eq!(arrived, step == u64::from(plan.steps));
+        }
     }
 
     /// Wherever the robot gets by any drive at all, no bound on the way says it couldn't.

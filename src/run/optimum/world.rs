@@ -2,6 +2,8 @@
 //!
 //! In: a scenario and a clock. Out: the state after a motion, and whether it is allowed.
 
+use std::f64::consts::TAU;
+
 use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
 /// Robot's centre in m and heading in rad, not wrapped.
@@ -24,6 +26,11 @@ impl State {
             y: self.y + step.ahead * sin + step.left * cos,
             heading: self.heading + step.turn,
         }
+    }
+
+    /// The state as others write it, the heading wrapped.
+    pub(super) fn pose(&self) -> (f32, f32, f32) {
+        (self.x as f32, self.y as f32, libm::remainder(self.heading, TAU) as f32)
     }
 }
 
@@ -117,6 +124,16 @@ impl<'a> World<'a> {
             clock,
             period_s,
         }
+    }
+
+    /// The states after 0, 1, ... of these actions.
+    pub(super) fn drive(&self, start: (f32, f32, f32), actions: &[u8]) -> impl Iterator<Item = State> {
+        let start = State::new(start);
+        let after = actions.iter().scan(start, |state, &action| {
+            *state = state.after(&self.moves[usize::from(action)], libm::sincos(state.heading));
+            Some(*state)
+        });
+        std::iter::once(start).chain(after)
     }
 
     /// Whether any obstacle moves.
