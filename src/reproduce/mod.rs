@@ -28,6 +28,8 @@ mod quick;
 mod results;
 mod select;
 mod tables;
+#[cfg(test)]
+mod tests;
 pub mod trial;
 pub mod verdict;
 mod yardstick;

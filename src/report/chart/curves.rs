@@ -101,14 +101,17 @@ impl Curves {
     /// # Errors
     /// When the drawing library fails; none of the input is known to bring that about.
     pub fn svg(&self) -> Result<String, DrawError> {
-        let panels: Vec<Panel> = self.panels.iter().map(Panel::drawable).collect();
+        let mut panels: Vec<Panel> = self.panels.iter().map(Panel::drawable).collect();
+        if panels.is_empty() {
+            panels.push(Panel::default());
+        }
         let marks: Vec<&XMark> = self.marks.iter().filter(|m| usable(m.x)).collect();
         let width = WIDTH - LEFT - 32;
         let key = Key::new(entries(&panels), width);
         let top = title_height(&self.title, width);
         let mark_row = if marks.is_empty() { 0 } else { LINE_HEIGHT };
         let block = HEADING_HEIGHT + PLOT_HEIGHT;
-        let height = top + key.height() + mark_row + panels.len().max(1) as i32 * block + 128;
+        let height = top + key.height() + mark_row + panels.len() as i32 * block + 128;
 
         picture((WIDTH as u32, height as u32), |root| {
             draw_title(root, &self.title, (LEFT, width))?;
@@ -121,9 +124,13 @@ impl Curves {
             };
             let mut upper = top + key.height() + mark_row + HEADING_HEIGHT;
             frame.draw_mark_names(root, &marks, upper - 16)?;
+            let mut raised = mark_row;
             for panel in &panels {
-                frame.draw_panel(root, panel, &marks, (upper, upper + PLOT_HEIGHT), mark_row)?;
+                let heading = fitted(&panel.heading, HEADING, frame.right - LEFT);
+                write(root, &heading, (LEFT, upper - 32 - raised), HEADING, &INK, HPos::Left)?;
+                frame.draw_panel(root, panel, &marks, (upper, upper + PLOT_HEIGHT))?;
                 upper += block;
+                raised = 0;
             }
             frame.draw_x_axis(root, &self.x_label, height - 128)
         })
@@ -170,25 +177,16 @@ impl Frame {
         Ok(())
     }
 
-    fn draw_panel(
-        &self,
-        root: &Area,
-        panel: &Panel,
-        marks: &[&XMark],
-        sides: (i32, i32),
-        raised: i32,
-    ) -> Drawn {
+    fn draw_panel(&self, root: &Area, panel: &Panel, marks: &[&XMark], sides: (i32, i32)) -> Drawn {
         let (upper, lower) = sides;
-        let heading = fitted(&panel.heading, HEADING, self.right - LEFT);
-        write(root, &heading, (LEFT, upper - 32 - raised), HEADING, &INK, HPos::Left)?;
         let y = panel.axis();
         let at_y = |value| y.place(value, (lower, upper));
         for tick in y.ticks() {
-            let colour = if tick == y.range.start { SOFT_INK } else { GRID };
-            line(root, vec![(LEFT, at_y(tick)), (self.right, at_y(tick))], colour.stroke_width(HAIRLINE))?;
-            let label = y.label(tick) + &panel.y_unit;
+            line(root, vec![(LEFT, at_y(tick)), (self.right, at_y(tick))], GRID.stroke_width(HAIRLINE))?;
+            let label = fitted(&(y.label(tick) + &panel.y_unit), TEXT, LEFT - 24);
             write(root, &label, (LEFT - 16, at_y(tick)), TEXT, &SOFT_INK, HPos::Right)?;
         }
+        line(root, vec![(LEFT, lower), (self.right, lower)], SOFT_INK.stroke_width(HAIRLINE))?;
         for mark in marks {
             let at = self.at_x(mark.x);
             let places = [(at, upper), (at, lower)];
@@ -294,7 +292,7 @@ impl Panel {
         let room = (high - low) / 2.0;
         let bands = self.lines.iter().flat_map(|l| l.band().flat_map(|p| [p.low, p.high]));
         let rest = raw().chain(bands).map(|y| y.clamp(low - room, high + room));
-        Axis::around(shown.iter().copied().chain(rest), 0.0)
+        Axis::within(shown.iter().copied().chain(rest), 5.0)
     }
 
     /// The room its labels want, in drawn pixels; a third of the figure at most.

@@ -50,7 +50,9 @@ pub struct DotCell {
 
 // Sizes in drawn pixels.
 const EDGE: i32 = 32;
-const ROW_HEIGHT: i32 = 64;
+const ROW_HEIGHT: i32 = 72;
+/// Of a row without a name, which parts groups.
+const GAP_HEIGHT: i32 = 32;
 const COLUMN_GAP: i32 = 48;
 const HEADING_LINE: i32 = 40;
 const FOOT: i32 = 128;
@@ -75,14 +77,14 @@ impl Dots {
         let headings: Vec<_> = columns.iter().map(|c| wrapped(&c.heading, HEADING, column_width)).collect();
         let heading_lines = headings.iter().map(Vec::len).max().unwrap_or(1) as i32;
         let upper = title_end + key.height() + 24 + heading_lines * HEADING_LINE + 12;
-        let lower = upper + self.rows.len().max(2) as i32 * ROW_HEIGHT;
+        let (middles, end) = self.row_middles(upper);
+        let lower = end.max(upper + 2 * ROW_HEIGHT);
 
         picture((WIDTH as u32, (lower + FOOT) as u32), |root| {
             draw_title(root, &self.title, (EDGE, width))?;
             key.draw(root, (EDGE, title_end), width)?;
-            for (i, row) in (0..).zip(&self.rows) {
-                let at = (left - 24, row_middle(upper, i));
-                write(root, &fitted(row, TEXT, names), at, TEXT, &INK, HPos::Right)?;
+            for (row, &y) in self.rows.iter().zip(&middles) {
+                write(root, &fitted(row, TEXT, names), (left - 24, y), TEXT, &INK, HPos::Right)?;
             }
             for (i, (column, heading)) in (0..).zip(columns.iter().zip(&headings)) {
                 let from = left + i * (column_width + COLUMN_GAP);
@@ -90,7 +92,7 @@ impl Dots {
                     let at = (from, upper - 32 - row * HEADING_LINE);
                     write(root, text, at, HEADING, &INK, HPos::Left)?;
                 }
-                column.draw(root, (from, from + column_width), (upper, lower), &self.rows)?;
+                column.draw(root, (from, from + column_width), (upper, lower), &middles)?;
             }
             if columns.is_empty() {
                 draw_nothing(root, (left, WIDTH - EDGE), (upper, lower))?;
@@ -98,10 +100,18 @@ impl Dots {
             Ok(())
         })
     }
-}
 
-fn row_middle(upper: i32, row: i32) -> i32 {
-    upper + row * ROW_HEIGHT + ROW_HEIGHT / 2
+    /// The rows' heights on the drawing, and where the last ends.
+    fn row_middles(&self, upper: i32) -> (Vec<i32>, i32) {
+        let mut end = upper;
+        let mut middle = |row: &String| {
+            let height = if row.is_empty() { GAP_HEIGHT } else { ROW_HEIGHT };
+            end += height;
+            end - height / 2
+        };
+        let middles = self.rows.iter().map(&mut middle).collect();
+        (middles, end)
+    }
 }
 
 /// What of a column can be drawn, a cell to each row.
@@ -135,21 +145,17 @@ impl Column {
         let room = (high - low) / 2.0;
         let ends = self.cells.iter().filter_map(|c| c.estimate).flat_map(|e| [e.low(), e.high()]);
         let ends: Vec<f64> = ends.map(|x| x.clamp(low - room, high + room)).collect();
-        let around = |least_step| Axis::around(shown().chain(ends.iter().copied()), least_step);
-        let mut axis = around(0.0);
+        let within = |ticks| Axis::within(shown().chain(ends.iter().copied()), ticks);
         // Ticks so far apart that their texts do not touch.
-        for _ in 0..4 {
+        let fits = |axis: &Axis| {
             let texts = axis.ticks().into_iter().map(|t| text_width(&axis.label(t), TEXT) + 24);
-            let wide = texts.max().unwrap_or(0);
-            if wide * (axis.ticks().len() as i32 - 1) <= pixels {
-                break;
-            }
-            axis = around(axis.step * 2.0);
-        }
-        axis
+            let gap = axis.step / (axis.range.end - axis.range.start) * f64::from(pixels);
+            f64::from(texts.max().unwrap_or(0)) <= gap
+        };
+        [5.0, 4.0, 3.0, 2.0].map(within).into_iter().find(fits).unwrap_or_else(|| within(1.0))
     }
 
-    fn draw(&self, root: &Area, (left, right): At, (upper, lower): At, rows: &[String]) -> Drawn {
+    fn draw(&self, root: &Area, (left, right): At, (upper, lower): At, middles: &[i32]) -> Drawn {
         let (from, to) = (left + PADDING, right - PADDING);
         let axis = self.axis(to - from);
         let at_x = |value| axis.place(value, (from, to));
@@ -163,9 +169,8 @@ impl Column {
         let unit = fitted(&self.unit, TEXT, right - left);
         write(root, &unit, ((left + right) / 2, lower + 76), TEXT, &SOFT_INK, HPos::Center)?;
 
-        for (i, (cell, name)) in (0..).zip(self.cells.iter().zip(rows)) {
-            let y = row_middle(upper, i);
-            if !name.is_empty() {
+        for (cell, &y) in self.cells.iter().zip(middles) {
+            if !cell.is_empty() {
                 line(root, vec![(left, y), (right, y)], GRID.stroke_width(HAIRLINE))?;
             }
             if let Some(paper) = cell.paper {
@@ -204,10 +209,10 @@ fn entries(columns: &[Column]) -> Vec<Entry> {
         entries.push(Entry::Sign(sign, "mean and 95 % interval"));
     }
     if any(|c| !c.values.is_empty()) {
-        entries.push(Entry::Sign(draw_seed, "a seed"));
+        entries.push(Entry::Sign(draw_seed, "one seed"));
     }
     if any(|c| c.paper.is_some()) {
-        entries.push(Entry::Sign(draw_paper, "paper"));
+        entries.push(Entry::Sign(|root, (x, y)| draw_paper(root, (x, y + 8)), "paper"));
     }
     if any(|c| c.censored) {
         entries.push(Entry::Sign(|root, (x, y)| draw_arrow(root, (x + 20, y)), "some seeds never got there"));
@@ -216,7 +221,7 @@ fn entries(columns: &[Column]) -> Vec<Entry> {
 }
 
 /// How far under the mean its seeds are drawn.
-const SEED_DROP: i32 = 18;
+const SEED_DROP: i32 = 22;
 
 fn draw_seed(root: &Area, at: At) -> Drawn {
     root.draw(&Circle::new(at, 7, BLUE.mix(0.8).stroke_width(HAIRLINE)))?;
@@ -233,10 +238,9 @@ fn draw_mean(root: &Area, (x, y): At, [low, high]: [i32; 2]) -> Drawn {
 }
 
 fn draw_paper(root: &Area, (x, y): At) -> Drawn {
-    line(root, vec![(x, y - 26), (x, y + 26)], VERMILION.stroke_width(STROKE))?;
-    let corners =
-        |reach: i32| vec![(x, y - 26 - reach), (x + reach, y - 26), (x, y - 26 + reach), (x - reach, y - 26)];
-    area(root, corners(9), VERMILION.filled())
+    let top = y - 20;
+    line(root, vec![(x, top), (x, y + 12)], VERMILION.stroke_width(STROKE))?;
+    area(root, vec![(x, top - 10), (x + 10, top), (x, top + 10), (x - 10, top)], VERMILION.filled())
 }
 
 /// An arrow to the right that ends at a place.

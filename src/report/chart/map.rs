@@ -98,13 +98,13 @@ impl Map {
 
     fn draw(&self, root: &Area, plan: &Plan) -> Drawn {
         plan.draw_axes(root)?;
-        let discs = self.circles.iter().map(|&circle| ring(circle));
-        for corners in discs.chain(self.boxes.iter().map(|corners| corners.to_vec())) {
-            plan.draw_solid(root, &corners)?;
+        for &circle in &self.circles {
+            plan.draw_disc(root, circle, SOLID.filled(), SOFT_INK)?;
         }
-        let goal = plan.places(&ring(self.target));
-        area(root, goal.clone(), GREEN.mix(0.25).filled())?;
-        line(root, closed(goal), GREEN.stroke_width(HAIRLINE))?;
+        for corners in &self.boxes {
+            plan.draw_shape(root, corners, SOLID.filled(), SOFT_INK)?;
+        }
+        plan.draw_disc(root, self.target, GREEN.mix(0.25).filled(), GREEN)?;
         if usable(self.target.0) && usable(self.target.1) {
             draw_cross(root, plan.place((self.target.0, self.target.1)))?;
         }
@@ -176,10 +176,24 @@ impl Plan {
         write(root, "x and y in m", middle, TEXT, &SOFT_INK, HPos::Center)
     }
 
-    fn draw_solid(&self, root: &Area, corners: &[(f64, f64)]) -> Drawn {
+    /// A shape with an edge; what is beyond the walls is cut off.
+    fn draw_shape(&self, root: &Area, corners: &[(f64, f64)], fill: ShapeStyle, edge: RGBColor) -> Drawn {
         let corners = self.places(corners);
-        area(root, corners.clone(), SOLID.filled())?;
-        line(root, closed(corners), SOFT_INK.stroke_width(HAIRLINE))
+        area(root, corners.clone(), fill)?;
+        line(root, closed(corners), edge.stroke_width(HAIRLINE))
+    }
+
+    fn draw_disc(&self, root: &Area, disc: (f64, f64, f64), fill: ShapeStyle, edge: RGBColor) -> Drawn {
+        let (x, y, radius) = disc;
+        let within = |axis: &Axis, at: f64| axis.range.start <= at - radius && at + radius <= axis.range.end;
+        if !within(&self.x, x) || !within(&self.y, y) {
+            return self.draw_shape(root, &ring(disc), fill, edge);
+        }
+        let pixels_per_m = f64::from(self.right - self.left) / (self.x.range.end - self.x.range.start);
+        let pixels = (radius.max(0.0) * pixels_per_m).round() as i32;
+        root.draw(&Circle::new(self.place((x, y)), pixels, fill))?;
+        root.draw(&Circle::new(self.place((x, y)), pixels, edge.stroke_width(HAIRLINE)))?;
+        Ok(())
     }
 
     fn draw_walls(&self, root: &Area) -> Drawn {
@@ -206,7 +220,7 @@ fn closed(mut corners: Vec<At>) -> Vec<At> {
 
 /// A dot with a white rim, and where it looks.
 fn draw_robot(root: &Area, (x, y): At, heading: f64) -> Drawn {
-    let nose = (x + (28.0 * heading.cos()).round() as i32, y - (28.0 * heading.sin()).round() as i32);
+    let nose = (x + (34.0 * heading.cos()).round() as i32, y - (34.0 * heading.sin()).round() as i32);
     line(root, vec![(x, y), nose], WHITE.stroke_width(STROKE + 6))?;
     root.draw(&Circle::new((x, y), 16, WHITE.filled()))?;
     line(root, vec![(x, y), nose], INK.stroke_width(STROKE + 1))?;

@@ -36,8 +36,18 @@ pub(in crate::report) fn fitted(text: &str, size: f64, width: i32) -> String {
     cut + "…"
 }
 
-/// The text in lines no wider than `width` drawn pixels; one line at least.
+/// The text in lines no wider than `width` drawn pixels, about as long as each other; one line at least.
 pub(in crate::report) fn wrapped(text: &str, size: f64, width: i32) -> Vec<String> {
+    let lines = filled(text, size, width);
+    // As narrow as the same number of lines allows: no word is left alone on the last.
+    let narrower = (width / 2..width).step_by(16).map(|narrow| filled(text, size, narrow));
+    let mut as_few =
+        narrower.filter(|other| other.len() == lines.len() && !other.iter().any(|l| l.ends_with('…')));
+    as_few.next().unwrap_or(lines)
+}
+
+/// The text in lines as full as can be.
+fn filled(text: &str, size: f64, width: i32) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let last = lines.len() - 1;

@@ -1,0 +1,210 @@
+//! What the room promises within itself: the shipped experiments can be carried out, a training that several need is
+//! made once, and numbers are read from records as the measures say.
+
+use std::path::{Path, PathBuf};
+
+use super::experiment::{Experiment, Show, TestRule};
+use super::measure::Measure;
+use super::plan::{Plan, Selected, Which};
+use super::results::{Results, Value};
+use super::select::select;
+use super::trial::{self, Trial};
+use super::yardstick::Yardstick;
+use super::{Request, plan};
+use crate::run::folder::RunFolder;
+use crate::run::preset::Budget;
+use crate::run::records::{EpisodeRow, EvaluationRow};
+
+fn only(names: &[&str]) -> Request {
+    Request { only: names.iter().map(|&name| name.into()).collect(), ..Request::default() }
+}
+
+fn planned(request: &Request) -> (Vec<Selected>, Plan) {
+    let selected = select(request).expect("it can be selected");
+    let plan = Plan::new(&selected).expect("it can be planned");
+    (selected, plan)
+}
+
+fn budgets(plan: &Plan, seed: u64) -> Vec<(String, Budget)> {
+    let of_seed = plan.trainings.iter().filter(|training| training.config.seed == seed);
+    of_seed.map(|training| (training.config.preset_name(), training.config.preset.budget)).collect()
+}
+
+#[test]
+fn everything_shipped_can_be_planned_also_roughly() {
+    let (all, plan) = planned(&Request::default());
+    assert_eq!(all.len(), 7);
+    let (rough, rough_plan) = planned(&Request { quick: true, ..Request::default() });
+    assert_eq!(plan.trainings.len() / 5, rough_plan.trainings.len() / 2, "as many trainings a seed");
+    for selected in rough {
+        let experiment = &selected.source.experiment;
+        assert!(experiment.findings().is_empty(), "{}: {:?}", selected.source.from, experiment.findings());
+        assert_eq!(experiment.seeds, 2);
+    }
+    for (index, training) in plan.trainings.iter().enumerate() {
+        assert!(training.origin.is_none_or(|from| from < index), "origins come first");
+    }
+}
+
+#[test]
+fn a_training_that_several_need_is_made_once() {
+    // Figure 8's DQN is the beginning of figure 9's; figure 10's transfer starts from figure 9's PER-D3QN.
+    let (_, plan) = planned(&only(&["fig8", "fig9", "fig10"]));
+    assert_eq!(
+        budgets(&plan, 3),
+        [
+            ("dqn".into(), Budget::Episodes(1500)),
+            ("dqn".into(), Budget::Episodes(800)),
+            ("per_d3qn".into(), Budget::Episodes(1500)),
+            ("per_d3qn".into(), Budget::Episodes(2000)),
+            ("per_d3qn".into(), Budget::Episodes(1000)),
+        ]
+    );
+    let transferred =
+        plan.trainings.iter().find(|t| t.config.transfer.is_some()).expect("one is transferred");
+    let origin = &plan.trainings[transferred.origin.expect("from another")];
+    assert_eq!(origin.config.scenario.name, "Scenario I");
+    assert!(origin.config.keep_after_episodes.contains(&1000), "the policy it starts from is kept");
+    let mut names: Vec<&str> = plan.trainings.iter().map(|training| training.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), plan.trainings.len(), "each has a folder of its own");
+}
+
+#[test]
+fn no_more_is_trained_than_what_is_asked_for_needs() {
+    let (_, plan) = planned(&only(&["table2"]));
+    assert_eq!(
+        budgets(&plan, 1),
+        [("dqn".into(), Budget::Episodes(1000)), ("per_d3qn".into(), Budget::Episodes(1000))]
+    );
+    assert_eq!(plan.trainings.len(), 10, "five seeds");
+    assert_eq!(plan.trainings[0].tests.len(), 1, "and one test each");
+    let (selected, _) = planned(&only(&["table7"]));
+    let table = selected[0].tables.iter().map(|&i| &selected[0].source.experiment.tables[i].name);
+    assert_eq!(table.collect::<Vec<_>>(), ["table6-7"], "a table is found by each of its numbers");
+    let (_, plan) = planned(&Request { seeds: Some(2), ..only(&["fig8"]) });
+    assert_eq!(plan.trainings.len(), 4);
+}
+
+#[test]
+fn episodes_are_counted_over_the_stages() {
+    let stages = vec![(0, Some(1000)), (1, Some(800))];
+    let chain = plan::Chain { stages, episodes: Some(1800) };
+    assert_eq!(chain.at(400), Some((0, 400)));
+    assert_eq!(chain.at(1000), Some((0, 1000)), "the end of a stage is still its own");
+    assert_eq!(chain.at(1001), Some((1, 1)));
+    assert_eq!(chain.at(1800), Some((1, 800)));
+    assert_eq!(chain.at(1801), None);
+}
+
+const TWO_STAGES: &str = r#"(
+    title: "t",
+    seeds: 1,
+    test: (rounds: 1, navigations: 4, seed: 5),
+    arms: [
+        (
+            name: "a",
+            stages: [
+                (scenario: "empty", preset: "dqn", budget: Episodes(100)),
+                (scenario: "scenario-1", preset: "dqn", budget: Episodes(200)),
+            ],
+        ),
+    ],
+    tables: [(name: "t", title: "t", show: Seeds(measure: Success, after: 300))],
+)"#;
+
+/// Writes what a run of `training` would leave: targets per episode, and every episode 10 steps.
+fn pretend(folder: &Path, training: &plan::Training, targets: &[u32], trials: &[Trial]) {
+    let folder = RunFolder::create(Some(folder.join(&training.name)), &training.config).expect("a folder");
+    let mut episodes = folder.csv::<EpisodeRow>("episodes.csv", 0).expect("a file");
+    folder.csv::<EvaluationRow>("evaluations.csv", 0).expect("a file");
+    for (i, &targets) in (1..).zip(targets) {
+        let total_return = 100.0 * f64::from(targets);
+        let row =
+            EpisodeRow { episode: i, env_steps: 10 * i, targets, total_return, ..EpisodeRow::default() };
+        episodes.serialize(row).expect("a row");
+    }
+    episodes.flush().expect("written");
+    trial::note(&folder, trials).expect("written");
+}
+
+#[test]
+fn numbers_are_read_from_the_records_as_the_measures_say() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file: PathBuf = folder.path().join("two.ron");
+    std::fs::write(&file, TWO_STAGES).expect("written");
+    let (selected, plan) = planned(&Request { experiments: vec![file], ..Request::default() });
+    assert_eq!(plan.trainings.len(), 2);
+
+    // First stage: no targets at all. Second: none in 100 episodes, then 4 in each of another 100.
+    let second: Vec<u32> = (0..200).map(|i| if i < 100 { 0 } else { 4 }).collect();
+    let trial = Trial {
+        policy: trial::file(Which::After(200)),
+        rule: TestRule { rounds: 1, navigations: 4, seed: 5 },
+        steps: vec![Some(50), None, Some(70), Some(60)],
+        collisions: 1,
+        course_steps: vec![Some(60); trial::COURSE_DRIVES],
+    };
+    pretend(folder.path(), &plan.trainings[0], &[0; 100], &[]);
+    pretend(folder.path(), &plan.trainings[1], &second, &[trial]);
+    let yardstick = Yardstick::new(folder.path().join("optimum"), 1);
+    let results = Results::read(&plan, &selected, folder.path(), yardstick).expect("they are there");
+    let value = |measure, after| {
+        let values = results.values(0, 0, 0, measure, after).expect("it is known");
+        assert_eq!(values.len(), 1);
+        values[0]
+    };
+    let exactly = |value| Value { value, at_least: false };
+    assert_eq!(value(Measure::Success, 300), exactly(75.0), "3 of 4");
+    // (50 + 500 + 70 + 60) / 4 = 170 steps of 0.2 s: a failure counts as the time limit of 500 steps.
+    assert_eq!(value(Measure::MeanTime, 300), exactly(34.0));
+    assert_eq!(value(Measure::CourseTime, 300), exactly(12.0), "60 steps");
+    // The last quarter of 200 episodes, 50.
+    assert_eq!(value(Measure::Targets, 300), exactly(4.0));
+    assert_eq!(value(Measure::Return, 300), exactly(400.0));
+    assert_eq!(value(Measure::Targets, 200), exactly(0.0), "after the first 100 of the second stage");
+    // The mean of 50 episodes is 4 n / 50 after n of the good ones: 2 from the 25th on, the 125th of the stage.
+    assert_eq!(value(Measure::EpisodesTo(2.0), 300), exactly(125.0));
+    assert_eq!(value(Measure::StepsTo(2.0), 300), exactly(1.25), "thousands of steps");
+    let never = Value { value: 200.0, at_least: true };
+    assert_eq!(value(Measure::EpisodesTo(4.5), 300), never, "all of the stage's episodes, and more");
+
+    let curve = &results.curves(0, 0, 0, super::experiment::Series::Targets)[0];
+    assert_eq!((curve.len(), curve[99], curve[299]), (300, 0.0, 4.0), "one stage behind the other");
+}
+
+#[test]
+fn a_change_is_made_in_every_field_it_names() {
+    let text = TWO_STAGES.replace(
+        "budget: Episodes(200))",
+        "budget: Episodes(200), change: (lidar_noise_std_m: 0.05, actuator_lag_s: 0.3, collision_range_m: 0.15,
+            time_limit_steps: 300, reward: Traditional, l_r_m: 0.5, observation: Raw, double: true, dueling: true,
+            sampling: Prioritized(alpha: 0.6, beta: Constant(0.4), importance_weights: true, epsilon: 0.01),
+            alpha: 0.7))",
+    );
+    let experiment = Experiment::parse(&text, "two.ron").expect("it is one");
+    let change = &experiment.arms[0].stages[1].change;
+    let mut scenario = crate::run::shipped::scenario("scenario-2").expect("shipped");
+    let mut preset = crate::run::shipped::preset("dqn").expect("shipped");
+    let faster = super::change::Change { orbit_speed_rad_s: Some(0.3), ..change.clone() };
+    faster.apply(&mut scenario, &mut preset);
+    let text = crate::scenario::to_ron(&(scenario, preset)).expect("RON");
+    for said in [
+        "noise_std_m: 0.05",
+        "actuator_lag_s: 0.3",
+        "collision_range_m: 0.15",
+        "time_limit_steps: 300",
+        "kind: Traditional",
+        "l_r_m: 0.5",
+        "observation: Raw",
+        "double: true",
+        "dueling: true",
+        "alpha: 0.7",
+        "importance_weights: true",
+    ] {
+        assert_eq!(text.matches(said).count(), 1, "{said} in {text}");
+    }
+    assert_eq!(text.matches("speed_rad_s: 0.3").count(), 4, "all four cylinders");
+    assert!(matches!(experiment.tables[0].show, Show::Seeds { after: 300, .. }));
+}

@@ -1,0 +1,265 @@
+//! `--reproduce`, as a user meets it: one command trains, tests and reports; what is done is not done again; and no
+//! result depends on how many runs are under way at a time, or on whether the work was stopped in between.
+
+mod cli_support;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use cli_support::{Desk, end, quick_fast, quick_per, signal, wait_until};
+
+/// A small experiment of a user's own: two arms, one of them with two stages, a preset beside the file, a figure of each
+/// kind and a table of each kind.
+const OWN: &str = r#"(
+    title: "A user's own",
+    about: "Does < it > work?",
+    seeds: 2,
+    test: (rounds: 2, navigations: 3, seed: 7),
+    arms: [
+        (
+            name: "plain",
+            stages: [(scenario: "scenario-1", preset: "per.ron", budget: Episodes(24), change: (double: false))],
+        ),
+        (
+            name: "moved on",
+            stages: [
+                (scenario: "empty", preset: "per.ron", budget: Episodes(12)),
+                (scenario: "scenario-1", preset: "per.ron", budget: Episodes(12), epsilon: 0.5),
+            ],
+        ),
+    ],
+    figures: [
+        (
+            name: "curves",
+            title: "Curves",
+            draw: Curves(series: [Return, Targets], smoothing: 5),
+            claims: [
+                (says: "Moving on helps", measure: Return, better: "moved on", than: "plain", after: 24),
+            ],
+        ),
+        (name: "dots", title: "Dots", draw: Dots(measures: [Success, EpisodesTo(1.0)], after: 20)),
+        (name: "course", title: "Course", draw: Course(after: 24)),
+    ],
+    tables: [
+        (
+            name: "times",
+            also: ["clock"],
+            title: "Times",
+            show: Seeds(measure: CourseTime, after: 24, paper: [("plain", 13.155)]),
+        ),
+        (name: "all", title: "All", show: Measures(measures: [Success, MeanTime, TimeRatio], after: 24)),
+        (
+            name: "which",
+            title: "Which",
+            show: Contrast(measures: [Success], better: "moved on", than: "plain", after: [16, 24]),
+        ),
+    ],
+)
+"#;
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("mine")).unwrap();
+    desk.write("mine/own.ron", OWN);
+    desk.write("mine/per.ron", quick_per());
+    desk
+}
+
+/// The report's own files below `folder`, with their bytes: what a reader gets.
+fn report(desk: &Desk, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
+    let root = desk.path(folder);
+    let mut files = BTreeMap::new();
+    for sub in ["figures", "tables"] {
+        for entry in fs::read_dir(root.join(sub)).unwrap() {
+            let path = entry.unwrap().path();
+            files.insert(path.strip_prefix(&root).unwrap().to_owned(), fs::read(&path).unwrap());
+        }
+    }
+    files
+}
+
+/// When each training's folder was last written to.
+fn written(root: &Path) -> BTreeMap<PathBuf, std::time::SystemTime> {
+    let runs = fs::read_dir(root.join("runs")).unwrap();
+    let summaries = runs.map(|run| run.unwrap().path().join("summary.json"));
+    summaries
+        .filter_map(|summary| Some((summary.clone(), fs::metadata(&summary).ok()?.modified().ok()?)))
+        .collect()
+}
+
+#[test]
+fn an_experiment_of_ones_own_becomes_a_report_once() {
+    let desk = desk();
+    let done = desk.succeed("--reproduce --experiment mine/own.ron --out one --jobs 1");
+    assert!(done.stdout.contains("Moving on helps"), "{}", done.stdout);
+    assert!(done.stdout.contains("one/report.html (6 runs"), "{}", done.stdout);
+    assert!(done.stderr.contains("100%  6 of 6 runs"), "{}", done.stderr);
+
+    let one = report(&desk, "one");
+    let names: Vec<String> = one.keys().map(|path| path.display().to_string()).collect();
+    let expected = [
+        "figures/course.png",
+        "figures/course.svg",
+        "figures/curves.png",
+        "figures/curves.svg",
+        "figures/dots.png",
+        "figures/dots.svg",
+        "tables/all.csv",
+        "tables/all.md",
+        "tables/times.csv",
+        "tables/times.md",
+        "tables/which.csv",
+        "tables/which.md",
+    ];
+    assert_eq!(names, expected);
+    let html = desk.text("one/report.html");
+    for said in
+        ["A user&#39;s own", "Does &lt; it &gt; work?", "Moving on helps", "Seed 2", "per.ron", "13.155"]
+    {
+        assert!(
+            html.contains(said) || html.contains(&said.replace("&#39;", "'")),
+            "{said} is not in the page"
+        );
+    }
+    let markdown = desk.text("one/README.md");
+    assert!(markdown.contains("figures/curves.svg") && markdown.contains("Moving on helps"), "{markdown}");
+
+    // The times of the first arm are those that its policies drive, told in whole control steps.
+    let times = csv::Reader::from_path(desk.path("one/tables/times.csv")).unwrap().records().count();
+    assert_eq!(times, 2, "a row an arm");
+
+    // Again, with other jobs and into another folder: the same, to the byte.
+    desk.succeed("--reproduce --experiment mine/own.ron --out two --jobs 3");
+    let two = report(&desk, "two");
+    for (path, bytes) in &one {
+        assert!(two[path] == *bytes, "{} depends on the number of jobs", path.display());
+    }
+
+    // Again into the same folder: nothing is trained anew, and the report is the same.
+    let before = written(&desk.path("one"));
+    desk.succeed("--reproduce --experiment mine/own.ron --out one");
+    assert_eq!(written(&desk.path("one")), before, "no run was repeated");
+    assert!(report(&desk, "one") == one);
+
+    // Part of it, and with fewer seeds: those runs are there already.
+    let json = desk.succeed("--reproduce --experiment mine/own.ron --out one --only clock --seeds 1 --json");
+    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!((json["runs"].as_u64(), json["claims"].as_array().unwrap().len()), (Some(3), 0));
+    assert_eq!(written(&desk.path("one")), before, "no run was repeated");
+}
+
+#[test]
+fn work_that_was_stopped_goes_on_from_there() {
+    let desk = desk();
+    // Long enough to be stopped in the middle.
+    let longer = OWN.replace("Episodes(24)", "Episodes(300)").replace("Episodes(12)", "Episodes(150)");
+    desk.write("mine/own.ron", longer);
+    let arguments = "--reproduce --experiment mine/own.ron --jobs 1 --out";
+    desk.succeed(&format!("{arguments} straight"));
+
+    let mut child = desk.start(&format!("{arguments} stopped"));
+    wait_until(&mut child, "a run is under way", || {
+        fs::read_dir(desk.path("stopped/runs"))
+            .is_ok_and(|mut runs| runs.any(|run| run.unwrap().path().join("checkpoint/latest.bin").exists()))
+    });
+    signal(&child, "TERM");
+    let done = end(child);
+    assert_eq!(done.status, Some(1), "{}", done.stderr);
+    assert!(done.stderr.contains("of 6 runs; the same command goes on from there"), "{}", done.stderr);
+    assert!(!desk.path("stopped/report.html").exists(), "no report of half the work");
+
+    // From its checkpoint; and a run whose checkpoint is no more is made again.
+    let arguments_killed = format!("{arguments} stopped");
+    let mut child = desk.start(&arguments_killed);
+    wait_until(&mut child, "a run is done", || !written(&desk.path("stopped")).is_empty());
+    signal(&child, "KILL");
+    end(child);
+    for run in fs::read_dir(desk.path("stopped/runs")).unwrap() {
+        let _ = fs::remove_file(run.unwrap().path().join("checkpoint/latest.bin"));
+    }
+    desk.succeed(&format!("{arguments} stopped"));
+    assert!(report(&desk, "stopped") == report(&desk, "straight"), "as if nothing had happened");
+}
+
+#[test]
+fn what_cannot_be_reproduced_is_refused_with_the_mend() {
+    let desk = desk();
+    let refused = |arguments: &str, needles: &[&str]| {
+        let done = desk.run(arguments);
+        assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);
+        for needle in needles {
+            assert!(done.stderr.contains(needle), "{arguments}: no `{needle}` in {}", done.stderr);
+        }
+        assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+    };
+    refused("--reproduce --only fig99", &["nothing is called `fig99`", "fig9", "table2", "ablation"]);
+    refused("--reproduce --only tabel2", &["did you mean `table2`?"]);
+    refused("--reproduce --experiment none.ron", &["none.ron", "no such file"]);
+    refused("--reproduce --seeds 0", &["--seeds", "1..=1000"]);
+    refused("--reproduce --train", &["--train"]);
+    refused("--reproduce --seed 3", &["--seed"]);
+    refused("--train --only fig9", &["--only"]);
+    refused("--eval mine/own.ron --quick", &["--quick"]);
+    // A folder of the user's is left alone.
+    refused("--reproduce --experiment mine/own.ron --out mine", &["mine", "holds no reproduction", "--out"]);
+    assert_eq!(fs::read_dir(desk.path("mine")).unwrap().count(), 2);
+
+    let broken = |name: &str, (from, to): (&str, &str), needles: &[&str]| {
+        assert!(OWN.contains(from), "{from} is in the file");
+        desk.write(name, OWN.replacen(from, to, 1).replace("per.ron", "mine/per.ron"));
+        refused(&format!("--reproduce --experiment {name} --out no"), needles);
+        assert!(!desk.path("no").exists(), "{name}: nothing is left behind");
+    };
+    broken("a.ron", ("seeds: 2", "seeds: 0"), &["a.ron:4:", "seeds", "give 1 to 1000"]);
+    broken("b.ron", ("smoothing: 5", "smoothnig: 5"), &["b.ron:25:", "did you mean `smoothing`?"]);
+    broken(
+        "c.ron",
+        ("better: \"moved on\"", "better: \"moved\""),
+        &["c.ron:27:", "no arm is called \"moved\""],
+    );
+    broken("d.ron", ("after: 20)", "after: 25)"), &["d.ron:30:", "is 25, but arm \"plain\" has 24 episodes"]);
+    broken("e.ron", ("name: \"dots\"", "name: \"../dots\""), &["e.ron:30:", "it becomes a file's name"]);
+    broken("f.ron", ("preset: \"per.ron\"", "preset: \"pre.ron\""), &["pre.ron", "no such file"]);
+    broken("g.ron", ("double: false", "l_r_m: -1.0"), &["g.ron", "reward.l_r_m"]);
+    broken("h.ron", ("EpisodesTo(1.0)", "EpisodesTo(0.0)"), &["h.ron:30:", "give 0.01 to 1000"]);
+    broken("i.ron", ("name: \"all\"", "name: \"curves\""), &["i.ron", "two are called \"curves\""]);
+    broken("j.ron", ("budget: Episodes(24)", "budget: EnvSteps(900)"), &["j.ron", "policy: Best"]);
+}
+
+#[test]
+fn an_arm_may_be_tested_by_its_best_policy() {
+    let desk = desk();
+    desk.write("fast.ron", quick_fast());
+    desk.write(
+        "best.ron",
+        r#"(
+            title: "Best",
+            seeds: 1,
+            test: (rounds: 1, navigations: 4),
+            arms: [(name: "fast", stages: [(scenario: "empty", preset: "fast.ron", budget: EnvSteps(3000))], policy: Best)],
+            tables: [(name: "t", title: "T", show: Seeds(measure: Success, after: 1))],
+        )"#,
+    );
+    let done = desk.succeed("--reproduce --experiment best.ron --out best");
+    assert!(done.stdout.contains("(1 runs"), "{}", done.stdout);
+    assert!(desk.text("best/tables/t.md").contains("fast"));
+}
+
+/// The gate's own: everything that the paper lists, roughly, from the shipped experiments.
+#[test]
+fn a_rough_report_of_everything() {
+    let desk = Desk::new();
+    desk.succeed("--reproduce --quick");
+    let html = desk.text("runs/reproduce-quick/report.html");
+    assert!(html.contains("rough report"), "it says that it is rough");
+    for name in ["fig8", "fig9", "fig10", "ablation", "course"] {
+        let png = desk.read(&format!("runs/reproduce-quick/figures/{name}.png"));
+        assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}.png is a picture");
+        assert!(desk.text(&format!("runs/reproduce-quick/figures/{name}.svg")).contains("</svg>"));
+    }
+    for name in ["table2", "table3-4", "table5", "table6-7", "conditions", "speeds", "best-success"] {
+        let path = desk.path(&format!("runs/reproduce-quick/tables/{name}.csv"));
+        assert!(csv::Reader::from_path(path).unwrap().records().count() >= 2, "{name}.csv has rows");
+    }
+}
