@@ -52,7 +52,7 @@ const OWN: &str = r#"(
         (
             name: "which",
             title: "Which",
-            show: Contrast(measures: [Success], better: "moved on", than: "plain", after: [16, 24]),
+            show: Contrast(measures: [Success], better: "moved on", than: "plain", after: [8, 12], of_last_stage: true),
         ),
     ],
 )
@@ -258,7 +258,7 @@ fn a_rough_report_of_everything() {
         assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}.png is a picture");
         assert!(desk.text(&format!("runs/reproduce-quick/figures/{name}.svg")).contains("</svg>"));
     }
-    for name in ["table2", "table3-4", "table5", "table6-7", "conditions", "speeds", "best-success"] {
+    for name in ["table2", "table3-4", "table5", "table6-7", "conditions", "transfer-in-ii", "best-success"] {
         let path = desk.path(&format!("runs/reproduce-quick/tables/{name}.csv"));
         assert!(csv::Reader::from_path(path).unwrap().records().count() >= 2, "{name}.csv has rows");
     }

@@ -50,7 +50,7 @@ pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
                 check.measures(&format!("{at}.show.measures"), measures);
                 check.after(&format!("{at}.show.after"), *after);
             }
-            Show::Contrast { measures, better, than, after } => {
+            Show::Contrast { measures, better, than, after, of_last_stage } => {
                 check.measures(&format!("{at}.show.measures"), measures);
                 check.arm(&format!("{at}.show.better"), better);
                 check.arm(&format!("{at}.show.than"), than);
@@ -58,7 +58,7 @@ pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
                     check.found(&format!("{at}.show.after"), "names no number of episodes".into());
                 }
                 for after in after {
-                    check.after(&format!("{at}.show.after"), *after);
+                    check.after_of(&format!("{at}.show.after"), *after, *of_last_stage);
                 }
             }
         }
@@ -171,14 +171,19 @@ impl Check<'_> {
         }
     }
 
-    /// Every arm tested as it stands must get so far.
     fn after(&mut self, path: &str, after: u64) {
+        self.after_of(path, after, false);
+    }
+
+    /// Every arm tested as it stands must get so far.
+    fn after_of(&mut self, path: &str, after: u64, of_last_stage: bool) {
         if after == 0 {
             self.found(path, "is 0; give at least 1 episode".into());
         }
         for arm in self.arms.iter().filter(|arm| arm.policy == Tested::AsItStands) {
             // Budgets left to the preset are looked at when it is loaded.
-            let budgets = arm.stages.iter().map(|stage| match stage.budget {
+            let first = if of_last_stage { arm.stages.len().saturating_sub(1) } else { 0 };
+            let budgets = arm.stages[first..].iter().map(|stage| match stage.budget {
                 Some(Budget::Episodes(n)) => Some(n),
                 _ => None,
             });
@@ -186,7 +191,7 @@ impl Check<'_> {
                 let name = &arm.name;
                 self.findings.push(Finding {
                     path: path.into(),
-                    message: format!("is {after}, but arm \"{name}\" has {total} episodes in all"),
+                    message: format!("is {after}, but arm \"{name}\" has {total} episodes"),
                 });
             }
         }
@@ -198,7 +203,7 @@ impl Check<'_> {
             self.measures(&format!("{at}.measure"), &[claim.measure]);
             self.arm(&format!("{at}.better"), &claim.better);
             self.arm(&format!("{at}.than"), &claim.than);
-            self.after(&format!("{at}.after"), claim.after);
+            self.after_of(&format!("{at}.after"), claim.after, claim.of_last_stage);
         }
     }
 }

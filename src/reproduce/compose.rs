@@ -78,7 +78,7 @@ fn section(results: &Results<'_>, index: usize, selected: &Selected) -> Result<S
         items.push(Item::Figure {
             name: figure.name.clone(),
             svg: figures::draw(results, index, figure)?,
-            caption: format!("{} {}", figure.title, figure.caption).trim().to_string(),
+            caption: format!("{}. {}", figure.title, figure.caption).trim().to_string(),
             verdicts: judge(&figure.claims)?,
         });
     }
@@ -96,7 +96,9 @@ fn judged(results: &Results<'_>, index: usize, claim: &Claim, anchor: &str) -> R
     let arms = &results.experiment(index).arms;
     let values = |name: &str| {
         let arm = arms.iter().position(|arm| arm.name == name).unwrap_or(0);
-        results.values(index, 0, arm, claim.measure, claim.after)
+        let after = claim.after;
+        let after = if claim.of_last_stage { results.of_last_stage(index, 0, arm, after) } else { after };
+        results.values(index, 0, arm, claim.measure, after)
     };
     Ok(verdict(claim, &values(&claim.better)?, &values(&claim.than)?, anchor))
 }

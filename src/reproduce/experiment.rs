@@ -243,6 +243,9 @@ pub enum Show {
         than: String,
         /// After these numbers of episodes over all stages.
         after: Vec<u64>,
+        /// The episodes are those of the last stage alone.
+        #[serde(default)]
+        of_last_stage: bool,
     },
 }
 
@@ -260,6 +263,9 @@ pub struct Claim {
     pub than: String,
     /// After so many episodes over all stages.
     pub after: u64,
+    /// The episodes are those of the last stage alone.
+    #[serde(default)]
+    pub of_last_stage: bool,
 }
 
 impl Experiment {

@@ -138,6 +138,7 @@ fn dots(
         Ok(DotColumn {
             heading: measure.heading(),
             unit: measure.unit().into(),
+            limits: (measure == Measure::Success).then_some((0.0, 100.0)),
             cells: rows.iter().map(cell).collect::<Result<_, RunError>>()?,
         })
     };

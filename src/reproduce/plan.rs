@@ -10,7 +10,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::experiment::{Arm, Draw, Experiment, Show, Stage, TestRule, Tested};
+use super::experiment::{Arm, Claim, Draw, Experiment, Show, Stage, TestRule, Tested};
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::preset::Budget;
 use crate::run::{RunError, shipped};
@@ -69,6 +69,13 @@ impl TestRule {
     }
 }
 
+/// After so many episodes, over all stages or of the last alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Mark {
+    after: u64,
+    of_last_stage: bool,
+}
+
 /// An arm under a condition with a seed: its trainings, one for each stage that is needed.
 #[derive(Clone, Debug)]
 pub struct Chain {
@@ -79,6 +86,13 @@ pub struct Chain {
 }
 
 impl Chain {
+    /// The episodes of all stages but the last.
+    #[must_use]
+    pub fn before_last(&self) -> u64 {
+        let earlier = self.stages.split_last().map_or(&[][..], |(_, earlier)| earlier);
+        earlier.iter().filter_map(|(_, length)| *length).sum()
+    }
+
     /// The stage in which the arm has had `after` episodes in all, as an index into `stages`, and how many of the
     /// stage's own those are. The arm's last stage if it is not counted in episodes.
     #[must_use]
@@ -199,7 +213,7 @@ impl Plan {
         &mut self,
         chain: &Chain,
         arm: &Arm,
-        marks: &BTreeSet<u64>,
+        marks: &BTreeSet<Mark>,
         rule: &TestRule,
         source: &Source,
     ) -> Result<(), RunError> {
@@ -209,7 +223,8 @@ impl Plan {
             }
             return Ok(());
         }
-        for &mark in marks {
+        for &Mark { after, of_last_stage } in marks {
+            let mark = if of_last_stage { chain.before_last() + after } else { after };
             let Some((stage, episodes)) = chain.at(mark) else {
                 return Err(RunError::Unusable(format!(
                     "{}: a figure or table looks at arm \"{}\" after {mark} episodes, but its stages are not all counted \
@@ -229,34 +244,41 @@ impl Selected {
     /// How many episodes of an arm are needed; None for all.
     fn needed_episodes(&self) -> Option<u64> {
         let curves = self.picked_figures().any(|figure| matches!(figure, Draw::Curves { .. }));
-        if curves { None } else { self.marks().last().copied() }
+        let marks = self.marks();
+        // The last stage begins when all before it are over.
+        let of_last_stage = marks.iter().any(|mark| mark.of_last_stage);
+        if curves || of_last_stage { None } else { marks.last().map(|mark| mark.after) }
     }
 
     fn picked_figures(&self) -> impl Iterator<Item = &Draw> {
         self.figures.iter().map(|&i| &self.source.experiment.figures[i].draw)
     }
 
-    /// After how many episodes somebody looks at a policy or a curve.
-    fn marks(&self) -> BTreeSet<u64> {
+    /// When somebody looks at a policy or a curve.
+    fn marks(&self) -> BTreeSet<Mark> {
         let experiment = &self.source.experiment;
         let mut marks = BTreeSet::new();
+        let over_all = |after| Mark { after, of_last_stage: false };
+        let of_claim = |claim: &Claim| Mark { after: claim.after, of_last_stage: claim.of_last_stage };
         for figure in self.figures.iter().map(|&i| &experiment.figures[i]) {
             match &figure.draw {
                 Draw::Curves { .. } => {}
                 Draw::Dots { after, .. } | Draw::Course { after } => {
-                    marks.insert(*after);
+                    marks.insert(over_all(*after));
                 }
             }
-            marks.extend(figure.claims.iter().map(|claim| claim.after));
+            marks.extend(figure.claims.iter().map(of_claim));
         }
         for table in self.tables.iter().map(|&i| &experiment.tables[i]) {
             match &table.show {
                 Show::Seeds { after, .. } | Show::Measures { after, .. } => {
-                    marks.insert(*after);
+                    marks.insert(over_all(*after));
                 }
-                Show::Contrast { after, .. } => marks.extend(after),
+                Show::Contrast { after, of_last_stage, .. } => {
+                    marks.extend(after.iter().map(|&after| Mark { after, of_last_stage: *of_last_stage }));
+                }
             }
-            marks.extend(table.claims.iter().map(|claim| claim.after));
+            marks.extend(table.claims.iter().map(of_claim));
         }
         marks
     }

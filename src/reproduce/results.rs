@@ -83,6 +83,12 @@ impl<'a> Results<'a> {
         &self.plan.chains[&(experiment, condition, arm, seed)]
     }
 
+    /// So many episodes of an arm's last stage, counted over all its stages.
+    #[must_use]
+    pub fn of_last_stage(&self, experiment: usize, condition: usize, arm: usize, after: u64) -> u64 {
+        self.chain(experiment, condition, arm, 1).before_last() + after
+    }
+
     /// What `measure` says of an arm (by index) after so many episodes, a value for each seed.
     ///
     /// # Errors

@@ -21,8 +21,8 @@ pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Tab
     let (columns, rows, mut notes) = match &spec.show {
         Show::Seeds { measure, after, paper } => seeds(results, index, *measure, *after, paper)?,
         Show::Measures { measures, after } => measures_of(results, index, measures, *after)?,
-        Show::Contrast { measures, better, than, after } => {
-            contrast(results, index, measures, better, than, after)?
+        Show::Contrast { measures, better, than, after, of_last_stage } => {
+            contrast(results, index, measures, (better, than), after, *of_last_stage)?
         }
     };
     let experiment = results.experiment(index);
@@ -157,16 +157,16 @@ fn contrast(
     results: &Results<'_>,
     index: usize,
     measures: &[Measure],
-    better: &str,
-    than: &str,
+    (better, than): (&str, &str),
     afters: &[u64],
+    of_last_stage: bool,
 ) -> Result<Parts, RunError> {
     let experiment = results.experiment(index);
     let arm = |name: &str| experiment.arms.iter().position(|arm| arm.name == name).unwrap_or(0);
     let (better_arm, than_arm) = (arm(better), arm(than));
     let mut columns = vec![text("Condition")];
     if afters.len() > 1 {
-        columns.push(numbers("Episodes", ""));
+        columns.push(numbers(if of_last_stage { "Episodes of the last stage" } else { "Episodes" }, ""));
     }
     for measure in measures {
         columns.push(numbers(format!("{}: {better}", measure.heading()), measure.unit()));
@@ -183,8 +183,14 @@ fn contrast(
                 row.push(Cell::Number { value: after as f64, digits: 0 });
             }
             for &measure in measures {
-                let one = results.values(index, condition, better_arm, measure, after)?;
-                let other = results.values(index, condition, than_arm, measure, after)?;
+                let values = |arm| {
+                    let after = match of_last_stage {
+                        true => results.of_last_stage(index, condition, arm, after),
+                        false => after,
+                    };
+                    results.values(index, condition, arm, measure, after)
+                };
+                let (one, other) = (values(better_arm)?, values(than_arm)?);
                 let compared = compare(measure, &one, &other);
                 row.extend([mean(&one, measure), mean(&other, measure)]);
                 row.push(compared.difference.map_or(Cell::Empty, |difference| Cell::Signed {

@@ -33,7 +33,7 @@ fn budgets(plan: &Plan, seed: u64) -> Vec<(String, Budget)> {
 #[test]
 fn everything_shipped_can_be_planned_also_roughly() {
     let (all, plan) = planned(&Request::default());
-    assert_eq!(all.len(), 7);
+    assert_eq!(all.len(), 8);
     let (rough, rough_plan) = planned(&Request { quick: true, ..Request::default() });
     assert_eq!(plan.trainings.len() / 5, rough_plan.trainings.len() / 2, "as many trainings a seed");
     for selected in rough {

@@ -56,9 +56,10 @@ pub fn verdict(claim: &Claim, better: &[Value], than: &[Value], anchor: &str) ->
         estimate.map_or("nothing".into(), |e| format!("{}{unit}", with_interval(&e, measure.digits())))
     };
     let mut sentence = format!(
-        "{} after {} episodes: {} {}, {} {}",
+        "{} after {} episodes{}: {} {}, {} {}",
         measure.heading(),
         number(claim.after as f64, 0),
+        if claim.of_last_stage { " of the last stage" } else { "" },
         claim.better,
         reads(Estimate::of(&plain(better))),
         claim.than,
@@ -132,6 +133,7 @@ mod tests {
             better: "A".into(),
             than: "B".into(),
             after: 1000,
+            of_last_stage: false,
         };
         // {98, 99, 100}: 99, sd 1, half width 4.3027 / sqrt 3 = 2.48; the difference's: 2.7764 sqrt(2/3) = 2.27.
         let said = verdict(&claim, &values(&[98.0, 99.0, 100.0]), &values(&[89.0, 90.0, 91.0]), "here");

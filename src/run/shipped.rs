@@ -27,8 +27,7 @@ macro_rules! shipped {
 const SCENARIOS: &[Shipped] = shipped!("scenarios": "scenario-1", "scenario-2", "empty");
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
 
-const EXPERIMENTS: &[Shipped] =
-    shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "speeds");
+const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
 
 /// The experiments that come with the program: path in the project, text. Parsing them is the business of the room
 /// that carries them out.

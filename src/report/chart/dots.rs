@@ -31,6 +31,8 @@ pub struct DotColumn {
     pub heading: String,
     /// Its unit, written at the axis in words; nothing if empty.
     pub unit: String,
+    /// What values there can be, as 0 to 100 for percents: intervals are cut off there. None: any.
+    pub limits: Option<(f64, f64)>,
     /// One for each row, in the rows' order; missing ones are empty.
     pub cells: Vec<DotCell>,
 }
@@ -118,6 +120,7 @@ impl Dots {
 struct Column {
     heading: String,
     unit: String,
+    limits: (f64, f64),
     cells: Vec<DotCell>,
 }
 
@@ -131,7 +134,14 @@ impl Column {
         };
         let mut cells: Vec<_> = column.cells.iter().take(rows).map(drawable).collect();
         cells.resize(rows, DotCell::default());
-        Self { heading: column.heading.clone(), unit: column.unit.clone(), cells }
+        let limits = column.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        Self { heading: column.heading.clone(), unit: column.unit.clone(), limits, cells }
+    }
+
+    /// An interval's ends, where values can be.
+    fn ends(&self, estimate: &Estimate) -> [f64; 2] {
+        let (least, most) = self.limits;
+        [estimate.low(), estimate.high()].map(|x| x.max(least).min(most))
     }
 
     /// Around all values; intervals are cut off where they would more than double it.
@@ -143,7 +153,7 @@ impl Column {
         };
         let (low, high) = bounds(shown());
         let room = (high - low) / 2.0;
-        let ends = self.cells.iter().filter_map(|c| c.estimate).flat_map(|e| [e.low(), e.high()]);
+        let ends = self.cells.iter().filter_map(|c| c.estimate).flat_map(|e| self.ends(&e));
         let ends: Vec<f64> = ends.map(|x| x.clamp(low - room, high + room)).collect();
         let within = |ticks| Axis::within(shown().chain(ends.iter().copied()), ticks);
         // Ticks so far apart that their texts do not touch.
@@ -183,7 +193,7 @@ impl Column {
                 draw_seed(root, (at_x(value), y + SEED_DROP))?;
             }
             if let Some(estimate) = cell.estimate {
-                let ends = [estimate.low(), estimate.high()].map(at_x);
+                let ends = self.ends(&estimate).map(at_x);
                 draw_mean(root, (at_x(estimate.mean), y), ends)?;
             }
         }
