@@ -205,26 +205,42 @@ fn what_cannot_be_reproduced_is_refused_with_the_mend() {
     refused("--reproduce --experiment mine/own.ron --out mine", &["mine", "holds no reproduction", "--out"]);
     assert_eq!(fs::read_dir(desk.path("mine")).unwrap().count(), 2);
 
+    // The place that is named is that of the change, or where it is first used.
     let broken = |name: &str, (from, to): (&str, &str), needles: &[&str]| {
-        assert!(OWN.contains(from), "{from} is in the file");
+        let at = OWN.find(from).unwrap_or_else(|| panic!("{from} is in the file"));
+        let line = 1 + OWN[..at].matches('\n').count();
         desk.write(name, OWN.replacen(from, to, 1).replace("per.ron", "mine/per.ron"));
-        refused(&format!("--reproduce --experiment {name} --out no"), needles);
+        let needles: Vec<String> =
+            needles.iter().map(|needle| needle.replace("LINE", &line.to_string())).collect();
+        let needles: Vec<&str> = needles.iter().map(String::as_str).collect();
+        refused(&format!("--reproduce --experiment {name} --out no"), &needles);
         assert!(!desk.path("no").exists(), "{name}: nothing is left behind");
     };
-    broken("a.ron", ("seeds: 2", "seeds: 0"), &["a.ron:4:", "seeds", "give 1 to 1000"]);
-    broken("b.ron", ("smoothing: 5", "smoothnig: 5"), &["b.ron:25:", "did you mean `smoothing`?"]);
+    broken("a.ron", ("seeds: 2", "seeds: 0"), &["a.ron:LINE:", "seeds", "give 1 to 1000"]);
+    broken("b.ron", ("smoothing: 5", "smoothnig: 5"), &["b.ron:LINE:", "did you mean `smoothing`?"]);
     broken(
         "c.ron",
         ("better: \"moved on\"", "better: \"moved\""),
-        &["c.ron:27:", "no arm is called \"moved\""],
+        &["c.ron:LINE:", "no arm is called \"moved\""],
     );
-    broken("d.ron", ("after: 20)", "after: 25)"), &["d.ron:30:", "is 25, but arm \"plain\" has 24 episodes"]);
-    broken("e.ron", ("name: \"dots\"", "name: \"../dots\""), &["e.ron:30:", "it becomes a file's name"]);
+    broken(
+        "d.ron",
+        ("after: 20)", "after: 25)"),
+        &["d.ron:LINE:", "is 25, but arm \"plain\" has 24 episodes"],
+    );
+    broken("e.ron", ("name: \"dots\"", "name: \"../dots\""), &["e.ron:LINE:", "it becomes a file's name"]);
     broken("f.ron", ("preset: \"per.ron\"", "preset: \"pre.ron\""), &["pre.ron", "no such file"]);
     broken("g.ron", ("double: false", "l_r_m: -1.0"), &["g.ron", "reward.l_r_m"]);
-    broken("h.ron", ("EpisodesTo(1.0)", "EpisodesTo(0.0)"), &["h.ron:30:", "give 0.01 to 1000"]);
+    broken("h.ron", ("EpisodesTo(1.0)", "EpisodesTo(0.0)"), &["h.ron:LINE:", "give 0.01 to 1000"]);
     broken("i.ron", ("name: \"all\"", "name: \"curves\""), &["i.ron", "two are called \"curves\""]);
     broken("j.ron", ("budget: Episodes(24)", "budget: EnvSteps(900)"), &["j.ron", "policy: Best"]);
+    broken(
+        "k.ron",
+        ("after: [8, 12]", "after: [8, 13]"),
+        &["k.ron:LINE:", "is 13, but arm \"moved on\" has 12 episodes"],
+    );
+    desk.write("settings.ron", OWN.replace("per.ron", "mine/per.ron"));
+    refused("--reproduce --experiment settings.ron --out no", &["settings.ron", "rename the file"]);
 }
 
 #[test]

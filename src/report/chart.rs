@@ -160,6 +160,7 @@ mod tests {
         let column = |cells: &[DotCell]| DotColumn {
             heading: "Mean time to the target".to_owned(),
             unit: "thousand env steps".to_owned(),
+            limits: Some((0.0, 1e6)),
             cells: cells.to_vec(),
         };
         let figure = |columns: &[DotColumn]| Dots {

@@ -121,7 +121,7 @@ pub fn html(page: &Page) -> String {
 }
 
 /// Heading over the summary.
-pub(super) const CLAIMS: &str = "The paper\u{2019}s claims, one by one";
+pub(super) const CLAIMS: &str = "The claims, one by one";
 /// Heading over the settings.
 pub(super) const SETTINGS: &str = "Exact settings";
 /// Heading over the provenance.

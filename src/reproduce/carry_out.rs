@@ -6,6 +6,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -37,7 +38,11 @@ pub fn carry_out(
     let queue = Queue::new(plan);
     let worker = || {
         while let Some(index) = queue.next(stop) {
-            let done = one(plan, index, folder, &board, stop);
+            // A run that panics must be reported too, or others would wait for it for ever.
+            let run = AssertUnwindSafe(|| one(plan, index, folder, &board, stop));
+            let done = catch_unwind(run).unwrap_or_else(|_| {
+                Err(RunError::Failed("ended unexpectedly (its own message stands above)".into()))
+            });
             queue.done(index, done, stop);
         }
     };

@@ -13,6 +13,9 @@ use crate::task::{Encoding, RewardKind};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Change {
+    /// Another scenario altogether: a file or a shipped name, as a stage's. What else is changed is changed in that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<String>,
     /// Scenario: `lidar.noise_std_m`, in m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lidar_noise_std_m: Option<f32>,

@@ -38,19 +38,24 @@ pub fn page(
     let claims: Vec<Verdict> =
         sections.iter().flat_map(|section| &section.items).flat_map(verdicts).cloned().collect();
     let runs = plan.trainings.len();
-    let lead = format!(
-        "Figures and tables of {PAPER}. Made anew by wayfield {}: {runs} trainings, each from its own seed, tested on \
-         starts and targets that none has seen. Every number below comes from these runs; each verdict is computed, not \
-         written.",
+    let made = format!(
+        "made by wayfield {} from {runs} trainings, tested on starts and targets that none of them has seen. Every \
+         number below comes from these runs; each verdict is computed, not written. The paper's own figures are marked as such.",
         env!("CARGO_PKG_VERSION")
     );
+    let (title, lead) = if request.experiments.is_empty() {
+        ("The paper, reproduced".to_string(), format!("Figures and tables of {PAPER}; {made}"))
+    } else {
+        let titles: Vec<&str> = selected.iter().map(|s| s.source.experiment.title.as_str()).collect();
+        (titles.join("; "), format!("A report {made}"))
+    };
     let warning = request.quick.then(|| {
-        "this is a rough report (--quick): a tenth of the episodes and of the tests, two seeds. Its numbers say nothing \
-         about the paper's claims."
+        "this is a rough report (--quick): a tenth of the episodes and of the tests. Its numbers say nothing about \
+         the claims."
             .to_string()
     });
     Ok(Page {
-        title: "The paper, reproduced".into(),
+        title,
         lead: vec![lead],
         warning,
         claims,
@@ -113,13 +118,32 @@ fn settings(selected: &[Selected], plan: &Plan) -> Result<Vec<Setting>, RunError
             ron: to_ron(&selected.source.experiment).map_err(ron)?,
         });
     }
-    for training in plan.trainings.iter().filter(|training| training.config.seed == 1) {
+    for (index, training) in plan.trainings.iter().enumerate().filter(|(_, t)| t.config.seed == 1) {
         settings.push(Setting {
-            heading: format!("Run {}", training.name),
+            heading: format!("Run {}: {}", training.name, used_by(index, selected, plan)),
             ron: to_ron(&training.config).map_err(ron)?,
         });
     }
     Ok(settings)
+}
+
+/// Which arms, under which conditions, a training belongs to.
+fn used_by(index: usize, selected: &[Selected], plan: &Plan) -> String {
+    let mut uses = Vec::new();
+    for ((experiment, condition, arm, _), chain) in &plan.chains {
+        let Some(stage) = chain.stages.iter().position(|&(training, _)| training == index) else { continue };
+        let source = &selected[*experiment].source;
+        let of = &source.experiment;
+        let mut name = format!("{} / {}", stem(&source.from), of.arms[*arm].name);
+        if let Some(condition) = of.conditions.get(*condition) {
+            name += &format!(" / {}", condition.name);
+        }
+        if chain.stages.len() > 1 {
+            name += &format!(" / stage {}", stage + 1);
+        }
+        uses.push(name);
+    }
+    uses.join("; ")
 }
 
 fn provenance(results: &Results<'_>, plan: &Plan, at_a_time: usize, wall_s: f64) -> Vec<(String, String)> {
@@ -150,7 +174,7 @@ fn provenance(results: &Results<'_>, plan: &Plan, at_a_time: usize, wall_s: f64)
         (
             "Time",
             format!(
-                "{:.1} minutes, {at_a_time} runs at a time ({:.1} minutes if one after another)",
+                "{:.1} minutes, {at_a_time} runs at a time (the runs' own times add up to {:.1} minutes)",
                 wall_s / 60.0,
                 results.minutes()
             ),

@@ -144,6 +144,7 @@ pub struct FigureSpec {
 
 /// What a figure shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Draw {
     /// Learning curves over episodes, one panel for each series: mean over the seeds with a 95 % band.
     Curves {
@@ -215,6 +216,7 @@ pub struct TableSpec {
 
 /// What a table shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Show {
     /// A row an arm: every seed's value, their mean with its 95 % interval, the paper's, the difference.
     Seeds {

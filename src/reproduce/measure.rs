@@ -14,11 +14,14 @@ pub enum Measure {
     CourseTime,
     /// Mean time of all test navigations, in s; one that fails counts as the time limit.
     MeanTime,
-    /// Time of the successful test navigations over the planner's for the same ones; 1 is the optimum.
+    /// Time of the successful test navigations over the planner's for the same ones; 1 is the optimum, if the planner
+    /// found it.
     TimeRatio,
-    /// Mean return of the last 100 episodes of training.
+    /// The same over the proven lower bounds; the ratio to the true optimum lies between the two.
+    BoundRatio,
+    /// Mean return of the last 100 episodes of training (of all, if there are fewer).
     Return,
-    /// Mean number of targets reached in the last 100 episodes of training.
+    /// Mean number of targets reached in the last 100 episodes of training (of all, if there are fewer).
     Targets,
     /// Episodes of the last stage until the mean of 50 of its episodes reaches so many targets an episode.
     EpisodesTo(f64),
@@ -35,6 +38,7 @@ impl Measure {
             Self::CourseTime => "Course".into(),
             Self::MeanTime => "Mean time".into(),
             Self::TimeRatio => "Time / least".into(),
+            Self::BoundRatio => "Time / bound".into(),
             Self::Return => "Return".into(),
             Self::Targets => "Targets an episode".into(),
             Self::EpisodesTo(targets) => format!("Episodes to {targets} targets"),
@@ -49,7 +53,7 @@ impl Measure {
             Self::Success => "%",
             Self::CourseTime | Self::MeanTime => "s",
             Self::StepsTo(_) => "thousands",
-            Self::TimeRatio | Self::Return | Self::Targets | Self::EpisodesTo(_) => "",
+            Self::TimeRatio | Self::BoundRatio | Self::Return | Self::Targets | Self::EpisodesTo(_) => "",
         }
     }
 
@@ -58,7 +62,7 @@ impl Measure {
     pub fn digits(self) -> usize {
         match self {
             Self::Success | Self::Targets | Self::StepsTo(_) => 1,
-            Self::CourseTime | Self::MeanTime | Self::TimeRatio => 2,
+            Self::CourseTime | Self::MeanTime | Self::TimeRatio | Self::BoundRatio => 2,
             Self::Return | Self::EpisodesTo(_) => 0,
         }
     }
@@ -67,12 +71,6 @@ impl Measure {
     #[must_use]
     pub fn more_is_better(self) -> bool {
         matches!(self, Self::Success | Self::Return | Self::Targets)
-    }
-
-    /// Whether a policy must be tested for it (the others are read from the records of training).
-    #[must_use]
-    pub fn needs_test(self) -> bool {
-        matches!(self, Self::Success | Self::CourseTime | Self::MeanTime | Self::TimeRatio)
     }
 
     /// What is wrong with its number, if anything.

@@ -102,27 +102,28 @@ pub fn reproduce(
     let folder = request.out.clone().unwrap_or_else(|| {
         Path::new("runs").join(if request.quick { "reproduce-quick" } else { "reproduce" })
     });
-    ready(&folder)?;
+    let before = ready(&folder)?;
     let runs = folder.join("runs");
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let at_a_time = request.at_a_time.unwrap_or(cores);
 
     let done = carry_out::carry_out(&plan, &runs, at_a_time, stop);
-    let spent = spend(&folder, began)?;
+    let spent = spend(&folder, before, began)?;
     done?;
 
+    progress::say("planning least times, drawing the report");
     let yardstick = yardstick::Yardstick::new(folder.join("optimum"), cores);
     let results = results::Results::read(&plan, &selected, &runs, yardstick)?;
     let page = compose::page(&results, &selected, &plan, request, at_a_time, spent.wall_s)?;
     write(&folder, &page)?;
-    let spent = spend(&folder, began)?;
+    let spent = spend(&folder, before, began)?;
     Ok(Reproduced { folder, claims: page.claims, runs: plan.trainings.len(), wall_s: spent.wall_s })
 }
 
-/// Makes the folder, or takes up one that an earlier reproduction made.
-fn ready(folder: &Path) -> Result<(), RunError> {
-    let foreign = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some())
-        && !folder.join("spent.json").exists();
+/// Makes the folder, or takes up one that an earlier reproduction made; gives what was spent on it.
+fn ready(folder: &Path) -> Result<Spent, RunError> {
+    let note = folder.join("spent.json");
+    let foreign = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) && !note.exists();
     if foreign {
         let why = "is not empty and holds no reproduction: give --out another folder";
         return Err(RunError::unusable(folder, why));
@@ -131,25 +132,17 @@ fn ready(folder: &Path) -> Result<(), RunError> {
         RunError::unusable(folder, format!("can't be written ({error}): give --out another folder"))
     };
     fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
-    let spent = folder.join("spent.json");
-    if !spent.exists() {
-        fs::write(&spent, "{\"wall_s\":0.0}\n").map_err(unwritable)?;
-    }
-    Ok(())
+    let spent = fs::read_to_string(&note).unwrap_or_default();
+    let spent: Spent = serde_json::from_str(&spent).unwrap_or_default();
+    let text = serde_json::to_string(&spent).map_err(|error| RunError::Failed(error.to_string()))?;
+    fs::write(&note, text).map_err(unwritable)?;
+    Ok(spent)
 }
 
-/// Adds this process's wall time, so far not noted, to what was spent; gives the sum.
-fn spend(folder: &Path, began: Instant) -> Result<Spent, RunError> {
-    use std::sync::Mutex;
-    use std::sync::PoisonError;
-    static NOTED: Mutex<f64> = Mutex::new(0.0);
+/// Notes what was spent: wall time of the processes `before` this one, and of this one since it `began`.
+fn spend(folder: &Path, before: Spent, began: Instant) -> Result<Spent, RunError> {
     let path = folder.join("spent.json");
-    let text = fs::read_to_string(&path).map_err(|error| RunError::failed(&path, error))?;
-    let mut spent: Spent = serde_json::from_str(&text).unwrap_or_default();
-    let mut noted = NOTED.lock().unwrap_or_else(PoisonError::into_inner);
-    let now = began.elapsed().as_secs_f64();
-    spent.wall_s += now - *noted;
-    *noted = now;
+    let spent = Spent { wall_s: before.wall_s + began.elapsed().as_secs_f64() };
     let text = serde_json::to_string(&spent).map_err(|error| RunError::Failed(error.to_string()))?;
     fs::write(&path, text).map_err(|error| RunError::failed(&path, error))?;
     Ok(spent)
@@ -161,6 +154,8 @@ fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
         |path: PathBuf, bytes: &[u8]| fs::write(&path, bytes).map_err(|error| RunError::failed(&path, error));
     let (figures, tables) = (folder.join("figures"), folder.join("tables"));
     for made in [&figures, &tables] {
+        // What an earlier report showed and this one does not would only mislead.
+        let _ = fs::remove_dir_all(made);
         fs::create_dir_all(made).map_err(|error| RunError::failed(made, error))?;
     }
     for item in page.sections.iter().flat_map(|section| &section.items) {

@@ -295,23 +295,27 @@ fn keep(config: &mut RunConfig, episodes: u64) {
 fn config(source: &Source, condition: usize, stage: &Stage, seed: u64) -> Result<RunConfig, RunError> {
     let experiment = &source.experiment;
     let beside = |name: &str| beside(&source.from, name);
-    let mut scenario = shipped::scenario(&beside(&stage.scenario))?;
+    let condition = experiment.conditions.get(condition).map(|condition| &condition.change);
+    let scenario_from =
+        condition.and_then(|change| change.scenario.as_ref()).or(stage.change.scenario.as_ref());
+    let scenario_from = scenario_from.unwrap_or(&stage.scenario).clone();
+    let mut scenario = shipped::scenario(&beside(&scenario_from))?;
     let mut preset = shipped::preset(&beside(&stage.preset))?;
     preset.budget = stage.budget.unwrap_or(preset.budget);
     preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
     stage.change.apply(&mut scenario, &mut preset);
-    if let Some(condition) = experiment.conditions.get(condition) {
-        condition.change.apply(&mut scenario, &mut preset);
+    if let Some(condition) = condition {
+        condition.apply(&mut scenario, &mut preset);
     }
     let findings = scenario::findings(&scenario).into_iter().chain(preset.findings());
     if let Some(finding) = findings.into_iter().next() {
-        let changed = format!("what is changed in {} or {}", stage.scenario, stage.preset);
+        let changed = format!("what is changed in {scenario_from} or {}", stage.preset);
         return Err(FileError::whole(Path::new(&source.from), format!("{changed}: {finding}")).into());
     }
     Ok(RunConfig {
         version: env!("CARGO_PKG_VERSION").into(),
         seed,
-        scenario_from: stage.scenario.clone(),
+        scenario_from,
         preset_from: stage.preset.clone(),
         transfer: None,
         keep_after_episodes: Vec::new(),

@@ -143,7 +143,7 @@ impl Inner {
 }
 
 /// Writes to stderr. That it may be closed is no reason to stop the work.
-fn say(text: &str) {
+pub fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", text.trim_end());
 }
 

@@ -24,13 +24,16 @@ pub fn roughen(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<B
             Budget::EnvSteps(n) => Budget::EnvSteps(fewer(n)),
         });
     }
+    let rough = " (rough: a tenth of the episodes)";
     for figure in &mut experiment.figures {
+        figure.title += rough;
         match &mut figure.draw {
             Draw::Curves { smoothing, .. } => *smoothing = (*smoothing / SHORTER as usize).max(1),
             Draw::Dots { after, .. } | Draw::Course { after } => *after = fewer(*after),
         }
     }
     for table in &mut experiment.tables {
+        table.title += rough;
         match &mut table.show {
             Show::Seeds { after, .. } | Show::Measures { after, .. } => *after = fewer(*after),
             Show::Contrast { after, .. } => {
@@ -42,6 +45,7 @@ pub fn roughen(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<B
     let claims_of_tables = experiment.tables.iter_mut().flat_map(|table| &mut table.claims);
     let claims_of_figures = experiment.figures.iter_mut().flat_map(|figure| &mut figure.claims);
     for claim in claims_of_figures.chain(claims_of_tables) {
+        claim.says += rough;
         claim.after = fewer(claim.after);
     }
 }

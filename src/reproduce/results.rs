@@ -27,7 +27,7 @@ const LEVEL_WINDOW: usize = 50;
 pub struct Value {
     /// The number, in the measure's unit.
     pub value: f64,
-    /// The run ended before the level was reached: the true number is more than this.
+    /// The run ended before the level was reached, or every drive failed: the true number is more than this.
     pub at_least: bool,
 }
 
@@ -114,19 +114,14 @@ impl<'a> Results<'a> {
         measure: Measure,
         after: u64,
     ) -> Result<Value, RunError> {
-        let chain = self.chain(experiment, condition, arm, seed);
-        let of = self.experiment(experiment);
-        let (stage, which) = match of.arms[arm].policy {
-            Tested::Best => (chain.stages.len() - 1, Which::Best),
-            Tested::AsItStands => {
-                let (stage, episodes) = chain.at(after).unwrap_or((chain.stages.len() - 1, after));
-                (stage, Which::After(episodes))
-            }
-        };
-        let training = chain.stages[stage].0;
+        let (training, which) = self.policy(experiment, condition, arm, seed, after);
         Ok(match measure {
-            Measure::Success | Measure::CourseTime | Measure::MeanTime | Measure::TimeRatio => {
-                Value::exact(self.tested(training, which, of.test, measure)?)
+            Measure::Success
+            | Measure::CourseTime
+            | Measure::MeanTime
+            | Measure::TimeRatio
+            | Measure::BoundRatio => {
+                self.tested(training, which, self.experiment(experiment).test, measure)?
             }
             Measure::Return | Measure::Targets => {
                 let records = &self.records[training];
@@ -135,8 +130,7 @@ impl<'a> Results<'a> {
                     Which::After(episodes) => (episodes as usize).min(all.len()),
                     Which::Best => all.len(),
                 };
-                let window = WINDOW.min((end / 4).max(1));
-                let last = &all[end - window.min(end)..end];
+                let last = &all[end.saturating_sub(WINDOW)..end];
                 Value::exact(last.iter().sum::<f64>() / last.len().max(1) as f64)
             }
             Measure::EpisodesTo(level) | Measure::StepsTo(level) => {
@@ -146,7 +140,7 @@ impl<'a> Results<'a> {
                     Which::Best => records.targets.len(),
                 };
                 let targets = &records.targets[..end];
-                let window = LEVEL_WINDOW.min((end / 4).max(1));
+                let window = LEVEL_WINDOW.min(end);
                 let reached = moving_mean(targets, window)
                     .iter()
                     .enumerate()
@@ -168,27 +162,34 @@ impl<'a> Results<'a> {
         which: Which,
         rule: TestRule,
         measure: Measure,
-    ) -> Result<f64, RunError> {
+    ) -> Result<Value, RunError> {
         self.with_trial(training, which, rule, |trial| {
             let task = &self.plan.trainings[training].config.scenario.task;
-            let (period_s, limit) = (f64::from(task.control_period_s), task.time_limit_steps);
+            let (period_s, limit) = (round(f64::from(task.control_period_s)), task.time_limit_steps);
             let mean_s = |steps: &[Option<u32>]| {
                 let sum: u64 = steps.iter().map(|steps| u64::from(steps.unwrap_or(limit))).sum();
                 round(sum as f64 / steps.len() as f64 * period_s)
             };
             Ok(match measure {
-                Measure::CourseTime => mean_s(&trial.course_steps),
-                Measure::MeanTime => mean_s(&trial.steps),
-                Measure::TimeRatio => {
+                Measure::CourseTime => Value {
+                    value: mean_s(&trial.course_steps),
+                    at_least: trial.course_steps.iter().all(Option::is_none),
+                },
+                Measure::MeanTime => Value::exact(mean_s(&trial.steps)),
+                Measure::TimeRatio | Measure::BoundRatio => {
                     let measured = self.yardstick(training, which, rule)?;
                     let pairs = trial.steps.iter().zip(&measured.navigations);
-                    let both = pairs.filter_map(|(driven, least)| Some(((*driven)?, least.plan_steps?)));
+                    let both = pairs.filter_map(|(driven, least)| {
+                        let plan_steps = least.plan_steps?;
+                        let to = if measure == Measure::TimeRatio { plan_steps } else { least.lower_steps };
+                        Some(((*driven)?, to))
+                    });
                     let (driven, least) = both.fold((0_u64, 0_u64), |(driven, least), (d, l)| {
                         (driven + u64::from(d), least + u64::from(l))
                     });
-                    if least == 0 { f64::NAN } else { driven as f64 / least as f64 }
+                    Value::exact(if least == 0 { f64::NAN } else { driven as f64 / least as f64 })
                 }
-                _ => 100.0 * trial.success_rate(),
+                _ => Value::exact(100.0 * trial.success_rate()),
             })
         })
     }

@@ -2,7 +2,7 @@
 //!
 //! In: what the user asked for. Out: [`Selected`] experiments, with the seeds and the roughness asked for.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::Request;
 use super::experiment::Experiment;
@@ -38,9 +38,13 @@ pub fn select(request: &Request) -> Result<Vec<Selected>, RunError> {
             return Err(RunError::Unusable(why));
         }
     }
+    let asked = |name: &str| request.only.iter().any(|only| only == name);
+    let items: BTreeSet<String> =
+        sources.iter().flat_map(|source| items(&source.experiment)).cloned().collect();
     let wanted = |item: &str, also: &[String], of: &str| {
-        let all_names = std::iter::once(item).chain(also.iter().map(String::as_str)).chain([of]);
-        request.only.is_empty() || all_names.into_iter().any(|name| request.only.iter().any(|o| o == name))
+        // An experiment's own name stands for all of it, unless a figure or table has it.
+        let whole = request.only.is_empty() || (asked(of) && !items.contains(of));
+        whole || asked(item) || also.iter().any(|name| asked(name))
     };
     let mut selected = Vec::new();
     for mut source in sources {
@@ -68,10 +72,7 @@ fn names(sources: &[Source]) -> Result<BTreeMap<String, String>, RunError> {
     let mut names: BTreeMap<String, String> = BTreeMap::new();
     for source in sources {
         let experiment = &source.experiment;
-        let figures = experiment.figures.iter().map(|figure| &figure.name);
-        let tables =
-            experiment.tables.iter().flat_map(|table| std::iter::once(&table.name).chain(&table.also));
-        for name in figures.chain(tables) {
+        for name in items(experiment) {
             if let Some(other) = names.insert(name.clone(), source.from.clone()) {
                 let from = &source.from;
                 let why =
@@ -80,11 +81,24 @@ fn names(sources: &[Source]) -> Result<BTreeMap<String, String>, RunError> {
             }
         }
     }
-    // An experiment's own name stands for all of it, unless a figure or table has it.
+    let mut stems = BTreeSet::from(["settings".to_string(), "provenance".to_string()]);
     for source in sources {
-        names.entry(stem(&source.from)).or_insert_with(|| source.from.clone());
+        let stem = stem(&source.from);
+        if !stems.insert(stem.clone()) {
+            let why =
+                format!("{}: another section of the report is called `{stem}`: rename the file", source.from);
+            return Err(RunError::Unusable(why));
+        }
+        names.entry(stem).or_insert_with(|| source.from.clone());
     }
     Ok(names)
+}
+
+/// The names of all figures and tables of an experiment.
+fn items(experiment: &Experiment) -> impl Iterator<Item = &String> {
+    let figures = experiment.figures.iter().map(|figure| &figure.name);
+    let tables = experiment.tables.iter().flat_map(|table| std::iter::once(&table.name).chain(&table.also));
+    figures.chain(tables)
 }
 
 /// An experiment's name: its file's, without folder and ending.

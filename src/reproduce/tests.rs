@@ -160,7 +160,7 @@ fn numbers_are_read_from_the_records_as_the_measures_say() {
     // (50 + 500 + 70 + 60) / 4 = 170 steps of 0.2 s: a failure counts as the time limit of 500 steps.
     assert_eq!(value(Measure::MeanTime, 300), exactly(34.0));
     assert_eq!(value(Measure::CourseTime, 300), exactly(12.0), "60 steps");
-    // The last quarter of 200 episodes, 50.
+    // The last 100 episodes.
     assert_eq!(value(Measure::Targets, 300), exactly(4.0));
     assert_eq!(value(Measure::Return, 300), exactly(400.0));
     assert_eq!(value(Measure::Targets, 200), exactly(0.0), "after the first 100 of the second stage");

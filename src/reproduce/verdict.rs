@@ -24,15 +24,17 @@ pub struct Comparison {
 #[must_use]
 pub fn compare(measure: Measure, better: &[Value], than: &[Value]) -> Comparison {
     let difference = difference(&plain(better), &plain(than));
+    // Of an arm that never got there only a bound is known, on the wrong side to say that it is ahead.
+    let never = |values: &[Value]| values.iter().any(|value| value.at_least);
     let sign = if measure.more_is_better() { 1.0 } else { -1.0 };
     let outcome = match difference {
         Some(Estimate { mean, half_width: Some(half_width), .. }) => {
             // Equal to the last digit is no difference, whatever rounding says.
             let least = 1e-9 * mean.abs().max(1.0);
             let (middle, reach) = (sign * mean, half_width.max(least));
-            if middle > reach {
+            if middle > reach && !never(better) {
                 Outcome::Held
-            } else if middle < -reach {
+            } else if middle < -reach && !never(than) {
                 Outcome::Reversed
             } else {
                 Outcome::NotShown
@@ -56,8 +58,9 @@ pub fn verdict(claim: &Claim, better: &[Value], than: &[Value], anchor: &str) ->
         estimate.map_or("nothing".into(), |e| format!("{}{unit}", with_interval(&e, measure.digits())))
     };
     let mut sentence = format!(
-        "{} after {} episodes{}: {} {}, {} {}",
+        "{} {} {} episodes{}: {} {}, {} {}",
         measure.heading(),
+        if matches!(measure, Measure::EpisodesTo(_) | Measure::StepsTo(_)) { "within" } else { "after" },
         number(claim.after as f64, 0),
         if claim.of_last_stage { " of the last stage" } else { "" },
         claim.better,
@@ -69,17 +72,27 @@ pub fn verdict(claim: &Claim, better: &[Value], than: &[Value], anchor: &str) ->
         let sign = if difference.mean > 0.0 { "+" } else { "" };
         sentence += &format!("; difference {sign}{}{unit}", with_interval(&difference, measure.digits()));
     }
+    let holds_0 = |d: &Estimate| d.half_width.is_some_and(|half_width| d.mean.abs() <= half_width);
     sentence += match (outcome, difference.and_then(|d| d.half_width)) {
         (Outcome::Held, _) => ". The claim holds.",
         (Outcome::Reversed, _) => ". It is the other way round.",
-        (Outcome::NotShown, Some(_)) => ". The interval holds 0: no difference is shown.",
-        (Outcome::NotShown, None) => ". One seed shows nothing.",
+        (Outcome::NotShown, None) if better.len() < 2 => ". One seed shows nothing.",
+        (Outcome::NotShown, None) => ". Of some seeds there is no such number.",
+        (Outcome::NotShown, Some(_)) if difference.as_ref().is_some_and(holds_0) => {
+            ". The interval holds 0: no difference is shown."
+        }
+        (Outcome::NotShown, Some(_)) => ". Too many runs never got there to tell.",
     };
     for (name, values) in [(&claim.better, better), (&claim.than, than)] {
         let never = values.iter().filter(|value| value.at_least).count();
         if never > 0 {
             let all = values.len();
-            sentence += &format!(" ({never} of {all} runs of {name} never got there; they count in full.)");
+            let counts = match measure {
+                Measure::CourseTime => "the time limit",
+                _ => "their length",
+            };
+            sentence +=
+                &format!(" ({never} of {all} runs of {name} never got there; they count with {counts}.)");
         }
     }
     Verdict { claim: claim.says.clone(), outcome, sentence, anchor: anchor.into() }
@@ -145,6 +158,11 @@ mod tests {
         let never = [Value { value: 800.0, at_least: true }, Value { value: 700.0, at_least: false }];
         let claim = Claim { measure: Measure::EpisodesTo(4.0), after: 800, ..claim };
         let said = verdict(&claim, &values(&[300.0, 310.0]), &never, "here");
-        assert!(said.sentence.ends_with("(1 of 2 runs of B never got there; they count in full.)"));
+        assert!(said.sentence.starts_with("Episodes to 4 targets within 800 episodes: A 305"));
+        assert!(said.sentence.ends_with("(1 of 2 runs of B never got there; they count with their length.)"));
+        // The arm that seems ahead only had shorter runs.
+        let short = [Value { value: 100.0, at_least: true }; 2];
+        let long = [Value { value: 200.0, at_least: true }; 2];
+        assert_eq!(compare(Measure::EpisodesTo(4.0), &short, &long).outcome, Outcome::NotShown);
     }
 }
