@@ -35,8 +35,13 @@ pub fn page(
     let sections = (0..selected.len())
         .map(|index| section(results, index, &selected[index]))
         .collect::<Result<Vec<_>, _>>()?;
-    let claims: Vec<Verdict> =
-        sections.iter().flat_map(|section| &section.items).flat_map(verdicts).cloned().collect();
+    // A claim that a figure and a table both show counts once.
+    let mut claims: Vec<Verdict> = Vec::new();
+    for verdict in sections.iter().flat_map(|section| &section.items).flat_map(verdicts) {
+        if !claims.contains(verdict) {
+            claims.push(verdict.clone());
+        }
+    }
     let runs = plan.trainings.len();
     let made = format!(
         "made by wayfield {} from {runs} trainings, tested on starts and targets that none of them has seen. Every \

@@ -1,7 +1,7 @@
 //! What is measured of a trained arm, and in what sense more of it is better.
 //!
 //! In: a name in an experiment's file. Out: unit, heading, digits, direction; the numbers come from
-//! [`results`](super::results).
+//! `results.rs`.
 
 use serde::{Deserialize, Serialize};
 
