@@ -48,6 +48,7 @@ const OWN: &str = r#"(
             title: "Times",
             show: Seeds(measure: CourseTime, after: 24, paper: [("plain", 13.155)]),
         ),
+        (name: "rounds", title: "Rounds", show: Rounds(after: 24, paper: [("plain", [83.0, 86.0])])),
         (name: "all", title: "All", show: Measures(measures: [Success, MeanTime, TimeRatio], after: 24)),
         (
             name: "which",
@@ -107,6 +108,8 @@ fn an_experiment_of_ones_own_becomes_a_report_once() {
         "figures/dots.svg",
         "tables/all.csv",
         "tables/all.md",
+        "tables/rounds.csv",
+        "tables/rounds.md",
         "tables/times.csv",
         "tables/times.md",
         "tables/which.csv",
@@ -124,6 +127,11 @@ fn an_experiment_of_ones_own_becomes_a_report_once() {
     }
     let markdown = desk.text("one/README.md");
     assert!(markdown.contains("figures/curves.svg") && markdown.contains("Moving on helps"), "{markdown}");
+
+    let rounds: Vec<_> =
+        csv::Reader::from_path(desk.path("one/tables/rounds.csv")).unwrap().into_records().collect();
+    assert_eq!(rounds.len(), 5, "two arms with two seeds, and the paper's rounds of one");
+    assert_eq!(rounds[0].as_ref().unwrap().iter().last(), Some("84.500"), "the paper's mean of 83 and 86");
 
     // The times of the first arm are those that its policies drive, told in whole control steps.
     let times = csv::Reader::from_path(desk.path("one/tables/times.csv")).unwrap().records().count();

@@ -46,6 +46,12 @@ pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
                     check.arm(&format!("{at}.show.paper"), name);
                 }
             }
+            Show::Rounds { after, paper } => {
+                check.after(&format!("{at}.show.after"), *after);
+                for (name, _) in paper {
+                    check.arm(&format!("{at}.show.paper"), name);
+                }
+            }
             Show::Measures { measures, after } => {
                 check.measures(&format!("{at}.show.measures"), measures);
                 check.after(&format!("{at}.show.after"), *after);

@@ -228,6 +228,14 @@ pub enum Show {
         #[serde(default)]
         paper: Vec<(String, f64)>,
     },
+    /// A row an arm and seed, a column a round of the test: success in percent; and a row for the paper's rounds.
+    Rounds {
+        /// After so many episodes over all stages.
+        after: u64,
+        /// The paper's rounds of an arm, in percent.
+        #[serde(default)]
+        paper: Vec<(String, Vec<f64>)>,
+    },
     /// A row an arm (and condition), a column a measure: means with their 95 % intervals.
     Measures {
         /// One column each.

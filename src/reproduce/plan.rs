@@ -271,7 +271,7 @@ impl Selected {
         }
         for table in self.tables.iter().map(|&i| &experiment.tables[i]) {
             match &table.show {
-                Show::Seeds { after, .. } | Show::Measures { after, .. } => {
+                Show::Seeds { after, .. } | Show::Rounds { after, .. } | Show::Measures { after, .. } => {
                     marks.insert(over_all(*after));
                 }
                 Show::Contrast { after, of_last_stage, .. } => {

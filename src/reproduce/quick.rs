@@ -35,7 +35,9 @@ pub fn roughen(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<B
     for table in &mut experiment.tables {
         table.title += rough;
         match &mut table.show {
-            Show::Seeds { after, .. } | Show::Measures { after, .. } => *after = fewer(*after),
+            Show::Seeds { after, .. } | Show::Rounds { after, .. } | Show::Measures { after, .. } => {
+                *after = fewer(*after);
+            }
             Show::Contrast { after, .. } => {
                 after.iter_mut().for_each(|after| *after = fewer(*after));
                 after.dedup();

@@ -155,6 +155,24 @@ impl<'a> Results<'a> {
         })
     }
 
+    /// Success round by round, in percent, of an arm (by index) with a seed after so many episodes.
+    ///
+    /// # Errors
+    /// The trial is missing.
+    pub fn rounds(
+        &self,
+        experiment: usize,
+        condition: usize,
+        arm: usize,
+        seed: u64,
+        after: u64,
+    ) -> Result<Vec<f64>, RunError> {
+        let (training, which) = self.policy(experiment, condition, arm, seed, after);
+        self.with_trial(training, which, self.experiment(experiment).test, |trial| {
+            Ok(trial.rounds().into_iter().map(|rate| 100.0 * rate).collect())
+        })
+    }
+
     /// A measure that is taken from a trial.
     fn tested(
         &self,

@@ -20,6 +20,7 @@ use crate::run::optimum::Bounds;
 pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Table, RunError> {
     let (columns, rows, mut notes) = match &spec.show {
         Show::Seeds { measure, after, paper } => seeds(results, index, *measure, *after, paper)?,
+        Show::Rounds { after, paper } => rounds(results, index, *after, paper)?,
         Show::Measures { measures, after } => measures_of(results, index, measures, *after)?,
         Show::Contrast { measures, better, than, after, of_last_stage } => {
             contrast(results, index, measures, (better, than), after, *of_last_stage)?
@@ -110,6 +111,41 @@ fn seeds(
         table_rows.push(row);
     }
     Ok((columns, table_rows, notes))
+}
+
+fn rounds(
+    results: &Results<'_>,
+    index: usize,
+    after: u64,
+    paper: &[(String, Vec<f64>)],
+) -> Result<Parts, RunError> {
+    let experiment = results.experiment(index);
+    let mut columns = vec![text("")];
+    columns.extend((1..=experiment.test.rounds).map(|round| numbers(format!("Round {round}"), "%")));
+    columns.push(numbers("Mean", "%"));
+    let row = |name: String, rounds: &[f64]| {
+        let mut row = vec![Cell::Text(name)];
+        // The paper's rounds may be more or fewer than ours.
+        let cell = |round: usize| match rounds.get(round) {
+            Some(&value) => Cell::Number { value, digits: 0 },
+            None => Cell::Empty,
+        };
+        row.extend((0..experiment.test.rounds).map(cell));
+        row.push(Estimate::of(rounds).map_or(Cell::Empty, |e| Cell::Number { value: e.mean, digits: 1 }));
+        row
+    };
+    let mut table_rows = Vec::new();
+    for (condition, arm) in rows(results, index) {
+        let name = row_name(results, index, condition, arm);
+        if let Some((_, rounds)) = paper.iter().find(|(of, _)| *of == experiment.arms[arm].name) {
+            table_rows.push(row(format!("{name}: the paper"), rounds));
+        }
+        for seed in 1..=experiment.seeds {
+            let rounds = results.rounds(index, condition, arm, seed, after)?;
+            table_rows.push(row(format!("{name}: seed {seed}"), &rounds));
+        }
+    }
+    Ok((columns, table_rows, Vec::new()))
 }
 
 /// Mean least time, and mean proven lower bound, in s, of the course or of the test's navigations.
@@ -243,11 +279,12 @@ fn decimals(value: f64) -> usize {
 fn notes_on(experiment: &Experiment, spec: &TableSpec) -> Vec<String> {
     let measures: &[Measure] = match &spec.show {
         Show::Seeds { measure, .. } => std::slice::from_ref(measure),
+        Show::Rounds { .. } => &[Measure::Success],
         Show::Measures { measures, .. } | Show::Contrast { measures, .. } => measures,
     };
     let mut notes = Vec::new();
     let after = match &spec.show {
-        Show::Seeds { after, .. } | Show::Measures { after, .. } => Some(after),
+        Show::Seeds { after, .. } | Show::Rounds { after, .. } | Show::Measures { after, .. } => Some(after),
         Show::Contrast { .. } => None,
     };
     let as_it_stands = experiment.arms.iter().any(|arm| arm.policy == Tested::AsItStands);
@@ -257,7 +294,9 @@ fn notes_on(experiment: &Experiment, spec: &TableSpec) -> Vec<String> {
     };
     let seeds = experiment.seeds;
     when += &format!(", over {seeds} seed{}", if seeds == 1 { "" } else { "s" });
-    when += "; ± is the 95 % interval of the mean over the seeds (Student's t)";
+    if !matches!(spec.show, Show::Rounds { .. }) {
+        when += "; ± is the 95 % interval of the mean over the seeds (Student's t)";
+    }
     let of_paper = matches!(&spec.show, Show::Seeds { paper, .. } if !paper.is_empty());
     when += if of_paper { ", the paper's figure taken as exact." } else { "." };
     notes.push(when);

@@ -170,6 +170,8 @@ fn numbers_are_read_from_the_records_as_the_measures_say() {
     let never = Value { value: 200.0, at_least: true };
     assert_eq!(value(Measure::EpisodesTo(4.5), 300), never, "all of the stage's episodes, and more");
 
+    assert_eq!(results.rounds(0, 0, 0, 1, 300).expect("it is known"), [75.0], "one round");
+
     let curve = &results.curves(0, 0, 0, super::experiment::Series::Targets)[0];
     assert_eq!((curve.len(), curve[99], curve[299]), (300, 0.0, 4.0), "one stage behind the other");
 }

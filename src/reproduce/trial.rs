@@ -41,6 +41,13 @@ impl Trial {
     pub fn success_rate(&self) -> f64 {
         self.steps.iter().flatten().count() as f64 / self.steps.len() as f64
     }
+
+    /// The same round by round.
+    #[must_use]
+    pub fn rounds(&self) -> Vec<f64> {
+        let rate = |round: &[Option<u32>]| round.iter().flatten().count() as f64 / round.len() as f64;
+        self.steps.chunks(self.rule.navigations).map(rate).collect()
+    }
 }
 
 /// The file of a policy in its run's folder.
