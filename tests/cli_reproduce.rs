@@ -131,7 +131,11 @@ fn an_experiment_of_ones_own_becomes_a_report_once() {
     let rounds: Vec<_> =
         csv::Reader::from_path(desk.path("one/tables/rounds.csv")).unwrap().into_records().collect();
     assert_eq!(rounds.len(), 5, "two arms with two seeds, and the paper's rounds of one");
-    assert_eq!(rounds[0].as_ref().unwrap().iter().next_back(), Some("84.500"), "the paper's mean of 83 and 86");
+    assert_eq!(
+        rounds[0].as_ref().unwrap().iter().next_back(),
+        Some("84.500"),
+        "the paper's mean of 83 and 86"
+    );
 
     // The times of the first arm are those that its policies drive, told in whole control steps.
     let times = csv::Reader::from_path(desk.path("one/tables/times.csv")).unwrap().records().count();
