@@ -18,6 +18,7 @@ use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::optimum::is_modelled;
 use crate::run::preset::Budget;
+use crate::run::progress::say as tell;
 use crate::run::records::{Milestone, Summary};
 use crate::run::train::{Job, train};
 use crate::run::{RunError, shipped};
@@ -479,11 +480,6 @@ fn say(text: &str) -> Result<(), RunError> {
         }
         _ => Ok(()),
     }
-}
-
-/// Everything else, to stderr, if anybody listens.
-fn tell(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// The most navigations of one `--eval`.

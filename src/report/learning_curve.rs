@@ -11,8 +11,9 @@ use plotters::style::text_anchor::HPos;
 
 use super::style::{
     Area, Axis, BLUE, DrawError, Drawn, GREEN, GRID, HAIRLINE, HEADING, INK, SOFT_INK, STROKE, TEXT, TITLE,
-    VERMILION, number, picture, thinned, usable, write,
+    VERMILION, picture, thinned, usable, write,
 };
+use super::table::number;
 
 /// One ended episode.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,7 +14,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-pub(super) use axis::{Axis, bounds, number, thinned, usable};
+pub(super) use axis::{Axis, bounds, thinned, usable};
 pub(super) use key::{Entry, Key};
 pub(super) use text::{fitted, text_width, wrapped};
 

@@ -13,8 +13,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Instant;
 
-use super::experiment::TestRule;
-use super::plan::{Plan, Training, Which};
+use super::plan::{Plan, Training};
 use super::progress::Board;
 use super::trial;
 use crate::learning::Policy;
@@ -164,8 +163,7 @@ fn one(
 /// Whether the run in `path` is the one that is wanted, has come to the end of its budget, and has kept all that is
 /// wanted.
 fn is_finished(training: &Training, path: &Path) -> bool {
-    let Ok(text) = fs::read_to_string(path.join("summary.json")) else { return false };
-    let Ok(summary) = serde_json::from_str::<Summary>(&text) else { return false };
+    let Some(summary) = Summary::read(path) else { return false };
     let long_enough = match training.config.preset.budget {
         Budget::Episodes(n) => summary.episodes >= n,
         Budget::EnvSteps(n) => summary.env_steps >= n,
@@ -236,29 +234,14 @@ fn origin(plan: &Plan, training: &Training, folder: &Path) -> Result<Option<Poli
 fn test_it(training: &Training, path: &Path) -> Result<(), RunError> {
     let mut trials = trial::noted(path);
     let noted = trials.len();
-    for &(which, (rounds, navigations, seed)) in &training.tests {
-        let rule = TestRule { rounds, navigations, seed };
-        let file = trial::file(which);
-        if trials.iter().any(|trial| trial.policy == file && trial.rule == rule) {
-            continue;
+    for &(which, rule) in &training.tests {
+        if trial::find(&trials, which, rule).is_none() {
+            trials.push(trial::test(path, &training.config.scenario, which, rule)?);
         }
-        trials.push(trial::test(path, &training.config.scenario, which, rule)?);
     }
     if trials.len() > noted {
         let (folder, _) = RunFolder::open(path)?;
         trial::note(&folder, &trials)?;
     }
     Ok(())
-}
-
-/// The trial of `which` by `rule` in the run's folder at `path`.
-///
-/// # Errors
-/// There is none: the plan was not carried out.
-pub fn trial_of(path: &Path, which: Which, rule: TestRule) -> Result<trial::Trial, RunError> {
-    let file = trial::file(which);
-    trial::noted(path)
-        .into_iter()
-        .find(|trial| trial.policy == file && trial.rule == rule)
-        .ok_or_else(|| RunError::failed(path, format!("holds no trial of {file}")))
 }

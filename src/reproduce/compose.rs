@@ -103,13 +103,8 @@ fn section(results: &Results<'_>, index: usize, selected: &Selected) -> Result<S
 
 /// The verdict on a claim, under the first condition.
 fn judged(results: &Results<'_>, index: usize, claim: &Claim, anchor: &str) -> Result<Verdict, RunError> {
-    let arms = &results.experiment(index).arms;
-    let values = |name: &str| {
-        let arm = arms.iter().position(|arm| arm.name == name).unwrap_or(0);
-        let after = claim.after;
-        let after = if claim.of_last_stage { results.of_last_stage(index, 0, arm, after) } else { after };
-        results.values(index, 0, arm, claim.measure, after)
-    };
+    let when = (claim.after, claim.of_last_stage);
+    let values = |arm: &str| results.values_of(index, 0, arm, claim.measure, when);
     Ok(verdict(claim, &values(&claim.better)?, &values(&claim.than)?, anchor))
 }
 

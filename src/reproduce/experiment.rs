@@ -52,7 +52,7 @@ fn default_seeds() -> u64 {
 }
 
 /// The test of a policy after training: the paper's 5 rounds of 100 navigations, and its course.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TestRule {
     /// Rounds, 1 to 1,000.

@@ -104,15 +104,15 @@ pub fn reproduce(
     });
     let before = ready(&folder)?;
     let runs = folder.join("runs");
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let at_a_time = request.at_a_time.unwrap_or(cores);
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let at_a_time = request.at_a_time.unwrap_or_else(cores);
 
     let done = carry_out::carry_out(&plan, &runs, at_a_time, stop);
     let spent = spend(&folder, before, began)?;
     done?;
 
-    progress::say("planning least times, drawing the report");
-    let yardstick = yardstick::Yardstick::new(folder.join("optimum"), cores);
+    crate::run::progress::say("planning least times, drawing the report");
+    let yardstick = yardstick::Yardstick::new(folder.join("optimum"));
     let results = results::Results::read(&plan, &selected, &runs, yardstick)?;
     let page = compose::page(&results, &selected, &plan, request, at_a_time, spent.wall_s)?;
     write(&folder, &page)?;

@@ -46,7 +46,7 @@ pub struct Training {
     /// The training whose weights it starts from.
     pub origin: Option<usize>,
     /// What is tested.
-    pub tests: BTreeSet<(Which, TestKey)>,
+    pub tests: BTreeSet<(Which, TestRule)>,
 }
 
 /// Which policy of a training is meant.
@@ -56,17 +56,6 @@ pub enum Which {
     After(u64),
     /// The best by the training's own evaluations.
     Best,
-}
-
-/// A [`TestRule`] that can be ordered: rounds, navigations, seed.
-pub type TestKey = (usize, usize, u64);
-
-impl TestRule {
-    /// The rule as a key.
-    #[must_use]
-    pub fn key(&self) -> TestKey {
-        (self.rounds, self.navigations, self.seed)
-    }
 }
 
 /// After so many episodes, over all stages or of the last alone.
@@ -81,8 +70,6 @@ struct Mark {
 pub struct Chain {
     /// Index into [`Plan::trainings`], and how many of its episodes belong to the stage (none: all of it).
     pub stages: Vec<(usize, Option<u64>)>,
-    /// The episodes of all stages together, if all are counted in episodes.
-    pub episodes: Option<u64>,
 }
 
 impl Chain {
@@ -94,7 +81,7 @@ impl Chain {
     }
 
     /// The stage in which the arm has had `after` episodes in all, as an index into `stages`, and how many of the
-    /// stage's own those are. The arm's last stage if it is not counted in episodes.
+    /// stage's own those are. None if it never has so many, or a stage before is not counted in episodes.
     #[must_use]
     pub fn at(&self, after: u64) -> Option<(usize, u64)> {
         let mut before = 0;
@@ -133,7 +120,7 @@ impl Plan {
                 for (arm_index, arm) in experiment.arms.iter().enumerate() {
                     for seed in 1..=experiment.seeds {
                         let chain = plan.chain(&selected.source, condition, arm, seed, needed)?;
-                        plan.tests(&chain, arm, &marks, &experiment.test, &selected.source)?;
+                        plan.tests(&chain, arm, &marks, experiment.test, &selected.source)?;
                         plan.chains.insert((index, condition, arm_index, seed), chain);
                     }
                 }
@@ -151,12 +138,12 @@ impl Plan {
         seed: u64,
         needed: Option<u64>,
     ) -> Result<Chain, RunError> {
-        let mut chain = Chain { stages: Vec::new(), episodes: Some(0) };
+        let mut chain = Chain { stages: Vec::new() };
+        let mut before = 0;
         for stage in &arm.stages {
             let mut config = config(source, condition, stage, seed)?;
             let mut length = None;
             if let Budget::Episodes(n) = config.preset.budget {
-                let before = chain.episodes.unwrap_or(0);
                 let wanted = match needed.filter(|_| arm.policy == Tested::AsItStands) {
                     Some(needed) => n.min(needed.saturating_sub(before)),
                     None => n,
@@ -165,12 +152,12 @@ impl Plan {
                     break;
                 }
                 config.preset.budget = Budget::Episodes(wanted);
+                before += wanted;
                 length = Some(wanted);
             }
             let origin = chain.stages.last().copied();
             let training = self.add(config, origin, stage.epsilon, arm.policy)?;
             chain.stages.push((training, length));
-            chain.episodes = chain.episodes.zip(length).map(|(sum, n)| sum + n);
         }
         Ok(chain)
     }
@@ -214,12 +201,12 @@ impl Plan {
         chain: &Chain,
         arm: &Arm,
         marks: &BTreeSet<Mark>,
-        rule: &TestRule,
+        rule: TestRule,
         source: &Source,
     ) -> Result<(), RunError> {
         if arm.policy == Tested::Best {
             if let Some((training, _)) = chain.stages.last().filter(|_| !marks.is_empty()) {
-                self.trainings[*training].tests.insert((Which::Best, rule.key()));
+                self.trainings[*training].tests.insert((Which::Best, rule));
             }
             return Ok(());
         }
@@ -234,7 +221,7 @@ impl Plan {
             };
             let training = &mut self.trainings[chain.stages[stage].0];
             keep(&mut training.config, episodes);
-            training.tests.insert((Which::After(episodes), rule.key()));
+            training.tests.insert((Which::After(episodes), rule));
         }
         Ok(())
     }

@@ -4,15 +4,14 @@
 //! elsewhere a plain line every few seconds.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar};
 
 use super::plan::Training;
 use crate::run::preset::Budget;
-use crate::run::progress::{Listener, Status};
+use crate::run::progress::{Listener, Status, bar, say};
 
 /// Time between two plain lines.
 const NEXT_LINE: Duration = Duration::from_secs(10);
@@ -43,13 +42,6 @@ impl Board {
     /// A board for `trainings`.
     #[must_use]
     pub fn new(trainings: &[Training]) -> Arc<Self> {
-        let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr());
-        let bar = (!bar.is_hidden()).then(|| {
-            let style = ProgressStyle::with_template("{wide_bar:.cyan/dim} {prefix}\n{wide_msg}")
-                .unwrap_or_else(|_| ProgressStyle::default_bar())
-                .progress_chars("━╸─");
-            bar.with_style(style).with_finish(ProgressFinish::Abandon)
-        });
         Arc::new(Self {
             inner: Mutex::new(Inner {
                 weights: trainings.iter().map(|t| gradient_steps(t, t.config.preset.budget)).collect(),
@@ -59,7 +51,7 @@ impl Board {
                 started: Instant::now(),
                 done_before: 0.0,
                 next_line: Duration::ZERO,
-                bar,
+                bar: bar(PARTS),
             }),
         })
     }
@@ -137,14 +129,9 @@ impl Inner {
                 bar.set_position((share * PARTS as f64) as u64);
                 bar.tick();
             }
-            None => say(&format!("{advance}  {}", under_way.join("; "))),
+            None => say(format!("{advance}  {}", under_way.join("; ")).trim_end()),
         }
     }
-}
-
-/// Writes to stderr. That it may be closed is no reason to stop the work.
-pub fn say(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", text.trim_end());
 }
 
 /// About how many gradient steps a training takes for `budget`: what its time goes with.

@@ -3,19 +3,17 @@
 //! In: a plan that was carried out, and its folder. Out: [`Value`]s and learning curves, read from the records of
 //! training and the trials.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::carry_out::trial_of;
 use super::experiment::{Experiment, Series, TestRule, Tested};
 use super::measure::Measure;
 use super::plan::{Chain, Plan, Selected, Training, Which};
-use super::trial::Trial;
+use super::trial::{self, Trial};
 use super::yardstick::Yardstick;
 use crate::report::statistics::moving_mean;
 use crate::run::RunError;
-use crate::run::records::EpisodeRow;
+use crate::run::evaluate::{period_s, to_microsecond};
+use crate::run::records::{EpisodeRow, Summary};
 
 /// Episodes in the means that tell how far training is.
 const WINDOW: usize = 100;
@@ -45,6 +43,20 @@ struct Records {
     targets: Vec<f64>,
 }
 
+impl Records {
+    /// A series up to where the policy `which` was taken; of the best policy all of it.
+    fn until(&self, series: Series, which: Which) -> &[f64] {
+        let all = match series {
+            Series::Return => &self.returns,
+            Series::Targets => &self.targets,
+        };
+        match which {
+            Which::After(episodes) => &all[..(episodes as usize).min(all.len())],
+            Which::Best => all,
+        }
+    }
+}
+
 /// All that came of a plan.
 pub struct Results<'a> {
     plan: &'a Plan,
@@ -52,11 +64,11 @@ pub struct Results<'a> {
     runs: PathBuf,
     yardsticks: Yardstick,
     records: Vec<Records>,
-    trials: RefCell<BTreeMap<(usize, Which, super::plan::TestKey), Trial>>,
+    trials: Vec<Vec<Trial>>,
 }
 
 impl<'a> Results<'a> {
-    /// Reads the records of every training of `plan`, which was carried out in `runs`.
+    /// Reads the records and trials of every training of `plan`, which was carried out in `runs`.
     ///
     /// # Errors
     /// A record cannot be read.
@@ -68,7 +80,8 @@ impl<'a> Results<'a> {
     ) -> Result<Self, RunError> {
         let read = |training: &Training| records(&runs.join(&training.name).join("episodes.csv"));
         let records = plan.trainings.iter().map(read).collect::<Result<_, _>>()?;
-        Ok(Self { plan, selected, runs: runs.into(), yardsticks, records, trials: RefCell::default() })
+        let trials = plan.trainings.iter().map(|training| trial::noted(&runs.join(&training.name))).collect();
+        Ok(Self { plan, selected, runs: runs.into(), yardsticks, records, trials })
     }
 
     /// Experiment `index`.
@@ -83,10 +96,23 @@ impl<'a> Results<'a> {
         &self.plan.chains[&(experiment, condition, arm, seed)]
     }
 
-    /// So many episodes of an arm's last stage, counted over all its stages.
-    #[must_use]
-    pub fn of_last_stage(&self, experiment: usize, condition: usize, arm: usize, after: u64) -> u64 {
-        self.chain(experiment, condition, arm, 1).before_last() + after
+    /// [`values`](Self::values) of the arm called `name`; `after` counts over all its stages, or, `of_last_stage`, in
+    /// the last alone.
+    ///
+    /// # Errors
+    /// As those of [`values`](Self::values).
+    pub fn values_of(
+        &self,
+        experiment: usize,
+        condition: usize,
+        name: &str,
+        measure: Measure,
+        (after, of_last_stage): (u64, bool),
+    ) -> Result<Vec<Value>, RunError> {
+        // That there is an arm of that name was checked when the experiment was read.
+        let arm = self.experiment(experiment).arms.iter().position(|arm| arm.name == name).unwrap_or(0);
+        let before = if of_last_stage { self.chain(experiment, condition, arm, 1).before_last() } else { 0 };
+        self.values(experiment, condition, arm, measure, before + after)
     }
 
     /// What `measure` says of an arm (by index) after so many episodes, a value for each seed.
@@ -124,28 +150,20 @@ impl<'a> Results<'a> {
                 self.tested(training, which, self.experiment(experiment).test, measure)?
             }
             Measure::Return | Measure::Targets => {
-                let records = &self.records[training];
-                let all = if measure == Measure::Return { &records.returns } else { &records.targets };
-                let end = match which {
-                    Which::After(episodes) => (episodes as usize).min(all.len()),
-                    Which::Best => all.len(),
-                };
-                let last = &all[end.saturating_sub(WINDOW)..end];
+                let series = if measure == Measure::Return { Series::Return } else { Series::Targets };
+                let all = self.records[training].until(series, which);
+                let last = &all[all.len().saturating_sub(WINDOW)..];
                 Value::exact(last.iter().sum::<f64>() / last.len().max(1) as f64)
             }
             Measure::EpisodesTo(level) | Measure::StepsTo(level) => {
                 let records = &self.records[training];
-                let end = match which {
-                    Which::After(episodes) => (episodes as usize).min(records.targets.len()),
-                    Which::Best => records.targets.len(),
-                };
-                let targets = &records.targets[..end];
-                let window = LEVEL_WINDOW.min(end);
+                let targets = records.until(Series::Targets, which);
+                let window = LEVEL_WINDOW.min(targets.len());
                 let reached = moving_mean(targets, window)
                     .iter()
                     .enumerate()
                     .position(|(i, &mean)| i + 1 >= window && mean >= level);
-                let episode = reached.unwrap_or(end.saturating_sub(1));
+                let episode = reached.unwrap_or(targets.len().saturating_sub(1));
                 let value = match measure {
                     Measure::StepsTo(_) => records.env_steps.get(episode).map_or(0.0, |&n| n as f64 / 1e3),
                     _ => (episode + 1) as f64,
@@ -168,9 +186,8 @@ impl<'a> Results<'a> {
         after: u64,
     ) -> Result<Vec<f64>, RunError> {
         let (training, which) = self.policy(experiment, condition, arm, seed, after);
-        self.with_trial(training, which, self.experiment(experiment).test, |trial| {
-            Ok(trial.rounds().into_iter().map(|rate| 100.0 * rate).collect())
-        })
+        let trial = self.trial(training, which, self.experiment(experiment).test)?;
+        Ok(trial.rounds().into_iter().map(|rate| 100.0 * rate).collect())
     }
 
     /// A measure that is taken from a trial.
@@ -181,34 +198,33 @@ impl<'a> Results<'a> {
         rule: TestRule,
         measure: Measure,
     ) -> Result<Value, RunError> {
-        self.with_trial(training, which, rule, |trial| {
-            let task = &self.plan.trainings[training].config.scenario.task;
-            let (period_s, limit) = (round(f64::from(task.control_period_s)), task.time_limit_steps);
-            let mean_s = |steps: &[Option<u32>]| {
-                let sum: u64 = steps.iter().map(|steps| u64::from(steps.unwrap_or(limit))).sum();
-                round(sum as f64 / steps.len() as f64 * period_s)
-            };
-            Ok(match measure {
-                Measure::CourseTime => Value {
-                    value: mean_s(&trial.course_steps),
-                    at_least: trial.course_steps.iter().all(Option::is_none),
-                },
-                Measure::MeanTime => Value::exact(mean_s(&trial.steps)),
-                Measure::TimeRatio | Measure::BoundRatio => {
-                    let measured = self.yardstick(training, which, rule)?;
-                    let pairs = trial.steps.iter().zip(&measured.navigations);
-                    let both = pairs.filter_map(|(driven, least)| {
-                        let plan_steps = least.plan_steps?;
-                        let to = if measure == Measure::TimeRatio { plan_steps } else { least.lower_steps };
-                        Some(((*driven)?, to))
-                    });
-                    let (driven, least) = both.fold((0_u64, 0_u64), |(driven, least), (d, l)| {
-                        (driven + u64::from(d), least + u64::from(l))
-                    });
-                    Value::exact(if least == 0 { f64::NAN } else { driven as f64 / least as f64 })
-                }
-                _ => Value::exact(100.0 * trial.success_rate()),
-            })
+        let trial = self.trial(training, which, rule)?;
+        let task = &self.plan.trainings[training].config.scenario.task;
+        let (period_s, limit) = (period_s(task.control_period_s), task.time_limit_steps);
+        let mean_s = |steps: &[Option<u32>]| {
+            let sum: u64 = steps.iter().map(|steps| u64::from(steps.unwrap_or(limit))).sum();
+            to_microsecond(sum as f64 / steps.len() as f64 * period_s)
+        };
+        Ok(match measure {
+            Measure::CourseTime => Value {
+                value: mean_s(&trial.course_steps),
+                at_least: trial.course_steps.iter().all(Option::is_none),
+            },
+            Measure::MeanTime => Value::exact(mean_s(&trial.steps)),
+            Measure::TimeRatio | Measure::BoundRatio => {
+                let measured = self.yardstick(training, which, rule)?;
+                let pairs = trial.steps.iter().zip(&measured.navigations);
+                let both = pairs.filter_map(|(driven, least)| {
+                    let plan_steps = least.plan_steps?;
+                    let to = if measure == Measure::TimeRatio { plan_steps } else { least.lower_steps };
+                    Some(((*driven)?, to))
+                });
+                let (driven, least) = both.fold((0_u64, 0_u64), |(driven, least), (d, l)| {
+                    (driven + u64::from(d), least + u64::from(l))
+                });
+                Value::exact(if least == 0 { f64::NAN } else { driven as f64 / least as f64 })
+            }
+            _ => Value::exact(100.0 * trial.success_rate()),
         })
     }
 
@@ -222,24 +238,14 @@ impl<'a> Results<'a> {
         which: Which,
         rule: TestRule,
     ) -> Result<std::rc::Rc<super::yardstick::Least>, RunError> {
-        let of = &self.plan.trainings[training];
-        let policy = self.runs.join(&of.name).join(super::trial::file(which));
-        self.yardsticks.of(&of.config.scenario, rule, &policy)
+        let policy = self.policy_file(training, which);
+        self.yardsticks.of(&self.training(training).config.scenario, rule, &policy)
     }
 
-    fn with_trial<T>(
-        &self,
-        training: usize,
-        which: Which,
-        rule: TestRule,
-        look: impl FnOnce(&Trial) -> Result<T, RunError>,
-    ) -> Result<T, RunError> {
-        let key = (training, which, rule.key());
-        if !self.trials.borrow().contains_key(&key) {
-            let folder = self.runs.join(&self.plan.trainings[training].name);
-            self.trials.borrow_mut().insert(key, trial_of(&folder, which, rule)?);
-        }
-        look(&self.trials.borrow()[&key])
+    fn trial(&self, training: usize, which: Which, rule: TestRule) -> Result<&Trial, RunError> {
+        trial::find(&self.trials[training], which, rule).ok_or_else(|| {
+            RunError::failed(&self.policy_file(training, which), "holds a policy that was not tested")
+        })
     }
 
     /// The training in which an arm's policy is found after so many episodes, and which of its policies that is.
@@ -266,7 +272,7 @@ impl<'a> Results<'a> {
     /// Where a policy's file is.
     #[must_use]
     pub fn policy_file(&self, training: usize, which: Which) -> PathBuf {
-        self.runs.join(&self.plan.trainings[training].name).join(super::trial::file(which))
+        self.runs.join(&self.plan.trainings[training].name).join(trial::file(which))
     }
 
     /// The training at `index`.
@@ -283,13 +289,8 @@ impl<'a> Results<'a> {
             .map(|seed| {
                 let chain = self.chain(experiment, condition, arm, seed);
                 let stages = chain.stages.iter().flat_map(|&(training, length)| {
-                    let records = &self.records[training];
-                    let all = match series {
-                        Series::Return => &records.returns,
-                        Series::Targets => &records.targets,
-                    };
-                    let length = length.map_or(all.len(), |n| (n as usize).min(all.len()));
-                    all[..length].iter().copied()
+                    let whole = length.map_or(Which::Best, Which::After);
+                    self.records[training].until(series, whole).iter().copied()
                 });
                 stages.collect()
             })
@@ -300,8 +301,7 @@ impl<'a> Results<'a> {
     #[must_use]
     pub fn minutes(&self) -> f64 {
         let wall_s = |training: &Training| {
-            let text = std::fs::read_to_string(self.runs.join(&training.name).join("summary.json")).ok()?;
-            serde_json::from_str::<crate::run::records::Summary>(&text).ok().map(|summary| summary.wall_s)
+            Summary::read(&self.runs.join(&training.name)).map(|summary| summary.wall_s)
         };
         self.plan.trainings.iter().filter_map(wall_s).sum::<f64>() / 60.0
     }
@@ -323,9 +323,4 @@ fn records(path: &Path) -> Result<Records, RunError> {
         records.targets.push(f64::from(row.targets));
     }
     Ok(records)
-}
-
-/// Rounded to a microsecond: 0.2 is meant, not f32's 0.200000003.
-fn round(seconds: f64) -> f64 {
-    (seconds * 1e6).round() / 1e6
 }

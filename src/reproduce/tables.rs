@@ -11,6 +11,7 @@ use super::verdict::{compare, plain};
 use crate::report::statistics::Estimate;
 use crate::report::table::{Cell, Column, ColumnKind, Table, number};
 use crate::run::RunError;
+use crate::run::evaluate::period_s;
 use crate::run::optimum::Bounds;
 
 /// Makes a table of experiment `index`.
@@ -159,7 +160,7 @@ fn least(
     let (training, which) = results.policy(index, condition, arm, 1, after);
     let least = results.yardstick(training, which, results.experiment(index).test)?;
     let bounds = if measure == Measure::CourseTime { &least.course } else { &least.navigations };
-    let period_s = f64::from(results.training(training).config.scenario.task.control_period_s);
+    let period_s = period_s(results.training(training).config.scenario.task.control_period_s);
     let known: Option<Vec<(u32, u32)>> =
         bounds.iter().map(|&Bounds { lower_steps, plan_steps }| Some((plan_steps?, lower_steps))).collect();
     Ok(known.filter(|known| !known.is_empty()).map(|known| {
@@ -199,8 +200,6 @@ fn contrast(
     of_last_stage: bool,
 ) -> Result<Parts, RunError> {
     let experiment = results.experiment(index);
-    let arm = |name: &str| experiment.arms.iter().position(|arm| arm.name == name).unwrap_or(0);
-    let (better_arm, than_arm) = (arm(better), arm(than));
     let mut columns = vec![text("Condition")];
     if afters.len() > 1 {
         columns.push(numbers(if of_last_stage { "Episodes of the last stage" } else { "Episodes" }, ""));
@@ -221,14 +220,8 @@ fn contrast(
                 row.push(Cell::Number { value: after as f64, digits: 0 });
             }
             for &measure in measures {
-                let values = |arm| {
-                    let after = match of_last_stage {
-                        true => results.of_last_stage(index, condition, arm, after),
-                        false => after,
-                    };
-                    results.values(index, condition, arm, measure, after)
-                };
-                let (one, other) = (values(better_arm)?, values(than_arm)?);
+                let values = |arm| results.values_of(index, condition, arm, measure, (after, of_last_stage));
+                let (one, other) = (values(better)?, values(than)?);
                 let compared = compare(measure, &one, &other);
                 row.extend([mean(&one, measure), mean(&other, measure)]);
                 row.push(compared.difference.map_or(Cell::Empty, |difference| Cell::Signed {

@@ -90,7 +90,7 @@ fn no_more_is_trained_than_what_is_asked_for_needs() {
 #[test]
 fn episodes_are_counted_over_the_stages() {
     let stages = vec![(0, Some(1000)), (1, Some(800))];
-    let chain = plan::Chain { stages, episodes: Some(1800) };
+    let chain = plan::Chain { stages };
     assert_eq!(chain.at(400), Some((0, 400)));
     assert_eq!(chain.at(1000), Some((0, 1000)), "the end of a stage is still its own");
     assert_eq!(chain.at(1001), Some((1, 1)));
@@ -148,7 +148,7 @@ fn numbers_are_read_from_the_records_as_the_measures_say() {
     };
     pretend(folder.path(), &plan.trainings[0], &[0; 100], &[]);
     pretend(folder.path(), &plan.trainings[1], &second, &[trial]);
-    let yardstick = Yardstick::new(folder.path().join("optimum"), 1);
+    let yardstick = Yardstick::new(folder.path().join("optimum"));
     let results = Results::read(&plan, &selected, folder.path(), yardstick).expect("they are there");
     let value = |measure, after| {
         let values = results.values(0, 0, 0, measure, after).expect("it is known");

@@ -111,6 +111,13 @@ pub fn noted(folder: &Path) -> Vec<Trial> {
     serde_json::from_str(&text).unwrap_or_default()
 }
 
+/// The trial of the policy `which` by `rule` among `trials`.
+#[must_use]
+pub fn find(trials: &[Trial], which: Which, rule: TestRule) -> Option<&Trial> {
+    let file = file(which);
+    trials.iter().find(|trial| trial.policy == file && trial.rule == rule)
+}
+
 /// Notes `trials` in the folder of a run.
 ///
 /// # Errors

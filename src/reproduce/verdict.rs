@@ -2,7 +2,7 @@
 //!
 //! In: a claim, and the values of both arms over the seeds. Out: a [`Verdict`]: *held* when the 95 % interval of the
 //! difference (Welch) lies wholly on the claimed side of 0, *reversed* when it lies wholly on the other, else *not
-//! shown*.
+//! shown*. An arm of which a run never got where it should is never called ahead.
 
 use super::experiment::Claim;
 use super::measure::Measure;

@@ -29,15 +29,14 @@ pub struct Least {
 /// The least times of all worlds.
 pub struct Yardstick {
     folder: PathBuf,
-    threads: usize,
     known: RefCell<BTreeMap<String, Rc<Least>>>,
 }
 
 impl Yardstick {
-    /// Least times are kept in `folder`, and planned by so many threads.
+    /// Least times are kept in `folder`.
     #[must_use]
-    pub fn new(folder: PathBuf, threads: usize) -> Self {
-        Self { folder, threads, known: RefCell::default() }
+    pub fn new(folder: PathBuf) -> Self {
+        Self { folder, known: RefCell::default() }
     }
 
     /// The least times for the tests by `rule` in `scenario`. The starts and targets are learnt by driving with the
@@ -73,7 +72,7 @@ impl Yardstick {
     fn plan(&self, scenario: &Scenario, rule: TestRule, policy: &Path) -> Result<Least, RunError> {
         let policy = trial::read_policy(policy)?;
         let (navigations, course) = trial::drive(&policy, scenario, rule)?;
-        let plan = |driven: &[Navigation]| bounds(scenario, driven, self.threads);
+        let plan = |driven: &[Navigation]| bounds(scenario, driven, 0);
         Ok(Least { navigations: plan(&navigations), course: plan(&course) })
     }
 }

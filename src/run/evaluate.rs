@@ -111,12 +111,14 @@ fn mean_cost_s(navigations: &[Navigation], rules: &TaskRules) -> f64 {
 }
 
 /// The control period in s without its f32 rounding showing (0.2 is meant, not 0.200000003).
-fn period_s(control_period_s: f32) -> f64 {
+#[must_use]
+pub fn period_s(control_period_s: f32) -> f64 {
     to_microsecond(f64::from(control_period_s))
 }
 
 /// Rounded to a microsecond: sums of a period's decimals do not come out even.
-fn to_microsecond(seconds: f64) -> f64 {
+#[must_use]
+pub fn to_microsecond(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 

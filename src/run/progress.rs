@@ -155,15 +155,22 @@ impl Progress {
 impl Face {
     /// A bar if stderr is a terminal that can draw one, else lines.
     fn for_stderr(goal: Goal) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(goal.total()), ProgressDrawTarget::stderr());
-        if bar.is_hidden() {
-            return Self::Lines;
-        }
-        let style = ProgressStyle::with_template(TEMPLATE)
-            .unwrap_or_else(|_| ProgressStyle::default_bar())
-            .progress_chars("━╸─");
-        Self::Bar(bar.with_style(style).with_finish(ProgressFinish::Abandon))
+        bar(goal.total()).map_or(Self::Lines, Self::Bar)
     }
+}
+
+/// A bar on stderr for `total` parts, with a row below it for a message; None where stderr is no terminal that can
+/// draw one.
+#[must_use]
+pub fn bar(total: u64) -> Option<ProgressBar> {
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+    if bar.is_hidden() {
+        return None;
+    }
+    let style = ProgressStyle::with_template(TEMPLATE)
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("━╸─");
+    Some(bar.with_style(style).with_finish(ProgressFinish::Abandon))
 }
 
 /// Two rows, so that all fits into 80 columns: how far the run is, and how learning goes.
@@ -185,7 +192,7 @@ impl Goal {
 }
 
 /// Writes to stderr. That it may be closed is no reason to stop a run, and there is nowhere left to say so.
-fn say(text: &str) {
+pub fn say(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 

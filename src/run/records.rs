@@ -125,3 +125,12 @@ pub struct Summary {
     /// When 99 % was first reached.
     pub first_99: Option<Milestone>,
 }
+
+impl Summary {
+    /// The summary in the run's folder at `path`; None if there is none that can be read.
+    #[must_use]
+    pub fn read(path: &std::path::Path) -> Option<Self> {
+        let text = std::fs::read_to_string(path.join("summary.json")).ok()?;
+        serde_json::from_str(&text).ok()
+    }
+}

@@ -4,6 +4,8 @@
 
 use std::ops::Range;
 
+use crate::report::table::number;
+
 /// What an axis spans, and the distance of its ticks (which lie at whole multiples of it).
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::report) struct Axis {
@@ -69,23 +71,6 @@ pub(in crate::report) fn usable(value: f64) -> bool {
 pub(in crate::report) fn tidy_step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
     [1.0, 2.0, 2.5, 5.0].into_iter().map(|m| m * power).find(|&s| s >= least * 0.999).unwrap_or(10.0 * power)
-}
-
-/// A number with so many decimals, a true minus, and thousands set apart by commas.
-pub(in crate::report) fn number(x: f64, digits: usize) -> String {
-    let plain = format!("{:.digits$}", x.abs());
-    let whole = plain.find('.').unwrap_or(plain.len());
-    let mut text = String::new();
-    if x < 0.0 && plain.bytes().any(|b| (b'1'..=b'9').contains(&b)) {
-        text.push('\u{2212}');
-    }
-    for (i, c) in plain.chars().enumerate() {
-        if i > 0 && i < whole && (whole - i) % 3 == 0 {
-            text.push(',');
-        }
-        text.push(c);
-    }
-    text
 }
 
 /// At most `most` (2 or more) of the points, evenly taken, the first and the last among them.
