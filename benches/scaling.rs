@@ -65,19 +65,20 @@ fn config() -> Result<LearningConfig, Box<dyn Error>> {
 /// `ENV_STEPS` steps of Scenario I in `arenas` arenas, without gradient steps.
 fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let scenario = Arc::new(shipped::scenario("scenario-1")?);
-    let preset = shipped::preset("fast")?;
-    let learning = LearningConfig { train_interval: u64::MAX, ..preset.learning };
+    let mut preset = shipped::preset("fast")?;
+    preset.arenas = arenas;
+    preset.learning.train_interval = u64::MAX;
     let before = resident_kb();
-    let learner = Learner::new(&learning, observation::width(24), 5, arenas, 1)?;
-    let mut app = simulation::training(&scenario, preset.observation, &preset.reward, arenas, 1, learner);
+    let learner = Learner::new(&preset.learning, observation::width(24), 5, arenas, 1)?;
+    let mut app = simulation::training(&scenario, &preset, 1, learner);
     for _ in 0..(2_000 / arenas).max(4) {
-        simulation::step(&mut app)?;
+        simulation::step(app.world_mut())?;
     }
     let held = resident_kb() - before;
     let steps = ENV_STEPS / arenas;
     let began = Instant::now();
     for _ in 0..steps {
-        simulation::step(&mut app)?;
+        simulation::step(app.world_mut())?;
     }
     let us = began.elapsed().as_secs_f64() * 1e6 / (steps * arenas) as f64;
     assert!(app.world().resource::<Trainer>().0.gradient_steps() == 0, "only env steps are measured");

@@ -12,6 +12,13 @@ use std::time::Instant;
 
 use clap::{ArgGroup, Parser};
 
+#[cfg(feature = "window")]
+use crate::app::{
+    desk::{Look, Overlays},
+    orders::Pace,
+    session::First,
+    window::{self, Opening, Picture},
+};
 use crate::learning::Policy;
 use crate::reproduce::{Request, reproduce};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
@@ -27,6 +34,7 @@ use crate::task::Places;
 
 const AFTER_HELP: &str = "\
 Examples:
+  wayfield                                           the window: watch it learn
   wayfield --train                                   Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
@@ -73,8 +81,7 @@ struct Arguments {
     #[arg(
         long,
         value_name = "FILE",
-        help_heading = "Training",
-        requires = "train",
+        help_heading = "Training and testing",
         conflicts_with_all = ["eval", "reproduce", "resume"]
     )]
     preset: Option<String>,
@@ -121,6 +128,41 @@ struct Arguments {
     /// Go on exactly where the run in DIR stopped; --episodes or --steps give it a larger budget, counted from its start
     #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "reproduce"])]
     resume: Option<PathBuf>,
+
+    /// Open a policy, a run's folder, a scenario or a preset in the window
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "PATH", help_heading = "Window", conflicts_with = "mode")]
+    open: Option<PathBuf>,
+
+    /// How many times real time it goes at first, or `full`: as quickly as it goes [default: 5]
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "X", help_heading = "Window", conflicts_with = "mode", value_parser = pace)]
+    pace: Option<Pace>,
+
+    /// Light or dark [default: as remembered, at first as the system has it]
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "LOOK", help_heading = "Window", conflicts_with = "mode", value_enum)]
+    look: Option<LookArgument>,
+
+    /// What to draw over the world: beams, path, trails, potential, value, q-values, grid; `none` for nothing
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "NAMES", help_heading = "Window", conflicts_with = "mode", value_delimiter = ',', value_enum)]
+    show: Vec<ShowArgument>,
+
+    /// The window's width and height in points, such as 1280x800
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "WxH", help_heading = "Window", conflicts_with = "mode", value_parser = size)]
+    size: Option<(f32, f32)>,
+
+    /// Write a picture of the window to a PNG file, and end
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "FILE", help_heading = "Window", conflicts_with = "mode")]
+    screenshot: Option<PathBuf>,
+
+    /// The picture is taken after N control steps
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "N", help_heading = "Window", requires = "screenshot", default_value_t = 0)]
+    after: u64,
 
     /// Rounds of navigations
     #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with_all = ["train", "reproduce"], default_value_t = 5,
@@ -175,11 +217,7 @@ pub fn main(began: Instant) -> ExitCode {
     } else if arguments.reproduce {
         reproduce_command(arguments, began)
     } else {
-        Err(RunError::Unusable(
-            "this build opens no window: train with `wayfield --train`, test with `wayfield --eval POLICY`; \
-             `wayfield --help` lists everything"
-                .into(),
-        ))
+        window_command(arguments)
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -187,6 +225,93 @@ pub fn main(began: Instant) -> ExitCode {
             tell(&format!("error: {error}"));
             ExitCode::from(error.exit_status())
         }
+    }
+}
+
+#[cfg(not(feature = "window"))]
+fn window_command(_: Arguments) -> Result<(), RunError> {
+    Err(RunError::Unusable(
+        "this build opens no window: train with `wayfield --train`, test with `wayfield --eval POLICY`; \
+         `wayfield --help` lists everything"
+            .into(),
+    ))
+}
+
+#[cfg(feature = "window")]
+fn window_command(arguments: Arguments) -> Result<(), RunError> {
+    let usual = First::default();
+    let first = First {
+        scenario: arguments.scenario.unwrap_or(usual.scenario),
+        preset: arguments.preset.unwrap_or(usual.preset),
+        seed: arguments.seed.unwrap_or(usual.seed),
+        pace: arguments.pace.unwrap_or(usual.pace),
+        open: arguments.open,
+        ..usual
+    };
+    // What cannot be used is said here, not in a window.
+    shipped::scenario(&first.scenario)?;
+    shipped::preset(&first.preset)?;
+    let shows = |what: ShowArgument| arguments.show.contains(&what);
+    let asked = !arguments.show.is_empty();
+    window::run(Opening {
+        first,
+        picture: arguments.screenshot.map(|file| Picture { file, after_steps: arguments.after }),
+        look: arguments.look.map(|look| match look {
+            LookArgument::Light => Look::Light,
+            LookArgument::Dark => Look::Dark,
+        }),
+        overlays: asked.then(|| Overlays {
+            beams: shows(ShowArgument::Beams),
+            path: shows(ShowArgument::Path),
+            trails: shows(ShowArgument::Trails),
+            potential: shows(ShowArgument::Potential),
+            value: shows(ShowArgument::Value),
+            q_values: shows(ShowArgument::QValues),
+        }),
+        grid: asked.then(|| shows(ShowArgument::Grid)),
+        size: arguments.size,
+    })
+}
+
+/// What `--look` takes.
+#[cfg(feature = "window")]
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum LookArgument {
+    Light,
+    Dark,
+}
+
+/// What `--show` takes.
+#[cfg(feature = "window")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum ShowArgument {
+    Beams,
+    Path,
+    Trails,
+    Potential,
+    Value,
+    QValues,
+    Grid,
+    None,
+}
+
+#[cfg(feature = "window")]
+fn pace(text: &str) -> Result<Pace, String> {
+    if text == "full" {
+        return Ok(Pace::Full);
+    }
+    match text.trim_end_matches('x').parse::<f32>() {
+        Ok(times) if (0.01..=100.0).contains(&times) => Ok(Pace::Times(times)),
+        _ => Err("give 0.01 to 100, or full".into()),
+    }
+}
+
+#[cfg(feature = "window")]
+fn size(text: &str) -> Result<(f32, f32), String> {
+    let sides: Option<(u16, u16)> = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match sides {
+        Some((w, h)) if (800..=8000).contains(&w) && (500..=8000).contains(&h) => Ok((w.into(), h.into())),
+        _ => Err("give width and height, 800x500 to 8000x8000".into()),
     }
 }
 

@@ -16,9 +16,12 @@
 //! | [`report`] | figures, tables, statistics, pages: drawn and written, not computed here |
 //! | [`run`] | what a user does without a window: train, evaluate, resume |
 //! | [`reproduce`] | the paper's figures and tables: many runs, one report |
+//! | `app` | the window: watch it learn, and take a hand in it (with the feature `window`) |
 //! | [`cli`] | the command line |
 
 pub mod agent;
+#[cfg(feature = "window")]
+pub mod app;
 pub mod cli;
 pub mod control_step;
 pub mod learning;

@@ -15,7 +15,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("report", &[]),
     ("run", &["random", "scenario", "learning", "control_step", "task", "world", "agent", "report"]),
     ("reproduce", &["scenario", "learning", "task", "report", "run"]),
-    ("cli", &["random", "scenario", "learning", "task", "run", "reproduce"]),
+    ("app", &["random", "scenario", "learning", "task", "world", "agent", "report", "run"]),
+    ("cli", &["random", "scenario", "learning", "task", "run", "reproduce", "app"]),
 ];
 
 fn sources(path: &Path, found: &mut Vec<PathBuf>) {

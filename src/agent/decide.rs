@@ -9,7 +9,7 @@ use super::Trainer;
 use crate::learning::Policy;
 use crate::learning::exploration::{epsilon_greedy, greedy};
 use crate::random::{self, Stream};
-use crate::task::{Actions, Observations};
+use crate::task::{Actions, CurrentScenario, Observations};
 
 /// How actions are chosen.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,11 +18,25 @@ pub enum Acting {
     Exploring,
     /// Greedily with a fixed policy ([`GreedyPolicy`]).
     Greedy,
+    /// Each arena by a driver of its own ([`Drivers`]); nothing is remembered or learnt.
+    Driven,
 }
 
 /// The policy that [`Acting::Greedy`] follows.
 #[derive(Resource)]
 pub struct GreedyPolicy(pub Policy);
+
+/// Who drives each arena, by number, where [`Acting::Driven`] is followed.
+#[derive(Resource, Default)]
+pub struct Drivers(pub Vec<Driver>);
+
+/// Who drives an arena.
+pub enum Driver {
+    /// A policy, greedily.
+    Policy(Policy),
+    /// A hand, which holds this motion.
+    Hand(usize),
+}
 
 /// What was decided, and the streams by which arenas explore.
 #[derive(Resource)]
@@ -52,14 +66,16 @@ pub(super) fn decide(
     acting: Res<Acting>,
     trainer: Option<Res<Trainer>>,
     policy: Option<Res<GreedyPolicy>>,
+    drivers: Option<Res<Drivers>>,
+    scenario: Option<Res<CurrentScenario>>,
     observations: Res<Observations>,
     mut decisions: ResMut<Decisions>,
     mut actions: ResMut<Actions>,
 ) {
     let decisions = &mut *decisions;
     let arenas = actions.0.len();
-    match (*acting, trainer, policy) {
-        (Acting::Exploring, Some(trainer), _) => {
+    match (*acting, trainer, policy, drivers, scenario) {
+        (Acting::Exploring, Some(trainer), ..) => {
             let learner = &trainer.0;
             learner.q_values(&observations.current, arenas, &mut decisions.q_values);
             let (epsilon, width) = (learner.epsilon(), decisions.q_values.len() / arenas);
@@ -68,13 +84,34 @@ pub(super) fn decide(
                     epsilon_greedy(row, epsilon, &mut decisions.streams[arena]);
             }
         }
-        (Acting::Greedy, _, Some(policy)) => {
+        (Acting::Greedy, _, Some(policy), ..) => {
             policy.0.network.q_values(&observations.current, arenas, &mut decisions.q_values);
             let width = decisions.q_values.len() / arenas;
             for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunks_exact(width)) {
                 *action = greedy(row);
             }
             decisions.explored.fill(false);
+        }
+        (Acting::Driven, _, _, Some(drivers), Some(scenario)) => {
+            let motions = scenario.0.robot.motions.len();
+            let mut row = Vec::new();
+            decisions.q_values.clear();
+            decisions.explored.fill(false);
+            for (arena, driver) in drivers.0.iter().enumerate().take(arenas) {
+                match driver {
+                    Driver::Policy(policy) => {
+                        policy.network.q_values(observations.row(arena), 1, &mut row);
+                        actions.0[arena] = greedy(&row);
+                    }
+                    Driver::Hand(motion) => {
+                        // A hand values nothing in numbers; its row keeps the others in their places.
+                        row.clear();
+                        row.resize(motions, f32::NAN);
+                        actions.0[arena] = (*motion).min(motions.saturating_sub(1));
+                    }
+                }
+                decisions.q_values.extend_from_slice(&row);
+            }
         }
         // Without a network to ask, the robots stand by their last action.
         _ => {}

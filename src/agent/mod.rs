@@ -12,7 +12,7 @@ mod train;
 
 use bevy::prelude::*;
 
-pub use decide::{Acting, Decisions, GreedyPolicy};
+pub use decide::{Acting, Decisions, Driver, Drivers, GreedyPolicy};
 pub use train::{Trainer, TrainingFault, TrainingStats};
 
 use crate::control_step::{ControlSet, ControlStep};
@@ -44,7 +44,8 @@ impl Plugin for TrainingPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<TrainingStats>().init_resource::<TrainingFault>().add_systems(
             ControlStep,
-            (train::remember.in_set(ControlSet::Remember), train::learn.in_set(ControlSet::Learn)),
+            (train::remember.in_set(ControlSet::Remember), train::learn.in_set(ControlSet::Learn))
+                .run_if(resource_equals(Acting::Exploring)),
         );
     }
 }

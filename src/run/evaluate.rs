@@ -237,7 +237,7 @@ impl Evaluator {
             let mut ends = vec![None; batch];
             // The time limit ends every navigation.
             while ends.iter().any(Option::is_none) {
-                simulation::step(&mut self.app)?;
+                simulation::step(self.app.world_mut())?;
                 for ended in self.app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain() {
                     ends[ended.arena] = Some((ended.end, ended.steps));
                 }
@@ -267,7 +267,7 @@ impl Evaluator {
         let mut poses = vec![begun.pose];
         // The time limit ends it.
         loop {
-            simulation::step(&mut self.app)?;
+            simulation::step(self.app.world_mut())?;
             let world = self.app.world_mut();
             poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
             let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
@@ -289,8 +289,9 @@ impl Evaluator {
     }
 }
 
-/// The streams of navigation `index`, and the obstacles' clock at its start.
-fn fresh(seed: u64, index: u64) -> (Streams, Clock) {
+/// The streams of navigation `index` of the test with `seed`, and the obstacles' clock at its start.
+#[must_use]
+pub fn fresh(seed: u64, index: u64) -> (Streams, Clock) {
     let clock = random::below(&mut random::stream(seed, "navigation: clock", index), 100_000);
     let streams = Streams {
         places: random::stream(seed, "navigation: places", index),

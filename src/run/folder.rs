@@ -14,6 +14,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::RunError;
@@ -46,6 +47,20 @@ pub struct RunConfig {
 }
 
 impl RunConfig {
+    /// What is run, in a line.
+    #[must_use]
+    pub fn description(&self) -> String {
+        let name = self.preset_name();
+        let from = self.transfer.as_ref().map_or(String::new(), |t| format!(", from {}", t.policy));
+        let arenas = self.preset.arenas;
+        format!(
+            "{}, preset {name}, seed {}, {arenas} arena{}{from}",
+            self.scenario.name,
+            self.seed,
+            if arenas == 1 { "" } else { "s" }
+        )
+    }
+
     /// The scenario's file name without folder and ending.
     #[must_use]
     pub fn scenario_name(&self) -> String {
@@ -144,19 +159,18 @@ impl RunFolder {
         write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
     ) -> Result<(), RunError> {
         let path = self.path.join(name);
-        let in_folder = path.parent().unwrap_or(&self.path);
-        let attempt = || -> io::Result<()> {
-            let mut temporary = tempfile::NamedTempFile::new_in(in_folder)?;
-            let mut writer = BufWriter::new(temporary.as_file_mut());
-            write(&mut writer)?;
-            writer.flush()?;
-            drop(writer);
-            make_readable(temporary.path())?;
-            temporary.as_file().sync_all()?;
-            temporary.persist(&path).map_err(|error| error.error)?;
-            Ok(())
-        };
-        attempt().map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
+        write_whole(&path, write)
+            .map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
+    }
+
+    /// The rows of the CSV file `name`.
+    ///
+    /// # Errors
+    /// It cannot be read, or holds other rows.
+    pub fn rows<Row: DeserializeOwned>(&self, name: &str) -> Result<Vec<Row>, RunError> {
+        let path = self.path.join(name);
+        let rows = csv::Reader::from_path(&path).map(|mut reader| reader.deserialize().collect());
+        rows.flatten().map_err(|error| RunError::failed(&path, error))
     }
 
     /// A CSV file of rows like `Row`, opened to add some behind its first `bytes` bytes; whatever stood behind them is
@@ -203,8 +217,31 @@ impl RunFolder {
     }
 }
 
+/// Writes the file `path` by `write`: whole or not at all, an older one is replaced at the end.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let in_folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut temporary = tempfile::NamedTempFile::new_in(in_folder)?;
+    let mut writer = BufWriter::new(temporary.as_file_mut());
+    write(&mut writer)?;
+    writer.flush()?;
+    drop(writer);
+    make_readable(temporary.path())?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
 /// The line of column names of a CSV file of rows like `Row`.
-fn header<Row: Serialize + Default>() -> io::Result<String> {
+///
+/// # Errors
+/// Never known to happen.
+pub fn header<Row: Serialize + Default>() -> io::Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.serialize(Row::default()).map_err(io::Error::other)?;
     let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;

@@ -8,6 +8,7 @@
 //! | `shipped.rs` | the scenarios and presets that come with the program, by name |
 //! | `simulation.rs` | the headless app: the rooms' plugins put together |
 //! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
+//! | `follow.rs` | what is noted of a training as it goes on: rows, the best policy |
 //! | `evaluate.rs` | success over rounds of navigations, and the timed course |
 //! | `examiner.rs` | evaluation during training, on a thread of its own |
 //! | `optimum/` | the least time that any policy could need |
@@ -21,6 +22,7 @@ pub mod checkpoint;
 pub mod evaluate;
 pub mod examiner;
 pub mod folder;
+pub mod follow;
 pub mod optimum;
 pub mod policy_card;
 pub mod preset;

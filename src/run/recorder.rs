@@ -119,10 +119,7 @@ impl Recorder {
         name: &str,
         point: impl Fn(Row) -> Point,
     ) -> Result<Vec<Point>, RunError> {
-        let mut reader = csv::Reader::from_path(self.folder.path().join(name))
-            .map_err(|error| self.failed(name, error))?;
-        let rows = reader.deserialize::<Row>().map(|row| row.map(&point));
-        rows.collect::<Result<_, _>>().map_err(|error| self.failed(name, error))
+        Ok(self.folder.rows(name)?.into_iter().map(point).collect())
     }
 
     fn scalars(&mut self, env_steps: u64, values: &[(&str, Option<f64>)]) -> Result<(), RunError> {

@@ -35,6 +35,16 @@ pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().map(|file| (file.path, file.text))
 }
 
+/// The shipped scenarios, by name. (A test sees to it that each can be read.)
+pub fn scenarios() -> impl Iterator<Item = (&'static str, Scenario)> {
+    SCENARIOS.iter().filter_map(|file| Some((file.name, Scenario::parse(file.text, file.path).ok()?)))
+}
+
+/// The shipped presets, by name. (A test sees to it that each can be read.)
+pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
+    PRESETS.iter().filter_map(|file| Some((file.name, Preset::parse(file.text, file.path).ok()?)))
+}
+
 /// The scenario at the path `wanted`, or the shipped one of that name.
 ///
 /// # Errors

@@ -1,40 +1,61 @@
-//! The headless app: the rooms' plugins, put together.
+//! The rooms' plugins, put together; and the headless app, which has nothing else.
 //!
-//! In: a scenario, arenas, a seed. Out: an [`App`] whose world runs [`ControlStep`]
-//! as often as its caller likes. The windowed app will add the same plugins.
+//! In: a scenario, arenas, a seed. Out: an [`App`] whose world runs [`ControlStep`] as often as its caller likes. The
+//! app with a window adds the same plugins ([`add_training`]) and begins trainings by the same [`begin`].
 
 use std::sync::Arc;
 
 use bevy::prelude::*;
 
 use super::RunError;
-use crate::agent::{Acting, AgentPlugin, Trainer, TrainingFault, TrainingPlugin};
+use super::preset::Preset;
+use crate::agent::{Acting, AgentPlugin, Decisions, Trainer, TrainingFault, TrainingPlugin, TrainingStats};
 use crate::control_step::{ControlStep, ControlStepPlugin};
 use crate::learning::Learner;
 use crate::scenario::Scenario;
-use crate::task::{Encoding, RewardConfig, TaskFault, TaskMode, TaskPlugin};
+use crate::task::{Encoding, EpisodeEnded, Places, RewardConfig, TaskFault, TaskMode, TaskPlugin};
 use crate::world::{WorldPlugin, populate};
 
-/// An app in which `learner` trains in `arenas` arenas of `scenario`, every arena at its first observation.
-pub fn training(
-    scenario: &Arc<Scenario>,
-    observation: Encoding,
-    reward: &RewardConfig,
-    arenas: usize,
-    seed: u64,
-    learner: Learner,
-) -> App {
+/// An app in which `learner` trains as `preset` says in its arenas of `scenario`, every arena at its first observation.
+#[must_use]
+pub fn training(scenario: &Arc<Scenario>, preset: &Preset, seed: u64, learner: Learner) -> App {
     let mut app = App::new();
+    app.add_plugins(MinimalPlugins);
+    add_training(&mut app);
+    make_ready(&mut app);
+    begin(app.world_mut(), scenario, preset, seed, learner);
+    app
+}
+
+/// Adds the plugins of a training, which waits for [`begin`].
+pub fn add_training(app: &mut App) {
     app.add_plugins((
-        MinimalPlugins,
         ControlStepPlugin,
-        TaskPlugin { observation, reward: reward.clone(), mode: TaskMode::Continuing },
+        TaskPlugin {
+            observation: Encoding::default(),
+            reward: RewardConfig::default(),
+            mode: TaskMode::Continuing,
+        },
         WorldPlugin,
-        AgentPlugin { acting: Acting::Exploring, seed, arenas },
+        AgentPlugin { acting: Acting::Exploring, seed: 0, arenas: 0 },
         TrainingPlugin,
-    ))
-    .insert_resource(Trainer(learner));
-    ready(app, scenario, arenas, seed)
+    ));
+}
+
+/// Begins a training in place of whatever goes on in `world`.
+pub fn begin(world: &mut World, scenario: &Arc<Scenario>, preset: &Preset, seed: u64, learner: Learner) {
+    world.insert_resource(preset.observation);
+    world.insert_resource(preset.reward.clone());
+    world.insert_resource(TaskMode::Continuing);
+    world.insert_resource(Places::Drawn);
+    world.insert_resource(TaskFault::default());
+    world.insert_resource(Acting::Exploring);
+    world.insert_resource(Decisions::new(seed, preset.arenas));
+    world.insert_resource(TrainingStats::default());
+    world.insert_resource(TrainingFault::default());
+    world.insert_resource(Trainer(learner));
+    world.resource_mut::<Messages<EpisodeEnded>>().clear();
+    populate(world, scenario, preset.arenas, seed);
 }
 
 /// An app in which fixed policies make single navigations in `arenas` arenas of `scenario`. Whoever puts in a policy
@@ -52,23 +73,23 @@ pub fn navigating(scenario: &Arc<Scenario>, arenas: usize) -> App {
         WorldPlugin,
         AgentPlugin { acting: Acting::Greedy, seed: 0, arenas },
     ));
-    ready(app, scenario, arenas, 0)
+    make_ready(&mut app);
+    populate(app.world_mut(), scenario, arenas, 0);
+    app
 }
 
-fn ready(mut app: App, scenario: &Arc<Scenario>, arenas: usize, seed: u64) -> App {
+/// What an app's own runner would do before its first step.
+fn make_ready(app: &mut App) {
     app.finish();
     app.cleanup();
     app.update();
-    populate(app.world_mut(), scenario, arenas, seed);
-    app
 }
 
 /// One control step in all arenas.
 ///
 /// # Errors
 /// No place was found for a start or target; or learning diverged.
-pub fn step(app: &mut App) -> Result<(), RunError> {
-    let world = app.world_mut();
+pub fn step(world: &mut World) -> Result<(), RunError> {
     world.run_schedule(ControlStep);
     if let Some(problem) = &world.resource::<TaskFault>().0 {
         return Err(RunError::Failed(problem.clone()));

@@ -10,19 +10,19 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
-use super::checkpoint::{self, Best, Standing};
+use super::checkpoint::{self, Standing};
 use super::evaluate;
-use super::examiner::{Candidate, Examination, Examiner};
+use super::examiner::{Examination, Examiner};
 use super::folder::{RunConfig, RunFolder};
+use super::follow;
 use super::preset::Budget;
 use super::progress::{Goal, Listener, Progress, Status};
 use super::recorder::Recorder;
-use super::records::{EpisodeRow, EvaluationRow, Milestone, Summary};
+use super::records::Summary;
 use super::{RunError, policy_card, simulation};
-use crate::agent::{Trainer, TrainingStats};
+use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
-use crate::random::{self, Stream};
-use crate::task::{Encoding, EpisodeEnded, observation};
+use crate::task::{Encoding, observation};
 
 /// A checkpoint is written this often, beside those at the start and the end.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
@@ -62,7 +62,7 @@ pub fn train(
         Job::New { config, policy, out } => Run::begin(*config, policy, out, began, listener)?,
         Job::Resume { folder, budget } => Run::resume(&folder, budget, began, listener)?,
     };
-    run.progress.line(&format!("{}: {}", run.folder.path().display(), run.description()));
+    run.progress.line(&format!("{}: {}", run.folder.path().display(), run.config.description()));
     let result = run.steps(stop);
     // Whatever ended it: what is under way is waited for, and rows that were written stay written.
     let examined = run.await_examinations();
@@ -81,7 +81,7 @@ pub fn train(
 ///
 /// # Errors
 /// The configuration or the policy does not fit.
-fn learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
+pub fn learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
     let inputs = observation::width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
     let preset = &config.preset;
@@ -192,15 +192,8 @@ impl Run {
             Budget::EnvSteps(n) => Goal::EnvSteps(n),
         };
         Ok(Self {
-            app: simulation::training(
-                &scenario,
-                preset.observation,
-                &preset.reward,
-                preset.arenas,
-                config.seed,
-                learner,
-            ),
-            examiner: Examiner::new(&scenario, preset.evaluation.navigations, evaluation_seed(config.seed)),
+            app: simulation::training(&scenario, preset, config.seed, learner),
+            examiner: Examiner::new(&scenario, preset.evaluation.navigations, follow::evaluation_seed(config.seed)),
             recorder: Recorder::open(&folder, standing.episodes_bytes, standing.evaluations_bytes)?,
             progress: listener.map_or_else(|| Progress::new(goal, false), Progress::told),
             earlier_s: standing.wall_s,
@@ -212,30 +205,13 @@ impl Run {
         })
     }
 
-    /// What is run, in a line.
-    fn description(&self) -> String {
-        let RunConfig { scenario, seed, transfer, preset, .. } = &self.config;
-        let name = self.config.preset_name();
-        let from = transfer.as_ref().map_or(String::new(), |t| format!(", from {}", t.policy));
-        let arenas = preset.arenas;
-        format!(
-            "{}, preset {name}, seed {seed}, {arenas} arena{}{from}",
-            scenario.name,
-            if arenas == 1 { "" } else { "s" }
-        )
-    }
-
     fn learner(&self) -> &Learner {
         &self.app.world().resource::<Trainer>().0
     }
 
     /// The present policy, with its card.
     fn policy(&self) -> Policy {
-        let learner = self.learner();
-        let mut policy = learner.policy();
-        policy.metadata =
-            policy_card::metadata(&self.config, (learner.env_steps(), learner.gradient_steps()), None);
-        policy
+        follow::policy(&self.config, self.app.world())
     }
 
     fn wall_s(&self) -> f64 {
@@ -246,7 +222,7 @@ impl Run {
     fn steps(&mut self, stop: &AtomicBool) -> Result<(), RunError> {
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let episodes_before = self.learner().episodes();
-            simulation::step(&mut self.app)?;
+            simulation::step(self.app.world_mut())?;
             self.record_episodes()?;
             self.keep_policy(episodes_before)?;
             if self.learner().env_steps() >= self.standing.next_evaluation {
@@ -280,43 +256,9 @@ impl Run {
 
     /// A row for every episode that the last step ended.
     fn record_episodes(&mut self) -> Result<(), RunError> {
-        let world = self.app.world_mut();
-        if world.resource::<Messages<EpisodeEnded>>().is_empty() {
-            return Ok(());
-        }
-        let ended: Vec<EpisodeEnded> = world.resource_mut::<Messages<EpisodeEnded>>().drain().collect();
-        if let Some(means) = world.resource_mut::<TrainingStats>().take_means() {
-            self.standing.means = Some(means);
-        }
         let wall_s = self.wall_s();
-        let learner = &self.app.world().resource::<Trainer>().0;
-        let means = self.standing.means;
-        let before = learner.episodes() - ended.len() as u64;
-        for (number, ended) in (before + 1..).zip(&ended) {
-            let row = EpisodeRow {
-                episode: number,
-                arena: ended.arena,
-                env_steps: learner.env_steps(),
-                gradient_steps: learner.gradient_steps(),
-                steps: ended.steps,
-                total_return: f64::from(ended.rewards.total()),
-                reward_reached: ended.rewards.reached,
-                reward_collided: ended.rewards.collided,
-                reward_attraction: ended.rewards.attraction,
-                reward_repulsion: ended.rewards.repulsion,
-                targets: ended.targets,
-                collision: EpisodeRow::collision_of(ended.end),
-                epsilon: learner.epsilon(),
-                loss: means.map(|m| m.0),
-                td_error: means.map(|m| m.1),
-                mean_q: means.map(|m| m.2),
-                wall_s,
-            };
+        for row in follow::ended_episodes(self.app.world_mut(), &mut self.standing, wall_s) {
             self.recorder.episode(&row)?;
-            self.standing.recent_returns.push_back(row.total_return);
-            if self.standing.recent_returns.len() > 100 {
-                self.standing.recent_returns.pop_front();
-            }
         }
         Ok(())
     }
@@ -328,7 +270,7 @@ impl Run {
         let asked = &self.config.keep_after_episodes;
         for after in asked.iter().filter(|after| (episodes_before + 1..=episodes).contains(after)) {
             let policy = self.policy();
-            self.write_policy(&RunFolder::policy_after(*after), &bytes(&policy)?)?;
+            self.write_policy(&RunFolder::policy_after(*after), &follow::bytes(&policy)?)?;
         }
         Ok(())
     }
@@ -336,13 +278,7 @@ impl Run {
     /// Hands the present policy to the examiner, once he is done with those before.
     fn hand_in(&mut self) -> Result<(), RunError> {
         self.await_examinations()?;
-        let learner = self.learner();
-        let candidate = Candidate {
-            policy: self.policy(),
-            env_steps: learner.env_steps(),
-            episodes: learner.episodes(),
-            gradient_steps: learner.gradient_steps(),
-        };
+        let candidate = follow::candidate(&self.config, self.app.world());
         self.standing.evaluated_at = Some(candidate.env_steps);
         self.examiner.hand_in(candidate)
     }
@@ -356,52 +292,18 @@ impl Run {
 
     /// Writes an examination down, and keeps the policy if it is the best.
     fn examined(&mut self, examination: Examination) -> Result<(), RunError> {
-        let Examination { candidate, result, done } = examination;
-        let result = result?;
-        let row = EvaluationRow {
-            env_steps: candidate.env_steps,
-            episodes: candidate.episodes,
-            gradient_steps: candidate.gradient_steps,
-            success_rate: result.success_rate,
-            collision_rate: result.collision_rate,
-            timeout_rate: result.timeout_rate,
-            mean_time_s: result.mean_time_s,
-            mean_cost_s: result.mean_cost_s,
-            wall_s: self.earlier_s + done.duration_since(self.began).as_secs_f64(),
-        };
-        self.recorder.evaluation(&row)?;
-
-        let milestone = Milestone { env_steps: row.env_steps, episodes: row.episodes, wall_s: row.wall_s };
-        let standing = &mut self.standing;
-        standing.last_success_rate = Some(row.success_rate);
-        for (first, rate) in [(&mut standing.first_96, 0.96), (&mut standing.first_99, 0.99)] {
-            if first.is_none() && row.success_rate >= rate {
-                *first = Some(milestone);
-                let percent = 100.0 * rate;
-                self.progress.line(&format!(
-                    "{percent:.0} % reached after {} env steps, {:.1} s",
-                    row.env_steps, row.wall_s
-                ));
-            }
+        let wall_s = self.earlier_s + examination.done.duration_since(self.began).as_secs_f64();
+        let noted = follow::examined(&self.config, &mut self.standing, examination, wall_s)?;
+        self.recorder.evaluation(&noted.row)?;
+        for rate in noted.first {
+            self.progress.line(&format!(
+                "{:.0} % reached after {} env steps, {wall_s:.1} s",
+                100.0 * rate,
+                noted.row.env_steps
+            ));
         }
-        let least_cost_s =
-            standing.best.as_ref().map_or(row.mean_cost_s, |best| best.least_cost_s.min(row.mean_cost_s));
-        if row.mean_cost_s <= least_cost_s * Best::AS_GOOD {
-            let mut policy = candidate.policy;
-            policy.metadata = policy_card::metadata(
-                &self.config,
-                (row.env_steps, row.gradient_steps),
-                Some(row.success_rate),
-            );
-            let bytes = bytes(&policy)?;
-            self.write_policy("policy.safetensors", &bytes)?;
-            self.standing.best = Some(Best {
-                success_rate: row.success_rate,
-                mean_time_s: row.mean_time_s,
-                mean_cost_s: row.mean_cost_s,
-                least_cost_s,
-                bytes,
-            });
+        if let Some(best) = self.standing.best.as_ref().filter(|_| noted.is_best) {
+            self.write_policy("policy.safetensors", &best.bytes)?;
         }
         Ok(())
     }
@@ -432,7 +334,7 @@ impl Run {
             self.await_examinations()?;
         }
         self.recorder.flush()?;
-        self.write_policy("policy-last.safetensors", &bytes(&self.policy())?)?;
+        self.write_policy("policy-last.safetensors", &follow::bytes(&self.policy())?)?;
 
         let best = self.standing.best.as_ref();
         let learner = self.learner();
@@ -455,15 +357,11 @@ impl Run {
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
-        self.recorder.draw(&self.description())?;
+        self.recorder.draw(&self.config.description())?;
         let how = if finished { "done" } else { "stopped; go on with --resume" };
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
         Ok(summary)
     }
-}
-
-fn bytes(policy: &Policy) -> Result<Vec<u8>, RunError> {
-    policy.to_bytes().map_err(|error| RunError::Failed(format!("the policy cannot be saved: {error}")))
 }
 
 /// What is left of a budget.
@@ -472,10 +370,4 @@ fn remaining(budget: Budget, learner: &Learner) -> u64 {
         Budget::Episodes(n) => n.saturating_sub(learner.episodes()),
         Budget::EnvSteps(n) => n.saturating_sub(learner.env_steps()),
     }
-}
-
-/// The seed of the evaluations during training, far from any that a user would give to `--eval`.
-fn evaluation_seed(seed: u64) -> u64 {
-    let mut stream: Stream = random::stream(seed, "evaluation during training", 0);
-    rand::Rng::next_u64(&mut stream)
 }

@@ -39,7 +39,7 @@ pub(super) fn draw(
 ) {
     let scenario = &*scenario.0;
     for (arena, clock, mut pose, mut drive, mut target, mut episode, mut streams) in &mut arenas {
-        if episode.restart == Restart::No {
+        if matches!(episode.restart, Restart::No | Restart::Moved) {
             continue;
         }
         if episode.restart != Restart::Target {

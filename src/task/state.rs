@@ -102,6 +102,8 @@ pub enum Restart {
     Episode,
     /// As `Episode`, with the obstacles put where the clock says (a fresh arena, or a rewound clock).
     Everything,
+    /// Nothing is drawn: a hand has moved something, and robot, scan and observation follow. The episode goes on.
+    Moved,
 }
 
 /// The running episode of an arena.

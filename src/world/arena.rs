@@ -15,7 +15,7 @@ use crate::control_step::Begin;
 use crate::scenario::Scenario;
 use crate::task::{
     Actions, Arena, ArenaState, Clock, CurrentScenario, Drive, Encoding, Episode, Observations, Outcome,
-    Outcomes, Pose, Restart, Scan, Streams, Target, observation,
+    Outcomes, Pose, Restart, Scan, Streams, Target, TaskFault, observation,
 };
 
 /// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
@@ -114,4 +114,42 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         observation::encode(encoding, &scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
     }
     world.insert_resource(rows);
+}
+
+/// Puts `scenario` under the arenas as they stand: the same episodes go on in the changed world, which their robots
+/// sense at once. The number of beams must be the same.
+pub fn rebuild(world: &mut World, scenario: &Arc<Scenario>) {
+    let states = snapshot(world);
+    let fault = world.resource::<TaskFault>().clone();
+    populate(world, scenario, states.len(), 0);
+    world.insert_resource(fault);
+    restore(world, &states);
+    sense_anew(world, |_| true);
+}
+
+/// Puts the robot of `arena` at `to_m`, its heading as it is; the episode goes on from there.
+pub fn move_robot(world: &mut World, arena: usize, to_m: (f32, f32)) {
+    let mut arenas = world.query::<(&Arena, &mut Pose)>();
+    for (_, mut pose) in arenas.iter_mut(world).filter(|(other, _)| other.0 == arena) {
+        (pose.x_m, pose.y_m) = to_m;
+    }
+    sense_anew(world, |other| other == arena);
+}
+
+/// Puts the target of `arena` at `to_m`; the episode goes on.
+pub fn move_target(world: &mut World, arena: usize, to_m: (f32, f32)) {
+    let mut arenas = world.query::<(&Arena, &mut Target)>();
+    for (_, mut target) in arenas.iter_mut(world).filter(|(other, _)| other.0 == arena) {
+        (target.x_m, target.y_m) = to_m;
+    }
+    sense_anew(world, |other| other == arena);
+}
+
+/// Bodies, scans, observations and potentials of the arenas that are `meant` follow what was moved in them.
+fn sense_anew(world: &mut World, meant: impl Fn(usize) -> bool) {
+    let mut arenas = world.query::<(&Arena, &mut Episode)>();
+    for (_, mut episode) in arenas.iter_mut(world).filter(|(arena, _)| meant(arena.0)) {
+        episode.restart = Restart::Moved;
+    }
+    world.run_schedule(Begin);
 }

@@ -144,7 +144,7 @@ pub(super) fn scan_restarted(
     mut arenas: Query<(&Bodies, &RapierContextColliders, &Pose, &Episode, &mut Streams, &mut Scan)>,
 ) {
     for (bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
-        if matches!(episode.restart, Restart::Episode | Restart::Everything) {
+        if matches!(episode.restart, Restart::Episode | Restart::Everything | Restart::Moved) {
             scan.touching = false;
             take(&scenario.0.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
         }

@@ -4,22 +4,25 @@
 //!
 //! | file | duty |
 //! |---|---|
-//! | `arena.rs` | arenas spawned from a scenario, saved and restored |
+//! | `arena.rs` | arenas spawned from a scenario, saved and restored, changed by hand |
 //! | `physics.rs` | everything of bevy_rapier: its plugin, its step, its bodies |
 //! | `robot.rs` | the differential drive and its lag |
 //! | `obstacles.rs` | moving obstacles as a function of the step count |
 //! | `lidar.rs` | the scan |
+//! | `probe.rs` | what a robot would see that stood elsewhere |
 
 mod arena;
 pub mod lidar;
 mod obstacles;
 mod physics;
+mod probe;
 mod robot;
 
 use bevy::prelude::*;
 
-pub use arena::{populate, restore, rewind, snapshot};
+pub use arena::{move_robot, move_target, populate, rebuild, restore, rewind, snapshot};
 pub use physics::Bodies;
+pub use probe::Probe;
 pub use robot::{Lag, chord_velocity, turned};
 
 use crate::control_step::{Begin, BeginSet, ControlSet, ControlStep, ScanWritten};

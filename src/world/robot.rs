@@ -137,7 +137,7 @@ pub(super) fn read_pose(
 /// `Place`: a restarted robot's body is put where its pose says, at rest.
 pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigidBodySet)>) {
     for (bodies, pose, episode, mut set) in &mut arenas {
-        if !matches!(episode.restart, Restart::Episode | Restart::Everything) {
+        if !matches!(episode.restart, Restart::Episode | Restart::Everything | Restart::Moved) {
             continue;
         }
         place_body(&mut set, bodies, pose);

@@ -1,0 +1,158 @@
+//! The fields over the plane: what the potential, and what the network's value, would be if the robot stood elsewhere.
+//!
+//! In: the followed arena, read only. Out: two grids ([`Fields`]). Only what the desk asks for is worked out, only when
+//! what it depends on has changed, and the value at most a few times a second.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy::time::Real;
+
+use super::OnDesk;
+use super::orders::Mode;
+use super::scene::Field;
+use super::session::Session;
+use crate::agent::{Driver, Drivers, Trainer};
+use crate::learning::QNetwork;
+use crate::scenario::{Enclosure, Scenario};
+use crate::task::{
+    Arena, Clock, CurrentScenario, Encoding, Pose, RewardConfig, Scan, Target, observation,
+};
+use crate::world::Probe;
+
+/// Grid points along the longer side.
+const POINTS: usize = 56;
+/// The value is worked out anew at most every so many seconds.
+const EVERY_S: f64 = 0.25;
+
+/// The fields that were asked for.
+#[derive(Resource, Default)]
+pub struct Fields {
+    /// U of eq. (4).
+    pub potential: Option<Arc<Field>>,
+    /// V(s).
+    pub value: Option<Arc<Field>>,
+    version: u64,
+    worked_out_s: f64,
+    /// Where heading, target and obstacles were then, and how much had been learnt.
+    of: Option<(usize, Target, u64, i32, u64)>,
+}
+
+/// What the fields are over.
+#[derive(Clone, Copy)]
+struct Grid {
+    size: [usize; 2],
+    min_m: [f32; 2],
+    max_m: [f32; 2],
+}
+
+impl Grid {
+    fn over(scenario: &Scenario) -> Self {
+        let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
+        let longer = width_m.max(height_m);
+        let points = |side: f32| ((POINTS as f32 * side / longer).round() as usize).max(2);
+        Self {
+            size: [points(width_m), points(height_m)],
+            min_m: [-width_m / 2.0, -height_m / 2.0],
+            max_m: [width_m / 2.0, height_m / 2.0],
+        }
+    }
+
+    /// The middle of each cell, row by row from the bottom.
+    fn points_m(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
+        let at = |k: usize, axis: usize| {
+            let (min, max) = (self.min_m[axis], self.max_m[axis]);
+            min + (max - min) * (k as f32 + 0.5) / self.size[axis] as f32
+        };
+        (0..self.size[1]).flat_map(move |row| (0..self.size[0]).map(move |column| (at(column, 0), at(row, 1))))
+    }
+
+    fn field(&self, values: Vec<f32>, version: u64) -> Option<Arc<Field>> {
+        Some(Arc::new(Field { size: self.size, min_m: self.min_m, max_m: self.max_m, values, version }))
+    }
+}
+
+/// Works out what the desk asks for.
+#[expect(clippy::too_many_arguments, reason = "a system's parameters are what it reads")]
+pub(super) fn survey(
+    desk: Res<OnDesk>,
+    session: Option<Res<Session>>,
+    scenario: Option<Res<CurrentScenario>>,
+    reward: Res<RewardConfig>,
+    encoding: Res<Encoding>,
+    trainer: Option<Res<Trainer>>,
+    drivers: Res<Drivers>,
+    time: Res<Time<Real>>,
+    probe: Option<Probe>,
+    arenas: Query<(&Arena, &Pose, &Target, &Clock)>,
+    mut fields: ResMut<Fields>,
+) {
+    let (Some(session), Some(scenario), Some(trainer), Some(probe)) = (session, scenario, trainer, probe) else {
+        return;
+    };
+    let asked = desk.0.overlays;
+    let wanted = desk.0.followed;
+    if !(asked.potential || asked.value) {
+        fields.potential = None;
+        fields.value = None;
+        fields.of = None;
+        return;
+    }
+    let followed = arenas.iter().find(|(arena, ..)| arena.0 == wanted).or_else(|| arenas.iter().next());
+    let Some((arena, pose, target, clock)) = followed else { return };
+    let Some(scan_from) = probe.of(arena.0) else { return };
+    let now_s = time.elapsed_secs_f64();
+    let of =
+        (arena.0, *target, clock.0, (pose.heading_rad * 100.0) as i32, trainer.0.gradient_steps());
+    let has_all = (!asked.potential || fields.potential.is_some()) && (!asked.value || fields.value.is_some());
+    if has_all && (fields.of == Some(of) || now_s - fields.worked_out_s < EVERY_S) {
+        return;
+    }
+    fields.of = Some(of);
+    fields.worked_out_s = now_s;
+    fields.version += 1;
+    let version = fields.version;
+    let scenario = &*scenario.0;
+    let grid = Grid::over(scenario);
+    // One scan a point serves both.
+    let mut scan = Scan::default();
+    let mut observations = Vec::new();
+    let mut potentials = Vec::new();
+    let width = observation::width(scenario.lidar.beams);
+    for (x_m, y_m) in grid.points_m() {
+        let there = Pose { x_m, y_m, heading_rad: pose.heading_rad };
+        scan_from(&there, &mut scan);
+        let free = scan.nearest_m >= scenario.task.collision_range_m;
+        let potential = reward.potential(there.distance_m(target), scan.nearest_m).total();
+        potentials.push(if free { potential } else { f32::NAN });
+        if asked.value {
+            let start = observations.len();
+            observations.resize(start + width, 0.0);
+            observation::encode(*encoding, &scan, &there, target, &mut observations[start..]);
+        }
+    }
+    fields.value = None;
+    if asked.value {
+        let network = match (session.mode, drivers.0.get(arena.0)) {
+            (Mode::Train, _) => Some(trainer.0.network()),
+            (_, Some(Driver::Policy(policy))) => Some(&policy.network),
+            _ => None,
+        };
+        fields.value = network.and_then(|network| {
+            let mut values = values(network, &observations, potentials.len());
+            for (value, potential) in values.iter_mut().zip(&potentials) {
+                *value = if potential.is_nan() { f32::NAN } else { *value };
+            }
+            grid.field(values, version)
+        });
+    }
+    fields.potential = asked.potential.then(|| grid.field(potentials, version)).flatten();
+}
+
+/// max Q(s, .) of each of `n` observations: the value of acting greedily from there.
+fn values(network: &QNetwork, observations: &[f32], n: usize) -> Vec<f32> {
+    let mut q_values = Vec::new();
+    network.q_values(observations, n, &mut q_values);
+    let actions = network.shape().actions.max(1);
+    q_values.chunks_exact(actions).map(|row| row.iter().copied().fold(f32::NEG_INFINITY, f32::max)).collect()
+}

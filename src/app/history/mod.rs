@@ -1,0 +1,242 @@
+//! The history of a training: all that the plots draw, and what can be saved of it.
+//!
+//! In: a row for each episode and each evaluation, as they come; marks for what the user did. Out: [`Curves`] to draw,
+//! `episodes.csv` with the columns of a run without a window, and the learning curve as PNG. Memory stays flat
+//! however long training goes: curves are [`Series`], and the rows lie in temporary files (`spool.rs`).
+
+mod marks;
+mod series;
+mod spool;
+#[cfg(test)]
+mod tests;
+
+use std::io::{self, Write};
+use std::path::Path;
+
+pub use self::marks::Mark;
+pub use self::series::{CAPACITY, Series, Trailing, WINDOW};
+use self::spool::{Spool, whole_file};
+use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
+use crate::report::raster::png;
+use crate::run::checkpoint::Best;
+use crate::run::records::{EpisodeRow, EvaluationRow};
+
+/// The PNG is drawn from so many episodes at most; of more, every n-th is taken.
+const MOST_POINTS: u64 = 200_000;
+
+/// The curves over env steps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curves {
+    /// Share of the navigations in the last [`WINDOW`] episodes that reached their target, 0 to 1. An episode with n
+    /// targets is n + 1 navigations of which n succeeded, whether the last ended in a collision or was cut off by
+    /// the time limit.
+    pub success: Trailing,
+    /// Success rate of the greedy policy in each evaluation, 0 to 1.
+    pub evaluated: Series,
+    /// Return of each episode.
+    pub returns: Series,
+    /// Its moving mean.
+    pub return_mean: Trailing,
+    /// Targets reached in each episode.
+    pub targets: Series,
+    /// Their moving mean.
+    pub target_mean: Trailing,
+    /// The loss, as a logarithm to base 10: so the mean of many rows is the geometric one, as suits a log axis.
+    pub loss_log: Series,
+    /// The mean absolute TD error, likewise.
+    pub td_error_log: Series,
+    /// Mean Q-value of the actions taken, in units of reward as they are learnt.
+    pub mean_q: Series,
+    /// Epsilon, 0 to 1.
+    pub epsilon: Series,
+    /// Moving mean of the reward for reached targets in an episode.
+    pub reached: Trailing,
+    /// That for the collision.
+    pub collided: Trailing,
+    /// That of the attraction's fall.
+    pub attraction: Trailing,
+    /// That of the repulsion's fall.
+    pub repulsion: Trailing,
+}
+
+impl Curves {
+    fn episode(&mut self, row: &EpisodeRow) {
+        let x = row.env_steps as f64;
+        let targets = f64::from(row.targets);
+        self.success.push_share(x, targets, targets + 1.0);
+        self.returns.push(x, row.total_return);
+        self.return_mean.push(x, row.total_return);
+        self.targets.push(x, targets);
+        self.target_mean.push(x, targets);
+        for (series, value) in [
+            // A logarithm of nothing is no number, and is left out.
+            (&mut self.loss_log, row.loss.map(f64::log10)),
+            (&mut self.td_error_log, row.td_error.map(f64::log10)),
+            (&mut self.mean_q, row.mean_q),
+            (&mut self.epsilon, Some(f64::from(row.epsilon))),
+        ] {
+            if let Some(value) = value {
+                series.push(x, value);
+            }
+        }
+        for (mean, term) in [
+            (&mut self.reached, row.reward_reached),
+            (&mut self.collided, row.reward_collided),
+            (&mut self.attraction, row.reward_attraction),
+            (&mut self.repulsion, row.reward_repulsion),
+        ] {
+            mean.push(x, f64::from(term));
+        }
+    }
+}
+
+/// The history of a training.
+pub struct History {
+    curves: Curves,
+    marks: Vec<Mark>,
+    /// Where the x axis begins and ends, in env steps.
+    range: Option<(u64, u64)>,
+    /// Rows in `rows`.
+    episodes: u64,
+    rows: Spool<EpisodeRow>,
+    evaluations: Spool<EvaluationRow>,
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl History {
+    /// An empty one. Without room for temporary files there are still plots and a coarser PNG, but no CSV.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            curves: Curves::default(),
+            marks: Vec::new(),
+            range: None,
+            episodes: 0,
+            rows: Spool::new(),
+            evaluations: Spool::new(),
+        }
+    }
+
+    /// Forgets everything: a new training begins.
+    pub fn clear(&mut self) {
+        *self = Self::new();
+    }
+
+    /// Adds an episode.
+    pub fn episode(&mut self, row: &EpisodeRow) {
+        self.curves.episode(row);
+        self.rows.push(row);
+        self.episodes += 1;
+        self.extend_to(row.env_steps, row.episode <= 1);
+    }
+
+    /// Adds an evaluation.
+    pub fn evaluation(&mut self, row: &EvaluationRow) {
+        self.curves.evaluated.push(row.env_steps as f64, row.success_rate);
+        self.evaluations.push(row);
+        self.extend_to(row.env_steps, row.episodes <= 1);
+    }
+
+    /// Marks the place `env_steps` by a few words.
+    pub fn mark(&mut self, env_steps: u64, text: String) {
+        marks::add(&mut self.marks, env_steps, text);
+    }
+
+    /// Lengthens the x axis. It begins at 0 if the first row is of a training's `beginning`.
+    fn extend_to(&mut self, env_steps: u64, beginning: bool) {
+        let first = if beginning { 0 } else { env_steps };
+        let (from, to) = self.range.unwrap_or((first, env_steps));
+        self.range = Some((from.min(env_steps), to.max(env_steps)));
+    }
+
+    /// What to draw.
+    #[must_use]
+    pub fn curves(&self) -> &Curves {
+        &self.curves
+    }
+
+    /// What happened, in order.
+    #[must_use]
+    pub fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+
+    /// From where to where the rows go, in env steps: from 0, or from the first row if that is not the training's first.
+    /// None if there is no row.
+    #[must_use]
+    pub fn range(&self) -> Option<(u64, u64)> {
+        self.range
+    }
+
+    /// The points of the learning curve: of each episode and each evaluation from the spooled rows (of very many
+    /// episodes every n-th), or from the curves if the disk has failed.
+    pub fn curve_points(&mut self) -> (Vec<EpisodePoint>, Vec<EvaluationPoint>) {
+        (self.episode_points(), self.evaluation_points())
+    }
+
+    fn episode_points(&mut self) -> Vec<EpisodePoint> {
+        let nth = self.episodes.div_ceil(MOST_POINTS).max(1);
+        let mut points = Vec::new();
+        let mut index = 0;
+        let all = self.rows.each(|row| {
+            if index % nth == 0 {
+                let EpisodeRow { env_steps, total_return, targets, .. } = row;
+                points.push(EpisodePoint { env_steps, total_return, targets });
+            }
+            index += 1;
+        });
+        if all.is_ok() {
+            return points;
+        }
+        let pairs = self.curves.returns.points().iter().zip(self.curves.targets.points());
+        let point = |(total_return, targets): (&egui_plot::PlotPoint, &egui_plot::PlotPoint)| EpisodePoint {
+            env_steps: total_return.x as u64,
+            total_return: total_return.y,
+            targets: targets.y.round() as u32,
+        };
+        pairs.map(point).collect()
+    }
+
+    fn evaluation_points(&mut self) -> Vec<EvaluationPoint> {
+        let mut points = Vec::new();
+        let all = self.evaluations.each(|row| {
+            let EvaluationRow { env_steps, success_rate, mean_time_s, mean_cost_s, .. } = row;
+            points.push(EvaluationPoint { env_steps, success_rate, mean_time_s, mean_cost_s });
+        });
+        if all.is_ok() {
+            return points;
+        }
+        // Their times are lost; no cost at all means that none is called the best.
+        let point = |point: &egui_plot::PlotPoint| EvaluationPoint {
+            env_steps: point.x as u64,
+            success_rate: point.y,
+            mean_time_s: None,
+            mean_cost_s: f64::NAN,
+        };
+        self.curves.evaluated.points().iter().map(point).collect()
+    }
+
+    /// Writes every episode's row, with the columns of a run's `episodes.csv`: whole or not at all.
+    ///
+    /// # Errors
+    /// The rows could not be kept, or the file cannot be written.
+    pub fn write_csv(&mut self, to: &Path) -> io::Result<()> {
+        whole_file(to, |file| self.rows.copy(file))
+    }
+
+    /// Draws the learning curve under `title`, as a PNG of 1800 pixels across.
+    ///
+    /// # Errors
+    /// It cannot be drawn, or the file cannot be written; in words.
+    pub fn write_png(&mut self, title: &str, to: &Path) -> Result<(), String> {
+        let (episodes, evaluations) = self.curve_points();
+        let svg = learning_curve_svg(title, &episodes, &evaluations, Best::AS_GOOD);
+        let bytes = svg.and_then(|svg| png(&svg, 1.0)).map_err(|error| error.to_string())?;
+        whole_file(to, |file| file.write_all(&bytes)).map_err(|error| error.to_string())
+    }
+}

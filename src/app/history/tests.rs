@@ -1,0 +1,188 @@
+//! Tests of the history: bounds, brute force, files.
+
+use std::io::ErrorKind;
+
+use super::*;
+
+/// Numbers that look random, the same each time.
+fn noise(count: usize) -> impl Iterator<Item = f64> {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    std::iter::repeat_with(move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / f64::from(1 << 23) - 1.0
+    })
+    .take(count)
+}
+
+fn row(episode: u64, targets: u32) -> EpisodeRow {
+    EpisodeRow {
+        episode,
+        env_steps: episode * 10,
+        targets,
+        total_return: 0.1 * episode as f64,
+        ..Default::default()
+    }
+}
+
+/// The series of `values` at x = 0, 3, 6, ... next to what it should be, by brute force.
+fn assert_series_of(values: &[f64]) {
+    let mut series = Series::default();
+    for (index, &value) in values.iter().enumerate() {
+        series.push(3.0 * index as f64, value);
+    }
+    let mut stride = 1;
+    while values.len() > stride * CAPACITY {
+        stride *= 2;
+    }
+    let (points, lows, highs) = (series.points(), series.lows(), series.highs());
+    assert!(points.len() <= CAPACITY && points.len() == values.len().div_ceil(stride), "{}", points.len());
+    assert_eq!((lows.len(), highs.len()), (points.len(), points.len()));
+    for (index, bucket) in values.chunks(stride).enumerate() {
+        let mean = bucket.iter().sum::<f64>() / bucket.len() as f64;
+        let middle = 3.0 * (index * stride) as f64 + 1.5 * (bucket.len() - 1) as f64;
+        assert!((points[index].y - mean).abs() < 1e-9, "the mean of bucket {index}");
+        assert!((points[index].x - middle).abs() <= 1e-9 * middle, "the middle of bucket {index}");
+        assert_eq!(lows[index], bucket.iter().copied().fold(f64::INFINITY, f64::min));
+        assert_eq!(highs[index], bucket.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+    }
+    assert!(points.is_sorted_by(|a, b| a.x < b.x), "x ascends");
+    assert_eq!(series.latest().map(|latest| latest.y), values.last().copied());
+}
+
+#[test]
+fn a_series_agrees_with_brute_force_whatever_its_length() {
+    let values: Vec<f64> = noise(20_011).collect();
+    for length in [0, 1, 2, 999, 1000, 1001, 1002, 1999, 2000, 2001, 3999, 4001, 16_000, 16_001, 20_011] {
+        assert_series_of(&values[..length]);
+    }
+}
+
+#[test]
+fn a_million_rows_stay_within_the_bound() {
+    assert_series_of(&noise(1_000_003).collect::<Vec<_>>());
+}
+
+#[test]
+fn what_cannot_be_drawn_is_left_out_and_x_never_falls() {
+    let mut series = Series::default();
+    for (x, value) in
+        [(5.0, 1.0), (f64::NAN, 1.0), (6.0, f64::INFINITY), (3.0, 2.0), (7.0, f64::NAN), (9.0, 4.0)]
+    {
+        series.push(x, value);
+    }
+    let points: Vec<_> = series.points().iter().map(|point| (point.x, point.y)).collect();
+    assert_eq!(points, [(5.0, 1.0), (5.0, 2.0), (9.0, 4.0)]);
+    let near = [-1.0, 6.0, 8.0, 99.0].map(|x| series.near(x).expect("there are points"));
+    assert_eq!((near[0], near[2], near[3]), (1.0, 4.0, 4.0));
+    assert_eq!(Series::default().near(0.0), None);
+}
+
+#[test]
+fn a_moving_mean_is_that_of_the_last_hundred() {
+    let values: Vec<f64> = noise(777).collect();
+    let mut trailing = Trailing::default();
+    for (index, &value) in values.iter().enumerate() {
+        trailing.push(index as f64, value);
+        let window = &values[index.saturating_sub(WINDOW - 1)..=index];
+        let mean = window.iter().sum::<f64>() / window.len() as f64;
+        assert!((trailing.series().latest().expect("a point").y - mean).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_success_rate_counts_navigations_not_episodes() {
+    let mut history = History::new();
+    for (episode, targets) in [(1, 0), (2, 3), (3, 1)] {
+        history.episode(&row(episode, targets));
+    }
+    let rate = history.curves().success.series().latest().expect("a point").y;
+    assert!((rate - 4.0 / 7.0).abs() < 1e-12, "4 of 7 navigations: {rate}");
+    for episode in 4..=103 {
+        history.episode(&row(episode, 9));
+    }
+    let rate = history.curves().success.series().latest().expect("a point").y;
+    assert!((rate - 0.9).abs() < 1e-12, "the first three are out of the window: {rate}");
+}
+
+#[test]
+fn the_axis_begins_at_0_or_where_a_resumed_run_does() {
+    let mut history = History::new();
+    assert_eq!(history.range(), None);
+    history.episode(&row(1, 0));
+    history.episode(&row(7, 0));
+    assert_eq!(history.range(), Some((0, 70)));
+    history.clear();
+    history.episode(&row(500, 0));
+    history.evaluation(&EvaluationRow { env_steps: 6000, episodes: 600, ..Default::default() });
+    assert_eq!(history.range(), Some((5000, 6000)));
+}
+
+#[test]
+fn the_same_mark_again_soon_is_one_mark() {
+    let mut history = History::new();
+    for step in 1000..1040 {
+        history.mark(step, "target moved".into());
+    }
+    history.mark(1040, "transfer to Scenario II".into());
+    history.mark(1041, "target moved".into());
+    history.mark(2000, "target moved".into());
+    let marks: Vec<_> = history.marks().iter().map(|mark| (mark.env_steps, mark.until)).collect();
+    assert_eq!(marks, [(1000, 1039), (1040, 1040), (1041, 1041), (2000, 2000)]);
+    for step in 0..10_000_u64 {
+        history.mark(step * step, format!("mark {step}"));
+    }
+    assert!(history.marks().len() <= 60);
+    assert!(history.marks().is_sorted_by_key(|mark| mark.env_steps));
+}
+
+#[test]
+fn the_csv_is_that_of_a_run_with_every_row() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (ours, theirs) = (folder.path().join("ours.csv"), folder.path().join("theirs.csv"));
+    let mut history = History::new();
+    history.write_csv(&ours).expect("is written");
+    let header = std::fs::read_to_string(&ours).expect("is there");
+    assert!(header.starts_with("episode,arena,env_steps,") && header.lines().count() == 1, "{header}");
+
+    let mut writer = csv::Writer::from_path(&theirs).expect("opens");
+    for episode in 1..=5000 {
+        let row = EpisodeRow { loss: (episode > 9).then_some(1e-7 / episode as f64), ..row(episode, 2) };
+        writer.serialize(&row).expect("is written");
+        history.episode(&row);
+        if episode % 1234 == 0 {
+            history.write_csv(&ours).expect("is written in between, too");
+        }
+    }
+    writer.flush().expect("is written");
+    history.write_csv(&ours).expect("is written");
+    assert_eq!(std::fs::read(&ours).expect("is there"), std::fs::read(&theirs).expect("is there"));
+    history.clear();
+    history.write_csv(&ours).expect("is written");
+    assert_eq!(std::fs::read_to_string(&ours).expect("is there"), header);
+}
+
+#[test]
+fn the_png_is_drawn_from_every_row_and_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("curve.png");
+    let mut history = History::new();
+    history.write_png("Nothing yet", &path).expect("is drawn");
+    for episode in 1..=3000 {
+        history.episode(&row(episode, 1));
+    }
+    history.evaluation(&EvaluationRow { env_steps: 30_000, success_rate: 0.5, ..Default::default() });
+    let (episodes, evaluations) = history.curve_points();
+    assert_eq!((episodes.len(), evaluations.len()), (3000, 1));
+    assert_eq!(episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, targets: 1 });
+    history.write_png("A run", &path).expect("is drawn");
+    assert!(std::fs::read(&path).expect("is there").starts_with(b"\x89PNG"));
+    let nowhere = folder.path().join("no/such/folder.png");
+    assert!(history.write_png("A run", &nowhere).is_err());
+    assert_eq!(history.write_csv(&nowhere).expect_err("no folder").kind(), ErrorKind::NotFound);
+}
+
+#[test]
+fn a_history_can_be_a_resource() {
+    fn is_one<T: Send + Sync + 'static>() {}
+    is_one::<History>();
+}

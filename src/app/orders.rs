@@ -1,0 +1,120 @@
+//! Orders: all that the user's hand can ask for, as messages.
+//!
+//! In: the screen writes them while it is drawn. Out: the session carries them out between control steps, and writes
+//! those that touch what is learnt into its journal. Nothing else of the room reaches the world.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// How quickly simulated time passes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Pace {
+    /// So many times real time.
+    Times(f32),
+    /// As quickly as it goes within a frame's budget.
+    Full,
+}
+
+/// What the robots are driven by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mode {
+    /// All arenas explore, and the learner learns.
+    #[default]
+    Train,
+    /// The present policy drives greedily in one arena; nothing is learnt.
+    Test,
+    /// The user drives in one arena, and the present policy beside in another, to the same targets.
+    Drive,
+    /// The present policy and the one that was opened, side by side, to the same targets.
+    Compare,
+}
+
+/// Something that the user moves, in an arena's own coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moved {
+    /// The target of an arena.
+    Target {
+        /// Which arena.
+        arena: usize,
+        /// Where to, in m.
+        to_m: (f32, f32),
+    },
+    /// The robot of an arena; its heading stays.
+    Robot {
+        /// Which arena.
+        arena: usize,
+        /// Where to, in m.
+        to_m: (f32, f32),
+    },
+    /// An obstacle, in all arenas: the world itself is another then.
+    Obstacle {
+        /// Its number in the scenario.
+        index: usize,
+        /// Where its middle is to be now, in m.
+        to_m: (f32, f32),
+    },
+}
+
+/// What the user asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Order {
+    /// Time stands still, or goes on.
+    Pause(bool),
+    /// One control step, and then stand still.
+    Step,
+    /// Time passes so quickly.
+    SetPace(Pace),
+    /// Who drives from now on.
+    SetMode(Mode),
+    /// A new training, from nothing: scenario and preset by name or file, and the seed.
+    Begin {
+        /// A shipped scenario's name, or a file.
+        scenario: String,
+        /// A shipped preset's name, or a file.
+        preset: String,
+        /// The seed of every random draw.
+        seed: u64,
+    },
+    /// Training goes on in another scenario with the present weights: knowledge transfer.
+    Transfer {
+        /// A shipped scenario's name, or a file.
+        scenario: String,
+        /// Epsilon at its start, 0 to 1 (the paper: 0.5).
+        epsilon: f32,
+    },
+    /// A new training of the same preset that starts from the opened policy, in the same scenario.
+    Adopt {
+        /// Epsilon at its start, 0 to 1.
+        epsilon: f32,
+    },
+    /// Something was moved by hand.
+    Move(Moved),
+    /// The motion that the user drives, an index into the robot's motions.
+    Steer(usize),
+    /// Asks by a dialog for a policy or a run's checkpoint, and opens it.
+    OpenDialog,
+    /// Opens a policy file, a run's folder or its checkpoint, a scenario or a preset.
+    Open(PathBuf),
+    /// Asks by a dialog where to, and saves it there.
+    SaveDialog(Saved),
+    /// Saves it there.
+    Save(Saved, PathBuf),
+    /// A notice was read.
+    Dismiss,
+}
+
+/// What can be saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Saved {
+    /// The present policy, as safetensors.
+    Policy,
+    /// The whole run as a folder that `wayfield --train --resume` goes on from.
+    Run,
+    /// The episodes' rows, as CSV.
+    Csv,
+    /// The learning curves, as PNG.
+    Png,
+    /// The world as it stands, as RON.
+    Scenario,
+}

@@ -1,0 +1,88 @@
+//! What is remembered from one time to the next: the desk, and the window's size.
+//!
+//! In: the desk as it is. Out: `preferences.ron` in the user's configuration folder. A file that cannot be read is taken
+//! for none, and one that cannot be written is not missed.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use bevy::time::Real;
+use bevy::window::PrimaryWindow;
+use serde::{Deserialize, Serialize};
+
+use super::OnDesk;
+use super::desk::Desk;
+use crate::run::folder::write_whole;
+use crate::scenario::{read_ron, to_ron};
+
+/// It is written at most every so many seconds.
+const EVERY_S: f64 = 2.0;
+
+/// What is remembered.
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Preferences {
+    /// What the user has chosen to look at.
+    pub desk: Desk,
+    /// The window's size, in points.
+    pub size: (f32, f32),
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self { desk: Desk::default(), size: (1280.0, 800.0) }
+    }
+}
+
+/// Where it stands.
+fn file() -> Option<PathBuf> {
+    let folders = directories::ProjectDirs::from("", "", "wayfield")?;
+    Some(folders.config_dir().join("preferences.ron"))
+}
+
+/// What was remembered, or the default.
+#[must_use]
+pub fn load() -> Preferences {
+    let remembered: Option<Preferences> = file().and_then(|file| read_ron(file).ok());
+    let mut remembered = remembered.unwrap_or_default();
+    let (width, height) = remembered.size;
+    if !((400.0..=16_000.0).contains(&width) && (300.0..=16_000.0).contains(&height)) {
+        remembered.size = Preferences::default().size;
+    }
+    remembered
+}
+
+/// Remembers what has changed.
+pub(super) fn keep(
+    desk: Res<OnDesk>,
+    windows: Query<&Window, With<PrimaryWindow>>,
+    time: Res<Time<Real>>,
+    mut remembered: ResMut<Preferences>,
+    mut kept_s: Local<f64>,
+    mut exits: MessageReader<AppExit>,
+) {
+    let closing = exits.read().next().is_some();
+    let now_s = time.elapsed_secs_f64();
+    if !closing && now_s - *kept_s < EVERY_S {
+        return;
+    }
+    *kept_s = now_s;
+    let size = windows.single().map_or(remembered.size, |window| (window.width(), window.height()));
+    let mut now = Preferences { desk: desk.0.clone(), size };
+    // Where one looked is not what one likes.
+    now.desk.followed = remembered.desk.followed;
+    now.desk.camera = remembered.desk.camera;
+    now.desk.help_open = remembered.desk.help_open;
+    if now == *remembered {
+        return;
+    }
+    *remembered = now;
+    let Some(file) = file() else { return };
+    let written = file.parent().map(std::fs::create_dir_all).transpose().is_ok()
+        && to_ron(&*remembered)
+            .is_ok_and(|text| write_whole(&file, |file| file.write_all(text.as_bytes())).is_ok());
+    if !written {
+        debug!("{} could not be written", file.display());
+    }
+}

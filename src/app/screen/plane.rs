@@ -1,0 +1,172 @@
+//! The plane: where a point of the world, in m, is on the screen, in points, and back. y is up in the world.
+//!
+//! In: the rectangle of a view, the camera, the enclosure. Out: a [`Plane`], and the camera after a pan or a zoom.
+
+use egui::{Pos2, Rect, Vec2, pos2, vec2};
+
+use crate::app::desk::Camera;
+use crate::scenario::Enclosure;
+
+/// How far the camera may go out and in.
+const ZOOM: (f32, f32) = (0.5, 40.0);
+
+/// The transform between the world and one view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// The view on the screen, in points.
+    pub rect: Rect,
+    /// Points per metre.
+    pub scale: f32,
+    /// The point of the world in the view's middle, in m.
+    pub centre_m: [f32; 2],
+}
+
+/// Width and height of the space within the walls, in m.
+#[must_use]
+pub fn extent_m(enclosure: &Enclosure) -> [f32; 2] {
+    let Enclosure::Rectangle { width_m, height_m } = enclosure;
+    [width_m.max(1e-3), height_m.max(1e-3)]
+}
+
+impl Plane {
+    /// The view `rect` through `camera`; at zoom 1 the whole enclosure is in it, `margin` points from its
+    /// sides and from its top and bottom.
+    #[must_use]
+    pub fn new(rect: Rect, margin: Vec2, camera: Camera, enclosure: &Enclosure) -> Self {
+        let [width_m, height_m] = extent_m(enclosure);
+        let room = (rect.size() - 2.0 * margin).max(Vec2::splat(1.0));
+        let fit = (room.x / width_m).min(room.y / height_m);
+        Self { rect, scale: fit * camera.zoom.clamp(ZOOM.0, ZOOM.1), centre_m: camera.centre_m }
+    }
+
+    /// Where a point of the world, in m, is on the screen.
+    #[must_use]
+    pub fn to_screen(&self, [x_m, y_m]: [f32; 2]) -> Pos2 {
+        let [cx, cy] = self.centre_m;
+        self.rect.center() + vec2(x_m - cx, cy - y_m) * self.scale
+    }
+
+    /// Which point of the world, in m, is at a point of the screen.
+    #[must_use]
+    pub fn to_world(&self, at: Pos2) -> [f32; 2] {
+        let away = (at - self.rect.center()) / self.scale;
+        [self.centre_m[0] + away.x, self.centre_m[1] - away.y]
+    }
+
+    /// A length of the world, in m, in points.
+    #[must_use]
+    pub fn length(&self, metres: f32) -> f32 {
+        metres * self.scale
+    }
+
+    /// The rectangle between two corners of the world, in m, on the screen.
+    #[must_use]
+    pub fn rect_of(&self, min_m: [f32; 2], max_m: [f32; 2]) -> Rect {
+        Rect::from_two_pos(self.to_screen(min_m), self.to_screen(max_m))
+    }
+
+    /// The space within the walls, on the screen.
+    #[must_use]
+    pub fn enclosure_rect(&self, enclosure: &Enclosure) -> Rect {
+        let [width_m, height_m] = extent_m(enclosure);
+        self.rect_of([-width_m / 2.0, -height_m / 2.0], [width_m / 2.0, height_m / 2.0])
+    }
+
+    /// The camera after the world was dragged by `delta` points. The view's middle stays within the walls.
+    #[must_use]
+    pub fn panned(&self, camera: Camera, delta: Vec2, enclosure: &Enclosure) -> Camera {
+        let [x, y] = camera.centre_m;
+        let by = delta / self.scale;
+        Camera { centre_m: within([x - by.x, y + by.y], enclosure), ..camera }
+    }
+
+    /// The camera `factor` nearer, where what is at `about` on the screen stays there.
+    #[must_use]
+    pub fn zoomed(&self, camera: Camera, about: Pos2, factor: f32, enclosure: &Enclosure) -> Camera {
+        let zoom = (camera.zoom * factor).clamp(ZOOM.0, ZOOM.1);
+        let [wx, wy] = self.to_world(about);
+        let keep = camera.zoom / zoom;
+        let [x, y] = camera.centre_m;
+        Camera { centre_m: within([wx + (x - wx) * keep, wy + (y - wy) * keep], enclosure), zoom }
+    }
+}
+
+fn within([x, y]: [f32; 2], enclosure: &Enclosure) -> [f32; 2] {
+    let [width_m, height_m] = extent_m(enclosure);
+    [x.clamp(-width_m / 2.0, width_m / 2.0), y.clamp(-height_m / 2.0, height_m / 2.0)]
+}
+
+/// The unit vector on the screen (y down) of a direction in the world, in rad from +x, counterclockwise.
+#[must_use]
+pub fn direction(angle_rad: f32) -> Vec2 {
+    let (sin, cos) = angle_rad.sin_cos();
+    vec2(cos, -sin)
+}
+
+/// The nearest rectangle of the same size within `room`, as far as it fits.
+#[must_use]
+pub fn pushed_into(rect: Rect, room: Rect) -> Rect {
+    let high = (room.max - rect.size()).max(room.min);
+    let min = rect.min.clamp(room.min, high);
+    Rect::from_min_size(pos2(min.x, min.y), rect.size())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WALLS: Enclosure = Enclosure::Rectangle { width_m: 4.0, height_m: 2.0 };
+
+    const MARGIN: Vec2 = vec2(10.0, 10.0);
+
+    fn view() -> Rect {
+        Rect::from_min_size(pos2(100.0, 50.0), vec2(820.0, 620.0))
+    }
+
+    #[test]
+    fn the_enclosure_fits_and_up_is_up() {
+        let plane = Plane::new(view(), MARGIN, Camera::default(), &WALLS);
+        assert_eq!(plane.scale, 200.0);
+        assert_eq!(plane.enclosure_rect(&WALLS), Rect::from_min_max(pos2(110.0, 160.0), pos2(910.0, 560.0)));
+        assert!(plane.to_screen([0.0, 1.0]).y < plane.to_screen([0.0, 0.0]).y);
+        assert!((direction(std::f32::consts::FRAC_PI_2) - vec2(0.0, -1.0)).length() < 1e-6);
+    }
+
+    #[test]
+    fn there_and_back_is_the_same_point() {
+        let camera = Camera { centre_m: [0.7, -0.4], zoom: 3.5 };
+        let plane = Plane::new(view(), MARGIN, camera, &WALLS);
+        for point in [[0.0, 0.0], [1.9, -0.9], [-2.0, 1.0], [0.7, -0.4]] {
+            let back = plane.to_world(plane.to_screen(point));
+            assert!((back[0] - point[0]).abs() < 1e-5 && (back[1] - point[1]).abs() < 1e-5, "{back:?}");
+        }
+        assert_eq!(plane.to_screen([0.7, -0.4]), view().center());
+    }
+
+    #[test]
+    fn zooming_keeps_what_is_under_the_pointer_and_panning_moves_by_as_much() {
+        let camera = Camera { centre_m: [0.2, 0.1], zoom: 1.5 };
+        let plane = Plane::new(view(), MARGIN, camera, &WALLS);
+        let pointer = pos2(430.0, 300.0);
+        let there = plane.to_world(pointer);
+        let nearer = Plane::new(view(), MARGIN, plane.zoomed(camera, pointer, 1.7, &WALLS), &WALLS);
+        assert!((nearer.to_screen(there) - pointer).length() < 0.01);
+        let panned = Plane::new(view(), MARGIN, plane.panned(camera, vec2(30.0, -20.0), &WALLS), &WALLS);
+        assert!((panned.to_screen(there) - pointer - vec2(30.0, -20.0)).length() < 0.01);
+    }
+
+    #[test]
+    fn the_camera_cannot_be_lost() {
+        let plane = Plane::new(view(), MARGIN, Camera::default(), &WALLS);
+        let far = plane.panned(Camera::default(), vec2(-1e6, 1e6), &WALLS);
+        assert_eq!(far.centre_m, [2.0, 1.0]);
+        assert_eq!(plane.zoomed(Camera::default(), view().center(), 1e9, &WALLS).zoom, 40.0);
+    }
+
+    #[test]
+    fn a_card_is_pushed_into_the_view() {
+        let room = Rect::from_min_max(pos2(0.0, 0.0), pos2(100.0, 100.0));
+        let card = Rect::from_min_size(pos2(90.0, -5.0), vec2(20.0, 10.0));
+        assert_eq!(pushed_into(card, room).min, pos2(80.0, 0.0));
+    }
+}

@@ -1,0 +1,234 @@
+//! The Q-values beside the robot: a bar for each motion, in order of turning, with the chosen one marked.
+//!
+//! In: the Q-values of an [`ArenaScene`]. Out: a small card near the robot that covers neither it nor the target as far
+//! as there is room, and a thin line from one to the other.
+
+use std::cmp::Ordering;
+
+use egui::{Align2, Color32, Id, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+
+use super::canvas::Canvas;
+use super::field_view::{decimals_for, figures};
+use super::plane::{direction, pushed_into};
+use crate::app::scene::ArenaScene;
+use crate::scenario::{Motion, Scenario, Shape as Outer};
+
+/// With more motions than these, only the chosen and the best are shown.
+const MOST: usize = 9;
+const ROW: f32 = 16.0;
+const HEAD: f32 = 18.0;
+const PAD: f32 = 8.0;
+/// Widths of a row's glyph, bar and number.
+const GLYPH: f32 = 22.0;
+const BAR: f32 = 76.0;
+const FIGURES: f32 = 40.0;
+
+/// The motions' indices, the hardest left turn first, the hardest right turn last.
+#[must_use]
+pub fn turning_order(motions: &[Motion]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..motions.len()).collect();
+    order.sort_by(|&a, &b| {
+        let by_turn = motions[b].w_rad_s.partial_cmp(&motions[a].w_rad_s);
+        let by_speed = motions[b].v_m_s.partial_cmp(&motions[a].v_m_s);
+        by_turn.unwrap_or(Ordering::Equal).then(by_speed.unwrap_or(Ordering::Equal))
+    });
+    order
+}
+
+/// The motions that get a row, in order.
+fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
+    let mut order = turning_order(motions);
+    order.retain(|&k| k < q.len());
+    if order.len() > MOST {
+        let best = order.iter().copied().max_by(|&a, &b| q[a].total_cmp(&q[b]));
+        order.retain(|&k| k == chosen || Some(k) == best);
+    }
+    order
+}
+
+/// Draws the card, if there are Q-values; `avoid` is what lies over the view already.
+pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
+    let (motions, q) = (&scenario.robot.motions, &arena.q_values);
+    if q.is_empty() || !q.iter().all(|value| value.is_finite()) {
+        return;
+    }
+    let rows = rows(motions, q, arena.action);
+    let size = vec2(GLYPH + BAR + FIGURES + 2.0 * PAD, HEAD + rows.len() as f32 * ROW + PAD);
+    let view = canvas.plane.rect.shrink(8.0);
+    let robot = canvas.at([arena.pose.x_m, arena.pose.y_m]);
+    if rows.is_empty() || 1.8 * size.x > view.width() || 1.8 * size.y > view.height() || !view.contains(robot)
+    {
+        return;
+    }
+    let body = canvas.plane.length(scenario.robot.radius_m).max(6.0);
+    let card = place(canvas, scenario, arena, size, body, avoid, id);
+    leader(canvas, card, robot, body);
+    canvas.card(card);
+    let inks = &canvas.inks;
+    let top = card.min + vec2(PAD, 4.0);
+    canvas.small_text(top, Align2::LEFT_TOP, "Q-values", inks.soft);
+    let marked = if arena.explored { inks.warn } else { inks.accent };
+    if arena.explored {
+        canvas.small_text(pos2(card.right() - PAD, top.y), Align2::RIGHT_TOP, "exploring", inks.warn);
+    }
+    let mean = q.iter().sum::<f32>() / q.len() as f32;
+    let most = q.iter().map(|value| (value - mean).abs()).fold(1e-6, f32::max);
+    let decimals = decimals_for(q.iter().copied().fold(0.0, |most: f32, value| most.max(value.abs())));
+    let fastest = motions.iter().map(|motion| motion.w_rad_s.abs()).fold(1e-6, f32::max);
+    let zero = card.left() + PAD + GLYPH + BAR / 2.0;
+    let lines = card.top() + HEAD..=card.bottom() - PAD + 2.0;
+    canvas.painter.vline(zero, lines, Stroke::new(1.0, inks.line));
+    for (row, &k) in rows.iter().enumerate() {
+        let y = card.top() + HEAD + (row as f32 + 0.5) * ROW;
+        let chosen = k == arena.action;
+        let ink = if chosen { marked } else { inks.soft };
+        glyph(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, ink);
+        let end = zero + (q[k] - mean) / most * (BAR / 2.0 - 4.0);
+        let bar = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), y - 4.0..=y + 4.0);
+        let fill = if chosen { marked } else { inks.soft.gamma_multiply(0.55) };
+        canvas.painter.rect_filled(bar, 1.5, fill);
+        let (at, words) = (pos2(card.right() - PAD, y), figures(q[k], decimals));
+        canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { inks.ink } else { ink });
+    }
+}
+
+/// Where the card goes: the side of the robot where it covers least; it changes sides only for a clear gain.
+fn place(
+    canvas: &Canvas,
+    scenario: &Scenario,
+    arena: &ArenaScene,
+    size: Vec2,
+    body: f32,
+    avoid: &[Rect],
+    id: Id,
+) -> Rect {
+    let view = canvas.plane.rect.shrink(8.0);
+    let robot = canvas.at([arena.pose.x_m, arena.pose.y_m]);
+    let goal = canvas.at([arena.target.x_m, arena.target.y_m]);
+    let goal =
+        Rect::from_center_size(goal, Vec2::splat(2.0 * canvas.plane.length(scenario.task.goal_radius_m)));
+    let keep = Rect::from_center_size(robot, Vec2::splat(2.0 * body + 16.0));
+    let ahead = direction(arena.pose.heading_rad);
+    let ctx = canvas.painter.ctx();
+    let before = ctx.data(|data| data.get_temp::<usize>(id));
+    let way: Vec<Pos2> = arena.path_m.iter().rev().take(60).map(|&point| canvas.at(point)).collect();
+    let solids: Vec<Rect> = solids_near(canvas, scenario, arena, robot, 2.0 * size.x + body);
+    let sides = [(1.0, -0.6), (1.0, 0.6), (-1.0, -0.6), (-1.0, 0.6), (0.0, -1.0), (0.0, 1.0)];
+    let mut best = (f32::INFINITY, 0, Rect::NOTHING);
+    for (k, (sx, sy)) in sides.into_iter().enumerate() {
+        let reach = vec2(size.x / 2.0 + body + 34.0, size.y / 2.0 + body + 34.0);
+        let lean = if sx == 0.0 { 1.0 } else { 0.8 };
+        let middle = robot + vec2(sx * reach.x, sy * reach.y * lean);
+        let card = pushed_into(Rect::from_center_size(middle, size), view);
+        let covers = |other: Rect| shared(card, other) / other.area().max(1.0);
+        let mut cost = 12.0 * shared(card, keep).min(1.0) + 5.0 * covers(goal);
+        cost += avoid.iter().map(|&other| 6.0 * covers(other)).sum::<f32>();
+        cost += solids.iter().map(|&solid| 1.5 * covers(solid)).sum::<f32>();
+        let covered = way.iter().filter(|&&point| card.contains(point)).count();
+        cost += 0.8 * covered as f32 / way.len().max(1) as f32;
+        cost += 0.6 * (card.center() - robot).normalized().dot(ahead).max(0.0);
+        cost += 0.002 * card.distance_to_pos(robot);
+        cost -= if before == Some(k) { 0.7 } else { 0.0 };
+        if cost < best.0 {
+            best = (cost, k, card);
+        }
+    }
+    ctx.data_mut(|data| data.insert_temp(id, best.1));
+    best.2
+}
+
+/// The boxes on the screen of the obstacles within `reach` points of the robot.
+fn solids_near(
+    canvas: &Canvas,
+    scenario: &Scenario,
+    arena: &ArenaScene,
+    robot: Pos2,
+    reach: f32,
+) -> Vec<Rect> {
+    let boxes = scenario.obstacles.iter().zip(&arena.obstacles).map(|(obstacle, &(x, y, _))| {
+        let across_m = match obstacle.shape {
+            Outer::Circle { radius_m } => 2.0 * radius_m,
+            Outer::Rectangle { width_m, height_m } => width_m.hypot(height_m),
+        };
+        Rect::from_center_size(canvas.at([x, y]), Vec2::splat(canvas.plane.length(across_m)))
+    });
+    boxes.filter(|place| place.distance_to_pos(robot) < reach).collect()
+}
+
+/// The area that two rectangles share.
+fn shared(a: Rect, b: Rect) -> f32 {
+    let both = a.intersect(b);
+    if both.is_positive() { both.area() } else { 0.0 }
+}
+
+fn leader(canvas: &Canvas, card: Rect, robot: Pos2, body: f32) {
+    let near = card.clamp(robot);
+    let away = near - robot;
+    if away.length() > body + 4.0 {
+        let start = robot + away.normalized() * (body + 3.0);
+        canvas.painter.line_segment([start, near], Stroke::new(1.0, canvas.inks.soft.gamma_multiply(0.8)));
+    }
+}
+
+/// A little arrow that bends as the motion turns.
+pub fn glyph(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, ink: Color32) {
+    let points = glyph_points(motion, fastest);
+    let (Some(&last), Some(&before)) = (points.last(), points.iter().rev().nth(1)) else { return };
+    let shift = middle.to_vec2() - Rect::from_points(&points).center().to_vec2();
+    let along = (last - before).normalized();
+    let tip = last + shift + along * 2.0;
+    let line = points.iter().map(|&point| point + shift).collect();
+    canvas.painter.add(Shape::line(line, Stroke::new(1.5, ink)));
+    canvas.arrow_head(tip, along, 5.0, ink);
+}
+
+/// The way of a motion, looking up, y down, in points: an arc of up to 110 degrees; a circle's part if it only turns.
+fn glyph_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
+    const PARTS: usize = 10;
+    let turn = (motion.w_rad_s / fastest).clamp(-1.0, 1.0) * 1.92;
+    let stands = motion.v_m_s.abs() < 1e-6;
+    let (step, first) = if stands { (1.1, turn.signum() * -0.6) } else { (1.25, 0.0) };
+    let step = if motion.v_m_s < 0.0 { -step } else { step };
+    let turn = if stands { turn.signum() * 4.0 } else { turn };
+    let mut at = pos2(0.0, 0.0);
+    let mut points = vec![at];
+    for k in 0..PARTS {
+        let heading = first + turn * (k as f32 + 0.5) / PARTS as f32;
+        at += direction(std::f32::consts::FRAC_PI_2 + heading) * step;
+        points.push(at);
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motion(v_m_s: f32, w_rad_s: f32) -> Motion {
+        Motion { v_m_s, w_rad_s }
+    }
+
+    #[test]
+    fn motions_are_ordered_from_left_to_right() {
+        let motions =
+            [motion(0.1, 0.0), motion(0.1, -1.5), motion(0.1, 1.5), motion(0.2, 0.0), motion(0.1, 0.7)];
+        assert_eq!(turning_order(&motions), [2, 4, 3, 0, 1]);
+    }
+
+    #[test]
+    fn of_many_motions_only_the_chosen_and_the_best_are_shown() {
+        let motions: Vec<Motion> = (0..12).map(|k| motion(0.1, k as f32)).collect();
+        let mut q = vec![0.0; 12];
+        q[3] = 5.0;
+        assert_eq!(rows(&motions, &q, 7), [7, 3]);
+        assert_eq!(rows(&motions[..9], &q[..9], 7).len(), 9);
+        assert_eq!(rows(&motions[..5], &q[..2], 1), [1, 0], "no row without a value");
+    }
+
+    #[test]
+    fn a_glyph_bends_the_way_of_its_motion() {
+        let end = |w| glyph_points(motion(0.15, w), 1.5).last().copied().unwrap_or_default();
+        assert!(end(1.5).x < -3.0 && end(-1.5).x > 3.0);
+        assert!(end(0.0).x.abs() < 1e-3 && end(0.0).y < -8.0);
+    }
+}

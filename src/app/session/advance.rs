@@ -1,0 +1,111 @@
+//! A frame of the session: orders are carried out, then control steps are taken, and what each brought is noted.
+//!
+//! In: orders, the time since the last frame. Out: the world some steps on. An order never comes in the middle of a step.
+
+use std::time::Instant;
+
+use bevy::platform::cell::SyncCell;
+use bevy::prelude::*;
+use bevy::time::Real;
+
+use super::begin::examiner;
+use super::trails::{Trails, poses};
+use super::{Curves, Session};
+use crate::agent::Trainer;
+use crate::app::orders::{Mode, Order};
+use crate::app::status::Weight;
+use crate::run::{RunError, follow, simulation};
+use crate::task::{CurrentScenario, Outcomes, TaskFault};
+
+/// One frame.
+pub(super) fn advance(world: &mut World) {
+    let orders: Vec<Order> = world.resource_mut::<Messages<Order>>().drain().collect();
+    let time = world.resource::<Time<Real>>();
+    let (real_s, now_s) = (time.delta_secs_f64(), time.elapsed_secs_f64());
+    world.resource_scope(|world, mut session: Mut<Session>| {
+        let session = &mut *session;
+        for order in orders {
+            session.carry_out(world, order);
+        }
+        let period_s = f64::from(world.resource::<CurrentScenario>().0.task.control_period_s);
+        session.pacer.begin_frame(real_s, period_s);
+        let began = Instant::now();
+        while session.may_step(world) && session.pacer.next(began.elapsed()) {
+            if let Err(error) = session.step(world) {
+                session.pacer.paused = true;
+                session.tell(Weight::Failed, error.to_string());
+                break;
+            }
+        }
+        session.speed.frame(now_s);
+    });
+}
+
+impl Session {
+    /// Whether a control step may be taken now: not while the examination of an earlier policy is waited for, nor after
+    /// the learner has broken down.
+    fn may_step(&mut self, world: &mut World) -> bool {
+        if let Err(error) = self.take_examinations(world, false) {
+            self.tell(Weight::Failed, error.to_string());
+        }
+        self.mode != Mode::Train || !(self.broken || self.examining && self.examination_is_due(world))
+    }
+
+    fn examination_is_due(&self, world: &World) -> bool {
+        world.resource::<Trainer>().0.env_steps() >= self.standing.next_evaluation
+    }
+
+    /// One control step.
+    fn step(&mut self, world: &mut World) -> Result<(), RunError> {
+        if self.mode == Mode::Train && self.examination_is_due(world) {
+            self.standing.next_evaluation += self.config.preset.evaluation.every_env_steps;
+            self.hand_in(world)?;
+        }
+        let before = poses(world);
+        world.resource_mut::<Trails>().before(&before);
+        let stepped = simulation::step(world);
+        let after = poses(world);
+        world.resource_scope(|world, mut trails: Mut<Trails>| {
+            trails.after(&after, world.resource::<Outcomes>());
+        });
+        self.speed.stepped(after.len());
+        if self.mode == Mode::Train {
+            self.journal.steps += 1;
+            let wall_s = self.wall_s();
+            for row in follow::ended_episodes(world, &mut self.standing, wall_s) {
+                world.resource_mut::<Curves>().0.episode(&row);
+            }
+        } else {
+            self.watch_rounds(world);
+        }
+        if stepped.is_err() {
+            // A world without room may be mended by hand; a learner that broke down cannot.
+            let no_room = world.resource_mut::<TaskFault>().0.take().is_some();
+            self.broken |= !no_room && self.mode == Mode::Train;
+        }
+        stepped
+    }
+
+    /// Hands the present policy to the examiner.
+    fn hand_in(&mut self, world: &World) -> Result<(), RunError> {
+        if std::mem::take(&mut self.examiner_is_stale) {
+            self.examiner = SyncCell::new(examiner(&self.config, &self.scenario));
+        }
+        let candidate = follow::candidate(&self.config, world);
+        self.standing.evaluated_at = Some(candidate.env_steps);
+        self.examining = true;
+        self.examiner.get().hand_in(candidate)
+    }
+
+    /// Notes the examination that is done, if one is; with `wait`, when it is.
+    pub(super) fn take_examinations(&mut self, world: &mut World, wait: bool) -> Result<(), RunError> {
+        while let Some(examination) = self.examiner.get().take(wait)? {
+            self.examining = false;
+            let wall_s = self.wall_s();
+            let noted = follow::examined(&self.config, &mut self.standing, examination, wall_s)?;
+            world.resource_mut::<Curves>().0.evaluation(&noted.row);
+            self.evaluations.push(noted.row);
+        }
+        Ok(())
+    }
+}

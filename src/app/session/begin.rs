@@ -1,0 +1,195 @@
+//! A training begun in the window: anew, from a policy's weights, or from a checkpoint.
+//!
+//! In: names or files. Out: a [`Session`] in place of the one before, and its arenas at their first observation. If
+//! something cannot be used, all stays as it was.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use bevy::platform::cell::SyncCell;
+use bevy::prelude::*;
+
+use super::journal::Journal;
+use super::modes::Rounds;
+use super::pacer::Pacer;
+use super::trails::Trails;
+use super::{Curves, First, Session, Speed};
+use crate::app::orders::Mode;
+use crate::app::status::Weight;
+use crate::learning::{Learner, Policy};
+use crate::run::checkpoint::{self, Standing};
+use crate::run::examiner::Examiner;
+use crate::run::folder::{RunConfig, RunFolder, Transfer};
+use crate::run::records::{EpisodeRow, EvaluationRow};
+use crate::run::{RunError, follow, shipped, simulation, train};
+use crate::scenario::Scenario;
+
+/// A training that could begin.
+struct Beginning {
+    config: RunConfig,
+    init: Option<Policy>,
+    learner: Learner,
+    standing: Standing,
+}
+
+/// The first session of the process. What was asked for was checked before; where it cannot be used all the same, the
+/// default begins, with a notice.
+pub(super) fn first(world: &mut World, first: &First) {
+    let begun = prepare(config(&first.scenario, &first.preset, first.seed), None)
+        .map_err(|error| error.to_string())
+        .map(|beginning| install(world, beginning, first));
+    let problem = match begun {
+        Ok(()) => None,
+        Err(problem) => {
+            let default = First::default();
+            let fallback = prepare(config(&default.scenario, &default.preset, first.seed), None);
+            match fallback {
+                Ok(beginning) => install(world, beginning, first),
+                // What is compiled in can be used: a test sees to it.
+                Err(error) => error!("{error}"),
+            }
+            Some(problem)
+        }
+    };
+    world.try_resource_scope(|world, mut session: Mut<Session>| {
+        if let Some(problem) = problem {
+            session.tell(Weight::Failed, problem);
+        }
+        if let Some(path) = &first.open {
+            session.open_or_tell(world, path);
+        }
+    });
+}
+
+fn config(scenario: &str, preset: &str, seed: u64) -> Result<RunConfig, RunError> {
+    Ok(RunConfig {
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed,
+        scenario_from: scenario.into(),
+        preset_from: preset.into(),
+        transfer: None,
+        keep_after_episodes: Vec::new(),
+        scenario: shipped::scenario(scenario)?,
+        preset: shipped::preset(preset)?,
+    })
+}
+
+fn prepare(config: Result<RunConfig, RunError>, init: Option<Policy>) -> Result<Beginning, RunError> {
+    let config = config?;
+    let learner = train::learner(&config, init.as_ref())?;
+    let standing =
+        Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
+    Ok(Beginning { config, init, learner, standing })
+}
+
+fn install(world: &mut World, beginning: Beginning, first: &First) {
+    let session = session(world, beginning, Pacer::new(first.pace, first.paused));
+    world.insert_resource(session);
+}
+
+/// The session of `beginning`, whose arenas it puts in place of whatever there is.
+fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
+    let Beginning { config, init, learner, standing } = beginning;
+    let scenario = Arc::new(config.scenario.clone());
+    simulation::begin(world, &scenario, &config.preset, config.seed, learner);
+    world.resource_mut::<Trails>().restart(config.preset.arenas);
+    world.resource_mut::<Curves>().0.clear();
+    Session {
+        examiner: SyncCell::new(examiner(&config, &scenario)),
+        journal: Journal::new(config.clone()),
+        earlier_s: standing.wall_s,
+        scenario,
+        config,
+        standing,
+        init,
+        mode: Mode::Train,
+        pacer,
+        opened: None,
+        notices: Vec::new(),
+        own_scenarios: Vec::new(),
+        own_presets: Vec::new(),
+        speed: Speed::default(),
+        evaluations: Vec::new(),
+        examining: false,
+        examiner_is_stale: false,
+        aside: None,
+        rounds: Rounds::default(),
+        broken: false,
+        began: Instant::now(),
+    }
+}
+
+/// Who examines the policies of a training in `scenario`.
+pub(super) fn examiner(config: &RunConfig, scenario: &Arc<Scenario>) -> Examiner {
+    let seed = follow::evaluation_seed(config.seed);
+    Examiner::new(scenario, config.preset.evaluation.navigations, seed)
+}
+
+impl Session {
+    /// Puts `beginning` in place of this training; what the user has opened and told stays.
+    fn replace(&mut self, world: &mut World, beginning: Beginning) {
+        let new = session(world, beginning, self.pacer.clone());
+        let old = std::mem::replace(self, new);
+        self.opened = old.opened;
+        self.notices = old.notices;
+        self.own_scenarios = old.own_scenarios;
+        self.own_presets = old.own_presets;
+        self.speed = old.speed;
+    }
+
+    /// A new training from nothing.
+    ///
+    /// # Errors
+    /// The scenario or the preset cannot be used.
+    pub(super) fn begin(
+        &mut self,
+        world: &mut World,
+        scenario: &str,
+        preset: &str,
+        seed: u64,
+    ) -> Result<(), RunError> {
+        let beginning = prepare(config(scenario, preset, seed), None)?;
+        self.pacer.paused = false;
+        self.replace(world, beginning);
+        Ok(())
+    }
+
+    /// A new training of the same preset and seed in `scenario`, from `policy`, which is called `name`.
+    ///
+    /// # Errors
+    /// The scenario cannot be used, or the policy does not fit.
+    pub(super) fn begin_from(
+        &mut self,
+        world: &mut World,
+        scenario: &str,
+        (name, policy): (String, Policy),
+        epsilon: f32,
+    ) -> Result<(), RunError> {
+        let mut config = config(scenario, &self.config.preset_from, self.config.seed)?;
+        config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
+        let beginning = prepare(Ok(config), Some(policy))?;
+        self.replace(world, beginning);
+        Ok(())
+    }
+
+    /// The training in the run's folder at `path` goes on.
+    ///
+    /// # Errors
+    /// It holds no run, or one that cannot be used.
+    pub(super) fn resume(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
+        let (folder, config) = RunFolder::open(path)?;
+        let (standing, learner) = checkpoint::load(&folder, &config)?;
+        let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
+        let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
+        let (known, env_steps) = (learner.episodes(), learner.env_steps());
+        self.replace(world, Beginning { config, init: None, learner, standing });
+        checkpoint::restore(world, &self.standing);
+        let curves = &mut world.resource_mut::<Curves>().0;
+        rows.iter().filter(|row| row.episode <= known).for_each(|row| curves.episode(row));
+        evaluations.retain(|row| row.env_steps <= env_steps);
+        evaluations.iter().for_each(|row| curves.evaluation(row));
+        self.evaluations = evaluations;
+        Ok(())
+    }
+}

@@ -1,0 +1,108 @@
+//! The hand in the world: a target, a robot or an obstacle is put elsewhere, between two control steps.
+//!
+//! In: what the user moves ([`Moved`]). Out: a [`Deed`], if it can be done, which says the same whenever it is done
+//! again; and the world changed by it, with a learner that knows its chains of observations to be broken.
+
+use std::sync::Arc;
+
+use bevy::prelude::World;
+use serde::{Deserialize, Serialize};
+
+use crate::agent::{Acting, Trainer};
+use crate::app::orders::Moved;
+use crate::scenario::{ObstacleMotion, Scenario, clearance, findings, pose_at};
+use crate::task::{Arena, Clock, CurrentScenario};
+use crate::world;
+
+/// What the hand did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Deed {
+    /// The target of an arena was put there.
+    Target {
+        /// Which arena.
+        arena: usize,
+        /// Where to, in m.
+        to_m: (f32, f32),
+    },
+    /// The robot of an arena was put there; its heading stayed.
+    Robot {
+        /// Which arena.
+        arena: usize,
+        /// Where to, in m.
+        to_m: (f32, f32),
+    },
+    /// An obstacle was moved in all arenas: its position at step 0 is this now, and its way is shifted with it.
+    Obstacle {
+        /// Its number in the scenario.
+        index: usize,
+        /// Its position at step 0, in m.
+        position_m: (f32, f32),
+    },
+}
+
+/// What `moved` comes to in the world as it stands; None if it cannot be done: beyond the walls, in what is solid, or,
+/// for an obstacle, to where no file could put it.
+pub fn resolve(world: &mut World, moved: &Moved) -> Option<Deed> {
+    let scenario = world.resource::<CurrentScenario>().0.clone();
+    match *moved {
+        Moved::Target { arena, to_m } => {
+            let room_m = clearance(&scenario, to_m, clock(world, arena)?);
+            (room_m > 0.0).then_some(Deed::Target { arena, to_m })
+        }
+        Moved::Robot { arena, to_m } => {
+            let room_m = clearance(&scenario, to_m, clock(world, arena)?);
+            (room_m > scenario.task.collision_range_m).then_some(Deed::Robot { arena, to_m })
+        }
+        Moved::Obstacle { index, to_m } => {
+            let obstacle = scenario.obstacles.get(index)?;
+            let (x, y, _) = pose_at(obstacle, clock(world, 0)?, scenario.task.control_period_s);
+            let position_m = match obstacle.motion {
+                ObstacleMotion::Still => to_m,
+                _ => (obstacle.position_m.0 + to_m.0 - x, obstacle.position_m.1 + to_m.1 - y),
+            };
+            let changed = with_obstacle_at(&scenario, index, position_m)?;
+            findings(&changed).is_empty().then_some(Deed::Obstacle { index, position_m })
+        }
+    }
+}
+
+/// Does it.
+pub fn apply(world: &mut World, deed: &Deed) {
+    match *deed {
+        Deed::Target { arena, to_m } => world::move_target(world, arena, to_m),
+        Deed::Robot { arena, to_m } => world::move_robot(world, arena, to_m),
+        Deed::Obstacle { index, position_m } => {
+            let changed = with_obstacle_at(&world.resource::<CurrentScenario>().0, index, position_m);
+            if let Some(changed) = changed {
+                world::rebuild(world, &Arc::new(changed));
+            }
+        }
+    }
+    if *world.resource::<Acting>() == Acting::Exploring
+        && let Some(mut trainer) = world.get_resource_mut::<Trainer>()
+    {
+        trainer.0.break_chains();
+    }
+}
+
+/// `scenario` with the obstacle `index` at `position_m` at step 0, its way shifted with it.
+fn with_obstacle_at(scenario: &Scenario, index: usize, position_m: (f32, f32)) -> Option<Scenario> {
+    let mut changed = scenario.clone();
+    let obstacle = changed.obstacles.get_mut(index)?;
+    let (dx, dy) = (position_m.0 - obstacle.position_m.0, position_m.1 - obstacle.position_m.1);
+    let shift = |point: &mut (f32, f32)| *point = (point.0 + dx, point.1 + dy);
+    match &mut obstacle.motion {
+        ObstacleMotion::Still => {}
+        ObstacleMotion::Orbit { centre_m, .. } => shift(centre_m),
+        ObstacleMotion::Patrol { waypoints_m, .. } => waypoints_m.iter_mut().for_each(shift),
+    }
+    obstacle.position_m = position_m;
+    Some(changed)
+}
+
+/// The obstacles' clock of `arena`.
+fn clock(world: &mut World, arena: usize) -> Option<u64> {
+    let mut arenas = world.query::<(&Arena, &Clock)>();
+    arenas.iter(world).find(|(other, _)| other.0 == arena).map(|(_, clock)| clock.0)
+}

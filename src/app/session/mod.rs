@@ -1,0 +1,205 @@
+//! The session: what goes on behind the screen. Orders are carried out, time passes, episodes are noted.
+//!
+//! In: orders, the time between frames. Out: control steps of the same plugins that train without a window, and what is
+//! known of the training: its configuration, where it stands, its journal, its curves.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `pacer.rs` | how many control steps a frame is given |
+//! | `advance.rs` | a frame: orders, then steps, and what is noted after each |
+//! | `carry_out.rs` | each order |
+//! | `begin.rs` | a training begun: anew, from a policy, from a checkpoint |
+//! | `modes.rs` | who drives, with the training set aside meanwhile |
+//! | `hand.rs` | a target, a robot, an obstacle put elsewhere |
+//! | `journal.rs` | all that the hand did, to be replayed |
+//! | `trails.rs` | the ways driven |
+//! | `save.rs` | what is written to files |
+//!
+//! What is learnt depends on the configuration, the journal, and the number of steps; not on when they were taken, nor on
+//! what was looked at.
+
+mod advance;
+mod begin;
+mod carry_out;
+pub mod hand;
+pub mod journal;
+mod modes;
+pub mod pacer;
+mod save;
+pub mod trails;
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use bevy::platform::cell::SyncCell;
+use bevy::prelude::*;
+
+use super::history::History;
+use super::orders::{Mode, Order, Pace};
+use super::status::{Choice, Notice, Weight};
+use crate::agent::Drivers;
+use crate::learning::Policy;
+use crate::run::checkpoint::Standing;
+use crate::run::examiner::Examiner;
+use crate::run::folder::RunConfig;
+use crate::run::records::EvaluationRow;
+use crate::run::simulation;
+use crate::scenario::Scenario;
+use journal::Journal;
+use pacer::Pacer;
+use trails::Trails;
+
+/// What to begin with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct First {
+    /// A shipped scenario's name, or a file.
+    pub scenario: String,
+    /// A shipped preset's name, or a file.
+    pub preset: String,
+    /// The seed of every random draw.
+    pub seed: u64,
+    /// How quickly time passes.
+    pub pace: Pace,
+    /// Whether it stands still at first.
+    pub paused: bool,
+    /// A policy or a run to open at once.
+    pub open: Option<PathBuf>,
+}
+
+impl Default for First {
+    /// Scenario I and the default preset, five times as quick as life: the robot can drive within the first minute.
+    fn default() -> Self {
+        Self {
+            scenario: "scenario-1".into(),
+            preset: "fast".into(),
+            seed: 0,
+            pace: Pace::Times(5.0),
+            paused: false,
+            open: None,
+        }
+    }
+}
+
+/// The learning curves.
+#[derive(Resource)]
+pub struct Curves(pub History);
+
+/// What goes on.
+#[derive(Resource)]
+pub struct Session {
+    /// The training: all that was resolved.
+    pub config: RunConfig,
+    /// Where it stands, beside its learner.
+    pub standing: Standing,
+    /// What the hand did to it.
+    pub journal: Journal,
+    /// The policy that it started from.
+    pub init: Option<Policy>,
+    /// Who drives.
+    pub mode: Mode,
+    /// When control steps are taken.
+    pub pacer: Pacer,
+    /// A second policy, to compare with, and its name.
+    pub opened: Option<(String, Policy)>,
+    /// What the user should know.
+    pub notices: Vec<Notice>,
+    /// Scenarios and presets of the user's own that were opened.
+    pub own_scenarios: Vec<Choice>,
+    /// The same for presets.
+    pub own_presets: Vec<Choice>,
+    /// How quickly it goes.
+    pub speed: Speed,
+    /// The world of the training, whoever drives meanwhile.
+    scenario: Arc<Scenario>,
+    evaluations: Vec<EvaluationRow>,
+    /// (A channel's end may be used by one thread at a time; who has the session alone, has it alone.)
+    examiner: SyncCell<Examiner>,
+    /// A policy is being examined.
+    examining: bool,
+    /// The world was changed since the examiner got to know it.
+    examiner_is_stale: bool,
+    aside: Option<modes::Aside>,
+    rounds: modes::Rounds,
+    /// The training went wrong: it cannot go on.
+    broken: bool,
+    began: Instant,
+    /// Wall time before that, if it was resumed, in s.
+    earlier_s: f64,
+}
+
+impl Session {
+    fn wall_s(&self) -> f64 {
+        self.earlier_s + self.began.elapsed().as_secs_f64()
+    }
+
+    /// Tells the user something.
+    pub fn tell(&mut self, weight: Weight, text: impl Into<String>) {
+        const MOST: usize = 4;
+        let notice = Notice { weight, text: text.into() };
+        if self.notices.last() != Some(&notice) {
+            self.notices.push(notice);
+        }
+        if self.notices.len() > MOST {
+            self.notices.remove(0);
+        }
+    }
+}
+
+/// Steps taken over about the last second.
+#[derive(Clone, Debug, Default)]
+pub struct Speed {
+    /// When so many control steps and env steps had been taken in all.
+    seen: VecDeque<(f64, u64, u64)>,
+    steps: u64,
+    env_steps: u64,
+}
+
+impl Speed {
+    const WINDOW_S: f64 = 1.0;
+
+    fn stepped(&mut self, arenas: usize) {
+        self.steps += 1;
+        self.env_steps += arenas as u64;
+    }
+
+    fn frame(&mut self, now_s: f64) {
+        self.seen.push_back((now_s, self.steps, self.env_steps));
+        while self.seen.len() > 2 && self.seen.get(1).is_some_and(|seen| now_s - seen.0 >= Self::WINDOW_S) {
+            self.seen.pop_front();
+        }
+    }
+
+    /// Control steps, env steps (of all arenas) and frames a second.
+    #[must_use]
+    pub fn per_s(&self) -> (f64, f64, f64) {
+        match (self.seen.front(), self.seen.back()) {
+            (Some(first), Some(last)) if last.0 > first.0 => {
+                let seconds = last.0 - first.0;
+                let rate = |count: u64| count as f64 / seconds;
+                (rate(last.1 - first.1), rate(last.2 - first.2), rate(self.seen.len() as u64 - 1))
+            }
+            _ => (0.0, 0.0, 0.0),
+        }
+    }
+}
+
+/// Responsible for the training and its time. Adds the plugins of the training itself.
+pub struct SessionPlugin {
+    /// What to begin with.
+    pub first: First,
+}
+
+impl Plugin for SessionPlugin {
+    fn build(&self, app: &mut App) {
+        simulation::add_training(app);
+        let first = self.first.clone();
+        app.add_message::<Order>()
+            .init_resource::<Trails>()
+            .init_resource::<Drivers>()
+            .insert_resource(Curves(History::new()))
+            .add_systems(PreStartup, move |world: &mut World| begin::first(world, &first))
+            .add_systems(Update, advance::advance.run_if(resource_exists::<Session>));
+    }
+}

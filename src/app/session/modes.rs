@@ -1,0 +1,163 @@
+//! Who drives: the learner in training, or, with the training set aside, a policy, the user, or two side by side.
+//!
+//! In: the mode asked for. Out: arenas for it. A training set aside waits as it stands and goes on to the bit.
+
+use bevy::prelude::*;
+
+use super::Session;
+use super::hand::{self, Deed};
+use super::trails::Trails;
+use crate::agent::{Acting, Decisions, Driver, Drivers, TrainingStats};
+use crate::app::orders::Mode;
+use crate::learning::Policy;
+use crate::random::Stream;
+use crate::run::evaluate;
+use crate::run::{RunError, follow, policy_card};
+use crate::task::{Arena, ArenaState, CurrentScenario, Episode, EpisodeEnded, TaskMode};
+use crate::world;
+
+/// When all have ended a round, so many control steps are waited until the next, for the eye.
+const REST_STEPS: u32 = 4;
+
+/// A training while something else is driven.
+pub(super) struct Aside {
+    arenas: Vec<ArenaState>,
+    exploration: Vec<Stream>,
+    stats: TrainingStats,
+    /// What the hand has changed in the world since.
+    pub deeds: Vec<Deed>,
+}
+
+/// Rounds that several drivers drive side by side, each from the same start to the same target.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Rounds {
+    round: u64,
+    rested: u32,
+}
+
+impl Session {
+    /// Lets `mode` go on in place of what does.
+    ///
+    /// # Errors
+    /// There is no second policy, or it cannot drive here; everything stays as it was then.
+    pub(super) fn set_mode(&mut self, world: &mut World, mode: Mode) -> Result<(), RunError> {
+        if mode == self.mode {
+            return Ok(());
+        }
+        if mode == Mode::Train {
+            self.take_up(world);
+            return Ok(());
+        }
+        let drivers = self.drivers(world, mode)?;
+        if self.mode == Mode::Train {
+            self.aside = Some(Aside {
+                arenas: world::snapshot(world),
+                exploration: world.resource::<Decisions>().streams.clone(),
+                stats: *world.resource::<TrainingStats>(),
+                deeds: Vec::new(),
+            });
+        }
+        let scenario = world.resource::<CurrentScenario>().0.clone();
+        let arenas = drivers.len();
+        world.insert_resource(Drivers(drivers));
+        world.insert_resource(Acting::Driven);
+        world.insert_resource(Decisions::new(self.config.seed, arenas));
+        world.insert_resource(if mode == Mode::Test {
+            TaskMode::Continuing
+        } else {
+            TaskMode::SingleNavigation
+        });
+        world::populate(world, &scenario, arenas, self.config.seed);
+        self.mode = mode;
+        self.rounds = Rounds::default();
+        self.begin_round(world);
+        world.resource_mut::<Trails>().restart(arenas);
+        Ok(())
+    }
+
+    /// Who drives which arena in `mode`.
+    fn drivers(&self, world: &World, mode: Mode) -> Result<Vec<Driver>, RunError> {
+        let present = || Driver::Policy(follow::policy(&self.config, world));
+        Ok(match mode {
+            Mode::Train | Mode::Test => vec![present()],
+            Mode::Drive => {
+                let ahead = straight_ahead(&self.config.scenario.robot.motions);
+                vec![Driver::Hand(ahead), present()]
+            }
+            Mode::Compare => {
+                let Some((name, policy)) = &self.opened else {
+                    return Err(RunError::Unusable(
+                        "there is no second policy to compare with: open one first".into(),
+                    ));
+                };
+                self.may_drive(name, policy)?;
+                vec![present(), Driver::Policy(policy.clone())]
+            }
+        })
+    }
+
+    /// Whether `policy`, called `name`, can drive in the present scenario and sees what the preset shows.
+    pub(super) fn may_drive(&self, name: &str, policy: &Policy) -> Result<(), RunError> {
+        let wrong = |why: String| RunError::Unusable(format!("{name}: {why}"));
+        evaluate::fits(policy, &self.config.scenario).map_err(|error| wrong(error.to_string()))?;
+        if policy_card::encoding(policy)? != self.config.preset.observation {
+            return Err(wrong("its observations are in other units than those of the chosen preset".into()));
+        }
+        Ok(())
+    }
+
+    /// The training goes on where it was set aside.
+    fn take_up(&mut self, world: &mut World) {
+        self.mode = Mode::Train;
+        let arenas = self.config.preset.arenas;
+        world.insert_resource(Acting::Exploring);
+        world.insert_resource(TaskMode::Continuing);
+        world.resource_mut::<Messages<EpisodeEnded>>().clear();
+        if let Some(aside) = self.aside.take() {
+            world::populate(world, &self.scenario, arenas, self.config.seed);
+            world::restore(world, &aside.arenas);
+            let mut decisions = Decisions::new(self.config.seed, arenas);
+            decisions.streams = aside.exploration;
+            world.insert_resource(decisions);
+            world.insert_resource(aside.stats);
+            for deed in &aside.deeds {
+                hand::apply(world, deed);
+            }
+            self.scenario = world.resource::<CurrentScenario>().0.clone();
+        }
+        world.resource_mut::<Trails>().restart(arenas);
+    }
+
+    /// After a control step with drivers: when all have ended, they begin the next round.
+    pub(super) fn watch_rounds(&mut self, world: &mut World) {
+        world.resource_mut::<Messages<EpisodeEnded>>().clear();
+        if self.mode == Mode::Test {
+            return;
+        }
+        let mut arenas = world.query_filtered::<&Episode, With<Arena>>();
+        if arenas.iter(world).all(|episode| episode.parked) {
+            self.rounds.rested += 1;
+            if self.rounds.rested >= REST_STEPS {
+                self.rounds.round += 1;
+                self.begin_round(world);
+            }
+        }
+    }
+
+    /// All arenas at the same start with the same target, another one every round.
+    fn begin_round(&mut self, world: &mut World) {
+        self.rounds.rested = 0;
+        let (seed, round) = (self.config.seed, self.rounds.round);
+        world::rewind(world, |_| Some(evaluate::fresh(seed, round)));
+        let mut trails = world.resource_mut::<Trails>();
+        for arena in 0..trails.0.len() {
+            trails.lift(arena);
+        }
+    }
+}
+
+/// The motion that turns least.
+fn straight_ahead(motions: &[crate::scenario::Motion]) -> usize {
+    let turns = |k: &usize| motions[*k].w_rad_s.abs();
+    (0..motions.len()).min_by(|a, b| turns(a).total_cmp(&turns(b))).unwrap_or(0)
+}

@@ -1,0 +1,87 @@
+//! What is written to files: the policy, the whole run, the rows, the curves, the world.
+//!
+//! In: what is wanted, and where. Out: a file or a folder, whole or not at all.
+
+use std::io::Write;
+use std::path::Path;
+
+use bevy::prelude::*;
+
+use super::{Curves, Session};
+use crate::app::orders::{Mode, Saved};
+use crate::run::folder::{RunFolder, write_whole};
+use crate::run::records::EvaluationRow;
+use crate::run::{RunError, checkpoint, follow};
+use crate::scenario::to_ron;
+
+impl Session {
+    /// Writes `what` to `path`.
+    ///
+    /// # Errors
+    /// It cannot be written; a run's folder holds something already.
+    pub(super) fn save(&mut self, world: &mut World, what: Saved, path: &Path) -> Result<(), RunError> {
+        let failed = |error: String| RunError::Failed(format!("{}: {error}", path.display()));
+        match what {
+            Saved::Policy => {
+                let bytes = follow::bytes(&follow::policy(&self.config, world))?;
+                write_whole(path, |file| file.write_all(&bytes)).map_err(|error| failed(error.to_string()))
+            }
+            Saved::Scenario => {
+                let text = to_ron(&self.config.scenario).map_err(|error| failed(error.to_string()))?;
+                write_whole(path, |file| file.write_all(text.as_bytes())).map_err(|error| failed(error.to_string()))
+            }
+            Saved::Csv => {
+                let curves = &mut world.resource_mut::<Curves>().0;
+                curves.write_csv(path).map_err(|error| failed(error.to_string()))
+            }
+            Saved::Png => {
+                let title = self.config.description();
+                world.resource_mut::<Curves>().0.write_png(&title, path).map_err(failed)
+            }
+            Saved::Run => self.save_run(world, path),
+        }
+    }
+
+    /// Writes a folder that `--train --resume` goes on from, and `journal.ron` beside its files. The training is taken up
+    /// for a moment, if it was set aside.
+    fn save_run(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
+        let mode = self.mode;
+        self.set_mode(world, Mode::Train)?;
+        let saved = self.write_run(world, path);
+        self.set_mode(world, mode)?;
+        saved
+    }
+
+    fn write_run(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
+        self.take_examinations(world, true)?;
+        let folder = RunFolder::create(Some(path.into()), &self.config)?;
+        let failed = |name: &str, error: String| RunError::failed(&path.join(name), error);
+        let episodes = path.join("episodes.csv");
+        let rows = world.resource_mut::<Curves>().0.write_csv(&episodes);
+        rows.map_err(|error| failed("episodes.csv", error.to_string()))?;
+        let mut evaluations = folder.csv::<EvaluationRow>("evaluations.csv", 0)?;
+        for row in &self.evaluations {
+            evaluations.serialize(row).map_err(|error| failed("evaluations.csv", error.to_string()))?;
+        }
+        evaluations.flush().map_err(|error| failed("evaluations.csv", error.to_string()))?;
+        let length = |name: &str| std::fs::metadata(path.join(name)).map(|file| file.len());
+        self.standing.episodes_bytes =
+            length("episodes.csv").map_err(|error| failed("episodes.csv", error.to_string()))?;
+        self.standing.evaluations_bytes =
+            length("evaluations.csv").map_err(|error| failed("evaluations.csv", error.to_string()))?;
+        self.standing.wall_s = self.wall_s();
+        checkpoint::save(&folder, world, &mut self.standing)?;
+        let bytes = follow::bytes(&follow::policy(&self.config, world))?;
+        folder.write("policy-last.safetensors", |file| file.write_all(&bytes))?;
+        if let Some(best) = &self.standing.best {
+            folder.write("policy.safetensors", |file| file.write_all(&best.bytes))?;
+        }
+        if let Some(init) = &self.init {
+            let bytes = follow::bytes(init)?;
+            folder.write("policy-init.safetensors", |file| file.write_all(&bytes))?;
+        }
+        let journal = to_ron(&self.journal).map_err(|error| failed("journal.ron", error.to_string()))?;
+        folder.write("journal.ron", |file| file.write_all(journal.as_bytes()))
+    }
+}
+

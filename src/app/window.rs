@@ -1,0 +1,223 @@
+//! The window: Bevy's renderer and egui around the studio, and pictures of it.
+//!
+//! In: what to begin with. Out: the app that runs until the window is closed; with [`Picture`], until it is taken. The
+//! screen is drawn once a frame from the scene; what it asks for goes out as orders.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::window::{ExitCondition, FileDragAndDrop, PresentMode, PrimaryWindow, WindowResolution};
+use bevy::winit::{UpdateMode, WinitSettings};
+use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass};
+
+use super::desk::Look;
+use super::orders::Order;
+use super::preferences::{self, Preferences};
+use super::screen::{self, View, theme};
+use super::session::{Curves, First, Session};
+use super::{OnDesk, Shown, StudioPlugin, files};
+use crate::run::RunError;
+
+/// A picture of the window, after which the app ends.
+#[derive(Resource, Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// The PNG file.
+    pub file: PathBuf,
+    /// It is taken after so many control steps of the training.
+    pub after_steps: u64,
+}
+
+/// What the window is opened with.
+#[derive(Clone, Debug, Default)]
+pub struct Opening {
+    /// What to begin with.
+    pub first: First,
+    /// A picture to be taken, if any.
+    pub picture: Option<Picture>,
+    /// Light or dark, if not as remembered.
+    pub look: Option<Look>,
+    /// Drawn over the world, if not as remembered.
+    pub overlays: Option<super::desk::Overlays>,
+    /// All arenas as a grid, if not as remembered.
+    pub grid: Option<bool>,
+    /// Its size in points, if not as remembered.
+    pub size: Option<(f32, f32)>,
+}
+
+/// Opens the window and runs until it is closed.
+///
+/// # Errors
+/// There is no display; the picture could not be written.
+pub fn run(opening: Opening) -> Result<(), RunError> {
+    display()?;
+    let mut app = App::new();
+    app.add_plugins(WindowedPlugin(opening));
+    match app.run() {
+        AppExit::Success => Ok(()),
+        AppExit::Error(_) => Err(RunError::Failed("the window ended unexpectedly (see above)".into())),
+    }
+}
+
+/// Whether there is a display to open a window on: winit would panic without one.
+fn display() -> Result<(), RunError> {
+    #[cfg(all(unix, not(target_os = "macos")))]
+    if let Err(error) = x11rb::connect(None) {
+        return Err(RunError::Unusable(format!(
+            "no display to open a window on ({error}): train without one by `wayfield --train`, or set DISPLAY"
+        )));
+    }
+    Ok(())
+}
+
+struct WindowedPlugin(Opening);
+
+impl Plugin for WindowedPlugin {
+    fn build(&self, app: &mut App) {
+        let opening = &self.0;
+        let mut preferences = preferences::load();
+        // A picture shows what was asked for, not what somebody happened to look at last.
+        if opening.picture.is_some() {
+            preferences = Preferences::default();
+        }
+        let (width, height) = opening.size.unwrap_or(preferences.size);
+        let desk = &mut preferences.desk;
+        desk.look = opening.look.unwrap_or(desk.look);
+        desk.overlays = opening.overlays.unwrap_or(desk.overlays);
+        desk.grid = opening.grid.unwrap_or(desk.grid);
+        let window = Window {
+            title: "wayfield".into(),
+            name: Some("wayfield".into()),
+            resolution: WindowResolution::new(width as u32, height as u32),
+            present_mode: PresentMode::AutoVsync,
+            resize_constraints: bevy::window::WindowResizeConstraints {
+                min_width: 800.0,
+                min_height: 500.0,
+                ..Default::default()
+            },
+            ..Default::default()
+        };
+        app.add_plugins(
+            DefaultPlugins
+                .set(WindowPlugin {
+                    primary_window: Some(window),
+                    exit_condition: ExitCondition::OnPrimaryClosed,
+                    ..Default::default()
+                })
+                // What a graphics driver has to say is of no use to who only wants to see a robot learn.
+                .set(LogPlugin { filter: "error".into(), ..Default::default() }),
+        )
+        .add_plugins(EguiPlugin::default())
+        .insert_resource(OnDesk(preferences.desk.clone()))
+        .add_plugins(StudioPlugin { first: opening.first.clone() })
+        .insert_resource(ClearColor(Color::BLACK))
+        .insert_resource(WinitSettings::game())
+        .add_systems(Startup, |mut commands: Commands| {
+            commands.spawn(Camera2d);
+        })
+        .add_systems(EguiPrimaryContextPass, draw)
+        .add_systems(PreUpdate, (take_dropped_files, files::answer).chain())
+        .add_systems(Update, rest_while_paused);
+        match &opening.picture {
+            Some(picture) => {
+                app.insert_resource(picture.clone()).add_systems(Last, take_picture);
+            }
+            None => {
+                app.insert_resource(preferences).add_systems(Last, preferences::keep);
+            }
+        }
+        app.init_resource::<files::Dialogs>();
+    }
+}
+
+/// Draws the screen, and sends what it asks for.
+fn draw(
+    mut contexts: EguiContexts,
+    shown: Res<Shown>,
+    curves: Res<Curves>,
+    mut desk: ResMut<OnDesk>,
+    mut orders: MessageWriter<Order>,
+    mut dressed: Local<bool>,
+) -> Result {
+    let context = contexts.ctx_mut()?;
+    // The typeface is there from the next frame on.
+    if !std::mem::replace(&mut *dressed, true) {
+        theme::install(context);
+        return Ok(());
+    }
+    let Some((scene, status)) = &shown.now else { return Ok(()) };
+    context.set_theme(match desk.0.look {
+        Look::System => egui::ThemePreference::System,
+        Look::Light => egui::ThemePreference::Light,
+        Look::Dark => egui::ThemePreference::Dark,
+    });
+    let place = egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.content_rect());
+    let mut ui = egui::Ui::new(context.clone(), "window".into(), place);
+    let mut asked = Vec::new();
+    let view = View { scene, status, history: &curves.0 };
+    screen::show(&mut ui, &view, &mut desk.0, &mut asked);
+    orders.write_batch(asked);
+    Ok(())
+}
+
+/// While time stands still, the window is drawn when something happens to it, and a few times a second.
+fn rest_while_paused(session: Option<Res<Session>>, mut settings: ResMut<WinitSettings>) {
+    let paused = session.is_some_and(|session| session.pacer.paused);
+    let mode = if paused {
+        UpdateMode::reactive(Duration::from_millis(200))
+    } else {
+        UpdateMode::Continuous
+    };
+    if settings.focused_mode != mode {
+        settings.focused_mode = mode;
+        settings.unfocused_mode = mode;
+    }
+}
+
+/// A file that is dropped on the window is opened.
+fn take_dropped_files(mut dropped: MessageReader<FileDragAndDrop>, mut orders: MessageWriter<Order>) {
+    for event in dropped.read() {
+        if let FileDragAndDrop::DroppedFile { path_buf, .. } = event {
+            orders.write(Order::Open(path_buf.clone()));
+        }
+    }
+}
+
+/// Takes the picture when it is time, and ends the app when it is written.
+fn take_picture(
+    mut commands: Commands,
+    picture: Res<Picture>,
+    session: Option<Res<Session>>,
+    windows: Query<Entity, With<PrimaryWindow>>,
+    mut frames: Local<u32>,
+    mut asked: Local<bool>,
+) {
+    // Drawn often enough for layout and typeface to have settled.
+    const SETTLED: u32 = 8;
+    *frames += 1;
+    let due = session.is_some_and(|session| session.journal.steps >= picture.after_steps);
+    if *asked || !due || *frames < SETTLED || windows.is_empty() {
+        return;
+    }
+    *asked = true;
+    let file = picture.file.clone();
+    commands.spawn(Screenshot::primary_window()).observe(
+        move |captured: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
+            let written = captured
+                .image
+                .clone()
+                .try_into_dynamic()
+                .map_err(|error| error.to_string())
+                .and_then(|image| image.to_rgb8().save(&file).map_err(|error| error.to_string()));
+            exit.write(match written {
+                Ok(()) => AppExit::Success,
+                Err(error) => {
+                    crate::run::progress::say(&format!("error: {}: {error}", file.display()));
+                    AppExit::error()
+                }
+            });
+        },
+    );
+}

@@ -1,0 +1,34 @@
+//! The probe: what a robot would see that stood elsewhere in its arena. For who looks on; it changes nothing.
+//!
+//! In: an arena's colliders as they stand, a pose. Out: the scan from there, without noise.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy_rapier2d::prelude::RapierContextColliders;
+
+use super::lidar::{Beams, cast};
+use super::physics::Bodies;
+use crate::task::{Arena, CurrentScenario, Pose, Scan};
+
+/// Reads the worlds of all arenas.
+#[derive(SystemParam)]
+pub struct Probe<'w, 's> {
+    scenario: Res<'w, CurrentScenario>,
+    beams: Res<'w, Beams>,
+    arenas: Query<'w, 's, (&'static Arena, &'static Bodies, &'static RapierContextColliders)>,
+}
+
+impl Probe<'_, '_> {
+    /// What takes scans in `arena`: called with a pose, it writes into the scan what is seen from there, in m. None if
+    /// there is no such arena.
+    #[must_use]
+    pub fn of(&self, arena: usize) -> Option<impl Fn(&Pose, &mut Scan) + '_> {
+        let (_, bodies, context) = self.arenas.iter().find(|(other, ..)| other.0 == arena)?;
+        let max_range_m = self.scenario.0.lidar.max_range_m;
+        Some(move |pose: &Pose, scan: &mut Scan| {
+            cast(&context.colliders, &bodies.solids, pose, &self.beams.0, max_range_m, &mut scan.ranges_m);
+            scan.nearest_m = scan.ranges_m.iter().copied().fold(max_range_m, f32::min);
+            scan.touching = false;
+        })
+    }
+}

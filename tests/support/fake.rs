@@ -1,0 +1,249 @@
+//! A made-up training to draw: what the screen is given, without a session, a world or a learner behind it.
+//!
+//! In: nothing. Out: [`Fake`], plausible and always the same.
+
+use std::sync::Arc;
+
+use wayfield::app::desk::Desk;
+use wayfield::app::history::History;
+use wayfield::app::orders::{Mode, Order, Pace};
+use wayfield::app::scene::{ArenaScene, Driver, Field, Scene, Trail, TrailEnd};
+use wayfield::app::screen::{self, View, theme};
+use wayfield::app::status::{Choice, Notice, Status, Weight};
+use wayfield::run::records::{EpisodeRow, EvaluationRow};
+use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
+use wayfield::task::{Pose, Target};
+
+const RING_M: [(f32, f32); 4] = [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)];
+const RADIUS_M: f32 = 0.15;
+
+/// All that the screen is given, and what it answers.
+pub struct Fake {
+    /// What there is to see.
+    pub scene: Scene,
+    /// How the session would stand.
+    pub status: Status,
+    /// What would have happened.
+    pub history: History,
+    /// What the user looks at.
+    pub desk: Desk,
+    /// What was asked for.
+    pub orders: Vec<Order>,
+    dressed: bool,
+}
+
+impl Default for Fake {
+    fn default() -> Self {
+        let shape = Shape::Circle { radius_m: RADIUS_M };
+        let obstacle = |position_m| Obstacle {
+            shape: shape.clone(),
+            position_m,
+            rotation_rad: 0.0,
+            motion: ObstacleMotion::Still,
+        };
+        let obstacles = RING_M.map(obstacle).into();
+        let scenario = Scenario { name: "Scenario I".into(), obstacles, ..Scenario::default() };
+        let scene = Scene {
+            scenario: Arc::new(scenario),
+            arenas: (0..8).map(arena).collect(),
+            potential: None,
+            value: None,
+        };
+        Self {
+            scene,
+            status: status(),
+            history: history(),
+            desk: Desk::default(),
+            orders: Vec::new(),
+            dressed: false,
+        }
+    }
+}
+
+impl Fake {
+    /// Nothing was learnt yet.
+    pub fn fresh() -> Self {
+        let mut fake = Self { history: History::new(), ..Self::default() };
+        let s = &mut fake.status;
+        (s.paused, s.episodes, s.env_steps, s.gradient_steps, s.epsilon) = (true, 0, 0, 0, 1.0);
+        (s.success_rate, s.best_success_rate, s.simulated_s) = (None, None, 0.0);
+        for arena in &mut fake.scene.arenas {
+            (arena.steps, arena.targets, arena.targets_in_all, arena.collisions) = (0, 0, 0, 0);
+            (arena.path_m, arena.trails, arena.q_values) = (Vec::new(), Vec::new(), Vec::new());
+        }
+        fake
+    }
+
+    /// With a notice of either kind, the second of several lines.
+    pub fn with_notices(mut self) -> Self {
+        let failed = "scenarios/mine.ron:7:5: unknown field `radius`, expected `radius_m`\n\
+                      scenarios/mine.ron:12:9: the robot's start (0.6, 0.6) is inside obstacle 1; \
+                      move it at least 0.25 m away";
+        for (weight, text) in
+            [(Weight::Told, "The policy was saved to runs/fast.safetensors."), (Weight::Failed, failed)]
+        {
+            self.status.notices.push(Notice { weight, text: text.into() });
+        }
+        self
+    }
+
+    /// Draws the window once, as the app does.
+    pub fn draw(&mut self, ui: &mut egui::Ui) {
+        if !self.dressed {
+            theme::install(ui.ctx());
+            self.dressed = true;
+            // The typeface is there from the next frame on.
+            ui.ctx().request_repaint();
+            return;
+        }
+        let view = View { scene: &self.scene, status: &self.status, history: &self.history };
+        let whole = egui::UiBuilder::new().max_rect(ui.ctx().content_rect());
+        let mut ui = egui::Ui::new(ui.ctx().clone(), egui::Id::new("window"), whole);
+        screen::show(&mut ui, &view, &mut self.desk, &mut self.orders);
+    }
+}
+
+/// A field like a hollow with a ridge, for the overlays.
+pub fn field(version: u64, deep: f32) -> Arc<Field> {
+    let size = [40, 40];
+    let at = |k: usize| (k as f32 + 0.5) / 10.0 - 2.0;
+    let value = |(x, y): (f32, f32)| {
+        let near = RING_M.iter().map(|&(a, b)| (x - a).hypot(y - b)).fold(f32::MAX, f32::min);
+        if near < RADIUS_M + 0.1 { f32::NAN } else { deep * (x - 1.2).hypot(y - 1.2) - deep * 0.2 / near }
+    };
+    let values = (0..1600).map(|k| value((at(k % 40), at(k / 40)))).collect();
+    Arc::new(Field { size, min_m: [-2.0, -2.0], max_m: [2.0, 2.0], values, version })
+}
+
+fn arena(n: usize) -> ArenaScene {
+    let turn = n as f32 * 0.8;
+    let pose = Pose { x_m: -0.1 + 0.9 * turn.sin(), y_m: -1.1 * turn.cos() + 0.1, heading_rad: 0.9 + turn };
+    let path_m = (0..40).map(|k| back(pose, 0.03 * (39 - k) as f32)).collect();
+    let trail = |(k, end)| Trail {
+        points_m: (0..60)
+            .map(|i| back(Pose { heading_rad: pose.heading_rad + 1.1 * k as f32, ..pose }, 0.03 * i as f32))
+            .collect(),
+        end,
+    };
+    let ends = [TrailEnd::Reached, TrailEnd::Collided, TrailEnd::Reached, TrailEnd::TimedOut];
+    ArenaScene {
+        pose,
+        target: Target { x_m: 1.2 * (turn + 0.8).cos(), y_m: 1.2 * (turn + 0.8).sin() },
+        obstacles: RING_M.iter().map(|&(x, y)| (x, y, 0.0)).collect(),
+        ranges_m: (0..24).map(|k| range_m(pose, k as f32 / 24.0 * std::f32::consts::TAU)).collect(),
+        scan_pose: pose,
+        driver: Driver::Learner,
+        action: n % 5,
+        explored: n == 3,
+        q_values: vec![31.0, 44.5, 52.0, 38.0, 12.5],
+        path_m,
+        trails: ends.into_iter().enumerate().map(trail).collect(),
+        steps: 87 + 13 * n as u32,
+        targets: 2,
+        total_return: 412.5,
+        collisions: 41,
+        targets_in_all: 96,
+        parked: false,
+    }
+}
+
+/// The point so far behind `pose`, on a gentle curve.
+fn back(pose: Pose, way_m: f32) -> [f32; 2] {
+    let heading = pose.heading_rad - 0.5 * way_m;
+    [(pose.x_m - way_m * heading.cos()).clamp(-1.9, 1.9), (pose.y_m - way_m * heading.sin()).clamp(-1.9, 1.9)]
+}
+
+/// How far the beam at `angle` to the heading goes in the square with four cylinders.
+fn range_m(pose: Pose, angle: f32) -> f32 {
+    let (dy, dx) = (pose.heading_rad + angle).sin_cos();
+    let wall = |at: f32, way: f32| if way == 0.0 { f32::MAX } else { (2.0 * way.signum() - at) / way };
+    let hit = |&(x, y): &(f32, f32)| {
+        let (x, y) = (x - pose.x_m, y - pose.y_m);
+        let (along, aside) = (x * dx + y * dy, x * dy - y * dx);
+        let under = RADIUS_M * RADIUS_M - aside * aside;
+        if along > 0.0 && under > 0.0 { along - under.sqrt() } else { f32::MAX }
+    };
+    RING_M.iter().map(hit).fold(wall(pose.x_m, dx).min(wall(pose.y_m, dy)).min(3.5), f32::min)
+}
+
+fn status() -> Status {
+    let choice = |from: &str, title: &str, about: &str| Choice {
+        from: from.into(),
+        title: title.into(),
+        about: about.into(),
+    };
+    Status {
+        paused: false,
+        pace: Pace::Times(20.0),
+        mode: Mode::Train,
+        scenario_from: "scenario-1".into(),
+        preset_from: "fast".into(),
+        scenarios: vec![
+            choice("empty", "Empty", "Four walls and nothing in between."),
+            choice("scenario-1", "Scenario I", "Four cylinders stand still."),
+            choice("scenario-2", "Scenario II", "The four cylinders of Scenario I revolve about the centre."),
+        ],
+        presets: vec![
+            choice(
+                "fast",
+                "Fast",
+                "The skill in seconds: PER-D3QN in 16 arenas at once, with Adam and 3-step returns.",
+            ),
+            choice("dqn", "DQN", "Table 1 of the paper; single, without dueling, uniform replay."),
+        ],
+        seed: 7,
+        transfer_from: None,
+        episodes: 1_284,
+        env_steps: 312_480,
+        gradient_steps: 39_060,
+        budget_env_steps: Some(400_000),
+        epsilon: 0.12,
+        success_rate: Some(0.935),
+        best_success_rate: Some(0.96),
+        env_steps_per_s: 1_600.0,
+        times_real: 20.0,
+        simulated_s: 7_812.0,
+        frames_per_s: 60.0,
+        opened: None,
+        notices: Vec::new(),
+        dialogs: true,
+    }
+}
+
+fn history() -> History {
+    let mut history = History::new();
+    for n in 1..=1284_u64 {
+        let learnt = 1.0 - (-(n as f64) / 300.0).exp();
+        // Scattered, but always alike.
+        let chance = (n * 7_919 % 101) as f64 / 101.0;
+        let targets = (6.0 * learnt * chance) as u32;
+        history.episode(&EpisodeRow {
+            episode: n,
+            arena: (n % 8) as usize,
+            env_steps: n * 243,
+            gradient_steps: n * 30,
+            steps: 243,
+            total_return: -180.0 + 900.0 * learnt * chance,
+            reward_reached: 250.0 * targets as f32,
+            reward_collided: -200.0,
+            reward_attraction: 80.0 * learnt as f32,
+            reward_repulsion: -30.0,
+            targets,
+            collision: 1,
+            epsilon: (1.0 - n as f32 / 1400.0).max(0.05),
+            loss: Some(0.4 / (1.0 + n as f64 / 200.0) + 0.02 * chance),
+            td_error: Some(0.3 / (1.0 + n as f64 / 300.0)),
+            mean_q: Some(60.0 * learnt),
+            wall_s: 0.0,
+        });
+        if n % 80 == 0 {
+            history.evaluation(&EvaluationRow {
+                env_steps: n * 243,
+                episodes: n,
+                success_rate: (learnt * 0.96).min(0.96),
+                ..EvaluationRow::default()
+            });
+        }
+    }
+    history
+}
