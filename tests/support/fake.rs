@@ -1,6 +1,7 @@
 //! A made-up training to draw: what the screen is given, without a session, a world or a learner behind it.
 //!
 //! In: nothing. Out: [`Fake`], plausible and always the same.
+#![allow(dead_code, reason = "not every test needs all of it")]
 
 use std::sync::Arc;
 
@@ -97,7 +98,8 @@ impl Fake {
             return;
         }
         let view = View { scene: &self.scene, status: &self.status, history: &self.history };
-        let whole = egui::UiBuilder::new().max_rect(ui.ctx().content_rect());
+        let whole =
+            egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(ui.ctx().content_rect());
         let mut ui = egui::Ui::new(ui.ctx().clone(), egui::Id::new("window"), whole);
         screen::show(&mut ui, &view, &mut self.desk, &mut self.orders);
     }

@@ -32,6 +32,17 @@ pub enum Outline {
 }
 
 impl Outline {
+    /// From its middle to its farthest point, in m.
+    #[must_use]
+    pub fn reach_m(&self) -> f32 {
+        match self {
+            Self::Disc { radius_m, .. } | Self::Solid { shape: Shape::Circle { radius_m }, .. } => *radius_m,
+            Self::Solid { shape: Shape::Rectangle { width_m, height_m }, .. } => {
+                width_m.hypot(*height_m) / 2.0
+            }
+        }
+    }
+
     /// The outline `by_m` further out.
     #[must_use]
     pub fn grown(self, by_m: f32) -> Self {
@@ -135,7 +146,7 @@ pub fn target(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) {
     let width = if canvas.small { 1.5 } else { 2.5 };
     if !canvas.small {
         painter.circle_stroke(centre, radius, Stroke::new(width + 4.0, inks.floor.gamma_multiply(0.75)));
-        painter.circle_filled(centre, radius, inks.floor.gamma_multiply(0.35));
+        painter.circle_filled(centre, radius, inks.floor.gamma_multiply(0.5));
     }
     painter.circle(centre, radius, inks.good.gamma_multiply(0.16), Stroke::new(width, inks.good));
     if !canvas.small {
@@ -203,7 +214,9 @@ pub fn outcome_ink(inks: &super::theme::Inks, end: TrailEnd) -> Color32 {
 fn draw_trail(canvas: &Canvas, trail: &Trail, strength: f32) {
     let ink = outcome_ink(&canvas.inks, trail.end);
     let width = if canvas.small { 1.0 } else { 1.5 };
-    canvas.way(trail.points_m.iter().copied(), width, |part| ink.gamma_multiply(strength * (0.35 + 0.65 * part)));
+    canvas.way(trail.points_m.iter().copied(), width, |part| {
+        ink.gamma_multiply(strength * (0.35 + 0.65 * part))
+    });
     if let (Some(&end), false) = (trail.points_m.last(), canvas.small) {
         outcome_mark(&canvas.painter, canvas.at(end), trail.end, ink.gamma_multiply(strength + 0.25));
     }

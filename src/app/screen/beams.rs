@@ -40,13 +40,15 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
         direction(arena.scan_pose.heading_rad + turn)
     };
     let nearest = nearest(ranges, max_m);
+    // Many lines together are as strong as few.
+    let strength = (48.0 / ranges.len() as f32).sqrt().min(1.0);
     for beam in (0..ranges.len()).step_by(ranges.len().div_ceil(MOST).max(1)) {
         let range_m = ranges[beam];
         let (along, reach) = (towards(beam), canvas.plane.length(range_m));
         if !range_m.is_finite() || reach <= skin || nearest.is_some_and(|(first, _)| first == beam) {
             continue;
         }
-        let ink = beam_ink(inks, nearness(range_m, max_m));
+        let ink = beam_ink(inks, nearness(range_m, max_m)).gamma_multiply(strength);
         painter.line_segment([from + along * skin, from + along * reach], Stroke::new(1.0, ink));
         if range_m < max_m && ranges.len() <= 128 && !canvas.small {
             painter.circle_filled(from + along * reach, 1.75, ink.gamma_multiply(1.6));

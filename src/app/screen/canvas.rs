@@ -32,12 +32,7 @@ impl Canvas {
 
     /// A line `width` points wide through points of the world, in m; `colour` gives its colour at each part of its
     /// length in points, 0 to 1.
-    pub fn way(
-        &self,
-        points_m: impl Iterator<Item = [f32; 2]>,
-        width: f32,
-        colour: impl Fn(f32) -> Color32,
-    ) {
+    pub fn way(&self, points_m: impl Iterator<Item = [f32; 2]>, width: f32, colour: impl Fn(f32) -> Color32) {
         let apart = if self.small { 3.0 } else { 1.2 };
         let points = thinned(points_m.map(|point| self.at(point)), apart);
         if let Some(mesh) = ribbon(&points, width, 1.0 / self.painter.pixels_per_point(), colour) {
@@ -63,9 +58,9 @@ impl Canvas {
         self.painter.rect(rect, radius, back, edge, egui::StrokeKind::Inside);
     }
 
-    /// The ground of a line of explanations: not seen beside the arena, enough to read on over it.
+    /// The ground of a line of explanations: not seen beside the arena, only over it.
     pub fn strip(&self, rect: Rect) {
-        self.painter.rect_filled(rect, CornerRadius::same(4), self.inks.paper.gamma_multiply(0.88));
+        self.painter.rect_filled(rect, CornerRadius::same(4), self.inks.paper);
     }
 
     /// Small text; gives the space it takes.
@@ -93,9 +88,8 @@ fn thinned(points: impl Iterator<Item = Pos2>, apart: f32) -> Vec<Pos2> {
             skipped = Some(point);
         }
     }
-    match (skipped, kept.last_mut()) {
-        (Some(end), Some(last)) => *last = end,
-        _ => {}
+    if let (Some(end), Some(last)) = (skipped, kept.last_mut()) {
+        *last = end;
     }
     kept
 }

@@ -3,7 +3,12 @@
 //! In: a [`Field`]. Out: a texture that is made again only when the field's version changes, arrows down its slope, and
 //! a bar that says what the colours mean.
 
-use egui::{Color32, ColorImage, Context, FontId, Id, Mesh, Rect, Shape, Stroke, TextureHandle, pos2, vec2};
+use egui::{Color32, Context, FontId, Id, Rect, Shape, Stroke, TextureHandle, pos2, vec2};
+
+#[path = "field_picture.rs"]
+mod field_picture;
+
+use field_picture::{bar_mesh, picture, span};
 
 use super::canvas::Canvas;
 use super::plane::direction;
@@ -31,54 +36,6 @@ impl Kind {
             Self::Value => "Value V(s) here, with this heading",
         }
     }
-}
-
-/// Even steps of lightness in one hue that nothing else here has, from the floor's own lightness away: violet.
-fn ramp(dark: bool) -> [Color32; 7] {
-    let rgb = Color32::from_rgb;
-    if dark {
-        [
-            rgb(0x22, 0x21, 0x39),
-            rgb(0x3d, 0x2f, 0x69),
-            rgb(0x5f, 0x3f, 0x93),
-            rgb(0x83, 0x53, 0xb3),
-            rgb(0xa6, 0x6f, 0xc8),
-            rgb(0xc4, 0x90, 0xd3),
-            rgb(0xd9, 0xb7, 0xda),
-        ]
-    } else {
-        [
-            rgb(0xf6, 0xf6, 0xfc),
-            rgb(0xe0, 0xda, 0xf4),
-            rgb(0xcd, 0xbf, 0xea),
-            rgb(0xbd, 0xa5, 0xde),
-            rgb(0xaf, 0x8c, 0xcf),
-            rgb(0xa2, 0x73, 0xbe),
-            rgb(0x96, 0x5a, 0xac),
-        ]
-    }
-}
-
-/// The colour of `part`, 0 (least) to 1 (most); none of what is not a number.
-fn ramp_ink(dark: bool, part: f32) -> Color32 {
-    if !part.is_finite() {
-        return Color32::TRANSPARENT;
-    }
-    let stops = ramp(dark);
-    let place = part.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
-    let low = (place as usize).min(stops.len() - 2);
-    stops[low].lerp_to_gamma(stops[low + 1], place - low as f32).gamma_multiply(0.88)
-}
-
-/// The least and the greatest of the values that are numbers.
-fn span(field: &Field) -> Option<(f32, f32)> {
-    let mut numbers = field.values.iter().copied().filter(|value| value.is_finite());
-    let first = numbers.next()?;
-    Some(numbers.fold((first, first), |(low, high), value| (low.min(value), high.max(value))))
-}
-
-fn part_of(value: f32, (low, high): (f32, f32)) -> f32 {
-    if high > low || !value.is_finite() { (value - low) / (high - low) } else { 0.5 }
 }
 
 /// Whether the field has as many values as it says.
@@ -110,70 +67,6 @@ fn texture(ctx: &Context, kind: Kind, field: &Field, dark: bool) -> Option<Textu
     let texture = ctx.load_texture(format!("field {kind:?}"), image, egui::TextureOptions::LINEAR);
     ctx.data_mut(|data| data.insert_temp(id, Cached { of, texture: texture.clone() }));
     Some(texture)
-}
-
-/// The field's colours, finer than the field itself where it is coarse, so that the edge of where the robot cannot be is
-/// smooth.
-fn picture(field: &Field, whole: (f32, f32), dark: bool) -> ColorImage {
-    let [width, height] = field.size;
-    let finer = if width.max(height) <= 128 { 2 } else { 1 };
-    let inks: Vec<Color32> = (0..=255).map(|k| ramp_ink(dark, k as f32 / 255.0)).collect();
-    let mut image = ColorImage::filled([width * finer, height * finer], Color32::TRANSPARENT);
-    let place = |k: usize, count: usize| {
-        let at = ((k as f32 + 0.5) / finer as f32 - 0.5).clamp(0.0, (count - 1) as f32);
-        let low = at as usize;
-        (low, (low + 1).min(count - 1), at - low as f32)
-    };
-    let (values, there) = mended(field);
-    // The image's first row is the uppermost, the field's the lowest.
-    for (row, line) in image.pixels.chunks_exact_mut(width * finer).rev().enumerate() {
-        let (y0, y1, v) = place(row, height);
-        for (column, pixel) in line.iter_mut().enumerate() {
-            let (x0, x1, u) = place(column, width);
-            let between = |of: &[f32]| {
-                let lower = of[y0 * width + x0] * (1.0 - u) + of[y0 * width + x1] * u;
-                let upper = of[y1 * width + x0] * (1.0 - u) + of[y1 * width + x1] * u;
-                lower * (1.0 - v) + upper * v
-            };
-            let clear = ((between(&there) - 0.35) / 0.3).clamp(0.0, 1.0);
-            if clear > 0.0 {
-                let part = part_of(between(&values), whole).clamp(0.0, 1.0);
-                *pixel = inks[(part * 255.0).round() as usize].gamma_multiply(clear);
-            }
-        }
-    }
-    image
-}
-
-/// The values with those missing taken from their neighbours, and how much of each cell's surroundings is there.
-fn mended(field: &Field) -> (Vec<f32>, Vec<f32>) {
-    const TENT: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
-    let [width, height] = field.size;
-    let (mut values, mut there) = (field.values.clone(), vec![1.0; field.values.len()]);
-    if field.values.iter().all(|value| value.is_finite()) {
-        return (values, there);
-    }
-    let near = |k: usize, by: usize, count: usize| (k + by).saturating_sub(2).min(count - 1);
-    for y in 0..height {
-        for x in 0..width {
-            let (mut sum, mut weight) = (0.0, 0.0);
-            for (j, up) in TENT.into_iter().enumerate() {
-                for (i, across) in TENT.into_iter().enumerate() {
-                    let value = field.values[near(y, j, height) * width + near(x, i, width)];
-                    if value.is_finite() {
-                        sum += value * up * across;
-                        weight += up * across;
-                    }
-                }
-            }
-            let at = y * width + x;
-            there[at] = weight / 81.0;
-            if !values[at].is_finite() {
-                values[at] = if weight > 0.0 { sum / weight } else { 0.0 };
-            }
-        }
-    }
-    (values, there)
 }
 
 /// Draws `field` as colours.
@@ -211,7 +104,7 @@ pub fn arrows(canvas: &Canvas, field: &Field, ink: Color32) {
                 continue;
             }
             let tip = middle + along * length / 2.0;
-            canvas.painter.line_segment([tip - along * length, tip - along * 3.0], stroke);
+            canvas.painter.line_segment([tip - along * length, tip - along * 4.9], stroke);
             canvas.arrow_head(tip, along, 5.0, ink);
         }
     }
@@ -264,22 +157,6 @@ pub fn key(canvas: &Canvas, kind: Kind, field: &Field, dark: bool) -> Option<Rec
     x -= 6.0 + low.size().x;
     canvas.painter.galley(centred(x, y, low.size()), low, inks.soft);
     Some(strip)
-}
-
-fn bar_mesh(bar: Rect, dark: bool) -> Mesh {
-    let stops = ramp(dark);
-    let mut mesh = Mesh::default();
-    for (k, stop) in (0u32..).zip(stops) {
-        let x = bar.left() + bar.width() * k as f32 / (stops.len() - 1) as f32;
-        mesh.colored_vertex(pos2(x, bar.top()), stop);
-        mesh.colored_vertex(pos2(x, bar.bottom()), stop);
-        if k > 0 {
-            let first = 2 * (k - 1);
-            mesh.add_triangle(first, first + 1, first + 2);
-            mesh.add_triangle(first + 1, first + 2, first + 3);
-        }
-    }
-    mesh
 }
 
 /// A number in about three figures, with a true minus sign.
@@ -337,27 +214,6 @@ mod tests {
         field.values[20 * 40 + 21] = f32::NAN;
         assert_eq!(descent(&field, 20, 20), None);
         assert!(descent(&field, 10, 10).is_some());
-        assert_eq!(ramp_ink(true, f32::NAN), Color32::TRANSPARENT);
-    }
-
-    #[test]
-    fn the_ramp_spans_the_numbers_only() {
-        let mut field = bowl();
-        field.values[0] = f32::NAN;
-        let (low, high) = span(&field).expect("numbers");
-        assert!(low < 0.01 && high > 11.0);
-        assert_eq!((part_of(low, (low, high)), part_of(high, (low, high))), (0.0, 1.0));
-        assert_eq!(part_of(3.0, (3.0, 3.0)), 0.5);
-    }
-
-    #[test]
-    fn the_picture_has_the_fields_top_at_its_top_and_holes_where_it_has() {
-        let mut field = bowl();
-        field.values[36 * 40..].fill(f32::NAN);
-        let image = picture(&field, (0.0, 13.0), false);
-        assert_eq!(image.size, [80, 80]);
-        assert_eq!(image.pixels[5], Color32::TRANSPARENT, "the uppermost rows are missing");
-        assert_eq!(image.pixels[79 * 80 + 60].a(), ramp_ink(false, 0.5).a(), "the lowest is there");
     }
 
     #[test]

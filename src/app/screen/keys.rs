@@ -4,7 +4,7 @@
 //! Nothing is taken from a text field that is being written in; Tab and Space are left to egui once a control has the
 //! focus (Shift+Tab goes there, Escape leaves).
 
-use egui::{Key, Modifiers, Ui};
+use egui::{Event, Key, Modifiers, Ui};
 
 use super::View;
 use crate::app::desk::{Camera, Desk, Look};
@@ -126,7 +126,15 @@ pub fn handle(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Or
             if code == Key::Questionmark { !held.command && !held.alt } else { held.matches_exact(modifiers) }
         };
         let ours = !(focused && matches!(row.deed, Deed::Pause | Deed::Next));
-        ours && ctx.input(|i| row.codes.iter().any(|&code| i.key_pressed(code) && fits(i.modifiers, code)))
+        ours && ctx.input(|i| {
+            // Held down, only the step goes on and on.
+            i.events.iter().any(|event| match *event {
+                Event::Key { key, pressed: true, repeat, modifiers, .. } => {
+                    row.codes.contains(&key) && fits(modifiers, key) && (!repeat || row.deed == Deed::Step)
+                }
+                _ => false,
+            })
+        })
     };
     for row in KEYS.iter().filter(pressed) {
         if row.deed == Deed::Next {

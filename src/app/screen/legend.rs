@@ -14,9 +14,9 @@ use crate::app::desk::Overlays;
 use crate::app::scene::TrailEnd;
 
 const ROW: f32 = 20.0;
-const SWATCH: f32 = 24.0;
+const SWATCH: f32 = 20.0;
 const PAD: f32 = 6.0;
-const BETWEEN: f32 = 18.0;
+const BETWEEN: f32 = 15.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Entry {
@@ -57,8 +57,8 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
         })
         .collect();
     let (mut at, mut widest, mut places) = (pos2(PAD, 0.0), 0.0_f32, Vec::new());
-    for (_, galley) in &entries {
-        let width = SWATCH + 7.0 + galley.size().x;
+    for (entry, galley) in &entries {
+        let width = swatch_width(*entry) + 6.0 + galley.size().x;
         if at.x > PAD && at.x + width + PAD > view.width() {
             at = pos2(PAD, at.y + ROW);
         }
@@ -71,11 +71,16 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
     canvas.strip(strip);
     for ((entry, galley), place) in entries.into_iter().zip(places) {
         let left = strip.min + place.to_vec2() + vec2(0.0, ROW / 2.0);
-        draw_swatch(canvas, entry, Rect::from_min_max(left - vec2(0.0, 5.0), left + vec2(SWATCH, 5.0)));
-        let text = left + vec2(SWATCH + 7.0, -galley.size().y / 2.0);
+        let width = swatch_width(entry);
+        draw_swatch(canvas, entry, Rect::from_min_max(left - vec2(0.0, 5.0), left + vec2(width, 5.0)));
+        let text = left + vec2(width + 6.0, -galley.size().y / 2.0);
         canvas.painter.galley(text, galley, canvas.inks.soft);
     }
     Some(strip)
+}
+
+fn swatch_width(entry: Entry) -> f32 {
+    if entry == Entry::Square { 10.0 } else { SWATCH }
 }
 
 fn words(canvas: &Canvas, entry: Entry) -> String {
@@ -86,7 +91,7 @@ fn words(canvas: &Canvas, entry: Entry) -> String {
         Entry::Trail(TrailEnd::Reached) => "Reached",
         Entry::Trail(TrailEnd::Collided) => "Collided",
         Entry::Trail(TrailEnd::TimedOut) => "Out of time",
-        Entry::Slope => "Down the potential",
+        Entry::Slope => "Down U",
     }
     .into()
 }
@@ -95,10 +100,9 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
     let (painter, inks) = (&canvas.painter, &canvas.inks);
     let (left, right) = (swatch.left_center(), swatch.right_center());
     match entry {
-        // A scale bar of one of the floor's squares would be too long: a square stands for it.
+        // One of the floor's squares, though not as large.
         Entry::Square => {
-            let square = Rect::from_center_size(right - vec2(6.0, 0.0), vec2(10.0, 10.0));
-            painter.rect(square, 0.0, inks.floor, Stroke::new(1.0, inks.soft), StrokeKind::Inside);
+            painter.rect(swatch, 0.0, inks.floor, Stroke::new(1.0, inks.soft), StrokeKind::Inside);
         }
         Entry::Beams => {
             fading(canvas, left, right, 1.5, |part| beam_ink(inks, 1.0 - part));
@@ -110,7 +114,7 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
         Entry::Trail(end) => {
             let ink = outcome_ink(inks, end);
             fading(canvas, left, right, 1.5, |part| ink.gamma_multiply(0.3 + 0.7 * part));
-            outcome_mark(painter, right, end, ink);
+            outcome_mark(painter, right - vec2(3.0, 0.0), end, ink);
         }
         Entry::Slope => {
             let along = vec2(1.0, 0.0);

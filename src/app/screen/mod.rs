@@ -20,7 +20,9 @@ mod plane;
 mod plot_axis;
 mod plot_band;
 mod plot_card;
+mod plot_list;
 mod plots;
+mod press;
 mod q_bars;
 mod readouts;
 mod segments;
@@ -67,21 +69,26 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
     keys::handle(ui, view, desk, orders);
     steer::handle(ui, view, orders);
     let inks = Inks::of(ui);
-    let side = |ui: &Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(14, 0));
+    let side = |ui: &Ui| Frame::side_top_panel(ui.style());
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
     Panel::top("bar").exact_size(BAR_HEIGHT).frame(bar).show(ui, |ui| toolbar::show(ui, view, desk, orders));
+    // Panels can be closed by their edge, and from inside.
     let mut open = desk.setup_open;
-    let panel = Panel::left("setup").exact_size(SETUP_WIDTH).resizable(false).frame(side(ui));
+    let panel = Panel::left("setup")
+        .exact_size(SETUP_WIDTH)
+        .resizable(false)
+        .frame(side(ui).inner_margin(Margin::ZERO));
     panel.show_collapsible(ui, &mut open, |ui| setup::show(ui, view, desk, orders));
-    desk.setup_open = open;
+    desk.setup_open &= open;
     let width = ui.available_width();
     let mut open = desk.plots_open;
     let panel = Panel::right("plots")
         .default_size((width * 0.34).clamp(310.0, 460.0))
         .size_range(240.0..=(width * 0.6).max(260.0))
+        .drag_to_open(false)
         .frame(side(ui).inner_margin(Margin { left: 14, right: 14, top: 10, bottom: 0 }));
     panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, desk, orders));
-    desk.plots_open = open;
+    desk.plots_open &= open;
     let world = CentralPanel::default()
         .frame(Frame::new().fill(inks.paper))
         .show(ui, |ui| world_view::show(ui, view.scene, desk, orders))

@@ -1,6 +1,6 @@
 //! Notices: what went as asked and what didn't, over the foot of the world.
 //!
-//! In: the notices, oldest first. Out: [`Order::Dismiss`] for the oldest, when it is closed.
+//! In: the notices, oldest first. Out: [`Order::Dismiss`], which takes the newest away: it alone can be closed.
 
 use egui::{Align, Align2, Area, Color32, Frame, Id, Layout, Margin, Order as Layer, Rect, Stroke, Ui, vec2};
 
@@ -28,11 +28,9 @@ pub fn show(ui: &mut Ui, world: Rect, notices: &[Notice], orders: &mut Vec<Order
         .show(ui.ctx(), |ui| {
             ui.set_width(width);
             ui.spacing_mut().item_spacing.y = GAP;
-            for (k, notice) in notices.iter().take(MOST).enumerate() {
-                ui.push_id(k, |ui| toast(ui, notice, k == 0, orders));
-            }
-            if notices.len() > MOST {
-                ui.weak(format!("and {} more", notices.len() - MOST));
+            let hidden = notices.len().saturating_sub(MOST);
+            for (k, notice) in notices.iter().enumerate().skip(hidden) {
+                ui.push_id(k, |ui| toast(ui, notice, k + 1 == notices.len(), orders));
             }
         });
 }

@@ -3,7 +3,7 @@
 //! In: what is on. Out: what is to be on.
 
 use egui::{
-    Align2, Color32, FontId, Painter, Rect, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType,
+    Align2, FontId, Mesh, Painter, Rect, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType,
 };
 use egui::{pos2, vec2};
 
@@ -101,25 +101,29 @@ fn sample(painter: &Painter, deed: Deed, rect: Rect, inks: Inks) {
                 );
             }
         }
-        Deed::Potential => shades(painter, rect, [inks.floor, inks.warn, inks.bad], inks.line),
-        Deed::Value => shades(painter, rect, [inks.floor, inks.accent, inks.ink], inks.line),
+        Deed::Potential => {
+            shades(painter, rect, inks);
+            let (from, to) = (at(0.3, 0.5), at(0.7, 0.5));
+            line(from, to, inks.ink);
+            for y in [0.25, 0.75] {
+                line(at(0.56, y), to, inks.ink);
+            }
+        }
+        Deed::Value => shades(painter, rect, inks),
         _ => {}
     }
 }
 
-/// Colours running into each other, from left to right.
-fn shades(painter: &Painter, rect: Rect, [from, by, to]: [Color32; 3], line: Color32) {
-    let steps = 13;
-    for k in 0..steps {
-        let part = k as f32 / (steps - 1) as f32;
-        let ink = if part < 0.5 {
-            from.lerp_to_gamma(by, part * 2.0)
-        } else {
-            by.lerp_to_gamma(to, part * 2.0 - 1.0)
-        };
-        let x = |k: i32| rect.left() + rect.width() * k as f32 / steps as f32;
-        let strip = Rect::from_x_y_ranges(x(k)..=x(k + 1), rect.y_range());
-        painter.rect_filled(strip, 0.0, ink);
+/// The colours of the fields, from the least to the greatest.
+fn shades(painter: &Painter, rect: Rect, inks: Inks) {
+    let [from, to] = inks.field;
+    let mut mesh = Mesh::default();
+    for (x, ink) in [(rect.left(), from), (rect.right(), to)] {
+        mesh.colored_vertex(pos2(x, rect.top()), ink);
+        mesh.colored_vertex(pos2(x, rect.bottom()), ink);
     }
-    painter.rect_stroke(rect, 1.0, Stroke::new(1.0, line), StrokeKind::Inside);
+    mesh.add_triangle(0, 1, 2);
+    mesh.add_triangle(1, 2, 3);
+    painter.add(mesh);
+    painter.rect_stroke(rect, 1.0, Stroke::new(1.0, inks.line), StrokeKind::Inside);
 }

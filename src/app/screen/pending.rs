@@ -34,6 +34,12 @@ impl Pending {
         })
     }
 
+    /// Whether it is another training than the one that runs.
+    pub fn is_another(&self) -> bool {
+        let (scenario, preset, seed) = &self.running;
+        (scenario, preset, seed) != (&self.scenario, &self.preset, &self.seed)
+    }
+
     /// Keeps it for the next frame.
     pub fn store(self, ctx: &Context) {
         ctx.data_mut(|data| data.insert_temp(Self::id(), self));

@@ -41,14 +41,14 @@ impl Plane {
 
     /// Where a point of the world, in m, is on the screen.
     #[must_use]
-    pub fn to_screen(&self, [x_m, y_m]: [f32; 2]) -> Pos2 {
+    pub fn to_screen(self, [x_m, y_m]: [f32; 2]) -> Pos2 {
         let [cx, cy] = self.centre_m;
         self.rect.center() + vec2(x_m - cx, cy - y_m) * self.scale
     }
 
     /// Which point of the world, in m, is at a point of the screen.
     #[must_use]
-    pub fn to_world(&self, at: Pos2) -> [f32; 2] {
+    pub fn to_world(self, at: Pos2) -> [f32; 2] {
         let away = (at - self.rect.center()) / self.scale;
         [self.centre_m[0] + away.x, self.centre_m[1] - away.y]
     }

@@ -73,7 +73,7 @@ impl Scale {
         match self {
             Self::Percent => format!("{}%", number(100.0 * value, 0)),
             Self::Unit => number(value, if value.fract() == 0.0 { 0 } else { 1 }),
-            Self::Linear | Self::FromZero => number(value, (-step.log10().floor()).clamp(0.0, 6.0) as usize),
+            Self::Linear | Self::FromZero => short(value, (-step.log10().floor()).clamp(0.0, 6.0) as usize),
             Self::Decades => power(value.round()),
         }
     }
@@ -88,12 +88,17 @@ impl Scale {
                 format!("{}%", number(percent, usize::from(percent != 100.0)))
             }
             Self::Decades => {
-                let plain = 10.0_f64.powf(value);
-                number(plain, (digits as f64 - 1.0 - value.floor()).clamp(0.0, 9.0) as usize)
+                let decimals = digits as f64 - 1.0 - value.floor();
+                short(10.0_f64.powf(value), decimals.clamp(0.0, 9.0) as usize)
             }
-            Self::Unit | Self::Linear | Self::FromZero => number(value, digits),
+            Self::Unit | Self::Linear | Self::FromZero => short(value, digits),
         }
     }
+}
+
+/// A number with `digits` decimals, or by its power of ten if it is out of all proportion, as when learning diverges.
+fn short(value: f64, digits: usize) -> String {
+    if value.abs() < 1e6 { number(value, digits) } else { format!("{value:.1e}") }
 }
 
 /// 10 to the power of a whole number.
@@ -132,14 +137,14 @@ fn every(step: f64, bounds: (f64, f64)) -> Vec<GridMark> {
 /// A number of env steps in short: 800, 50k, 1.25M.
 #[must_use]
 pub fn env_steps(value: f64) -> String {
-    let short = |value: f64, unit: &str| {
+    let trimmed = |value: f64, unit: &str| {
         let text = format!("{value:.2}");
         format!("{}{unit}", text.trim_end_matches('0').trim_end_matches('.'))
     };
     match value.abs() {
         v if v < 999.5 => number(value, 0),
-        v if v < 999_950.0 => short((value / 100.0).round() / 10.0, "k"),
-        _ => short(value / 1e6, "M"),
+        v if v < 999_950.0 => trimmed((value / 100.0).round() / 10.0, "k"),
+        _ => trimmed(value / 1e6, "M"),
     }
 }
 
@@ -209,5 +214,7 @@ mod tests {
         assert_eq!([-4.0, 0.0, 3.0].map(|value| Scale::Decades.tick(value, 1.0)), ["0.0001", "1", "1,000"]);
         assert_eq!([0.0, 0.5, 1.0].map(|value| Scale::Unit.tick(value, 0.5)), ["0", "0.5", "1"]);
         assert_eq!(Scale::Linear.tick(-0.4, 0.2), "\u{2212}0.4");
+        assert_eq!(Scale::Linear.value(3.21e12, 2), "3.2e12");
+        assert_eq!(Scale::Decades.value(30.0, 2), "1.0e30");
     }
 }

@@ -15,11 +15,12 @@ struct Readout {
     tip: String,
     width: f32,
     large: bool,
+    known: bool,
 }
 
 impl Readout {
     fn new(value: String, caption: impl Into<String>, width: f32, tip: String) -> Self {
-        Self { value, caption: caption.into(), tip, width, large: false }
+        Self { value, caption: caption.into(), tip, width, large: false, known: true }
     }
 }
 
@@ -58,7 +59,11 @@ fn draw(ui: &mut Ui, readout: &Readout) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(readout.width, HEIGHT), Sense::hover());
     let words = format!("{} {}", readout.caption, readout.value);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &words));
-    let (size, ink) = if readout.large { (FIGURE, inks.accent) } else { (BODY, inks.ink) };
+    let (size, ink) = if readout.large {
+        (FIGURE, if readout.known { inks.accent } else { inks.soft })
+    } else {
+        (BODY, inks.ink)
+    };
     // All captions on one line, all figures on another; a larger one hangs lower by what its descenders take.
     let put = |y, text: &String, size, ink| {
         ui.painter().text(pos2(rect.left(), y), Align2::LEFT_BOTTOM, text, FontId::proportional(size), ink);
@@ -81,7 +86,11 @@ fn success(status: &Status) -> Readout {
             "How often the target is reached without random actions: the first test is still to come.".into()
         }
     };
-    Readout { large: true, ..Readout::new(value, "success rate", 84.0, tip) }
+    Readout {
+        large: true,
+        known: status.success_rate.is_some(),
+        ..Readout::new(value, "success rate", 84.0, tip)
+    }
 }
 
 fn episodes(status: &Status) -> Readout {
@@ -110,8 +119,11 @@ fn speed(status: &Status) -> Readout {
     } else {
         format!("{} steps/s", numbers::rate(status.env_steps_per_s))
     };
-    let caption =
-        if status.paused { "–".into() } else { format!("{} real time", numbers::times(status.times_real)) };
+    let caption = if status.paused {
+        "steps/s".into()
+    } else {
+        format!("{} real time", numbers::times(status.times_real))
+    };
     Readout::new(value, caption, 92.0, tip)
 }
 

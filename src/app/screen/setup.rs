@@ -2,37 +2,40 @@
 //!
 //! In: the status and the desk. Out: orders. What is chosen here waits in [`Pending`] until a button is pressed.
 
-use egui::{Button, ComboBox, DragValue, Response, RichText, ScrollArea, Slider, Ui, vec2};
+use egui::{Button, ComboBox, DragValue, Frame, Margin, Response, RichText, ScrollArea, Slider, Ui, vec2};
 
 use super::icons::{self, Icon, Tone};
 use super::keys::{Deed, tip};
 use super::segments::{self, Segment};
-use super::theme::{BODY, GAP, Inks, SMALL};
-use super::{Pending, View, help, overlays};
+use super::theme::{BODY, GAP, SMALL};
+use super::{Pending, View, help, overlays, press};
 use crate::app::desk::{Camera, Desk};
 use crate::app::orders::{Mode, Order, Saved};
 use crate::app::status::{Choice, Status};
 
 /// Draws it.
 pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    // The scroll bar has its place in the margin.
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        ui.add_space(2.0 * GAP);
-        if view.status.mode == Mode::Drive {
-            drive(ui);
-            gap(ui);
-        }
-        let mut pending = Pending::load(ui.ctx(), view.status);
-        training(ui, view.status, &mut pending, orders);
-        pending.store(ui.ctx());
-        gap(ui);
-        title(ui, "Overlays");
-        overlays::show(ui, &mut desk.overlays);
-        gap(ui);
-        framing(ui, view, desk);
-        gap(ui);
-        files(ui, view.status, orders);
-        ui.add_space(2.0 * GAP);
+        Frame::new().inner_margin(Margin::symmetric(14, 12)).show(ui, |ui| content(ui, view, desk, orders));
     });
+}
+
+fn content(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    if view.status.mode == Mode::Drive {
+        drive(ui);
+        gap(ui);
+    }
+    let mut pending = Pending::load(ui.ctx(), view.status);
+    training(ui, view.status, &mut pending, orders);
+    pending.store(ui.ctx());
+    gap(ui);
+    title(ui, "Overlays");
+    overlays::show(ui, &mut desk.overlays);
+    gap(ui);
+    framing(ui, view, desk);
+    gap(ui);
+    files(ui, view.status, orders);
 }
 
 fn training(ui: &mut Ui, status: &Status, pending: &mut Pending, orders: &mut Vec<Order>) {
@@ -44,7 +47,11 @@ fn training(ui: &mut Ui, status: &Status, pending: &mut Pending, orders: &mut Ve
     ui.horizontal(|ui| {
         let side = ui.spacing().interact_size.y;
         let width = ui.available_width() - side - ui.spacing().item_spacing.x;
-        let value = DragValue::new(&mut pending.seed).speed(1.0);
+        // Beyond 2^53 a number loses digits on its way through a drag; what is written is what is meant.
+        let seed = pending.seed;
+        let exact =
+            move |shown: f64, _| if shown == seed as f64 { seed.to_string() } else { format!("{shown:.0}") };
+        let value = DragValue::new(&mut pending.seed).speed(1.0).custom_formatter(exact);
         ui.add_sized(vec2(width, side), value)
             .labelled_by(label.id)
             .on_hover_text("The same seed gives the same training; drag, or click to type");
@@ -53,12 +60,16 @@ fn training(ui: &mut Ui, status: &Status, pending: &mut Pending, orders: &mut Ve
         }
     });
     ui.add_space(GAP);
-    let inks = Inks::of(ui);
-    let text = RichText::new("Start again").color(inks.on_accent);
     let wide = vec2(ui.available_width(), 30.0);
     let about =
         "A new training from nothing, in this world and with this learner; what was learnt is given up";
-    if ui.add_sized(wide, Button::new(text).fill(inks.accent)).on_hover_text(about).clicked() {
+    // Loud only when there is something to begin that isn't going on already.
+    let button = if pending.is_another() {
+        press::primary(ui, "Start again", BODY, wide)
+    } else {
+        ui.add_sized(wide, Button::new("Start again"))
+    };
+    if button.on_hover_text(about).clicked() {
         let (scenario, preset) = (pending.scenario.clone(), pending.preset.clone());
         orders.push(Order::Begin { scenario, preset, seed: pending.seed });
     }

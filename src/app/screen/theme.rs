@@ -48,6 +48,8 @@ pub struct Inks {
     pub bad: Color32,
     /// Neither: out of time, an exploring action, a warning.
     pub warn: Color32,
+    /// Fields over the plane, least and greatest: a hue that nothing else has.
+    pub field: [Color32; 2],
 }
 
 impl Inks {
@@ -70,6 +72,7 @@ impl Inks {
                 good: rgb(0x2b, 0xc2, 0x93),
                 bad: rgb(0xf0, 0x7a, 0x3c),
                 warn: rgb(0xe6, 0xb4, 0x2e),
+                field: [rgb(0x22, 0x21, 0x39), rgb(0xc4, 0x90, 0xd3)],
             }
         } else {
             Self {
@@ -86,6 +89,7 @@ impl Inks {
                 good: rgb(0x00, 0x8a, 0x64),
                 bad: rgb(0xc8, 0x4d, 0x00),
                 warn: rgb(0xa8, 0x76, 0x00),
+                field: [rgb(0xf6, 0xf6, 0xfc), rgb(0x96, 0x5a, 0xac)],
             }
         }
     }

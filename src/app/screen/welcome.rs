@@ -2,9 +2,10 @@
 //!
 //! In: whether anything was learnt yet. Out: [`Order::Pause`] of false.
 
-use egui::{Align2, Area, Button, Frame, Id, Margin, Rect, RichText, Stroke, Ui, vec2};
+use egui::{Align2, Area, Frame, Id, Margin, Rect, RichText, Stroke, Ui, vec2};
 
 use super::View;
+use super::press;
 use super::theme::{HEADING, Inks, SMALL};
 use crate::app::orders::{Mode, Order};
 
@@ -29,9 +30,7 @@ pub fn show(ui: &mut Ui, world: Rect, view: &View<'_>, orders: &mut Vec<Order>) 
             frame.show(ui, |ui| {
                 ui.set_width(210.0);
                 ui.vertical_centered(|ui| {
-                    let text = RichText::new("Start learning").size(HEADING).color(inks.on_accent);
-                    let button = Button::new(text).fill(inks.accent).min_size(vec2(210.0, 42.0));
-                    if ui.add(button).clicked() {
+                    if press::primary(ui, "Start learning", HEADING, vec2(210.0, 42.0)).clicked() {
                         orders.push(Order::Pause(false));
                     }
                     ui.add_space(4.0);

@@ -3,26 +3,23 @@
 //! In: the [`Scene`]. Out: the picture, changes of the [`Desk`] (camera, which arena is followed), and the orders of what
 //! is dragged.
 
-use egui::{
-    Align2, CursorIcon, FontId, Id, Key, Rangef, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2,
-    vec2,
-};
+use egui::{Align2, CursorIcon, FontId, Id, Rangef, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
+
+#[path = "cells.rs"]
+mod cells;
 
 use super::canvas::Canvas;
 use super::field_view::{self, Kind};
 use super::grasp::{self, Grip, Held};
-use super::plane::{Plane, extent_m};
+use super::plane::Plane;
 use super::theme::{BODY, HEADING, Inks, SMALL};
 use super::{arena, beams, legend, q_bars};
 use crate::app::desk::{Camera, Desk};
 use crate::app::orders::Order;
 use crate::app::scene::{ArenaScene, Driver, Scene};
 
-/// Space around the walls in a large view, where the legend and the key to a field are, and in a cell.
+/// Space around the walls in a large view, where the legend and the key to a field are.
 const MARGIN: Vec2 = vec2(18.0, 34.0);
-const CELL_MARGIN: Vec2 = vec2(5.0, 5.0);
-/// Cells from this size on show the beams.
-const BEAMS_FROM: f32 = 190.0;
 
 /// Fills what is left of `ui` with the world.
 pub fn show(ui: &mut Ui, scene: &Scene, desk: &mut Desk, orders: &mut Vec<Order>) {
@@ -33,13 +30,10 @@ pub fn show(ui: &mut Ui, scene: &Scene, desk: &mut Desk, orders: &mut Vec<Order>
     }
     ui.painter_at(rect).rect_filled(rect, 0.0, Inks::of(ui).paper);
     desk.followed = desk.followed.min(scene.arenas.len() - 1);
-    if !ui.ctx().egui_wants_keyboard_input() && ui.input(|input| input.key_pressed(Key::F)) {
-        desk.camera = Camera::default();
-    }
     if is_pair(scene) {
         pair(ui, rect, scene, desk, orders);
     } else if desk.grid && scene.arenas.len() > 1 {
-        grid(ui, rect, scene, desk);
+        cells::grid(ui, rect, scene, desk);
     } else {
         let index = desk.followed;
         let canvas = large(ui, rect, scene, index, desk, orders);
@@ -208,7 +202,7 @@ fn draw_large(
     let beams = overlays.beams && !arena.parked;
     let label = beams.then(|| beams::draw(canvas, scenario, arena)).flatten();
     arena::robot(canvas, scenario, arena);
-    let shown = crate::app::desk::Overlays { potential: potential.is_some(), ..*overlays };
+    let shown = crate::app::desk::Overlays { beams, potential: potential.is_some(), ..*overlays };
     // Of two beside each other, one explains for both.
     let explains = index == 0 || !is_pair(scene);
     let mut taken: Vec<Rect> = label.into_iter().collect();
@@ -238,7 +232,8 @@ fn mark_hand(
         Some(Held { refused: Some(why), to_m, .. }) => {
             ui.ctx().set_cursor_icon(CursorIcon::NoDrop);
             arena::draw_outline(canvas, &outline, inks.bad.gamma_multiply(0.35), Stroke::new(2.0, inks.bad));
-            canvas.chip(canvas.at(to_m) + vec2(0.0, 30.0), Align2::CENTER_TOP, why, inks.bad);
+            let below = vec2(0.0, canvas.plane.length(outline.reach_m()) + 7.0);
+            canvas.chip(canvas.at(to_m) + below, Align2::CENTER_TOP, why, inks.bad);
         }
         Some(_) => {
             ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
@@ -252,105 +247,8 @@ fn mark_hand(
     }
 }
 
+/// What a screen reader calls an arena's view.
 fn name_for_readers(response: &Response, index: usize) {
     let words = format!("Arena {}", index + 1);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, &words));
-}
-
-fn counted(count: u32, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
-}
-
-/// Columns and rows that give `count` cells of the shape `aspect` (width by height) the most size.
-fn columns_rows(count: usize, room: Vec2, aspect: f32) -> (usize, usize) {
-    let size = |columns: usize| {
-        let rows = count.div_ceil(columns);
-        (room.x / columns as f32 / aspect).min(room.y / rows as f32)
-    };
-    let columns =
-        (1..=count.max(1)).max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a))).unwrap_or(1);
-    (columns, count.div_ceil(columns))
-}
-
-fn grid(ui: &Ui, rect: Rect, scene: &Scene, desk: &mut Desk) {
-    let room = rect.shrink(8.0);
-    let [width_m, height_m] = extent_m(&scene.scenario.enclosure);
-    let (columns, rows) = columns_rows(scene.arenas.len(), room.size(), width_m / height_m);
-    let each = vec2(room.width() / columns as f32, room.height() / rows as f32);
-    for (index, arena) in scene.arenas.iter().enumerate() {
-        let (column, row) = ((index % columns) as f32, (index / columns) as f32);
-        let place = Rect::from_min_size(room.min + vec2(column * each.x, row * each.y), each);
-        let cell = place.shrink((each.min_elem() * 0.03).min(4.0));
-        let response = ui.interact(cell, ui.id().with(("cell", index)), Sense::click());
-        name_for_readers(&response, index);
-        if response.clicked() {
-            desk.followed = index;
-            desk.grid = false;
-        }
-        draw_cell(ui, cell, scene, arena, index, desk, response.hovered());
-        let (reached, hit) = (arena.targets_in_all, arena.collisions);
-        response.on_hover_text(format!(
-            "Arena {}: {}, {}. Click to look closer.",
-            index + 1,
-            counted(reached, "target reached", "targets reached"),
-            counted(hit, "collision", "collisions")
-        ));
-    }
-}
-
-fn draw_cell(
-    ui: &Ui,
-    cell: Rect,
-    scene: &Scene,
-    arena: &ArenaScene,
-    index: usize,
-    desk: &Desk,
-    hovered: bool,
-) {
-    let (inks, painter, scenario) = (Inks::of(ui), ui.painter_at(cell.expand(1.5)), &*scene.scenario);
-    painter.rect_filled(cell, 4.0, inks.panel);
-    let caption = if cell.width().min(cell.height()) >= 90.0 { 18.0 } else { 0.0 };
-    let view = Rect::from_min_max(pos2(cell.left(), cell.top() + caption), cell.max);
-    let plane = Plane::new(view, CELL_MARGIN, Camera::default(), &scenario.enclosure);
-    let canvas = Canvas { painter: painter.clone(), plane, inks, small: true };
-    arena::ground(&canvas, scenario);
-    arena::ways(&canvas, arena, &desk.overlays);
-    arena::solids(&canvas, scenario, arena);
-    arena::target(&canvas, scenario, arena);
-    if desk.overlays.beams && !arena.parked && view.size().min_elem() >= BEAMS_FROM {
-        beams::draw(&canvas, scenario, arena);
-    }
-    arena::robot(&canvas, scenario, arena);
-    if caption > 0.0 {
-        let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
-        let y = cell.top() + 2.0 + caption / 2.0;
-        let ink = if index == desk.followed { inks.accent } else { inks.soft };
-        canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), ink);
-        let hit = arena.collisions.to_string();
-        let hit = canvas.small_text(pos2(right, y), Align2::RIGHT_CENTER, &hit, inks.bad);
-        let reached = arena.targets_in_all.to_string();
-        canvas.small_text(pos2(hit.left() - 8.0, y), Align2::RIGHT_CENTER, &reached, inks.good);
-    }
-    let (width, ink) = match (index == desk.followed, hovered) {
-        (true, _) => (2.0, inks.accent),
-        (false, true) => (1.5, inks.soft),
-        (false, false) => (1.0, inks.line),
-    };
-    painter.rect_stroke(cell, 4.0, Stroke::new(width, ink), StrokeKind::Inside);
-    if hovered {
-        ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_grid_wastes_no_room() {
-        assert_eq!(columns_rows(16, vec2(800.0, 800.0), 1.0), (4, 4));
-        assert_eq!(columns_rows(16, vec2(1600.0, 400.0), 1.0), (8, 2));
-        assert_eq!(columns_rows(3, vec2(300.0, 900.0), 1.0), (1, 3));
-        assert_eq!(columns_rows(1, vec2(300.0, 900.0), 2.0), (1, 1));
-    }
 }

@@ -20,6 +20,9 @@ use crate::task::CurrentScenario;
 /// No policy file is longer, in bytes: the most parameters that a network may have, and room for its card.
 const LONGEST_POLICY: u64 = 80 << 20;
 
+/// How a notice begins that says why something cannot be moved to where it is dragged.
+const NOT_THERE: &str = "Not there";
+
 impl Session {
     /// Carries out `order`; what goes wrong becomes a notice.
     pub(super) fn carry_out(&mut self, world: &mut World, order: Order) {
@@ -89,7 +92,14 @@ impl Session {
 
     /// Moves what the user drags, where it can be.
     fn move_by_hand(&mut self, world: &mut World, moved: &Moved) {
-        let Some(deed) = hand::resolve(world, moved) else { return };
+        let deed = match hand::resolve(world, moved) {
+            Ok(deed) => deed,
+            Err(why) => {
+                self.notices.retain(|notice| !notice.text.starts_with(NOT_THERE));
+                return self.tell(Weight::Failed, format!("{NOT_THERE}: {why}"));
+            }
+        };
+        self.notices.retain(|notice| !notice.text.starts_with(NOT_THERE));
         hand::apply(world, &deed);
         if let hand::Deed::Robot { arena, .. } = deed {
             world.resource_mut::<Trails>().lift(arena);

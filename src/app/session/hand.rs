@@ -41,28 +41,40 @@ pub enum Deed {
     },
 }
 
-/// What `moved` comes to in the world as it stands; None if it cannot be done: beyond the walls, in what is solid, or,
-/// for an obstacle, to where no file could put it.
-pub fn resolve(world: &mut World, moved: &Moved) -> Option<Deed> {
+/// What `moved` comes to in the world as it stands.
+///
+/// # Errors
+/// It cannot be done, and why: beyond the walls, in what is solid, or, for an obstacle, to where no file could put it.
+pub fn resolve(world: &mut World, moved: &Moved) -> Result<Deed, String> {
+    let nowhere = || "there is no such thing".to_string();
+    let (Moved::Target { to_m, .. } | Moved::Robot { to_m, .. } | Moved::Obstacle { to_m, .. }) = *moved;
+    if !(to_m.0.is_finite() && to_m.1.is_finite()) {
+        return Err("that is no place".into());
+    }
     let scenario = world.resource::<CurrentScenario>().0.clone();
     match *moved {
         Moved::Target { arena, to_m } => {
-            let room_m = clearance(&scenario, to_m, clock(world, arena)?);
-            (room_m > 0.0).then_some(Deed::Target { arena, to_m })
+            let room_m = clearance(&scenario, to_m, clock(world, arena).ok_or_else(nowhere)?);
+            if room_m > 0.0 { Ok(Deed::Target { arena, to_m }) } else { Err("something stands there".into()) }
         }
         Moved::Robot { arena, to_m } => {
-            let room_m = clearance(&scenario, to_m, clock(world, arena)?);
-            (room_m > scenario.task.collision_range_m).then_some(Deed::Robot { arena, to_m })
+            let room_m = clearance(&scenario, to_m, clock(world, arena).ok_or_else(nowhere)?);
+            let free = room_m > scenario.task.collision_range_m;
+            if free { Ok(Deed::Robot { arena, to_m }) } else { Err("the robot would collide there".into()) }
         }
         Moved::Obstacle { index, to_m } => {
-            let obstacle = scenario.obstacles.get(index)?;
-            let (x, y, _) = pose_at(obstacle, clock(world, 0)?, scenario.task.control_period_s);
+            let obstacle = scenario.obstacles.get(index).ok_or_else(nowhere)?;
+            let clock = clock(world, 0).ok_or_else(nowhere)?;
+            let (x, y, _) = pose_at(obstacle, clock, scenario.task.control_period_s);
             let position_m = match obstacle.motion {
                 ObstacleMotion::Still => to_m,
                 _ => (obstacle.position_m.0 + to_m.0 - x, obstacle.position_m.1 + to_m.1 - y),
             };
-            let changed = with_obstacle_at(&scenario, index, position_m)?;
-            findings(&changed).is_empty().then_some(Deed::Obstacle { index, position_m })
+            let changed = with_obstacle_at(&scenario, index, position_m).ok_or_else(nowhere)?;
+            match findings(&changed).first() {
+                None => Ok(Deed::Obstacle { index, position_m }),
+                Some(finding) => Err(finding.to_string()),
+            }
         }
     }
 }

@@ -10,6 +10,10 @@ use crate::app::orders::Pace;
 /// So long may steps take of one frame: what is left of a 60th of a second is for drawing.
 const BUDGET: Duration = Duration::from_millis(12);
 
+/// Where drawing alone takes longer than a frame at 30 a second, steps may take as long as drawing, but not longer than
+/// this: on a machine that draws slowly, little of its time would be left for learning else.
+const MOST: Duration = Duration::from_millis(50);
+
 /// A frame that took longer than this, in s, is not made up for: the window was hidden, or hung.
 const LONGEST_FRAME_S: f64 = 0.1;
 
@@ -26,13 +30,25 @@ pub struct Pacer {
     owed_s: f64,
     /// What one step is worth, in s.
     period_s: f64,
+    /// So long may steps take of this frame.
+    budget: Duration,
+    /// So long they took of the last.
+    spent: Duration,
 }
 
 impl Pacer {
     /// A pacer that begins at `pace`.
     #[must_use]
     pub fn new(pace: Pace, paused: bool) -> Self {
-        Self { paused, pace, single: false, owed_s: 0.0, period_s: 0.2 }
+        Self {
+            paused,
+            pace,
+            single: false,
+            owed_s: 0.0,
+            period_s: 0.2,
+            budget: BUDGET,
+            spent: Duration::ZERO,
+        }
     }
 
     /// One step, and then stand still.
@@ -44,6 +60,9 @@ impl Pacer {
     /// A frame begins, `real_s` after the last; a step is worth `period_s`.
     pub fn begin_frame(&mut self, real_s: f64, period_s: f64) {
         self.period_s = period_s;
+        let drawing = Duration::from_secs_f64(real_s.clamp(0.0, 1.0)).saturating_sub(self.spent);
+        self.budget = if drawing > Duration::from_millis(33) { drawing.min(MOST) } else { BUDGET };
+        self.spent = Duration::ZERO;
         if let (false, Pace::Times(times)) = (self.paused, self.pace) {
             self.owed_s += real_s.clamp(0.0, LONGEST_FRAME_S) * f64::from(times.max(0.0));
         }
@@ -51,6 +70,7 @@ impl Pacer {
 
     /// Whether to step once more in this frame, which has stepped for `spent` already.
     pub fn next(&mut self, spent: Duration) -> bool {
+        self.spent = spent;
         if std::mem::take(&mut self.single) {
             self.owed_s = self.period_s;
             return true;
@@ -61,10 +81,10 @@ impl Pacer {
         match self.pace {
             Pace::Full => {
                 self.owed_s = self.period_s;
-                spent < BUDGET
+                spent < self.budget
             }
             Pace::Times(_) if self.owed_s < self.period_s => false,
-            Pace::Times(_) if spent >= BUDGET => {
+            Pace::Times(_) if spent >= self.budget => {
                 // It doesn't go any quicker on this machine; what could not be stepped is let go.
                 self.owed_s = self.owed_s.min(self.period_s);
                 false
@@ -115,13 +135,25 @@ mod tests {
     #[test]
     fn steps_end_with_the_budget_and_leave_no_debt() {
         let mut pacer = Pacer::new(Pace::Times(100.0), false);
-        pacer.begin_frame(0.1, 0.2);
+        pacer.begin_frame(0.016, 0.2);
         assert!(pacer.next(Duration::ZERO) && !pacer.next(BUDGET));
         let later = steps_in(&mut pacer, 0.0);
         assert_eq!(later, 1, "one step is owed at most");
         let mut full = Pacer::new(Pace::Full, false);
         full.begin_frame(0.016, 0.2);
         assert!(full.next(Duration::ZERO) && !full.next(BUDGET));
+    }
+
+    #[test]
+    fn where_drawing_is_slow_learning_gets_its_share() {
+        let mut pacer = Pacer::new(Pace::Full, false);
+        let after = |milliseconds| Duration::from_millis(milliseconds);
+        pacer.begin_frame(0.140, 0.2);
+        assert!(pacer.next(after(49)) && !pacer.next(after(50)), "never over 50 ms");
+        pacer.begin_frame(0.090, 0.2);
+        assert!(pacer.next(after(39)) && !pacer.next(after(41)), "of 90 ms 50 were steps: 40 of drawing");
+        pacer.begin_frame(0.055, 0.2);
+        assert!(!pacer.next(after(12)), "of 55 ms 41 were steps: drawing is quick");
     }
 
     #[test]
