@@ -16,7 +16,7 @@ use clap::{ArgGroup, Parser};
 use crate::app::{
     desk::{Look, Overlays},
     orders::Pace,
-    session::First,
+    session::{First, journal},
     window::{self, Opening, Picture},
 };
 use crate::learning::Policy;
@@ -154,6 +154,11 @@ struct Arguments {
     #[arg(long, value_name = "WxH", help_heading = "Window", conflicts_with = "mode", value_parser = size)]
     size: Option<(f32, f32)>,
 
+    /// Train again what was trained and saved in the window, changes by hand included, and see whether it comes out the same
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "DIR", help_heading = "Window", conflicts_with_all = ["mode", "scenario", "preset", "seed"])]
+    replay: Option<PathBuf>,
+
     /// Write a picture of the window to a PNG file, and end
     #[cfg(feature = "window")]
     #[arg(long, value_name = "FILE", help_heading = "Window", conflicts_with = "mode")]
@@ -239,6 +244,9 @@ fn window_command(_: Arguments) -> Result<(), RunError> {
 
 #[cfg(feature = "window")]
 fn window_command(arguments: Arguments) -> Result<(), RunError> {
+    if let Some(folder) = &arguments.replay {
+        return replay_command(folder);
+    }
     let usual = First::default();
     let first = First {
         scenario: arguments.scenario.unwrap_or(usual.scenario),
@@ -271,6 +279,20 @@ fn window_command(arguments: Arguments) -> Result<(), RunError> {
         grid: asked.then(|| shows(ShowArgument::Grid)),
         size: arguments.size,
     })
+}
+
+#[cfg(feature = "window")]
+fn replay_command(folder: &Path) -> Result<(), RunError> {
+    let replayed = journal::verify(folder)?;
+    let (steps, deeds) = (replayed.steps, replayed.deeds);
+    if replayed.same {
+        return say(&format!("{steps} control steps, {deeds} changes by hand: the same to the bit\n"));
+    }
+    Err(RunError::Failed(format!(
+        "{}: {steps} control steps and {deeds} changes by hand came out otherwise than in its checkpoint: it was made by \
+         another version, on another kind of CPU, or changed since",
+        folder.display()
+    )))
 }
 
 /// What `--look` takes.

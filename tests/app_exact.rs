@@ -11,7 +11,8 @@ use std::time::Duration;
 
 use wayfield::agent::Trainer;
 use wayfield::app::desk::Overlays;
-use wayfield::app::orders::{Mode, Moved, Order, Pace};
+use wayfield::app::orders::{Mode, Moved, Order, Pace, Saved};
+use wayfield::app::session::journal::{Replayed, verify};
 use wayfield::app::session::{First, Session};
 use wayfield::learning::Learner;
 use wayfield::run::{shipped, simulation};
@@ -158,7 +159,7 @@ fn a_saved_run_goes_on_as_if_it_had_not_been_saved() {
     let mut studio = Studio::new(first(8));
     studio.order(Order::Pause(true));
     studio.step_to(500);
-    studio.order(Order::Save(wayfield::app::orders::Saved::Run, run.clone()));
+    studio.order(Order::Save(Saved::Run, run.clone()));
     studio.frame(Duration::from_millis(10));
     assert_eq!(studio.complaints(), Vec::<String>::new());
     studio.step_to(700);
@@ -169,8 +170,94 @@ fn a_saved_run_goes_on_as_if_it_had_not_been_saved() {
     other.order(Order::Open(run));
     other.frame(Duration::from_millis(10));
     assert_eq!(other.complaints(), Vec::<String>::new());
-    other.step_to(200);
+    other.step_to(700);
     assert!(state(other.world()) == whole, "500 steps, saved, opened, 200 more: the same as 700");
     let session: &Session = other.session();
     assert_eq!(session.config.seed, 8);
+}
+
+#[test]
+fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (first_run, second_run) = (folder.path().join("first"), folder.path().join("second"));
+    let mut studio = Studio::new(first(9));
+    studio.order(Order::Pause(true));
+    studio.step_to(120);
+    studio.order(Order::Move(Moved::Target { arena: 2, to_m: (1.5, 0.1) }));
+    studio.step_to(200);
+    studio.order(Order::Save(Saved::Run, first_run.clone()));
+    studio.frame(Duration::from_millis(10));
+    assert_eq!(studio.complaints(), Vec::<String>::new());
+    assert_eq!(verify(&first_run), Ok(Replayed { steps: 200, deeds: 1, same: true }));
+
+    let mut other = Studio::new(first(1));
+    other.order(Order::Pause(true));
+    other.order(Order::Open(first_run.clone()));
+    other.frame(Duration::from_millis(10));
+    nudge(&mut other, 0);
+    other.step_to(260);
+    other.order(Order::Save(Saved::Run, second_run.clone()));
+    other.frame(Duration::from_millis(10));
+    assert_eq!(other.complaints(), Vec::<String>::new());
+    assert_eq!(verify(&second_run), Ok(Replayed { steps: 260, deeds: 2, same: true }));
+
+    // A journal that says something else is found out.
+    let journal = second_run.join("journal.ron");
+    let text = std::fs::read_to_string(&journal).expect("it is there");
+    std::fs::write(&journal, text.replace("after_steps: 120", "after_steps: 121")).expect("it is written");
+    assert_eq!(verify(&second_run).map(|replayed| replayed.same), Ok(false));
+}
+
+#[test]
+fn transfer_keeps_the_weights_and_can_be_replayed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = folder.path().join("run");
+    let mut studio = Studio::new(First { scenario: "scenario-1".into(), ..first(10) });
+    studio.order(Order::Pause(true));
+    studio.step_to(150);
+    let weights = |studio: &mut Studio| {
+        studio.world().resource::<Trainer>().0.network().parameters().to_vec()
+    };
+    let before = weights(&mut studio);
+    studio.order(Order::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 });
+    studio.frame(Duration::from_millis(10));
+    assert_eq!(studio.complaints(), Vec::<String>::new());
+    assert!(weights(&mut studio) == before, "it goes on with what it has learnt");
+    let epsilon = studio.world().resource::<Trainer>().0.epsilon();
+    assert!((epsilon - 0.5).abs() < 1e-6, "and explores from 0.5: {epsilon}");
+    assert_eq!((studio.session().config.scenario.name.as_str(), studio.steps()), ("Scenario II", 0));
+    studio.step_to(90);
+    studio.order(Order::Save(Saved::Run, run.clone()));
+    studio.frame(Duration::from_millis(10));
+    assert_eq!(studio.complaints(), Vec::<String>::new());
+    assert_eq!(verify(&run), Ok(Replayed { steps: 90, deeds: 0, same: true }));
+}
+
+#[test]
+fn what_cannot_be_opened_is_told_and_everything_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut studio = Studio::new(first(11));
+    studio.order(Order::Pause(true));
+    studio.step_to(20);
+    let before = state(studio.world());
+    for (name, content, told) in [
+        ("world.ron", "(name: \"A\", radius_cm: 1)", "world.ron:1:13"),
+        ("policy.safetensors", "nonsense", "not a safetensors file"),
+        ("notes.txt", "", "neither a policy"),
+    ] {
+        let file = folder.path().join(name);
+        std::fs::write(&file, content).expect("it is written");
+        studio.order(Order::Open(file));
+        studio.frame(Duration::from_millis(10));
+        let complaints = studio.complaints();
+        assert!(complaints.iter().any(|complaint| complaint.contains(told)), "{complaints:?}");
+    }
+    studio.order(Order::Open(folder.path().to_path_buf()));
+    studio.order(Order::Open(folder.path().join("missing.ron")));
+    studio.order(Order::SetMode(Mode::Compare));
+    studio.order(Order::Save(Saved::Policy, folder.path().join("nowhere/policy.safetensors")));
+    studio.frame(Duration::from_millis(10));
+    assert_eq!(studio.complaints().len(), 4, "no more than four at a time: {:?}", studio.complaints());
+    assert!(state(studio.world()) == before, "the training is as it was");
+    studio.step_to(30);
 }

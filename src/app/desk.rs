@@ -75,6 +75,8 @@ pub struct Desk {
     pub setup_open: bool,
     /// The panel on the right is open.
     pub plots_open: bool,
+    /// That panel's width in points, if the user has chosen one.
+    pub plots_width: Option<f32>,
     /// The list of keys is open.
     #[serde(skip)]
     pub help_open: bool,
@@ -90,6 +92,7 @@ impl Default for Desk {
             camera: Camera::default(),
             setup_open: true,
             plots_open: true,
+            plots_width: None,
             help_open: false,
         }
     }

@@ -3,6 +3,7 @@
 //! In: the orders that ask for one. Out: the orders that name the file. A dialog runs beside the app; nothing waits for it.
 
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use bevy::ecs::system::NonSendMarker;
 use bevy::prelude::*;
@@ -11,11 +12,22 @@ use rfd::AsyncFileDialog;
 
 use super::orders::{Order, Saved};
 use super::session::Session;
+use super::status::Weight;
+
+/// A dialog that was closed sooner than this was never there: nobody is so quick.
+const SOONEST: Duration = Duration::from_millis(250);
 
 /// The dialog that is open, if one is.
 #[derive(Resource, Default)]
 pub struct Dialogs {
-    open: Option<(Task<Option<PathBuf>>, Option<Saved>)>,
+    open: Option<Dialog>,
+}
+
+struct Dialog {
+    asking: Task<Option<PathBuf>>,
+    /// What is to be saved; None: something is to be opened.
+    what: Option<Saved>,
+    since: Instant,
 }
 
 /// Opens the dialogs that are asked for, and answers with what was chosen. (On some systems a dialog belongs to the main
@@ -24,20 +36,27 @@ pub(super) fn answer(
     _main_thread: NonSendMarker,
     mut messages: ResMut<Messages<Order>>,
     mut seen: Local<bevy::ecs::message::MessageCursor<Order>>,
-    session: Option<Res<Session>>,
+    mut session: ResMut<Session>,
     mut dialogs: ResMut<Dialogs>,
 ) {
-    if let Some((task, what)) = &mut dialogs.open
-        && let Some(chosen) = block_on(poll_once(task))
+    if let Some(dialog) = &mut dialogs.open
+        && let Some(chosen) = block_on(poll_once(&mut dialog.asking))
     {
-        let what = *what;
-        dialogs.open = None;
-        if let Some(path) = chosen {
-            messages.write(match what {
-                Some(what) => Order::Save(what, path),
-                None => Order::Open(path),
-            });
+        match (chosen, dialog.what) {
+            (Some(path), Some(what)) => {
+                messages.write(Order::Save(what, path));
+            }
+            (Some(path), None) => {
+                messages.write(Order::Open(path));
+            }
+            (None, _) if dialog.since.elapsed() < SOONEST => session.tell(
+                Weight::Failed,
+                "This system shows no file dialog: drop a file on the window to open it, or start with --open FILE. \
+                 (On Linux a desktop portal or zenity shows them.)",
+            ),
+            (None, _) => {}
         }
+        dialogs.open = None;
     }
     let asked = seen.read(&messages).find_map(|order| match order {
         Order::OpenDialog => Some(None),
@@ -45,10 +64,8 @@ pub(super) fn answer(
         _ => None,
     });
     if let (None, Some(what)) = (&dialogs.open, asked) {
-        let name = session.map_or_else(String::new, |session| {
-            format!("{}-{}", session.config.scenario_name(), session.config.preset_name())
-        });
-        dialogs.open = Some((ask(what, &name), what));
+        let name = format!("{}-{}", session.config.scenario_name(), session.config.preset_name());
+        dialogs.open = Some(Dialog { asking: ask(what, &name), what, since: Instant::now() });
     }
 }
 

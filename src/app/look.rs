@@ -180,7 +180,8 @@ fn status(session: &Session, trainer: &Trainer, scenarios: Vec<Choice>, presets:
         simulated_s: session.journal.steps as f64 * period_s,
         frames_per_s,
         opened: session.opened.as_ref().map(|(name, _)| name.clone()),
-        notices: session.notices.clone(),
+        notices: session.notices(),
+        restart_discards: session.would_discard(learner.env_steps()),
         dialogs: true,
     }
 }

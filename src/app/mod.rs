@@ -14,9 +14,10 @@
 //! | `screen/` | all that is drawn, by egui: the world, the plots, the panels |
 //! | `orders.rs` | all that the user's hand can ask for |
 //! | `desk.rs` | what the user has chosen to look at; `preferences.rs` remembers it |
-//! | `window.rs` | the window itself, and pictures of it |
+//! | `window.rs`, `blending.rs` | the window itself, its colours, and pictures of it |
 //! | `files.rs` | dialogs |
 
+mod blending;
 pub mod desk;
 mod fields;
 mod files;

@@ -100,8 +100,8 @@ pub enum Order {
     SaveDialog(Saved),
     /// Saves it there.
     Save(Saved, PathBuf),
-    /// A notice was read.
-    Dismiss,
+    /// A notice was read: its index among the status's.
+    Dismiss(usize),
 }
 
 /// What can be saved.

@@ -80,6 +80,8 @@ pub struct Status {
     pub opened: Option<String>,
     /// What the user should know.
     pub notices: Vec<Notice>,
+    /// A training of some worth, not saved as it stands, would be gone if another began.
+    pub restart_discards: bool,
     /// Whether files can be asked for by a dialog here.
     pub dialogs: bool,
 }

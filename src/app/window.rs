@@ -18,7 +18,7 @@ use super::orders::Order;
 use super::preferences::{self, Preferences};
 use super::screen::{self, View, theme};
 use super::session::{Curves, First, Session};
-use super::{OnDesk, Shown, StudioPlugin, files};
+use super::{OnDesk, Shown, StudioPlugin, blending, files};
 use crate::run::RunError;
 
 /// A picture of the window, after which the app ends.
@@ -114,11 +114,9 @@ impl Plugin for WindowedPlugin {
         .add_plugins(StudioPlugin { first: opening.first.clone() })
         .insert_resource(ClearColor(Color::BLACK))
         .insert_resource(WinitSettings::game())
-        .add_systems(Startup, |mut commands: Commands| {
-            commands.spawn(Camera2d);
-        })
+        .add_systems(Startup, blending::spawn_camera)
         .add_systems(EguiPrimaryContextPass, draw)
-        .add_systems(PreUpdate, (take_dropped_files, files::answer).chain())
+        .add_systems(PreUpdate, (take_dropped_files, files::answer.run_if(resource_exists::<Session>)).chain())
         .add_systems(Update, rest_while_paused);
         match &opening.picture {
             Some(picture) => {
@@ -148,11 +146,6 @@ fn draw(
         return Ok(());
     }
     let Some((scene, status)) = &shown.now else { return Ok(()) };
-    context.set_theme(match desk.0.look {
-        Look::System => egui::ThemePreference::System,
-        Look::Light => egui::ThemePreference::Light,
-        Look::Dark => egui::ThemePreference::Dark,
-    });
     let place = egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.content_rect());
     let mut ui = egui::Ui::new(context.clone(), "window".into(), place);
     let mut asked = Vec::new();

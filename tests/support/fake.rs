@@ -200,7 +200,7 @@ fn status() -> Status {
         gradient_steps: 39_060,
         budget_env_steps: Some(400_000),
         epsilon: 0.12,
-        success_rate: Some(0.935),
+        success_rate: Some(0.946_5),
         best_success_rate: Some(0.96),
         env_steps_per_s: 1_600.0,
         times_real: 20.0,
@@ -208,6 +208,7 @@ fn status() -> Status {
         frames_per_s: 60.0,
         opened: None,
         notices: Vec::new(),
+        restart_discards: false,
         dialogs: true,
     }
 }

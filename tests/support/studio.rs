@@ -37,9 +37,15 @@ impl Studio {
             screen::theme::install(&self.egui);
         }
         self.frames += 1;
+        self.draw();
+    }
+
+    /// Draws the screen once more; gives the number of triangles.
+    pub fn draw(&mut self) -> usize {
         let world = self.app.world_mut();
         let mut desk = world.resource::<OnDesk>().0.clone();
         let mut asked = Vec::new();
+        let mut triangles = 0;
         if let Some((scene, status)) = &world.resource::<Shown>().now {
             let view = View { scene, status, history: &world.resource::<Curves>().0 };
             let size = egui::vec2(1280.0, 800.0);
@@ -47,12 +53,18 @@ impl Studio {
                 screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
                 ..Default::default()
             };
-            let _ = self.egui.run_ui(input, |ui| screen::show(ui, &view, &mut desk, &mut asked));
+            let drawn = self.egui.run_ui(input, |ui| screen::show(ui, &view, &mut desk, &mut asked));
+            for drawn in self.egui.tessellate(drawn.shapes, drawn.pixels_per_point) {
+                if let egui::epaint::Primitive::Mesh(mesh) = drawn.primitive {
+                    triangles += mesh.indices.len() / 3;
+                }
+            }
         }
         world.resource_mut::<OnDesk>().0 = desk;
         for order in asked {
             self.order(order);
         }
+        triangles
     }
 
     /// Asks for something, which the next frame carries out.
@@ -69,7 +81,7 @@ impl Studio {
     }
 
     /// Control steps of the training so far.
-    pub fn steps(&mut self) -> u64 {
+    pub fn steps(&self) -> u64 {
         self.app.world().get_resource::<Session>().map_or(0, |session| session.journal.steps)
     }
 
@@ -80,8 +92,8 @@ impl Studio {
 
     /// What was told of failures.
     pub fn complaints(&self) -> Vec<String> {
-        let failed = self.session().notices.iter().filter(|notice| notice.weight == Weight::Failed);
-        failed.map(|notice| notice.text.clone()).collect()
+        let told = self.session().notices().into_iter();
+        told.filter(|notice| notice.weight == Weight::Failed).map(|notice| notice.text).collect()
     }
 
     /// What the user looks at.

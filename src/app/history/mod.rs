@@ -15,10 +15,11 @@ use std::path::Path;
 
 pub use self::marks::Mark;
 pub use self::series::{CAPACITY, Series, Trailing, WINDOW};
-use self::spool::{Spool, whole_file};
+use self::spool::Spool;
 use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 use crate::report::raster::png;
 use crate::run::checkpoint::Best;
+use crate::run::folder::write_whole;
 use crate::run::records::{EpisodeRow, EvaluationRow};
 
 /// The PNG is drawn from so many episodes at most; of more, every n-th is taken.
@@ -226,7 +227,7 @@ impl History {
     /// # Errors
     /// The rows could not be kept, or the file cannot be written.
     pub fn write_csv(&mut self, to: &Path) -> io::Result<()> {
-        whole_file(to, |file| self.rows.copy(file))
+        write_whole(to, |file| self.rows.copy(file))
     }
 
     /// Draws the learning curve under `title`, as a PNG of 1800 pixels across.
@@ -237,6 +238,6 @@ impl History {
         let (episodes, evaluations) = self.curve_points();
         let svg = learning_curve_svg(title, &episodes, &evaluations, Best::AS_GOOD);
         let bytes = svg.and_then(|svg| png(&svg, 1.0)).map_err(|error| error.to_string())?;
-        whole_file(to, |file| file.write_all(&bytes)).map_err(|error| error.to_string())
+        write_whole(to, |file| file.write_all(&bytes)).map_err(|error| error.to_string())
     }
 }

@@ -4,12 +4,13 @@
 //! temporary and has no name: it is gone with the window, however that ends.
 
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, Seek, SeekFrom, Write};
 use std::marker::PhantomData;
-use std::path::Path;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+
+use crate::run::folder::header;
 
 /// Rows on the disk. If the disk fails, the first failure is told to whoever asks for the rows, and all else goes on.
 pub struct Spool<Row> {
@@ -23,7 +24,7 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
     pub fn new() -> Self {
         let begin = || -> io::Result<_> {
             let mut file = tempfile::tempfile()?;
-            file.write_all(&header::<Row>()?)?;
+            file.write_all(header::<Row>()?.as_bytes())?;
             Ok(csv::WriterBuilder::new().has_headers(false).from_writer(file))
         };
         Self { file: begin().map_err(|error| error.to_string()), row: PhantomData }
@@ -69,45 +70,4 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
         file.seek(SeekFrom::End(0))?;
         result
     }
-}
-
-/// The line of column names.
-fn header<Row: Serialize + Default>() -> io::Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.serialize(Row::default()).map_err(io::Error::other)?;
-    let mut bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
-    let end = bytes.iter().position(|&byte| byte == b'\n').map_or(bytes.len(), |at| at + 1);
-    bytes.truncate(end);
-    Ok(bytes)
-}
-
-/// Writes the file `to` by `write`: whole or not at all; an older one is replaced at the end.
-///
-/// # Errors
-/// It cannot be written.
-pub fn whole_file(
-    to: &Path,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
-) -> io::Result<()> {
-    let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut temporary = tempfile::NamedTempFile::new_in(folder)?;
-    let mut writer = BufWriter::new(temporary.as_file_mut());
-    write(&mut writer)?;
-    writer.flush()?;
-    drop(writer);
-    make_readable(temporary.path())?;
-    temporary.persist(to).map_err(|error| error.error)?;
-    Ok(())
-}
-
-/// Temporary files are made private; what is saved is as readable as any file.
-#[cfg(unix)]
-fn make_readable(path: &Path) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &Path) -> io::Result<()> {
-    Ok(())
 }

@@ -2,45 +2,34 @@
 //!
 //! In: what there is to see ([`View`]) and what the user looks at ([`Desk`]). Out: [`Order`]s. Nothing here reaches the
 //! world or the learner, so nothing that is opened, hovered or pressed can touch what is learnt but by an order.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `world/` | the middle: the arenas, what is drawn over them, and the hand on them |
+//! | `plots/` | the right: how the learning goes |
+//! | `panels/` | the bar at the top, the setup on the left, notices, help |
+//! | `keys.rs` | the keyboard: which key does what |
+//! | `theme.rs` | the typeface, the scale of type, the colours |
+//! | `icons.rs` | the icons, and the buttons that bear them |
+//! | `numbers.rs` | numbers for people |
 
-mod arena;
-mod beams;
-mod canvas;
-mod field_view;
-mod grasp;
-mod help;
 mod icons;
 mod keys;
-mod legend;
-mod notices;
 mod numbers;
-mod overlays;
-mod pending;
-mod plane;
-mod plot_axis;
-mod plot_band;
-mod plot_card;
-mod plot_list;
+mod panels;
 mod plots;
-mod press;
-mod q_bars;
-mod readouts;
-mod segments;
-mod setup;
-mod steer;
 pub mod theme;
-mod toolbar;
-mod welcome;
-mod world_view;
+mod world;
 
-use egui::{CentralPanel, Frame, Margin, Panel, ThemePreference, Ui};
+use egui::containers::panel::PanelState;
+use egui::{CentralPanel, Frame, Id, Margin, Panel, Rangef, ThemePreference, Ui};
 
 use super::desk::{Desk, Look};
 use super::history::History;
 use super::orders::Order;
 use super::scene::Scene;
 use super::status::Status;
-use pending::Pending;
+use panels::{help, notices, setup, toolbar};
 use theme::Inks;
 
 /// What there is to see this frame.
@@ -56,6 +45,7 @@ pub struct View<'a> {
 
 const SETUP_WIDTH: f32 = 248.0;
 const BAR_HEIGHT: f32 = 56.0;
+const PLOTS_LEAST: f32 = 240.0;
 
 /// Draws the window into `ui`, and writes down what the user asks for. The typeface and the colours are those of
 /// [`theme::install`].
@@ -67,7 +57,7 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
     });
     desk.followed = desk.followed.min(view.scene.arenas.len().saturating_sub(1));
     keys::handle(ui, view, desk, orders);
-    steer::handle(ui, view, orders);
+    world::steer::handle(ui, view, orders);
     let inks = Inks::of(ui);
     let side = |ui: &Ui| Frame::side_top_panel(ui.style());
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
@@ -80,21 +70,37 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
         .frame(side(ui).inner_margin(Margin::ZERO));
     panel.show_collapsible(ui, &mut open, |ui| setup::show(ui, view, desk, orders));
     desk.setup_open &= open;
-    let width = ui.available_width();
-    let mut open = desk.plots_open;
-    let panel = Panel::right("plots")
-        .default_size((width * 0.34).clamp(310.0, 460.0))
-        .size_range(240.0..=(width * 0.6).max(260.0))
-        .drag_to_open(false)
-        .frame(side(ui).inner_margin(Margin { left: 14, right: 14, top: 10, bottom: 0 }));
-    panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, desk, orders));
-    desk.plots_open &= open;
-    let world = CentralPanel::default()
+    plots_panel(ui, view, desk, orders);
+    let middle = CentralPanel::default()
         .frame(Frame::new().fill(inks.paper))
-        .show(ui, |ui| world_view::show(ui, view.scene, desk, orders))
+        .show(ui, |ui| world::show(ui, view.scene, desk, orders))
         .response
         .rect;
-    welcome::show(ui, world, view, orders);
-    notices::show(ui, world, &view.status.notices, orders);
+    world::welcome::show(ui, middle, view, orders);
+    notices::show(ui, middle, &view.status.notices, orders);
     help::show(ui, &mut desk.help_open);
+}
+
+/// The panel on the right; the user may drag its edge, and finds it as it was left.
+fn plots_panel(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    let id = Id::new("plots");
+    let width = |ui: &Ui| PanelState::load(ui.ctx(), id).map(|panel| panel.size().x);
+    let (before, room) = (width(ui), ui.available_width());
+    let range = Rangef::new(PLOTS_LEAST, (room * 0.6).max(PLOTS_LEAST + 20.0));
+    let wanted =
+        desk.plots_width.filter(|width| width.is_finite()).unwrap_or((room * 0.34).clamp(310.0, 460.0));
+    let mut open = desk.plots_open;
+    let frame = Frame::side_top_panel(ui.style());
+    let panel = Panel::right(id)
+        .default_size(range.clamp(wanted))
+        .size_range(range)
+        .drag_to_open(false)
+        .frame(frame.inner_margin(Margin { left: 14, right: 4, top: 10, bottom: 0 }));
+    panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, orders));
+    // egui takes note of the width when the edge is let go; a window made smaller is not the user's choice.
+    let after = width(ui);
+    if open && before.is_some() && after != before && ui.input(|i| i.pointer.any_released()) {
+        desk.plots_width = after;
+    }
+    desk.plots_open &= open;
 }

@@ -2,14 +2,14 @@
 //!
 //! In: counts and shares. Out: text whose width hardly changes while they do.
 
-/// 12,345, and from a million on 1.23 M.
+/// 12,345, and from a million on 1.23M.
 pub fn count(n: u64) -> String {
     if n >= 1_000_000 {
         let scaled = n as f64;
         return if n < 1_000_000_000 {
-            format!("{:.2} M", scaled / 1e6)
+            format!("{:.2}M", scaled / 1e6)
         } else {
-            format!("{:.2} G", scaled / 1e9)
+            format!("{:.2}G", scaled / 1e9)
         };
     }
     if n >= 1000 { format!("{},{:03}", n / 1000, n % 1000) } else { n.to_string() }
@@ -29,10 +29,10 @@ pub fn times(factor: f64) -> String {
     }
 }
 
-/// 0.987 as 98.7 %, a whole one without a fraction.
+/// 0.987 as 98.7%. Rounded down: 100% is said only if nothing ever failed.
 pub fn percent(share: f64) -> String {
-    let tenths = (share * 1000.0).round();
-    if tenths % 10.0 == 0.0 { format!("{:.0} %", share * 100.0) } else { format!("{:.1} %", share * 100.0) }
+    let percent = (share * 1000.0 + 1e-9).floor() / 10.0;
+    if percent.is_finite() { format!("{percent:.*}%", usize::from(percent != 100.0)) } else { "–".into() }
 }
 
 #[cfg(test)]
@@ -42,9 +42,10 @@ mod tests {
     #[test]
     fn numbers_are_grouped_and_short() {
         assert_eq!([0, 999, 1000, 12_345, 999_999].map(count), ["0", "999", "1,000", "12,345", "999,999"]);
-        assert_eq!([1_234_567, 2_500_000_000].map(count), ["1.23 M", "2.50 G"]);
+        assert_eq!([1_234_567, 2_500_000_000].map(count), ["1.23M", "2.50G"]);
         assert_eq!([f64::NAN, -3.0, 1234.5].map(rate), ["–", "0", "1,235"]);
         assert_eq!([0.97, 12.4, 1234.0].map(times), ["1.0×", "12×", "1,234×"]);
-        assert_eq!([0.0, 0.987, 1.0].map(percent), ["0 %", "98.7 %", "100 %"]);
+        assert_eq!([0.0, 0.987, 1.0].map(percent), ["0.0%", "98.7%", "100%"]);
+        assert_eq!([0.9996, f64::NAN].map(percent), ["99.9%", "–"]);
     }
 }

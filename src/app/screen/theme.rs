@@ -30,6 +30,8 @@ pub struct Inks {
     pub raised: Color32,
     /// The floor of an arena.
     pub floor: Color32,
+    /// Its lines: fainter than the faintest beam.
+    pub grid: Color32,
     /// Text and outlines.
     pub ink: Color32,
     /// Captions, axes: what is to be read second.
@@ -63,6 +65,7 @@ impl Inks {
                 panel: rgb(0x17, 0x1c, 0x21),
                 raised: rgb(0x23, 0x2a, 0x32),
                 floor: rgb(0x1b, 0x21, 0x27),
+                grid: rgb(0x23, 0x2a, 0x31),
                 ink: rgb(0xe2, 0xe7, 0xec),
                 soft: rgb(0x98, 0xa4, 0xb0),
                 line: rgb(0x2f, 0x37, 0x40),
@@ -80,6 +83,7 @@ impl Inks {
                 panel: rgb(0xf8, 0xf9, 0xfb),
                 raised: rgb(0xff, 0xff, 0xff),
                 floor: rgb(0xff, 0xff, 0xff),
+                grid: rgb(0xf1, 0xf4, 0xf6),
                 ink: rgb(0x1c, 0x21, 0x26),
                 soft: rgb(0x5a, 0x63, 0x6d),
                 line: rgb(0xd4, 0xda, 0xe0),
@@ -170,6 +174,7 @@ fn dress(style: &mut egui::Style, inks: Inks) {
     }
     v.weak_text_color = Some(inks.soft);
     v.slider_trailing_fill = true;
+    v.handle_shape = egui::style::HandleShape::Circle;
     for shadow in [&mut v.window_shadow, &mut v.popup_shadow] {
         *shadow = Shadow {
             offset: [0, 3],

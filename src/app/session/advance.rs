@@ -37,6 +37,7 @@ pub(super) fn advance(world: &mut World) {
                 break;
             }
         }
+        session.forget_old_notices();
         session.speed.frame(now_s);
     });
 }

@@ -10,7 +10,7 @@ use std::time::Instant;
 use bevy::platform::cell::SyncCell;
 use bevy::prelude::*;
 
-use super::journal::Journal;
+use super::journal::{self, Journal};
 use super::modes::Rounds;
 use super::pacer::Pacer;
 use super::trails::Trails;
@@ -116,6 +116,7 @@ fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
         aside: None,
         rounds: Rounds::default(),
         broken: false,
+        saved_at: None,
         began: Instant::now(),
     }
 }
@@ -183,7 +184,11 @@ impl Session {
         let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
         let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
         let (known, env_steps) = (learner.episodes(), learner.env_steps());
-        self.replace(world, Beginning { config, init: None, learner, standing });
+        let journal = Journal::of(&folder, &config, &learner)?;
+        let init = journal::init(&folder, &journal.begun)?;
+        self.replace(world, Beginning { config, init, learner, standing });
+        self.journal = journal;
+        self.saved_at = Some(env_steps);
         checkpoint::restore(world, &self.standing);
         let curves = &mut world.resource_mut::<Curves>().0;
         rows.iter().filter(|row| row.episode <= known).for_each(|row| curves.episode(row));

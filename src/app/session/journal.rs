@@ -1,17 +1,26 @@
 //! The journal: all that the hand did to a training, so that it can be had again to the bit.
 //!
-//! In: what was moved, and after how many control steps of the training. Out: the same training, without a window
-//! ([`Journal::replay`]).
+//! In: what was done, and after how many control steps of the training. Out: `journal.ron` in a saved run's folder; and
+//! the same training again, without a window ([`Journal::replay`], [`verify`]).
 
+use std::path::Path;
 use std::sync::Arc;
 
 use bevy::prelude::App;
 use serde::{Deserialize, Serialize};
 
 use super::hand::{self, Deed};
-use crate::learning::Policy;
-use crate::run::folder::RunConfig;
-use crate::run::{RunError, simulation, train};
+use super::open::read_policy;
+use crate::agent::Trainer;
+use crate::learning::{Learner, Policy};
+use crate::run::folder::{RunConfig, RunFolder};
+use crate::run::{RunError, checkpoint, simulation, train};
+use crate::scenario::read_ron;
+
+/// Its name in a saved run's folder.
+pub const JOURNAL: &str = "journal.ron";
+/// There, too: the policy that the training started from, if there was one.
+pub const INIT: &str = "policy-init.safetensors";
 
 /// What the hand did, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +51,20 @@ impl Journal {
         Self { begun, steps: 0, entries: Vec::new() }
     }
 
+    /// The journal of the run in `folder`, which stands where `learner` does. One that was trained without a window has
+    /// none: no hand was in it.
+    ///
+    /// # Errors
+    /// There is one that cannot be read.
+    pub fn of(folder: &RunFolder, config: &RunConfig, learner: &Learner) -> Result<Self, RunError> {
+        let file = folder.path().join(JOURNAL);
+        if file.exists() {
+            return Ok(read_ron(file)?);
+        }
+        let steps = learner.env_steps() / config.preset.arenas as u64;
+        Ok(Self { begun: config.clone(), steps, entries: Vec::new() })
+    }
+
     /// Notes what is done now.
     pub fn note(&mut self, deed: Deed) {
         self.entries.push(Entry { after_steps: self.steps, deed });
@@ -67,4 +90,44 @@ impl Journal {
         }
         Ok(app)
     }
+}
+
+/// What came of a replay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Replayed {
+    /// Control steps.
+    pub steps: u64,
+    /// Changes by hand among them.
+    pub deeds: usize,
+    /// Replay buffer, weights, moments and streams came out as they stand in the folder's checkpoint, to the bit.
+    pub same: bool,
+}
+
+/// Replays the run saved in the folder at `path`, and compares what comes out with its checkpoint.
+///
+/// # Errors
+/// The folder holds no such run, or one that cannot be used.
+pub fn verify(path: &Path) -> Result<Replayed, RunError> {
+    let (folder, config) = RunFolder::open(path)?;
+    let (_, learner) = checkpoint::load(&folder, &config)?;
+    let journal = Journal::of(&folder, &config, &learner)?;
+    let again = journal.replay(init(&folder, &journal.begun)?.as_ref())?;
+    let bytes = |learner: &Learner| {
+        let mut bytes = Vec::new();
+        learner.save(&mut bytes).map_err(|error| RunError::Failed(error.to_string()))?;
+        Ok::<_, RunError>(bytes)
+    };
+    let same = bytes(&learner)? == bytes(&again.world().resource::<Trainer>().0)?;
+    Ok(Replayed { steps: journal.steps, deeds: journal.entries.len(), same })
+}
+
+/// The policy that the run in `folder` started from, if there was one.
+///
+/// # Errors
+/// It cannot be read.
+pub fn init(folder: &RunFolder, begun: &RunConfig) -> Result<Option<Policy>, RunError> {
+    let Some(transfer) = &begun.transfer else { return Ok(None) };
+    let kept = folder.path().join(INIT);
+    let file = if kept.exists() { kept } else { transfer.policy.clone().into() };
+    read_policy(&file).map(Some)
 }

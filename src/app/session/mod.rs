@@ -13,7 +13,7 @@
 //! | `hand.rs` | a target, a robot, an obstacle put elsewhere |
 //! | `journal.rs` | all that the hand did, to be replayed |
 //! | `trails.rs` | the ways driven |
-//! | `save.rs` | what is written to files |
+//! | `open.rs`, `save.rs` | files read and written |
 //!
 //! What is learnt depends on the configuration, the journal, and the number of steps; not on when they were taken, nor on
 //! what was looked at.
@@ -24,6 +24,7 @@ mod carry_out;
 pub mod hand;
 pub mod journal;
 mod modes;
+mod open;
 pub mod pacer;
 mod save;
 pub mod trails;
@@ -31,7 +32,7 @@ pub mod trails;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bevy::platform::cell::SyncCell;
 use bevy::prelude::*;
@@ -103,8 +104,8 @@ pub struct Session {
     pub pacer: Pacer,
     /// A second policy, to compare with, and its name.
     pub opened: Option<(String, Policy)>,
-    /// What the user should know.
-    pub notices: Vec<Notice>,
+    /// What the user should know, and since when.
+    notices: Vec<(Notice, Instant)>,
     /// Scenarios and presets of the user's own that were opened.
     pub own_scenarios: Vec<Choice>,
     /// The same for presets.
@@ -124,6 +125,8 @@ pub struct Session {
     rounds: modes::Rounds,
     /// The training went wrong: it cannot go on.
     broken: bool,
+    /// Env steps when the policy or the run was saved last.
+    saved_at: Option<u64>,
     began: Instant,
     /// Wall time before that, if it was resumed, in s.
     earlier_s: f64,
@@ -134,18 +137,47 @@ impl Session {
         self.earlier_s + self.began.elapsed().as_secs_f64()
     }
 
-    /// Tells the user something.
+    /// Tells the user something, in place of what was told before in the same words up to the first colon.
     pub fn tell(&mut self, weight: Weight, text: impl Into<String>) {
-        const MOST: usize = 4;
-        let notice = Notice { weight, text: text.into() };
-        if self.notices.last() != Some(&notice) {
-            self.notices.push(notice);
-        }
-        if self.notices.len() > MOST {
+        let text = text.into();
+        self.untell(text.split(':').next().unwrap_or_default());
+        if self.notices.len() == MOST_NOTICES {
             self.notices.remove(0);
         }
+        self.notices.push((Notice { weight, text }, Instant::now()));
+    }
+
+    /// Takes back what was told in these words, up to the first colon.
+    fn untell(&mut self, words: &str) {
+        self.notices.retain(|(notice, _)| notice.text.split(':').next() != Some(words));
+    }
+
+    /// What the user should know. What only confirms goes by itself after a while.
+    #[must_use]
+    pub fn notices(&self) -> Vec<Notice> {
+        self.notices.iter().map(|(notice, _)| notice.clone()).collect()
+    }
+
+    fn forget_old_notices(&mut self) {
+        self.notices
+            .retain(|(notice, since)| notice.weight == Weight::Failed || since.elapsed() < CONFIRMED_FOR);
+    }
+
+    /// Whether a training of some worth, which stands at `env_steps`, would be gone with this session.
+    #[must_use]
+    pub fn would_discard(&self, env_steps: u64) -> bool {
+        env_steps > WORTH_ENV_STEPS && self.saved_at != Some(env_steps)
     }
 }
+
+/// More notices than these are not kept.
+const MOST_NOTICES: usize = 4;
+
+/// So long a notice stays that something went as asked.
+const CONFIRMED_FOR: Duration = Duration::from_secs(8);
+
+/// A training is of some worth from so many env steps on.
+const WORTH_ENV_STEPS: u64 = 20_000;
 
 /// Steps taken over about the last second.
 #[derive(Clone, Debug, Default)]

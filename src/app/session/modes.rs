@@ -8,7 +8,7 @@ use super::Session;
 use super::hand::{self, Deed};
 use super::trails::Trails;
 use crate::agent::{Acting, Decisions, Driver, Drivers, TrainingStats};
-use crate::app::orders::Mode;
+use crate::app::orders::{Mode, Pace};
 use crate::learning::Policy;
 use crate::random::Stream;
 use crate::run::evaluate;
@@ -21,6 +21,7 @@ const REST_STEPS: u32 = 4;
 
 /// A training while something else is driven.
 pub(super) struct Aside {
+    pace: Pace,
     arenas: Vec<ArenaState>,
     exploration: Vec<Stream>,
     stats: TrainingStats,
@@ -51,6 +52,7 @@ impl Session {
         let drivers = self.drivers(world, mode)?;
         if self.mode == Mode::Train {
             self.aside = Some(Aside {
+                pace: self.pacer.pace,
                 arenas: world::snapshot(world),
                 exploration: world.resource::<Decisions>().streams.clone(),
                 stats: *world.resource::<TrainingStats>(),
@@ -69,6 +71,7 @@ impl Session {
         });
         world::populate(world, &scenario, arenas, self.config.seed);
         self.mode = mode;
+        self.pacer.pace = to_be_seen(self.pacer.pace, mode);
         self.rounds = Rounds::default();
         self.begin_round(world);
         world.resource_mut::<Trails>().restart(arenas);
@@ -114,6 +117,7 @@ impl Session {
         world.insert_resource(TaskMode::Continuing);
         world.resource_mut::<Messages<EpisodeEnded>>().clear();
         if let Some(aside) = self.aside.take() {
+            self.pacer.pace = aside.pace;
             world::populate(world, &self.scenario, arenas, self.config.seed);
             world::restore(world, &aside.arenas);
             let mut decisions = Decisions::new(self.config.seed, arenas);
@@ -153,6 +157,15 @@ impl Session {
         for arena in 0..trails.0.len() {
             trails.lift(arena);
         }
+    }
+}
+
+/// A pace at which one can drive, or follow with one's eyes.
+fn to_be_seen(pace: Pace, mode: Mode) -> Pace {
+    let most = if mode == Mode::Drive { 1.0 } else { 5.0 };
+    match pace {
+        Pace::Times(times) => Pace::Times(times.min(most)),
+        Pace::Full => Pace::Times(most),
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
+use super::journal::{INIT, JOURNAL};
 use super::{Curves, Session};
 use crate::app::orders::{Mode, Saved};
 use crate::run::folder::{RunFolder, write_whole};
@@ -78,10 +79,10 @@ impl Session {
         }
         if let Some(init) = &self.init {
             let bytes = follow::bytes(init)?;
-            folder.write("policy-init.safetensors", |file| file.write_all(&bytes))?;
+            folder.write(INIT, |file| file.write_all(&bytes))?;
         }
-        let journal = to_ron(&self.journal).map_err(|error| failed("journal.ron", error.to_string()))?;
-        folder.write("journal.ron", |file| file.write_all(journal.as_bytes()))
+        let journal = to_ron(&self.journal).map_err(|error| failed(JOURNAL, error.to_string()))?;
+        folder.write(JOURNAL, |file| file.write_all(journal.as_bytes()))
     }
 }
 

@@ -1,0 +1,69 @@
+//! The help window: what one sees, in five sentences, and the keys.
+//!
+//! In: whether it is open. Out: nothing else.
+
+use egui::{Align2, FontId, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
+
+use crate::app::screen::keys::KEYS;
+use crate::app::screen::theme::{BODY, GAP, Inks, SMALL};
+
+const SENTENCES: [&str; 5] = [
+    "A robot that knows nothing drives in a walled world, and all it sees of it are the ranges of its LIDAR's beams \
+     and where its green target lies.",
+    "Reaching the target is rewarded and a collision punished; from that alone it learns what to do where.",
+    "At first it mostly tries things at random; the more it has learnt, the more it trusts its Q-values, the bars \
+     beside it: what it expects of each of its motions.",
+    "The success rate at the top tells how often it reached the target in the last test, where nothing is left to \
+     chance.",
+    "The curves on the right show how learning went, and with Test, Drive and Compare you watch the policy alone, race \
+     against it, or set it against another.",
+];
+
+/// Draws it if `open`, and takes note when it is closed.
+pub fn show(ui: &mut Ui, open: &mut bool) {
+    if *open && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+        *open = false;
+    }
+    egui::Window::new("Help")
+        .open(open)
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
+        .frame(egui::Frame::window(ui.style()).inner_margin(egui::Margin::same(16)))
+        .default_width(620.0)
+        .show(ui.ctx(), |ui| {
+            ui.spacing_mut().item_spacing.y = GAP;
+            ui.add_space(GAP);
+            for sentence in SENTENCES {
+                ui.label(sentence);
+            }
+            ui.add_space(2.0 * GAP);
+            ui.label(RichText::new("Keys").size(BODY).strong());
+            let half = KEYS.len().div_ceil(2);
+            ui.columns(2, |columns| {
+                for (column, rows) in columns.iter_mut().zip(KEYS.chunks(half)) {
+                    for row in rows {
+                        column.horizontal(|ui| {
+                            let width = 58.0;
+                            let start = ui.cursor().left();
+                            cap(ui, row.key);
+                            ui.add_space((start + width - ui.cursor().left()).max(0.0));
+                            ui.add(egui::Label::new(row.what).wrap());
+                        });
+                    }
+                }
+            });
+        });
+}
+
+/// A key as it looks on a keyboard.
+pub fn cap(ui: &mut Ui, key: &str) {
+    let inks = Inks::of(ui);
+    let text = ui.painter().layout_no_wrap(key.into(), FontId::proportional(SMALL), inks.ink);
+    let size = vec2((text.size().x + 12.0).max(20.0), 20.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, key));
+    let stroke = Stroke::new(1.0, inks.line);
+    ui.painter().rect(rect, 4.0, inks.raised, stroke, StrokeKind::Inside);
+    ui.painter().galley(rect.center() - text.size() / 2.0, text, inks.ink);
+}

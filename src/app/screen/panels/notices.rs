@@ -1,0 +1,68 @@
+//! Notices: what went as asked and what didn't, over the foot of the world.
+//!
+//! In: the notices, oldest first. Out: [`Order::Dismiss`] of the one that is closed.
+
+use egui::{Align, Align2, Area, Color32, Frame, Id, Layout, Margin, Order as Layer, Rect, Stroke, Ui, vec2};
+
+use crate::app::orders::Order;
+use crate::app::screen::icons::{self, Icon, Tone};
+use crate::app::screen::theme::{GAP, Inks};
+use crate::app::status::{Notice, Weight};
+
+/// More than these would hide the world.
+const MOST: usize = 4;
+const WIDTH: f32 = 520.0;
+const EDGE: f32 = 3.0;
+
+/// Draws them over the foot of `world`.
+pub fn show(ui: &mut Ui, world: Rect, notices: &[Notice], orders: &mut Vec<Order>) {
+    if notices.is_empty() {
+        return;
+    }
+    let width = WIDTH.min(world.width() - 4.0 * GAP).max(120.0);
+    Area::new(Id::new("notices"))
+        .order(Layer::Foreground)
+        .pivot(Align2::CENTER_BOTTOM)
+        .fixed_pos(world.center_bottom() - vec2(0.0, 2.0 * GAP))
+        .constrain_to(world)
+        .show(ui.ctx(), |ui| {
+            ui.set_width(width);
+            ui.spacing_mut().item_spacing.y = GAP;
+            let hidden = notices.len().saturating_sub(MOST);
+            for (k, notice) in notices.iter().enumerate().skip(hidden) {
+                ui.push_id(k, |ui| toast(ui, notice, k, orders));
+            }
+        });
+}
+
+fn toast(ui: &mut Ui, notice: &Notice, index: usize, orders: &mut Vec<Order>) {
+    let inks = Inks::of(ui);
+    let edge = match notice.weight {
+        Weight::Told => inks.accent,
+        Weight::Failed => inks.bad,
+    };
+    let frame = Frame::new()
+        .fill(inks.panel)
+        .stroke(Stroke::new(1.0, inks.line))
+        .corner_radius(6.0)
+        .shadow(ui.visuals().popup_shadow)
+        .inner_margin(Margin { left: 14, right: 8, top: 7, bottom: 7 });
+    let shown = frame.show(ui, |ui| {
+        ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+            let tip = "Read: take it away";
+            if icons::button(ui, Icon::Close, Tone::Quiet, 22.0, "Dismiss", tip).clicked() {
+                orders.push(Order::Dismiss(index));
+            }
+            ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
+                egui::ScrollArea::vertical().max_height(180.0).auto_shrink([false, true]).show(ui, |ui| {
+                    ui.add_space(3.0);
+                    ui.add(egui::Label::new(&notice.text).wrap().selectable(true));
+                });
+            });
+        });
+    });
+    let mut mark = shown.response.rect;
+    mark.max.x = mark.min.x + EDGE;
+    let radius = egui::CornerRadius { nw: 6, sw: 6, ne: 0, se: 0 };
+    ui.painter().rect(mark, radius, edge, Stroke::new(0.0, Color32::TRANSPARENT), egui::StrokeKind::Inside);
+}

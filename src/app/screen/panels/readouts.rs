@@ -1,0 +1,142 @@
+//! The readouts at the right of the bar: how learning stands, in figures.
+//!
+//! In: the status, and how much room there is. Out: the most important of them that fit.
+
+use egui::{Align2, FontId, Response, Sense, Ui, WidgetInfo, WidgetType, pos2, vec2};
+
+use crate::app::screen::numbers;
+use crate::app::screen::theme::{BODY, FIGURE, GAP, Inks, SMALL};
+use crate::app::status::Status;
+
+/// One figure with its caption.
+struct Readout {
+    value: String,
+    caption: String,
+    tip: String,
+    width: f32,
+    large: bool,
+    known: bool,
+}
+
+impl Readout {
+    fn new(value: String, caption: impl Into<String>, width: f32, tip: String) -> Self {
+        Self { value, caption: caption.into(), tip, width, large: false, known: true }
+    }
+}
+
+const HEIGHT: f32 = 40.0;
+
+/// Draws, from the right, as many as have room: the success rate before all others.
+///
+/// `ui` lays out from right to left.
+pub fn show(ui: &mut Ui, status: &Status) {
+    let mut left = ui.available_width();
+    let mut fit: Vec<(usize, Readout)> = Vec::new();
+    // By weight; the number is the place from the right.
+    for (place, readout) in [
+        (0, success(status)),
+        (3, episodes(status)),
+        (2, env_steps(status)),
+        (1, speed(status)),
+        (4, frames(status)),
+    ] {
+        let needs = readout.width + 2.0 * GAP;
+        if needs > left {
+            break;
+        }
+        left -= needs;
+        fit.push((place, readout));
+    }
+    fit.sort_by_key(|(place, _)| *place);
+    ui.spacing_mut().item_spacing.x = 2.0 * GAP;
+    for (_, readout) in &fit {
+        draw(ui, readout).on_hover_text(&readout.tip);
+    }
+}
+
+fn draw(ui: &mut Ui, readout: &Readout) -> Response {
+    let inks = Inks::of(ui);
+    let (rect, response) = ui.allocate_exact_size(vec2(readout.width, HEIGHT), Sense::hover());
+    let words = format!("{} {}", readout.caption, readout.value);
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &words));
+    let (size, ink) = if readout.large {
+        (FIGURE, if readout.known { inks.accent } else { inks.soft })
+    } else {
+        (BODY, inks.ink)
+    };
+    // All captions on one line, all figures on another; a larger one hangs lower by what its descenders take.
+    let put = |y, text: &String, size, ink| {
+        ui.painter().text(pos2(rect.left(), y), Align2::LEFT_BOTTOM, text, FontId::proportional(size), ink);
+    };
+    let foot = rect.bottom() - 3.0;
+    put(foot - 15.0 + (size - BODY) * 0.24, &readout.value, size, ink);
+    put(foot, &readout.caption, SMALL, inks.soft);
+    response
+}
+
+fn success(status: &Status) -> Readout {
+    let value = status.success_rate.map_or("–".into(), numbers::percent);
+    let tip = match (status.success_rate, status.best_success_rate) {
+        (Some(_), Some(best)) => format!(
+            "How often the target was reached in the last test without random actions. The best so far: {}.",
+            numbers::percent(best)
+        ),
+        (Some(_), None) => "How often the target was reached in the last test without random actions.".into(),
+        (None, _) => {
+            "How often the target is reached without random actions: the first test is still to come.".into()
+        }
+    };
+    Readout {
+        large: true,
+        known: status.success_rate.is_some(),
+        ..Readout::new(value, "success rate", 84.0, tip)
+    }
+}
+
+fn episodes(status: &Status) -> Readout {
+    let tip = "Drives that have ended, by a collision or by the time limit, in all arenas together.".into();
+    Readout::new(numbers::count(status.episodes), "episodes", 52.0, tip)
+}
+
+fn env_steps(status: &Status) -> Readout {
+    let more = status.budget_env_steps.map_or_else(String::new, |budget| {
+        format!(" The learner is meant for {}; here it goes on.", numbers::count(budget))
+    });
+    let tip = format!(
+        "Control steps of all arenas together, each of them experience to learn from. Gradient steps: {}.{more}",
+        numbers::count(status.gradient_steps)
+    );
+    Readout::new(numbers::count(status.env_steps), "env steps", 56.0, tip)
+}
+
+fn speed(status: &Status) -> Readout {
+    let tip = format!(
+        "Env steps per second of your time, and how much quicker than reality one arena runs. Simulated: {}.",
+        duration(status.simulated_s)
+    );
+    let value = if status.paused {
+        "paused".into()
+    } else {
+        format!("{} steps/s", numbers::rate(status.env_steps_per_s))
+    };
+    let caption = if status.paused {
+        "steps/s".into()
+    } else {
+        format!("{} real time", numbers::times(status.times_real))
+    };
+    Readout::new(value, caption, 92.0, tip)
+}
+
+fn frames(status: &Status) -> Readout {
+    let tip = "Pictures drawn per second.".into();
+    Readout::new(numbers::rate(status.frames_per_s), "fps", 26.0, tip)
+}
+
+fn duration(s: f64) -> String {
+    let minutes = (s.max(0.0) / 60.0) as u64;
+    match minutes {
+        0 => format!("{s:.0} s"),
+        1..60 => format!("{minutes} min"),
+        _ => format!("{} h {} min", minutes / 60, minutes % 60),
+    }
+}

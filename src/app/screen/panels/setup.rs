@@ -1,0 +1,132 @@
+//! The panel on the left: what is learnt where (`training.rs`), what is drawn, what is kept.
+//!
+//! In: the status and the desk. Out: orders. What is chosen here waits in [`Pending`] until a button is pressed.
+
+use egui::{Button, Frame, Margin, Response, RichText, ScrollArea, Ui, vec2};
+
+use super::pending::Pending;
+use super::segments::{self, Segment};
+use super::{help, overlays, training};
+use crate::app::desk::{Camera, Desk};
+use crate::app::orders::{Mode, Order, Saved};
+use crate::app::screen::View;
+use crate::app::screen::icons::{self, Icon, Tone};
+use crate::app::screen::keys::{Deed, tip};
+use crate::app::screen::theme::{BODY, GAP, SMALL};
+use crate::app::status::Status;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    // The scroll bar has its place in the margin.
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        Frame::new().inner_margin(Margin::symmetric(14, 12)).show(ui, |ui| content(ui, view, desk, orders));
+    });
+}
+
+fn content(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    if view.status.mode == Mode::Drive {
+        drive(ui);
+        gap(ui);
+    }
+    let mut pending = Pending::load(ui.ctx(), view.status);
+    training::show(ui, view.status, &mut pending, orders);
+    pending.store(ui.ctx());
+    gap(ui);
+    title(ui, "Overlays");
+    overlays::show(ui, &mut desk.overlays);
+    gap(ui);
+    framing(ui, view, desk);
+    gap(ui);
+    files(ui, view.status, orders);
+}
+
+fn framing(ui: &mut Ui, view: &View<'_>, desk: &mut Desk) {
+    title(ui, "View");
+    ui.horizontal(|ui| {
+        let side = 28.0;
+        let all = format!("All {}", view.scene.arenas.len());
+        let segments = [
+            Segment::new("One arena", tip("The arena that is followed, large", Deed::Grid)),
+            Segment {
+                name: "All arenas".into(),
+                ..Segment::new(&all, tip("All arenas side by side", Deed::Grid))
+            },
+        ];
+        let width = ui.available_width() - side - ui.spacing().item_spacing.x;
+        if let Some(k) = segments::show(ui, "framing", &segments, Some(usize::from(desk.grid)), Some(width)) {
+            desk.grid = k == 1;
+        }
+        let about = tip("Show the whole enclosure", Deed::Fit);
+        if icons::button(ui, Icon::Fit, Tone::Framed, side, "Fit", &about).clicked() {
+            desk.camera = Camera::default();
+        }
+    });
+}
+
+fn files(ui: &mut Ui, status: &Status, orders: &mut Vec<Order>) {
+    title(ui, "Files");
+    let rows = [
+        [
+            (
+                "Open…",
+                tip("A policy to drive or compare with, or a run to go on with", Deed::Open),
+                Order::OpenDialog,
+            ),
+            ("Save policy", tip("What it has learnt", Deed::Save), Order::SaveDialog(Saved::Policy)),
+        ],
+        [
+            ("Save run", "All of the training, to go on from".into(), Order::SaveDialog(Saved::Run)),
+            (
+                "Save world",
+                "The world as it stands, with what you moved".into(),
+                Order::SaveDialog(Saved::Scenario),
+            ),
+        ],
+    ];
+    let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
+    ui.add_enabled_ui(status.dialogs, |ui| {
+        for row in rows {
+            ui.horizontal(|ui| {
+                for (text, about, order) in row {
+                    let button = ui.add_sized(vec2(width, 26.0), Button::new(text));
+                    let button = button.on_hover_text(about);
+                    if button.on_disabled_hover_text("There are no file dialogs on this system").clicked() {
+                        orders.push(order);
+                    }
+                }
+            });
+        }
+    });
+}
+
+fn drive(ui: &mut Ui) {
+    title(ui, "You drive");
+    for (keys, what) in [
+        (&["↑"][..], "straight on, as without a key"),
+        (&["↑", "←"], "or → with it: a gentle turn"),
+        (&["←"], "or → alone: a sharp turn"),
+    ] {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            keys.iter().for_each(|key| help::cap(ui, key));
+            ui.add_space(3.0);
+            ui.label(soft(what));
+        });
+    }
+}
+
+/// A part's heading.
+pub fn title(ui: &mut Ui, text: &str) -> Response {
+    ui.label(RichText::new(text).size(BODY).strong())
+}
+
+/// A sentence to be read second.
+pub fn soft(text: &str) -> RichText {
+    RichText::new(text).size(SMALL).weak()
+}
+
+fn gap(ui: &mut Ui) {
+    ui.add_space(GAP);
+    ui.separator();
+    ui.add_space(GAP * 0.5);
+}

@@ -1,0 +1,126 @@
+//! The bar at the top: time, who drives, and how learning stands.
+//!
+//! In: the status. Out: orders, and which panels are open.
+
+use egui::{Align, FontId, Layout, Sense, Ui, vec2};
+
+use super::readouts;
+use super::segments::{self, Segment};
+use crate::app::desk::{Desk, Look};
+use crate::app::orders::{Mode, Order};
+use crate::app::screen::View;
+use crate::app::screen::icons::{self, Icon, Tone};
+use crate::app::screen::keys::{Deed, PACES, tip};
+use crate::app::screen::theme::{BODY, GAP, Inks};
+
+/// Draws it.
+pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    ui.horizontal_centered(|ui| {
+        let icon = Icon::LeftPanel(desk.setup_open);
+        if icons::button(ui, icon, Tone::Quiet, 28.0, "Setup panel", "Show or hide the panel on the left")
+            .clicked()
+        {
+            desk.setup_open = !desk.setup_open;
+        }
+        if ui.available_width() > 1060.0 {
+            name(ui);
+        }
+        ui.add_space(GAP);
+        transport(ui, view, orders);
+        ui.add_space(2.0 * GAP);
+        pace(ui, view, orders);
+        ui.add_space(2.0 * GAP);
+        mode(ui, view, orders);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let icon = Icon::RightPanel(desk.plots_open);
+            let about = "Show or hide the curves on the right";
+            if icons::button(ui, icon, Tone::Quiet, 28.0, "Plots panel", about).clicked() {
+                desk.plots_open = !desk.plots_open;
+            }
+            if icons::button(
+                ui,
+                Icon::Help,
+                Tone::Quiet,
+                28.0,
+                "Help",
+                &tip("Keys, and what one sees", Deed::Help),
+            )
+            .clicked()
+            {
+                desk.help_open = !desk.help_open;
+            }
+            look(ui, desk);
+            ui.add_space(GAP);
+            readouts::show(ui, view.status);
+        });
+    });
+}
+
+fn name(ui: &mut Ui) {
+    let inks = Inks::of(ui);
+    let text = ui.painter().layout_no_wrap("wayfield".into(), FontId::proportional(BODY), inks.soft);
+    let (rect, response) = ui.allocate_exact_size(vec2(text.size().x + 2.0, 28.0), Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, "wayfield"));
+    ui.painter().galley(rect.left_center() - vec2(0.0, text.size().y / 2.0), text, inks.soft);
+}
+
+fn transport(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
+    let paused = view.status.paused;
+    let (icon, tone, word, about) = if paused {
+        (Icon::Play, Tone::Primary, "Run", "Let time go on")
+    } else {
+        (Icon::Pause, Tone::Framed, "Pause", "Let time stand still")
+    };
+    if icons::button(ui, icon, tone, 36.0, word, &tip(about, Deed::Pause)).clicked() {
+        orders.push(Order::Pause(!paused));
+    }
+    let about = tip("One control step, then stand still", Deed::Step);
+    if icons::button(ui, Icon::Step, Tone::Framed, 28.0, "Step", &about).clicked() {
+        orders.push(Order::Step);
+    }
+}
+
+fn pace(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
+    let segments: Vec<_> = PACES
+        .iter()
+        .enumerate()
+        .map(|(k, (_, text, about))| Segment::new(text, format!("{about}  ({})", k + 1)))
+        .collect();
+    let on = PACES.iter().position(|(pace, ..)| *pace == view.status.pace);
+    if let Some(k) = segments::show(ui, "pace", &segments, on, None) {
+        orders.push(Order::SetPace(PACES[k].0));
+    }
+}
+
+fn mode(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
+    const MODES: [Mode; 4] = [Mode::Train, Mode::Test, Mode::Drive, Mode::Compare];
+    let opened = view.status.opened.as_deref();
+    let (compare, can_compare) = match opened {
+        Some(name) => (format!("The present policy and {name}, side by side to the same targets"), true),
+        None if view.status.dialogs => ("Opens a second policy to drive beside the present one".into(), true),
+        None => {
+            ("Needs a second policy to be opened; there are no file dialogs on this system".into(), false)
+        }
+    };
+    let segments = [
+        Segment::new("Train", "The robots explore, and learn from it"),
+        Segment::new("Test", "The policy as it is drives alone; nothing is left to chance, nothing learnt"),
+        Segment::new("Drive", "You drive with the arrow keys, and the policy beside you to the same targets"),
+        Segment { enabled: can_compare, ..Segment::new("Compare", compare) },
+    ];
+    let on = MODES.iter().position(|mode| *mode == view.status.mode);
+    if let Some(k) = segments::show(ui, "mode", &segments, on, None) {
+        let needs_another = MODES[k] == Mode::Compare && opened.is_none();
+        orders.push(if needs_another { Order::OpenDialog } else { Order::SetMode(MODES[k]) });
+    }
+}
+
+fn look(ui: &mut Ui, desk: &mut Desk) {
+    let dark = ui.visuals().dark_mode;
+    let (icon, word, next) =
+        if dark { (Icon::Sun, "Light", Look::Light) } else { (Icon::Moon, "Dark", Look::Dark) };
+    let about = tip(if dark { "Dark on light" } else { "Light on dark" }, Deed::Look);
+    if icons::button(ui, icon, Tone::Quiet, 28.0, word, &about).clicked() {
+        desk.look = next;
+    }
+}

@@ -1,0 +1,94 @@
+//! The LIDAR's beams: near ones warm and clear, far ones faint; the nearest one with its distance.
+//!
+//! In: the last scan of an [`ArenaScene`]. Out: shapes on a [`Canvas`].
+
+use egui::{Align2, Color32, Rect, Stroke, Vec2};
+
+use super::canvas::Canvas;
+use super::plane::direction;
+use crate::app::scene::ArenaScene;
+use crate::app::screen::theme::Inks;
+use crate::scenario::Scenario;
+
+/// More beams than these are not told apart on a screen: every other one is drawn, or fewer.
+const MOST: usize = 720;
+
+/// The colour of a beam: `near` is 1 at the robot, 0 from half of the sensor's range on.
+#[must_use]
+pub fn beam_ink(inks: &Inks, near: f32) -> Color32 {
+    inks.soft.lerp_to_gamma(inks.bad, near.clamp(0.0, 1.0)).gamma_multiply(0.27 + 0.55 * near)
+}
+
+fn nearness(range_m: f32, max_range_m: f32) -> f32 {
+    (1.0 - 2.0 * range_m / max_range_m.max(1e-6)).clamp(0.0, 1.0)
+}
+
+/// The beam that met something nearest, if any met anything.
+fn nearest(ranges_m: &[f32], max_range_m: f32) -> Option<(usize, f32)> {
+    let met = ranges_m.iter().copied().enumerate().filter(|(_, range)| *range < max_range_m);
+    met.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Draws the last scan; gives the space that the nearest beam's label takes.
+pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<Rect> {
+    let (painter, inks) = (&canvas.painter, &canvas.inks);
+    let (ranges, max_m) = (&arena.ranges_m, scenario.lidar.max_range_m);
+    let from = canvas.at([arena.scan_pose.x_m, arena.scan_pose.y_m]);
+    let skin = canvas.plane.length(scenario.robot.radius_m);
+    let towards = |beam: usize| -> Vec2 {
+        let turn = beam as f32 * std::f32::consts::TAU / ranges.len() as f32;
+        direction(arena.scan_pose.heading_rad + turn)
+    };
+    let nearest = nearest(ranges, max_m);
+    // Many lines together are as strong as few.
+    let strength = (48.0 / ranges.len() as f32).sqrt().min(1.0);
+    for beam in (0..ranges.len()).step_by(ranges.len().div_ceil(MOST).max(1)) {
+        let range_m = ranges[beam];
+        let (along, reach) = (towards(beam), canvas.plane.length(range_m));
+        if !range_m.is_finite() || reach <= skin || nearest.is_some_and(|(first, _)| first == beam) {
+            continue;
+        }
+        let ink = beam_ink(inks, nearness(range_m, max_m)).gamma_multiply(strength);
+        painter.line_segment([from + along * skin, from + along * reach], Stroke::new(1.0, ink));
+        if range_m < max_m && ranges.len() <= 128 && !canvas.small {
+            painter.circle_filled(from + along * reach, 1.75, ink.gamma_multiply(1.6));
+        }
+    }
+    let (beam, range_m) = nearest?;
+    let (along, reach) = (towards(beam), canvas.plane.length(range_m));
+    let (hit, ink) = (from + along * reach, inks.bad);
+    let width = if canvas.small { 1.25 } else { 2.0 };
+    painter.line_segment([from + along * skin.min(reach), hit], Stroke::new(width, ink));
+    if canvas.small {
+        painter.circle_filled(hit, 2.0, ink);
+        return None;
+    }
+    painter.circle_filled(hit, 4.5, inks.floor);
+    painter.circle_filled(hit, 3.25, ink);
+    let label = format!("{range_m:.2} m");
+    Some(canvas.chip(hit + along * 9.0 + label_shift(along), Align2::CENTER_CENTER, &label, inks.ink))
+}
+
+/// From the beam's end to the label's middle, such that the label lies beyond the end whichever way it looks.
+fn label_shift(along: Vec2) -> Vec2 {
+    Vec2::new(along.x * 23.0, along.y * 9.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_beam_is_one_that_met_something() {
+        assert_eq!(nearest(&[3.5, 1.0, 0.4, 0.9], 3.5), Some((2, 0.4)));
+        assert_eq!(nearest(&[3.5, 3.5], 3.5), None);
+        assert_eq!(nearest(&[], 3.5), None);
+    }
+
+    #[test]
+    fn near_is_clearer_than_far() {
+        let inks = Inks::new(true);
+        assert!(beam_ink(&inks, nearness(0.2, 3.5)).a() > beam_ink(&inks, nearness(3.0, 3.5)).a());
+        assert_eq!((nearness(0.0, 3.5), nearness(1.75, 3.5)), (1.0, 0.0));
+    }
+}

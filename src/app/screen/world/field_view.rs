@@ -1,0 +1,219 @@
+//! Fields over the plane: the potential and the network's value, as colours, as arrows, and their key.
+//!
+//! In: a [`Field`]. Out: a texture that is made again only when the field's version changes, arrows down its slope, and
+//! a bar that says what the colours mean.
+
+use egui::{Color32, Context, FontId, Id, Rect, Shape, Stroke, TextureHandle, pos2, vec2};
+
+use super::canvas::Canvas;
+use super::field_picture::{bar_mesh, picture, span};
+use super::plane::direction;
+use crate::app::scene::Field;
+use crate::app::screen::theme::SMALL;
+
+/// Arrows along the longer side.
+const ARROWS: usize = 14;
+
+/// Which field: each has its own texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// U of eq. (4).
+    Potential,
+    /// V(s) of the network.
+    Value,
+}
+
+impl Kind {
+    /// What the key calls it.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Potential => "Potential U, eq. (4)",
+            Self::Value => "Value V(s) here, with this heading",
+        }
+    }
+}
+
+/// Whether the field has as many values as it says.
+fn is_whole(field: &Field) -> bool {
+    let [width, height] = field.size;
+    width > 0 && height > 0 && width.checked_mul(height) == Some(field.values.len())
+}
+
+#[derive(Clone)]
+struct Cached {
+    of: (u64, [usize; 2], bool),
+    texture: TextureHandle,
+}
+
+fn texture(ctx: &Context, kind: Kind, field: &Field, dark: bool) -> Option<TextureHandle> {
+    let id = Id::new(("wayfield field", kind));
+    let of = (field.version, field.size, dark);
+    if let Some(cached) = ctx.data(|data| data.get_temp::<Cached>(id))
+        && cached.of == of
+    {
+        return Some(cached.texture);
+    }
+    let whole = span(field)?;
+    let [width, height] = field.size;
+    if 2 * width.max(height) > ctx.input(|input| input.max_texture_side) {
+        return None;
+    }
+    let image = picture(field, whole, dark);
+    let texture = ctx.load_texture(format!("field {kind:?}"), image, egui::TextureOptions::LINEAR);
+    ctx.data_mut(|data| data.insert_temp(id, Cached { of, texture: texture.clone() }));
+    Some(texture)
+}
+
+/// Draws `field` as colours.
+pub fn colours(canvas: &Canvas, kind: Kind, field: &Field, dark: bool) {
+    if !is_whole(field) {
+        return;
+    }
+    if let Some(texture) = texture(canvas.painter.ctx(), kind, field, dark) {
+        let place = canvas.plane.rect_of(field.min_m, field.max_m);
+        let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        canvas.painter.image(texture.id(), place, all, Color32::WHITE);
+    }
+}
+
+/// Draws which way `field` falls, as arrows on a coarse grid.
+pub fn arrows(canvas: &Canvas, field: &Field, ink: Color32) {
+    if !is_whole(field) {
+        return;
+    }
+    let [width, height] = field.size;
+    let step = (width.max(height) / ARROWS).max(1);
+    let cell_m = [0, 1].map(|k| (field.max_m[k] - field.min_m[k]) / field.size[k] as f32);
+    let length = (canvas.plane.length(cell_m[0].abs() * step as f32) * 0.50).min(26.0);
+    if length < 4.0 {
+        return;
+    }
+    let stroke = Stroke::new(1.25, ink);
+    for iy in (step / 2..height).step_by(step) {
+        for ix in (step / 2..width).step_by(step) {
+            let Some([dx, dy]) = descent(field, ix, iy) else { continue };
+            let x_m = field.min_m[0] + (ix as f32 + 0.5) * cell_m[0];
+            let y_m = field.min_m[1] + (iy as f32 + 0.5) * cell_m[1];
+            let (middle, along) = (canvas.at([x_m, y_m]), direction(dy.atan2(dx)));
+            if !canvas.plane.rect.contains(middle) {
+                continue;
+            }
+            let tip = middle + along * length / 2.0;
+            canvas.painter.line_segment([tip - along * length, tip - along * 4.9], stroke);
+            canvas.arrow_head(tip, along, 5.0, ink);
+        }
+    }
+}
+
+/// The unit vector down the slope of `field` at a cell; none at its edge, where it is flat, or beside what is no number.
+fn descent(field: &Field, ix: usize, iy: usize) -> Option<[f32; 2]> {
+    let [width, height] = field.size;
+    if ix == 0 || iy == 0 || ix + 1 >= width || iy + 1 >= height {
+        return None;
+    }
+    let value = |x: usize, y: usize| field.values.get(y * width + x).copied().unwrap_or(f32::NAN);
+    let cell_m = [0, 1].map(|k| (field.max_m[k] - field.min_m[k]) / field.size[k] as f32);
+    let dx = (value(ix - 1, iy) - value(ix + 1, iy)) / cell_m[0];
+    let dy = (value(ix, iy - 1) - value(ix, iy + 1)) / cell_m[1];
+    let steep = dx.hypot(dy);
+    (steep.is_finite() && steep > 1e-6).then(|| [dx / steep, dy / steep])
+}
+
+/// The key to the colours in the upper right corner of the view, on one line if there is room; gives the space it takes.
+pub fn key(canvas: &Canvas, kind: Kind, field: &Field, dark: bool) -> Option<Rect> {
+    const BAR: f32 = 110.0;
+    let whole = span(field)?;
+    let inks = &canvas.inks;
+    let font = FontId::proportional(SMALL);
+    let text = |words: String, ink| canvas.painter.layout_no_wrap(words, font.clone(), ink);
+    let (title, low, high) = (
+        text(kind.title().into(), inks.ink),
+        text(number(whole.0), inks.soft),
+        text(number(whole.1), inks.soft),
+    );
+    let scale = low.size().x + BAR + high.size().x + 12.0;
+    let (one_line, room) = (title.size().x + 14.0 + scale, canvas.plane.rect.width() - 20.0);
+    let lines = if one_line + 110.0 <= room { 1.0 } else { 2.0 };
+    let width = if lines < 2.0 { one_line } else { scale.max(title.size().x) } + 12.0;
+    if width > room || canvas.plane.rect.height() < 160.0 {
+        return None;
+    }
+    let corner = canvas.plane.rect.right_top() + vec2(-8.0 - width, 6.0);
+    let strip = Rect::from_min_size(corner, vec2(width, 20.0 * lines));
+    canvas.strip(strip);
+    let y = strip.bottom() - 10.0;
+    let centred = |x: f32, y: f32, size: egui::Vec2| pos2(x, y - size.y / 2.0);
+    canvas.painter.galley(centred(strip.left() + 6.0, strip.top() + 10.0, title.size()), title, inks.ink);
+    let mut x = strip.right() - 6.0 - high.size().x;
+    canvas.painter.galley(centred(x, y, high.size()), high, inks.soft);
+    x -= 6.0 + BAR;
+    let bar = Rect::from_min_size(pos2(x, y - 4.0), vec2(BAR, 8.0));
+    canvas.painter.add(Shape::mesh(bar_mesh(bar, dark)));
+    x -= 6.0 + low.size().x;
+    canvas.painter.galley(centred(x, y, low.size()), low, inks.soft);
+    Some(strip)
+}
+
+/// A number in about three figures, with a true minus sign.
+#[must_use]
+pub fn number(value: f32) -> String {
+    figures(value, decimals_for(value))
+}
+
+/// Decimals that give a number of the size of `value` about three figures.
+#[must_use]
+pub fn decimals_for(value: f32) -> usize {
+    match value.abs() {
+        size if size >= 99.95 => 0,
+        size if size >= 9.995 => 1,
+        _ => 2,
+    }
+}
+
+/// A number with so many decimals and a true minus sign.
+#[must_use]
+pub fn figures(value: f32, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
+        Some(rest) => format!("\u{2212}{rest}"),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// f = (x - 1)^2 + y^2 over 4 m x 4 m.
+    fn bowl() -> Field {
+        let middle = |k: usize| -2.0 + (k as f32 + 0.5) * 0.1;
+        let values = (0..1600).map(|k| (middle(k % 40) - 1.0).powi(2) + middle(k / 40).powi(2)).collect();
+        Field { size: [40, 40], min_m: [-2.0; 2], max_m: [2.0; 2], values, version: 1 }
+    }
+
+    #[test]
+    fn the_arrows_lead_downhill() {
+        let field = bowl();
+        let [dx, dy] = descent(&field, 10, 35).expect("a slope");
+        let (x, y) = (-2.0 + 10.5 * 0.1, -2.0 + 35.5 * 0.1);
+        let to: [f32; 2] = [1.0 - x, -y];
+        let far = to[0].hypot(to[1]);
+        assert!((dx - to[0] / far).abs() < 1e-3 && (dy - to[1] / far).abs() < 1e-3, "{dx} {dy}");
+        assert_eq!(descent(&field, 0, 5), None);
+    }
+
+    #[test]
+    fn beside_nothing_there_is_no_slope() {
+        let mut field = bowl();
+        field.values[20 * 40 + 21] = f32::NAN;
+        assert_eq!(descent(&field, 20, 20), None);
+        assert!(descent(&field, 10, 10).is_some());
+    }
+
+    #[test]
+    fn numbers_have_about_three_figures() {
+        assert_eq!(["0.00", "\u{2212}1.25", "12.3", "100"], [-0.001, -1.25, 12.34, 99.96].map(number)[..]);
+    }
+}

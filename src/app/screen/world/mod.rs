@@ -1,0 +1,278 @@
+//! The world view: one arena large, all as a grid, or two side by side; with the camera and the hand on the world.
+//!
+//! In: the [`Scene`]. Out: the picture, changes of the [`Desk`] (camera, which arena is followed), and the orders of what
+//! is dragged.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `plane.rs` | metres to points and back, and the camera |
+//! | `canvas.rs` | what is drawn with: ribbons, chips, cards |
+//! | `arena.rs` | floor, walls, obstacles, target, robot, ways |
+//! | `beams.rs` | the LIDAR's beams |
+//! | `q_bars.rs` | the Q-values beside the robot |
+//! | `field_view.rs`, `field_picture.rs` | the potential and the value over the plane; their colours |
+//! | `legend.rs` | what the marks mean |
+//! | `cells.rs` | all arenas as a grid |
+//! | `grasp.rs` | what the pointer takes hold of and drags |
+//! | `steer.rs` | the arrow keys in Drive mode |
+//! | `welcome.rs` | the call to a first-time user |
+
+mod arena;
+mod beams;
+mod canvas;
+mod cells;
+mod field_picture;
+mod field_view;
+mod grasp;
+mod legend;
+mod plane;
+mod q_bars;
+pub mod steer;
+pub mod welcome;
+
+use egui::{Align2, CursorIcon, FontId, Id, Rangef, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
+
+use self::canvas::Canvas;
+use self::field_view::Kind;
+use self::grasp::{Grip, Held};
+use self::plane::Plane;
+use crate::app::desk::{Camera, Desk, Overlays};
+use crate::app::orders::Order;
+use crate::app::scene::{ArenaScene, Driver, Scene};
+use crate::app::screen::theme::{BODY, HEADING, Inks, SMALL};
+
+/// Space around the walls in a large view, where the legend and the key to a field are.
+const MARGIN: Vec2 = vec2(18.0, 34.0);
+
+/// Fills what is left of `ui` with the world.
+pub fn show(ui: &mut Ui, scene: &Scene, desk: &mut Desk, orders: &mut Vec<Order>) {
+    let rect = ui.available_rect_before_wrap();
+    ui.advance_cursor_after_rect(rect);
+    if !rect.is_positive() || scene.arenas.is_empty() {
+        return;
+    }
+    ui.painter_at(rect).rect_filled(rect, 0.0, Inks::of(ui).paper);
+    desk.followed = desk.followed.min(scene.arenas.len() - 1);
+    if is_pair(scene) {
+        pair(ui, rect, scene, desk, orders);
+    } else if desk.grid && scene.arenas.len() > 1 {
+        cells::grid(ui, rect, scene, desk);
+    } else {
+        let index = desk.followed;
+        let canvas = large(ui, rect, scene, index, desk, orders);
+        if scene.arenas.len() > 1 {
+            let words = format!("Arena {} of {}", index + 1, scene.arenas.len());
+            let at = rect.min + vec2(14.0, 16.0);
+            let font = FontId::proportional(SMALL);
+            let galley = canvas.painter.layout_no_wrap(words, font, canvas.inks.soft);
+            let corner = at - vec2(0.0, galley.size().y / 2.0);
+            canvas.strip(Rect::from_min_size(corner, galley.size()).expand2(vec2(6.0, 3.0)));
+            canvas.painter.galley(corner, galley, canvas.inks.soft);
+        }
+    }
+}
+
+/// Two arenas that are driven by different drivers are always seen side by side.
+fn is_pair(scene: &Scene) -> bool {
+    matches!(&scene.arenas[..], [a, b] if a.driver != b.driver)
+}
+
+fn driver_name(driver: &Driver) -> &str {
+    match driver {
+        Driver::Learner => "The learner",
+        Driver::Policy(name) => name,
+        Driver::Hand => "You",
+    }
+}
+
+fn pair(ui: &mut Ui, rect: Rect, scene: &Scene, desk: &mut Desk, orders: &mut Vec<Order>) {
+    const HEADER: f32 = 38.0;
+    let line = Stroke::new(1.0, Inks::of(ui).line);
+    let (first, second) = if rect.width() >= rect.height() * 0.9 {
+        ui.painter_at(rect).vline(rect.center().x, rect.y_range(), line);
+        rect.split_left_right_at_fraction(0.5)
+    } else {
+        ui.painter_at(rect).hline(rect.x_range(), rect.center().y, line);
+        rect.split_top_bottom_at_fraction(0.5)
+    };
+    for (index, part) in [first, second].into_iter().enumerate() {
+        let (header, view) = part.split_top_bottom_at_y(part.top() + HEADER);
+        let view = view.shrink2(vec2(1.0, 0.0));
+        large(ui, view, scene, index, desk, orders);
+        if let Some(arena) = scene.arenas.get(index) {
+            // As wide as the arena is when it fits.
+            let fit = Plane::new(view, MARGIN, Camera::default(), &scene.scenario.enclosure);
+            let walls = fit.enclosure_rect(&scene.scenario.enclosure);
+            let least = header.width().min(300.0);
+            let middle = Rangef::point(header.center().x).expand(walls.width().max(least) / 2.0);
+            let lower = header.translate(vec2(0.0, 14.0));
+            score(ui, Rect::from_x_y_ranges(middle, lower.y_range()), arena);
+        }
+    }
+}
+
+/// Who drives, and how well so far.
+fn score(ui: &Ui, header: Rect, arena: &ArenaScene) {
+    let (inks, painter) = (Inks::of(ui), ui.painter_at(header));
+    let mut right = header.right_center() + vec2(0.0, 1.0);
+    let words = |count: u32, one: &str, many: &str| format!(" {}", if count == 1 { one } else { many });
+    for (count, what, ink) in [
+        (arena.collisions, words(arena.collisions, "collision", "collisions"), inks.bad),
+        (arena.targets_in_all, words(arena.targets_in_all, "target", "targets"), inks.good),
+    ] {
+        let plain = FontId::proportional(BODY);
+        let label = painter.text(right, Align2::RIGHT_CENTER, what, plain, inks.soft);
+        let figure = FontId::proportional(HEADING);
+        let at = label.left_center() - vec2(0.0, 1.0);
+        let number = painter.text(at, Align2::RIGHT_CENTER, count, figure, ink);
+        right.x = number.left() - 14.0;
+    }
+    let room = (right.x - header.left()).max(0.0);
+    let name = painter.with_clip_rect(Rect::from_min_size(header.min, vec2(room, header.height())));
+    let font = FontId::proportional(HEADING);
+    name.text(header.left_center(), Align2::LEFT_CENTER, driver_name(&arena.driver), font, inks.ink);
+}
+
+/// One arena with everything, and the pointer in it.
+fn large(
+    ui: &Ui,
+    rect: Rect,
+    scene: &Scene,
+    index: usize,
+    desk: &mut Desk,
+    orders: &mut Vec<Order>,
+) -> Canvas {
+    let id = ui.id().with(("world view", index));
+    // The panels' edges can be taken hold of from this side, too.
+    let response = ui.interact(rect.shrink2(vec2(4.0, 0.0)), id, Sense::click_and_drag());
+    name_for_readers(&response, index);
+    let walls = &scene.scenario.enclosure;
+    let mut plane = Plane::new(rect, MARGIN, desk.camera, walls);
+    let held = grasp::follow(ui, &response, &plane, scene, index, orders);
+    if response.clicked() || held.is_some() {
+        desk.followed = index;
+    }
+    let pointed = response.hover_pos().filter(|_| response.contains_pointer());
+    let grip = match (&held, pointed, scene.arenas.get(index)) {
+        (Some(held), _, _) => Some(held.grip),
+        (None, Some(at), Some(arena)) if !response.dragged() => {
+            grasp::under(&plane, &scene.scenario, arena, at)
+        }
+        _ => None,
+    };
+    steer_camera(ui, &response, &mut plane, scene, desk, grip);
+    let canvas = Canvas { painter: ui.painter_at(rect), plane, inks: Inks::of(ui), small: false };
+    if let Some(arena) = scene.arenas.get(index) {
+        draw_large(ui, &canvas, scene, index, arena, desk, id);
+        mark_hand(ui, &response, &canvas, scene, arena, grip, held);
+    }
+    canvas
+}
+
+/// Pan, zoom and fit.
+fn steer_camera(
+    ui: &Ui,
+    response: &Response,
+    plane: &mut Plane,
+    scene: &Scene,
+    desk: &mut Desk,
+    grip: Option<Grip>,
+) {
+    let walls = &scene.scenario.enclosure;
+    let before = desk.camera;
+    if grip.is_none() && response.dragged() {
+        desk.camera = plane.panned(desk.camera, response.drag_delta(), walls);
+        ui.ctx().set_cursor_icon(CursorIcon::AllScroll);
+    }
+    if let Some(at) = response.hover_pos().filter(|_| response.contains_pointer()) {
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        let factor = pinch * (scroll * 0.0035).exp();
+        if factor.is_finite() && factor != 1.0 {
+            desk.camera = plane.zoomed(desk.camera, at, factor, walls);
+        }
+    }
+    if response.double_clicked() && grip.is_none() {
+        desk.camera = Camera::default();
+    }
+    if desk.camera != before {
+        *plane = Plane::new(plane.rect, MARGIN, desk.camera, walls);
+    }
+}
+
+fn draw_large(
+    ui: &Ui,
+    canvas: &Canvas,
+    scene: &Scene,
+    index: usize,
+    arena: &ArenaScene,
+    desk: &Desk,
+    id: Id,
+) {
+    let (scenario, overlays, dark) = (&*scene.scenario, &desk.overlays, ui.visuals().dark_mode);
+    let here = index == desk.followed;
+    let value = scene.value.as_deref().filter(|_| here && overlays.value);
+    let potential = scene.potential.as_deref().filter(|_| here && overlays.potential);
+    let field = value.map(|field| (Kind::Value, field)).or(potential.map(|field| (Kind::Potential, field)));
+    arena::ground(canvas, scenario);
+    if let Some((kind, field)) = field {
+        field_view::colours(canvas, kind, field, dark);
+    }
+    if let Some(field) = potential {
+        field_view::arrows(canvas, field, canvas.inks.ink.gamma_multiply(0.45));
+    }
+    arena::ways(canvas, arena, overlays);
+    arena::solids(canvas, scenario, arena);
+    arena::target(canvas, scenario, arena);
+    let beams = overlays.beams && !arena.parked;
+    let label = beams.then(|| beams::draw(canvas, scenario, arena)).flatten();
+    arena::robot(canvas, scenario, arena);
+    let shown = Overlays { beams, potential: potential.is_some(), ..*overlays };
+    // Of two beside each other, one explains for both.
+    let explains = index == 0 || !is_pair(scene);
+    let mut taken: Vec<Rect> = label.into_iter().collect();
+    taken.extend(explains.then(|| legend::draw(canvas, &shown)).flatten());
+    taken.extend(field.and_then(|(kind, field)| field_view::key(canvas, kind, field, dark)));
+    if overlays.q_values && !arena.parked {
+        q_bars::draw(canvas, scenario, arena, &taken, id.with("q side"));
+    }
+}
+
+/// Shows what the pointer could take hold of or holds.
+fn mark_hand(
+    ui: &Ui,
+    response: &Response,
+    canvas: &Canvas,
+    scene: &Scene,
+    arena: &ArenaScene,
+    grip: Option<Grip>,
+    held: Option<Held>,
+) {
+    let (inks, Some(grip)) = (&canvas.inks, grip) else { return };
+    let to_m = held.and_then(|held| held.refused.map(|_| held.to_m));
+    let Some(outline) = grasp::outline(&scene.scenario, arena, grip, to_m) else { return };
+    let around = outline.clone().grown(4.5 / canvas.plane.scale);
+    let clear = egui::Color32::TRANSPARENT;
+    match held {
+        Some(Held { refused: Some(why), to_m, .. }) => {
+            ui.ctx().set_cursor_icon(CursorIcon::NoDrop);
+            arena::draw_outline(canvas, &outline, inks.bad.gamma_multiply(0.35), Stroke::new(2.0, inks.bad));
+            let below = vec2(0.0, canvas.plane.length(outline.reach_m()) + 7.0);
+            canvas.chip(canvas.at(to_m) + below, Align2::CENTER_TOP, why, inks.bad);
+        }
+        Some(_) => {
+            ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
+            arena::draw_outline(canvas, &around, clear, Stroke::new(2.0, inks.ink));
+        }
+        None => {
+            ui.ctx().set_cursor_icon(CursorIcon::Grab);
+            arena::draw_outline(canvas, &around, clear, Stroke::new(1.5, inks.ink.gamma_multiply(0.8)));
+            response.clone().on_hover_text_at_pointer(grip.words());
+        }
+    }
+}
+
+/// What a screen reader calls an arena's view.
+fn name_for_readers(response: &Response, index: usize) {
+    let words = format!("Arena {}", index + 1);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, &words));
+}

@@ -1,0 +1,106 @@
+//! The panel on the left: what is chosen waits for its button, and what would be lost is asked about.
+
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use wayfield::app::orders::{Order, Saved};
+
+use super::{click, ordered, press, released, settle, window};
+use crate::fake::Fake;
+
+#[test]
+fn a_choice_waits_for_the_button() {
+    let mut window = window(Fake::default());
+    assert!(window.query_by_label("Go on here with what it has learnt").is_none());
+    assert_eq!(click(&mut window, "World"), []);
+    assert_eq!(click(&mut window, "Scenario II"), []);
+    assert_eq!(click(&mut window, "Learner"), []);
+    assert_eq!(click(&mut window, "DQN"), []);
+    let go_on = Order::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 };
+    assert_eq!(click(&mut window, "Go on here with what it has learnt"), [go_on]);
+    let begin = Order::Begin { scenario: "scenario-2".into(), preset: "dqn".into(), seed: 7 };
+    assert_eq!(click(&mut window, "Start again"), [begin]);
+    // It runs now: nothing is pending any more.
+    let status = &mut window.state_mut().status;
+    (status.scenario_from, status.preset_from, status.seed) = ("scenario-2".into(), "dqn".into(), 7);
+    settle(&mut window);
+    assert!(window.query_by_label("Go on here with what it has learnt").is_none());
+}
+
+#[test]
+fn a_training_of_some_worth_is_given_up_only_after_asking_back() {
+    let mut window = window(Fake::default());
+    window.state_mut().status.restart_discards = true;
+    assert_eq!(click(&mut window, "Start again"), []);
+    assert!(window.query_by_label("This training of 1,284 episodes will be gone.").is_some());
+    assert_eq!(click(&mut window, "Keep it"), []);
+    assert!(window.query_by_label("Keep it").is_none());
+    assert_eq!(click(&mut window, "Start again"), []);
+    let begin = Order::Begin { scenario: "scenario-1".into(), preset: "fast".into(), seed: 7 };
+    assert_eq!(click(&mut window, "Start again"), [begin]);
+    assert!(window.query_by_label("Keep it").is_none(), "answered");
+    // A double click is no answer.
+    let place = window.get_by_label("Start again").rect().center();
+    for _ in 0..2 {
+        window.hover_at(place);
+        window.drag_at(place);
+        window.event(released(place));
+        assert_eq!(ordered(&mut window), []);
+    }
+    assert!(window.query_by_label("Keep it").is_some());
+}
+
+#[test]
+fn an_opened_policy_can_be_learnt_on_from() {
+    let mut window = window(Fake::default());
+    assert!(window.query_by_label("Learn on from it").is_none());
+    window.state_mut().status.opened = Some("best.safetensors".into());
+    settle(&mut window);
+    assert!(window.query_by_label("best.safetensors").is_some());
+    assert_eq!(click(&mut window, "Learn on from it"), [Order::Adopt { epsilon: 0.5 }]);
+    window.state_mut().status.restart_discards = true;
+    assert_eq!(click(&mut window, "Learn on from it"), []);
+    let right = window.get_by_label("Keep it").rect().max.x;
+    assert!(right < 248.0 - 14.0, "the question is no wider than the panel: {right}");
+    assert_eq!(click(&mut window, "Learn on from it"), [Order::Adopt { epsilon: 0.5 }]);
+}
+
+#[test]
+fn the_seed_is_typed_or_thrown() {
+    let mut window = window(Fake::default());
+    window.get_by_label("Seed").click();
+    settle(&mut window);
+    window.get_by_label("Seed").type_text("1");
+    settle(&mut window);
+    // While it is written, keys are text.
+    assert_eq!(press(&mut window, Key::Space), []);
+    window.key_press(Key::Enter);
+    settle(&mut window);
+    let seed = |orders: Vec<Order>| match orders.as_slice() {
+        [Order::Begin { seed, .. }] => *seed,
+        _ => panic!("{orders:?}"),
+    };
+    let typed = seed(click(&mut window, "Start again"));
+    assert_ne!(typed, 7);
+    assert_eq!(click(&mut window, "New seed"), []);
+    assert_ne!(seed(click(&mut window, "Start again")), typed);
+}
+
+#[test]
+fn files_are_asked_for_by_button_and_by_key() {
+    let mut window = window(Fake::default());
+    assert_eq!(click(&mut window, "Open…"), [Order::OpenDialog]);
+    for (label, saved) in
+        [("Save policy", Saved::Policy), ("Save run", Saved::Run), ("Save world", Saved::Scenario)]
+    {
+        assert_eq!(click(&mut window, label), [Order::SaveDialog(saved)]);
+    }
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    assert_eq!(ordered(&mut window), [Order::SaveDialog(Saved::Policy)]);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    assert_eq!(ordered(&mut window), [Order::OpenDialog]);
+    window.state_mut().status.dialogs = false;
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Save policy"), []);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    assert_eq!(ordered(&mut window), []);
+}
