@@ -146,7 +146,14 @@ struct Arguments {
 
     /// What to draw over the world: beams, path, trails, potential, value, q-values, grid; `none` for nothing
     #[cfg(feature = "window")]
-    #[arg(long, value_name = "NAMES", help_heading = "Window", conflicts_with = "mode", value_delimiter = ',', value_enum)]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        help_heading = "Window",
+        conflicts_with = "mode",
+        value_delimiter = ',',
+        value_enum
+    )]
     show: Vec<ShowArgument>,
 
     /// The window's width and height in points, such as 1280x800
@@ -330,7 +337,8 @@ fn pace(text: &str) -> Result<Pace, String> {
 
 #[cfg(feature = "window")]
 fn size(text: &str) -> Result<(f32, f32), String> {
-    let sides: Option<(u16, u16)> = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    let sides: Option<(u16, u16)> =
+        text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     match sides {
         Some((w, h)) if (800..=8000).contains(&w) && (500..=8000).contains(&h) => Ok((w.into(), h.into())),
         _ => Err("give width and height, 800x500 to 8000x8000".into()),

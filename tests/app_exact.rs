@@ -7,6 +7,7 @@
 mod studio;
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use wayfield::agent::Trainer;
@@ -15,6 +16,8 @@ use wayfield::app::orders::{Mode, Moved, Order, Pace, Saved};
 use wayfield::app::session::journal::{Replayed, verify};
 use wayfield::app::session::{First, Session};
 use wayfield::learning::Learner;
+use wayfield::run::preset::Budget;
+use wayfield::run::train::{Job, train};
 use wayfield::run::{shipped, simulation};
 use wayfield::scenario::pose_at;
 use wayfield::task::{ArenaState, Clock, CurrentScenario, observation};
@@ -45,12 +48,26 @@ fn headless(seed: u64, steps: u64) -> (Vec<u8>, Vec<ArenaState>) {
     state(app.world_mut())
 }
 
+/// A policy that can drive in Scenario II.
+fn some_policy(folder: &std::path::Path) -> std::path::PathBuf {
+    let file = folder.join("other.safetensors");
+    let mut studio = Studio::new(first(99));
+    studio.order(Order::Pause(true));
+    studio.step_to(5);
+    studio.order(Order::Save(Saved::Policy, file.clone()));
+    studio.frame(Duration::from_millis(10));
+    assert!(file.exists(), "{:?}", studio.complaints());
+    file
+}
+
 fn first(seed: u64) -> First {
     First { scenario: "scenario-2".into(), seed, pace: Pace::Times(40.0), ..First::default() }
 }
 
 #[test]
 fn two_thousand_steps_in_the_window_learn_what_a_bare_loop_learns() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let policy = some_policy(folder.path());
     let mut studio = Studio::new(first(5));
     // Frames of changing length, at changing paces, with pauses, single steps, every panel and overlay, and other drivers
     // in between.
@@ -66,6 +83,7 @@ fn two_thousand_steps_in_the_window_learn_what_a_bare_loop_learns() {
             12 => studio.order(Order::Pause(false)),
             15 => studio.order(Order::SetMode(Mode::Drive)),
             16 => studio.order(Order::Steer(0)),
+            17 => studio.order(Order::Open(policy.clone())),
             18 => studio.order(Order::Move(Moved::Robot { arena: 0, to_m: (1.2, 0.1) })),
             20 => studio.order(Order::SetMode(Mode::Train)),
             22 => studio.order(Order::SetPace(Pace::Times(7.0))),
@@ -78,6 +96,8 @@ fn two_thousand_steps_in_the_window_learn_what_a_bare_loop_learns() {
         studio.frame(Duration::from_millis(5 + frame % 90));
         frame += 1;
     }
+    assert!(frame > 40, "all of it has happened");
+    assert!(studio.session().opened.is_some(), "{:?}", studio.complaints());
     studio.order(Order::SetMode(Mode::Train));
     studio.order(Order::Pause(true));
     studio.frame(Duration::from_millis(10));
@@ -94,7 +114,7 @@ fn nudge(studio: &mut Studio, index: usize) {
     let scenario = world.resource::<CurrentScenario>().0.clone();
     let clock = world.query::<&Clock>().iter(world).next().expect("an arena").0;
     let (x, y, _) = pose_at(&scenario.obstacles[index], clock, scenario.task.control_period_s);
-    studio.order(Order::Move(Moved::Obstacle { index, to_m: (x + 0.04, y - 0.03) }));
+    studio.order(Order::Move(Moved::Obstacle { arena: 0, index, to_m: (x + 0.04, y - 0.03) }));
 }
 
 #[test]
@@ -142,14 +162,44 @@ fn the_hand_cannot_put_things_where_they_cannot_be() {
         Moved::Target { arena: 99, to_m: (0.0, 0.0) },
         Moved::Robot { arena: 0, to_m: (1.95, 1.95) },
         Moved::Robot { arena: 0, to_m: (f32::NAN, 0.0) },
-        Moved::Obstacle { index: 0, to_m: (5.0, 5.0) },
-        Moved::Obstacle { index: 99, to_m: (0.0, 0.0) },
+        Moved::Obstacle { arena: 0, index: 0, to_m: (5.0, 5.0) },
+        Moved::Obstacle { arena: 0, index: 99, to_m: (0.0, 0.0) },
+        Moved::Obstacle { arena: 99, index: 0, to_m: (0.6, 0.6) },
     ] {
         studio.order(Order::Move(nowhere));
         studio.frame(Duration::from_millis(10));
     }
     assert_eq!(studio.session().journal.entries, []);
     assert!(state(studio.world()) == before, "nothing has changed");
+}
+
+#[test]
+fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_it_is_seen() {
+    // Two drivers, of whom one has ended: his arena's clock stands, and the obstacles revolve in the other.
+    let mut studio = Studio::new(first(12));
+    studio.order(Order::SetMode(Mode::Drive));
+    for motion in [0, 4].into_iter().cycle().take(4_000) {
+        studio.order(Order::Steer(motion));
+        studio.frame(Duration::from_millis(200));
+        let (scene, _) = studio.shown();
+        if scene.arenas[0].parked != scene.arenas[1].parked {
+            break;
+        }
+    }
+    let (scene, _) = studio.shown();
+    let running = scene.arenas.iter().position(|arena| !arena.parked).expect("one still drives");
+    assert!(scene.arenas.iter().any(|arena| arena.parked), "one has ended");
+    studio.order(Order::Pause(true));
+    for _ in 0..3 {
+        studio.order(Order::Step);
+        studio.frame(Duration::from_millis(10));
+    }
+    let (x, y, _) = studio.shown().0.arenas[running].obstacles[3];
+    let to_m = (x + 0.03, y + 0.02);
+    studio.order(Order::Move(Moved::Obstacle { arena: running, index: 3, to_m }));
+    studio.frame(Duration::from_millis(10));
+    let (now_x, now_y, _) = studio.shown().0.arenas[running].obstacles[3];
+    assert!((now_x - to_m.0).abs() < 1e-4 && (now_y - to_m.1).abs() < 1e-4, "{now_x} {now_y} is not {to_m:?}");
 }
 
 #[test]
@@ -201,6 +251,12 @@ fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between()
     assert_eq!(other.complaints(), Vec::<String>::new());
     assert_eq!(verify(&second_run), Ok(Replayed { steps: 260, deeds: 2, same: true }));
 
+    // It goes on without a window: the journal ends earlier than the run, which is replayed all the same.
+    let job = Job::Resume { folder: second_run.clone(), budget: Some(Budget::EnvSteps(300 * 16)) };
+    let stop = AtomicBool::new(false);
+    train(job, &stop, std::time::Instant::now(), Some(Box::new(|_| {}))).expect("it goes on");
+    assert_eq!(verify(&second_run), Ok(Replayed { steps: 300, deeds: 2, same: true }));
+
     // A journal that says something else is found out.
     let journal = second_run.join("journal.ron");
     let text = std::fs::read_to_string(&journal).expect("it is there");
@@ -215,9 +271,8 @@ fn transfer_keeps_the_weights_and_can_be_replayed() {
     let mut studio = Studio::new(First { scenario: "scenario-1".into(), ..first(10) });
     studio.order(Order::Pause(true));
     studio.step_to(150);
-    let weights = |studio: &mut Studio| {
-        studio.world().resource::<Trainer>().0.network().parameters().to_vec()
-    };
+    let weights =
+        |studio: &mut Studio| studio.world().resource::<Trainer>().0.network().parameters().to_vec();
     let before = weights(&mut studio);
     studio.order(Order::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 });
     studio.frame(Duration::from_millis(10));

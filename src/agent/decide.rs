@@ -9,7 +9,7 @@ use super::Trainer;
 use crate::learning::Policy;
 use crate::learning::exploration::{epsilon_greedy, greedy};
 use crate::random::{self, Stream};
-use crate::task::{Actions, CurrentScenario, Observations};
+use crate::task::{Actions, Observations};
 
 /// How actions are chosen.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,9 +26,14 @@ pub enum Acting {
 #[derive(Resource)]
 pub struct GreedyPolicy(pub Policy);
 
-/// Who drives each arena, by number, where [`Acting::Driven`] is followed.
+/// Who drives, where [`Acting::Driven`] is followed.
 #[derive(Resource, Default)]
-pub struct Drivers(pub Vec<Driver>);
+pub struct Drivers {
+    /// The driver of each arena, by number.
+    pub arenas: Vec<Driver>,
+    /// From how many motions they choose.
+    pub motions: usize,
+}
 
 /// Who drives an arena.
 pub enum Driver {
@@ -67,14 +72,13 @@ pub(super) fn decide(
     trainer: Option<Res<Trainer>>,
     policy: Option<Res<GreedyPolicy>>,
     drivers: Option<Res<Drivers>>,
-    scenario: Option<Res<CurrentScenario>>,
     observations: Res<Observations>,
     mut decisions: ResMut<Decisions>,
     mut actions: ResMut<Actions>,
 ) {
     let decisions = &mut *decisions;
     let arenas = actions.0.len();
-    match (*acting, trainer, policy, drivers, scenario) {
+    match (*acting, trainer, policy, drivers) {
         (Acting::Exploring, Some(trainer), ..) => {
             let learner = &trainer.0;
             learner.q_values(&observations.current, arenas, &mut decisions.q_values);
@@ -84,7 +88,7 @@ pub(super) fn decide(
                     epsilon_greedy(row, epsilon, &mut decisions.streams[arena]);
             }
         }
-        (Acting::Greedy, _, Some(policy), ..) => {
+        (Acting::Greedy, _, Some(policy), _) => {
             policy.0.network.q_values(&observations.current, arenas, &mut decisions.q_values);
             let width = decisions.q_values.len() / arenas;
             for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunks_exact(width)) {
@@ -92,12 +96,11 @@ pub(super) fn decide(
             }
             decisions.explored.fill(false);
         }
-        (Acting::Driven, _, _, Some(drivers), Some(scenario)) => {
-            let motions = scenario.0.robot.motions.len();
+        (Acting::Driven, _, _, Some(drivers)) => {
             let mut row = Vec::new();
             decisions.q_values.clear();
             decisions.explored.fill(false);
-            for (arena, driver) in drivers.0.iter().enumerate().take(arenas) {
+            for (arena, driver) in drivers.arenas.iter().enumerate().take(arenas) {
                 match driver {
                     Driver::Policy(policy) => {
                         policy.network.q_values(observations.row(arena), 1, &mut row);
@@ -106,8 +109,8 @@ pub(super) fn decide(
                     Driver::Hand(motion) => {
                         // A hand values nothing in numbers; its row keeps the others in their places.
                         row.clear();
-                        row.resize(motions, f32::NAN);
-                        actions.0[arena] = (*motion).min(motions.saturating_sub(1));
+                        row.resize(drivers.motions, f32::NAN);
+                        actions.0[arena] = (*motion).min(drivers.motions.saturating_sub(1));
                     }
                 }
                 decisions.q_values.extend_from_slice(&row);

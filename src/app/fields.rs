@@ -15,9 +15,7 @@ use super::session::Session;
 use crate::agent::{Driver, Drivers, Trainer};
 use crate::learning::QNetwork;
 use crate::scenario::{Enclosure, Scenario};
-use crate::task::{
-    Arena, Clock, CurrentScenario, Encoding, Pose, RewardConfig, Scan, Target, observation,
-};
+use crate::task::{Arena, Clock, CurrentScenario, Encoding, Pose, RewardConfig, Scan, Target, observation};
 use crate::world::Probe;
 
 /// Grid points along the longer side.
@@ -34,8 +32,23 @@ pub struct Fields {
     pub value: Option<Arc<Field>>,
     version: u64,
     worked_out_s: f64,
-    /// Where heading, target and obstacles were then, and how much had been learnt.
-    of: Option<(usize, Target, u64, i32, u64)>,
+    /// Of what they are.
+    of: Option<Of>,
+}
+
+/// What the fields depend on: as long as it is the same, so are they.
+#[derive(Clone, PartialEq)]
+struct Of {
+    potential: bool,
+    value: bool,
+    scenario: Arc<Scenario>,
+    mode: Mode,
+    arena: usize,
+    target: Target,
+    heading_rad: f32,
+    clock: Clock,
+    gradient_steps: u64,
+    opened: Option<String>,
 }
 
 /// What the fields are over.
@@ -64,7 +77,8 @@ impl Grid {
             let (min, max) = (self.min_m[axis], self.max_m[axis]);
             min + (max - min) * (k as f32 + 0.5) / self.size[axis] as f32
         };
-        (0..self.size[1]).flat_map(move |row| (0..self.size[0]).map(move |column| (at(column, 0), at(row, 1))))
+        (0..self.size[1])
+            .flat_map(move |row| (0..self.size[0]).map(move |column| (at(column, 0), at(row, 1))))
     }
 
     fn field(&self, values: Vec<f32>, version: u64) -> Option<Arc<Field>> {
@@ -87,12 +101,14 @@ pub(super) fn survey(
     arenas: Query<(&Arena, &Pose, &Target, &Clock)>,
     mut fields: ResMut<Fields>,
 ) {
-    let (Some(session), Some(scenario), Some(trainer), Some(probe)) = (session, scenario, trainer, probe) else {
+    let (Some(session), Some(scenario), Some(trainer), Some(probe)) = (session, scenario, trainer, probe)
+    else {
         return;
     };
     let asked = desk.0.overlays;
     let wanted = desk.0.followed;
-    if !(asked.potential || asked.value) {
+    let as_a_grid = desk.0.grid && session.mode == Mode::Train;
+    if as_a_grid || !(asked.potential || asked.value) {
         fields.potential = None;
         fields.value = None;
         fields.of = None;
@@ -102,10 +118,22 @@ pub(super) fn survey(
     let Some((arena, pose, target, clock)) = followed else { return };
     let Some(scan_from) = probe.of(arena.0) else { return };
     let now_s = time.elapsed_secs_f64();
-    let of =
-        (arena.0, *target, clock.0, (pose.heading_rad * 100.0) as i32, trainer.0.gradient_steps());
-    let has_all = (!asked.potential || fields.potential.is_some()) && (!asked.value || fields.value.is_some());
-    if has_all && (fields.of == Some(of) || now_s - fields.worked_out_s < EVERY_S) {
+    let of = Of {
+        potential: asked.potential,
+        value: asked.value,
+        scenario: scenario.0.clone(),
+        mode: session.mode,
+        arena: arena.0,
+        target: *target,
+        heading_rad: pose.heading_rad,
+        clock: *clock,
+        gradient_steps: trainer.0.gradient_steps(),
+        opened: session.opened.as_ref().map(|(name, _)| name.clone()),
+    };
+    let before = fields.of.as_ref();
+    let known = before.is_some_and(|before| *before == of);
+    let more = before.is_none_or(|before| of.potential && !before.potential || of.value && !before.value);
+    if known || (!more && now_s - fields.worked_out_s < EVERY_S) {
         return;
     }
     fields.of = Some(of);
@@ -133,10 +161,11 @@ pub(super) fn survey(
     }
     fields.value = None;
     if asked.value {
-        let network = match (session.mode, drivers.0.get(arena.0)) {
-            (Mode::Train, _) => Some(trainer.0.network()),
-            (_, Some(Driver::Policy(policy))) => Some(&policy.network),
-            _ => None,
+        // The hand has no network: what the policy that it drives against would expect is shown in its place.
+        let policies = drivers.arenas.iter().skip(arena.0).chain(&drivers.arenas);
+        let network = match session.mode {
+            Mode::Train => Some(trainer.0.network()),
+            _ => policies.filter_map(network).next(),
         };
         fields.value = network.and_then(|network| {
             let mut values = values(network, &observations, potentials.len());
@@ -147,6 +176,14 @@ pub(super) fn survey(
         });
     }
     fields.potential = asked.potential.then(|| grid.field(potentials, version)).flatten();
+}
+
+/// The network that a driver asks, if it does.
+fn network(driver: &Driver) -> Option<&QNetwork> {
+    match driver {
+        Driver::Policy(policy) => Some(&policy.network),
+        Driver::Hand(_) => None,
+    }
 }
 
 /// max Q(s, .) of each of `n` observations: the value of acting greedily from there.

@@ -2,7 +2,7 @@
 //!
 //! In: the orders that ask for one. Out: the orders that name the file. A dialog runs beside the app; nothing waits for it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bevy::ecs::system::NonSendMarker;
@@ -49,7 +49,11 @@ pub(super) fn answer(
             (Some(path), None) => {
                 messages.write(Order::Open(path));
             }
-            (None, _) if dialog.since.elapsed() < SOONEST => session.tell(
+            // No dialog here: what is to be saved goes where runs go.
+            (None, Some(what)) if dialog.since.elapsed() < SOONEST => {
+                messages.write(Order::Save(what, untaken(&proposed(what, &session))));
+            }
+            (None, None) if dialog.since.elapsed() < SOONEST => session.tell(
                 Weight::Failed,
                 "This system shows no file dialog: drop a file on the window to open it, or start with --open FILE. \
                  (On Linux a desktop portal or zenity shows them.)",
@@ -64,32 +68,59 @@ pub(super) fn answer(
         _ => None,
     });
     if let (None, Some(what)) = (&dialogs.open, asked) {
-        let name = format!("{}-{}", session.config.scenario_name(), session.config.preset_name());
-        dialogs.open = Some(Dialog { asking: ask(what, &name), what, since: Instant::now() });
+        let asking = match what {
+            Some(what) => ask_where(what, &proposed(what, &session)),
+            None => ask_which(),
+        };
+        dialogs.open = Some(Dialog { asking, what, since: Instant::now() });
     }
 }
 
-/// Asks for a file to open, or for where to save `what`; `name` is proposed.
-fn ask(what: Option<Saved>, name: &str) -> Task<Option<PathBuf>> {
-    let dialog = AsyncFileDialog::new();
-    let (title, file, kind, endings): (_, _, _, &[&str]) = match what {
-        None => {
-            let asking = dialog
-                .set_title("Open a policy, a checkpoint, a scenario or a preset")
-                .add_filter("Of wayfield", &["safetensors", "bin", "ron"])
-                .pick_file();
-            return IoTaskPool::get().spawn(async move { asking.await.map(|file| file.path().into()) });
-        }
-        Some(Saved::Policy) => ("Save the policy", format!("{name}.safetensors"), "Policy", &["safetensors"]),
-        Some(Saved::Run) => ("Save the run as a folder", name.to_string(), "Folder", &[]),
-        Some(Saved::Csv) => ("Save the episodes", format!("{name}-episodes.csv"), "Table", &["csv"]),
-        Some(Saved::Png) => ("Save the curves", format!("{name}-curves.png"), "Picture", &["png"]),
-        Some(Saved::Scenario) => ("Save the world", "my-world.ron".into(), "Scenario", &["ron"]),
+/// Asks for a file to open.
+fn ask_which() -> Task<Option<PathBuf>> {
+    let asking = AsyncFileDialog::new()
+        .set_title("Open a policy, a checkpoint, a scenario or a preset")
+        .add_filter("Of wayfield", &["safetensors", "bin", "ron"])
+        .pick_file();
+    IoTaskPool::get().spawn(async move { asking.await.map(|file| file.path().into()) })
+}
+
+/// Asks for where to save `what`; `name` is proposed.
+fn ask_where(what: Saved, name: &str) -> Task<Option<PathBuf>> {
+    let (title, kind, endings): (_, _, &[&str]) = match what {
+        Saved::Policy => ("Save the policy", "Policy", &["safetensors"]),
+        Saved::Run => ("Save the run as a folder", "Folder", &[]),
+        Saved::Csv => ("Save the episodes", "Table", &["csv"]),
+        Saved::Png => ("Save the curves", "Picture", &["png"]),
+        Saved::Scenario => ("Save the world", "Scenario", &["ron"]),
     };
-    let mut dialog = dialog.set_title(title).set_file_name(file);
+    let mut dialog = AsyncFileDialog::new().set_title(title).set_file_name(name);
     if !endings.is_empty() {
         dialog = dialog.add_filter(kind, endings);
     }
     let asking = dialog.save_file();
     IoTaskPool::get().spawn(async move { asking.await.map(|file| file.path().into()) })
+}
+
+/// The name that is proposed for `what`.
+fn proposed(what: Saved, session: &Session) -> String {
+    let config = &session.config;
+    let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
+    match what {
+        Saved::Policy => format!("{name}.safetensors"),
+        Saved::Run => name,
+        Saved::Csv => format!("{name}-episodes.csv"),
+        Saved::Png => format!("{name}-curves.png"),
+        Saved::Scenario => "my-world.ron".into(),
+    }
+}
+
+/// A path for `name` under `runs/` where there is nothing yet.
+fn untaken(name: &str) -> PathBuf {
+    let runs = Path::new("runs");
+    // If it cannot be made, saving will say so.
+    let _ = std::fs::create_dir_all(runs);
+    let (stem, ending) = name.rsplit_once('.').map_or((name, String::new()), |(a, b)| (a, format!(".{b}")));
+    let numbered = (2..).map(|number| runs.join(format!("{stem}-{number}{ending}")));
+    std::iter::once(runs.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
 }

@@ -15,9 +15,7 @@ use crate::agent::{Decisions, Trainer};
 use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::{Scenario, pose_at};
-use crate::task::{
-    Actions, Arena, Clock, CurrentScenario, Episode, Pose, Scan, Target, wrap_angle,
-};
+use crate::task::{Actions, Arena, Clock, CurrentScenario, Episode, Pose, Scan, Target, wrap_angle};
 
 /// What the screen draws next; nothing before the first frame.
 #[derive(Resource, Default)]
@@ -28,15 +26,11 @@ pub struct Shown {
     shipped: Option<(Vec<Choice>, Vec<Choice>)>,
 }
 
+/// Of more arenas than these the first are shown: nobody could tell more apart.
+const MOST_SHOWN: usize = 100;
+
 /// What is seen of an arena.
-type Seen = (
-    &'static Arena,
-    &'static Pose,
-    &'static Target,
-    &'static Clock,
-    &'static Scan,
-    &'static Episode,
-);
+type Seen = (&'static Arena, &'static Pose, &'static Target, &'static Clock, &'static Scan, &'static Episode);
 
 /// Takes the scene and the status.
 #[expect(clippy::too_many_arguments, reason = "a system's parameters are what it reads")]
@@ -56,6 +50,7 @@ pub(super) fn look(
     let scenario = &scenario.0;
     let mut seen: Vec<_> = arenas.iter().collect();
     seen.sort_by_key(|(arena, ..)| arena.0);
+    seen.truncate(MOST_SHOWN);
     let part = session.pacer.part();
     let motions = scenario.robot.motions.len();
     let none = Ways::default();
@@ -151,6 +146,7 @@ fn status(session: &Session, trainer: &Trainer, scenarios: Vec<Choice>, presets:
     let learner = &trainer.0;
     let (steps_per_s, env_steps_per_s, frames_per_s) = session.speed.per_s();
     let period_s = f64::from(session.config.scenario.task.control_period_s);
+    let world_changed = session.journal.begun.scenario != session.config.scenario;
     let with_own = |mut shipped: Vec<Choice>, own: &[Choice]| {
         shipped.extend_from_slice(own);
         shipped
@@ -159,6 +155,8 @@ fn status(session: &Session, trainer: &Trainer, scenarios: Vec<Choice>, presets:
         paused: session.pacer.paused,
         pace: session.pacer.pace,
         mode: session.mode,
+        world_changed,
+        papers_world: !world_changed && session.config.scenario_from == "scenario-1",
         scenario_from: session.config.scenario_from.clone(),
         preset_from: session.config.preset_from.clone(),
         scenarios: with_own(scenarios, &session.own_scenarios),

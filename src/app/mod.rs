@@ -54,10 +54,9 @@ pub struct StudioPlugin {
 
 impl Plugin for StudioPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<OnDesk>().add_plugins(SessionPlugin { first: self.first.clone() }).add_systems(
-            PostUpdate,
-            (fields::survey, look::look).chain(),
-        );
+        app.init_resource::<OnDesk>()
+            .add_plugins(SessionPlugin { first: self.first.clone() })
+            .add_systems(PostUpdate, (fields::survey, look::look).chain());
         app.init_resource::<Shown>().init_resource::<fields::Fields>();
     }
 }

@@ -49,9 +49,11 @@ pub enum Moved {
     },
     /// An obstacle, in all arenas: the world itself is another then.
     Obstacle {
+        /// In which arena the user sees it.
+        arena: usize,
         /// Its number in the scenario.
         index: usize,
-        /// Where its middle is to be now, in m.
+        /// Where its middle is to be there now, in m.
         to_m: (f32, f32),
     },
 }

@@ -99,7 +99,7 @@ pub struct Field {
 pub struct Scene {
     /// The world being driven in.
     pub scenario: Arc<Scenario>,
-    /// Its arenas, by number; at least one.
+    /// Its arenas, by number; at least one, and of very many the first hundred.
     pub arenas: Vec<ArenaScene>,
     /// The potential U of eq. (4) for the followed arena's target, if it is asked for.
     pub potential: Option<Arc<Field>>,

@@ -116,7 +116,10 @@ impl Plugin for WindowedPlugin {
         .insert_resource(WinitSettings::game())
         .add_systems(Startup, blending::spawn_camera)
         .add_systems(EguiPrimaryContextPass, draw)
-        .add_systems(PreUpdate, (take_dropped_files, files::answer.run_if(resource_exists::<Session>)).chain())
+        .add_systems(
+            PreUpdate,
+            (take_dropped_files, files::answer.run_if(resource_exists::<Session>)).chain(),
+        )
         .add_systems(Update, rest_while_paused);
         match &opening.picture {
             Some(picture) => {
@@ -158,11 +161,7 @@ fn draw(
 /// While time stands still, the window is drawn when something happens to it, and a few times a second.
 fn rest_while_paused(session: Option<Res<Session>>, mut settings: ResMut<WinitSettings>) {
     let paused = session.is_some_and(|session| session.pacer.paused);
-    let mode = if paused {
-        UpdateMode::reactive(Duration::from_millis(200))
-    } else {
-        UpdateMode::Continuous
-    };
+    let mode = if paused { UpdateMode::reactive(Duration::from_millis(200)) } else { UpdateMode::Continuous };
     if settings.focused_mode != mode {
         settings.focused_mode = mode;
         settings.unfocused_mode = mode;
@@ -182,16 +181,20 @@ fn take_dropped_files(mut dropped: MessageReader<FileDragAndDrop>, mut orders: M
 fn take_picture(
     mut commands: Commands,
     picture: Res<Picture>,
-    session: Option<Res<Session>>,
+    session: Option<ResMut<Session>>,
     windows: Query<Entity, With<PrimaryWindow>>,
-    mut frames: Local<u32>,
+    mut settled: Local<u32>,
     mut asked: Local<bool>,
 ) {
-    // Drawn often enough for layout and typeface to have settled.
+    // Drawn often enough for the layout to have settled, and for glyphs and colours to have reached the GPU.
     const SETTLED: u32 = 8;
-    *frames += 1;
-    let due = session.is_some_and(|session| session.journal.steps >= picture.after_steps);
-    if *asked || !due || *frames < SETTLED || windows.is_empty() {
+    let Some(mut session) = session else { return };
+    if *asked || session.journal.steps < picture.after_steps || windows.is_empty() {
+        return;
+    }
+    session.pacer.held = true;
+    *settled += 1;
+    if *settled < SETTLED {
         return;
     }
     *asked = true;

@@ -6,6 +6,7 @@
 //! | `episodes.csv`, `evaluations.csv` | a row each ([`records`](super::records)) |
 //! | `events.out.tfevents.*` | the same for TensorBoard |
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last |
+//! | `policy-init.safetensors` | the policy that training started from, if it did from one |
 //! | `policy-after-N-episodes.safetensors` | as it stood then, where the configuration asks for it |
 //! | `checkpoint/latest.bin` | everything needed to go on |
 //! | `summary.json`, `learning-curve.svg` | the run in short, and as a picture |
@@ -87,6 +88,9 @@ pub struct Transfer {
     /// Epsilon at the start, if not the preset's.
     pub epsilon: Option<f32>,
 }
+
+/// The file that keeps the policy which training started from.
+pub const INIT: &str = "policy-init.safetensors";
 
 /// A run's folder on disk.
 #[derive(Clone, Debug)]

@@ -17,7 +17,6 @@ use crate::task::{Encoding, EpisodeEnded, Places, RewardConfig, TaskFault, TaskM
 use crate::world::{WorldPlugin, populate};
 
 /// An app in which `learner` trains as `preset` says in its arenas of `scenario`, every arena at its first observation.
-#[must_use]
 pub fn training(scenario: &Arc<Scenario>, preset: &Preset, seed: u64, learner: Learner) -> App {
     let mut app = App::new();
     app.add_plugins(MinimalPlugins);

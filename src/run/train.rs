@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use super::checkpoint::{self, Standing};
 use super::evaluate;
 use super::examiner::{Examination, Examiner};
-use super::folder::{RunConfig, RunFolder};
+use super::folder::{INIT, RunConfig, RunFolder};
 use super::follow;
 use super::preset::Budget;
 use super::progress::{Goal, Listener, Progress, Status};
@@ -138,6 +138,10 @@ impl Run {
         let folder = RunFolder::create(out, &config)?;
         let standing =
             Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
+        if let Some(policy) = &policy {
+            let bytes = follow::bytes(policy)?;
+            folder.write(INIT, |file| std::io::Write::write_all(file, &bytes))?;
+        }
         let mut run = Self::open(config, folder, learner, standing, began, listener)?;
         run.save()?;
         Ok(run)
@@ -193,7 +197,11 @@ impl Run {
         };
         Ok(Self {
             app: simulation::training(&scenario, preset, config.seed, learner),
-            examiner: Examiner::new(&scenario, preset.evaluation.navigations, follow::evaluation_seed(config.seed)),
+            examiner: Examiner::new(
+                &scenario,
+                preset.evaluation.navigations,
+                follow::evaluation_seed(config.seed),
+            ),
             recorder: Recorder::open(&folder, standing.episodes_bytes, standing.evaluations_bytes)?,
             progress: listener.map_or_else(|| Progress::new(goal, false), Progress::told),
             earlier_s: standing.wall_s,

@@ -120,9 +120,10 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
 /// sense at once. The number of beams must be the same.
 pub fn rebuild(world: &mut World, scenario: &Arc<Scenario>) {
     let states = snapshot(world);
-    let fault = world.resource::<TaskFault>().clone();
+    let (fault, actions) = (world.resource::<TaskFault>().clone(), world.resource::<Actions>().clone());
     populate(world, scenario, states.len(), 0);
     world.insert_resource(fault);
+    world.insert_resource(actions);
     restore(world, &states);
     sense_anew(world, |_| true);
 }

@@ -7,9 +7,10 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use wayfield::app::desk::Desk;
 use wayfield::app::orders::Order;
-use wayfield::app::screen::{self, View};
 use wayfield::app::session::{Curves, First, Session};
-use wayfield::app::status::Weight;
+use wayfield::app::scene::Scene;
+use wayfield::app::screen::{self, View};
+use wayfield::app::status::{Status, Weight};
 use wayfield::app::{OnDesk, Shown, StudioPlugin};
 
 /// The studio.
@@ -88,6 +89,11 @@ impl Studio {
     /// What goes on.
     pub fn session(&self) -> &Session {
         self.app.world().resource::<Session>()
+    }
+
+    /// What the screen draws.
+    pub fn shown(&self) -> &(Scene, Status) {
+        self.app.world().resource::<Shown>().now.as_ref().expect("a frame was drawn")
     }
 
     /// What was told of failures.

@@ -47,7 +47,10 @@ impl Session {
     /// the learner has broken down.
     fn may_step(&mut self, world: &mut World) -> bool {
         if let Err(error) = self.take_examinations(world, false) {
+            // The examiner is no more: another one takes his place, and this examination is let go.
             self.tell(Weight::Failed, error.to_string());
+            self.examiner = SyncCell::new(examiner(&self.config, &self.scenario));
+            self.examining = false;
         }
         self.mode != Mode::Train || !(self.broken || self.examining && self.examination_is_due(world))
     }

@@ -11,7 +11,7 @@ use bevy::platform::cell::SyncCell;
 use bevy::prelude::*;
 
 use super::journal::{self, Journal};
-use super::modes::Rounds;
+use super::modes::{self, Rounds};
 use super::pacer::Pacer;
 use super::trails::Trails;
 use super::{Curves, First, Session, Speed};
@@ -117,6 +117,7 @@ fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
         rounds: Rounds::default(),
         broken: false,
         saved_at: None,
+        asked_once: None,
         began: Instant::now(),
     }
 }
@@ -130,7 +131,9 @@ pub(super) fn examiner(config: &RunConfig, scenario: &Arc<Scenario>) -> Examiner
 impl Session {
     /// Puts `beginning` in place of this training; what the user has opened and told stays.
     fn replace(&mut self, world: &mut World, beginning: Beginning) {
-        let new = session(world, beginning, self.pacer.clone());
+        let mut pacer = self.pacer.clone();
+        pacer.pace = self.aside.as_ref().map_or(pacer.pace, modes::Aside::pace);
+        let new = session(world, beginning, pacer);
         let old = std::mem::replace(self, new);
         self.opened = old.opened;
         self.notices = old.notices;
@@ -156,18 +159,23 @@ impl Session {
         Ok(())
     }
 
-    /// A new training of the same preset and seed in `scenario`, from `policy`, which is called `name`.
+    /// A new training of the same preset and seed from `policy`, which is called `name`; in another scenario, if there is
+    /// one.
     ///
     /// # Errors
-    /// The scenario cannot be used, or the policy does not fit.
+    /// The policy does not fit.
     pub(super) fn begin_from(
         &mut self,
         world: &mut World,
-        scenario: &str,
+        scenario: Option<(&str, Scenario)>,
         (name, policy): (String, Policy),
         epsilon: f32,
     ) -> Result<(), RunError> {
-        let mut config = config(scenario, &self.config.preset_from, self.config.seed)?;
+        let mut config = self.config.clone();
+        if let Some((from, scenario)) = scenario {
+            config.scenario_from = from.into();
+            config.scenario = scenario;
+        }
         config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
         let beginning = prepare(Ok(config), Some(policy))?;
         self.replace(world, beginning);
@@ -185,7 +193,8 @@ impl Session {
         let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
         let (known, env_steps) = (learner.episodes(), learner.env_steps());
         let journal = Journal::of(&folder, &config, &learner)?;
-        let init = journal::init(&folder, &journal.begun)?;
+        // It goes on without knowing what it started from; only a replay would not.
+        let init = journal::init(&folder, &journal.begun).ok().flatten();
         self.replace(world, Beginning { config, init, learner, standing });
         self.journal = journal;
         self.saved_at = Some(env_steps);

@@ -9,7 +9,7 @@ use super::{Curves, Session, hand};
 use crate::agent::{Driver, Drivers, Trainer};
 use crate::app::orders::{Moved, Order, Saved};
 use crate::app::status::Weight;
-use crate::run::{RunError, follow};
+use crate::run::{RunError, follow, shipped};
 use crate::scenario::Scenario;
 use crate::task::CurrentScenario;
 
@@ -37,13 +37,13 @@ impl Session {
             Order::Transfer { scenario, epsilon } => {
                 let name = format!("{} after {} episodes", self.config.scenario.name, self.episodes(world));
                 let policy = follow::policy(&self.config, world);
-                self.begin_from(world, &scenario, (name, policy), epsilon)
+                let found = shipped::scenario(&scenario).map_err(RunError::from);
+                found.and_then(|found| {
+                    self.begin_from(world, Some((&scenario, found)), (name, policy), epsilon)
+                })
             }
             Order::Adopt { epsilon } => match self.opened.clone() {
-                Some(opened) => {
-                    let scenario = self.config.scenario_from.clone();
-                    self.begin_from(world, &scenario, opened, epsilon)
-                }
+                Some(opened) => self.begin_from(world, None, opened, epsilon),
                 None => Err(RunError::Unusable("there is no policy to start from: open one first".into())),
             },
             Order::Move(moved) => {
@@ -51,7 +51,7 @@ impl Session {
                 Ok(())
             }
             Order::Steer(motion) => {
-                if let Some(Driver::Hand(held)) = world.resource_mut::<Drivers>().0.first_mut() {
+                if let Some(Driver::Hand(held)) = world.resource_mut::<Drivers>().arenas.first_mut() {
                     *held = motion;
                 }
                 Ok(())
@@ -92,7 +92,7 @@ impl Session {
     fn move_by_hand(&mut self, world: &mut World, moved: &Moved) {
         let deed = match hand::resolve(world, moved) {
             Ok(deed) => deed,
-            Err(why) => return self.tell(Weight::Failed, format!("{NOT_THERE}: {why}")),
+            Err(why) => return self.tell(Weight::Told, format!("{NOT_THERE}: {why}")),
         };
         self.untell(NOT_THERE);
         hand::apply(world, &deed);
@@ -116,6 +116,8 @@ impl Session {
                 self.scenario = scenario.clone();
             }
             self.examiner_is_stale = true;
+            // What was best in another world is nothing to go by.
+            self.standing.best = None;
             let env_steps = world.resource::<Trainer>().0.env_steps();
             world.resource_mut::<Curves>().0.mark(env_steps, "world changed".into());
         }

@@ -62,9 +62,9 @@ pub fn resolve(world: &mut World, moved: &Moved) -> Result<Deed, String> {
             let free = room_m > scenario.task.collision_range_m;
             if free { Ok(Deed::Robot { arena, to_m }) } else { Err("the robot would collide there".into()) }
         }
-        Moved::Obstacle { index, to_m } => {
+        Moved::Obstacle { arena, index, to_m } => {
             let obstacle = scenario.obstacles.get(index).ok_or_else(nowhere)?;
-            let clock = clock(world, 0).ok_or_else(nowhere)?;
+            let clock = clock(world, arena).ok_or_else(nowhere)?;
             let (x, y, _) = pose_at(obstacle, clock, scenario.task.control_period_s);
             let position_m = match obstacle.motion {
                 ObstacleMotion::Still => to_m,
@@ -73,6 +73,9 @@ pub fn resolve(world: &mut World, moved: &Moved) -> Result<Deed, String> {
             let changed = with_obstacle_at(&scenario, index, position_m).ok_or_else(nowhere)?;
             match findings(&changed).first() {
                 None => Ok(Deed::Obstacle { index, position_m }),
+                Some(finding) if finding.path.starts_with("course") => {
+                    Err("the timed course starts or ends there".into())
+                }
                 Some(finding) => Err(finding.to_string()),
             }
         }

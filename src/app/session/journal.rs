@@ -13,14 +13,13 @@ use super::hand::{self, Deed};
 use super::open::read_policy;
 use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
-use crate::run::folder::{RunConfig, RunFolder};
+use crate::run::folder::{INIT, RunConfig, RunFolder};
 use crate::run::{RunError, checkpoint, simulation, train};
 use crate::scenario::read_ron;
+use crate::task::TaskFault;
 
 /// Its name in a saved run's folder.
 pub const JOURNAL: &str = "journal.ron";
-/// There, too: the policy that the training started from, if there was one.
-pub const INIT: &str = "policy-init.safetensors";
 
 /// What the hand did, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,17 +51,23 @@ impl Journal {
     }
 
     /// The journal of the run in `folder`, which stands where `learner` does. One that was trained without a window has
-    /// none: no hand was in it.
+    /// none, for no hand was in it; and one that went on without a window has a journal that ends before it does.
     ///
     /// # Errors
-    /// There is one that cannot be read.
+    /// There is one that cannot be read, or that is of another run.
     pub fn of(folder: &RunFolder, config: &RunConfig, learner: &Learner) -> Result<Self, RunError> {
         let file = folder.path().join(JOURNAL);
+        let mut journal = Self::new(config.clone());
         if file.exists() {
-            return Ok(read_ron(file)?);
+            journal = read_ron(&file)?;
         }
-        let steps = learner.env_steps() / config.preset.arenas as u64;
-        Ok(Self { begun: config.clone(), steps, entries: Vec::new() })
+        journal.steps = learner.env_steps() / config.preset.arenas as u64;
+        let times: Vec<u64> = journal.entries.iter().map(|entry| entry.after_steps).collect();
+        if !times.is_sorted() || times.last().is_some_and(|last| *last > journal.steps) {
+            let why = "its entries are not in order, or go beyond where the run stands: it is of another run";
+            return Err(RunError::unusable(&file, why));
+        }
+        Ok(journal)
     }
 
     /// Notes what is done now.
@@ -85,7 +90,11 @@ impl Journal {
                 hand::apply(app.world_mut(), &entry.deed);
             }
             if step < self.steps {
-                simulation::step(app.world_mut())?;
+                // A world without room for a target is told of in the window, and mended there by hand: time goes on.
+                let stepped = simulation::step(app.world_mut());
+                if app.world_mut().resource_mut::<TaskFault>().0.take().is_none() {
+                    stepped?;
+                }
             }
         }
         Ok(app)
@@ -126,8 +135,8 @@ pub fn verify(path: &Path) -> Result<Replayed, RunError> {
 /// # Errors
 /// It cannot be read.
 pub fn init(folder: &RunFolder, begun: &RunConfig) -> Result<Option<Policy>, RunError> {
-    let Some(transfer) = &begun.transfer else { return Ok(None) };
-    let kept = folder.path().join(INIT);
-    let file = if kept.exists() { kept } else { transfer.policy.clone().into() };
-    read_policy(&file).map(Some)
+    if begun.transfer.is_none() {
+        return Ok(None);
+    }
+    read_policy(&folder.path().join(INIT)).map(Some)
 }

@@ -125,6 +125,8 @@ pub struct Session {
     rounds: modes::Rounds,
     /// The training went wrong: it cannot go on.
     broken: bool,
+    /// What was asked to be opened once, though a training would be gone with it.
+    asked_once: Option<PathBuf>,
     /// Env steps when the policy or the run was saved last.
     saved_at: Option<u64>,
     began: Instant,

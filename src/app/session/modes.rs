@@ -13,7 +13,7 @@ use crate::learning::Policy;
 use crate::random::Stream;
 use crate::run::evaluate;
 use crate::run::{RunError, follow, policy_card};
-use crate::task::{Arena, ArenaState, CurrentScenario, Episode, EpisodeEnded, TaskMode};
+use crate::task::{Actions, Arena, ArenaState, CurrentScenario, Episode, EpisodeEnded, TaskMode};
 use crate::world;
 
 /// When all have ended a round, so many control steps are waited until the next, for the eye.
@@ -24,9 +24,17 @@ pub(super) struct Aside {
     pace: Pace,
     arenas: Vec<ArenaState>,
     exploration: Vec<Stream>,
+    actions: Actions,
     stats: TrainingStats,
     /// What the hand has changed in the world since.
     pub deeds: Vec<Deed>,
+}
+
+impl Aside {
+    /// The pace that the training had.
+    pub fn pace(&self) -> Pace {
+        self.pace
+    }
 }
 
 /// Rounds that several drivers drive side by side, each from the same start to the same target.
@@ -55,13 +63,14 @@ impl Session {
                 pace: self.pacer.pace,
                 arenas: world::snapshot(world),
                 exploration: world.resource::<Decisions>().streams.clone(),
+                actions: world.resource::<Actions>().clone(),
                 stats: *world.resource::<TrainingStats>(),
                 deeds: Vec::new(),
             });
         }
         let scenario = world.resource::<CurrentScenario>().0.clone();
         let arenas = drivers.len();
-        world.insert_resource(Drivers(drivers));
+        world.insert_resource(Drivers { arenas: drivers, motions: scenario.robot.motions.len() });
         world.insert_resource(Acting::Driven);
         world.insert_resource(Decisions::new(self.config.seed, arenas));
         world.insert_resource(if mode == Mode::Test {
@@ -123,6 +132,7 @@ impl Session {
             let mut decisions = Decisions::new(self.config.seed, arenas);
             decisions.streams = aside.exploration;
             world.insert_resource(decisions);
+            world.insert_resource(aside.actions);
             world.insert_resource(aside.stats);
             for deed in &aside.deeds {
                 hand::apply(world, deed);

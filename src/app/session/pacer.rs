@@ -24,6 +24,8 @@ pub struct Pacer {
     pub paused: bool,
     /// How quickly it passes.
     pub pace: Pace,
+    /// No step is taken while a picture is, though time does not stand still.
+    pub held: bool,
     /// One step was asked for.
     single: bool,
     /// Simulated time that has passed on the screen and was not stepped yet, in s.
@@ -43,6 +45,7 @@ impl Pacer {
         Self {
             paused,
             pace,
+            held: false,
             single: false,
             owed_s: 0.0,
             period_s: 0.2,
@@ -75,7 +78,7 @@ impl Pacer {
             self.owed_s = self.period_s;
             return true;
         }
-        if self.paused {
+        if self.paused || self.held {
             return false;
         }
         match self.pace {

@@ -7,10 +7,10 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
-use super::journal::{INIT, JOURNAL};
+use super::journal::JOURNAL;
 use super::{Curves, Session};
 use crate::app::orders::{Mode, Saved};
-use crate::run::folder::{RunFolder, write_whole};
+use crate::run::folder::{INIT, RunFolder, write_whole};
 use crate::run::records::EvaluationRow;
 use crate::run::{RunError, checkpoint, follow};
 use crate::scenario::to_ron;
@@ -21,7 +21,7 @@ impl Session {
     /// # Errors
     /// It cannot be written; a run's folder holds something already.
     pub(super) fn save(&mut self, world: &mut World, what: Saved, path: &Path) -> Result<(), RunError> {
-        let failed = |error: String| RunError::Failed(format!("{}: {error}", path.display()));
+        let failed = |error: String| RunError::failed(path, error);
         match what {
             Saved::Policy => {
                 let bytes = follow::bytes(&follow::policy(&self.config, world))?;
@@ -29,7 +29,8 @@ impl Session {
             }
             Saved::Scenario => {
                 let text = to_ron(&self.config.scenario).map_err(|error| failed(error.to_string()))?;
-                write_whole(path, |file| file.write_all(text.as_bytes())).map_err(|error| failed(error.to_string()))
+                write_whole(path, |file| file.write_all(text.as_bytes()))
+                    .map_err(|error| failed(error.to_string()))
             }
             Saved::Csv => {
                 let curves = &mut world.resource_mut::<Curves>().0;
@@ -46,11 +47,27 @@ impl Session {
     /// Writes a folder that `--train --resume` goes on from, and `journal.ron` beside its files. The training is taken up
     /// for a moment, if it was set aside.
     fn save_run(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
-        let mode = self.mode;
+        let occupied = std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
+        if occupied || path.is_file() {
+            return Err(RunError::unusable(path, "there is something already: choose another name"));
+        }
+        let (mode, pace) = (self.mode, self.pacer.pace);
         self.set_mode(world, Mode::Train)?;
-        let saved = self.write_run(world, path);
+        let saved = self.write_run_whole(world, path);
         self.set_mode(world, mode)?;
+        self.pacer.pace = pace;
         saved
+    }
+
+    /// Writes it beside `path` first: should that fail, nothing is left behind.
+    fn write_run_whole(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
+        let failed = |error: std::io::Error| RunError::failed(path, format!("can't be written: {error}"));
+        let beside = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::create_dir_all(beside).map_err(failed)?;
+        let temporary = tempfile::Builder::new().prefix(".saving-").tempdir_in(beside).map_err(failed)?;
+        let written = temporary.path().join("run");
+        self.write_run(world, &written)?;
+        std::fs::rename(&written, path).map_err(failed)
     }
 
     fn write_run(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
@@ -85,4 +102,3 @@ impl Session {
         folder.write(JOURNAL, |file| file.write_all(journal.as_bytes()))
     }
 }
-

@@ -49,10 +49,11 @@ struct Cached {
 fn texture(ctx: &Context, kind: Kind, field: &Field, dark: bool) -> Option<TextureHandle> {
     let id = Id::new(("wayfield field", kind));
     let of = (field.version, field.size, dark);
-    if let Some(cached) = ctx.data(|data| data.get_temp::<Cached>(id))
+    let cached = ctx.data(|data| data.get_temp::<Cached>(id));
+    if let Some(cached) = &cached
         && cached.of == of
     {
-        return Some(cached.texture);
+        return Some(cached.texture.clone());
     }
     let whole = span(field)?;
     let [width, height] = field.size;
@@ -60,7 +61,15 @@ fn texture(ctx: &Context, kind: Kind, field: &Field, dark: bool) -> Option<Textu
         return None;
     }
     let image = picture(field, whole, dark);
-    let texture = ctx.load_texture(format!("field {kind:?}"), image, egui::TextureOptions::LINEAR);
+    // The old one is drawn until the new colours have reached the GPU, which may take a frame: no flicker.
+    let options = egui::TextureOptions::LINEAR;
+    let texture = match cached {
+        Some(Cached { mut texture, .. }) => {
+            texture.set(image, options);
+            texture
+        }
+        None => ctx.load_texture(format!("field {kind:?}"), image, options),
+    };
     ctx.data_mut(|data| data.insert_temp(id, Cached { of, texture: texture.clone() }));
     Some(texture)
 }
