@@ -122,7 +122,10 @@ fn what_the_hand_does_can_be_had_again() {
     let mut studio = Studio::new(first(6));
     studio.order(Order::Pause(true));
     studio.step_to(150);
-    studio.order(Order::Move(Moved::Target { arena: 0, to_m: (1.5, 0.0) }));
+    // Dragged over several places between two steps: the last one counts.
+    for x_m in [1.3, 1.4, 1.5] {
+        studio.order(Order::Move(Moved::Target { arena: 0, to_m: (x_m, 0.0) }));
+    }
     studio.step_to(180);
     studio.order(Order::Move(Moved::Robot { arena: 3, to_m: (-1.4, 0.2) }));
     nudge(&mut studio, 1);
@@ -199,7 +202,10 @@ fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_it_is_seen() {
     studio.order(Order::Move(Moved::Obstacle { arena: running, index: 3, to_m }));
     studio.frame(Duration::from_millis(10));
     let (now_x, now_y, _) = studio.shown().0.arenas[running].obstacles[3];
-    assert!((now_x - to_m.0).abs() < 1e-4 && (now_y - to_m.1).abs() < 1e-4, "{now_x} {now_y} is not {to_m:?}");
+    assert!(
+        (now_x - to_m.0).abs() < 1e-4 && (now_y - to_m.1).abs() < 1e-4,
+        "{now_x} {now_y} is not {to_m:?}"
+    );
 }
 
 #[test]

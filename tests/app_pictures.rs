@@ -84,6 +84,15 @@ fn two_side_by_side_with_a_second_policy() {
 }
 
 #[test]
+fn a_policy_alone_with_its_value() {
+    let mut fake = Fake::default().driven_alone();
+    fake.desk.overlays.value = true;
+    fake.scene.value = Some(fake::field(1, 1.0));
+    fake.desk.setup_open = false;
+    compare("test_dark", [1000.0, 600.0], Look::Dark, fake);
+}
+
+#[test]
 fn asked_back_before_a_training_is_given_up() {
     let mut fake = Fake::default();
     fake.status.restart_discards = true;

@@ -1,10 +1,11 @@
 //! The screen asks for what is pressed, and for nothing else. `setup.rs`: the panel on the left; `room.rs`: what has room
-//! in which window.
+//! in which window; `hand.rs`: what is dragged in the world.
 
 #![cfg(feature = "window")]
 
 #[path = "../support/fake.rs"]
 mod fake;
+mod hand;
 mod room;
 mod setup;
 
@@ -110,6 +111,10 @@ fn a_first_time_user_is_called_to_start() {
     window.state_mut().status.paused = false;
     settle(&mut window);
     assert!(window.query_by_label("Start learning").is_none(), "the call goes when learning does");
+    let mut fake = Fake::fresh();
+    fake.status.transfer_from = Some("best.safetensors".into());
+    let window = self::window(fake);
+    assert!(window.query_by_label("Start learning").is_none(), "it knows something already");
 }
 
 #[test]
@@ -121,6 +126,33 @@ fn the_mode_is_chosen_and_compare_asks_for_a_second_policy() {
     window.state_mut().status.opened = Some("best".into());
     settle(&mut window);
     assert_eq!(click(&mut window, "Compare"), [Order::SetMode(Mode::Compare)]);
+}
+
+#[test]
+fn while_training_rests_it_is_said_and_there_is_nothing_to_choose_between() {
+    let mut window = window(Fake::default().driven_alone());
+    assert!(window.query_by_label("Training rests meanwhile.").is_some());
+    assert!(window.query_by_label("All arenas").is_none() && window.query_by_label("Fit").is_some());
+    window.state_mut().status.mode = Mode::Train;
+    settle(&mut window);
+    assert!(window.query_by_label("Training rests meanwhile.").is_none());
+    assert!(window.query_by_label("All arenas").is_some());
+}
+
+#[test]
+fn when_time_stands_still_the_bar_says_how_much_has_passed() {
+    let mut fake = Fake::default();
+    fake.status.paused = true;
+    for (simulated_s, words) in
+        [(42.0, "42 s"), (200.0, "3 min"), (7_812.0, "2.2 h"), (7.2e6, "2,000 h"), (f64::NAN, "0 s")]
+    {
+        fake.status.simulated_s = simulated_s;
+        let label = format!("{words} simulated paused");
+        let window = self::window(fake);
+        assert!(window.query_by_label(&label).is_some(), "{label}");
+        fake = Fake::default();
+        fake.status.paused = true;
+    }
 }
 
 #[test]

@@ -50,6 +50,21 @@ fn a_training_of_some_worth_is_given_up_only_after_asking_back() {
 }
 
 #[test]
+fn a_world_changed_by_hand_says_so() {
+    let mut window = window(Fake::default());
+    assert!(window.query_by_label("changed by hand").is_none());
+    window.state_mut().status.world_changed = true;
+    settle(&mut window);
+    assert!(window.query_by_label("changed by hand").is_some());
+    window.get_by_label("Start again").hover();
+    window.run_steps(60);
+    assert!(window.query_by_label_contains("this world as its file has it").is_some());
+    click(&mut window, "World");
+    click(&mut window, "Scenario II");
+    assert!(window.query_by_label("changed by hand").is_none(), "not the one that is chosen now");
+}
+
+#[test]
 fn an_opened_policy_can_be_learnt_on_from() {
     let mut window = window(Fake::default());
     assert!(window.query_by_label("Learn on from it").is_none());

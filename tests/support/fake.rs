@@ -75,6 +75,14 @@ impl Fake {
         fake
     }
 
+    /// The present policy drives alone in one arena.
+    pub fn driven_alone(mut self) -> Self {
+        self.scene.arenas.truncate(1);
+        self.scene.arenas[0].driver = Driver::Policy("Present policy".into());
+        self.status.mode = Mode::Test;
+        self
+    }
+
     /// With a notice of either kind, the second of several lines.
     pub fn with_notices(mut self) -> Self {
         let failed = "scenarios/mine.ron:7:5: unknown field `radius`, expected `radius_m`\n\
@@ -180,6 +188,8 @@ fn status() -> Status {
         mode: Mode::Train,
         scenario_from: "scenario-1".into(),
         preset_from: "fast".into(),
+        world_changed: false,
+        papers_world: true,
         scenarios: vec![
             choice("empty", "Empty", "Four walls and nothing in between."),
             choice("scenario-1", "Scenario I", "Four cylinders stand still."),

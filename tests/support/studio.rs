@@ -7,9 +7,9 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use wayfield::app::desk::Desk;
 use wayfield::app::orders::Order;
-use wayfield::app::session::{Curves, First, Session};
 use wayfield::app::scene::Scene;
 use wayfield::app::screen::{self, View};
+use wayfield::app::session::{Curves, First, Session};
 use wayfield::app::status::{Status, Weight};
 use wayfield::app::{OnDesk, Shown, StudioPlugin};
 

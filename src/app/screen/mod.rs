@@ -26,7 +26,7 @@ use egui::{CentralPanel, Frame, Id, Margin, Panel, Rangef, ThemePreference, Ui};
 
 use super::desk::{Desk, Look};
 use super::history::History;
-use super::orders::Order;
+use super::orders::{Mode, Order};
 use super::scene::Scene;
 use super::status::Status;
 use panels::{help, notices, setup, toolbar};
@@ -73,7 +73,7 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
     plots_panel(ui, view, desk, orders);
     let middle = CentralPanel::default()
         .frame(Frame::new().fill(inks.paper))
-        .show(ui, |ui| world::show(ui, view.scene, desk, orders))
+        .show(ui, |ui| world::show(ui, view, desk, orders))
         .response
         .rect;
     world::welcome::show(ui, middle, view, orders);
@@ -96,7 +96,9 @@ fn plots_panel(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<O
         .size_range(range)
         .drag_to_open(false)
         .frame(frame.inner_margin(Margin { left: 14, right: 4, top: 10, bottom: 0 }));
-    panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, orders));
+    let when =
+        plots::When { papers_world: view.status.papers_world, training: view.status.mode == Mode::Train };
+    panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, when, orders));
     // egui takes note of the width when the edge is let go; a window made smaller is not the user's choice.
     let after = width(ui);
     if open && before.is_some() && after != before && ui.input(|i| i.pointer.any_released()) {

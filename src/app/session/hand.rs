@@ -41,6 +41,19 @@ pub enum Deed {
     },
 }
 
+impl Deed {
+    /// Whether both moved the same thing.
+    #[must_use]
+    pub fn is_of_what(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Target { arena: a, .. }, Self::Target { arena: b, .. })
+            | (Self::Robot { arena: a, .. }, Self::Robot { arena: b, .. })
+            | (Self::Obstacle { index: a, .. }, Self::Obstacle { index: b, .. }) => a == b,
+            _ => false,
+        }
+    }
+}
+
 /// What `moved` comes to in the world as it stands.
 ///
 /// # Errors

@@ -120,7 +120,7 @@ fn speed(status: &Status) -> Readout {
         format!("{} steps/s", numbers::rate(status.env_steps_per_s))
     };
     let caption = if status.paused {
-        "steps/s".into()
+        format!("{} simulated", short_duration(status.simulated_s))
     } else {
         format!("{} real time", numbers::times(status.times_real))
     };
@@ -130,6 +130,17 @@ fn speed(status: &Status) -> Readout {
 fn frames(status: &Status) -> Readout {
     let tip = "Pictures drawn per second.".into();
     Readout::new(numbers::rate(status.frames_per_s), "fps", 26.0, tip)
+}
+
+/// As [`duration`], in one unit.
+fn short_duration(s: f64) -> String {
+    let s = s.max(0.0);
+    match s {
+        _ if s < 60.0 => format!("{s:.0} s"),
+        _ if s < 3600.0 => format!("{} min", (s / 60.0) as u64),
+        _ if s < 360_000.0 => format!("{:.1} h", s / 3600.0),
+        _ => format!("{} h", numbers::rate(s / 3600.0)),
+    }
 }
 
 fn duration(s: f64) -> String {

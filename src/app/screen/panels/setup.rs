@@ -15,6 +15,10 @@ use crate::app::screen::keys::{Deed, tip};
 use crate::app::screen::theme::{BODY, GAP, SMALL};
 use crate::app::status::Status;
 
+/// What can be opened.
+const OPENS: &str = "Opens a policy to set against the present one, a saved run to go on with, or a world or preset of \
+                     your own.";
+
 /// Draws it.
 pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
     // The scroll bar has its place in the margin.
@@ -44,17 +48,8 @@ fn framing(ui: &mut Ui, view: &View<'_>, desk: &mut Desk) {
     title(ui, "View");
     ui.horizontal(|ui| {
         let side = 28.0;
-        let all = format!("All {}", view.scene.arenas.len());
-        let segments = [
-            Segment::new("One arena", tip("The arena that is followed, large", Deed::Grid)),
-            Segment {
-                name: "All arenas".into(),
-                ..Segment::new(&all, tip("All arenas side by side", Deed::Grid))
-            },
-        ];
-        let width = ui.available_width() - side - ui.spacing().item_spacing.x;
-        if let Some(k) = segments::show(ui, "framing", &segments, Some(usize::from(desk.grid)), Some(width)) {
-            desk.grid = k == 1;
+        if view.status.mode == Mode::Train {
+            one_or_all(ui, view, desk, side);
         }
         let about = tip("Show the whole enclosure", Deed::Fit);
         if icons::button(ui, Icon::Fit, Tone::Framed, side, "Fit", &about).clicked() {
@@ -63,15 +58,27 @@ fn framing(ui: &mut Ui, view: &View<'_>, desk: &mut Desk) {
     });
 }
 
+/// The followed arena or all of them; leaves room for a button `beside` points wide.
+fn one_or_all(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, beside: f32) {
+    let all = format!("All {}", view.scene.arenas.len());
+    let segments = [
+        Segment::new("One arena", tip("The arena that is followed, large", Deed::Grid)),
+        Segment {
+            name: "All arenas".into(),
+            ..Segment::new(&all, tip("All arenas side by side", Deed::Grid))
+        },
+    ];
+    let width = ui.available_width() - beside - ui.spacing().item_spacing.x;
+    if let Some(k) = segments::show(ui, "framing", &segments, Some(usize::from(desk.grid)), Some(width)) {
+        desk.grid = k == 1;
+    }
+}
+
 fn files(ui: &mut Ui, status: &Status, orders: &mut Vec<Order>) {
     title(ui, "Files");
     let rows = [
         [
-            (
-                "Open…",
-                tip("A policy to drive or compare with, or a run to go on with", Deed::Open),
-                Order::OpenDialog,
-            ),
+            ("Open…", tip(OPENS, Deed::Open), Order::OpenDialog),
             ("Save policy", tip("What it has learnt", Deed::Save), Order::SaveDialog(Saved::Policy)),
         ],
         [

@@ -19,9 +19,10 @@ const TALL: f32 = 30.0;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, status: &Status, pending: &mut Pending, orders: &mut Vec<Order>) {
-    choose(ui, "World", &status.scenarios, &mut pending.scenario);
+    let changed = status.world_changed && pending.scenario == status.scenario_from;
+    choose(ui, "World", &status.scenarios, &mut pending.scenario, changed);
     ui.add_space(GAP);
-    choose(ui, "Learner", &status.presets, &mut pending.preset);
+    choose(ui, "Learner", &status.presets, &mut pending.preset, false);
     ui.add_space(GAP);
     seed(ui, pending);
     ui.add_space(GAP);
@@ -66,8 +67,12 @@ fn begin(ui: &mut Ui, status: &Status, pending: &mut Pending, orders: &mut Vec<O
     if matches!(pending.asked, Some(Order::Begin { .. })) {
         return ask_back(ui, status, pending, "Start again", orders);
     }
-    let about =
-        "A new training from nothing, in this world and with this learner; what was learnt is given up";
+    let about = if status.world_changed {
+        "A new training from nothing, in this world as its file has it, without what you moved, and with this learner; \
+         what was learnt is given up"
+    } else {
+        "A new training from nothing, in this world and with this learner; what was learnt is given up"
+    };
     // Loud only when there is something to begin that isn't going on already.
     let button = if pending.is_another() {
         press::primary(ui, "Start again", BODY, vec2(ui.available_width(), TALL))
@@ -152,7 +157,7 @@ fn epsilon(ui: &mut Ui, pending: &mut Pending) {
     });
 }
 
-fn choose(ui: &mut Ui, what: &str, choices: &[Choice], from: &mut String) {
+fn choose(ui: &mut Ui, what: &str, choices: &[Choice], from: &mut String, changed: bool) {
     let label = title(ui, what);
     let chosen = choices.iter().find(|choice| choice.from == *from);
     let text = chosen.map_or(from.as_str(), |choice| choice.title.as_str()).to_owned();
@@ -168,6 +173,9 @@ fn choose(ui: &mut Ui, what: &str, choices: &[Choice], from: &mut String) {
         }
     });
     shown.response.labelled_by(label.id);
+    if changed {
+        ui.label(soft("changed by hand"));
+    }
     if !about.is_empty() {
         ui.label(soft(about));
     }

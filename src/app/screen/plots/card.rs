@@ -6,6 +6,7 @@
 use egui::{Color32, FontId, Rect, Sense, Stroke, Vec2, vec2};
 use egui_plot::{AxisHints, HLine, Line, LineStyle, Plot, PlotPoints, PlotUi, Points, VLine};
 
+use super::When;
 use super::axis::{self, Scale};
 use super::band::Band;
 use super::caption::{heading, legend, reading};
@@ -80,6 +81,8 @@ pub struct Shared<'a> {
     pub marks: &'a [Mark],
     /// Shows all again.
     pub reset: bool,
+    /// Under what circumstances it is seen.
+    pub when: When,
 }
 
 /// What came of showing a card.

@@ -40,8 +40,8 @@ pub fn success(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled
             },
         ],
         equals: false,
-        reference: Some((PAPER_SUCCESS, "paper 96%")),
-        empty: "The first episodes end in a moment",
+        reference: shared.when.papers_world.then_some((PAPER_SUCCESS, "paper 96%")),
+        empty: if shared.when.training { "The first episodes end in a moment" } else { "" },
     };
     card::show(ui, &card, shared, labelled)
 }
@@ -76,7 +76,7 @@ pub fn returns(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled
             },
         ],
         equals: false,
-        reference: Some((PAPER_RETURN, "paper 2,500")),
+        reference: shared.when.papers_world.then_some((PAPER_RETURN, "paper 2,500")),
         empty: "",
     };
     card::show(ui, &card, shared, labelled)

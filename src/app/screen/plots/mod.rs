@@ -28,6 +28,15 @@ use crate::app::history::History;
 use crate::app::orders::{Order, Saved};
 use crate::app::screen::theme::{BODY, GAP, Inks, SMALL};
 
+/// Under what circumstances the curves are seen.
+#[derive(Clone, Copy, Debug)]
+pub struct When {
+    /// The world is the paper's, so its levels can be compared with.
+    pub papers_world: bool,
+    /// Training goes on; if not, it rests while something else is driven.
+    pub training: bool,
+}
+
 /// What is known from the last frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Remembered {
@@ -36,7 +45,7 @@ struct Remembered {
 }
 
 /// Shows the plots, in a column that scrolls.
-pub fn show(ui: &mut egui::Ui, history: &History, orders: &mut Vec<Order>) {
+pub fn show(ui: &mut egui::Ui, history: &History, when: When, orders: &mut Vec<Order>) {
     let id = Id::new("wayfield plots");
     let mut before: Remembered = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     // Room at the right, in the panel's margin, for the scroll bar.
@@ -44,6 +53,10 @@ pub fn show(ui: &mut egui::Ui, history: &History, orders: &mut Vec<Order>) {
     ui.scope(|ui| {
         ui.set_max_width(width);
         header(ui, history, orders, &mut before);
+        if !when.training {
+            let text = RichText::new("Training rests meanwhile.").size(SMALL);
+            ui.label(text.color(Inks::of(ui).soft));
+        }
     });
     let shared = Shared {
         range: history.range().map_or((0.0, 1.0), |(first, last)| (first as f64, last.max(first + 1) as f64)),
@@ -51,6 +64,7 @@ pub fn show(ui: &mut egui::Ui, history: &History, orders: &mut Vec<Order>) {
         zoomed: before.seen.zoomed,
         marks: history.marks(),
         reset: before.reset,
+        when,
     };
     ui.add_space(GAP);
     let mut seen = Seen::default();
@@ -145,16 +159,18 @@ mod tests {
 
     struct State {
         history: History,
+        when: When,
         orders: Vec<Order>,
         dressed: bool,
     }
 
-    /// The plots of `history`, with More open.
+    /// The plots of `history` in training in the paper's world, with More open.
     fn shown(history: History) -> Harness<'static, State> {
-        let state = State { history, orders: Vec::new(), dressed: false };
+        let when = When { papers_world: true, training: true };
+        let state = State { history, when, orders: Vec::new(), dressed: false };
         let draw = |ui: &mut egui::Ui, state: &mut State| {
             if state.dressed {
-                show(ui, &state.history, &mut state.orders);
+                show(ui, &state.history, state.when, &mut state.orders);
             } else {
                 // Fonts are there from the next frame on.
                 crate::app::screen::theme::install(ui.ctx());
@@ -199,6 +215,28 @@ mod tests {
         harness.get_by_label("CSV").click();
         harness.run_steps(2);
         assert!(harness.state().orders.is_empty());
+    }
+
+    #[test]
+    fn the_papers_levels_are_for_the_papers_world_alone() {
+        let mut history = History::new();
+        history.episode(&row(1, 3.0));
+        let mut harness = shown(history);
+        let levels = |harness: &Harness<'_, State>| harness.query_all_by_label_contains("paper ").count();
+        assert_eq!(levels(&harness), 2);
+        harness.state_mut().when.papers_world = false;
+        harness.run_steps(2);
+        assert_eq!(levels(&harness), 0);
+    }
+
+    #[test]
+    fn no_episode_is_promised_while_training_rests() {
+        let mut harness = shown(History::new());
+        let rests = "Training rests meanwhile.";
+        assert!(harness.query_by_label(rests).is_none());
+        harness.state_mut().when.training = false;
+        harness.run_steps(2);
+        assert!(harness.query_by_label(rests).is_some());
     }
 
     #[test]

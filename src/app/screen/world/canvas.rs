@@ -54,8 +54,7 @@ impl Canvas {
     /// A card of `rect` to write on.
     pub fn card(&self, rect: Rect) {
         let (radius, edge) = (CornerRadius::same(6), Stroke::new(1.0, self.inks.line));
-        let back = self.inks.panel.gamma_multiply(0.97);
-        self.painter.rect(rect, radius, back, edge, egui::StrokeKind::Inside);
+        self.painter.rect(rect, radius, self.inks.panel, edge, egui::StrokeKind::Inside);
     }
 
     /// The ground of a line of explanations: not seen beside the arena, only over it.

@@ -1,4 +1,4 @@
-//! A field as a picture: its colours, from the least to the greatest value.
+//! A field as a picture: its colours, from low values to high ones.
 //!
 //! In: a [`Field`]. Out: an image for a texture, and a bar of the same colours for the key.
 
@@ -43,20 +43,40 @@ fn ramp_ink(dark: bool, part: f32) -> Color32 {
     stops[low].lerp_to_gamma(stops[low + 1], place - low as f32).gamma_multiply(0.88)
 }
 
-/// The least and the greatest of the values that are numbers.
-pub(super) fn span(field: &Field) -> Option<(f32, f32)> {
-    let mut numbers = field.values.iter().copied().filter(|value| value.is_finite());
-    let first = numbers.next()?;
-    Some(numbers.fold((first, first), |(low, high), value| (low.min(value), high.max(value))))
+/// From which value to which the colours go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    /// The value of the first colour.
+    pub low: f32,
+    /// The value of the last colour.
+    pub high: f32,
+    /// Some values are less than the first colour's.
+    pub below: bool,
+    /// Some values are more than the last colour's.
+    pub above: bool,
 }
 
-fn part_of(value: f32, (low, high): (f32, f32)) -> f32 {
+/// The span of the values that are numbers without the outermost parts of them, `parts.0` of the least and `parts.1` of
+/// the greatest: a few extremes don't take the colours from all others.
+pub(super) fn span(field: &Field, parts: (f32, f32)) -> Option<Span> {
+    let mut numbers: Vec<f32> = field.values.iter().copied().filter(|value| value.is_finite()).collect();
+    numbers.sort_unstable_by(f32::total_cmp);
+    let (&least, &most) = (numbers.first()?, numbers.last()?);
+    let last = numbers.len() - 1;
+    let at = |part: f32| numbers[((part * last as f32).round() as usize).min(last)];
+    let (low, high) = (at(parts.0), at(1.0 - parts.1));
+    // Where nearly all are alike, the few others are what there is to see.
+    let (low, high) = if low < high { (low, high) } else { (least, most) };
+    Some(Span { low, high, below: least < low, above: most > high })
+}
+
+fn part_of(value: f32, Span { low, high, .. }: Span) -> f32 {
     if high > low || !value.is_finite() { (value - low) / (high - low) } else { 0.5 }
 }
 
 /// The field's colours, finer than the field itself where it is coarse, so that the edge of where the robot cannot be is
 /// smooth.
-pub(super) fn picture(field: &Field, whole: (f32, f32), dark: bool) -> ColorImage {
+pub(super) fn picture(field: &Field, whole: Span, dark: bool) -> ColorImage {
     let [width, height] = field.size;
     let finer = if width.max(height) <= 128 { 2 } else { 1 };
     let inks: Vec<Color32> = (0..=255).map(|k| ramp_ink(dark, k as f32 / 255.0)).collect();
@@ -150,18 +170,38 @@ mod tests {
     fn the_ramp_spans_the_numbers_only() {
         let mut field = bowl();
         field.values[0] = f32::NAN;
-        let (low, high) = span(&field).expect("numbers");
-        assert!(low < 0.01 && high > 11.0);
+        let whole = span(&field, (0.0, 0.0)).expect("numbers");
+        let Span { low, high, below, above } = whole;
+        assert!(low < 0.01 && high > 11.0 && !below && !above);
         assert_eq!(ramp_ink(true, f32::NAN), Color32::TRANSPARENT);
-        assert_eq!((part_of(low, (low, high)), part_of(high, (low, high))), (0.0, 1.0));
-        assert_eq!(part_of(3.0, (3.0, 3.0)), 0.5);
+        assert_eq!((part_of(low, whole), part_of(high, whole)), (0.0, 1.0));
+        assert_eq!(part_of(3.0, Span { low: 3.0, high: 3.0, ..whole }), 0.5);
+        field.values.fill(f32::NAN);
+        assert_eq!(span(&field, (0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn extremes_do_not_take_the_colours_from_the_others() {
+        let mut field = bowl();
+        for (k, value) in field.values.iter_mut().enumerate() {
+            *value = k as f32;
+        }
+        (field.values[3], field.values[1000]) = (-1e6, 1e6);
+        let middle = span(&field, (0.02, 0.02)).expect("numbers");
+        assert_eq!(middle, Span { low: 32.0, high: 1568.0, below: true, above: true });
+        let top = span(&field, (0.0, 0.03)).expect("numbers");
+        assert_eq!((top.low, top.below, top.above), (-1e6, false, true));
+        field.values.fill(2.0);
+        field.values[7] = 5.0;
+        let few = span(&field, (0.02, 0.02)).expect("numbers");
+        assert_eq!(few, Span { low: 2.0, high: 5.0, below: false, above: false }, "all but one are alike");
     }
 
     #[test]
     fn the_picture_has_the_fields_top_at_its_top_and_holes_where_it_has() {
         let mut field = bowl();
         field.values[36 * 40..].fill(f32::NAN);
-        let image = picture(&field, (0.0, 13.0), false);
+        let image = picture(&field, Span { low: 0.0, high: 13.0, below: false, above: false }, false);
         assert_eq!(image.size, [80, 80]);
         assert_eq!(image.pixels[5], Color32::TRANSPARENT, "the uppermost rows are missing");
         assert_eq!(image.pixels[79 * 80 + 60].a(), ramp_ink(false, 0.5).a(), "the lowest is there");

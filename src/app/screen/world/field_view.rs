@@ -32,6 +32,15 @@ impl Kind {
             Self::Value => "Value V(s) here, with this heading",
         }
     }
+
+    /// The parts of the least and the greatest values that share a colour: a network's extremes at either end, and of
+    /// the potential what is close to an obstacle.
+    fn outermost(self) -> (f32, f32) {
+        match self {
+            Self::Potential => (0.0, 0.03),
+            Self::Value => (0.02, 0.02),
+        }
+    }
 }
 
 /// Whether the field has as many values as it says.
@@ -55,7 +64,7 @@ fn texture(ctx: &Context, kind: Kind, field: &Field, dark: bool) -> Option<Textu
     {
         return Some(cached.texture.clone());
     }
-    let whole = span(field)?;
+    let whole = span(field, kind.outermost())?;
     let [width, height] = field.size;
     if 2 * width.max(height) > ctx.input(|input| input.max_texture_side) {
         return None;
@@ -132,14 +141,14 @@ fn descent(field: &Field, ix: usize, iy: usize) -> Option<[f32; 2]> {
 /// The key to the colours in the upper right corner of the view, on one line if there is room; gives the space it takes.
 pub fn key(canvas: &Canvas, kind: Kind, field: &Field, dark: bool) -> Option<Rect> {
     const BAR: f32 = 110.0;
-    let whole = span(field)?;
+    let whole = span(field, kind.outermost())?;
     let inks = &canvas.inks;
     let font = FontId::proportional(SMALL);
     let text = |words: String, ink| canvas.painter.layout_no_wrap(words, font.clone(), ink);
     let (title, low, high) = (
         text(kind.title().into(), inks.ink),
-        text(number(whole.0), inks.soft),
-        text(number(whole.1), inks.soft),
+        text(limit(whole.low, whole.below, "≤ "), inks.soft),
+        text(limit(whole.high, whole.above, "≥ "), inks.soft),
     );
     let scale = low.size().x + BAR + high.size().x + 12.0;
     let (one_line, room) = (title.size().x + 14.0 + scale, canvas.plane.rect.width() - 20.0);
@@ -162,6 +171,11 @@ pub fn key(canvas: &Canvas, kind: Kind, field: &Field, dark: bool) -> Option<Rec
     x -= 6.0 + low.size().x;
     canvas.painter.galley(centred(x, y, low.size()), low, inks.soft);
     Some(strip)
+}
+
+/// The number at an end of the key, and before it that values go beyond.
+fn limit(value: f32, beyond: bool, sign: &str) -> String {
+    format!("{}{}", if beyond { sign } else { "" }, number(value))
 }
 
 /// A number in about three figures, with a true minus sign.
@@ -219,6 +233,11 @@ mod tests {
         field.values[20 * 40 + 21] = f32::NAN;
         assert_eq!(descent(&field, 20, 20), None);
         assert!(descent(&field, 10, 10).is_some());
+    }
+
+    #[test]
+    fn the_key_says_that_values_go_beyond_its_ends() {
+        assert_eq!([limit(-3.0, true, "≤ "), limit(4.5, false, "≥ ")], ["≤ \u{2212}3.00", "4.50"]);
     }
 
     #[test]

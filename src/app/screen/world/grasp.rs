@@ -1,14 +1,16 @@
 //! The hand on the world: what the pointer can take hold of, and where it may be put.
 //!
 //! In: the pointer, one arena. Out: [`Order::Move`] while something is dragged, and what to draw for it. A place inside
-//! an obstacle or outside the walls is refused.
+//! an obstacle or outside the walls is refused. What was under the pointer when the button went down stays in the hand,
+//! though it would drive on meanwhile.
 
 use egui::{Id, Pos2, Response, Ui};
 
 use super::arena::Outline;
 use super::plane::{Plane, extent_m};
 use crate::app::orders::{Moved, Order};
-use crate::app::scene::{ArenaScene, Scene};
+use crate::app::scene::ArenaScene;
+use crate::app::screen::View;
 use crate::scenario::{Enclosure, Scenario, Shape};
 
 /// What can be taken hold of.
@@ -57,15 +59,16 @@ pub fn follow(
     ui: &Ui,
     response: &Response,
     plane: &Plane,
-    scene: &Scene,
+    view: &View<'_>,
     index: usize,
     orders: &mut Vec<Order>,
 ) -> Option<Held> {
-    let arena = scene.arenas.get(index)?;
-    if response.drag_started() {
+    let scenario = &*view.scene.scenario;
+    let arena = view.scene.arenas.get(index)?;
+    if response.is_pointer_button_down_on() && ui.input(|input| input.pointer.any_pressed()) {
         let pressed = ui.input(|input| input.pointer.press_origin());
         let held = pressed.and_then(|at| {
-            let grip = under(plane, &scene.scenario, arena, at)?;
+            let grip = under(plane, scenario, arena, at)?;
             let (middle, taken) = (middle_of(grip, arena)?, plane.to_world(at));
             let offset_m = [middle[0] - taken[0], middle[1] - taken[1]];
             Some(Held { arena: index, grip, to_m: middle, refused: None, offset_m })
@@ -76,21 +79,24 @@ pub fn follow(
     if held.arena != index {
         return None;
     }
-    let pointer = response.interact_pointer_pos();
-    let (true, Some(pointer), Some(_)) = (response.dragged(), pointer, middle_of(held.grip, arena)) else {
+    if !response.is_pointer_button_down_on() || middle_of(held.grip, arena).is_none() {
         ui.data_mut(|data| data.insert_temp(hand(), None::<Held>));
         return None;
-    };
+    }
+    // Until it is dragged, it may still be a click.
+    let pointer = response.interact_pointer_pos().filter(|_| response.dragged())?;
     let at = plane.to_world(pointer);
     held.to_m = [at[0] + held.offset_m[0], at[1] + held.offset_m[1]];
-    held.refused = refusal(&scene.scenario, arena, held.grip, held.to_m);
-    let moves = response.drag_started() || ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
-    if held.refused.is_none() && moves {
+    held.refused = refusal(scenario, arena, held.grip, held.to_m);
+    // A robot would drive out of a hand that rests, and a target that it reaches would go elsewhere.
+    let slips = !view.status.paused && !matches!(held.grip, Grip::Obstacle(_));
+    let moves = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
+    if held.refused.is_none() && (moves || slips) {
         let to_m = (held.to_m[0], held.to_m[1]);
         orders.push(Order::Move(match held.grip {
             Grip::Target => Moved::Target { arena: index, to_m },
             Grip::Robot => Moved::Robot { arena: index, to_m },
-            Grip::Obstacle(obstacle) => Moved::Obstacle { index: obstacle, to_m },
+            Grip::Obstacle(obstacle) => Moved::Obstacle { arena: index, index: obstacle, to_m },
         }));
     }
     ui.data_mut(|data| data.insert_temp(hand(), Some(held)));

@@ -1,6 +1,6 @@
 //! The world view: one arena large, all as a grid, or two side by side; with the camera and the hand on the world.
 //!
-//! In: the [`Scene`]. Out: the picture, changes of the [`Desk`] (camera, which arena is followed), and the orders of what
+//! In: the [`View`]. Out: the picture, changes of the [`Desk`] (camera, which arena is followed), and the orders of what
 //! is dragged.
 //!
 //! | file | duty |
@@ -13,6 +13,7 @@
 //! | `field_view.rs`, `field_picture.rs` | the potential and the value over the plane; their colours |
 //! | `legend.rs` | what the marks mean |
 //! | `cells.rs` | all arenas as a grid |
+//! | `score.rs` | who drives, and how well so far |
 //! | `grasp.rs` | what the pointer takes hold of and drags |
 //! | `steer.rs` | the arrow keys in Drive mode |
 //! | `welcome.rs` | the call to a first-time user |
@@ -27,10 +28,11 @@ mod grasp;
 mod legend;
 mod plane;
 mod q_bars;
+mod score;
 pub mod steer;
 pub mod welcome;
 
-use egui::{Align2, CursorIcon, FontId, Id, Rangef, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
+use egui::{Align2, CursorIcon, FontId, Id, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
 
 use self::canvas::Canvas;
 use self::field_view::Kind;
@@ -39,13 +41,15 @@ use self::plane::Plane;
 use crate::app::desk::{Camera, Desk, Overlays};
 use crate::app::orders::Order;
 use crate::app::scene::{ArenaScene, Driver, Scene};
-use crate::app::screen::theme::{BODY, HEADING, Inks, SMALL};
+use crate::app::screen::View;
+use crate::app::screen::theme::{Inks, SMALL};
 
 /// Space around the walls in a large view, where the legend and the key to a field are.
 const MARGIN: Vec2 = vec2(18.0, 34.0);
 
 /// Fills what is left of `ui` with the world.
-pub fn show(ui: &mut Ui, scene: &Scene, desk: &mut Desk, orders: &mut Vec<Order>) {
+pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    let scene = view.scene;
     let rect = ui.available_rect_before_wrap();
     ui.advance_cursor_after_rect(rect);
     if !rect.is_positive() || scene.arenas.is_empty() {
@@ -54,12 +58,14 @@ pub fn show(ui: &mut Ui, scene: &Scene, desk: &mut Desk, orders: &mut Vec<Order>
     ui.painter_at(rect).rect_filled(rect, 0.0, Inks::of(ui).paper);
     desk.followed = desk.followed.min(scene.arenas.len() - 1);
     if is_pair(scene) {
-        pair(ui, rect, scene, desk, orders);
+        pair(ui, rect, view, desk, orders);
+    } else if is_alone(scene) {
+        headed(ui, rect, view, 0, desk, orders);
     } else if desk.grid && scene.arenas.len() > 1 {
         cells::grid(ui, rect, scene, desk);
     } else {
         let index = desk.followed;
-        let canvas = large(ui, rect, scene, index, desk, orders);
+        let canvas = large(ui, rect, view, index, desk, orders);
         if scene.arenas.len() > 1 {
             let words = format!("Arena {} of {}", index + 1, scene.arenas.len());
             let at = rect.min + vec2(14.0, 16.0);
@@ -77,16 +83,12 @@ fn is_pair(scene: &Scene) -> bool {
     matches!(&scene.arenas[..], [a, b] if a.driver != b.driver)
 }
 
-fn driver_name(driver: &Driver) -> &str {
-    match driver {
-        Driver::Learner => "The learner",
-        Driver::Policy(name) => name,
-        Driver::Hand => "You",
-    }
+/// One arena that a policy drives alone.
+fn is_alone(scene: &Scene) -> bool {
+    matches!(&scene.arenas[..], [only] if matches!(only.driver, Driver::Policy(_)))
 }
 
-fn pair(ui: &mut Ui, rect: Rect, scene: &Scene, desk: &mut Desk, orders: &mut Vec<Order>) {
-    const HEADER: f32 = 38.0;
+fn pair(ui: &mut Ui, rect: Rect, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
     let line = Stroke::new(1.0, Inks::of(ui).line);
     let (first, second) = if rect.width() >= rect.height() * 0.9 {
         ui.painter_at(rect).vline(rect.center().x, rect.y_range(), line);
@@ -96,59 +98,40 @@ fn pair(ui: &mut Ui, rect: Rect, scene: &Scene, desk: &mut Desk, orders: &mut Ve
         rect.split_top_bottom_at_fraction(0.5)
     };
     for (index, part) in [first, second].into_iter().enumerate() {
-        let (header, view) = part.split_top_bottom_at_y(part.top() + HEADER);
-        let view = view.shrink2(vec2(1.0, 0.0));
-        large(ui, view, scene, index, desk, orders);
-        if let Some(arena) = scene.arenas.get(index) {
-            // As wide as the arena is when it fits.
-            let fit = Plane::new(view, MARGIN, Camera::default(), &scene.scenario.enclosure);
-            let walls = fit.enclosure_rect(&scene.scenario.enclosure);
-            let least = header.width().min(300.0);
-            let middle = Rangef::point(header.center().x).expand(walls.width().max(least) / 2.0);
-            let lower = header.translate(vec2(0.0, 14.0));
-            score(ui, Rect::from_x_y_ranges(middle, lower.y_range()), arena);
-        }
+        headed(ui, part, view, index, desk, orders);
     }
 }
 
-/// Who drives, and how well so far.
-fn score(ui: &Ui, header: Rect, arena: &ArenaScene) {
-    let (inks, painter) = (Inks::of(ui), ui.painter_at(header));
-    let mut right = header.right_center() + vec2(0.0, 1.0);
-    let words = |count: u32, one: &str, many: &str| format!(" {}", if count == 1 { one } else { many });
-    for (count, what, ink) in [
-        (arena.collisions, words(arena.collisions, "collision", "collisions"), inks.bad),
-        (arena.targets_in_all, words(arena.targets_in_all, "target", "targets"), inks.good),
-    ] {
-        let plain = FontId::proportional(BODY);
-        let label = painter.text(right, Align2::RIGHT_CENTER, what, plain, inks.soft);
-        let figure = FontId::proportional(HEADING);
-        let at = label.left_center() - vec2(0.0, 1.0);
-        let number = painter.text(at, Align2::RIGHT_CENTER, count, figure, ink);
-        right.x = number.left() - 14.0;
+/// One arena, under a header that says who drives there and how well.
+fn headed(ui: &Ui, part: Rect, view: &View<'_>, index: usize, desk: &mut Desk, orders: &mut Vec<Order>) {
+    let (header, below) = part.split_top_bottom_at_y(part.top() + score::HEIGHT);
+    let below = below.shrink2(vec2(1.0, 0.0));
+    large(ui, below, view, index, desk, orders);
+    if let Some(arena) = view.scene.arenas.get(index) {
+        // As wide as the arena is when it fits.
+        let fit = Plane::new(below, MARGIN, Camera::default(), &view.scene.scenario.enclosure);
+        let walls = fit.enclosure_rect(&view.scene.scenario.enclosure);
+        score::draw(ui, header, walls.width(), arena);
     }
-    let room = (right.x - header.left()).max(0.0);
-    let name = painter.with_clip_rect(Rect::from_min_size(header.min, vec2(room, header.height())));
-    let font = FontId::proportional(HEADING);
-    name.text(header.left_center(), Align2::LEFT_CENTER, driver_name(&arena.driver), font, inks.ink);
 }
 
 /// One arena with everything, and the pointer in it.
 fn large(
     ui: &Ui,
     rect: Rect,
-    scene: &Scene,
+    view: &View<'_>,
     index: usize,
     desk: &mut Desk,
     orders: &mut Vec<Order>,
 ) -> Canvas {
+    let scene = view.scene;
     let id = ui.id().with(("world view", index));
     // The panels' edges can be taken hold of from this side, too.
     let response = ui.interact(rect.shrink2(vec2(4.0, 0.0)), id, Sense::click_and_drag());
     name_for_readers(&response, index);
     let walls = &scene.scenario.enclosure;
     let mut plane = Plane::new(rect, MARGIN, desk.camera, walls);
-    let held = grasp::follow(ui, &response, &plane, scene, index, orders);
+    let held = grasp::follow(ui, &response, &plane, view, index, orders);
     if response.clicked() || held.is_some() {
         desk.followed = index;
     }
@@ -226,9 +209,11 @@ fn draw_large(
     let beams = overlays.beams && !arena.parked;
     let label = beams.then(|| beams::draw(canvas, scenario, arena)).flatten();
     arena::robot(canvas, scenario, arena);
-    let shown = Overlays { beams, potential: potential.is_some(), ..*overlays };
     // Of two beside each other, one explains for both.
     let explains = index == 0 || !is_pair(scene);
+    let beams = overlays.beams && if is_pair(scene) { scene.arenas.iter().any(|a| !a.parked) } else { beams };
+    let slope = overlays.potential && scene.potential.is_some();
+    let shown = Overlays { beams, potential: slope, ..*overlays };
     let mut taken: Vec<Rect> = label.into_iter().collect();
     taken.extend(explains.then(|| legend::draw(canvas, &shown)).flatten());
     taken.extend(field.and_then(|(kind, field)| field_view::key(canvas, kind, field, dark)));

@@ -1,4 +1,5 @@
-//! The Q-values beside the robot: a bar for each motion, in order of turning, with the chosen one marked.
+//! The Q-values beside the robot: for each motion, in order of turning, a bar of its advantage (its Q-value less their
+//! mean) and its Q-value, with the chosen one marked.
 //!
 //! In: the Q-values of an [`ArenaScene`]. Out: a small card near the robot that covers neither it nor the target as far
 //! as there is room, and a thin line from one to the other.
@@ -10,18 +11,19 @@ use egui::{Align2, Color32, Id, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use super::canvas::Canvas;
 use super::field_view::{decimals_for, figures};
 use super::plane::{direction, pushed_into};
-use crate::app::scene::ArenaScene;
+use crate::app::scene::{ArenaScene, Driver};
 use crate::scenario::{Motion, Scenario, Shape as Outer};
 
 /// With more motions than these, only the chosen and the best are shown.
 const MOST: usize = 9;
 const ROW: f32 = 16.0;
 const HEAD: f32 = 18.0;
+const FOOT: f32 = 15.0;
 const PAD: f32 = 8.0;
 /// Widths of a row's glyph, bar and number.
 const GLYPH: f32 = 22.0;
 const BAR: f32 = 76.0;
-const FIGURES: f32 = 40.0;
+const FIGURES: f32 = 48.0;
 
 /// The motions' indices, the hardest left turn first, the hardest right turn last.
 #[must_use]
@@ -53,7 +55,9 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
         return;
     }
     let rows = rows(motions, q, arena.action);
-    let size = vec2(GLYPH + BAR + FIGURES + 2.0 * PAD, HEAD + rows.len() as f32 * ROW + PAD);
+    // Who learns explores now and then: there is a line that says which it is.
+    let foot = if arena.driver == Driver::Learner { FOOT } else { 0.0 };
+    let size = vec2(GLYPH + BAR + FIGURES + 2.0 * PAD, HEAD + rows.len() as f32 * ROW + foot + PAD);
     let view = canvas.plane.rect.shrink(8.0);
     let robot = canvas.at([arena.pose.x_m, arena.pose.y_m]);
     if rows.is_empty() || 1.8 * size.x > view.width() || 1.8 * size.y > view.height() || !view.contains(robot)
@@ -65,18 +69,21 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
     leader(canvas, card, robot, body);
     canvas.card(card);
     let inks = &canvas.inks;
-    let top = card.min + vec2(PAD, 4.0);
-    canvas.small_text(top, Align2::LEFT_TOP, "Q-values", inks.soft);
+    let zero = card.left() + PAD + GLYPH + BAR / 2.0;
+    let (top, right) = (card.top() + 4.0, card.right() - PAD);
+    canvas.small_text(pos2(zero, top), Align2::CENTER_TOP, "advantage", inks.soft);
+    canvas.small_text(pos2(right, top), Align2::RIGHT_TOP, "Q-values", inks.soft);
     let marked = if arena.explored { inks.warn } else { inks.accent };
-    if arena.explored {
-        canvas.small_text(pos2(card.right() - PAD, top.y), Align2::RIGHT_TOP, "exploring", inks.warn);
+    if foot > 0.0 {
+        let (words, ink) = if arena.explored { ("exploring", inks.warn) } else { ("greedy", inks.soft) };
+        let at = pos2(card.left() + PAD, card.bottom() - 5.0);
+        canvas.small_text(at, Align2::LEFT_BOTTOM, words, ink);
     }
     let mean = q.iter().sum::<f32>() / q.len() as f32;
     let most = q.iter().map(|value| (value - mean).abs()).fold(1e-6, f32::max);
     let decimals = decimals_for(q.iter().copied().fold(0.0, |most: f32, value| most.max(value.abs())));
     let fastest = motions.iter().map(|motion| motion.w_rad_s.abs()).fold(1e-6, f32::max);
-    let zero = card.left() + PAD + GLYPH + BAR / 2.0;
-    let lines = card.top() + HEAD..=card.bottom() - PAD + 2.0;
+    let lines = card.top() + HEAD..=card.bottom() - foot - PAD + 2.0;
     canvas.painter.vline(zero, lines, Stroke::new(1.0, inks.line));
     for (row, &k) in rows.iter().enumerate() {
         let y = card.top() + HEAD + (row as f32 + 0.5) * ROW;
@@ -87,7 +94,7 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
         let bar = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), y - 4.0..=y + 4.0);
         let fill = if chosen { marked } else { inks.soft.gamma_multiply(0.55) };
         canvas.painter.rect_filled(bar, 1.5, fill);
-        let (at, words) = (pos2(card.right() - PAD, y), figures(q[k], decimals));
+        let (at, words) = (pos2(right, y), figures(q[k], decimals));
         canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { inks.ink } else { ink });
     }
 }

@@ -9,10 +9,11 @@ use crate::app::screen::View;
 use crate::app::screen::panels::press;
 use crate::app::screen::theme::{HEADING, Inks, SMALL};
 
-/// Draws it in the middle of `world` while nothing has happened yet.
+/// Draws it in the middle of `world` while nothing has happened yet and nothing was learnt elsewhere.
 pub fn show(ui: &mut Ui, world: Rect, view: &View<'_>, orders: &mut Vec<Order>) {
     let status = view.status;
-    if !(status.paused && status.env_steps == 0 && status.mode == Mode::Train) {
+    let fresh = status.env_steps == 0 && status.transfer_from.is_none();
+    if !(status.paused && fresh && status.mode == Mode::Train) {
         return;
     }
     let inks = Inks::of(ui);
