@@ -24,6 +24,7 @@ use crate::reproduce::{Request, reproduce};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::optimum::is_modelled;
+use crate::run::policy_card;
 use crate::run::preset::Budget;
 use crate::run::progress::say as tell;
 use crate::run::records::{Milestone, Summary};
@@ -356,8 +357,8 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         None => {
             let scenario_from = arguments.scenario.unwrap_or_else(|| "scenario-1".into());
             let preset_from = arguments.preset.unwrap_or_else(|| "fast".into());
-            let scenario = shipped::scenario(&scenario_from)?;
-            let mut preset = shipped::preset(&preset_from)?;
+            let mut config = RunConfig::resolve(&scenario_from, &preset_from, arguments.seed.unwrap_or(0))?;
+            let preset = &mut config.preset;
             preset.budget = budget.unwrap_or(preset.budget);
             preset.arenas = arguments.arenas.unwrap_or(preset.arenas);
             if let Some(arenas) = arguments.arenas.filter(|n| !(1..=4096).contains(n)) {
@@ -376,20 +377,11 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
                      steps"
                 ));
             }
-            let policy = arguments.init.as_deref().map(|path| read_policy(path, &scenario)).transpose()?;
-            let transfer = arguments
+            let policy =
+                arguments.init.as_deref().map(|path| read_policy(path, &config.scenario)).transpose()?;
+            config.transfer = arguments
                 .init
                 .map(|init| Transfer { policy: init.display().to_string(), epsilon: arguments.epsilon });
-            let config = RunConfig {
-                version: env!("CARGO_PKG_VERSION").into(),
-                seed: arguments.seed.unwrap_or(0),
-                scenario_from,
-                preset_from,
-                transfer,
-                keep_after_episodes: Vec::new(),
-                scenario,
-                preset,
-            };
             Job::New { config: Box::new(config), policy, out: arguments.out }
         }
     };
@@ -640,25 +632,10 @@ fn say(text: &str) -> Result<(), RunError> {
 /// The most navigations of one `--eval`.
 const MOST_NAVIGATIONS: usize = 1_000_000;
 
-/// The most bytes that a policy's file may have: 2^24 parameters and a header.
-const LARGEST_POLICY: u64 = 1 << 27;
-
 /// The policy in the file at `path`, which must be able to drive in `scenario`.
 fn read_policy(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
-    let unusable = |why: String| RunError::Unusable(format!("{}: {why}", path.display()));
-    let metadata = std::fs::metadata(path).map_err(|error| {
-        unusable(format!("can't be read ({error}): give the policy.safetensors of a run"))
-    })?;
-    if metadata.is_dir() {
-        return Err(unusable("is a folder: give the policy.safetensors in it".into()));
-    }
-    if metadata.len() > LARGEST_POLICY {
-        return Err(unusable(format!("is {} bytes long: no policy is that large", metadata.len())));
-    }
-    let bytes = std::fs::read(path).map_err(|error| unusable(format!("can't be read: {error}")))?;
-    let policy = Policy::from_bytes(&bytes)
-        .map_err(|error| unusable(format!("{error}: give the policy.safetensors of a run")))?;
-    evaluate::fits(&policy, scenario).map_err(|error| unusable(error.to_string()))?;
+    let policy = policy_card::read(path)?;
+    evaluate::fits(&policy, scenario).map_err(|error| RunError::unusable(path, error))?;
     Ok(policy)
 }
 

@@ -104,10 +104,21 @@ proptest! {
             &DefaultQueryDispatcher, &set.bodies, &colliders.colliders, filter,
         );
         for (i, beam) in beams.0.iter().enumerate() {
-            let ray = Ray::new(Vec2::new(px, py), Vec2::from_angle(heading).rotate(*beam));
-            let theirs = pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance);
-            // The bit that differs is how heading and beam are multiplied; a grazing beam may double it.
-            prop_assert!((ours[i] - theirs).abs() < 1e-4, "beam {i}: ours {} m, rapier's {theirs} m", ours[i]);
+            let theirs = |aside: f32| {
+                let ray = Ray::new(Vec2::new(px, py), Vec2::from_angle(heading + aside).rotate(*beam));
+                pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance)
+            };
+            // The bit that differs is how heading and beam are multiplied. A beam that grazes an edge may for it meet the
+            // one thing or the other behind it, as rapier's does when it is turned by the root of f32's rounding error.
+            let (straight, left, right) = (theirs(0.0), theirs(1e-3), theirs(-1e-3));
+            let at_an_edge = (left - right).abs() > 0.02
+                && ours[i] > left.min(right) - 0.02
+                && ours[i] < left.max(right) + 0.02;
+            prop_assert!(
+                (ours[i] - straight).abs() < 1e-4 || at_an_edge,
+                "beam {i}: ours {} m, rapier's {straight} m",
+                ours[i]
+            );
         }
     }
 }

@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use super::RunError;
 use super::preset::Preset;
+use super::shipped;
 use crate::scenario::{FileError, Scenario, parse_ron, read_text, to_ron};
 
 /// All that was resolved before a run began: `config.ron`.
@@ -48,6 +49,23 @@ pub struct RunConfig {
 }
 
 impl RunConfig {
+    /// A run from nothing: scenario and preset by shipped name or file, and the seed.
+    ///
+    /// # Errors
+    /// A file that cannot be used, with line, column and mend.
+    pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            seed,
+            scenario_from: scenario_from.into(),
+            preset_from: preset_from.into(),
+            transfer: None,
+            keep_after_episodes: Vec::new(),
+            scenario: shipped::scenario(scenario_from)?,
+            preset: shipped::preset(preset_from)?,
+        })
+    }
+
     /// What is run, in a line.
     #[must_use]
     pub fn description(&self) -> String {

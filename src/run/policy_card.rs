@@ -1,4 +1,4 @@
-//! The card of a policy: what its user needs to know, kept in the policy's own file.
+//! A policy's file, and the card in it: what its user needs to know.
 //!
 //! It is for people to read; only by [`ENCODING`] does the program go, to show a policy what it was trained to see.
 //!
@@ -6,6 +6,7 @@
 //! bytes for the same run (no dates, no times).
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use super::RunError;
 use super::folder::RunConfig;
@@ -16,6 +17,30 @@ use crate::task::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 /// The key under which a policy says in which units its observations are: `scaled`, or `raw`. Policies of wayfields
 /// that knew no other than `scaled` don't have it.
 pub const ENCODING: &str = "encoding";
+
+/// The most bytes that a policy's file may have: 2^24 parameters and a header.
+const LARGEST: u64 = 1 << 27;
+
+/// The policy in the file at `path`.
+///
+/// # Errors
+/// It cannot be read, or is none.
+pub fn read(path: &Path) -> Result<Policy, RunError> {
+    let metadata = std::fs::metadata(path).map_err(|error| {
+        RunError::unusable(path, format!("can't be read ({error}): give the policy.safetensors of a run"))
+    })?;
+    if metadata.is_dir() {
+        return Err(RunError::unusable(path, "is a folder: give the policy.safetensors in it"));
+    }
+    if metadata.len() > LARGEST {
+        let why = format!("is {} bytes long: no policy is that large", metadata.len());
+        return Err(RunError::unusable(path, why));
+    }
+    let bytes =
+        std::fs::read(path).map_err(|error| RunError::unusable(path, format!("can't be read: {error}")))?;
+    Policy::from_bytes(&bytes)
+        .map_err(|error| RunError::unusable(path, format!("{error}: give the policy.safetensors of a run")))
+}
 
 /// In which units `policy` must be shown its observations.
 ///

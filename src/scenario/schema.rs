@@ -194,6 +194,14 @@ impl Default for Lidar {
     }
 }
 
+impl Lidar {
+    /// Whether it reports what is there: no noise, no beam lost.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.noise_std_m <= 0.0 && self.dropout <= 0.0
+    }
+}
+
 /// The rules of the task: when a target counts as reached, what counts as a collision, how long an episode
 /// is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -113,7 +113,7 @@ impl Window {
 /// Makes a clean scan what the sensor reports: each beam is lost with the probability `dropout` (it then reads the
 /// maximum range), else off by a normal error with the standard deviation `noise_std_m`, within [0, maximum].
 pub fn disturb(lidar: &Lidar, stream: &mut Stream, ranges_m: &mut [f32]) {
-    if lidar.noise_std_m <= 0.0 && lidar.dropout <= 0.0 {
+    if lidar.is_exact() {
         return;
     }
     for range in ranges_m {

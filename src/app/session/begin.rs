@@ -22,7 +22,7 @@ use crate::run::checkpoint::{self, Standing};
 use crate::run::examiner::Examiner;
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::records::{EpisodeRow, EvaluationRow};
-use crate::run::{RunError, follow, shipped, simulation, train};
+use crate::run::{RunError, follow, simulation, train};
 use crate::scenario::Scenario;
 
 /// A training that could begin.
@@ -36,22 +36,17 @@ struct Beginning {
 /// The first session of the process. What was asked for was checked before; where it cannot be used all the same, the
 /// default begins, with a notice.
 pub(super) fn first(world: &mut World, first: &First) {
-    let begun = prepare(config(&first.scenario, &first.preset, first.seed), None)
-        .map_err(|error| error.to_string())
-        .map(|beginning| install(world, beginning, first));
-    let problem = match begun {
-        Ok(()) => None,
-        Err(problem) => {
-            let default = First::default();
-            let fallback = prepare(config(&default.scenario, &default.preset, first.seed), None);
-            match fallback {
-                Ok(beginning) => install(world, beginning, first),
-                // What is compiled in can be used: a test sees to it.
-                Err(error) => error!("{error}"),
-            }
-            Some(problem)
+    let usual = First::default();
+    let asked = from_nothing(&first.scenario, &first.preset, first.seed);
+    let problem = asked.as_ref().err().map(ToString::to_string);
+    match asked.or_else(|_| from_nothing(&usual.scenario, &usual.preset, first.seed)) {
+        Ok(beginning) => {
+            let session = session(world, beginning, Pacer::new(first.pace, first.paused));
+            world.insert_resource(session);
         }
-    };
+        // What is compiled in can be used: a test sees to it.
+        Err(error) => error!("{error}"),
+    }
     world.try_resource_scope(|world, mut session: Mut<Session>| {
         if let Some(problem) = problem {
             session.tell(Weight::Failed, problem);
@@ -62,30 +57,15 @@ pub(super) fn first(world: &mut World, first: &First) {
     });
 }
 
-fn config(scenario: &str, preset: &str, seed: u64) -> Result<RunConfig, RunError> {
-    Ok(RunConfig {
-        version: env!("CARGO_PKG_VERSION").into(),
-        seed,
-        scenario_from: scenario.into(),
-        preset_from: preset.into(),
-        transfer: None,
-        keep_after_episodes: Vec::new(),
-        scenario: shipped::scenario(scenario)?,
-        preset: shipped::preset(preset)?,
-    })
-}
-
-fn prepare(config: Result<RunConfig, RunError>, init: Option<Policy>) -> Result<Beginning, RunError> {
-    let config = config?;
+fn prepare(config: RunConfig, init: Option<Policy>) -> Result<Beginning, RunError> {
     let learner = train::learner(&config, init.as_ref())?;
     let standing =
         Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
     Ok(Beginning { config, init, learner, standing })
 }
 
-fn install(world: &mut World, beginning: Beginning, first: &First) {
-    let session = session(world, beginning, Pacer::new(first.pace, first.paused));
-    world.insert_resource(session);
+fn from_nothing(scenario: &str, preset: &str, seed: u64) -> Result<Beginning, RunError> {
+    prepare(RunConfig::resolve(scenario, preset, seed)?, None)
 }
 
 /// The session of `beginning`, whose arenas it puts in place of whatever there is.
@@ -153,7 +133,7 @@ impl Session {
         preset: &str,
         seed: u64,
     ) -> Result<(), RunError> {
-        let beginning = prepare(config(scenario, preset, seed), None)?;
+        let beginning = from_nothing(scenario, preset, seed)?;
         self.pacer.paused = false;
         self.replace(world, beginning);
         Ok(())
@@ -177,7 +157,7 @@ impl Session {
             config.scenario = scenario;
         }
         config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
-        let beginning = prepare(Ok(config), Some(policy))?;
+        let beginning = prepare(config, Some(policy))?;
         self.replace(world, beginning);
         Ok(())
     }

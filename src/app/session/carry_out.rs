@@ -103,7 +103,7 @@ impl Session {
         match &mut self.aside {
             None => self.journal.note(deed),
             Some(aside) if of_the_world => {
-                aside.deeds.push(deed);
+                aside.note(deed, self.config.scenario.lidar.is_exact());
                 self.journal.note(deed);
             }
             // Where a robot or target is while somebody else drives is nothing to the training.

@@ -10,11 +10,10 @@ use bevy::prelude::App;
 use serde::{Deserialize, Serialize};
 
 use super::hand::{self, Deed};
-use super::open::read_policy;
 use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
 use crate::run::folder::{INIT, RunConfig, RunFolder};
-use crate::run::{RunError, checkpoint, simulation, train};
+use crate::run::{RunError, checkpoint, policy_card, simulation, train};
 use crate::scenario::read_ron;
 use crate::task::TaskFault;
 
@@ -73,10 +72,8 @@ impl Journal {
     /// Notes what is done now. Of what is dragged about between two steps only the last place counts, unless each look
     /// around draws from the sensor's stream.
     pub fn note(&mut self, deed: Deed) {
-        let lidar = &self.begun.scenario.lidar;
-        let silent = lidar.noise_std_m <= 0.0 && lidar.dropout <= 0.0;
         if let Some(last) = self.entries.last_mut()
-            && silent
+            && self.begun.scenario.lidar.is_exact()
             && last.after_steps == self.steps
             && last.deed.is_of_what(&deed)
         {
@@ -149,5 +146,5 @@ pub fn init(folder: &RunFolder, begun: &RunConfig) -> Result<Option<Policy>, Run
     if begun.transfer.is_none() {
         return Ok(None);
     }
-    read_policy(&folder.path().join(INIT)).map(Some)
+    policy_card::read(&folder.path().join(INIT)).map(Some)
 }

@@ -27,13 +27,22 @@ pub(super) struct Aside {
     actions: Actions,
     stats: TrainingStats,
     /// What the hand has changed in the world since.
-    pub deeds: Vec<Deed>,
+    deeds: Vec<Deed>,
 }
 
 impl Aside {
     /// The pace that the training had.
     pub fn pace(&self) -> Pace {
         self.pace
+    }
+
+    /// What the hand has done is to be done in the training's world, too. As in the journal: of what is dragged about the
+    /// last place counts, if looks around draw nothing (`exact`).
+    pub fn note(&mut self, deed: Deed, exact: bool) {
+        match self.deeds.last_mut() {
+            Some(last) if exact && last.is_of_what(&deed) => *last = deed,
+            _ => self.deeds.push(deed),
+        }
     }
 }
 

@@ -10,13 +10,9 @@ use super::Session;
 use crate::agent::Trainer;
 use crate::app::orders::Mode;
 use crate::app::status::{Choice, Weight};
-use crate::learning::Policy;
-use crate::run::RunError;
 use crate::run::preset::Preset;
+use crate::run::{RunError, policy_card};
 use crate::scenario::{Scenario, read_text};
-
-/// No policy file is longer, in bytes: the most parameters that a network may have, and room for its card.
-const LONGEST_POLICY: u64 = 80 << 20;
 
 impl Session {
     /// Opens the file at `path`, or says why it cannot be.
@@ -61,7 +57,7 @@ impl Session {
                 Ok("The run goes on from its checkpoint".into())
             }
             Some("safetensors") => {
-                let policy = read_policy(path)?;
+                let policy = policy_card::read(path)?;
                 self.may_drive(&path.display().to_string(), &policy)?;
                 self.opened = Some((name.clone(), policy));
                 if self.mode == Mode::Compare {
@@ -113,18 +109,4 @@ impl Session {
 fn add(choices: &mut Vec<Choice>, choice: Choice) {
     choices.retain(|other| other.from != choice.from);
     choices.push(choice);
-}
-
-/// The policy in the file at `path`.
-///
-/// # Errors
-/// It cannot be read, or is none.
-pub(super) fn read_policy(path: &Path) -> Result<Policy, RunError> {
-    let unusable = |why: String| RunError::Unusable(format!("{}: {why}", path.display()));
-    let length = std::fs::metadata(path).map_err(|error| unusable(error.to_string()))?.len();
-    if length > LONGEST_POLICY {
-        return Err(unusable(format!("is {length} bytes long; no policy is longer than {LONGEST_POLICY}")));
-    }
-    let bytes = std::fs::read(path).map_err(|error| unusable(error.to_string()))?;
-    Policy::from_bytes(&bytes).map_err(|error| unusable(error.to_string()))
 }
