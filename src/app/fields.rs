@@ -81,8 +81,8 @@ impl Grid {
             .flat_map(move |row| (0..self.size[0]).map(move |column| (at(column, 0), at(row, 1))))
     }
 
-    fn field(&self, values: Vec<f32>, version: u64) -> Option<Arc<Field>> {
-        Some(Arc::new(Field { size: self.size, min_m: self.min_m, max_m: self.max_m, values, version }))
+    fn field(&self, values: Vec<f32>, version: u64) -> Arc<Field> {
+        Arc::new(Field { size: self.size, min_m: self.min_m, max_m: self.max_m, values, version })
     }
 }
 
@@ -167,7 +167,7 @@ pub(super) fn survey(
             Mode::Train => Some(trainer.0.network()),
             _ => policies.filter_map(network).next(),
         };
-        fields.value = network.and_then(|network| {
+        fields.value = network.map(|network| {
             let mut values = values(network, &observations, potentials.len());
             for (value, potential) in values.iter_mut().zip(&potentials) {
                 *value = if potential.is_nan() { f32::NAN } else { *value };
@@ -175,7 +175,7 @@ pub(super) fn survey(
             grid.field(values, version)
         });
     }
-    fields.potential = asked.potential.then(|| grid.field(potentials, version)).flatten();
+    fields.potential = asked.potential.then(|| grid.field(potentials, version));
 }
 
 /// The network that a driver asks, if it does.

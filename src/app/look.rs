@@ -77,9 +77,6 @@ pub(super) fn look(
                 } else {
                     Vec::new()
                 },
-                steps: episode.steps,
-                targets: episode.targets,
-                total_return: episode.rewards.total(),
                 collisions: ways.collisions,
                 targets_in_all: ways.targets,
                 parked: episode.parked,

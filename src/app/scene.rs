@@ -64,12 +64,6 @@ pub struct ArenaScene {
     pub path_m: Vec<[f32; 2]>,
     /// The last navigations, oldest first.
     pub trails: Vec<Trail>,
-    /// Control steps of the running episode.
-    pub steps: u32,
-    /// Targets reached in it.
-    pub targets: u32,
-    /// The sum of its rewards so far.
-    pub total_return: f32,
     /// How many of this arena's episodes have ended in a collision since its driver began.
     pub collisions: u32,
     /// How many targets were reached since its driver began.

@@ -22,8 +22,9 @@ pub(super) fn is_clear(scenario: &Scenario, point_m: (f32, f32), step: u64, clea
         && scenario.obstacles.iter().all(|o| obstacle_distance(o, point_m, step, period) >= clearance_m)
 }
 
-/// From a point to the nearest wall, negative beyond it.
-fn wall_distance(enclosure: &Enclosure, (x, y): (f32, f32)) -> f32 {
+/// From a point to the nearest wall, in m, negative beyond it.
+#[must_use]
+pub fn wall_distance(enclosure: &Enclosure, (x, y): (f32, f32)) -> f32 {
     let Enclosure::Rectangle { width_m, height_m } = enclosure;
     (width_m / 2.0 - x.abs()).min(height_m / 2.0 - y.abs())
 }
@@ -32,8 +33,9 @@ fn obstacle_distance(obstacle: &Obstacle, point: (f32, f32), step: u64, control_
     shape_distance(&obstacle.shape, pose_at(obstacle, step, control_period_s), point)
 }
 
-/// From a point to the surface of a shape at a pose (x, y, rotation), negative inside it.
-pub(super) fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: (f32, f32)) -> f32 {
+/// From a point to the surface of a shape at a pose (x in m, y in m, rotation in rad), in m, negative inside it.
+#[must_use]
+pub fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: (f32, f32)) -> f32 {
     let (dx, dy) = (point.0 - pose.0, point.1 - pose.1);
     match shape {
         Shape::Circle { radius_m } => length(dx, dy) - radius_m,

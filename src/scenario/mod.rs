@@ -17,7 +17,7 @@ mod schema;
 
 pub use check::findings;
 pub use file_error::{FileError, Finding, Problem};
-pub use geometry::clearance;
+pub use geometry::{clearance, shape_distance, wall_distance};
 pub use load::{parse_ron, read_ron, read_text, to_ron};
 pub use motion::pose_at;
 pub use placement::{NoFreePlace, draw_start, draw_target};

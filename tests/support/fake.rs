@@ -69,7 +69,7 @@ impl Fake {
         (s.paused, s.episodes, s.env_steps, s.gradient_steps, s.epsilon) = (true, 0, 0, 0, 1.0);
         (s.success_rate, s.best_success_rate, s.simulated_s) = (None, None, 0.0);
         for arena in &mut fake.scene.arenas {
-            (arena.steps, arena.targets, arena.targets_in_all, arena.collisions) = (0, 0, 0, 0);
+            (arena.targets_in_all, arena.collisions) = (0, 0);
             (arena.path_m, arena.trails, arena.q_values) = (Vec::new(), Vec::new(), Vec::new());
         }
         fake
@@ -148,9 +148,6 @@ fn arena(n: usize) -> ArenaScene {
         q_values: vec![31.0, 44.5, 52.0, 38.0, 12.5],
         path_m,
         trails: ends.into_iter().enumerate().map(trail).collect(),
-        steps: 87 + 13 * n as u32,
-        targets: 2,
-        total_return: 412.5,
         collisions: 41,
         targets_in_all: 96,
         parked: false,

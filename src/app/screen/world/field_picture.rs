@@ -156,11 +156,11 @@ pub(super) fn bar_mesh(bar: Rect, dark: bool) -> Mesh {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// f = (x - 1)^2 + y^2 over 4 m x 4 m.
-    fn bowl() -> Field {
+    pub fn bowl() -> Field {
         let middle = |k: usize| -2.0 + (k as f32 + 0.5) * 0.1;
         let values = (0..1600).map(|k| (middle(k % 40) - 1.0).powi(2) + middle(k / 40).powi(2)).collect();
         Field { size: [40, 40], min_m: [-2.0; 2], max_m: [2.0; 2], values, version: 1 }

@@ -207,14 +207,8 @@ pub fn figures(value: f32, decimals: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::field_picture::tests::bowl;
     use super::*;
-
-    /// f = (x - 1)^2 + y^2 over 4 m x 4 m.
-    fn bowl() -> Field {
-        let middle = |k: usize| -2.0 + (k as f32 + 0.5) * 0.1;
-        let values = (0..1600).map(|k| (middle(k % 40) - 1.0).powi(2) + middle(k / 40).powi(2)).collect();
-        Field { size: [40, 40], min_m: [-2.0; 2], max_m: [2.0; 2], values, version: 1 }
-    }
 
     #[test]
     fn the_arrows_lead_downhill() {

@@ -7,11 +7,11 @@
 use egui::{Id, Pos2, Response, Ui};
 
 use super::arena::Outline;
-use super::plane::{Plane, extent_m};
+use super::plane::Plane;
 use crate::app::orders::{Moved, Order};
 use crate::app::scene::ArenaScene;
 use crate::app::screen::View;
-use crate::scenario::{Enclosure, Scenario, Shape};
+use crate::scenario::{Scenario, shape_distance, wall_distance};
 
 /// What can be taken hold of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,8 +116,8 @@ pub fn under(plane: &Plane, scenario: &Scenario, arena: &ArenaScene, at: Pos2) -
     if from(arena.target.x_m, arena.target.y_m) <= (scenario.task.goal_radius_m + slack_m).max(least_m) {
         return Some(Grip::Target);
     }
-    let solids =
-        scenario.obstacles.iter().zip(&arena.obstacles).map(|(o, &pose)| beyond(&o.shape, pose, [x, y]));
+    let solids = scenario.obstacles.iter().zip(&arena.obstacles);
+    let solids = solids.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
     let (index, away) = solids.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
     (away <= slack_m).then_some(Grip::Obstacle(index))
 }
@@ -151,11 +151,11 @@ pub fn outline(
 
 /// Why `grip` cannot be put at `to_m`; none if it can.
 fn refusal(scenario: &Scenario, arena: &ArenaScene, grip: Grip, to_m: [f32; 2]) -> Option<&'static str> {
-    let inside_m = within_walls(&scenario.enclosure, to_m);
+    let inside_m = wall_distance(&scenario.enclosure, to_m.into());
     let guard_m = scenario.task.collision_range_m;
     let solid_m = || {
         let solids = scenario.obstacles.iter().zip(&arena.obstacles);
-        solids.map(|(o, &pose)| beyond(&o.shape, pose, to_m)).fold(f32::INFINITY, f32::min)
+        solids.map(|(o, &pose)| shape_distance(&o.shape, pose, to_m.into())).fold(f32::INFINITY, f32::min)
     };
     match grip {
         _ if inside_m.is_nan() || inside_m <= 0.0 => Some("Outside the walls"),
@@ -164,7 +164,7 @@ fn refusal(scenario: &Scenario, arena: &ArenaScene, grip: Grip, to_m: [f32; 2]) 
         Grip::Robot if solid_m() <= guard_m => Some("Too near an obstacle"),
         Grip::Obstacle(index) => {
             let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
-            let gap_to = |x_m, y_m| beyond(&obstacle.shape, (to_m[0], to_m[1], pose.2), [x_m, y_m]);
+            let gap_to = |x_m, y_m| shape_distance(&obstacle.shape, (to_m[0], to_m[1], pose.2), (x_m, y_m));
             if gap_to(arena.pose.x_m, arena.pose.y_m) <= guard_m {
                 Some("Too near the robot")
             } else if gap_to(arena.target.x_m, arena.target.y_m) <= 0.0 {
@@ -177,26 +177,6 @@ fn refusal(scenario: &Scenario, arena: &ArenaScene, grip: Grip, to_m: [f32; 2]) 
     }
 }
 
-/// How far within the walls a point is, in m; negative outside.
-fn within_walls(enclosure: &Enclosure, [x, y]: [f32; 2]) -> f32 {
-    let [width_m, height_m] = extent_m(enclosure);
-    (width_m / 2.0 - x.abs()).min(height_m / 2.0 - y.abs())
-}
-
-/// How far a point is from the surface of a shape at a pose, in m; negative inside it.
-fn beyond(shape: &Shape, (px, py, rotation): (f32, f32, f32), [x, y]: [f32; 2]) -> f32 {
-    let (dx, dy) = (x - px, y - py);
-    match shape {
-        Shape::Circle { radius_m } => dx.hypot(dy) - radius_m,
-        Shape::Rectangle { width_m, height_m } => {
-            let (sin, cos) = rotation.sin_cos();
-            let past_x = (dx * cos + dy * sin).abs() - width_m / 2.0;
-            let past_y = (dy * cos - dx * sin).abs() - height_m / 2.0;
-            past_x.max(0.0).hypot(past_y.max(0.0)) + past_x.max(past_y).min(0.0)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use egui::{Rect, pos2};
@@ -204,7 +184,7 @@ mod tests {
     use super::*;
     use crate::app::desk::Camera;
     use crate::app::scene::Driver;
-    use crate::scenario::{Obstacle, ObstacleMotion};
+    use crate::scenario::{Obstacle, ObstacleMotion, Shape};
     use crate::task::{Pose, Target};
 
     fn world() -> (Plane, Scenario, ArenaScene) {
@@ -226,9 +206,6 @@ mod tests {
             q_values: vec![],
             path_m: vec![],
             trails: vec![],
-            steps: 0,
-            targets: 0,
-            total_return: 0.0,
             collisions: 0,
             targets_in_all: 0,
             parked: false,
