@@ -18,15 +18,19 @@
 //! | [`reproduce`] | the paper's figures and tables: many runs, one report |
 //! | `app` | the window: watch it learn, and take a hand in it (with the feature `window`) |
 //! | [`cli`] | the command line |
+//!
+//! The browser's build leaves out `cli`, `reproduce` and what only they use; in its place `app` has a door of its own.
 
 pub mod agent;
 #[cfg(feature = "window")]
 pub mod app;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
 pub mod control_step;
 pub mod learning;
 pub mod random;
 pub mod report;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod reproduce;
 pub mod run;
 pub mod scenario;

@@ -1,8 +1,11 @@
-//! The binary: one command line, one exit status.
+//! The binary: one command line, one exit status; in a browser, the page's door.
 
-use std::process::ExitCode;
-use std::time::Instant;
+#[cfg(not(target_arch = "wasm32"))]
+fn main() -> std::process::ExitCode {
+    wayfield::cli::main(std::time::Instant::now())
+}
 
-fn main() -> ExitCode {
-    wayfield::cli::main(Instant::now())
+#[cfg(target_arch = "wasm32")]
+fn main() {
+    wayfield::app::browser::run();
 }

@@ -16,10 +16,14 @@
 //! | `desk.rs` | what the user has chosen to look at; `preferences.rs` remembers it |
 //! | `window.rs`, `blending.rs` | the window itself, its colours, and pictures of it |
 //! | `files.rs` | dialogs |
+//! | `browser.rs` | the page around it, in place of dialogs, of a disk and of a command line |
 
 mod blending;
+#[cfg(target_arch = "wasm32")]
+pub mod browser;
 pub mod desk;
 mod fields;
+#[cfg(not(target_arch = "wasm32"))]
 mod files;
 pub mod history;
 mod look;

@@ -1,9 +1,11 @@
 //! What is remembered from one time to the next: the desk, and the window's size.
 //!
-//! In: the desk as it is. Out: `preferences.ron` in the user's configuration folder. A file that cannot be read is taken
+//! In: the desk as it is. Out: `preferences.ron` in the user's configuration folder, or the browser's own memory. A file that cannot be read is taken
 //! for none, and one that cannot be written is not missed.
 
+#[cfg(not(target_arch = "wasm32"))]
 use std::io::Write;
+#[cfg(not(target_arch = "wasm32"))]
 use std::path::PathBuf;
 
 use bevy::prelude::*;
@@ -13,8 +15,13 @@ use serde::{Deserialize, Serialize};
 
 use super::OnDesk;
 use super::desk::Desk;
+#[cfg(not(target_arch = "wasm32"))]
 use crate::run::folder::write_whole;
-use crate::scenario::{read_ron, to_ron};
+#[cfg(target_arch = "wasm32")]
+use crate::scenario::parse_ron;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::scenario::read_ron;
+use crate::scenario::to_ron;
 
 /// It is written at most every so many seconds.
 const EVERY_S: f64 = 2.0;
@@ -36,16 +43,40 @@ impl Default for Preferences {
 }
 
 /// Where it stands.
+#[cfg(not(target_arch = "wasm32"))]
 fn file() -> Option<PathBuf> {
     let folders = directories::ProjectDirs::from("", "", "wayfield")?;
     Some(folders.config_dir().join("preferences.ron"))
 }
 
+/// What was written by [`write`], if it can be read.
+#[cfg(not(target_arch = "wasm32"))]
+fn read() -> Option<Preferences> {
+    file().and_then(|file| read_ron(file).ok())
+}
+
+#[cfg(target_arch = "wasm32")]
+fn read() -> Option<Preferences> {
+    super::browser::remembered().and_then(|text| parse_ron(&text, "preferences.ron").ok())
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn write(text: &str) {
+    let Some(file) = file() else { return };
+    let written = file.parent().map(std::fs::create_dir_all).transpose().is_ok()
+        && write_whole(&file, |file| file.write_all(text.as_bytes())).is_ok();
+    if !written {
+        debug!("{} could not be written", file.display());
+    }
+}
+
+#[cfg(target_arch = "wasm32")]
+use super::browser::remember as write;
+
 /// What was remembered, or the default.
 #[must_use]
 pub fn load() -> Preferences {
-    let remembered: Option<Preferences> = file().and_then(|file| read_ron(file).ok());
-    let mut remembered = remembered.unwrap_or_default();
+    let mut remembered = read().unwrap_or_default();
     let (width, height) = remembered.size;
     if !((400.0..=16_000.0).contains(&width) && (300.0..=16_000.0).contains(&height)) {
         remembered.size = Preferences::default().size;
@@ -78,11 +109,7 @@ pub(super) fn keep(
         return;
     }
     *remembered = now;
-    let Some(file) = file() else { return };
-    let written = file.parent().map(std::fs::create_dir_all).transpose().is_ok()
-        && to_ron(&*remembered)
-            .is_ok_and(|text| write_whole(&file, |file| file.write_all(text.as_bytes())).is_ok());
-    if !written {
-        debug!("{} could not be written", file.display());
+    if let Ok(text) = to_ron(&*remembered) {
+        write(&text);
     }
 }

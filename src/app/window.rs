@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
+#[cfg(not(target_arch = "wasm32"))]
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::window::{ExitCondition, FileDragAndDrop, PresentMode, PrimaryWindow, WindowResolution};
 use bevy::winit::{UpdateMode, WinitSettings};
@@ -18,7 +19,11 @@ use super::orders::Order;
 use super::preferences::{self, Preferences};
 use super::screen::{self, View, theme};
 use super::session::{Curves, First, Session};
-use super::{OnDesk, Shown, StudioPlugin, blending, files};
+#[cfg(target_arch = "wasm32")]
+use super::browser as files;
+#[cfg(not(target_arch = "wasm32"))]
+use super::files;
+use super::{OnDesk, Shown, StudioPlugin, blending};
 use crate::run::RunError;
 
 /// A picture of the window, after which the app ends.
@@ -92,15 +97,23 @@ impl Plugin for WindowedPlugin {
             name: Some("wayfield".into()),
             resolution: WindowResolution::new(width as u32, height as u32),
             present_mode: PresentMode::AutoVsync,
+            #[cfg(not(target_arch = "wasm32"))]
             resize_constraints: bevy::window::WindowResizeConstraints {
                 min_width: 800.0,
                 min_height: 500.0,
                 ..Default::default()
             },
+            // In a browser: the page's canvas, as large as the page.
+            canvas: Some("#canvas".into()),
+            fit_canvas_to_parent: true,
             ..Default::default()
         };
+        let defaults = DefaultPlugins.build();
+        // (The page has a panic hook of its own.)
+        #[cfg(target_arch = "wasm32")]
+        let defaults = defaults.disable::<bevy::app::PanicHandlerPlugin>();
         app.add_plugins(
-            DefaultPlugins
+            defaults
                 .set(WindowPlugin {
                     primary_window: Some(window),
                     exit_condition: ExitCondition::OnPrimaryClosed,
@@ -122,14 +135,17 @@ impl Plugin for WindowedPlugin {
         )
         .add_systems(Update, rest_while_paused);
         match &opening.picture {
+            #[cfg(not(target_arch = "wasm32"))]
             Some(picture) => {
                 app.insert_resource(picture.clone()).add_systems(Last, take_picture);
             }
-            None => {
+            _ => {
                 app.insert_resource(preferences).add_systems(Last, preferences::keep);
             }
         }
         app.init_resource::<files::Dialogs>();
+        #[cfg(target_arch = "wasm32")]
+        app.add_systems(Last, super::browser::tell);
     }
 }
 
@@ -178,6 +194,7 @@ fn take_dropped_files(mut dropped: MessageReader<FileDragAndDrop>, mut orders: M
 }
 
 /// Takes the picture when it is time, and ends the app when it is written.
+#[cfg(not(target_arch = "wasm32"))]
 fn take_picture(
     mut commands: Commands,
     picture: Res<Picture>,

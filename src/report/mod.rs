@@ -12,11 +12,16 @@
 //! | [`table`] | tables |
 //! | [`page`], [`markdown`] | the report they make up |
 
+#[cfg(not(target_arch = "wasm32"))]
 pub mod chart;
 pub mod learning_curve;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod markdown;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod page;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod raster;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod statistics;
 mod style;
 pub mod table;

@@ -199,6 +199,18 @@ pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Optio
     AgainstOptimum::of(&succeeded, &bounds(scenario, &succeeded, 0), &scenario.task)
 }
 
+/// Navigations that are being driven.
+pub struct Drive {
+    seed: u64,
+    count: usize,
+    /// Those that are done.
+    pub navigations: Vec<Navigation>,
+    /// How those under way began.
+    begun: Vec<ArenaState>,
+    /// How, and after how many steps, those under way ended.
+    ends: Vec<Option<(EpisodeEnd, u32)>>,
+}
+
 /// A world in which policies are tried, built once and used again.
 pub struct Evaluator {
     app: App,
@@ -226,27 +238,58 @@ impl Evaluator {
         count: usize,
         places: Places,
     ) -> Result<Vec<Navigation>, RunError> {
+        let mut drive = self.start(policy, seed, count, places)?;
+        while !self.go_on(&mut drive)? {}
+        Ok(drive.navigations)
+    }
+
+    /// Begins what [`Evaluator::run`] does, to be gone on with step by step.
+    ///
+    /// # Errors
+    /// The policy is for other observations or actions than the scenario's.
+    pub fn start(
+        &mut self,
+        policy: &Policy,
+        seed: u64,
+        count: usize,
+        places: Places,
+    ) -> Result<Drive, RunError> {
         self.follow(policy, places)?;
-        let mut navigations = Vec::with_capacity(count);
-        while navigations.len() < count {
-            let first = navigations.len();
-            let batch = self.arenas.min(count - first);
-            let world = self.app.world_mut();
+        Ok(Drive { seed, count, navigations: Vec::with_capacity(count), begun: Vec::new(), ends: Vec::new() })
+    }
+
+    /// One control step of `drive`, which must be the one that was started last; gives whether all is driven.
+    ///
+    /// # Errors
+    /// No place was found for a start.
+    pub fn go_on(&mut self, drive: &mut Drive) -> Result<bool, RunError> {
+        if drive.navigations.len() >= drive.count {
+            return Ok(true);
+        }
+        let world = self.app.world_mut();
+        if drive.ends.is_empty() {
+            let (seed, first) = (drive.seed, drive.navigations.len());
+            let batch = self.arenas.min(drive.count - first);
             world::rewind(world, |arena| (arena < batch).then(|| fresh(seed, (first + arena) as u64)));
-            let begun = world::snapshot(world);
-            let mut ends = vec![None; batch];
-            // The time limit ends every navigation.
-            while ends.iter().any(Option::is_none) {
-                simulation::step(self.app.world_mut())?;
-                for ended in self.app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain() {
-                    ends[ended.arena] = Some((ended.end, ended.steps));
-                }
-            }
-            navigations.extend(ends.into_iter().flatten().zip(begun).map(|((end, steps), state)| {
-                Navigation { end, steps, start: state.pose, target: state.target, clock: state.clock }
+            drive.begun = world::snapshot(world);
+            drive.ends = vec![None; batch];
+        }
+        simulation::step(world)?;
+        for ended in world.resource_mut::<Messages<EpisodeEnded>>().drain() {
+            drive.ends[ended.arena] = Some((ended.end, ended.steps));
+        }
+        // The time limit ends every navigation.
+        if drive.ends.iter().all(Option::is_some) {
+            let driven = drive.ends.drain(..).flatten().zip(drive.begun.drain(..));
+            drive.navigations.extend(driven.map(|((end, steps), state)| Navigation {
+                end,
+                steps,
+                start: state.pose,
+                target: state.target,
+                clock: state.clock,
             }));
         }
-        Ok(navigations)
+        Ok(drive.navigations.len() >= drive.count)
     }
 
     /// Drives navigation 0 of [`Evaluator::run`] alone: how it went, and the robot's pose after 0, 1, ... steps.

@@ -12,7 +12,7 @@
 //! | `summary.json`, `learning-curve.svg` | the run in short, and as a picture |
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
@@ -178,7 +178,7 @@ impl RunFolder {
     pub fn write(
         &self,
         name: &str,
-        write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+        write: impl FnOnce(&mut Sink) -> io::Result<()>,
     ) -> Result<(), RunError> {
         let path = self.path.join(name);
         write_whole(&path, write)
@@ -243,13 +243,11 @@ impl RunFolder {
 ///
 /// # Errors
 /// It cannot be written.
-pub fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
-) -> io::Result<()> {
+#[cfg(not(target_arch = "wasm32"))]
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
     let in_folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut temporary = tempfile::NamedTempFile::new_in(in_folder)?;
-    let mut writer = BufWriter::new(temporary.as_file_mut());
+    let mut writer = io::BufWriter::new(temporary.as_file_mut());
     write(&mut writer)?;
     writer.flush()?;
     drop(writer);
@@ -258,6 +256,25 @@ pub fn write_whole(
     temporary.persist(path).map_err(|error| error.error)?;
     Ok(())
 }
+
+/// Writes the file `path` by `write`, onto the shelf from which the page saves it.
+///
+/// # Errors
+/// Those of `write`.
+#[cfg(target_arch = "wasm32")]
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
+    let mut bytes = Vec::new();
+    write(&mut bytes)?;
+    crate::scenario::shelf::hand_out(path, bytes);
+    Ok(())
+}
+
+/// What a file is written into.
+#[cfg(not(target_arch = "wasm32"))]
+pub type Sink<'a> = io::BufWriter<&'a mut File>;
+/// What a file is written into.
+#[cfg(target_arch = "wasm32")]
+pub type Sink = Vec<u8>;
 
 /// The line of column names of a CSV file of rows like `Row`.
 ///
@@ -278,7 +295,7 @@ fn make_readable(path: &Path) -> io::Result<()> {
     fs::set_permissions(path, fs::Permissions::from_mode(0o644))
 }
 
-#[cfg(not(unix))]
+#[cfg(not(any(unix, target_arch = "wasm32")))]
 fn make_readable(_: &Path) -> io::Result<()> {
     Ok(())
 }

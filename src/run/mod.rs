@@ -7,6 +7,7 @@
 //! | `preset.rs` | how to learn: the file of all switches and numbers |
 //! | `shipped.rs` | the scenarios and presets that come with the program, by name |
 //! | `simulation.rs` | the headless app: the rooms' plugins put together |
+//! | `start.rs` | what a training starts with |
 //! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
 //! | `follow.rs` | what is noted of a training as it goes on: rows, the best policy |
 //! | `evaluate.rs` | success over rounds of navigations, and the timed course |
@@ -26,12 +27,17 @@ pub mod follow;
 pub mod optimum;
 pub mod policy_card;
 pub mod preset;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod progress;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod recorder;
 pub mod records;
 pub mod shipped;
 pub mod simulation;
+pub mod start;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod tensorboard;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod train;
 
 /// Why a command could not do what it was asked.

@@ -11,7 +11,6 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 
 use super::checkpoint::{self, Standing};
-use super::evaluate;
 use super::examiner::{Examination, Examiner};
 use super::folder::{INIT, RunConfig, RunFolder};
 use super::follow;
@@ -19,10 +18,10 @@ use super::preset::Budget;
 use super::progress::{Goal, Listener, Progress, Status};
 use super::recorder::Recorder;
 use super::records::Summary;
-use super::{RunError, policy_card, simulation};
+use super::{RunError, simulation};
+pub use super::start::learner;
 use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
-use crate::task::{Encoding, observation};
 
 /// A checkpoint is written this often, beside those at the start and the end.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
@@ -75,41 +74,6 @@ pub fn train(
     flushed?;
     let summary = run.end()?;
     Ok((run.folder.path().to_path_buf(), summary))
-}
-
-/// A learner as `config` asks for, starting from `policy` if there is one.
-///
-/// # Errors
-/// The configuration or the policy does not fit.
-pub fn learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
-    let inputs = observation::width(config.scenario.lidar.beams);
-    let actions = config.scenario.robot.motions.len();
-    let preset = &config.preset;
-    let mut learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, config.seed)
-        .map_err(|error| RunError::Unusable(format!("{}: {error}", config.preset_from)))?;
-    if let (Some(policy), Some(transfer)) = (policy, &config.transfer) {
-        evaluate::fits(policy, &config.scenario)?;
-        same_encoding(policy, preset.observation)
-            .map_err(|error| RunError::Unusable(format!("{}: {error}", transfer.policy)))?;
-        learner
-            .start_from(policy, transfer.epsilon)
-            .map_err(|error| RunError::Unusable(format!("{}: {error}", transfer.policy)))?;
-    }
-    Ok(learner)
-}
-
-/// Whether `policy` was trained to see what a preset with `observation` will show it.
-fn same_encoding(policy: &Policy, observation: Encoding) -> Result<(), RunError> {
-    let own = policy_card::encoding(policy)?;
-    if own == observation {
-        return Ok(());
-    }
-    Err(RunError::Unusable(format!(
-        "the policy was trained with {} observations, but the preset's are {}: start from it with a preset that says \
-         `observation: {own:?}`",
-        policy_card::encoding_name(own),
-        policy_card::encoding_name(observation)
-    )))
 }
 
 struct Run {

@@ -4,8 +4,7 @@
 //! read here can take more than a mebibyte, nest without end, or panic.
 
 use std::ffi::OsStr;
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use ron::Options;
@@ -80,6 +79,20 @@ pub fn to_ron<T: Serialize>(value: &T) -> Result<String, ron::Error> {
     options().to_string_pretty(value, PrettyConfig::new().indentor("    "))
 }
 
+/// The bytes of the file at `path`, of which no more than `most` are read.
+///
+/// # Errors
+/// It is missing or unreadable.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn read_bytes(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    std::io::Read::read_to_end(&mut std::io::Read::take(std::fs::File::open(path)?, most), &mut bytes)?;
+    Ok(bytes)
+}
+
+#[cfg(target_arch = "wasm32")]
+pub use super::shelf::read as read_bytes;
+
 /// The text of the file at `path`.
 ///
 /// # Errors
@@ -94,8 +107,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
         ),
         _ => FileError::whole(path, format!("can't be read: {error}")),
     };
-    let mut bytes = Vec::new();
-    File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes)).map_err(fail)?;
+    let bytes = read_bytes(path, MOST_BYTES + 1).map_err(fail)?;
     if bytes.len() as u64 > MOST_BYTES {
         return Err(too_large(path));
     }

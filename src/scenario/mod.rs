@@ -14,11 +14,13 @@ mod outline;
 mod placement;
 mod ron_message;
 mod schema;
+#[cfg(target_arch = "wasm32")]
+pub mod shelf;
 
 pub use check::findings;
 pub use file_error::{FileError, Finding, Problem};
 pub use geometry::{clearance, shape_distance, wall_distance};
-pub use load::{parse_ron, read_ron, read_text, to_ron};
+pub use load::{parse_ron, read_bytes, read_ron, read_text, to_ron};
 pub use motion::pose_at;
 pub use placement::{NoFreePlace, draw_start, draw_target};
 pub use ron_message::nearest;

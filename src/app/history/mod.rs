@@ -17,6 +17,7 @@ pub use self::marks::Mark;
 pub use self::series::{CAPACITY, Series, Trailing, WINDOW};
 use self::spool::Spool;
 use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
+#[cfg(not(target_arch = "wasm32"))]
 use crate::report::raster::png;
 use crate::run::checkpoint::Best;
 use crate::run::folder::write_whole;
@@ -230,14 +231,18 @@ impl History {
         write_whole(to, |file| self.rows.copy(file))
     }
 
-    /// Draws the learning curve under `title`, as a PNG of 1800 pixels across.
+    /// Draws the learning curve under `title`, as a PNG of 1800 pixels across; in a browser, which draws such itself, as
+    /// the SVG.
     ///
     /// # Errors
     /// It cannot be drawn, or the file cannot be written; in words.
     pub fn write_png(&mut self, title: &str, to: &Path) -> Result<(), String> {
         let (episodes, evaluations) = self.curve_points();
         let svg = learning_curve_svg(title, &episodes, &evaluations, Best::AS_GOOD);
+        #[cfg(not(target_arch = "wasm32"))]
         let bytes = svg.and_then(|svg| png(&svg, 1.0)).map_err(|error| error.to_string())?;
+        #[cfg(target_arch = "wasm32")]
+        let bytes = svg.map_err(|error| error.to_string())?.into_bytes();
         write_whole(to, |file| file.write_all(&bytes)).map_err(|error| error.to_string())
     }
 }

@@ -1,8 +1,9 @@
 //! The spool: all rows ever, on the disk instead of in memory.
 //!
 //! In: rows, one at a time. Out: the very CSV that a run without a window writes, or the rows again. The file is
-//! temporary and has no name: it is gone with the window, however that ends.
+//! temporary and has no name: it is gone with the window, however that ends. (In a browser there is only memory.)
 
+#[cfg(not(target_arch = "wasm32"))]
 use std::fs::File;
 use std::io::{self, BufReader, Seek, SeekFrom, Write};
 use std::marker::PhantomData;
@@ -10,6 +11,8 @@ use std::marker::PhantomData;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+#[cfg(target_arch = "wasm32")]
+use self::memory::File;
 use crate::run::folder::header;
 
 /// Rows on the disk. If the disk fails, the first failure is told to whoever asks for the rows, and all else goes on.
@@ -23,7 +26,7 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
     #[must_use]
     pub fn new() -> Self {
         let begin = || -> io::Result<_> {
-            let mut file = tempfile::tempfile()?;
+            let mut file = temporary()?;
             file.write_all(header::<Row>()?.as_bytes())?;
             Ok(csv::WriterBuilder::new().has_headers(false).from_writer(file))
         };
@@ -69,5 +72,56 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
         let result = read(file);
         file.seek(SeekFrom::End(0))?;
         result
+    }
+}
+
+/// A temporary file without a name.
+#[cfg(not(target_arch = "wasm32"))]
+fn temporary() -> io::Result<File> {
+    tempfile::tempfile()
+}
+
+#[cfg(target_arch = "wasm32")]
+fn temporary() -> io::Result<File> {
+    Ok(File::default())
+}
+
+#[cfg(target_arch = "wasm32")]
+mod memory {
+    //! What a temporary file is where there is no disk.
+
+    use std::io::{Cursor, Read, Result, Seek, SeekFrom, Write};
+    use std::sync::{Mutex, MutexGuard, PoisonError};
+
+    /// Bytes that are written, sought and read through a shared reference, as a file's are.
+    #[derive(Default)]
+    pub struct File(Mutex<Cursor<Vec<u8>>>);
+
+    impl File {
+        fn cursor(&self) -> MutexGuard<'_, Cursor<Vec<u8>>> {
+            self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        }
+    }
+
+    impl Write for File {
+        fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+            self.cursor().write(bytes)
+        }
+
+        fn flush(&mut self) -> Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Read for &File {
+        fn read(&mut self, into: &mut [u8]) -> Result<usize> {
+            self.cursor().read(into)
+        }
+    }
+
+    impl Seek for &File {
+        fn seek(&mut self, to: SeekFrom) -> Result<u64> {
+            self.cursor().seek(to)
+        }
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! In: orders, the time since the last frame. Out: the world some steps on. An order never comes in the middle of a step.
 
-use std::time::Instant;
 
 use bevy::platform::cell::SyncCell;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::time::Real;
 

@@ -5,9 +5,9 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
 
 use bevy::platform::cell::SyncCell;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
 use super::journal::{self, Journal};
@@ -22,7 +22,7 @@ use crate::run::checkpoint::{self, Standing};
 use crate::run::examiner::Examiner;
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::records::{EpisodeRow, EvaluationRow};
-use crate::run::{RunError, follow, simulation, train};
+use crate::run::{RunError, follow, simulation, start};
 use crate::scenario::Scenario;
 
 /// A training that could begin.
@@ -58,7 +58,7 @@ pub(super) fn first(world: &mut World, first: &First) {
 }
 
 fn prepare(config: RunConfig, init: Option<Policy>) -> Result<Beginning, RunError> {
-    let learner = train::learner(&config, init.as_ref())?;
+    let learner = start::learner(&config, init.as_ref())?;
     let standing =
         Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
     Ok(Beginning { config, init, learner, standing })

@@ -13,7 +13,7 @@ use super::hand::{self, Deed};
 use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
 use crate::run::folder::{INIT, RunConfig, RunFolder};
-use crate::run::{RunError, checkpoint, policy_card, simulation, train};
+use crate::run::{RunError, checkpoint, policy_card, simulation, start};
 use crate::scenario::read_ron;
 use crate::task::TaskFault;
 
@@ -89,7 +89,7 @@ impl Journal {
     /// # Errors
     /// The configuration or the policy cannot be used, or the training fails.
     pub fn replay(&self, policy: Option<&Policy>) -> Result<App, RunError> {
-        let learner = train::learner(&self.begun, policy)?;
+        let learner = start::learner(&self.begun, policy)?;
         let scenario = Arc::new(self.begun.scenario.clone());
         let mut app = simulation::training(&scenario, &self.begun.preset, self.begun.seed, learner);
         let mut entries = self.entries.iter().peekable();

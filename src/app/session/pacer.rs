@@ -99,6 +99,12 @@ impl Pacer {
         }
     }
 
+    /// So long the steps of the last frame took.
+    #[must_use]
+    pub fn spent(&self) -> Duration {
+        self.spent
+    }
+
     /// How far the picture is on its way from the state before the last step to the one after it, 0 to 1.
     #[must_use]
     pub fn part(&self) -> f32 {

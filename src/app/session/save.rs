@@ -47,6 +47,10 @@ impl Session {
     /// Writes a folder that `--train --resume` goes on from, and `journal.ron` beside its files. The training is taken up
     /// for a moment, if it was set aside.
     fn save_run(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
+        if cfg!(target_arch = "wasm32") {
+            let instead = "a browser saves no folders: save the policy, the episodes and the world";
+            return Err(RunError::Unusable(instead.into()));
+        }
         let occupied = std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
         if occupied || path.is_file() {
             return Err(RunError::unusable(path, "there is something already: choose another name"));

@@ -1,0 +1,195 @@
+//! The page around the app in a browser: what a command line, a disk and dialogs are elsewhere.
+//!
+//! In: the page's address, files that the user hands to it. Out: files to be saved, what is to be remembered, how the
+//! training stands in words (for who cannot see the canvas, and for tests), and a panic's message. The other side is
+//! `web/page.js`: an object `wayfieldPage` with a function for each thing said here.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use bevy::prelude::*;
+use bevy::time::Real;
+use serde::Serialize;
+use wasm_bindgen::prelude::*;
+
+use super::orders::{Order, Pace, Saved};
+use super::session::{First, Session};
+use super::window::{self, Opening};
+use crate::agent::Trainer;
+use crate::run::shipped;
+use crate::scenario::shelf;
+
+#[wasm_bindgen]
+extern "C" {
+    /// The value of `key` in the page's address.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn asked(key: &str) -> Option<String>;
+    /// The app runs: the page needs to show nothing of its own.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn started();
+    /// It cannot go on, and why.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn failed(text: &str);
+    /// Asks the user for a file.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn choose();
+    /// Saves a file where the browser keeps such.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn save(name: &str, bytes: &[u8]);
+    /// How the training stands, as JSON.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn report(json: &str);
+    /// The page's address becomes one that begins the same training.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn address(scenario: &str, preset: &str, seed: &str);
+    /// Keeps a text from one visit to the next.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn remember(text: &str);
+    /// What was kept.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn remembered() -> Option<String>;
+}
+
+/// Files that the page took from the user and nobody has opened yet.
+static INBOX: Mutex<Vec<shelf::Book>> = Mutex::new(Vec::new());
+
+/// The page hands in a file of the user's.
+#[wasm_bindgen]
+pub fn hand_in(name: String, bytes: Vec<u8>) {
+    INBOX.lock().unwrap_or_else(PoisonError::into_inner).push((name, bytes));
+}
+
+/// Begins what the page's address asks for, and returns; the browser calls from then on.
+pub fn run() {
+    std::panic::set_hook(Box::new(|panic| failed(&panic.to_string())));
+    let usual = First::default();
+    let pace = asked("pace").and_then(|text| match text.as_str() {
+        "full" => Some(Pace::Full),
+        times => times.parse().ok().filter(|times: &f32| *times > 0.0 && times.is_finite()).map(Pace::Times),
+    });
+    let first = First {
+        scenario: asked("scenario").unwrap_or(usual.scenario),
+        preset: asked("preset").unwrap_or(usual.preset),
+        seed: asked("seed").and_then(|text| text.parse().ok()).unwrap_or(usual.seed),
+        pace: pace.unwrap_or(usual.pace),
+        paused: asked("paused").is_some(),
+        open: None,
+    };
+    if let Err(error) = window::run(Opening { first, ..Opening::default() }) {
+        failed(&error.to_string());
+    }
+}
+
+/// Needed in place of the system's dialogs' state: there is none.
+#[derive(Resource, Default)]
+pub struct Dialogs;
+
+/// Opens what was handed in, saves what was handed out, and answers the orders that ask for a dialog.
+pub(super) fn answer(
+    mut messages: ResMut<Messages<Order>>,
+    mut seen: Local<bevy::ecs::message::MessageCursor<Order>>,
+    session: Option<Res<Session>>,
+) {
+    let mut answers = Vec::new();
+    for order in seen.read(&messages) {
+        match order {
+            Order::OpenDialog => choose(),
+            Order::SaveDialog(what) => {
+                let name = session.as_ref().map_or_else(String::new, |session| {
+                    format!("{}-{}", session.config.scenario_name(), session.config.preset_name())
+                });
+                answers.push(Order::Save(*what, file_name(*what, &name)));
+            }
+            _ => {}
+        }
+    }
+    for (name, bytes) in std::mem::take(&mut *INBOX.lock().unwrap_or_else(PoisonError::into_inner)) {
+        shelf::hand_in(name.clone(), bytes);
+        answers.push(Order::Open(name.into()));
+    }
+    messages.write_batch(answers);
+    for (name, bytes) in shelf::take_out() {
+        save(&name, &bytes);
+    }
+}
+
+fn file_name(what: Saved, name: &str) -> PathBuf {
+    match what {
+        Saved::Policy => format!("{name}.safetensors"),
+        Saved::Run => name.into(),
+        Saved::Csv => format!("{name}-episodes.csv"),
+        Saved::Png => format!("{name}-curves.svg"),
+        Saved::Scenario => "my-world.ron".into(),
+    }
+    .into()
+}
+
+/// What the page is told once a second.
+#[derive(Clone, Default, Serialize)]
+pub(super) struct Report {
+    scenario: String,
+    preset: String,
+    seed: u64,
+    paused: bool,
+    episodes: u64,
+    env_steps: u64,
+    gradient_steps: u64,
+    /// Of the last evaluation, 0 to 1.
+    success_rate: Option<f64>,
+    best_success_rate: Option<f64>,
+    frames: u64,
+    frames_per_s: f64,
+    /// Time that steps took in all, and the most in one frame, in ms.
+    stepping_ms: f64,
+    longest_slice_ms: f64,
+    /// The last notice.
+    notice: Option<String>,
+}
+
+/// Tells the page how the training stands.
+pub(super) fn tell(
+    session: Option<Res<Session>>,
+    trainer: Option<Res<Trainer>>,
+    time: Res<Time<Real>>,
+    mut told: Local<Report>,
+    mut told_s: Local<f64>,
+) {
+    let (Some(session), Some(trainer)) = (session, trainer) else { return };
+    if told.frames == 0 {
+        started();
+    }
+    let spent_ms = session.pacer.spent().as_secs_f64() * 1e3;
+    told.frames += 1;
+    told.stepping_ms += spent_ms;
+    told.longest_slice_ms = told.longest_slice_ms.max(spent_ms);
+    let now_s = time.elapsed_secs_f64();
+    if now_s - *told_s < 1.0 && told.frames > 1 {
+        return;
+    }
+    *told_s = now_s;
+    let config = &session.config;
+    let other = (&told.scenario, &told.preset, told.seed)
+        != (&config.scenario_from, &config.preset_from, config.seed);
+    if other {
+        // Only what is shipped can be begun by whoever follows the link.
+        let known = shipped::scenarios().any(|(name, _)| name == config.scenario_from)
+            && shipped::presets().any(|(name, _)| name == config.preset_from);
+        if known {
+            address(&config.scenario_from, &config.preset_from, &config.seed.to_string());
+        }
+        told.scenario.clone_from(&config.scenario_from);
+        told.preset.clone_from(&config.preset_from);
+        told.seed = config.seed;
+    }
+    told.paused = session.pacer.paused;
+    told.episodes = trainer.0.episodes();
+    told.env_steps = trainer.0.env_steps();
+    told.gradient_steps = trainer.0.gradient_steps();
+    told.success_rate = session.standing.last_success_rate;
+    told.best_success_rate = session.standing.best.as_ref().map(|best| best.success_rate);
+    told.frames_per_s = session.speed.per_s().2;
+    told.notice = session.notices.last().map(|notice| notice.text.clone());
+    if let Ok(json) = serde_json::to_string(&*told) {
+        report(&json);
+    }
+}

@@ -1,0 +1,51 @@
+//! The shelf: files in a browser, where there is no disk.
+//!
+//! In: what the user handed to the page, by name; what the program writes. Out: the former to whoever reads a file of
+//! that name, the latter to the page, which saves it. What was handed in last stays, so that a scenario can be begun
+//! anew; only the newest few are kept.
+
+use std::collections::VecDeque;
+use std::io::{Error, ErrorKind};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// So many files are kept.
+const MOST: usize = 16;
+
+/// A file's name and its bytes.
+pub type Book = (String, Vec<u8>);
+
+static HANDED_IN: Mutex<VecDeque<Book>> = Mutex::new(VecDeque::new());
+static HANDED_OUT: Mutex<Vec<Book>> = Mutex::new(Vec::new());
+
+/// Puts a file of the user's on the shelf; an older one of that name is replaced.
+pub fn hand_in(name: String, bytes: Vec<u8>) {
+    let mut files = HANDED_IN.lock().unwrap_or_else(PoisonError::into_inner);
+    files.retain(|(other, _)| *other != name);
+    files.push_back((name, bytes));
+    if files.len() > MOST {
+        files.pop_front();
+    }
+}
+
+/// The user's file of that name, of which no more than `most` bytes are wanted.
+///
+/// # Errors
+/// There is none.
+pub fn read(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
+    let files = HANDED_IN.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = files.iter().find(|(name, _)| Path::new(name) == path);
+    let (_, bytes) = found.ok_or_else(|| Error::from(ErrorKind::NotFound))?;
+    Ok(bytes[..bytes.len().min(usize::try_from(most).unwrap_or(usize::MAX))].to_vec())
+}
+
+/// Puts a file of the program's on the shelf.
+pub fn hand_out(path: &Path, bytes: Vec<u8>) {
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    HANDED_OUT.lock().unwrap_or_else(PoisonError::into_inner).push((name, bytes));
+}
+
+/// Takes what the program has put there since the last time.
+pub fn take_out() -> Vec<Book> {
+    std::mem::take(&mut *HANDED_OUT.lock().unwrap_or_else(PoisonError::into_inner))
+}
