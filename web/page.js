@@ -1,0 +1,138 @@
+// The page around the program: it loads the module, and is to it what files, dialogs, a command line and a terminal are
+// elsewhere. The program's side is src/app/browser.rs.
+
+const byId = (id) => document.getElementById(id);
+const cover = byId('cover');
+const KEPT = 'wayfield: preferences';
+
+/// The program cannot run, or not go on: says so, with `detail` for whoever reports it.
+function stop(text, detail = '') {
+    cover.hidden = false;
+    byId('bar').hidden = true;
+    byId('said').textContent = text;
+    byId('detail').textContent = detail;
+    byId('detail').hidden = detail === '';
+    byId('again').hidden = false;
+    document.body.dataset.state = 'failed';
+}
+
+// The address of the page itself, without what was changed meanwhile, begins anew.
+byId('reload').addEventListener('click', (event) => {
+    event.preventDefault();
+    location.reload();
+});
+
+let program;
+
+/// Hands a file of the user's to the program.
+async function handIn(file) {
+    // No policy is longer; the program says what is wrong with the rest.
+    const most = 81 * 2 ** 20;
+    const bytes = new Uint8Array(await file.slice(0, most).arrayBuffer());
+    program?.hand_in(file.name, bytes);
+}
+
+byId('file').addEventListener('change', (event) => {
+    for (const file of event.target.files) handIn(file);
+    // The same file may be chosen again.
+    event.target.value = '';
+});
+addEventListener('dragover', (event) => event.preventDefault());
+addEventListener('drop', (event) => {
+    event.preventDefault();
+    for (const file of event.dataTransfer?.files ?? []) handIn(file);
+});
+
+let failure = false;
+
+globalThis.wayfieldPage = {
+    asked: (key) => new URLSearchParams(location.search).get(key) ?? undefined,
+    started() {
+        cover.hidden = true;
+        document.body.dataset.state = 'started';
+        document.body.dataset.startedMs = Math.round(performance.now());
+    },
+    failed(text) {
+        failure = true;
+        console.error(text);
+        stop('The program has stopped: it met an error of its own. What was learnt here is lost.', text);
+    },
+    choose: () => byId('file').click(),
+    save(name, bytes) {
+        // The program's memory may move or change: a copy.
+        const url = URL.createObjectURL(new Blob([bytes.slice()], { type: 'application/octet-stream' }));
+        const link = document.createElement('a');
+        link.href = url;
+        link.download = name;
+        link.click();
+        setTimeout(() => URL.revokeObjectURL(url), 60_000);
+    },
+    report(json) {
+        const standing = JSON.parse(json);
+        document.body.dataset.standing = json;
+        const rate = standing.success_rate === null ? 'not tested yet'
+            : `${(100 * standing.success_rate).toFixed(1)} % of the test's navigations succeed`;
+        byId('standing').textContent =
+            `${standing.scenario}, ${standing.preset}: ${standing.episodes} episodes, ${rate}.`
+            + (standing.notice === null ? '' : ` ${standing.notice}`);
+    },
+    address(scenario, preset, seed) {
+        const query = new URLSearchParams(location.search);
+        for (const [key, value] of Object.entries({ scenario, preset, seed })) query.set(key, value);
+        history.replaceState(null, '', `?${query}`);
+    },
+    remember(text) {
+        // Where nothing may be kept, nothing is.
+        try { localStorage.setItem(KEPT, text); } catch {}
+    },
+    remembered() {
+        try { return localStorage.getItem(KEPT) ?? undefined; } catch { return undefined; }
+    },
+};
+
+// What ends the program without a message of its own, such as too little memory.
+addEventListener('error', (event) => {
+    if (event.error instanceof WebAssembly.RuntimeError && !failure) wayfieldPage.failed(String(event.error));
+});
+
+/// The module's bytes as they arrive, with the bar moving. Their number is written by the build: a host that compresses
+/// says nothing of it, or something else.
+async function arriving(url, total) {
+    const response = await fetch(url);
+    if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
+    let got = 0;
+    const counted = response.body.pipeThrough(new TransformStream({
+        transform(piece, to) {
+            got += piece.length;
+            const share = Math.min(got / total, 1);
+            byId('bar').value = share;
+            byId('said').textContent = `Loading: ${Math.round(100 * share)} %`;
+            if (share === 1) byId('said').textContent = 'Starting';
+            to.enqueue(piece);
+        },
+    }));
+    // This type makes the browser compile while it loads, whatever the host calls it.
+    return new Response(counted, { headers: { 'Content-Type': 'application/wasm' } });
+}
+
+async function begin() {
+    if (typeof WebAssembly !== 'object') {
+        return stop('This browser runs no WebAssembly, which the program is made of. Any browser of the last years does.');
+    }
+    if (!document.createElement('canvas').getContext('webgl2')) {
+        return stop('This browser offers no WebGL 2, by which the program draws. It may be switched off in its settings, or'
+            + ' by a graphics driver that it does not trust; another browser may have it.');
+    }
+    try {
+        const [{ default: initialise, ...rest }, size] = await Promise.all([
+            import('./wayfield.js'),
+            fetch('size.json').then((response) => response.json()),
+        ]);
+        program = rest;
+        await initialise({ module_or_path: await arriving('wayfield_bg.wasm', size.bytes) });
+    } catch (error) {
+        if (!failure) stop('The program could not be loaded. Is the network there? Then try again.', String(error));
+    }
+}
+
+begin();
