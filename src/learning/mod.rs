@@ -27,6 +27,8 @@ pub mod network;
 mod ops;
 pub mod optimizer;
 pub mod policy;
+#[cfg(any(test, target_arch = "wasm32"))]
+mod products;
 pub mod replay;
 mod states;
 pub mod sum_tree;

@@ -8,6 +8,8 @@
 use dfdx::prelude::*;
 
 use super::config::Loss;
+#[cfg(target_arch = "wasm32")]
+use super::products::{Left, multiply, transposed};
 
 /// A batch of rows, with or without a tape.
 pub(super) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
@@ -24,6 +26,45 @@ pub(super) fn values<S: Shape, T>(tensor: &Tensor<S, f32, Cpu, T>) -> Vec<f32> {
     values
 }
 
+/// a b^T.
+#[cfg(not(target_arch = "wasm32"))]
+fn times_transposed(a: &Rows, b: &Rows) -> Rows {
+    a.clone().matmul(b.clone().permute::<_, Axes2<1, 0>>())
+}
+
+/// a^T b.
+#[cfg(not(target_arch = "wasm32"))]
+fn transposed_times(a: &Rows, b: &Rows, out: &mut [f32]) {
+    a.clone().permute::<_, Axes2<1, 0>>().matmul(b.clone()).copy_into(out);
+}
+
+/// a b.
+#[cfg(not(target_arch = "wasm32"))]
+fn times(a: &Rows, b: &Rows, out: &mut [f32]) {
+    a.clone().matmul(b.clone()).copy_into(out);
+}
+
+#[cfg(target_arch = "wasm32")]
+fn times_transposed(a: &Rows, b: &Rows) -> Rows {
+    let ((m, k), (n, _)) = (*a.shape(), *b.shape());
+    let mut out = vec![0.0; m * n];
+    let left = Left { values: &values(a), strides: (k, 1) };
+    multiply(left, &transposed(&values(b), n, k), (m, k, n), &mut out);
+    rows(a.device(), out, m, n)
+}
+
+#[cfg(target_arch = "wasm32")]
+fn transposed_times(a: &Rows, b: &Rows, out: &mut [f32]) {
+    let ((k, m), (_, n)) = (*a.shape(), *b.shape());
+    multiply(Left { values: &values(a), strides: (1, m) }, &values(b), (m, k, n), out);
+}
+
+#[cfg(target_arch = "wasm32")]
+fn times(a: &Rows, b: &Rows, out: &mut [f32]) {
+    let ((m, k), (_, n)) = (*a.shape(), *b.shape());
+    multiply(Left { values: &values(a), strides: (k, 1) }, &values(b), (m, k, n), out);
+}
+
 /// A fully connected layer: `weight` is outputs x inputs (as in PyTorch), `bias` has one value per output.
 #[derive(Debug, Clone)]
 pub(super) struct Dense {
@@ -38,7 +79,7 @@ impl Dense {
         let (x, mut tape) = x.split_tape();
         let (n, outputs) = (x.shape().0, self.weight.shape().0);
 
-        let mut y = x.clone().matmul(self.weight.clone().permute::<_, Axes2<1, 0>>());
+        let mut y = times_transposed(&x, &self.weight);
         let mut activations = values(&y);
         let bias = values(&self.bias);
         for row in activations.chunks_exact_mut(outputs) {
@@ -63,10 +104,9 @@ impl Dense {
                 add(of_bias, row);
             }
             let gradient = x.device().try_tensor_from_vec(gradient, (n, outputs))?;
-            let of_weight = gradient.clone().permute::<_, Axes2<1, 0>>().try_matmul(x.clone())?;
-            of_weight.copy_into(grads.get_or_alloc_mut(&weight)?);
+            transposed_times(&gradient, &x, grads.get_or_alloc_mut(&weight)?);
             if input_gradient {
-                gradient.try_matmul(weight)?.copy_into(grads.get_or_alloc_mut(&x)?);
+                times(&gradient, &weight, grads.get_or_alloc_mut(&x)?);
             }
             Ok(())
         });
