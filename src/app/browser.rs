@@ -188,7 +188,7 @@ pub(super) fn tell(
     told.success_rate = session.standing.last_success_rate;
     told.best_success_rate = session.standing.best.as_ref().map(|best| best.success_rate);
     told.frames_per_s = session.speed.per_s().2;
-    told.notice = session.notices.last().map(|notice| notice.text.clone());
+    told.notice = session.notices().pop().map(|notice| notice.text);
     if let Ok(json) = serde_json::to_string(&*told) {
         report(&json);
     }

@@ -82,7 +82,9 @@ mod tests {
     #[test]
     fn products_agree_with_the_definition_whatever_the_sizes() {
         let number = |k: usize| ((k * 2_654_435_761) % 1000) as f32 / 500.0 - 1.0;
-        for (m, k, n) in [(1, 1, 1), (1, 28, 64), (3, 5, 7), (4, 16, 16), (5, 17, 33), (64, 28, 64), (66, 64, 6)] {
+        for (m, k, n) in
+            [(1, 1, 1), (1, 28, 64), (3, 5, 7), (4, 16, 16), (5, 17, 33), (64, 28, 64), (66, 64, 6)]
+        {
             let a: Vec<f32> = (0..m * k).map(number).collect();
             let b: Vec<f32> = (0..k * n).map(|i| number(i + 7)).collect();
             let expected: Vec<f32> = (0..m * n)

@@ -1,0 +1,83 @@
+//! The examiner where there is one thread: he works in slices, whenever he is asked.
+//!
+//! In: policies, in order. Out: their examinations, in the same order, with the same numbers as from a thread.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bevy::platform::time::Instant;
+
+use super::{Candidate, Examination};
+use crate::run::RunError;
+use crate::run::evaluate::{Drive, Evaluation, Evaluator};
+use crate::scenario::Scenario;
+use crate::task::Places;
+
+/// So long he works when asked, or one control step if that is longer.
+const SLICE: Duration = Duration::from_millis(3);
+
+/// The examiner, seen from the training loop.
+pub struct Examiner {
+    scenario: Arc<Scenario>,
+    navigations: usize,
+    seed: u64,
+    waiting: VecDeque<Candidate>,
+    /// His world, and what is being driven in it.
+    evaluator: Option<Evaluator>,
+    drive: Option<Drive>,
+}
+
+impl Examiner {
+    /// An examiner who drives `navigations` navigations of `scenario` with each policy, always the same ones, of
+    /// `seed`.
+    #[must_use]
+    pub fn new(scenario: &Arc<Scenario>, navigations: usize, seed: u64) -> Self {
+        let scenario = scenario.clone();
+        Self { scenario, navigations, seed, waiting: VecDeque::new(), evaluator: None, drive: None }
+    }
+
+    /// Hands in a candidate.
+    ///
+    /// # Errors
+    /// None here.
+    pub fn hand_in(&mut self, candidate: Candidate) -> Result<(), RunError> {
+        self.waiting.push_back(candidate);
+        Ok(())
+    }
+
+    /// The next examination: if a slice of work gets it done, or, if `wait`, whatever it takes. None if no
+    /// candidate is waiting, or none is done.
+    ///
+    /// # Errors
+    /// None here.
+    pub fn take(&mut self, wait: bool) -> Result<Option<Examination>, RunError> {
+        let Some(candidate) = self.waiting.front() else { return Ok(None) };
+        let began = Instant::now();
+        let (scenario, count) = (&self.scenario, self.navigations);
+        let evaluator = self.evaluator.get_or_insert_with(|| Evaluator::new(scenario, count));
+        let result = loop {
+            let went_on = match &mut self.drive {
+                Some(drive) => evaluator.go_on(drive),
+                None => evaluator
+                    .start(&candidate.policy, self.seed, count, Places::Drawn)
+                    .map(|drive| self.drive = Some(drive))
+                    .map(|()| false),
+            };
+            match went_on {
+                Ok(false) if wait || began.elapsed() < SLICE => {}
+                Ok(false) => return Ok(None),
+                Ok(true) => {
+                    let driven = self.drive.take().map_or_else(Vec::new, |drive| drive.navigations);
+                    break Ok(Evaluation::of(&driven, count, &scenario.task, self.seed));
+                }
+                Err(error) => {
+                    self.drive = None;
+                    break Err(error);
+                }
+            }
+        };
+        let examined = self.waiting.pop_front();
+        Ok(examined.map(|candidate| Examination { candidate, result, done: Instant::now() }))
+    }
+}
