@@ -10,7 +10,9 @@ use bevy::log::LogPlugin;
 use bevy::prelude::*;
 #[cfg(not(target_arch = "wasm32"))]
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::window::{ExitCondition, FileDragAndDrop, PresentMode, PrimaryWindow, WindowResolution};
+#[cfg(not(target_arch = "wasm32"))]
+use bevy::window::PrimaryWindow;
+use bevy::window::{ExitCondition, FileDragAndDrop, PresentMode, WindowResolution};
 use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass};
 

@@ -213,7 +213,7 @@ pub struct Drive {
 
 /// A world in which policies are tried, built once and used again.
 pub struct Evaluator {
-    app: App,
+    world: World,
     scenario: Arc<Scenario>,
     arenas: usize,
 }
@@ -223,7 +223,9 @@ impl Evaluator {
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, navigations: usize) -> Self {
         let arenas = navigations.clamp(1, SIDE_BY_SIDE);
-        Self { app: simulation::navigating(scenario, arenas), scenario: scenario.clone(), arenas }
+        // Its world alone: that may go from thread to thread, an app may not.
+        let world = std::mem::take(simulation::navigating(scenario, arenas).world_mut());
+        Self { world, scenario: scenario.clone(), arenas }
     }
 
     /// Drives `count` navigations with `policy`, which sees what its card says ([`policy_card::encoding`]); `places`
@@ -266,7 +268,7 @@ impl Evaluator {
         if drive.navigations.len() >= drive.count {
             return Ok(true);
         }
-        let world = self.app.world_mut();
+        let world = &mut self.world;
         if drive.ends.is_empty() {
             let (seed, first) = (drive.seed, drive.navigations.len());
             let batch = self.arenas.min(drive.count - first);
@@ -303,15 +305,15 @@ impl Evaluator {
         places: Places,
     ) -> Result<(Navigation, Vec<Pose>), RunError> {
         self.follow(policy, places)?;
-        let world = self.app.world_mut();
+        let world = &mut self.world;
         world::rewind(world, |arena| (arena == 0).then(|| fresh(seed, 0)));
         let begun = world::snapshot(world).swap_remove(0);
         let mut robots = world.query::<(&Arena, &Pose)>();
         let mut poses = vec![begun.pose];
         // The time limit ends it.
         loop {
-            simulation::step(self.app.world_mut())?;
-            let world = self.app.world_mut();
+            simulation::step(&mut self.world)?;
+            let world = &mut self.world;
             poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
             let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
             if let Some(EpisodeEnded { end, steps, .. }) = ended {
@@ -324,7 +326,7 @@ impl Evaluator {
     /// From now on `policy` drives, from and to where `places` says.
     fn follow(&mut self, policy: &Policy, places: Places) -> Result<(), RunError> {
         fits(policy, &self.scenario)?;
-        let world = self.app.world_mut();
+        let world = &mut self.world;
         world.insert_resource(policy_card::encoding(policy)?);
         world.insert_resource(GreedyPolicy(policy.clone()));
         world.insert_resource(places);
