@@ -16,7 +16,8 @@ const ENCODED: &str = "return color_gamma;";
 
 /// Changes the shader, and spawns the camera that goes with it.
 pub(super) fn spawn_camera(mut commands: Commands, mut shaders: ResMut<Assets<Shader>>) {
-    let mut camera = commands.spawn(Camera2d);
+    // egui smooths its own edges and draws past the samples; clearing four of each pixel would only cost time.
+    let mut camera = commands.spawn((Camera2d, Msaa::Off));
     let Some(mut shader) = shaders.get_mut(&EGUI_SHADER_HANDLE) else { return };
     let Source::Wgsl(text) = &shader.source else { return };
     if text.contains(LINEAR) {
