@@ -11,7 +11,7 @@ use std::path::Path;
 use super::RunError;
 use super::folder::RunConfig;
 use crate::learning::Policy;
-use crate::scenario::{Lidar, Scenario};
+use crate::scenario::{Lidar, Scenario, read_bytes};
 use crate::task::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 
 /// The key under which a policy says in which units its observations are: `scaled`, or `raw`. Policies of wayfields
@@ -26,20 +26,15 @@ const LARGEST: u64 = 1 << 27;
 /// # Errors
 /// It cannot be read, or is none.
 pub fn read(path: &Path) -> Result<Policy, RunError> {
-    let metadata = std::fs::metadata(path).map_err(|error| {
-        RunError::unusable(path, format!("can't be read ({error}): give the policy.safetensors of a run"))
-    })?;
-    if metadata.is_dir() {
+    let unusable = |why: String| RunError::unusable(path, format!("{why}: give the policy.safetensors of a run"));
+    if path.is_dir() {
         return Err(RunError::unusable(path, "is a folder: give the policy.safetensors in it"));
     }
-    if metadata.len() > LARGEST {
-        let why = format!("is {} bytes long: no policy is that large", metadata.len());
-        return Err(RunError::unusable(path, why));
+    let bytes = read_bytes(path, LARGEST + 1).map_err(|error| unusable(format!("can't be read ({error})")))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(RunError::unusable(path, format!("is longer than {LARGEST} bytes: no policy is that large")));
     }
-    let bytes =
-        std::fs::read(path).map_err(|error| RunError::unusable(path, format!("can't be read: {error}")))?;
-    Policy::from_bytes(&bytes)
-        .map_err(|error| RunError::unusable(path, format!("{error}: give the policy.safetensors of a run")))
+    Policy::from_bytes(&bytes).map_err(|error| unusable(error.to_string()))
 }
 
 /// In which units `policy` must be shown its observations.
