@@ -43,6 +43,34 @@ addEventListener('drop', (event) => {
     for (const file of event.dataTransfer?.files ?? []) handIn(file);
 });
 
+/// A text as letters that an address may hold, and back.
+async function packed(text) {
+    const bytes = await through(new TextEncoder().encode(text), new CompressionStream('deflate-raw'));
+    return btoa(String.fromCharCode(...new Uint8Array(bytes)))
+        .replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '');
+}
+async function unpacked(letters) {
+    const bytes = Uint8Array.from(atob(letters.replaceAll('-', '+').replaceAll('_', '/')), (c) => c.charCodeAt(0));
+    // No world is longer; the program says what is wrong with it.
+    const most = 2 ** 20 + 1;
+    const text = await through(bytes, new DecompressionStream('deflate-raw'), most);
+    return new TextDecoder().decode(text);
+}
+async function through(bytes, transform, most = Infinity) {
+    const reader = new Blob([bytes]).stream().pipeThrough(transform).getReader();
+    const pieces = [];
+    for (let length = 0; length < most;) {
+        const { done, value } = await reader.read();
+        if (done) break;
+        pieces.push(value);
+        length += value.length;
+    }
+    return new Blob(pieces).arrayBuffer();
+}
+
+/// The world that the address holds, if it holds one.
+let enclosedWorld;
+
 let failure = false;
 
 globalThis.wayfieldPage = {
@@ -76,11 +104,15 @@ globalThis.wayfieldPage = {
             `${standing.scenario}, ${standing.preset}: ${standing.episodes} episodes, ${rate}.`
             + (standing.notice === null ? '' : ` ${standing.notice}`);
     },
-    address(scenario, preset, seed) {
+    enclosed: () => enclosedWorld,
+    async address(scenario, preset, seed, world) {
         const query = new URLSearchParams(location.search);
         for (const [key, value] of Object.entries({ scenario, preset, seed })) query.set(key, value);
-        history.replaceState(null, '', `?${query}`);
+        // After the #, what a browser sends to nobody.
+        const hash = world === undefined ? '' : `#world=${await packed(world)}`;
+        history.replaceState(null, '', `?${query}${hash}`);
     },
+    no_address: () => history.replaceState(null, '', location.pathname),
     remember(text) {
         // Where nothing may be kept, nothing is.
         try { localStorage.setItem(KEPT, text); } catch {}
@@ -123,6 +155,8 @@ async function begin() {
         return stop('This browser offers no WebGL 2, by which the program draws. It may be switched off in its settings, or'
             + ' by a graphics driver that it does not trust; another browser may have it.');
     }
+    const letters = new URLSearchParams(location.hash.slice(1)).get('world');
+    if (letters !== null) enclosedWorld = await unpacked(letters).catch(() => 'not a world: the address is damaged');
     try {
         const [{ default: initialise, ...rest }, size] = await Promise.all([
             import('./wayfield.js'),

@@ -16,8 +16,9 @@ use super::orders::{Order, Pace, Saved};
 use super::session::{First, Session};
 use super::window::{self, Opening};
 use crate::agent::Trainer;
-use crate::run::shipped;
-use crate::scenario::shelf;
+use crate::run::folder::RunConfig;
+use crate::run::{self, shipped};
+use crate::scenario::{shelf, to_ron};
 
 #[wasm_bindgen]
 extern "C" {
@@ -39,9 +40,16 @@ extern "C" {
     /// How the training stands, as JSON.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn report(json: &str);
-    /// The page's address becomes one that begins the same training.
+    /// The page's address becomes one that begins the same training; `world` is the scenario's text, if it is not one that
+    /// is shipped.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn address(scenario: &str, preset: &str, seed: &str);
+    fn address(scenario: &str, preset: &str, seed: &str, world: Option<String>);
+    /// The page's address becomes one that asks for nothing.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn no_address();
+    /// The text of a scenario that the address itself holds.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    fn enclosed() -> Option<String>;
     /// Keeps a text from one visit to the next.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn remember(text: &str);
@@ -67,8 +75,13 @@ pub fn run() {
         "full" => Some(Pace::Full),
         times => times.parse().ok().filter(|times: &f32| *times > 0.0 && times.is_finite()).map(Pace::Times),
     });
+    let mut scenario = asked("scenario").unwrap_or(usual.scenario);
+    if let Some(text) = enclosed() {
+        scenario = if shipped::is_scenario(&scenario) { "world.ron".into() } else { scenario };
+        shelf::hand_in(scenario.clone(), text.into_bytes());
+    }
     let first = First {
-        scenario: asked("scenario").unwrap_or(usual.scenario),
+        scenario,
         preset: asked("preset").unwrap_or(usual.preset),
         seed: asked("seed").and_then(|text| text.parse().ok()).unwrap_or(usual.seed),
         pace: pace.unwrap_or(usual.pace),
@@ -124,6 +137,29 @@ fn file_name(what: Saved, name: &str) -> PathBuf {
     .into()
 }
 
+/// The page's address becomes a link to what goes on: whoever follows it begins the same training. A world of the user's
+/// own goes with it; a preset does not.
+fn tell_address(session: &Session) {
+    let RunConfig { scenario_from, preset_from, seed, .. } = &session.config;
+    let shipped = shipped::is_scenario(scenario_from);
+    let world = if shipped { None } else { to_ron(&session.journal.begun.scenario).ok() };
+    if shipped::is_preset(preset_from) && (shipped || world.is_some()) {
+        address(scenario_from, preset_from, &seed.to_string(), world);
+    } else {
+        no_address();
+    }
+}
+
+/// Checksums of what a training begins with and of its first control steps, weights and world, as 16 hexadecimal digits;
+/// or why there are none. For the tests: natively they must be the same ([`crate::run::fingerprint`]).
+#[wasm_bindgen]
+pub fn fingerprint(scenario: &str, preset: &str, seed: u32, control_steps: u32) -> String {
+    match run::fingerprint::fingerprint(scenario, preset, seed.into(), control_steps) {
+        Ok(print) => print.to_string(),
+        Err(error) => error.to_string(),
+    }
+}
+
 /// What the page is told once a second.
 #[derive(Clone, Default, Serialize)]
 pub(super) struct Report {
@@ -171,12 +207,7 @@ pub(super) fn tell(
     let other = (&told.scenario, &told.preset, told.seed)
         != (&config.scenario_from, &config.preset_from, config.seed);
     if other {
-        // Only what is shipped can be begun by whoever follows the link.
-        let known = shipped::scenarios().any(|(name, _)| name == config.scenario_from)
-            && shipped::presets().any(|(name, _)| name == config.preset_from);
-        if known {
-            address(&config.scenario_from, &config.preset_from, &config.seed.to_string());
-        }
+        tell_address(&session);
         told.scenario.clone_from(&config.scenario_from);
         told.preset.clone_from(&config.preset_from);
         told.seed = config.seed;

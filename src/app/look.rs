@@ -177,7 +177,8 @@ fn status(session: &Session, trainer: &Trainer, scenarios: Vec<Choice>, presets:
         opened: session.opened.as_ref().map(|(name, _)| name.clone()),
         notices: session.notices(),
         restart_discards: session.would_discard(learner.env_steps()),
-        dialogs: true,
+        expert: session.expert().map(|(name, _)| name),
+        disk: cfg!(not(target_arch = "wasm32")),
     }
 }
 

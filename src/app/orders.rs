@@ -96,6 +96,8 @@ pub enum Order {
     Steer(usize),
     /// Asks by a dialog for a policy or a run's checkpoint, and opens it.
     OpenDialog,
+    /// Opens the shipped policy that can drive here, beside the present one.
+    OpenExpert,
     /// Opens a policy file, a run's folder or its checkpoint, a scenario or a preset.
     Open(PathBuf),
     /// Asks by a dialog where to, and saves it there.
@@ -115,7 +117,7 @@ pub enum Saved {
     Run,
     /// The episodes' rows, as CSV.
     Csv,
-    /// The learning curves, as PNG.
+    /// The learning curves, as PNG (as SVG where there is no disk).
     Png,
     /// The world as it stands, as RON.
     Scenario,

@@ -86,6 +86,8 @@ pub struct Status {
     pub notices: Vec<Notice>,
     /// A training of some worth, not saved as it stands, would be gone if another began.
     pub restart_discards: bool,
-    /// Whether files can be asked for by a dialog here.
-    pub dialogs: bool,
+    /// The shipped policy that can drive in this world and sees what the preset shows: its name.
+    pub expert: Option<String>,
+    /// Whether there is a disk. A browser has none: no folder can be saved, and a picture is one that it draws itself.
+    pub disk: bool,
 }

@@ -16,15 +16,15 @@ use bevy::window::{ExitCondition, FileDragAndDrop, PresentMode, WindowResolution
 use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass};
 
+#[cfg(target_arch = "wasm32")]
+use super::browser as files;
 use super::desk::Look;
+#[cfg(not(target_arch = "wasm32"))]
+use super::files;
 use super::orders::Order;
 use super::preferences::{self, Preferences};
 use super::screen::{self, View, theme};
 use super::session::{Curves, First, Session};
-#[cfg(target_arch = "wasm32")]
-use super::browser as files;
-#[cfg(not(target_arch = "wasm32"))]
-use super::files;
 use super::{OnDesk, Shown, StudioPlugin, blending};
 use crate::run::RunError;
 

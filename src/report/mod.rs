@@ -23,7 +23,10 @@ pub mod page;
 pub mod raster;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod statistics;
-#[cfg_attr(target_arch = "wasm32", allow(dead_code, unused_imports, reason = "the charts are left out there"))]
+#[cfg_attr(
+    target_arch = "wasm32",
+    allow(dead_code, unused_imports, reason = "the charts are left out there")
+)]
 mod style;
 pub mod table;
 

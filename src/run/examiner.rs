@@ -4,7 +4,7 @@
 //! In: policies, in order. Out: their examinations, in the same order. An evaluation changes nothing of what is
 //! learnt and has a world and streams of its own, so a run's result does not depend on how quick the examiner is.
 
-#[cfg(target_arch = "wasm32")]
+#[cfg(any(test, target_arch = "wasm32"))]
 mod sliced;
 #[cfg(not(target_arch = "wasm32"))]
 mod threaded;

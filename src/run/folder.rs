@@ -175,11 +175,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn write(
-        &self,
-        name: &str,
-        write: impl FnOnce(&mut Sink) -> io::Result<()>,
-    ) -> Result<(), RunError> {
+    pub fn write(&self, name: &str, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> Result<(), RunError> {
         let path = self.path.join(name);
         write_whole(&path, write)
             .map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))

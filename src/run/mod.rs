@@ -5,7 +5,7 @@
 //! | file | duty |
 //! |---|---|
 //! | `preset.rs` | how to learn: the file of all switches and numbers |
-//! | `shipped.rs` | the scenarios and presets that come with the program, by name |
+//! | `shipped.rs` | the scenarios, presets and policies that come with the program, by name |
 //! | `simulation.rs` | the headless app: the rooms' plugins put together |
 //! | `start.rs` | what a training starts with |
 //! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
@@ -17,11 +17,13 @@
 //! | `records.rs`, `recorder.rs` | the rows of `episodes.csv` and `evaluations.csv`, and who writes them |
 //! | `policy_card.rs` | what the user of a policy needs to know |
 //! | `checkpoint.rs` | everything that a run needs to go on to the bit |
+//! | `fingerprint.rs` | whether two builds simulate alike to the bit |
 //! | `tensorboard.rs`, `progress.rs` | the same rows for TensorBoard, and for whoever waits |
 
 pub mod checkpoint;
 pub mod evaluate;
 pub mod examiner;
+pub mod fingerprint;
 pub mod folder;
 pub mod follow;
 pub mod optimum;

@@ -26,13 +26,18 @@ const LARGEST: u64 = 1 << 27;
 /// # Errors
 /// It cannot be read, or is none.
 pub fn read(path: &Path) -> Result<Policy, RunError> {
-    let unusable = |why: String| RunError::unusable(path, format!("{why}: give the policy.safetensors of a run"));
+    let unusable =
+        |why: String| RunError::unusable(path, format!("{why}: give the policy.safetensors of a run"));
     if path.is_dir() {
         return Err(RunError::unusable(path, "is a folder: give the policy.safetensors in it"));
     }
-    let bytes = read_bytes(path, LARGEST + 1).map_err(|error| unusable(format!("can't be read ({error})")))?;
+    let bytes =
+        read_bytes(path, LARGEST + 1).map_err(|error| unusable(format!("can't be read ({error})")))?;
     if bytes.len() as u64 > LARGEST {
-        return Err(RunError::unusable(path, format!("is longer than {LARGEST} bytes: no policy is that large")));
+        return Err(RunError::unusable(
+            path,
+            format!("is longer than {LARGEST} bytes: no policy is that large"),
+        ));
     }
     Policy::from_bytes(&bytes).map_err(|error| unusable(error.to_string()))
 }

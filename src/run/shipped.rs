@@ -1,10 +1,12 @@
-//! The scenarios, presets and experiments that come with the program, by name: they work from any folder.
+//! The scenarios, presets, experiments and trained policies that come with the program, by name: they work from any folder.
 //!
 //! In: what the user typed after `--scenario` or `--preset`: a file's path, or a shipped name. Out: the thing itself.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use super::preset::Preset;
+use crate::learning::Policy;
 use crate::scenario::{FileError, Scenario};
 
 /// A file of the project, compiled in.
@@ -29,10 +31,35 @@ const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn"
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
 
+/// Experts: what a training has come to in the scenario of that name (`assets/policies/README.md`).
+const POLICIES: &[(&str, &[u8])] = &[
+    ("scenario-1", include_bytes!("../../assets/policies/scenario-1.safetensors")),
+    ("scenario-2", include_bytes!("../../assets/policies/scenario-2.safetensors")),
+];
+
+/// The trained policies that come with the program, by the name of the scenario that each learnt in. (A test sees to it
+/// that each can be read, and drives well.)
+pub fn policies() -> &'static [(&'static str, Policy)] {
+    static READ: LazyLock<Vec<(&str, Policy)>> = LazyLock::new(|| {
+        POLICIES.iter().filter_map(|(name, bytes)| Some((*name, Policy::from_bytes(bytes).ok()?))).collect()
+    });
+    &READ
+}
+
 /// The experiments that come with the program: path in the project, text. Parsing them is the business of the room
 /// that carries them out.
 pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().map(|file| (file.path, file.text))
+}
+
+/// Whether a scenario of this name is shipped.
+pub fn is_scenario(name: &str) -> bool {
+    SCENARIOS.iter().any(|file| file.name == name)
+}
+
+/// Whether a preset of this name is shipped.
+pub fn is_preset(name: &str) -> bool {
+    PRESETS.iter().any(|file| file.name == name)
 }
 
 /// The shipped scenarios, by name. (A test sees to it that each can be read.)
@@ -106,6 +133,10 @@ fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
+
+    use crate::run::evaluate::{Evaluation, Evaluator};
+    use crate::task::Places;
 
     #[test]
     fn everything_shipped_loads_by_name() {
@@ -118,6 +149,21 @@ mod tests {
             if let Err(error) = preset(file.name) {
                 panic!("{error}");
             }
+        }
+    }
+
+    #[test]
+    fn the_experts_are_experts() {
+        assert_eq!(policies().len(), POLICIES.len(), "each can be read");
+        for (name, policy) in policies() {
+            let scenario = Arc::new(scenario(name).expect("shipped"));
+            assert_eq!(policy.metadata.get("scenario"), Some(&scenario.name), "{name}");
+            let navigations = 500;
+            let driven = Evaluator::new(&scenario, navigations)
+                .run(policy, 5, navigations, Places::Drawn)
+                .expect("it fits its scenario");
+            let rate = Evaluation::of(&driven, navigations, &scenario.task, 5).success_rate;
+            assert!(rate >= 0.98, "{name}: {rate}");
         }
     }
 

@@ -18,8 +18,8 @@ use super::preset::Budget;
 use super::progress::{Goal, Listener, Progress, Status};
 use super::recorder::Recorder;
 use super::records::Summary;
-use super::{RunError, simulation};
 pub use super::start::learner;
+use super::{RunError, simulation};
 use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
 

@@ -113,9 +113,25 @@ fn files_are_asked_for_by_button_and_by_key() {
     assert_eq!(ordered(&mut window), [Order::SaveDialog(Saved::Policy)]);
     window.key_press_modifiers(Modifiers::COMMAND, Key::O);
     assert_eq!(ordered(&mut window), [Order::OpenDialog]);
-    window.state_mut().status.dialogs = false;
+}
+
+#[test]
+fn an_expert_is_one_click_away_by_button_and_by_compare() {
+    let mut window = window(Fake::default());
+    assert_eq!(click(&mut window, "Watch an expert"), [Order::OpenExpert]);
+    assert_eq!(click(&mut window, "Compare"), [Order::OpenExpert]);
+    window.state_mut().status.expert = None;
     settle(&mut window);
-    assert_eq!(click(&mut window, "Save policy"), []);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    assert_eq!(ordered(&mut window), []);
+    assert!(window.query_by_label("Watch an expert").is_none());
+    assert_eq!(click(&mut window, "Compare"), [Order::OpenDialog]);
+}
+
+#[test]
+fn in_a_browser_no_folder_is_saved_and_the_curves_are_an_svg() {
+    let mut window = window(Fake::default());
+    window.state_mut().status.disk = false;
+    settle(&mut window);
+    assert!(window.query_by_label("Save run").is_none());
+    assert_eq!(click(&mut window, "Save world"), [Order::SaveDialog(Saved::Scenario)]);
+    assert_eq!(click(&mut window, "SVG"), [Order::SaveDialog(Saved::Png)]);
 }

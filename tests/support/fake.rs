@@ -216,7 +216,8 @@ fn status() -> Status {
         opened: None,
         notices: Vec::new(),
         restart_discards: false,
-        dialogs: true,
+        expert: Some("the expert of Scenario I".into()),
+        disk: true,
     }
 }
 

@@ -168,8 +168,7 @@ fn carry_out(deed: Deed, view: &View<'_>, dark: bool, desk: &mut Desk, orders: &
         Deed::QValues => over.q_values = !over.q_values,
         Deed::Look => desk.look = if dark { Look::Light } else { Look::Dark },
         Deed::Help => desk.help_open = !desk.help_open,
-        Deed::Open if view.status.dialogs => orders.push(Order::OpenDialog),
-        Deed::Save if view.status.dialogs => orders.push(Order::SaveDialog(Saved::Policy)),
-        Deed::Open | Deed::Save => {}
+        Deed::Open => orders.push(Order::OpenDialog),
+        Deed::Save => orders.push(Order::SaveDialog(Saved::Policy)),
     }
 }

@@ -96,8 +96,12 @@ fn plots_panel(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<O
         .size_range(range)
         .drag_to_open(false)
         .frame(frame.inner_margin(Margin { left: 14, right: 4, top: 10, bottom: 0 }));
-    let when =
-        plots::When { papers_world: view.status.papers_world, training: view.status.mode == Mode::Train };
+    let status = view.status;
+    let when = plots::When {
+        papers_world: status.papers_world,
+        training: status.mode == Mode::Train,
+        disk: status.disk,
+    };
     panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, when, orders));
     // egui takes note of the width when the edge is let go; a window made smaller is not the user's choice.
     let after = width(ui);

@@ -2,7 +2,6 @@
 //!
 //! In: orders, the time since the last frame. Out: the world some steps on. An order never comes in the middle of a step.
 
-
 use bevy::platform::cell::SyncCell;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -14,6 +13,7 @@ use super::{Curves, Session};
 use crate::agent::Trainer;
 use crate::app::orders::{Mode, Order};
 use crate::app::status::Weight;
+use crate::run::examiner::Examiner;
 use crate::run::{RunError, follow, simulation};
 use crate::task::{CurrentScenario, Outcomes, TaskFault};
 
@@ -37,6 +37,13 @@ pub(super) fn advance(world: &mut World) {
                 break;
             }
         }
+        // Where the examiner works on this very thread, what is left of the frame's time is his.
+        while Examiner::ON_THE_CALLERS_THREAD && session.examining && session.pacer.has_time(began.elapsed())
+        {
+            if let Err(error) = session.take_examinations(world, false) {
+                session.replace_examiner(&error);
+            }
+        }
         session.forget_old_notices();
         session.speed.frame(now_s);
     });
@@ -47,12 +54,16 @@ impl Session {
     /// the learner has broken down.
     fn may_step(&mut self, world: &mut World) -> bool {
         if let Err(error) = self.take_examinations(world, false) {
-            // The examiner is no more: another one takes his place, and this examination is let go.
-            self.tell(Weight::Failed, error.to_string());
-            self.examiner = SyncCell::new(examiner(&self.config, &self.scenario));
-            self.examining = false;
+            self.replace_examiner(&error);
         }
         self.mode != Mode::Train || !(self.broken || self.examining && self.examination_is_due(world))
+    }
+
+    /// The examiner is no more: another one takes his place, and this examination is let go.
+    fn replace_examiner(&mut self, error: &RunError) {
+        self.tell(Weight::Failed, error.to_string());
+        self.examiner = SyncCell::new(examiner(&self.config, &self.scenario));
+        self.examining = false;
     }
 
     fn examination_is_due(&self, world: &World) -> bool {

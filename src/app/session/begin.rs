@@ -41,7 +41,8 @@ pub(super) fn first(world: &mut World, first: &First) {
     let problem = asked.as_ref().err().map(ToString::to_string);
     match asked.or_else(|_| from_nothing(&usual.scenario, &usual.preset, first.seed)) {
         Ok(beginning) => {
-            let session = session(world, beginning, Pacer::new(first.pace, first.paused));
+            let mut session = session(world, beginning, Pacer::new(first.pace, first.paused));
+            session.offer_own();
             world.insert_resource(session);
         }
         // What is compiled in can be used: a test sees to it.
@@ -120,6 +121,7 @@ impl Session {
         self.own_scenarios = old.own_scenarios;
         self.own_presets = old.own_presets;
         self.speed = old.speed;
+        self.offer_own();
     }
 
     /// A new training from nothing.

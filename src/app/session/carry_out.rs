@@ -56,6 +56,7 @@ impl Session {
                 }
                 Ok(())
             }
+            Order::OpenExpert => self.open_expert(world),
             Order::Open(path) => {
                 self.open_or_tell(world, &path);
                 Ok(())

@@ -10,8 +10,10 @@ use super::Session;
 use crate::agent::Trainer;
 use crate::app::orders::Mode;
 use crate::app::status::{Choice, Weight};
+use crate::learning::Policy;
+use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
-use crate::run::{RunError, policy_card};
+use crate::run::{RunError, policy_card, shipped};
 use crate::scenario::{Scenario, read_text};
 
 impl Session {
@@ -59,11 +61,7 @@ impl Session {
             Some("safetensors") => {
                 let policy = policy_card::read(path)?;
                 self.may_drive(&path.display().to_string(), &policy)?;
-                self.opened = Some((name.clone(), policy));
-                if self.mode == Mode::Compare {
-                    self.set_mode(world, Mode::Test)?;
-                }
-                self.set_mode(world, Mode::Compare)?;
+                self.set_against(world, (name.clone(), policy))?;
                 Ok(format!("{name} drives on the right, the present policy on the left"))
             }
             Some("ron") => self.open_ron(world, path),
@@ -71,6 +69,52 @@ impl Session {
                 "{}: neither a policy (.safetensors), nor a scenario or preset (.ron), nor a run's folder",
                 path.display()
             ))),
+        }
+    }
+
+    /// Lets the shipped policy drive that can drive here, beside the present one.
+    ///
+    /// # Errors
+    /// None can.
+    pub(super) fn open_expert(&mut self, world: &mut World) -> Result<(), RunError> {
+        let Some((name, policy)) = self.expert() else {
+            let why = "no policy that comes with the program can drive here: its LIDAR, its robot or the preset's \
+                       observations are others";
+            return Err(RunError::Unusable(why.into()));
+        };
+        self.tell(Weight::Told, format!("On the right drives {name}, on the left the present policy"));
+        self.set_against(world, (name, policy.clone()))
+    }
+
+    /// The shipped policy for the present world, or else the first that can drive here, and what to call it.
+    pub(crate) fn expert(&self) -> Option<(String, &'static Policy)> {
+        let all = shipped::policies();
+        let of_this_world = all.iter().filter(|(name, _)| *name == self.config.scenario_from);
+        let (name, policy) =
+            of_this_world.chain(all).find(|(name, policy)| self.may_drive(name, policy).is_ok())?;
+        let world = policy.metadata.get("scenario").map_or(*name, String::as_str);
+        Some((format!("the expert of {world}"), policy))
+    }
+
+    /// Lets `opened` drive beside the present policy.
+    fn set_against(&mut self, world: &mut World, opened: (String, Policy)) -> Result<(), RunError> {
+        self.opened = Some(opened);
+        if self.mode == Mode::Compare {
+            self.set_mode(world, Mode::Test)?;
+        }
+        self.set_mode(world, Mode::Compare)
+    }
+
+    /// The present scenario and preset can be chosen from now on, also where they are the user's own.
+    pub(super) fn offer_own(&mut self) {
+        let RunConfig { scenario_from, preset_from, scenario, preset, .. } = &self.config;
+        if !shipped::is_scenario(scenario_from) {
+            let (title, about) = (scenario.name.clone(), scenario.about.clone());
+            add(&mut self.own_scenarios, Choice { from: scenario_from.clone(), title, about });
+        }
+        if !shipped::is_preset(preset_from) {
+            let (title, about) = (self.config.preset_name(), preset.about.clone());
+            add(&mut self.own_presets, Choice { from: preset_from.clone(), title, about });
         }
     }
 
@@ -84,21 +128,15 @@ impl Session {
                 self.asked_twice(world, path)?;
                 let preset = self.config.preset_from.clone();
                 self.begin(world, &from, &preset, seed)?;
-                add(
-                    &mut self.own_scenarios,
-                    Choice { from, title: scenario.name.clone(), about: scenario.about },
-                );
                 Ok(format!("Training begins in {}", scenario.name))
             }
             // What is a good preset is no bad scenario; anything else is told as the scenario that it was meant to be.
             Err(error) => match Preset::parse(&text, path) {
-                Ok(preset) => {
+                Ok(_) => {
                     self.asked_twice(world, path)?;
                     let scenario = self.config.scenario_from.clone();
                     self.begin(world, &scenario, &from, seed)?;
-                    let title = self.config.preset_name();
-                    add(&mut self.own_presets, Choice { from, title: title.clone(), about: preset.about });
-                    Ok(format!("Training begins with {title}"))
+                    Ok(format!("Training begins with {}", self.config.preset_name()))
                 }
                 Err(_) => Err(error.into()),
             },

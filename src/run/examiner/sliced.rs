@@ -29,6 +29,9 @@ pub struct Examiner {
 }
 
 impl Examiner {
+    /// Whoever asks for an examination works at it.
+    pub const ON_THE_CALLERS_THREAD: bool = true;
+
     /// An examiner who drives `navigations` navigations of `scenario` with each policy, always the same ones, of
     /// `seed`.
     #[must_use]
@@ -79,5 +82,31 @@ impl Examiner {
         };
         let examined = self.waiting.pop_front();
         Ok(examined.map(|candidate| Examination { candidate, result, done: Instant::now() }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::examiner::threaded;
+    use crate::run::shipped;
+
+    #[test]
+    fn slices_come_to_what_a_thread_comes_to() {
+        let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
+        let (_, policy) = &shipped::policies()[0];
+        let candidate = || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0 };
+        let mut there = threaded::Examiner::new(&scenario, 40, 3);
+        there.hand_in(candidate()).expect("handed in");
+        let expected = there.take(true).expect("alive").expect("handed in").result.expect("drives");
+        let mut here = Examiner::new(&scenario, 40, 3);
+        here.hand_in(candidate()).expect("handed in");
+        let examined = loop {
+            if let Some(examination) = here.take(false).expect("none") {
+                break examination.result.expect("drives");
+            }
+        };
+        assert_eq!(examined, expected);
+        assert!(here.take(true).expect("none").is_none(), "nobody waits");
     }
 }

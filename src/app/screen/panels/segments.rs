@@ -15,14 +15,12 @@ pub struct Segment {
     pub name: String,
     /// What it does, in a sentence.
     pub tip: String,
-    /// Whether it can be pressed; if not, `tip` says why.
-    pub enabled: bool,
 }
 
 impl Segment {
     /// One that can be pressed, and is called what stands on it.
     pub fn new(text: &str, tip: impl Into<String>) -> Self {
-        Self { text: text.into(), name: text.into(), tip: tip.into(), enabled: true }
+        Self { text: text.into(), name: text.into(), tip: tip.into() }
     }
 }
 
@@ -55,15 +53,10 @@ pub fn show(
         let size = vec2(text.size().x.ceil() + 2.0 * SIDE + spare, HEIGHT);
         let rect = Rect::from_min_size(egui::pos2(left, whole.top()), size);
         left = rect.right();
-        let mut part = ui.new_child(UiBuilder::new().max_rect(rect));
-        if !segment.enabled {
-            part.disable();
-        }
+        let part = ui.new_child(UiBuilder::new().max_rect(rect));
         let response = part.interact(rect, Id::new(id).with(k), Sense::click());
         let chosen = on == Some(k);
-        response.widget_info(|| {
-            WidgetInfo::selected(WidgetType::RadioButton, segment.enabled, chosen, &segment.name)
-        });
+        response.widget_info(|| WidgetInfo::selected(WidgetType::RadioButton, true, chosen, &segment.name));
         let lit = response.hovered() || response.has_focus();
         if chosen {
             let stroke = Stroke::new(1.0, inks.accent);

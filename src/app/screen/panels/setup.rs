@@ -19,6 +19,10 @@ use crate::app::status::Status;
 const OPENS: &str = "Opens a policy to set against the present one, a saved run to go on with, or a world or preset of \
                      your own.";
 
+/// The same where there is no disk.
+const OPENS_WITHOUT_DISK: &str = "Opens a policy to set against the present one, or a world or preset of your own. It \
+                                  stays on your machine.";
+
 /// Draws it.
 pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
     // The scroll bar has its place in the margin.
@@ -76,34 +80,34 @@ fn one_or_all(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, beside: f32) {
 
 fn files(ui: &mut Ui, status: &Status, orders: &mut Vec<Order>) {
     title(ui, "Files");
-    let rows = [
-        [
-            ("Open…", tip(OPENS, Deed::Open), Order::OpenDialog),
-            ("Save policy", tip("What it has learnt", Deed::Save), Order::SaveDialog(Saved::Policy)),
-        ],
-        [
-            ("Save run", "All of the training, to go on from".into(), Order::SaveDialog(Saved::Run)),
-            (
-                "Save world",
-                "The world as it stands, with what you moved".into(),
-                Order::SaveDialog(Saved::Scenario),
-            ),
-        ],
-    ];
-    let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
-    ui.add_enabled_ui(status.dialogs, |ui| {
-        for row in rows {
-            ui.horizontal(|ui| {
-                for (text, about, order) in row {
-                    let button = ui.add_sized(vec2(width, 26.0), Button::new(text));
-                    let button = button.on_hover_text(about);
-                    if button.on_disabled_hover_text("There are no file dialogs on this system").clicked() {
-                        orders.push(order);
-                    }
-                }
-            });
+    if let Some(expert) = &status.expert {
+        let about =
+            format!("Lets a policy that comes with the program drive beside the present one: {expert}");
+        let button = ui.add_sized(vec2(ui.available_width(), 26.0), Button::new("Watch an expert"));
+        if button.on_hover_text(about).clicked() {
+            orders.push(Order::OpenExpert);
         }
-    });
+    }
+    let opens = if status.disk { OPENS } else { OPENS_WITHOUT_DISK };
+    let mut all = vec![
+        ("Open…", tip(opens, Deed::Open), Order::OpenDialog),
+        ("Save policy", tip("What it has learnt", Deed::Save), Order::SaveDialog(Saved::Policy)),
+    ];
+    if status.disk {
+        all.push(("Save run", "All of the training, to go on from".into(), Order::SaveDialog(Saved::Run)));
+    }
+    let world = "The world as it stands, with what you moved";
+    all.push(("Save world", world.into(), Order::SaveDialog(Saved::Scenario)));
+    let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
+    for row in all.chunks(2) {
+        ui.horizontal(|ui| {
+            for (text, about, order) in row {
+                if ui.add_sized(vec2(width, 26.0), Button::new(*text)).on_hover_text(about).clicked() {
+                    orders.push(order.clone());
+                }
+            }
+        });
+    }
 }
 
 fn drive(ui: &mut Ui) {

@@ -95,23 +95,28 @@ fn pace(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
 fn mode(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
     const MODES: [Mode; 4] = [Mode::Train, Mode::Test, Mode::Drive, Mode::Compare];
     let opened = view.status.opened.as_deref();
-    let (compare, can_compare) = match opened {
-        Some(name) => (format!("The present policy and {name}, side by side to the same targets"), true),
-        None if view.status.dialogs => ("Opens a second policy to drive beside the present one".into(), true),
-        None => {
-            ("Needs a second policy to be opened; there are no file dialogs on this system".into(), false)
+    let expert = view.status.expert.as_deref();
+    let compare = match (opened, expert) {
+        (Some(name), _) => format!("The present policy and {name}, side by side to the same targets"),
+        (None, Some(_)) => {
+            "The present policy and an expert, side by side to the same targets; or a policy that you open"
+                .into()
         }
+        (None, None) => "Opens a second policy to drive beside the present one".into(),
     };
     let segments = [
         Segment::new("Train", "The robots explore, and learn from it"),
         Segment::new("Test", "The policy as it is drives alone; nothing is left to chance, nothing learnt"),
         Segment::new("Drive", "You drive with the arrow keys, and the policy beside you to the same targets"),
-        Segment { enabled: can_compare, ..Segment::new("Compare", compare) },
+        Segment::new("Compare", compare),
     ];
     let on = MODES.iter().position(|mode| *mode == view.status.mode);
     if let Some(k) = segments::show(ui, "mode", &segments, on, None) {
-        let needs_another = MODES[k] == Mode::Compare && opened.is_none();
-        orders.push(if needs_another { Order::OpenDialog } else { Order::SetMode(MODES[k]) });
+        orders.push(match (MODES[k], opened, expert) {
+            (Mode::Compare, None, Some(_)) => Order::OpenExpert,
+            (Mode::Compare, None, None) => Order::OpenDialog,
+            (mode, ..) => Order::SetMode(mode),
+        });
     }
 }
 

@@ -35,6 +35,8 @@ pub struct When {
     pub papers_world: bool,
     /// Training goes on; if not, it rests while something else is driven.
     pub training: bool,
+    /// There is a disk; if not, the browser is given pictures to draw itself.
+    pub disk: bool,
 }
 
 /// What is known from the last frame.
@@ -52,7 +54,7 @@ pub fn show(ui: &mut egui::Ui, history: &History, when: When, orders: &mut Vec<O
     let width = ui.available_width() - 2.0 * GAP;
     ui.scope(|ui| {
         ui.set_max_width(width);
-        header(ui, history, orders, &mut before);
+        header(ui, history, when.disk, orders, &mut before);
         if !when.training {
             let text = RichText::new("Training rests meanwhile.").size(SMALL);
             ui.label(text.color(Inks::of(ui).soft));
@@ -93,7 +95,13 @@ fn add(seen: &mut Seen, card: Seen) {
     seen.zoomed |= card.zoomed;
 }
 
-fn header(ui: &mut egui::Ui, history: &History, orders: &mut Vec<Order>, before: &mut Remembered) {
+fn header(
+    ui: &mut egui::Ui,
+    history: &History,
+    disk: bool,
+    orders: &mut Vec<Order>,
+    before: &mut Remembered,
+) {
     let inks = Inks::of(ui);
     ui.horizontal(|ui| {
         let about = "How the training goes, over env steps: the control steps of all arenas together. Ctrl and the \
@@ -103,7 +111,7 @@ fn header(ui: &mut egui::Ui, history: &History, orders: &mut Vec<Order>, before:
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_enabled_ui(history.range().is_some(), |ui| {
                 let png = "Saves the learning curve as a picture: success, return and targets.";
-                if ui.button("PNG").on_hover_text(png).clicked() {
+                if ui.button(if disk { "PNG" } else { "SVG" }).on_hover_text(png).clicked() {
                     orders.push(Order::SaveDialog(Saved::Png));
                 }
                 let csv = "Saves a row of numbers for each episode so far, for a spreadsheet.";
@@ -166,7 +174,7 @@ mod tests {
 
     /// The plots of `history` in training in the paper's world, with More open.
     fn shown(history: History) -> Harness<'static, State> {
-        let when = When { papers_world: true, training: true };
+        let when = When { papers_world: true, training: true, disk: true };
         let state = State { history, when, orders: Vec::new(), dressed: false };
         let draw = |ui: &mut egui::Ui, state: &mut State| {
             if state.dressed {
