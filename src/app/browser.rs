@@ -12,7 +12,7 @@ use bevy::time::Real;
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-use super::orders::{Order, Pace, Saved};
+use super::orders::{Mode, Order, Pace, Saved};
 use super::session::{First, Session};
 use super::window::{self, Opening};
 use crate::agent::Trainer;
@@ -166,7 +166,11 @@ pub(super) struct Report {
     scenario: String,
     preset: String,
     seed: u64,
+    mode: Mode,
+    pace: Option<Pace>,
     paused: bool,
+    /// An obstacle was moved by hand.
+    world_changed: bool,
     episodes: u64,
     env_steps: u64,
     gradient_steps: u64,
@@ -212,7 +216,10 @@ pub(super) fn tell(
         told.preset.clone_from(&config.preset_from);
         told.seed = config.seed;
     }
+    told.mode = session.mode;
+    told.pace = Some(session.pacer.pace);
     told.paused = session.pacer.paused;
+    told.world_changed = session.journal.begun.scenario != config.scenario;
     told.episodes = trainer.0.episodes();
     told.env_steps = trainer.0.env_steps();
     told.gradient_steps = trainer.0.gradient_steps();

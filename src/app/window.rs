@@ -14,7 +14,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::window::PrimaryWindow;
 use bevy::window::{ExitCondition, FileDragAndDrop, PresentMode, WindowResolution};
 use bevy::winit::{UpdateMode, WinitSettings};
-use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass};
+use bevy_egui::{EguiContexts, EguiInput, EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
 
 #[cfg(target_arch = "wasm32")]
 use super::browser as files;
@@ -135,6 +135,10 @@ impl Plugin for WindowedPlugin {
             PreUpdate,
             (take_dropped_files, files::answer.run_if(resource_exists::<Session>)).chain(),
         )
+        .add_systems(
+            PreUpdate,
+            drop_no_news.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass),
+        )
         .add_systems(Update, rest_while_paused);
         match &opening.picture {
             #[cfg(not(target_arch = "wasm32"))]
@@ -176,10 +180,21 @@ fn draw(
     Ok(())
 }
 
-/// While time stands still, the window is drawn when something happens to it, and a few times a second.
+/// bevy_egui 0.42 tells egui in every frame which modifier keys are held, and egui asks for another frame after every
+/// event: it would never rest. What is no news is taken out.
+fn drop_no_news(mut inputs: Query<&mut EguiInput>, mut held: Local<egui::Modifiers>) {
+    for mut input in &mut inputs {
+        input.events.retain(|event| match event {
+            egui::Event::ModifiersChanged(now) => std::mem::replace(&mut *held, *now) != *now,
+            _ => true,
+        });
+    }
+}
+
+/// While time stands still, the window is drawn when something happens to it, and once a second.
 fn rest_while_paused(session: Option<Res<Session>>, mut settings: ResMut<WinitSettings>) {
-    let paused = session.is_some_and(|session| session.pacer.paused);
-    let mode = if paused { UpdateMode::reactive(Duration::from_millis(200)) } else { UpdateMode::Continuous };
+    let rests = session.is_some_and(|session| session.rests());
+    let mode = if rests { UpdateMode::reactive(Duration::from_secs(1)) } else { UpdateMode::Continuous };
     if settings.focused_mode != mode {
         settings.focused_mode = mode;
         settings.unfocused_mode = mode;

@@ -24,7 +24,7 @@ use crate::task::{
 use crate::world;
 
 /// The most navigations that are driven side by side.
-const SIDE_BY_SIDE: usize = 512;
+const SIDE_BY_SIDE: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
 
 /// How one navigation went.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -166,6 +166,12 @@ impl Session {
             .retain(|(notice, since)| notice.weight == Weight::Failed || since.elapsed() < CONFIRMED_FOR);
     }
 
+    /// Whether nothing happens by itself: time stands still, and nobody is being examined.
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        self.pacer.paused && !self.examining
+    }
+
     /// Whether a training of some worth, which stands at `env_steps`, would be gone with this session.
     #[must_use]
     pub fn would_discard(&self, env_steps: u64) -> bool {

@@ -24,7 +24,7 @@ pub struct Examiner {
     seed: u64,
     waiting: VecDeque<Candidate>,
     /// His world, and what is being driven in it.
-    evaluator: Option<Evaluator>,
+    evaluator: Evaluator,
     drive: Option<Drive>,
 }
 
@@ -36,8 +36,10 @@ impl Examiner {
     /// `seed`.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, navigations: usize, seed: u64) -> Self {
+        // At once: to build a world takes longer than any slice.
+        let evaluator = Evaluator::new(scenario, navigations);
         let scenario = scenario.clone();
-        Self { scenario, navigations, seed, waiting: VecDeque::new(), evaluator: None, drive: None }
+        Self { scenario, navigations, seed, waiting: VecDeque::new(), evaluator, drive: None }
     }
 
     /// Hands in a candidate.
@@ -57,8 +59,7 @@ impl Examiner {
     pub fn take(&mut self, wait: bool) -> Result<Option<Examination>, RunError> {
         let Some(candidate) = self.waiting.front() else { return Ok(None) };
         let began = Instant::now();
-        let (scenario, count) = (&self.scenario, self.navigations);
-        let evaluator = self.evaluator.get_or_insert_with(|| Evaluator::new(scenario, count));
+        let (scenario, count, evaluator) = (&self.scenario, self.navigations, &mut self.evaluator);
         let result = loop {
             let went_on = match &mut self.drive {
                 Some(drive) => evaluator.go_on(drive),

@@ -1,0 +1,263 @@
+// The page in a real browser, as its user meets it. Slow (a software GPU draws some ten frames a second), so each test
+// does much; all of them are about what is promised in README.md, "In a browser".
+
+import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+import { after, before, test } from 'node:test';
+import { click, launch, open, picture, serve, standing, until } from './support.mjs';
+
+let host;
+let browser;
+before(async () => {
+    host = await serve();
+    browser = await launch();
+});
+after(async () => {
+    await browser.close();
+    host.close();
+});
+
+// Where some controls stand in Scenario I with the preset fast, in a viewport 1280 points wide and high enough.
+const HIGH = { viewport: { width: 1280, height: 900 } };
+const PAUSE = [123, 28];
+const WORLD = [123, 101];
+const THIRD_WORLD = [50, 192];
+const START_AGAIN = [123, 357];
+const EXPERT = [123, 707];
+const SAVE_WORLD = [67, 770];
+const OBSTACLE = [480, 420];
+
+const noComplaints = (page) => assert.deepEqual(page.complaints, []);
+
+test('it loads below any path, asks nobody else, and learns to drive', async (t) => {
+    const page = await open(browser, `${host.address}?pace=full`);
+    assert.equal(await page.evaluate(() => document.body.dataset.state), 'started');
+    const started = await page.evaluate(() => Number(document.body.dataset.startedMs));
+    const first = await until(page, (now) => now.env_steps > 0);
+    await until(page, (now) => now.episodes > first.episodes && now.gradient_steps > 0);
+    const good = await until(page, (now) => now.best_success_rate >= 0.9, 240);
+    const goodAfter = await page.evaluate(() => performance.now() / 1000);
+    assert.ok(good.env_steps <= 30_000, `${good.env_steps} env steps to 90 %`);
+    await picture(page, 'learnt');
+    const best = await until(page, (now) => now.best_success_rate >= 0.99, 240);
+    const seconds = await page.evaluate(() => performance.now() / 1000);
+    t.diagnostic(`started after ${started} ms; 90 % after ${goodAfter.toFixed(1)} s, 99 % after ${seconds.toFixed(1)} s `
+        + `(${best.env_steps} env steps); longest slice ${best.longest_slice_ms.toFixed(1)} ms, `
+        + `on average ${(best.stepping_ms / best.frames).toFixed(1)} ms a frame; ${best.frames_per_s.toFixed(1)} frames/s`);
+    // What who cannot see the canvas is told.
+    const told = await page.textContent('#standing');
+    assert.match(told, /scenario-1, fast: \d+ episodes, [\d.]+ % of the test's navigations succeed/);
+    for (const url of page.asked) assert.ok(url.startsWith(host.address) || url === 'data:,', `it asked for ${url}`);
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('the address chooses scenario, preset, seed and pace, and follows what is chosen', async () => {
+    const page = await open(browser, `${host.address}?scenario=scenario-2&preset=per_d3qn&seed=4294967295&pace=20&paused`);
+    const now = await until(page, (now) => now.scenario === 'scenario-2');
+    assert.deepEqual([now.preset, now.seed, now.paused, now.pace], ['per_d3qn', 4294967295, true, { Times: 20 }]);
+    assert.equal(now.env_steps, 0);
+    await picture(page, 'asked-for');
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('another world is chosen with the mouse, and the address tells', async () => {
+    const page = await open(browser, `${host.address}?seed=5`, { options: HIGH });
+    await until(page, (now) => now.env_steps > 0);
+    await click(page, ...WORLD);
+    await click(page, ...THIRD_WORLD);
+    await picture(page, 'chosen');
+    await click(page, ...START_AGAIN);
+    const now = await until(page, (now) => now.scenario === 'empty' && now.env_steps > 0);
+    assert.equal(now.seed, 5);
+    assert.equal(new URL(page.url()).searchParams.get('scenario'), 'empty');
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('an expert is one click away, beside what was learnt so far', async () => {
+    const page = await open(browser, host.address, { options: HIGH });
+    await until(page, (now) => now.env_steps > 0);
+    await click(page, ...EXPERT);
+    const now = await until(page, (now) => now.mode === 'Compare');
+    assert.match(now.notice, /expert of Scenario I/);
+    await page.waitForTimeout(4000);
+    await picture(page, 'expert');
+    assert.equal((await standing(page)).env_steps, now.env_steps, 'nothing is learnt meanwhile');
+    noComplaints(page);
+    await page.context().close();
+});
+
+const ownWorld = async (name) => (await readFile(new URL('../../scenarios/scenario-1.ron', import.meta.url), 'utf8'))
+    .replace(/name: "[^"]*"/, `name: "${name}"`);
+const file = (name, text) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
+
+test('a broken scenario is answered with line and column, and all goes on; a good one is begun, and shared by its link', async () => {
+    const page = await open(browser, host.address, { options: HIGH });
+    const before = await until(page, (now) => now.env_steps > 0);
+    const good = await ownWorld('Mine');
+    await page.setInputFiles('#file', file('broken.ron', good.replace('radius_m', 'radius_cm')));
+    const told = await until(page, (now) => now.notice !== null);
+    assert.match(told.notice, /broken\.ron:\d+:\d+: .*radius_cm.*did you mean `radius_m`/s);
+    await until(page, (now) => now.env_steps > told.env_steps);
+    await picture(page, 'broken');
+    for (const [name, text] of [['empty.ron', ''], ['picture.png', 'not a world'], ['short.safetensors', 'no policy'],
+        ['deep.ron', '('.repeat(100_000)]]) {
+        await page.setInputFiles('#file', file(name, text));
+        await until(page, (now) => now.notice?.includes(name));
+    }
+    await page.setInputFiles('#file', file('mine.ron', good));
+    const begun = await until(page, (now) => now.scenario === 'mine.ron' && now.env_steps > 0);
+    assert.equal(begun.preset, before.preset);
+    await page.waitForFunction(() => location.hash.startsWith('#world='));
+    const link = page.url();
+    assert.ok(link.length < 2000, `${link.length} letters`);
+    noComplaints(page);
+    await page.context().close();
+
+    const other = await open(browser, link, { options: HIGH });
+    const shared = await until(other, (now) => now.env_steps > 0);
+    assert.equal(shared.scenario, 'mine.ron');
+    await picture(other, 'shared');
+    noComplaints(other);
+    await other.context().close();
+
+    const damaged = await open(browser, `${link.slice(0, -40)}`);
+    const now = await until(damaged, (now) => now.env_steps > 0);
+    assert.equal(now.scenario, 'scenario-1');
+    assert.match(now.notice, /mine\.ron/);
+    await damaged.context().close();
+});
+
+test('a policy goes out as a file and comes back; a dropped file is opened, too', async () => {
+    const page = await open(browser, `${host.address}?pace=full`, { options: HIGH });
+    await until(page, (now) => now.gradient_steps > 0);
+    const [saved] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('Control+s')]);
+    assert.equal(saved.suggestedFilename(), 'scenario-1-fast.safetensors');
+    const policy = await readFile(await saved.path());
+    assert.match(policy.subarray(8, 200).toString(), /"__metadata__"/);
+    await page.setInputFiles('#file', { name: 'back.safetensors', mimeType: '', buffer: policy });
+    const now = await until(page, (now) => now.mode === 'Compare');
+    assert.match(now.notice, /back\.safetensors/);
+    const drop = async (name, text) => page.evaluate(([name, text]) => {
+        const dataTransfer = new DataTransfer();
+        dataTransfer.items.add(new File([text], name));
+        document.querySelector('canvas').dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+    }, [name, text]);
+    await drop('dropped.ron', await ownWorld('Dropped'));
+    await until(page, (now) => now.scenario === 'dropped.ron' && now.mode === 'Train');
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('an obstacle is dragged with the mouse, and the world saved as it stands then', async () => {
+    const page = await open(browser, `${host.address}?paused`, { options: HIGH });
+    await until(page, (now) => now.paused);
+    await page.mouse.move(...OBSTACLE);
+    await page.waitForTimeout(500);
+    await page.mouse.down();
+    for (let k = 1; k <= 5; k += 1) {
+        await page.mouse.move(OBSTACLE[0] + 8 * k, OBSTACLE[1] + 10 * k);
+        await page.waitForTimeout(300);
+    }
+    await page.mouse.up();
+    await until(page, (now) => now.world_changed);
+    await picture(page, 'dragged');
+    const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...SAVE_WORLD)]);
+    const world = await readFile(await saved.path(), 'utf8');
+    assert.match(saved.suggestedFilename(), /\.ron$/);
+    assert.match(world, /name: "Scenario I"/);
+    assert.notEqual(world, await ownWorld('Scenario I'));
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('the world and the first weights are to the bit what they are natively', async () => {
+    const page = await open(browser, `${host.address}?paused`);
+    const fixture = new URL('../../tests/fixtures/fingerprints.json', import.meta.url);
+    for (const { scenario, preset, seed, control_steps, fingerprint } of JSON.parse(await readFile(fixture))) {
+        const found = await page.evaluate(async (asked) => (await import('./wayfield.js')).fingerprint(...asked),
+            [scenario, preset, seed, control_steps]);
+        assert.equal(found, fingerprint, `${scenario}, ${preset}, seed ${seed}`);
+    }
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('while it is paused it costs next to nothing', async (t) => {
+    const page = await open(browser, `${host.address}?paused`);
+    await until(page, (now) => now.paused);
+    await page.waitForTimeout(3000);
+    const cdp = await page.context().newCDPSession(page);
+    await cdp.send('Performance.enable');
+    const busy = async () => {
+        const { metrics } = await cdp.send('Performance.getMetrics');
+        return metrics.find(({ name }) => name === 'TaskDuration').value;
+    };
+    const [before, frames] = [await busy(), (await standing(page)).frames];
+    await page.waitForTimeout(10_000);
+    const [after, later] = [await busy(), (await standing(page)).frames];
+    t.diagnostic(`paused for 10 s: the page's thread was busy for ${((after - before) * 1000).toFixed(0)} ms, `
+        + `${later - frames} frames`);
+    assert.ok(later - frames <= 20, `${later - frames} frames in 10 s`);
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('it outlives being hidden, resized, and seen at another density; and it takes touch', async () => {
+    const page = await open(browser, host.address, { options: { hasTouch: true } });
+    await until(page, (now) => now.env_steps > 0);
+    const cdp = await page.context().newCDPSession(page);
+    await cdp.send('Page.setWebLifecycleState', { state: 'frozen' });
+    await page.waitForTimeout(3000);
+    await cdp.send('Page.setWebLifecycleState', { state: 'active' });
+    const woken = await standing(page);
+    const later = await until(page, (now) => now.env_steps > woken.env_steps);
+    assert.ok(later.env_steps - woken.env_steps < 2000, 'the time that it slept is not made up for');
+    const canvas = () => page.evaluate(() => {
+        const { width, height } = document.querySelector('canvas');
+        return [width, height];
+    });
+    for (const [width, height, deviceScaleFactor] of [[1000, 640, 1], [900, 600, 2], [390, 844, 2], [1280, 720, 1]]) {
+        await cdp.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor, mobile: false });
+        await page.waitForFunction(([w, h]) => {
+            const { width, height } = document.querySelector('canvas');
+            return width === w && height === h;
+        }, [width * deviceScaleFactor, height * deviceScaleFactor], { timeout: 20_000 })
+            .catch(async () => assert.fail(`${width} x ${height} x ${deviceScaleFactor}: the canvas has ${await canvas()}`));
+        const now = await standing(page);
+        await until(page, (later) => later.frames > now.frames + 2);
+        await picture(page, `at-${width}x${height}x${deviceScaleFactor}`);
+    }
+    await page.touchscreen.tap(...PAUSE);
+    await until(page, (now) => now.paused);
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('what cannot be begun is said, and the default begins', async () => {
+    const page = await open(browser, `${host.address}?scenario=scenario-9&seed=-1&pace=fastest`);
+    const now = await until(page, (now) => now.env_steps > 0);
+    assert.equal(now.scenario, 'scenario-1');
+    assert.match(now.notice, /scenario-9.*did you mean `scenario-1`/s);
+    await picture(page, 'no-such-world');
+    await page.context().close();
+});
+
+test('without WebGL 2, or without the module, the page says so', async () => {
+    const none = await launch(['--disable-gpu', '--disable-3d-apis']);
+    const blind = await open(none, host.address);
+    assert.equal(await blind.evaluate(() => document.body.dataset.state), 'failed');
+    assert.match(await blind.textContent('#said'), /WebGL 2/);
+    await picture(blind, 'no-webgl');
+    await none.close();
+    const page = await open(browser, host.address, {
+        prepare: (page) => page.route('**/*.wasm', (route) => route.fulfill({ status: 404 })),
+    });
+    assert.equal(await page.evaluate(() => document.body.dataset.state), 'failed');
+    assert.match(await page.textContent('#said'), /could not be loaded/);
+    assert.match(await page.textContent('#detail'), /404/);
+    await picture(page, 'no-module');
+    await page.context().close();
+});
