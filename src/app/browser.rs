@@ -71,7 +71,9 @@ pub fn hand_in(name: String, bytes: Vec<u8>) {
 pub fn run() {
     std::panic::set_hook(Box::new(|panic| failed(&panic.to_string())));
     let usual = First::default();
-    let pace = asked("pace").and_then(|text| match text.as_str() {
+    let mut not_understood = Vec::new();
+    let seed = take("seed", "a whole number from 0 on", &mut not_understood, |text| text.parse().ok());
+    let pace = take("pace", "a number of times real time, or full", &mut not_understood, |text| match text {
         "full" => Some(Pace::Full),
         times => times.parse().ok().filter(|times: &f32| *times > 0.0 && times.is_finite()).map(Pace::Times),
     });
@@ -83,14 +85,30 @@ pub fn run() {
     let first = First {
         scenario,
         preset: asked("preset").unwrap_or(usual.preset),
-        seed: asked("seed").and_then(|text| text.parse().ok()).unwrap_or(usual.seed),
+        seed: seed.unwrap_or(usual.seed),
         pace: pace.unwrap_or(usual.pace),
         paused: asked("paused").is_some(),
         open: None,
+        not_understood,
     };
     if let Err(error) = window::run(Opening { first, ..Opening::default() }) {
         failed(&error.to_string());
     }
+}
+
+/// What the page's address says of `key`, which must be `what`, as `read` reads it.
+fn take<T>(
+    key: &str,
+    what: &str,
+    not_understood: &mut Vec<String>,
+    read: impl FnOnce(&str) -> Option<T>,
+) -> Option<T> {
+    let text = asked(key)?;
+    let value = read(&text);
+    if value.is_none() {
+        not_understood.push(format!("{key}={text} in the page's address: give {what}"));
+    }
+    value
 }
 
 /// Needed in place of the system's dialogs' state: there is none.

@@ -163,12 +163,16 @@ fn draw(
     mut desk: ResMut<OnDesk>,
     mut orders: MessageWriter<Order>,
     mut dressed: Local<bool>,
+    mut figures_at: Local<f32>,
 ) -> Result {
     let context = contexts.ctx_mut()?;
     // The typeface is there from the next frame on.
     if !std::mem::replace(&mut *dressed, true) {
         theme::install(context);
         return Ok(());
+    }
+    if std::mem::replace(&mut *figures_at, context.pixels_per_point()) != context.pixels_per_point() {
+        theme::prepare_figures(context);
     }
     let Some((scene, status)) = &shown.now else { return Ok(()) };
     let place = egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.content_rect());

@@ -216,7 +216,7 @@ fn status() -> Status {
         opened: None,
         notices: Vec::new(),
         restart_discards: false,
-        expert: Some("the expert of Scenario I".into()),
+        expert: Some("Expert of Scenario I".into()),
         disk: true,
     }
 }

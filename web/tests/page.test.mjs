@@ -4,7 +4,9 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
-import { click, launch, open, picture, serve, standing, until } from './support.mjs';
+import { pathToFileURL } from 'node:url';
+import { brotliCompressSync, constants } from 'node:zlib';
+import { SOFTWARE_GPU, click, launch, open, picture, press, serve, standing, until } from './support.mjs';
 
 let host;
 let browser;
@@ -24,10 +26,17 @@ const WORLD = [123, 101];
 const THIRD_WORLD = [50, 192];
 const START_AGAIN = [123, 357];
 const EXPERT = [123, 707];
-const SAVE_WORLD = [67, 770];
-const OBSTACLE = [480, 420];
+const SAVE_WORLD_ONCE_CHANGED = [67, 790];
+const OBSTACLE = [491, 381];
 
 const noComplaints = (page) => assert.deepEqual(page.complaints, []);
+
+test('the module is at most 6 MB on its way', async (t) => {
+    const module = await readFile(new URL('wayfield_bg.wasm', pathToFileURL(`${process.env.WAYFIELD_PAGE}/`)));
+    const packed = brotliCompressSync(module, { params: { [constants.BROTLI_PARAM_QUALITY]: 9 } }).length;
+    t.diagnostic(`${module.length} bytes, ${packed} by brotli`);
+    assert.ok(packed <= 6_000_000, `${packed} bytes`);
+});
 
 test('it loads below any path, asks nobody else, and learns to drive', async (t) => {
     const page = await open(browser, `${host.address}?pace=full`);
@@ -43,7 +52,8 @@ test('it loads below any path, asks nobody else, and learns to drive', async (t)
     const seconds = await page.evaluate(() => performance.now() / 1000);
     t.diagnostic(`started after ${started} ms; 90 % after ${goodAfter.toFixed(1)} s, 99 % after ${seconds.toFixed(1)} s `
         + `(${best.env_steps} env steps); longest slice ${best.longest_slice_ms.toFixed(1)} ms, `
-        + `on average ${(best.stepping_ms / best.frames).toFixed(1)} ms a frame; ${best.frames_per_s.toFixed(1)} frames/s`);
+        + `on average ${(best.stepping_ms / best.frames).toFixed(1)} ms a frame; ${best.frames_per_s.toFixed(1)} frames/s; `
+        + `${(best.stepping_ms / best.gradient_steps).toFixed(2)} ms for a gradient step with all that goes with it`);
     // What who cannot see the canvas is told.
     const told = await page.textContent('#standing');
     assert.match(told, /scenario-1, fast: \d+ episodes, [\d.]+ % of the test's navigations succeed/);
@@ -81,7 +91,7 @@ test('an expert is one click away, beside what was learnt so far', async () => {
     await until(page, (now) => now.env_steps > 0);
     await click(page, ...EXPERT);
     const now = await until(page, (now) => now.mode === 'Compare');
-    assert.match(now.notice, /expert of Scenario I/);
+    assert.match(now.notice, /Expert of Scenario I/);
     await page.waitForTimeout(4000);
     await picture(page, 'expert');
     assert.equal((await standing(page)).env_steps, now.env_steps, 'nothing is learnt meanwhile');
@@ -133,7 +143,7 @@ test('a broken scenario is answered with line and column, and all goes on; a goo
 test('a policy goes out as a file and comes back; a dropped file is opened, too', async () => {
     const page = await open(browser, `${host.address}?pace=full`, { options: HIGH });
     await until(page, (now) => now.gradient_steps > 0);
-    const [saved] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('Control+s')]);
+    const [saved] = await Promise.all([page.waitForEvent('download'), press(page, 'Control', 's')]);
     assert.equal(saved.suggestedFilename(), 'scenario-1-fast.safetensors');
     const policy = await readFile(await saved.path());
     assert.match(policy.subarray(8, 200).toString(), /"__metadata__"/);
@@ -158,13 +168,13 @@ test('an obstacle is dragged with the mouse, and the world saved as it stands th
     await page.waitForTimeout(500);
     await page.mouse.down();
     for (let k = 1; k <= 5; k += 1) {
-        await page.mouse.move(OBSTACLE[0] + 8 * k, OBSTACLE[1] + 10 * k);
+        await page.mouse.move(OBSTACLE[0] - 8 * k, OBSTACLE[1] - 10 * k);
         await page.waitForTimeout(300);
     }
     await page.mouse.up();
     await until(page, (now) => now.world_changed);
     await picture(page, 'dragged');
-    const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...SAVE_WORLD)]);
+    const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...SAVE_WORLD_ONCE_CHANGED)]);
     const world = await readFile(await saved.path(), 'utf8');
     assert.match(saved.suggestedFilename(), /\.ron$/);
     assert.match(world, /name: "Scenario I"/);
@@ -205,7 +215,7 @@ test('while it is paused it costs next to nothing', async (t) => {
     await page.context().close();
 });
 
-test('it outlives being hidden, resized, and seen at another density; and it takes touch', async () => {
+test('it outlives being hidden, and resized; and it takes touch', async () => {
     const page = await open(browser, host.address, { options: { hasTouch: true } });
     await until(page, (now) => now.env_steps > 0);
     const cdp = await page.context().newCDPSession(page);
@@ -219,16 +229,16 @@ test('it outlives being hidden, resized, and seen at another density; and it tak
         const { width, height } = document.querySelector('canvas');
         return [width, height];
     });
-    for (const [width, height, deviceScaleFactor] of [[1000, 640, 1], [900, 600, 2], [390, 844, 2], [1280, 720, 1]]) {
-        await cdp.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor, mobile: false });
+    for (const [width, height] of [[1000, 640], [390, 844], [844, 390], [1280, 720]]) {
+        await page.setViewportSize({ width, height });
         await page.waitForFunction(([w, h]) => {
             const { width, height } = document.querySelector('canvas');
             return width === w && height === h;
-        }, [width * deviceScaleFactor, height * deviceScaleFactor], { timeout: 20_000 })
-            .catch(async () => assert.fail(`${width} x ${height} x ${deviceScaleFactor}: the canvas has ${await canvas()}`));
+        }, [width, height], { timeout: 20_000 })
+            .catch(async () => assert.fail(`${width} x ${height}: the canvas has ${await canvas()}`));
         const now = await standing(page);
         await until(page, (later) => later.frames > now.frames + 2);
-        await picture(page, `at-${width}x${height}x${deviceScaleFactor}`);
+        await picture(page, `at-${width}x${height}`);
     }
     await page.touchscreen.tap(...PAUSE);
     await until(page, (now) => now.paused);
@@ -236,11 +246,24 @@ test('it outlives being hidden, resized, and seen at another density; and it tak
     await page.context().close();
 });
 
+test('on a screen of double density every pixel is drawn', async () => {
+    const dense = await launch([...SOFTWARE_GPU, '--force-device-scale-factor=2']);
+    const page = await open(dense, host.address, { options: { viewport: null } });
+    await until(page, (now) => now.frames > 3);
+    const [ratio, wide, drawn] = await page.evaluate(() =>
+        [devicePixelRatio, innerWidth, document.querySelector('canvas').width]);
+    assert.equal(ratio, 2);
+    assert.equal(drawn, 2 * wide);
+    await picture(page, 'dense');
+    noComplaints(page);
+    await dense.close();
+});
+
 test('what cannot be begun is said, and the default begins', async () => {
     const page = await open(browser, `${host.address}?scenario=scenario-9&seed=-1&pace=fastest`);
     const now = await until(page, (now) => now.env_steps > 0);
-    assert.equal(now.scenario, 'scenario-1');
-    assert.match(now.notice, /scenario-9.*did you mean `scenario-1`/s);
+    assert.deepEqual([now.scenario, now.seed, now.pace], ['scenario-1', 0, { Times: 5 }]);
+    assert.match(now.notice, /scenario-9.*did you mean `scenario-\d`/s);
     await picture(page, 'no-such-world');
     await page.context().close();
 });

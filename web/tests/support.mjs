@@ -35,7 +35,7 @@ export async function serve() {
 
 const FLAGS = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
     '--disable-component-update', '--disable-sync'];
-const SOFTWARE_GPU = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+export const SOFTWARE_GPU = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 
 export const launch = (gpu = SOFTWARE_GPU) =>
     chromium.launch({ executablePath: WAYFIELD_CHROMIUM, args: [...FLAGS, ...gpu] });
@@ -80,6 +80,17 @@ export async function click(page, x, y) {
     await page.waitForTimeout(300);
     await page.mouse.up();
     await page.waitForTimeout(600);
+}
+
+/// Presses a key with another one held, as long.
+export async function press(page, held, key) {
+    await page.keyboard.down(held);
+    await page.waitForTimeout(400);
+    await page.keyboard.down(key);
+    await page.waitForTimeout(400);
+    await page.keyboard.up(key);
+    await page.waitForTimeout(400);
+    await page.keyboard.up(held);
 }
 
 /// Keeps a picture for whoever wants to look.

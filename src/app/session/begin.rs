@@ -49,7 +49,7 @@ pub(super) fn first(world: &mut World, first: &First) {
         Err(error) => error!("{error}"),
     }
     world.try_resource_scope(|world, mut session: Mut<Session>| {
-        if let Some(problem) = problem {
+        for problem in first.not_understood.iter().cloned().chain(problem) {
             session.tell(Weight::Failed, problem);
         }
         if let Some(path) = &first.open {

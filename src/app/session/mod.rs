@@ -68,6 +68,8 @@ pub struct First {
     pub paused: bool,
     /// A policy or a run to open at once.
     pub open: Option<PathBuf>,
+    /// What of all that was asked for could not be understood, in words: to be told.
+    pub not_understood: Vec<String>,
 }
 
 impl Default for First {
@@ -80,6 +82,7 @@ impl Default for First {
             pace: Pace::Times(5.0),
             paused: false,
             open: None,
+            not_understood: Vec::new(),
         }
     }
 }

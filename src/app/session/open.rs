@@ -62,7 +62,7 @@ impl Session {
                 let policy = policy_card::read(path)?;
                 self.may_drive(&path.display().to_string(), &policy)?;
                 self.set_against(world, (name.clone(), policy))?;
-                Ok(format!("{name} drives on the right, the present policy on the left"))
+                Ok(format!("{name} drives beside the present policy"))
             }
             Some("ron") => self.open_ron(world, path),
             _ => Err(RunError::Unusable(format!(
@@ -82,7 +82,7 @@ impl Session {
                        observations are others";
             return Err(RunError::Unusable(why.into()));
         };
-        self.tell(Weight::Told, format!("On the right drives {name}, on the left the present policy"));
+        self.tell(Weight::Told, format!("{name} drives beside the present policy"));
         self.set_against(world, (name, policy.clone()))
     }
 
@@ -93,7 +93,7 @@ impl Session {
         let (name, policy) =
             of_this_world.chain(all).find(|(name, policy)| self.may_drive(name, policy).is_ok())?;
         let world = policy.metadata.get("scenario").map_or(*name, String::as_str);
-        Some((format!("the expert of {world}"), policy))
+        Some((format!("Expert of {world}"), policy))
     }
 
     /// Lets `opened` drive beside the present policy.

@@ -81,8 +81,7 @@ fn one_or_all(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, beside: f32) {
 fn files(ui: &mut Ui, status: &Status, orders: &mut Vec<Order>) {
     title(ui, "Files");
     if let Some(expert) = &status.expert {
-        let about =
-            format!("Lets a policy that comes with the program drive beside the present one: {expert}");
+        let about = format!("A policy that comes with the program drives beside the present one: {expert}");
         let button = ui.add_sized(vec2(ui.available_width(), 26.0), Button::new("Watch an expert"));
         if button.on_hover_text(about).clicked() {
             orders.push(Order::OpenExpert);
