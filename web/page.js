@@ -22,6 +22,17 @@ byId('reload').addEventListener('click', (event) => {
     location.reload();
 });
 
+// What the program does with a key or the wheel, the browser shall not do, too: scroll, leave the canvas, save the page.
+const KEYS = new Set([' ', 'Tab', 'ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', '/', "'"]);
+const KEYS_WITH_CTRL = new Set(['s', 'o']);
+const canvas = byId('canvas');
+canvas.addEventListener('keydown', (event) => {
+    const keys = event.ctrlKey || event.metaKey ? KEYS_WITH_CTRL : KEYS;
+    if (keys.has(event.key) && !event.altKey) event.preventDefault();
+});
+canvas.addEventListener('wheel', (event) => event.preventDefault(), { passive: false });
+canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+
 let program;
 
 /// Hands a file of the user's to the program.

@@ -108,6 +108,8 @@ impl Plugin for WindowedPlugin {
             // In a browser: the page's canvas, as large as the page.
             canvas: Some("#canvas".into()),
             fit_canvas_to_parent: true,
+            // (The page keeps from the browser what is the program's, and leaves it reloading, copying and the rest.)
+            prevent_default_event_handling: false,
             ..Default::default()
         };
         let defaults = DefaultPlugins.build();

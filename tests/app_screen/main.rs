@@ -1,11 +1,12 @@
 //! The screen asks for what is pressed, and for nothing else. `setup.rs`: the panel on the left; `room.rs`: what has room
-//! in which window; `hand.rs`: what is dragged in the world.
+//! in which window; `hand.rs`: what is dragged in the world; `narrow.rs`: a phone's window.
 
 #![cfg(feature = "window")]
 
 #[path = "../support/fake.rs"]
 mod fake;
 mod hand;
+mod narrow;
 mod room;
 mod setup;
 
@@ -120,6 +121,7 @@ fn a_first_time_user_is_called_to_start() {
 #[test]
 fn the_mode_is_chosen_and_compare_asks_for_a_second_policy() {
     let mut window = window(Fake::default());
+    window.state_mut().status.expert = None;
     assert_eq!(click(&mut window, "Test"), [Order::SetMode(Mode::Test)]);
     assert_eq!(click(&mut window, "Drive"), [Order::SetMode(Mode::Drive)]);
     assert_eq!(click(&mut window, "Compare"), [Order::OpenDialog]);

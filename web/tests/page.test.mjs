@@ -22,6 +22,7 @@ after(async () => {
 // Where some controls stand in Scenario I with the preset fast, in a viewport 1280 points wide and high enough.
 const HIGH = { viewport: { width: 1280, height: 900 } };
 const PAUSE = [123, 28];
+const PLOTS_PANEL = [1257, 28];
 const WORLD = [123, 101];
 const THIRD_WORLD = [50, 192];
 const START_AGAIN = [123, 357];
@@ -265,6 +266,27 @@ test('what cannot be begun is said, and the default begins', async () => {
     assert.deepEqual([now.scenario, now.seed, now.pace], ['scenario-1', 0, { Times: 5 }]);
     assert.match(now.notice, /scenario-9.*did you mean `scenario-\d`/s);
     await picture(page, 'no-such-world');
+    await page.context().close();
+});
+
+test('the browser keeps its keys, the program its own, and the desk is found as it was left', async () => {
+    const page = await open(browser, host.address);
+    await until(page, (now) => now.env_steps > 0);
+    const taken = (options) => page.evaluate((options) => {
+        const event = new KeyboardEvent('keydown', { bubbles: true, cancelable: true, ...options });
+        return !document.querySelector('canvas').dispatchEvent(event);
+    }, options);
+    for (const options of [{ key: ' ' }, { key: 'Tab' }, { key: 'ArrowUp' }, { key: 's', ctrlKey: true }, { key: 'o', metaKey: true }])
+        assert.ok(await taken(options), JSON.stringify(options));
+    for (const options of [{ key: 'F5' }, { key: 'F12' }, { key: 'r', ctrlKey: true }, { key: 'c', ctrlKey: true }, { key: 'Tab', ctrlKey: true }])
+        assert.ok(!await taken(options), JSON.stringify(options));
+    await click(page, ...PLOTS_PANEL);
+    await page.waitForFunction(() => localStorage.getItem('wayfield: preferences')?.includes('plots_open: false'));
+    await page.reload();
+    await until(page, (now) => now.frames > 5);
+    await picture(page, 'without-plots');
+    assert.match(await page.evaluate(() => localStorage.getItem('wayfield: preferences')), /plots_open: false/);
+    noComplaints(page);
     await page.context().close();
 });
 

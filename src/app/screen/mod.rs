@@ -12,6 +12,8 @@
 //! | `theme.rs` | the typeface, the scale of type, the colours |
 //! | `icons.rs` | the icons, and the buttons that bear them |
 //! | `numbers.rs` | numbers for people |
+//!
+//! In a window narrower than `NARROW` the bar has two rows, and the setup or the plots are below the world.
 
 mod icons;
 mod keys;
@@ -45,7 +47,25 @@ pub struct View<'a> {
 
 const SETUP_WIDTH: f32 = 248.0;
 const BAR_HEIGHT: f32 = 56.0;
+const PLOTS_MARGIN: Margin = Margin { left: 14, right: 4, top: 10, bottom: 0 };
 const PLOTS_LEAST: f32 = 240.0;
+/// Narrower windows have no room for anything beside the world.
+const NARROW: f32 = 700.0;
+const NARROW_BAR_HEIGHT: f32 = 92.0;
+/// The part of a narrow window under the bar that the setup or the plots take.
+const BELOW: f32 = 0.45;
+
+/// What can be seen below the world in a narrow window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Below {
+    Setup,
+    Plots,
+}
+
+/// What is seen there: one of the panels that are open, the plots before the setup.
+fn shown_below(desk: &Desk) -> Option<Below> {
+    if desk.plots_open { Some(Below::Plots) } else { desk.setup_open.then_some(Below::Setup) }
+}
 
 /// Draws the window into `ui`, and writes down what the user asks for. The typeface and the colours are those of
 /// [`theme::install`].
@@ -59,18 +79,18 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
     keys::handle(ui, view, desk, orders);
     world::steer::handle(ui, view, orders);
     let inks = Inks::of(ui);
-    let side = |ui: &Ui| Frame::side_top_panel(ui.style());
-    let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
-    Panel::top("bar").exact_size(BAR_HEIGHT).frame(bar).show(ui, |ui| toolbar::show(ui, view, desk, orders));
-    // Panels can be closed by their edge, and from inside.
-    let mut open = desk.setup_open;
-    let panel = Panel::left("setup")
-        .exact_size(SETUP_WIDTH)
-        .resizable(false)
-        .frame(side(ui).inner_margin(Margin::ZERO));
-    panel.show_collapsible(ui, &mut open, |ui| setup::show(ui, view, desk, orders));
-    desk.setup_open &= open;
-    plots_panel(ui, view, desk, orders);
+    if ui.available_width() < NARROW {
+        let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(6, 0));
+        let panel = Panel::top("bar").exact_size(NARROW_BAR_HEIGHT).frame(bar);
+        panel.show(ui, |ui| toolbar::show_narrow(ui, view, desk, orders));
+        panel_below(ui, view, desk, orders);
+    } else {
+        let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
+        let panel = Panel::top("bar").exact_size(BAR_HEIGHT).frame(bar);
+        panel.show(ui, |ui| toolbar::show(ui, view, desk, orders));
+        setup_panel(ui, view, desk, orders);
+        plots_panel(ui, view, desk, orders);
+    }
     let middle = CentralPanel::default()
         .frame(Frame::new().fill(inks.paper))
         .show(ui, |ui| world::show(ui, view, desk, orders))
@@ -79,6 +99,34 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
     world::welcome::show(ui, middle, view, orders);
     notices::show(ui, middle, &view.status.notices, orders);
     help::show(ui, &mut desk.help_open);
+}
+
+/// The panel below the world in a narrow window.
+fn panel_below(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    let Some(below) = shown_below(desk) else { return };
+    let (id, margin) = match below {
+        Below::Setup => ("setup below", Margin::ZERO),
+        Below::Plots => ("plots below", PLOTS_MARGIN),
+    };
+    let panel = Panel::bottom(id)
+        .exact_size(ui.available_height() * BELOW)
+        .resizable(false)
+        .frame(Frame::side_top_panel(ui.style()).inner_margin(margin));
+    panel.show(ui, |ui| match below {
+        Below::Setup => setup::show(ui, view, desk, orders),
+        Below::Plots => plots::show(ui, view.history, when(view.status), orders),
+    });
+}
+
+/// The panel on the left. Panels can be closed by their edge, and from inside.
+fn setup_panel(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    let mut open = desk.setup_open;
+    let panel = Panel::left("setup")
+        .exact_size(SETUP_WIDTH)
+        .resizable(false)
+        .frame(Frame::side_top_panel(ui.style()).inner_margin(Margin::ZERO));
+    panel.show_collapsible(ui, &mut open, |ui| setup::show(ui, view, desk, orders));
+    desk.setup_open &= open;
 }
 
 /// The panel on the right; the user may drag its edge, and finds it as it was left.
@@ -95,18 +143,17 @@ fn plots_panel(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<O
         .default_size(range.clamp(wanted))
         .size_range(range)
         .drag_to_open(false)
-        .frame(frame.inner_margin(Margin { left: 14, right: 4, top: 10, bottom: 0 }));
-    let status = view.status;
-    let when = plots::When {
-        papers_world: status.papers_world,
-        training: status.mode == Mode::Train,
-        disk: status.disk,
-    };
-    panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, when, orders));
+        .frame(frame.inner_margin(PLOTS_MARGIN));
+    panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, when(view.status), orders));
     // egui takes note of the width when the edge is let go; a window made smaller is not the user's choice.
     let after = width(ui);
     if open && before.is_some() && after != before && ui.input(|i| i.pointer.any_released()) {
         desk.plots_width = after;
     }
     desk.plots_open &= open;
+}
+
+/// Under what circumstances the curves are seen.
+fn when(status: &Status) -> plots::When {
+    plots::When { papers_world: status.papers_world, training: status.mode == Mode::Train, disk: status.disk }
 }

@@ -15,7 +15,7 @@ const SENTENCES: [&str; 5] = [
      beside it: what it expects of each of its motions.",
     "The success rate at the top tells how often it reached the target in the last test, where nothing is left to \
      chance.",
-    "The curves on the right show how learning went, and with Test, Drive and Compare you watch the policy alone, race \
+    "The curves show how learning went, and with Test, Drive and Compare you watch the policy alone, race \
      against it, or set it against another.",
 ];
 

@@ -28,13 +28,14 @@ const HEIGHT: f32 = 40.0;
 
 /// Draws, from the right, as many as have room: the success rate before all others.
 ///
-/// `ui` lays out from right to left.
-pub fn show(ui: &mut Ui, status: &Status) {
-    let mut left = ui.available_width();
+/// `ui` lays out from right to left. In a `tight` bar none of the room is to be wasted.
+pub fn show(ui: &mut Ui, status: &Status, tight: bool) {
+    // There the last one stands right beside its neighbour.
+    let mut left = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };
     let mut fit: Vec<(usize, Readout)> = Vec::new();
     // By weight; the number is the place from the right.
     for (place, readout) in [
-        (0, success(status)),
+        (0, Readout { width: if tight { 76.0 } else { 84.0 }, ..success(status) }),
         (3, episodes(status)),
         (2, env_steps(status)),
         (1, speed(status)),

@@ -8,52 +8,89 @@ use super::readouts;
 use super::segments::{self, Segment};
 use crate::app::desk::{Desk, Look};
 use crate::app::orders::{Mode, Order};
-use crate::app::screen::View;
 use crate::app::screen::icons::{self, Icon, Tone};
 use crate::app::screen::keys::{Deed, PACES, tip};
 use crate::app::screen::theme::{BODY, GAP, Inks};
+use crate::app::screen::{Below, View, shown_below};
+
+/// What the upper of two rows takes with all its buttons.
+const UPPER_ROW: f32 = 348.0;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
     ui.horizontal_centered(|ui| {
-        let icon = Icon::LeftPanel(desk.setup_open);
-        if icons::button(ui, icon, Tone::Quiet, 28.0, "Setup panel", "Show or hide the panel on the left")
-            .clicked()
-        {
+        if setup_button(ui, desk.setup_open, "Show or hide the panel on the left") {
             desk.setup_open = !desk.setup_open;
         }
         if ui.available_width() > 1060.0 {
             name(ui);
         }
         ui.add_space(GAP);
-        transport(ui, view, orders);
+        run(ui, view, orders);
+        step(ui, orders);
         ui.add_space(2.0 * GAP);
         pace(ui, view, orders);
         ui.add_space(2.0 * GAP);
         mode(ui, view, orders);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let icon = Icon::RightPanel(desk.plots_open);
-            let about = "Show or hide the curves on the right";
-            if icons::button(ui, icon, Tone::Quiet, 28.0, "Plots panel", about).clicked() {
+            if plots_button(ui, desk.plots_open, "Show or hide the curves on the right") {
                 desk.plots_open = !desk.plots_open;
             }
-            if icons::button(
-                ui,
-                Icon::Help,
-                Tone::Quiet,
-                28.0,
-                "Help",
-                &tip("Keys, and what one sees", Deed::Help),
-            )
-            .clicked()
-            {
-                desk.help_open = !desk.help_open;
-            }
+            help(ui, desk);
             look(ui, desk);
             ui.add_space(GAP);
-            readouts::show(ui, view.status);
+            readouts::show(ui, view.status, false);
         });
     });
+}
+
+/// Draws it in two rows; the setup and the plots take turns below the world.
+pub fn show_narrow(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let row = vec2(ui.available_width(), ui.available_height() / 2.0);
+    let (along, back) = (Layout::left_to_right(Align::Center), Layout::right_to_left(Align::Center));
+    let below = shown_below(desk);
+    ui.allocate_ui_with_layout(row, along, |ui| {
+        let open = below == Some(Below::Setup);
+        if setup_button(ui, open, "Show or hide the setup below") {
+            (desk.setup_open, desk.plots_open) = (!open, false);
+        }
+        run(ui, view, orders);
+        if row.x >= UPPER_ROW {
+            step(ui, orders);
+        }
+        pace(ui, view, orders);
+        ui.with_layout(back, |ui| {
+            let open = below == Some(Below::Plots);
+            if plots_button(ui, open, "Show or hide the curves below") {
+                (desk.setup_open, desk.plots_open) = (false, !open);
+            }
+        });
+    });
+    ui.allocate_ui_with_layout(row, along, |ui| {
+        mode(ui, view, orders);
+        ui.with_layout(back, |ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            help(ui, desk);
+            look(ui, desk);
+            readouts::show(ui, view.status, true);
+        });
+    });
+}
+
+fn setup_button(ui: &mut Ui, open: bool, about: &str) -> bool {
+    icons::button(ui, Icon::LeftPanel(open), Tone::Quiet, 28.0, "Setup panel", about).clicked()
+}
+
+fn plots_button(ui: &mut Ui, open: bool, about: &str) -> bool {
+    icons::button(ui, Icon::RightPanel(open), Tone::Quiet, 28.0, "Plots panel", about).clicked()
+}
+
+fn help(ui: &mut Ui, desk: &mut Desk) {
+    let about = tip("Keys, and what one sees", Deed::Help);
+    if icons::button(ui, Icon::Help, Tone::Quiet, 28.0, "Help", &about).clicked() {
+        desk.help_open = !desk.help_open;
+    }
 }
 
 fn name(ui: &mut Ui) {
@@ -64,7 +101,7 @@ fn name(ui: &mut Ui) {
     ui.painter().galley(rect.left_center() - vec2(0.0, text.size().y / 2.0), text, inks.soft);
 }
 
-fn transport(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
+fn run(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
     let paused = view.status.paused;
     let (icon, tone, word, about) = if paused {
         (Icon::Play, Tone::Primary, "Run", "Let time go on")
@@ -74,6 +111,9 @@ fn transport(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
     if icons::button(ui, icon, tone, 36.0, word, &tip(about, Deed::Pause)).clicked() {
         orders.push(Order::Pause(!paused));
     }
+}
+
+fn step(ui: &mut Ui, orders: &mut Vec<Order>) {
     let about = tip("One control step, then stand still", Deed::Step);
     if icons::button(ui, Icon::Step, Tone::Framed, 28.0, "Step", &about).clicked() {
         orders.push(Order::Step);

@@ -139,6 +139,8 @@ fn plot(ui: &mut egui::Ui, card: &Card<'_>, shared: &Shared<'_>, labelled: bool,
     let group = "learning";
     let mut plot = Plot::new(card.title)
         .height(HEIGHT)
+        // While there is nothing to drag, a finger that passes over it scrolls the list.
+        .sense(if shared.zoomed { Sense::click_and_drag() } else { Sense::click() })
         .allow_drag([shared.zoomed, false])
         .allow_zoom([true, false])
         .allow_scroll(false)

@@ -20,6 +20,7 @@ mod list;
 use std::f32::consts::FRAC_PI_2;
 
 use egui::collapsing_header::CollapsingState;
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{Align, Align2, FontId, Id, Layout, RichText, Sense, Vec2, WidgetInfo, WidgetType, pos2, vec2};
 
 use self::card::{Seen, Shared};
@@ -107,7 +108,6 @@ fn header(
         let about = "How the training goes, over env steps: the control steps of all arenas together. Ctrl and the \
                      mouse wheel zoom into it, dragging moves along, a double click shows all again.";
         ui.heading("Learning").on_hover_text(about);
-        ui.label(RichText::new("by env steps").size(SMALL).color(inks.soft)).on_hover_text(about);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_enabled_ui(history.range().is_some(), |ui| {
                 let png = "Saves the learning curve as a picture: success, return and targets.";
@@ -122,6 +122,14 @@ fn header(
                     before.reset = true;
                 }
             });
+            // Between them, if there is room.
+            let text = RichText::new("by env steps").size(SMALL).color(inks.soft);
+            let font = FontId::proportional(SMALL);
+            let width = ui.painter().layout_no_wrap(text.text().into(), font, inks.soft).size().x;
+            if width <= ui.available_width() {
+                let between = Layout::left_to_right(Align::Center);
+                ui.with_layout(between, |ui| ui.label(text).on_hover_text(about));
+            }
         });
     });
 }
@@ -147,9 +155,14 @@ fn more(ui: &mut egui::Ui, body: impl FnOnce(&mut egui::Ui)) {
     let ink = if lit { inks.ink } else { inks.soft };
     let corners = corners.map(|corner| middle + corner).to_vec();
     ui.painter().add(egui::Shape::convex_polygon(corners, ink, egui::Stroke::NONE));
-    let word = |x, text, size, ink| {
-        let at = pos2(x, rect.center().y);
-        ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(size), ink)
+    // As much of it as has room.
+    let word = |x, text: &str, size, ink| {
+        let mut job = LayoutJob::simple_singleline(text.into(), FontId::proportional(size), ink);
+        job.wrap = TextWrapping::truncate_at_width(rect.right() - x);
+        let galley = ui.painter().layout_job(job);
+        let place = Align2::LEFT_CENTER.anchor_size(pos2(x, rect.center().y), galley.size());
+        ui.painter().galley(place.min, galley, ink);
+        place
     };
     let more = word(rect.left() + 16.0, "More", BODY, inks.ink);
     word(more.right() + 2.0 * GAP, "loss, Q-values, exploration, reward", SMALL, inks.soft);
