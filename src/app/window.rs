@@ -10,9 +10,9 @@ use bevy::log::LogPlugin;
 use bevy::prelude::*;
 #[cfg(not(target_arch = "wasm32"))]
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-#[cfg(not(target_arch = "wasm32"))]
-use bevy::window::PrimaryWindow;
-use bevy::window::{ExitCondition, FileDragAndDrop, PresentMode, WindowResolution};
+use bevy::window::{
+    ExitCondition, FileDragAndDrop, PresentMode, PrimaryWindow, WindowResolution, WindowTheme,
+};
 use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_egui::{EguiContexts, EguiInput, EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
 
@@ -59,7 +59,7 @@ pub struct Opening {
 /// # Errors
 /// There is no display; the picture could not be written.
 pub fn run(opening: Opening) -> Result<(), RunError> {
-    display()?;
+    let _held = display()?;
     let mut app = App::new();
     app.add_plugins(WindowedPlugin(opening));
     match app.run() {
@@ -68,14 +68,20 @@ pub fn run(opening: Opening) -> Result<(), RunError> {
     }
 }
 
-/// Whether there is a display to open a window on: winit would panic without one.
-fn display() -> Result<(), RunError> {
-    #[cfg(all(unix, not(target_os = "macos")))]
-    if let Err(error) = x11rb::connect(None) {
-        return Err(RunError::Unusable(format!(
+/// A connection to the display on which a window can be opened: winit would panic without one. It is to be held until the
+/// window is there, since a display such as Xvfb begins anew when its last client leaves, and is not to be had meanwhile.
+#[cfg(all(unix, not(target_os = "macos")))]
+fn display() -> Result<impl Sized, RunError> {
+    x11rb::connect(None).map_err(|error| {
+        RunError::Unusable(format!(
             "no display to open a window on ({error}): train without one by `wayfield --train`, or set DISPLAY"
-        )));
-    }
+        ))
+    })
+}
+
+/// Other systems always have one.
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+fn display() -> Result<impl Sized, RunError> {
     Ok(())
 }
 
@@ -139,7 +145,7 @@ impl Plugin for WindowedPlugin {
         )
         .add_systems(
             PreUpdate,
-            drop_no_news.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass),
+            mend_input.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass),
         )
         .add_systems(Update, rest_while_paused);
         match &opening.picture {
@@ -186,10 +192,20 @@ fn draw(
     Ok(())
 }
 
-/// bevy_egui 0.42 tells egui in every frame which modifier keys are held, and egui asks for another frame after every
-/// event: it would never rest. What is no news is taken out.
-fn drop_no_news(mut inputs: Query<&mut EguiInput>, mut held: Local<egui::Modifiers>) {
+/// What bevy_egui 0.42 leaves to do. It does not say whether the system is light or dark. And it tells egui in every frame
+/// which modifier keys are held; egui asks for another frame after every event, so it would never rest: what is no news is
+/// taken out.
+fn mend_input(
+    mut inputs: Query<&mut EguiInput>,
+    windows: Query<&Window, With<PrimaryWindow>>,
+    mut held: Local<egui::Modifiers>,
+) {
+    let theme = windows.single().ok().and_then(|window| window.window_theme).map(|theme| match theme {
+        WindowTheme::Light => egui::Theme::Light,
+        WindowTheme::Dark => egui::Theme::Dark,
+    });
     for mut input in &mut inputs {
+        input.system_theme = theme;
         input.events.retain(|event| match event {
             egui::Event::ModifiersChanged(now) => std::mem::replace(&mut *held, *now) != *now,
             _ => true,

@@ -20,6 +20,9 @@ use super::RunError;
 use super::evaluate::Evaluation;
 use crate::learning::Policy;
 
+/// Whether who asks for an examination works at it meanwhile, and does not only look whether it is done.
+pub const ON_THE_CALLERS_THREAD: bool = cfg!(target_arch = "wasm32");
+
 /// A policy, and when in the run it was taken.
 #[derive(Clone, Debug)]
 pub struct Candidate {

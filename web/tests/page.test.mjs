@@ -40,7 +40,7 @@ test('the module is at most 6 MB on its way', async (t) => {
 });
 
 test('it loads below any path, asks nobody else, and learns to drive', async (t) => {
-    const page = await open(browser, `${host.address}?pace=full`);
+    const page = await open(browser, `${host.address}?pace=full`, { options: { colorScheme: 'light' } });
     assert.equal(await page.evaluate(() => document.body.dataset.state), 'started');
     const started = await page.evaluate(() => Number(document.body.dataset.startedMs));
     const first = await until(page, (now) => now.env_steps > 0);

@@ -13,7 +13,7 @@ use super::{Curves, Session};
 use crate::agent::Trainer;
 use crate::app::orders::{Mode, Order};
 use crate::app::status::Weight;
-use crate::run::examiner::Examiner;
+use crate::run::examiner::ON_THE_CALLERS_THREAD;
 use crate::run::{RunError, follow, simulation};
 use crate::task::{CurrentScenario, Outcomes, TaskFault};
 
@@ -38,8 +38,7 @@ pub(super) fn advance(world: &mut World) {
             }
         }
         // Where the examiner works on this very thread, what is left of the frame's time is his.
-        while Examiner::ON_THE_CALLERS_THREAD && session.examining && session.pacer.has_time(began.elapsed())
-        {
+        while ON_THE_CALLERS_THREAD && session.examining && session.pacer.has_time(began.elapsed()) {
             if let Err(error) = session.take_examinations(world, false) {
                 session.replace_examiner(&error);
             }

@@ -29,9 +29,6 @@ pub struct Examiner {
 }
 
 impl Examiner {
-    /// Whoever asks for an examination works at it.
-    pub const ON_THE_CALLERS_THREAD: bool = true;
-
     /// An examiner who drives `navigations` navigations of `scenario` with each policy, always the same ones, of
     /// `seed`.
     #[must_use]

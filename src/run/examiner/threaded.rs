@@ -23,9 +23,6 @@ pub struct Examiner {
 }
 
 impl Examiner {
-    /// Whoever asks for an examination only looks whether it is done.
-    pub const ON_THE_CALLERS_THREAD: bool = false;
-
     /// An examiner who drives `navigations` navigations of `scenario` with each policy, always the same ones, of
     /// `seed`.
     #[must_use]
