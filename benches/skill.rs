@@ -16,7 +16,7 @@ use wayfield::run::evaluate::{Evaluation, Evaluator, against_optimum};
 use wayfield::run::folder::RunConfig;
 use wayfield::run::records::Milestone;
 use wayfield::run::shipped;
-use wayfield::run::train::{Job, train};
+use wayfield::run::train::{CHECKPOINT_EVERY, Job, train};
 use wayfield::task::Places;
 
 /// What one seed came to.
@@ -75,7 +75,7 @@ fn run(preset: &str, scenario: &str, seed: u64) -> Result<Outcome, Box<dyn Error
     };
     let world = Arc::new(config.scenario.clone());
     let job = Job::New { config: Box::new(config), policy: None, out: Some(out.path().join("run")) };
-    let (folder, summary) = train(job, &AtomicBool::new(false), Instant::now(), None)?;
+    let (folder, summary) = train(job, CHECKPOINT_EVERY, &AtomicBool::new(false), Instant::now(), None)?;
     let policy = Policy::from_bytes(&std::fs::read(Path::new(&folder).join("policy.safetensors"))?)?;
     let navigations = Evaluator::new(&world, 500).run(&policy, 1000 + seed, 500, Places::Drawn)?;
     let evaluation = Evaluation::of(&navigations, 100, &world.task, 1000 + seed);

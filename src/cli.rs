@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::{ArgGroup, Parser};
 
@@ -28,7 +28,7 @@ use crate::run::policy_card;
 use crate::run::preset::Budget;
 use crate::run::progress::say as tell;
 use crate::run::records::{Milestone, Summary};
-use crate::run::train::{Job, train};
+use crate::run::train::{CHECKPOINT_EVERY, Job, train};
 use crate::run::{RunError, shipped};
 use crate::scenario::Scenario;
 use crate::task::Places;
@@ -129,6 +129,11 @@ struct Arguments {
     /// Go on exactly where the run in DIR stopped; --episodes or --steps give it a larger budget, counted from its start
     #[arg(long, value_name = "DIR", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "reproduce"])]
     resume: Option<PathBuf>,
+
+    /// Write a checkpoint every S seconds; what is learnt does not depend on it [default: 30]
+    #[arg(long, value_name = "S", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "reproduce"],
+        value_parser = seconds, allow_negative_numbers = true)]
+    checkpoint_every: Option<Duration>,
 
     /// Open a policy, a run's folder, a scenario or a preset in the window
     #[cfg(feature = "window")]
@@ -327,13 +332,7 @@ enum ShowArgument {
 
 #[cfg(feature = "window")]
 fn pace(text: &str) -> Result<Pace, String> {
-    if text == "full" {
-        return Ok(Pace::Full);
-    }
-    match text.trim_end_matches('x').parse::<f32>() {
-        Ok(times) if (0.01..=100.0).contains(&times) => Ok(Pace::Times(times)),
-        _ => Err("give 0.01 to 100, or full".into()),
-    }
+    text.parse()
 }
 
 #[cfg(feature = "window")]
@@ -352,6 +351,7 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         (None, Some(n)) => Some(Budget::EnvSteps(n)),
         (None, None) => None,
     };
+    let every = arguments.checkpoint_every.unwrap_or(CHECKPOINT_EVERY);
     let job = match arguments.resume {
         Some(folder) => Job::Resume { folder, budget },
         None => {
@@ -385,7 +385,7 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
             Job::New { config: Box::new(config), policy, out: arguments.out }
         }
     };
-    let (folder, summary) = train(job, stop_on_signal(), began, None)?;
+    let (folder, summary) = train(job, every, stop_on_signal(), began, None)?;
     if arguments.json { print_json(&summary) } else { say(&summary_text(&folder, &summary)) }
 }
 
@@ -642,6 +642,12 @@ fn read_policy(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
 /// A number of episodes or env steps, as typed.
 fn budget(text: &str) -> Result<u64, String> {
     text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "give a whole number, 1 or more".into())
+}
+
+/// A time in seconds, as typed.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let typed = text.parse().ok().filter(|s| (0.01..=1e6).contains(s));
+    typed.map(Duration::from_secs_f64).ok_or_else(|| "give 0.01 to 1000000 seconds".into())
 }
 
 /// A seed, as typed.

@@ -17,7 +17,7 @@ use wayfield::app::session::journal::{Replayed, verify};
 use wayfield::app::session::{First, Session};
 use wayfield::learning::Learner;
 use wayfield::run::preset::Budget;
-use wayfield::run::train::{Job, train};
+use wayfield::run::train::{CHECKPOINT_EVERY, Job, train};
 use wayfield::run::{shipped, simulation};
 use wayfield::scenario::pose_at;
 use wayfield::task::{ArenaState, Clock, CurrentScenario, observation};
@@ -260,7 +260,8 @@ fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between()
     // It goes on without a window: the journal ends earlier than the run, which is replayed all the same.
     let job = Job::Resume { folder: second_run.clone(), budget: Some(Budget::EnvSteps(300 * 16)) };
     let stop = AtomicBool::new(false);
-    train(job, &stop, std::time::Instant::now(), Some(Box::new(|_| {}))).expect("it goes on");
+    train(job, CHECKPOINT_EVERY, &stop, std::time::Instant::now(), Some(Box::new(|_| {})))
+        .expect("it goes on");
     assert_eq!(verify(&second_run), Ok(Replayed { steps: 300, deeds: 2, same: true }));
 
     // A journal that says something else is found out.

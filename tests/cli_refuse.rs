@@ -282,6 +282,8 @@ fn runs_that_cannot_be_resumed() {
     desk.write("plain", "");
     assert_refused_in_a_line(&desk, "--train --resume plain", &["plain", "no run's folder"]);
 
+    // (Or the one before would be taken: tests/cli_trust.rs.)
+    std::fs::remove_file(desk.path("run/checkpoint/previous.bin")).unwrap();
     let (checkpoint, config) = (desk.read("run/checkpoint/latest.bin"), desk.text("run/config.ron"));
     let resume = "--train --resume run --steps 2000";
     let mut flipped = checkpoint.clone();

@@ -188,7 +188,10 @@ fn work_that_was_stopped_goes_on_from_there() {
     signal(&child, "KILL");
     end(child);
     for run in fs::read_dir(desk.path("stopped/runs")).unwrap() {
-        let _ = fs::remove_file(run.unwrap().path().join("checkpoint/latest.bin"));
+        let checkpoint = run.unwrap().path().join("checkpoint");
+        for kept in ["latest.bin", "previous.bin", "older.bin"] {
+            let _ = fs::remove_file(checkpoint.join(kept));
+        }
     }
     desk.succeed(&format!("{arguments} stopped"));
     assert!(report(&desk, "stopped") == report(&desk, "straight"), "as if nothing had happened");

@@ -16,10 +16,13 @@ function stop(text, detail = '') {
     document.body.dataset.state = 'failed';
 }
 
-// The address of the page itself, without what was changed meanwhile, begins anew.
 byId('reload').addEventListener('click', (event) => {
     event.preventDefault();
     location.reload();
+});
+byId('usual').addEventListener('click', (event) => {
+    event.preventDefault();
+    location.assign(location.pathname);
 });
 
 // What the program does with a key or the wheel, the browser shall not do, too: scroll, leave the canvas, save the page.
@@ -32,15 +35,18 @@ canvas.addEventListener('keydown', (event) => {
 });
 canvas.addEventListener('wheel', (event) => event.preventDefault(), { passive: false });
 canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+canvas.addEventListener('webglcontextlost', () =>
+    stop('The graphics driver has taken the picture away, and the program cannot go on without one.'));
 
 let program;
 
 /// Hands a file of the user's to the program.
 async function handIn(file) {
-    // No policy is longer; the program says what is wrong with the rest.
-    const most = 81 * 2 ** 20;
-    const bytes = new Uint8Array(await file.slice(0, most).arrayBuffer());
-    program?.hand_in(file.name, bytes);
+    if (document.body.dataset.state !== 'started') return;
+    // No policy is longer; the program says what is wrong with the rest, also of what cannot be read.
+    const most = 2 ** 27 + 1;
+    const bytes = await file.slice(0, most).arrayBuffer().catch(() => new ArrayBuffer(0));
+    program.hand_in(file.name, new Uint8Array(bytes));
 }
 
 byId('file').addEventListener('change', (event) => {
@@ -57,7 +63,7 @@ addEventListener('drop', (event) => {
 /// A text as letters that an address may hold, and back.
 async function packed(text) {
     const bytes = await through(new TextEncoder().encode(text), new CompressionStream('deflate-raw'));
-    return btoa(String.fromCharCode(...new Uint8Array(bytes)))
+    return btoa(Array.from(new Uint8Array(bytes), (byte) => String.fromCharCode(byte)).join(''))
         .replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '');
 }
 async function unpacked(letters) {
@@ -81,6 +87,13 @@ async function through(bytes, transform, most = Infinity) {
 
 /// The world that the address holds, if it holds one.
 let enclosedWorld;
+
+/// How often the address was changed: one that takes its time gives way to a later one.
+let turn = 0;
+function changeAddress(address) {
+    turn += 1;
+    history.replaceState(null, '', address);
+}
 
 let failure = false;
 
@@ -119,11 +132,14 @@ globalThis.wayfieldPage = {
     async address(scenario, preset, seed, world) {
         const query = new URLSearchParams(location.search);
         for (const [key, value] of Object.entries({ scenario, preset, seed })) query.set(key, value);
-        // After the #, what a browser sends to nobody.
-        const hash = world === undefined ? '' : `#world=${await packed(world)}`;
-        history.replaceState(null, '', `?${query}${hash}`);
+        if (world === undefined) return changeAddress(`?${query}`);
+        wayfieldPage.no_address();
+        const mine = turn;
+        // After the #, what a browser sends to nobody. Where it cannot be packed, there is no link.
+        const letters = await packed(world).catch(() => undefined);
+        if (mine === turn && letters !== undefined) changeAddress(`?${query}#world=${letters}`);
     },
-    no_address: () => history.replaceState(null, '', location.pathname),
+    no_address: () => changeAddress(location.pathname),
     remember(text) {
         // Where nothing may be kept, nothing is.
         try { localStorage.setItem(KEPT, text); } catch {}
@@ -169,12 +185,11 @@ async function begin() {
     const letters = new URLSearchParams(location.hash.slice(1)).get('world');
     if (letters !== null) enclosedWorld = await unpacked(letters).catch(() => 'not a world: the address is damaged');
     try {
-        const [{ default: initialise, ...rest }, size] = await Promise.all([
-            import('./wayfield.js'),
-            fetch('size.json').then((response) => response.json()),
-        ]);
-        program = rest;
-        await initialise({ module_or_path: await arriving('wayfield_bg.wasm', size.bytes) });
+        // Which build it is, so that no cache puts parts of two together.
+        const { bytes, mark } = await fetch('build.json', { cache: 'no-cache' }).then((response) => response.json());
+        const { default: initialise, ...rest } = await import(`./wayfield.js?${mark}`);
+        wayfieldPage.program = program = rest;
+        await initialise({ module_or_path: await arriving(`wayfield_bg.wasm?${mark}`, bytes) });
     } catch (error) {
         if (!failure) stop('The program could not be loaded. Is the network there? Then try again.', String(error));
     }

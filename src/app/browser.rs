@@ -5,6 +5,7 @@
 //! `web/page.js`: an object `wayfieldPage` with a function for each thing said here.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
 use bevy::prelude::*;
@@ -72,11 +73,8 @@ pub fn run() {
     std::panic::set_hook(Box::new(|panic| failed(&panic.to_string())));
     let usual = First::default();
     let mut not_understood = Vec::new();
-    let seed = take("seed", "a whole number from 0 on", &mut not_understood, |text| text.parse().ok());
-    let pace = take("pace", "a number of times real time, or full", &mut not_understood, |text| match text {
-        "full" => Some(Pace::Full),
-        times => times.parse().ok().filter(|times: &f32| *times > 0.0 && times.is_finite()).map(Pace::Times),
-    });
+    let seed = take("seed", "give a whole number from 0 on", &mut not_understood);
+    let pace = take("pace", "give 0.01 to 100 times real time, or full", &mut not_understood);
     let mut scenario = asked("scenario").unwrap_or(usual.scenario);
     if let Some(text) = enclosed() {
         scenario = if shipped::is_scenario(&scenario) { "world.ron".into() } else { scenario };
@@ -96,17 +94,12 @@ pub fn run() {
     }
 }
 
-/// What the page's address says of `key`, which must be `what`, as `read` reads it.
-fn take<T>(
-    key: &str,
-    what: &str,
-    not_understood: &mut Vec<String>,
-    read: impl FnOnce(&str) -> Option<T>,
-) -> Option<T> {
+/// What the page's address says of `key`; what cannot be read is told, with the mend.
+fn take<T: FromStr>(key: &str, mend: &str, not_understood: &mut Vec<String>) -> Option<T> {
     let text = asked(key)?;
-    let value = read(&text);
+    let value = text.parse().ok();
     if value.is_none() {
-        not_understood.push(format!("{key}={text} in the page's address: give {what}"));
+        not_understood.push(format!("{key}={text} in the page's address: {mend}"));
     }
     value
 }
@@ -156,12 +149,13 @@ fn file_name(what: Saved, name: &str) -> PathBuf {
 }
 
 /// The page's address becomes a link to what goes on: whoever follows it begins the same training. A world of the user's
-/// own goes with it; a preset does not.
-fn tell_address(session: &Session) {
-    let RunConfig { scenario_from, preset_from, seed, .. } = &session.config;
-    let shipped = shipped::is_scenario(scenario_from);
-    let world = if shipped { None } else { to_ron(&session.journal.begun.scenario).ok() };
-    if shipped::is_preset(preset_from) && (shipped || world.is_some()) {
+/// own goes with it. There is no link to a preset of the user's own, nor to what began from a policy.
+fn tell_address(begun: &RunConfig) {
+    let RunConfig { scenario_from, preset_from, seed, scenario, transfer, .. } = begun;
+    let as_shipped = shipped::is_scenario(scenario_from)
+        && shipped::scenario(scenario_from).is_ok_and(|shipped| shipped == *scenario);
+    let world = if as_shipped { None } else { to_ron(scenario).ok() };
+    if shipped::is_preset(preset_from) && transfer.is_none() && (as_shipped || world.is_some()) {
         address(scenario_from, preset_from, &seed.to_string(), world);
     } else {
         no_address();
@@ -211,6 +205,7 @@ pub(super) fn tell(
     time: Res<Time<Real>>,
     mut told: Local<Report>,
     mut told_s: Local<f64>,
+    mut linked: Local<Option<RunConfig>>,
 ) {
     let (Some(session), Some(trainer)) = (session, trainer) else { return };
     if told.frames == 0 {
@@ -226,14 +221,13 @@ pub(super) fn tell(
     }
     *told_s = now_s;
     let config = &session.config;
-    let other = (&told.scenario, &told.preset, told.seed)
-        != (&config.scenario_from, &config.preset_from, config.seed);
-    if other {
-        tell_address(&session);
-        told.scenario.clone_from(&config.scenario_from);
-        told.preset.clone_from(&config.preset_from);
-        told.seed = config.seed;
+    if linked.as_ref() != Some(&session.journal.begun) {
+        tell_address(&session.journal.begun);
+        *linked = Some(session.journal.begun.clone());
     }
+    told.scenario.clone_from(&config.scenario_from);
+    told.preset.clone_from(&config.preset_from);
+    told.seed = config.seed;
     told.mode = session.mode;
     told.pace = Some(session.pacer.pace);
     told.paused = session.pacer.paused;

@@ -4,6 +4,7 @@
 //! those that touch what is learnt into its journal. Nothing else of the room reaches the world.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,21 @@ pub enum Pace {
     Times(f32),
     /// As quickly as it goes within a frame's budget.
     Full,
+}
+
+impl FromStr for Pace {
+    type Err = String;
+
+    /// `full`, or a number of times real time, as in `5` or `5x`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "full" {
+            return Ok(Self::Full);
+        }
+        match text.trim_end_matches('x').parse::<f32>() {
+            Ok(times) if (0.01..=100.0).contains(&times) => Ok(Self::Times(times)),
+            _ => Err("give 0.01 to 100, or full".into()),
+        }
+    }
 }
 
 /// What the robots are driven by.

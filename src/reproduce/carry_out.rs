@@ -17,11 +17,11 @@ use super::plan::{Plan, Training};
 use super::progress::Board;
 use super::trial;
 use crate::learning::Policy;
-use crate::run::RunError;
 use crate::run::folder::RunFolder;
 use crate::run::preset::Budget;
 use crate::run::records::Summary;
-use crate::run::train::{Job, train};
+use crate::run::train::{CHECKPOINT_EVERY, Job, train};
+use crate::run::{RunError, checkpoint};
 
 /// Carries out all of `plan` in folders under `folder`, `at_a_time` runs side by side.
 ///
@@ -190,10 +190,14 @@ fn train_it(
     let began = Instant::now();
     let listener = || Some(board.listener(index, training));
     let mut gone_on = None;
-    if RunFolder::open(&path).is_ok_and(|(_, there)| there == training.config)
-        && path.join("checkpoint/latest.bin").exists()
-    {
-        match train(Job::Resume { folder: path.clone(), budget: None }, stop, began, listener()) {
+    if RunFolder::open(&path).is_ok_and(|(_, there)| there == training.config) && checkpoint::exists(&path) {
+        match train(
+            Job::Resume { folder: path.clone(), budget: None },
+            CHECKPOINT_EVERY,
+            stop,
+            began,
+            listener(),
+        ) {
             Ok((_, summary)) => gone_on = Some(summary),
             // A checkpoint that cannot be used, or one of the very end, when the summary was not yet written.
             Err(RunError::Unusable(_)) => {}
@@ -209,15 +213,15 @@ fn train_it(
             }
             let config = Box::new(training.config.clone());
             let job = Job::New { config, policy: origin(plan, training, folder)?, out: Some(path.clone()) };
-            train(job, stop, began, listener())?.1
+            train(job, CHECKPOINT_EVERY, stop, began, listener())?.1
         }
     };
     if !summary.finished {
         return Ok(false);
     }
     // Hundreds of megabytes over all runs, and of no more use.
-    let checkpoint = path.join("checkpoint");
-    fs::remove_dir_all(&checkpoint).map_err(|error| RunError::failed(&checkpoint, error))?;
+    let kept = path.join("checkpoint");
+    fs::remove_dir_all(&kept).map_err(|error| RunError::failed(&kept, error))?;
     Ok(true)
 }
 

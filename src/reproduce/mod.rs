@@ -44,6 +44,7 @@ use serde::{Deserialize, Serialize};
 use crate::report::page::{Item, Page, Verdict};
 use crate::report::{markdown, page, raster};
 use crate::run::RunError;
+use crate::run::lock::Lock;
 
 pub use experiment::Experiment;
 
@@ -103,6 +104,7 @@ pub fn reproduce(
         Path::new("runs").join(if request.quick { "reproduce-quick" } else { "reproduce" })
     });
     let before = ready(&folder)?;
+    let _lock = Lock::take(&folder, &folder.join("lock"))?;
     let runs = folder.join("runs");
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let at_a_time = request.at_a_time.unwrap_or_else(cores);

@@ -1,12 +1,13 @@
-//! Everything that a run needs to go on to the bit: `checkpoint/latest.bin`.
+//! Everything that a run needs to go on to the bit: `checkpoint/latest.bin`, and the two before it.
 //!
 //! In: the learner, the arenas, the streams, and where the records stand. Out: one file, written whole or not at all:
 //! magic, version, length and CRC-32C of the head, the head (postcard: [`Standing`]), then the learner's own
-//! checkpoint, which has a checksum of its own.
+//! checkpoint, which has a checksum of its own. Where the newest cannot be read, the one before is.
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{BufReader, Read, Write};
+use std::io::{BufReader, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::World;
 use serde::{Deserialize, Serialize};
@@ -20,7 +21,9 @@ use crate::random::Stream;
 use crate::task::{ArenaState, observation};
 use crate::world;
 
-const NAME: &str = "checkpoint/latest.bin";
+/// The last checkpoints, from the newest on. The first is there only for a moment, while the others move up.
+const NAMES: [&str; 4] =
+    ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
 const MAGIC: &[u8; 8] = b"wayfrun\n";
 /// 2: arenas hold the drive's actual velocity.
 const VERSION: u32 = 2;
@@ -90,29 +93,84 @@ pub fn save(folder: &RunFolder, world: &mut World, standing: &mut Standing) -> R
     standing.arenas = world::snapshot(world);
     standing.exploration = world.resource::<Decisions>().streams.clone();
     standing.stats = *world.resource::<TrainingStats>();
-    let path = folder.path().join(NAME);
+    let path = folder.path().join(NAMES[0]);
     let head = postcard::to_allocvec(standing).map_err(|error| RunError::failed(&path, error))?;
     let learner = &world.resource::<Trainer>().0;
-    folder.write(NAME, |file| {
+    folder.write(NAMES[0], |file| {
         file.write_all(MAGIC)?;
         file.write_all(&VERSION.to_le_bytes())?;
         file.write_all(&(head.len() as u64).to_le_bytes())?;
         file.write_all(&crc32c::crc32c(&head).to_le_bytes())?;
         file.write_all(&head)?;
         learner.save(file).map_err(std::io::Error::other)
-    })
+    })?;
+    // Whenever this is cut short, all that are there are whole, and in order.
+    for (from, to) in NAMES.iter().zip(&NAMES[1..]).rev() {
+        let (from, to) = (folder.path().join(from), folder.path().join(to));
+        match std::fs::rename(&from, &to) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(RunError::failed(&to, error)),
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
-/// Reads what [`save`] wrote.
+/// What was read of a run's checkpoints.
+pub struct Loaded {
+    /// Where the run stands.
+    pub standing: Standing,
+    /// Its learner.
+    pub learner: Learner,
+    /// Newer checkpoints that could not be read, and why.
+    pub passed_over: Vec<(PathBuf, RunError)>,
+}
+
+/// Whether there is any checkpoint of the run in `folder`.
+pub fn exists(folder: &Path) -> bool {
+    NAMES.iter().any(|name| folder.join(name).exists())
+}
+
+/// Reads the newest of what [`save`] wrote that can be read.
 ///
 /// # Errors
-/// There is none, or it is damaged, or of another configuration.
-pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<(Standing, Learner), RunError> {
-    let path = folder.path().join(NAME);
-    let bad = |why: &str| {
-        RunError::unusable(&path, format!("{why} (restore the file if you have a copy, or train anew)"))
-    };
-    let file = File::open(&path).map_err(|error| bad(&format!("no checkpoint to go on from: {error}")))?;
+/// There is none; or all are damaged, or of another configuration: what is wrong with the newest.
+pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<Loaded, RunError> {
+    let mut passed_over = Vec::new();
+    for path in NAMES.iter().map(|name| folder.path().join(name)).filter(|path| path.exists()) {
+        match read(&path, config) {
+            Ok((standing, learner)) => return Ok(Loaded { standing, learner, passed_over }),
+            Err(error) => passed_over.push((path, error)),
+        }
+    }
+    Err(passed_over.into_iter().next().map_or_else(
+        || {
+            let path = folder.path().join(NAMES[1]);
+            RunError::unusable(&path, format!("no checkpoint to go on from{ANEW}"))
+        },
+        |(_, error)| error,
+    ))
+}
+
+/// Puts aside what could not be read, so that it does not take the place of what can: under the same name, with `.damaged`
+/// behind it.
+///
+/// # Errors
+/// It cannot be renamed.
+pub fn set_aside(passed_over: &[(PathBuf, RunError)]) -> Result<(), RunError> {
+    for (path, _) in passed_over {
+        let mut aside = path.clone().into_os_string();
+        aside.push(".damaged");
+        std::fs::rename(path, &aside).map_err(|error| RunError::failed(path, error))?;
+    }
+    Ok(())
+}
+
+/// The mend.
+const ANEW: &str = " (restore the file if you have a copy, or train anew)";
+
+fn read(path: &Path, config: &RunConfig) -> Result<(Standing, Learner), RunError> {
+    let bad = |why: &str| RunError::unusable(path, format!("{why}{ANEW}"));
+    let file = File::open(path).map_err(|error| bad(&format!("can't be read: {error}")))?;
     let mut file = BufReader::new(file);
     let mut array = [0_u8; 24];
     file.read_exact(&mut array).map_err(|_| bad("is too short to be a checkpoint"))?;

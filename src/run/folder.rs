@@ -8,17 +8,21 @@
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last |
 //! | `policy-init.safetensors` | the policy that training started from, if it did from one |
 //! | `policy-after-N-episodes.safetensors` | as it stood then, where the configuration asks for it |
-//! | `checkpoint/latest.bin` | everything needed to go on |
+//! | `checkpoint/` | everything needed to go on, the last three times it was written ([`checkpoint`](super::checkpoint)); a lock |
 //! | `summary.json`, `learning-curve.svg` | the run in short, and as a picture |
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+#[cfg(not(target_arch = "wasm32"))]
+use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::RunError;
+#[cfg(not(target_arch = "wasm32"))]
+use super::lock::Lock;
 use super::preset::Preset;
 use super::shipped;
 use crate::scenario::{FileError, Scenario, parse_ron, read_text, to_ron};
@@ -110,10 +114,16 @@ pub struct Transfer {
 /// The file that keeps the policy which training started from.
 pub const INIT: &str = "policy-init.safetensors";
 
+/// How temporary files are called: those of a process that was killed are swept away by the next.
+const TEMPORARY: &str = ".writing-";
+
 /// A run's folder on disk.
 #[derive(Clone, Debug)]
 pub struct RunFolder {
     path: PathBuf,
+    /// Ours to write in, while this lives; not if it was only opened.
+    #[cfg(not(target_arch = "wasm32"))]
+    _lock: Option<Arc<Lock>>,
 }
 
 impl RunFolder {
@@ -123,31 +133,73 @@ impl RunFolder {
     /// # Errors
     /// The folder holds a run already, or cannot be written.
     pub fn create(path: Option<PathBuf>, config: &RunConfig) -> Result<Self, RunError> {
-        let folder = Self { path: path.unwrap_or_else(|| default_path(config)) };
-        if folder.config().exists() {
-            let why = "holds a run already: go on with it by --resume, or give --out another folder";
-            return Err(RunError::unusable(&folder.path, why));
-        }
-        let unwritable = |error: io::Error| {
-            RunError::unusable(&folder.path, format!("can't be written ({error}): give --out another folder"))
+        let folder = match path {
+            Some(path) => Self::new(path),
+            None => Self::new(default_path(config)?),
         };
-        if fs::read_dir(&folder.path).is_ok_and(|mut entries| entries.next().is_some()) {
-            let why = "is not empty: give --out a new or an empty folder";
-            return Err(RunError::unusable(&folder.path, why));
-        }
-        fs::create_dir_all(folder.path.join("checkpoint")).map_err(unwritable)?;
+        folder.check_vacant()?;
+        fs::create_dir_all(folder.path.join("checkpoint")).map_err(|error| {
+            RunError::unusable(&folder.path, format!("can't be written ({error}): give --out another folder"))
+        })?;
+        let folder = folder.taken()?;
+        // Somebody may have been quicker.
+        folder.check_vacant()?;
         folder.write_config(config).map_err(|error| match error {
             RunError::Failed(text) | RunError::Unusable(text) => RunError::Unusable(text),
         })?;
         Ok(folder)
     }
 
-    /// The folder of a run that was begun, and its configuration.
+    fn new(path: PathBuf) -> Self {
+        Self {
+            path,
+            #[cfg(not(target_arch = "wasm32"))]
+            _lock: None,
+        }
+    }
+
+    /// Whether a new run can be made here: a folder that is not there, or empty, or where one was killed before it began.
+    fn check_vacant(&self) -> Result<(), RunError> {
+        if self.config().exists() {
+            let why = "holds a run already: go on with it by --resume, or give --out another folder";
+            return Err(RunError::unusable(&self.path, why));
+        }
+        let ours = |entry: io::Result<fs::DirEntry>| {
+            entry.is_ok_and(|entry| entry.file_name() == "checkpoint" || is_temporary(&entry))
+        };
+        if fs::read_dir(&self.path).is_ok_and(|mut entries| !entries.all(ours)) {
+            let why = "is not empty: give --out a new or an empty folder";
+            return Err(RunError::unusable(&self.path, why));
+        }
+        Ok(())
+    }
+
+    /// This folder, to be written in: nobody else may, and what a killed process was writing is swept away.
+    ///
+    /// # Errors
+    /// Another process has it, or it cannot be written.
+    pub fn taken(self) -> Result<Self, RunError> {
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let lock = Arc::new(Lock::take(&self.path, &self.path.join("checkpoint/lock"))?);
+            for folder in [self.path.clone(), self.path.join("checkpoint")] {
+                for entry in fs::read_dir(folder).into_iter().flatten().flatten().filter(is_temporary) {
+                    // What cannot be swept away does no harm.
+                    let _ = fs::remove_file(entry.path());
+                }
+            }
+            Ok(Self { _lock: Some(lock), ..self })
+        }
+        #[cfg(target_arch = "wasm32")]
+        Ok(self)
+    }
+
+    /// The folder of a run that was begun, and its configuration; to be read only, unless it is [`taken`](Self::taken).
     ///
     /// # Errors
     /// It is not there, or its `config.ron` cannot be used.
     pub fn open(path: &Path) -> Result<(Self, RunConfig), RunError> {
-        let folder = Self { path: path.into() };
+        let folder = Self::new(path.into());
         if !folder.config().exists() {
             let why = "is no run's folder (it has no config.ron): give --resume the folder of a run";
             return Err(RunError::unusable(path, why));
@@ -242,7 +294,7 @@ impl RunFolder {
 #[cfg(not(target_arch = "wasm32"))]
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
     let in_folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut temporary = tempfile::NamedTempFile::new_in(in_folder)?;
+    let mut temporary = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(in_folder)?;
     let mut writer = io::BufWriter::new(temporary.as_file_mut());
     write(&mut writer)?;
     writer.flush()?;
@@ -250,7 +302,14 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>)
     make_readable(temporary.path())?;
     temporary.as_file().sync_all()?;
     temporary.persist(path).map_err(|error| error.error)?;
+    // The new name, too, is to outlive a power cut. (Not every system opens folders.)
+    #[cfg(unix)]
+    File::open(in_folder)?.sync_all()?;
     Ok(())
+}
+
+fn is_temporary(entry: &fs::DirEntry) -> bool {
+    entry.file_name().to_string_lossy().starts_with(TEMPORARY)
 }
 
 /// Writes the file `path` by `write`, onto the shelf from which the page saves it.
@@ -296,14 +355,24 @@ fn make_readable(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
-fn default_path(config: &RunConfig) -> PathBuf {
+/// `runs/<scenario>-<preset>-<seed>`, with a number behind it if that is taken; the folder is made, so that nobody else
+/// gets it.
+fn default_path(config: &RunConfig) -> Result<PathBuf, RunError> {
     let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
     let runs = Path::new("runs");
     let mut path = runs.join(&name);
     let mut number = 2;
-    while path.join("config.ron").exists() {
-        path = runs.join(format!("{name}-{number}"));
-        number += 1;
+    loop {
+        match fs::create_dir_all(runs).and_then(|()| fs::create_dir(&path)) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => {
+                path = runs.join(format!("{name}-{number}"));
+                number += 1;
+            }
+            Err(error) => {
+                let why = format!("can't be written ({error}): give --out another folder");
+                return Err(RunError::unusable(&path, why));
+            }
+        }
     }
-    path
 }

@@ -11,9 +11,10 @@
 //! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
 //! | `follow.rs` | what is noted of a training as it goes on: rows, the best policy |
 //! | `evaluate.rs` | success over rounds of navigations, and the timed course |
-//! | `examiner.rs` | evaluation during training, on a thread of its own |
+//! | `examiner.rs` | evaluation during training, on a thread of its own (in a browser, in slices) |
 //! | `optimum/` | the least time that any policy could need |
 //! | `folder.rs` | a run's folder: what is written where, whole or not at all |
+//! | `lock.rs` | one process at a time in a folder |
 //! | `records.rs`, `recorder.rs` | the rows of `episodes.csv` and `evaluations.csv`, and who writes them |
 //! | `policy_card.rs` | what the user of a policy needs to know |
 //! | `checkpoint.rs` | everything that a run needs to go on to the bit |
@@ -26,6 +27,8 @@ pub mod examiner;
 pub mod fingerprint;
 pub mod folder;
 pub mod follow;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod lock;
 pub mod optimum;
 pub mod policy_card;
 pub mod preset;

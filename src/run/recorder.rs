@@ -82,6 +82,8 @@ impl Recorder {
         self.events.flush().map_err(|error| self.failed("events", error))?;
         let length = |writer: &mut csv::Writer<File>| {
             writer.flush()?;
+            // The checkpoint that counts on these rows must not outlive them in a power cut.
+            writer.get_ref().sync_data()?;
             Ok(writer.get_ref().metadata()?.len())
         };
         let episodes =

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use super::preset::Preset;
 use crate::learning::Policy;
-use crate::scenario::{FileError, Scenario};
+use crate::scenario::{FileError, Scenario, is_there};
 
 /// A file of the project, compiled in.
 struct Shipped {
@@ -97,7 +97,7 @@ pub fn preset(wanted: &str) -> Result<Preset, FileError> {
 /// A shipped file is meant if no file of the user's has that path, and the name (or the path it has in the project)
 /// is one of those shipped.
 fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
-    if Path::new(wanted).exists() {
+    if is_there(Path::new(wanted)) {
         return None;
     }
     files.iter().find(|file| file.name == wanted || file.path == wanted)
@@ -105,7 +105,7 @@ fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
 
 /// For a name that is neither a file nor shipped: the error also says what is shipped.
 fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
-    if Path::new(wanted).exists() {
+    if is_there(Path::new(wanted)) {
         return error;
     }
     let names: Vec<&str> = files.iter().map(|file| file.name).collect();

@@ -10,21 +10,21 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
-use super::checkpoint::{self, Standing};
+use super::checkpoint::{self, Loaded, Standing};
 use super::examiner::{Examination, Examiner};
-use super::folder::{INIT, RunConfig, RunFolder};
+use super::folder::{INIT, RunConfig, RunFolder, header};
 use super::follow;
 use super::preset::Budget;
 use super::progress::{Goal, Listener, Progress, Status};
 use super::recorder::Recorder;
-use super::records::Summary;
+use super::records::{EpisodeRow, Summary};
 pub use super::start::learner;
-use super::{RunError, simulation};
+use super::{RunError, policy_card, simulation};
 use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
 
-/// A checkpoint is written this often, beside those at the start and the end.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
+/// A checkpoint is written this often, beside those at the start and the end, unless another interval is asked for.
+pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 
 /// What to run.
 pub enum Job {
@@ -46,13 +46,14 @@ pub enum Job {
     },
 }
 
-/// Runs `job` until its budget is used up or `stop` is set, whichever comes first; `began` is when the process did.
-/// How it is getting on is shown on stderr, or told to `listener` instead.
+/// Runs `job` until its budget is used up or `stop` is set, whichever comes first; `began` is when the process did. What
+/// has been learnt is safe on the disk `every` so often, at the start and at the end. How it is getting on is shown on stderr, or told to `listener` instead.
 ///
 /// # Errors
 /// Files that cannot be used or written; learning that diverged. Checkpoints written before are kept.
 pub fn train(
     job: Job,
+    every: Duration,
     stop: &AtomicBool,
     began: Instant,
     listener: Option<Listener>,
@@ -62,7 +63,7 @@ pub fn train(
         Job::Resume { folder, budget } => Run::resume(&folder, budget, began, listener)?,
     };
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.config.description()));
-    let result = run.steps(stop);
+    let result = run.steps(every, stop);
     // Whatever ended it: what is under way is waited for, and rows that were written stay written.
     let examined = run.await_examinations();
     let flushed = run.recorder.flush();
@@ -98,8 +99,20 @@ impl Run {
         began: Instant,
         listener: Option<Listener>,
     ) -> Result<Self, RunError> {
+        // (Before the folder is made: what cannot be begun leaves none.)
         let learner = learner(&config, policy.as_ref())?;
         let folder = RunFolder::create(out, &config)?;
+        Self::from_nothing(config, policy, folder, learner, began, listener)
+    }
+
+    fn from_nothing(
+        config: RunConfig,
+        policy: Option<Policy>,
+        folder: RunFolder,
+        learner: Learner,
+        began: Instant,
+        listener: Option<Listener>,
+    ) -> Result<Self, RunError> {
         let standing =
             Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
         if let Some(policy) = &policy {
@@ -118,7 +131,16 @@ impl Run {
         listener: Option<Listener>,
     ) -> Result<Self, RunError> {
         let (folder, mut config) = RunFolder::open(path)?;
-        let (standing, learner) = checkpoint::load(&folder, &config)?;
+        let folder = folder.taken()?;
+        if !checkpoint::exists(path) && !has_rows(path) {
+            // It was killed before its first checkpoint, and so before its first step.
+            config.preset.budget = budget.unwrap_or(config.preset.budget);
+            let policy = config.transfer.as_ref().map(|_| policy_card::read(&path.join(INIT))).transpose()?;
+            let learner = learner(&config, policy.as_ref())?;
+            folder.write_config(&config)?;
+            return Self::from_nothing(config, policy, folder, learner, began, listener);
+        }
+        let Loaded { standing, learner, passed_over } = checkpoint::load(&folder, &config)?;
         let budget = budget.unwrap_or(config.preset.budget);
         if remaining(budget, &learner) == 0 {
             let done = match budget {
@@ -133,11 +155,17 @@ impl Run {
                 ),
             ));
         }
+        checkpoint::set_aside(&passed_over)?;
         if budget != config.preset.budget {
             config.preset.budget = budget;
             folder.write_config(&config)?;
         }
+        let env_steps = learner.env_steps();
         let mut run = Self::open(config, folder, learner, standing, began, listener)?;
+        for (_, error) in passed_over {
+            run.progress
+                .warn(&format!("{error}; going on from the checkpoint before it, {env_steps} env steps"));
+        }
         checkpoint::restore(run.app.world_mut(), &run.standing);
         if let Some(best) = &run.standing.best {
             run.write_policy("policy.safetensors", &best.bytes)?;
@@ -191,7 +219,7 @@ impl Run {
     }
 
     /// Control steps, until the budget is used up or somebody asks to stop.
-    fn steps(&mut self, stop: &AtomicBool) -> Result<(), RunError> {
+    fn steps(&mut self, every: Duration, stop: &AtomicBool) -> Result<(), RunError> {
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let episodes_before = self.learner().episodes();
             simulation::step(self.app.world_mut())?;
@@ -204,7 +232,7 @@ impl Run {
             while let Some(examination) = self.examiner.take(false)? {
                 self.examined(examination)?;
             }
-            if self.saved.elapsed() >= CHECKPOINT_EVERY {
+            if self.saved.elapsed() >= every {
                 self.save()?;
             }
             self.show_progress();
@@ -334,6 +362,12 @@ impl Run {
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
         Ok(summary)
     }
+}
+
+/// Whether the run in `folder` has any episode on record.
+fn has_rows(folder: &Path) -> bool {
+    let header = || header::<EpisodeRow>().map_or(0, |line| line.len() as u64);
+    std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header())
 }
 
 /// What is left of a budget.

@@ -93,6 +93,14 @@ pub fn read_bytes(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
 #[cfg(target_arch = "wasm32")]
 pub use super::shelf::read as read_bytes;
 
+/// Whether there is a file or folder at `path`.
+pub fn is_there(path: &Path) -> bool {
+    #[cfg(target_arch = "wasm32")]
+    return super::shelf::holds(path);
+    #[cfg(not(target_arch = "wasm32"))]
+    path.exists()
+}
+
 /// The text of the file at `path`.
 ///
 /// # Errors

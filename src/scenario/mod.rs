@@ -20,7 +20,7 @@ pub mod shelf;
 pub use check::findings;
 pub use file_error::{FileError, Finding, Problem};
 pub use geometry::{clearance, shape_distance, wall_distance};
-pub use load::{parse_ron, read_bytes, read_ron, read_text, to_ron};
+pub use load::{is_there, parse_ron, read_bytes, read_ron, read_text, to_ron};
 pub use motion::pose_at;
 pub use placement::{NoFreePlace, draw_start, draw_target};
 pub use ron_message::nearest;

@@ -17,7 +17,7 @@ const TYPES = {
 export async function serve() {
     const below = '/some/where/';
     const server = createServer(async (request, response) => {
-        const path = new URL(request.url, 'http://localhost').pathname;
+        const path = new URL(request.url, 'http://localhost').pathname; // (Without what tells builds apart.)
         const name = path === below ? 'index.html' : path.slice(below.length);
         try {
             if (!path.startsWith(below) || name.includes('/')) throw new Error('elsewhere');

@@ -18,7 +18,7 @@ use super::{Curves, First, Session, Speed};
 use crate::app::orders::Mode;
 use crate::app::status::Weight;
 use crate::learning::{Learner, Policy};
-use crate::run::checkpoint::{self, Standing};
+use crate::run::checkpoint::{self, Loaded, Standing};
 use crate::run::examiner::Examiner;
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::records::{EpisodeRow, EvaluationRow};
@@ -170,7 +170,7 @@ impl Session {
     /// It holds no run, or one that cannot be used.
     pub(super) fn resume(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
         let (folder, config) = RunFolder::open(path)?;
-        let (standing, learner) = checkpoint::load(&folder, &config)?;
+        let Loaded { standing, learner, passed_over } = checkpoint::load(&folder, &config)?;
         let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
         let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
         let (known, env_steps) = (learner.episodes(), learner.env_steps());
@@ -186,6 +186,9 @@ impl Session {
         evaluations.retain(|row| row.env_steps <= env_steps);
         evaluations.iter().for_each(|row| curves.evaluation(row));
         self.evaluations = evaluations;
+        for (_, error) in passed_over {
+            self.tell(Weight::Failed, format!("{error}; the checkpoint before it is taken instead"));
+        }
         Ok(())
     }
 }

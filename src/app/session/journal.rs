@@ -126,7 +126,7 @@ pub struct Replayed {
 /// The folder holds no such run, or one that cannot be used.
 pub fn verify(path: &Path) -> Result<Replayed, RunError> {
     let (folder, config) = RunFolder::open(path)?;
-    let (_, learner) = checkpoint::load(&folder, &config)?;
+    let learner = checkpoint::load(&folder, &config)?.learner;
     let journal = Journal::of(&folder, &config, &learner)?;
     let again = journal.replay(init(&folder, &journal.begun)?.as_ref())?;
     let bytes = |learner: &Learner| {

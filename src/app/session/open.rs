@@ -34,8 +34,9 @@ impl Session {
         if self.would_discard(learner.env_steps()) && self.asked_once.as_deref() != Some(path) {
             self.asked_once = Some(path.into());
             return Err(RunError::Unusable(format!(
-                "The training of {} episodes would be gone: save the run first, or open {} once more",
+                "The training of {} episodes would be gone: save the {} first, or open {} once more",
                 learner.episodes(),
+                if cfg!(target_arch = "wasm32") { "policy" } else { "run" },
                 path.display()
             )));
         }

@@ -90,6 +90,16 @@ mod tests {
     use crate::run::shipped;
 
     #[test]
+    fn in_small_batches_the_same_navigations_are_driven() {
+        let scenario = Arc::new(shipped::scenario("scenario-2").expect("shipped"));
+        let (_, policy) = &shipped::policies()[1];
+        let driven = |side_by_side| {
+            Evaluator::new(&scenario, side_by_side).run(policy, 4, 40, Places::Drawn).expect("drives")
+        };
+        assert_eq!(driven(16), driven(40));
+    }
+
+    #[test]
     fn slices_come_to_what_a_thread_comes_to() {
         let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
         let (_, policy) = &shipped::policies()[0];
