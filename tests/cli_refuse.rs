@@ -305,6 +305,9 @@ fn runs_that_cannot_be_resumed() {
         assert_refused_in_a_line(&desk, resume, &["run/checkpoint/latest.bin", needle]);
     }
     std::fs::remove_file(desk.path("run/checkpoint/latest.bin")).unwrap();
+    // (Without a row on record it was killed before its first step, and begins.)
+    let rows = desk.text("run/episodes.csv");
+    desk.write("run/episodes.csv", format!("{rows}one more\n"));
     assert_refused_in_a_line(&desk, resume, &["run/checkpoint/latest.bin", "no checkpoint to go on from"]);
     desk.write("run/checkpoint/latest.bin", &checkpoint);
 

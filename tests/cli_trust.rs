@@ -103,7 +103,7 @@ fn a_spoilt_checkpoint_is_passed_over_for_the_one_before() {
                 .success()
         );
         let done = steps(&copy, 9600);
-        let warning = format!("warning: {copy}/checkpoint/latest.bin: is damaged");
+        let warning = format!("warning: {copy}/checkpoint/latest.bin: the checkpoint is damaged");
         assert!(done.stderr.contains(&warning), "{}", done.stderr);
         assert!(
             done.stderr.contains(&format!("going on from the checkpoint before it, {is} env steps")),

@@ -142,13 +142,11 @@ pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<Loaded, RunError> 
             Err(error) => passed_over.push((path, error)),
         }
     }
-    Err(passed_over.into_iter().next().map_or_else(
-        || {
-            let path = folder.path().join(NAMES[1]);
-            RunError::unusable(&path, format!("no checkpoint to go on from{ANEW}"))
-        },
+    let newest = passed_over.into_iter().next().map_or_else(
+        || RunError::unusable(&folder.path().join(NAMES[1]), "no checkpoint to go on from"),
         |(_, error)| error,
-    ))
+    );
+    Err(RunError::Unusable(format!("{newest} (restore the file if you have a copy, or train anew)")))
 }
 
 /// Puts aside what could not be read, so that it does not take the place of what can: under the same name, with `.damaged`
@@ -165,11 +163,8 @@ pub fn set_aside(passed_over: &[(PathBuf, RunError)]) -> Result<(), RunError> {
     Ok(())
 }
 
-/// The mend.
-const ANEW: &str = " (restore the file if you have a copy, or train anew)";
-
 fn read(path: &Path, config: &RunConfig) -> Result<(Standing, Learner), RunError> {
-    let bad = |why: &str| RunError::unusable(path, format!("{why}{ANEW}"));
+    let bad = |why: &str| RunError::unusable(path, why);
     let file = File::open(path).map_err(|error| bad(&format!("can't be read: {error}")))?;
     let mut file = BufReader::new(file);
     let mut array = [0_u8; 24];
