@@ -6,7 +6,7 @@ import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { brotliCompressSync, constants } from 'node:zlib';
-import { SOFTWARE_GPU, click, launch, open, picture, press, serve, standing, until } from './support.mjs';
+import { SOFTWARE_GPU, canBeHidden, click, launch, open, picture, press, serve, standing, until } from './support.mjs';
 
 let host;
 let browser;
@@ -25,7 +25,9 @@ const PAUSE = [123, 28];
 const PLOTS_PANEL = [1257, 28];
 const WORLD = [123, 101];
 const THIRD_WORLD = [50, 192];
-const START_AGAIN = [123, 357];
+// With the world Empty chosen, whose description is shorter.
+const START_AGAIN = [123, 318];
+const GO_ON_WITH_WHAT_IT_HAS_LEARNT = [123, 354];
 const EXPERT = [123, 707];
 const SAVE_WORLD = [67, 771];
 const SAVE_WORLD_ONCE_CHANGED = [67, 790];
@@ -75,16 +77,19 @@ test('the address chooses scenario, preset, seed and pace, and follows what is c
     await page.context().close();
 });
 
-test('another world is chosen with the mouse, and the address tells', async () => {
+test('another world is chosen with the mouse, with what was learnt or from nothing, and the address tells', async () => {
     const page = await open(browser, `${host.address}?seed=5`, { options: HIGH });
     await until(page, (now) => now.env_steps > 0);
     await click(page, ...WORLD);
     await click(page, ...THIRD_WORLD);
     await picture(page, 'chosen');
+    await click(page, ...GO_ON_WITH_WHAT_IT_HAS_LEARNT);
+    await until(page, (now) => now.scenario === 'empty' && now.env_steps > 0);
+    await page.waitForFunction(() => location.search === '', null, { timeout: 20_000 });
     await click(page, ...START_AGAIN);
-    const now = await until(page, (now) => now.scenario === 'empty' && now.env_steps > 0);
-    assert.equal(now.seed, 5);
-    assert.equal(new URL(page.url()).searchParams.get('scenario'), 'empty');
+    await page.waitForFunction(() => new URLSearchParams(location.search).get('scenario') === 'empty', null, { timeout: 20_000 });
+    const now = await standing(page);
+    assert.deepEqual([now.scenario, now.preset, now.seed], ['empty', 'fast', 5]);
     noComplaints(page);
     await page.context().close();
 });
@@ -225,18 +230,17 @@ test('while it is paused it costs next to nothing', async (t) => {
 });
 
 test('it outlives being hidden, and resized; and it takes touch', async () => {
-    const page = await open(browser, host.address, { options: { hasTouch: true } });
+    const page = await open(browser, host.address, { options: { hasTouch: true }, prepare: canBeHidden });
     await until(page, (now) => now.env_steps > 0);
-    const cdp = await page.context().newCDPSession(page);
-    const before = await standing(page);
-    await cdp.send('Page.setWebLifecycleState', { state: 'frozen' });
+    await page.evaluate(() => hide());
+    await page.waitForTimeout(2000);
+    const asleep = await standing(page);
     await page.waitForTimeout(8000);
-    await cdp.send('Page.setWebLifecycleState', { state: 'active' });
-    const woken = await standing(page);
-    assert.ok(woken.frames - before.frames <= 25, `it slept: ${woken.frames - before.frames} frames in 8 s`);
-    const later = await until(page, (now) => now.env_steps > woken.env_steps);
+    assert.deepEqual(await standing(page), asleep, 'nothing happens meanwhile');
+    await page.evaluate(() => show());
+    const later = await until(page, (now) => now.env_steps > asleep.env_steps);
     // 8 s would be 3,200 env steps.
-    assert.ok(later.env_steps - woken.env_steps < 2000, 'the time that it slept is not made up for');
+    assert.ok(later.env_steps - asleep.env_steps < 2000, 'the time that it slept is not made up for');
     const canvas = () => page.evaluate(() => {
         const { width, height } = document.querySelector('canvas');
         return [width, height];

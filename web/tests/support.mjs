@@ -93,6 +93,29 @@ export async function press(page, held, key) {
     await page.keyboard.up(held);
 }
 
+/// Gives the page `hide` and `show`, which do what a browser does when the user goes to another tab and comes back: no more
+/// frames are asked for, and it is told. (Headless Chromium takes every tab for visible.)
+export const canBeHidden = (page) => page.addInitScript(() => {
+    const ask = requestAnimationFrame.bind(globalThis);
+    let held = null;
+    globalThis.requestAnimationFrame = (callback) => (held === null ? ask(callback) : held.push(callback));
+    const tell = (state) => {
+        Object.defineProperty(document, 'visibilityState', { value: state, configurable: true });
+        Object.defineProperty(document, 'hidden', { value: state === 'hidden', configurable: true });
+        document.dispatchEvent(new Event('visibilitychange'));
+    };
+    globalThis.hide = () => {
+        held = [];
+        tell('hidden');
+    };
+    globalThis.show = () => {
+        const waiting = held;
+        held = null;
+        tell('visible');
+        waiting.forEach(ask);
+    };
+});
+
 /// Keeps a picture for whoever wants to look.
 export const picture = (page, name) =>
     page.screenshot({ path: join(WAYFIELD_SEEN, `${name}.png`), timeout: 120_000 });
