@@ -4,7 +4,6 @@
 //! training stands in words (for who cannot see the canvas, and for tests), and a panic's message. The other side is
 //! `web/page.js`: an object `wayfieldPage` with a function for each thing said here.
 
-use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
@@ -13,7 +12,7 @@ use bevy::time::Real;
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-use super::orders::{Mode, Order, Pace, Saved};
+use super::orders::{Mode, Order, Pace};
 use super::session::{First, Session};
 use super::window::{self, Opening};
 use crate::agent::Trainer;
@@ -119,10 +118,9 @@ pub(super) fn answer(
         match order {
             Order::OpenDialog => choose(),
             Order::SaveDialog(what) => {
-                let name = session.as_ref().map_or_else(String::new, |session| {
-                    format!("{}-{}", session.config.scenario_name(), session.config.preset_name())
-                });
-                answers.push(Order::Save(*what, file_name(*what, &name)));
+                answers.extend(
+                    session.iter().map(|session| Order::Save(*what, session.proposed_name(*what).into())),
+                );
             }
             _ => {}
         }
@@ -135,17 +133,6 @@ pub(super) fn answer(
     for (name, bytes) in shelf::take_out() {
         save(&name, &bytes);
     }
-}
-
-fn file_name(what: Saved, name: &str) -> PathBuf {
-    match what {
-        Saved::Policy => format!("{name}.safetensors"),
-        Saved::Run => name.into(),
-        Saved::Csv => format!("{name}-episodes.csv"),
-        Saved::Png => format!("{name}-curves.svg"),
-        Saved::Scenario => "my-world.ron".into(),
-    }
-    .into()
 }
 
 /// The page's address becomes a link to what goes on: whoever follows it begins the same training. A world of the user's

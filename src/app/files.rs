@@ -51,7 +51,7 @@ pub(super) fn answer(
             }
             // No dialog here: what is to be saved goes where runs go.
             (None, Some(what)) if dialog.since.elapsed() < SOONEST => {
-                messages.write(Order::Save(what, untaken(&proposed(what, &session))));
+                messages.write(Order::Save(what, untaken(&session.proposed_name(what))));
             }
             (None, None) if dialog.since.elapsed() < SOONEST => session.tell(
                 Weight::Failed,
@@ -69,7 +69,7 @@ pub(super) fn answer(
     });
     if let (None, Some(what)) = (&dialogs.open, asked) {
         let asking = match what {
-            Some(what) => ask_where(what, &proposed(what, &session)),
+            Some(what) => ask_where(what, &session.proposed_name(what)),
             None => ask_which(),
         };
         dialogs.open = Some(Dialog { asking, what, since: Instant::now() });
@@ -100,19 +100,6 @@ fn ask_where(what: Saved, name: &str) -> Task<Option<PathBuf>> {
     }
     let asking = dialog.save_file();
     IoTaskPool::get().spawn(async move { asking.await.map(|file| file.path().into()) })
-}
-
-/// The name that is proposed for `what`.
-fn proposed(what: Saved, session: &Session) -> String {
-    let config = &session.config;
-    let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
-    match what {
-        Saved::Policy => format!("{name}.safetensors"),
-        Saved::Run => name,
-        Saved::Csv => format!("{name}-episodes.csv"),
-        Saved::Png => format!("{name}-curves.png"),
-        Saved::Scenario => "my-world.ron".into(),
-    }
 }
 
 /// A path for `name` under `runs/` where there is nothing yet.

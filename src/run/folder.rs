@@ -302,9 +302,10 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>)
     make_readable(temporary.path())?;
     temporary.as_file().sync_all()?;
     temporary.persist(path).map_err(|error| error.error)?;
-    // The new name, too, is to outlive a power cut. (Not every system opens folders.)
-    #[cfg(unix)]
-    File::open(in_folder)?.sync_all()?;
+    // The new name, too, is to outlive a power cut, where that can be had.
+    if let Ok(folder) = File::open(in_folder) {
+        let _ = folder.sync_all();
+    }
     Ok(())
 }
 

@@ -18,7 +18,7 @@ use super::preset::Budget;
 use super::progress::{Goal, Listener, Progress, Status};
 use super::recorder::Recorder;
 use super::records::{EpisodeRow, Summary};
-pub use super::start::learner;
+use super::start::learner;
 use super::{RunError, policy_card, simulation};
 use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
@@ -46,8 +46,9 @@ pub enum Job {
     },
 }
 
-/// Runs `job` until its budget is used up or `stop` is set, whichever comes first; `began` is when the process did. What
-/// has been learnt is safe on the disk `every` so often, at the start and at the end. How it is getting on is shown on stderr, or told to `listener` instead.
+/// Runs `job` until its budget is used up or `stop` is set, whichever comes first; `began` is when the process did. A
+/// checkpoint is written `every` so often, at the start and at the end. How it is getting on is shown on stderr, or told
+/// to `listener` instead.
 ///
 /// # Errors
 /// Files that cannot be used or written; learning that diverged. Checkpoints written before are kept.

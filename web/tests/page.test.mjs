@@ -29,6 +29,7 @@ const THIRD_WORLD = [50, 192];
 const START_AGAIN = [123, 318];
 const GO_ON_WITH_WHAT_IT_HAS_LEARNT = [123, 354];
 const EXPERT = [123, 707];
+const OPEN = [67, 739];
 const SAVE_WORLD = [67, 771];
 const SAVE_WORLD_ONCE_CHANGED = [67, 790];
 const OBSTACLE = [491, 381];
@@ -152,10 +153,11 @@ test('a policy goes out as a file and comes back; a dropped file is opened, too'
     const page = await open(browser, host.address, { options: HIGH });
     await until(page, (now) => now.gradient_steps > 0);
     const [saved] = await Promise.all([page.waitForEvent('download'), press(page, 'Control', 's')]);
-    assert.equal(saved.suggestedFilename(), 'scenario-1-fast.safetensors');
+    assert.equal(saved.suggestedFilename(), 'scenario-1-fast-0.safetensors');
     const policy = await readFile(await saved.path());
     assert.match(policy.subarray(8, 200).toString(), /"__metadata__"/);
-    await page.setInputFiles('#file', { name: 'back.safetensors', mimeType: '', buffer: policy });
+    const [dialog] = await Promise.all([page.waitForEvent('filechooser'), click(page, ...OPEN)]);
+    await dialog.setFiles({ name: 'back.safetensors', mimeType: '', buffer: policy });
     const now = await until(page, (now) => now.mode === 'Compare');
     assert.match(now.notice, /back\.safetensors/);
     const drop = async (name, text) => page.evaluate(([name, text]) => {

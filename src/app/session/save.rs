@@ -16,6 +16,21 @@ use crate::run::{RunError, checkpoint, follow};
 use crate::scenario::to_ron;
 
 impl Session {
+    /// The file name that is proposed for `what`.
+    #[must_use]
+    pub fn proposed_name(&self, what: Saved) -> String {
+        let config = &self.config;
+        let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
+        match what {
+            Saved::Policy => format!("{name}.safetensors"),
+            Saved::Run => name,
+            Saved::Csv => format!("{name}-episodes.csv"),
+            Saved::Png if cfg!(target_arch = "wasm32") => format!("{name}-curves.svg"),
+            Saved::Png => format!("{name}-curves.png"),
+            Saved::Scenario => "my-world.ron".into(),
+        }
+    }
+
     /// Writes `what` to `path`.
     ///
     /// # Errors
