@@ -78,6 +78,8 @@ mod tests {
         let expected: Vec<Expected> = serde_json::from_str(EXPECTED).expect("a list");
         assert!(expected.len() >= 3);
         for Expected { scenario, preset, seed, control_steps, fingerprint: expected } in expected {
+            let file = format!("{}/tests/fixtures/{scenario}", env!("CARGO_MANIFEST_DIR"));
+            let scenario = if scenario.ends_with(".ron") { file } else { scenario };
             let found = fingerprint(&scenario, &preset, seed, control_steps).expect("shipped").to_string();
             assert_eq!(found, expected, "{scenario}, {preset}, seed {seed}, {control_steps} control steps");
         }

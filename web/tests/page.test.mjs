@@ -202,6 +202,10 @@ test('the world and the first weights are to the bit what they are natively', as
     const page = await open(browser, `${host.address}?paused`);
     const fixture = new URL('../../tests/fixtures/fingerprints.json', import.meta.url);
     for (const { scenario, preset, seed, control_steps, fingerprint } of JSON.parse(await readFile(fixture))) {
+        if (scenario.endsWith('.ron')) {
+            await page.setInputFiles('#file', file(scenario, await readFile(new URL(scenario, fixture))));
+            await until(page, (now) => now.scenario === scenario);
+        }
         const found = await page.evaluate((asked) => wayfieldPage.program.fingerprint(...asked),
             [scenario, preset, seed, control_steps]);
         assert.equal(found, fingerprint, `${scenario}, ${preset}, seed ${seed}`);
