@@ -23,7 +23,7 @@ use crate::task::{
 };
 use crate::world;
 
-/// The most navigations that are driven side by side.
+/// The most navigations that are driven side by side; in a browser fewer, whose world is built within a frame.
 const SIDE_BY_SIDE: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
 
 /// How one navigation went.
