@@ -218,7 +218,7 @@ pub(super) fn tell(
     told.mode = session.mode;
     told.pace = Some(session.pacer.pace);
     told.paused = session.pacer.paused;
-    told.world_changed = session.journal.begun.scenario != config.scenario;
+    told.world_changed = session.world_changed();
     told.episodes = trainer.0.episodes();
     told.env_steps = trainer.0.env_steps();
     told.gradient_steps = trainer.0.gradient_steps();

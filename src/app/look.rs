@@ -143,7 +143,7 @@ fn status(session: &Session, trainer: &Trainer, scenarios: Vec<Choice>, presets:
     let learner = &trainer.0;
     let (steps_per_s, env_steps_per_s, frames_per_s) = session.speed.per_s();
     let period_s = f64::from(session.config.scenario.task.control_period_s);
-    let world_changed = session.journal.begun.scenario != session.config.scenario;
+    let world_changed = session.world_changed();
     let with_own = |mut shipped: Vec<Choice>, own: &[Choice]| {
         shipped.extend_from_slice(own);
         shipped

@@ -1,7 +1,7 @@
 //! What is remembered from one time to the next: the desk, and the window's size.
 //!
-//! In: the desk as it is. Out: `preferences.ron` in the user's configuration folder, or the browser's own memory. A file that cannot be read is taken
-//! for none, and one that cannot be written is not missed.
+//! In: the desk as it is. Out: `preferences.ron` in the user's configuration folder, or the browser's own memory. A file
+//! that cannot be read is taken for none, and one that cannot be written is not missed.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::io::Write;

@@ -12,7 +12,7 @@ mod setup;
 
 use std::path::Path;
 
-use egui::{Key, Modifiers};
+use egui::{Key, Modifiers, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use fake::Fake;
@@ -24,7 +24,11 @@ type Window = Harness<'static, Fake>;
 
 /// A window of the usual size, drawn often enough to be at rest.
 fn window(fake: Fake) -> Window {
-    let build = Harness::builder().with_size([1280.0, 860.0]).with_max_steps(40);
+    window_of(fake, [1280.0, 860.0])
+}
+
+fn window_of(fake: Fake, size: [f32; 2]) -> Window {
+    let build = Harness::builder().with_size(size).with_max_steps(40);
     let mut window = build.build_ui_state(|ui, fake: &mut Fake| fake.draw(ui), fake);
     settle(&mut window);
     window
@@ -48,6 +52,35 @@ fn click(window: &mut Window, label: &str) -> Vec<Order> {
 fn press(window: &mut Window, key: Key) -> Vec<Order> {
     window.key_press(key);
     ordered(window)
+}
+
+/// Where the bar's controls stand, as many as there are.
+fn controls_in_the_bar(window: &Window) -> Vec<Rect> {
+    let words = [
+        "Setup panel",
+        "Run",
+        "Pause",
+        "Step",
+        "1×",
+        "Full",
+        "Train",
+        "Compare",
+        "Dark",
+        "Light",
+        "Help",
+        "Plots panel",
+    ];
+    words.iter().filter_map(|word| window.query_by_label(word).map(|n| n.rect())).collect()
+}
+
+/// Asserts that `rects` lie in a window of this width, and none over another.
+fn assert_apart(rects: &[Rect], width: f32) {
+    for (k, a) in rects.iter().enumerate() {
+        assert!(a.min.x >= 0.0 && a.max.x <= width, "{a:?} is outside at {width}");
+        for b in &rects[k + 1..] {
+            assert!(!a.shrink(0.5).intersects(b.shrink(0.5)), "{a:?} and {b:?} at {width}");
+        }
+    }
 }
 
 fn released(pos: egui::Pos2) -> egui::Event {

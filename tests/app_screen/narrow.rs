@@ -1,20 +1,12 @@
 //! A window as narrow as a phone: the setup or the plots below the world, and a bar of two rows.
 
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use super::{Window, click, settle};
+use super::{Window, assert_apart, click, controls_in_the_bar, window_of};
 use crate::fake::Fake;
 
 fn narrow(width: f32) -> Window {
-    window_of(Fake::default(), width)
-}
-
-fn window_of(fake: Fake, width: f32) -> Window {
-    let build = Harness::builder().with_size([width, 844.0]).with_max_steps(40);
-    let mut window = build.build_ui_state(|ui, fake: &mut Fake| fake.draw(ui), fake);
-    settle(&mut window);
-    window
+    window_of(Fake::default(), [width, 844.0])
 }
 
 /// Whether the setup is shown, and whether the plots are.
@@ -56,36 +48,17 @@ fn a_wider_window_has_room_for_both() {
 
 #[test]
 fn nothing_overlaps_in_the_two_rows() {
-    let words = [
-        "Setup panel",
-        "Pause",
-        "Step",
-        "1×",
-        "Full",
-        "Train",
-        "Compare",
-        "Dark",
-        "Light",
-        "Help",
-        "Plots panel",
-    ];
     for (width, figures, least) in
         [(340.0, 0, 9), (360.0, 0, 10), (375.0, 1, 11), (390.0, 1, 11), (600.0, 3, 13), (699.0, 4, 14)]
     {
         let window = narrow(width);
-        let mut rects: Vec<_> =
-            words.iter().filter_map(|word| window.query_by_label(word).map(|n| n.rect())).collect();
+        let mut rects = controls_in_the_bar(&window);
         let before = rects.len();
         for caption in ["success rate ", "env steps ", "episodes ", "real time ", "fps "] {
             rects.extend(window.query_all_by_label_contains(caption).map(|n| n.rect()));
         }
         assert!(rects.len() >= least && rects.len() >= before + figures, "{} at {width}", rects.len());
-        for (k, a) in rects.iter().enumerate() {
-            assert!(a.min.x >= 0.0 && a.max.x <= width, "{a:?} is outside at {width}");
-            for b in &rects[k + 1..] {
-                assert!(!a.shrink(0.5).intersects(b.shrink(0.5)), "{a:?} and {b:?} at {width}");
-            }
-        }
+        assert_apart(&rects, width);
     }
 }
 
@@ -94,7 +67,7 @@ fn the_plots_header_drops_what_has_no_room() {
     for (plots_width, dropped) in [(240.0, true), (310.0, false)] {
         let mut fake = Fake::default();
         fake.desk.plots_width = Some(plots_width);
-        let window = window_of(fake, 800.0);
+        let window = window_of(fake, [800.0, 844.0]);
         assert_eq!(window.query_by_label("by env steps").is_none(), dropped, "{plots_width}");
         let [title, button] = ["Learning", "CSV"].map(|label| window.get_by_label(label).rect());
         assert!(!title.intersects(button), "{title} and {button}");

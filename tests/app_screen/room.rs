@@ -1,9 +1,8 @@
 //! What has room: panels as wide as they were left, bars and legends in narrow windows.
 
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use super::{released, settle, window};
+use super::{assert_apart, controls_in_the_bar, released, settle, window, window_of};
 use crate::fake::Fake;
 
 #[test]
@@ -28,9 +27,7 @@ fn the_plots_panel_keeps_the_width_it_was_dragged_to() {
 #[test]
 fn a_legend_stands_in_one_line_however_narrow_the_window() {
     for width in [1100.0, 1280.0, 1600.0] {
-        let build = Harness::builder().with_size([width, 1400.0]).with_max_steps(40);
-        let mut window = build.build_ui_state(|ui, fake: &mut Fake| fake.draw(ui), Fake::default());
-        settle(&mut window);
+        let mut window = window_of(Fake::default(), [width, 1400.0]);
         window.get_by_label("More").click();
         window.run_steps(12);
         for entries in [
@@ -55,36 +52,14 @@ fn a_legend_stands_in_one_line_however_narrow_the_window() {
 
 #[test]
 fn nothing_overlaps_in_the_bar_of_a_narrow_window() {
-    let words = [
-        "Setup panel",
-        "Run",
-        "Pause",
-        "Step",
-        "1×",
-        "Full",
-        "Train",
-        "Compare",
-        "Dark",
-        "Light",
-        "Help",
-        "Plots panel",
-    ];
     for width in [1000.0, 1100.0, 1280.0, 1600.0, 2560.0] {
-        let build = Harness::builder().with_size([width, 720.0]);
         let mut fake = Fake::default();
         (fake.status.env_steps, fake.status.env_steps_per_s) = (123_456_789, 98_765.0);
-        let mut window = build.build_ui_state(|ui, fake: &mut Fake| fake.draw(ui), fake);
-        settle(&mut window);
-        let mut rects: Vec<_> =
-            words.iter().filter_map(|word| window.query_by_label(word).map(|n| n.rect())).collect();
+        let window = window_of(fake, [width, 720.0]);
+        let mut rects = controls_in_the_bar(&window);
         rects.extend(window.query_all_by_label_contains("success rate ").map(|n| n.rect()));
         rects.extend(window.query_all_by_label_contains("env steps ").map(|n| n.rect()));
         assert!(rects.len() >= 11, "the success rate and the env steps are always there");
-        for (k, a) in rects.iter().enumerate() {
-            assert!(a.min.x >= 0.0 && a.max.x <= width, "{a:?} is outside at {width}");
-            for b in &rects[k + 1..] {
-                assert!(!a.shrink(0.5).intersects(b.shrink(0.5)), "{a:?} and {b:?} at {width}");
-            }
-        }
+        assert_apart(&rects, width);
     }
 }

@@ -169,6 +169,12 @@ impl Session {
             .retain(|(notice, since)| notice.weight == Weight::Failed || since.elapsed() < CONFIRMED_FOR);
     }
 
+    /// Whether obstacles were moved by hand since the training began.
+    #[must_use]
+    pub fn world_changed(&self) -> bool {
+        self.journal.begun.scenario != self.config.scenario
+    }
+
     /// Whether nothing happens by itself: time stands still, and nobody is being examined.
     #[must_use]
     pub fn rests(&self) -> bool {
