@@ -13,7 +13,7 @@ use bevy_rapier2d::rapier::prelude::{QueryFilter, Ray};
 use common::Lab;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use wayfield::scenario::Scenario;
+use wayfield::scenario::{Lidar, Scenario};
 use wayfield::task::Pose;
 use wayfield::world::{Bodies, lidar};
 
@@ -27,7 +27,7 @@ const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
 #[divan::bench(args = ["still", "moving"])]
 fn wayfield_scan(bencher: Bencher, obstacles: &str) {
     let mut lab = stepped(obstacles);
-    let beams = lidar::Beams::around(BEAMS);
+    let beams = lidar::Beams::of(&Lidar { beams: BEAMS, ..Lidar::default() });
     lab.look(0, |bodies, _, colliders| {
         let mut ranges_m = Vec::new();
         bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
@@ -41,7 +41,7 @@ fn wayfield_scan(bencher: Bencher, obstacles: &str) {
 #[divan::bench(args = ["still", "moving"])]
 fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     let mut lab = stepped(obstacles);
-    let beams = lidar::Beams::around(BEAMS);
+    let beams = lidar::Beams::of(&Lidar { beams: BEAMS, ..Lidar::default() });
     let world = lab.app.world_mut();
     let mut arenas =
         world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();

@@ -41,6 +41,11 @@ pub fn below(stream: &mut Stream, count: usize) -> usize {
     stream.random_range(0..count as u64) as usize
 }
 
+/// A draw from all numbers of 64 bits.
+pub fn word(stream: &mut Stream) -> u64 {
+    stream.next_u64()
+}
+
 /// A draw from the normal distribution with mean 0 and standard deviation 1 (Box and Muller's method, by
 /// `libm`, so that the bits do not depend on the platform's own logarithm).
 pub fn normal(stream: &mut Stream) -> f32 {

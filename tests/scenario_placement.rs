@@ -55,7 +55,10 @@ proptest! {
         let (start, target) = draw();
         prop_assert_eq!((start, target), draw(), "the same stream gives the same places");
         let (PlaceRule::Random { clearance_m: least }, PlaceRule::Random { clearance_m: more }) =
-            (&scenario.starts, &scenario.targets);
+            (&scenario.starts, &scenario.targets)
+        else {
+            panic!("random places");
+        };
         let mut robot = (0.0, 0.0);
         if let Ok((x, y, _)) = start {
             robot = (x, y);

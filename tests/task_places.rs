@@ -8,7 +8,7 @@ use wayfield::task::{Arena, ArenaState, Places, RewardConfig, TaskFault, TaskMod
 use wayfield::world;
 
 fn assert_clear(scenario: &Scenario, state: &ArenaState, what: &str, at: (f32, f32), rule: &PlaceRule) {
-    let PlaceRule::Random { clearance_m } = *rule;
+    let PlaceRule::Random { clearance_m } = *rule else { panic!("random places") };
     let clear = closed_form::clearance(scenario, state.clock.0, (f64::from(at.0), f64::from(at.1)));
     assert!(
         clear > f64::from(clearance_m) - 1e-6,

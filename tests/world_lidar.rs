@@ -12,7 +12,7 @@ use bevy_rapier2d::rapier::prelude::{
 };
 use common::{Lab, bits, closed_form};
 use proptest::prelude::*;
-use wayfield::scenario::{Scenario, Shape};
+use wayfield::scenario::{Enclosure, Lidar, Scenario, Shape, Wall};
 use wayfield::task::{Pose, RewardConfig, TaskMode};
 use wayfield::world::{
     Bodies,
@@ -31,8 +31,11 @@ fn assert_closed_form(lab: &mut Lab, from: &Pose) {
     assert_eq!(ranges.len(), beams, "one range a beam");
     let origin = (f64::from(from.x_m), f64::from(from.y_m));
     for (i, &range) in ranges.iter().enumerate() {
-        // Beam 0 looks ahead, the others follow counterclockwise.
-        let angle = f64::from(from.heading_rad) + i as f64 * std::f64::consts::TAU / beams as f64;
+        // All around, beam 0 looks ahead and the others follow counterclockwise; else they go from right to left.
+        let view = f64::from(scenario.lidar.field_of_view_rad);
+        let all_around = i as f64 * std::f64::consts::TAU / beams as f64;
+        let across = if beams == 1 { 0.0 } else { view * (i as f64 / (beams - 1) as f64 - 0.5) };
+        let angle = f64::from(from.heading_rad) + if view > 6.28 { all_around } else { across };
         let max_m = f64::from(scenario.lidar.max_range_m);
         let (low, high) = closed_form::range_within(&scenario, clock, origin, angle, max_m);
         let range = f64::from(range);
@@ -71,6 +74,43 @@ proptest! {
     }
 
     #[test]
+    fn ranges_to_rods_polygons_and_inner_walls_are_those_of_geometry(
+        length in 0.01_f32..1.5, r in 0.05_f32..0.5, x in -1.5_f32..1.5, y in -1.5_f32..1.5, turn in -6.2_f32..6.2,
+        px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI, view in 0.3_f32..6.2, sides in 3_usize..9,
+    ) {
+        let from = pose(px, py, heading);
+        let mut rod = one_obstacle(Shape::Capsule { length_m: length, radius_m: r }, (x, y), turn);
+        rod.lidar.field_of_view_rad = view;
+        assert_closed_form(&mut Lab::new(&rod, 1, 1), &from);
+        // Corners on an ellipse about a point aside of the origin: convex, in no order that parry could ask for.
+        let corner = |k: usize| {
+            let (sin, cos) = (std::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
+            (length * cos - 0.2, -r * sin + 0.1)
+        };
+        let corners_m = (0..sides).map(corner).collect();
+        let polygon = one_obstacle(Shape::Polygon { corners_m }, (x, y), turn);
+        assert_closed_form(&mut Lab::new(&polygon, 1, 1), &from);
+        let corners_m = vec![(x, y), (0.0, 1.9), (-1.5, turn / 5.0)];
+        let walls = vec![Wall { corners_m, thickness_m: r / 2.0 }];
+        assert_closed_form(&mut Lab::new(&Scenario { walls, ..Scenario::default() }, 1, 1), &from);
+    }
+
+    #[test]
+    fn ranges_within_an_l_are_those_of_geometry(
+        notch in (-1.0_f32..1.0, -1.0_f32..1.0), px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
+        backwards in any::<bool>(),
+    ) {
+        prop_assume!(px < notch.0 - 0.01 || py < notch.1 - 0.01);
+        let mut corners_m =
+            vec![(-2.0, -2.0), (2.0, -2.0), (2.0, notch.1), notch, (notch.0, 2.0), (-2.0, 2.0)];
+        if backwards {
+            corners_m.reverse();
+        }
+        let scenario = Scenario { enclosure: Enclosure::Polygon { corners_m }, ..Scenario::default() };
+        assert_closed_form(&mut Lab::new(&scenario, 1, 1), &pose(px, py, heading));
+    }
+
+    #[test]
     fn a_beam_aimed_at_a_corner_ends_there(turn in -PI..PI, from in -PI..PI, corner in 0_usize..4) {
         // A box of 0.6 m x 0.4 m in the middle; beam 0 aims at one of its corners from 1.5 m off the middle.
         let scenario = one_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, (0.0, 0.0), turn);
@@ -94,7 +134,7 @@ proptest! {
             lab.step(&[2]);
         }
         let ours = lab.cast(0, &pose(px, py, heading));
-        let beams = Beams::around(24);
+        let beams = Beams::of(&Lidar::default());
         let world = lab.app.world_mut();
         let mut arenas =
             world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
@@ -285,7 +325,7 @@ proptest! {
         let middle = near.map_or(Vec2::ZERO, |k| colliders[solids[k % solids.len()]].translation());
         let scale = if shrink == 6 { 0.0 } else { 0.2_f32.powi(shrink) };
         let from = pose(middle.x + dx * scale, middle.y + dy * scale, heading);
-        let beams = Beams::around(count).0;
+        let beams = Beams::of(&Lidar { beams: count, ..Lidar::default() }).0;
         let mut ranges = Vec::new();
         lidar::cast(&colliders, &solids, &from, &beams, max_m, &mut ranges);
         prop_assert_eq!(bits(&ranges), bits(&cast_every_beam(&colliders, &solids, &from, &beams, max_m)));

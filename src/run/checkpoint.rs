@@ -26,7 +26,7 @@ const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
 const MAGIC: &[u8; 8] = b"wayfrun\n";
 /// 2: arenas hold the drive's actual velocity.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// The most bytes a head may have: 4096 arenas with 4096 beams each, and a policy.
 const LONGEST_HEAD: u64 = 1 << 28;
 

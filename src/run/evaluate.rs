@@ -39,6 +39,8 @@ pub struct Navigation {
     pub target: Target,
     /// The obstacles' clock at its start.
     pub clock: Clock,
+    /// The layout's number, where the scenario has generators.
+    pub layout: u64,
 }
 
 impl Navigation {
@@ -130,7 +132,10 @@ pub fn bounds(scenario: &Scenario, navigations: &[Navigation], threads: usize) -
     let of = |n: &Navigation| {
         let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
         let target = (n.target.x_m, n.target.y_m);
-        optimum::bounds(scenario, start, target, n.clock.0, Resolution::default())
+        if scenario.generators.is_empty() {
+            return optimum::bounds(scenario, start, target, n.clock.0, Resolution::default());
+        }
+        optimum::bounds(&scenario.furnished(n.layout), start, target, n.clock.0, Resolution::default())
     };
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = if threads == 0 { cores() } else { threads }.min(navigations.len());
@@ -289,6 +294,7 @@ impl Evaluator {
                 start: state.pose,
                 target: state.target,
                 clock: state.clock,
+                layout: state.layout,
             }));
         }
         Ok(drive.navigations.len() >= drive.count)
@@ -317,8 +323,8 @@ impl Evaluator {
             poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
             let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
             if let Some(EpisodeEnded { end, steps, .. }) = ended {
-                let ArenaState { pose: start, target, clock, .. } = begun;
-                return Ok((Navigation { end, steps, start, target, clock }, poses));
+                let ArenaState { pose: start, target, clock, layout, .. } = begun;
+                return Ok((Navigation { end, steps, start, target, clock, layout }, poses));
             }
         }
     }

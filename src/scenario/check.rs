@@ -1,12 +1,28 @@
 //! Whether a scenario can be meant: every number in its range, everything inside the walls, room for the
-//! task.
+//! task, a way from every start to every target.
 //!
 //! In: a [`Scenario`] that was read or built. Out: [`Finding`]s, each with the field's path and the mend;
 //! none when all is well. The limits also keep a hostile file from taking memory or time: a scenario without
 //! findings is safe to run.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `numbers.rs` | each number against its range, and against those it must fit |
+//! | `obstacles.rs` | the same for walls, obstacles and generators |
+//! | `outlines.rs` | the corners of polygons: that they make an outline |
+//! | `speeds.rs` | how far robot and obstacles come in one control step |
+//! | `space.rs` | everything inside the enclosure; room for starts, targets and the course |
+//! | `extent.rs` | how far an obstacle reaches beyond the enclosure, on its whole way |
+//! | `reach.rs`, `grid.rs` | whether the robot can get from every start to every target |
 
+mod extent;
+mod grid;
 mod numbers;
+mod obstacles;
+mod outlines;
+mod reach;
 mod space;
+mod speeds;
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -14,14 +30,23 @@ use std::ops::RangeInclusive;
 use super::file_error::Finding;
 use super::schema::Scenario;
 
+const METRES: &str = " (metres)";
+const METRES_A_SECOND: &str = " (metres a second)";
+const SECONDS: &str = " (seconds)";
+const RADIANS: &str = " (radians: a full turn is 6.2832)";
+const RADIANS_A_SECOND: &str = " (radians a second)";
+/// A full turn either way, with a little room for rounding.
+const TURN: f32 = 6.3;
+
 /// All that is wrong with `scenario`. Whether there is room for the task is asked only when the numbers are
-/// sound.
+/// sound, and whether there is a way only when there is room.
 #[must_use]
 pub fn findings(scenario: &Scenario) -> Vec<Finding> {
     let mut notes = Notes(Vec::new());
-    numbers::check(scenario, &mut notes);
-    if notes.0.is_empty() {
-        space::check(scenario, &mut notes);
+    for check in [numbers::check, space::check, reach::check] {
+        if notes.0.is_empty() {
+            check(scenario, &mut notes);
+        }
     }
     notes.0
 }
@@ -45,6 +70,12 @@ impl Notes {
         }
     }
 
+    /// Notes coordinates that lie beyond the largest enclosure there is.
+    fn point(&mut self, path: fmt::Arguments<'_>, (x, y): (f32, f32)) {
+        self.number(format_args!("{path}[0]"), x, -500.0..=500.0, METRES);
+        self.number(format_args!("{path}[1]"), y, -500.0..=500.0, METRES);
+    }
+
     /// Notes a list of `count` entries unless it has as many as `range` says.
     fn count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
         if !range.contains(&count) {
@@ -53,10 +84,49 @@ impl Notes {
         }
     }
 
+    /// Notes a list of points unless it has as many as `range` says, and each that lies beyond the largest
+    /// enclosure.
+    fn points(&mut self, path: fmt::Arguments<'_>, points: &[(f32, f32)], range: RangeInclusive<usize>) {
+        let most = *range.end();
+        self.count(path, points.len(), range);
+        for (k, &point) in points.iter().enumerate().take(most) {
+            self.point(format_args!("{path}[{k}]"), point);
+        }
+    }
+
     /// Notes `value` unless it is greater than `bound`, which is called `what`, or was noted before.
     fn above(&mut self, path: fmt::Arguments<'_>, value: f32, bound: f32, what: &str) {
         if value <= bound && !self.0.iter().any(|finding| finding.path == path.to_string()) {
             self.add(path, format!("is {value}: write more than {what}, {bound} m"));
+        }
+    }
+}
+
+/// `most`, rounded down to three places (or three digits, where it is small), so that what is written is
+/// allowed.
+fn rounded_down(most: f32) -> String {
+    let most = f64::from(most);
+    let places = if most > 0.0 { (-libm::log10(most).floor()).clamp(0.0, 9.0) as usize + 2 } else { 3 };
+    let places = places.max(3);
+    let scale = libm::pow(10.0, places as f64);
+    // A quotient that should be a round number may have lost its last bit.
+    format!("{:.places$}", (most * scale * (1.0 + 1e-7)).floor() / scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_rounded_down_but_not_to_nothing() {
+        for (most, text) in [
+            (2.5, "2.500"),
+            (7.142_857, "7.142"),
+            (0.049_99, "0.0499"),
+            (0.000_123_9, "0.000123"),
+            (0.0, "0.000"),
+        ] {
+            assert_eq!(rounded_down(most), text);
         }
     }
 }

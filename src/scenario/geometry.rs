@@ -1,32 +1,55 @@
-//! How far a point is from the walls and the obstacles.
+//! How far a point is from the walls and the obstacles, and how far those reach.
 //!
-//! In: a [`Scenario`], a point, a step. Out: signed distances, positive in the open. f32 by plain arithmetic
+//! In: a [`Scenario`], a point, a step. Out: signed distances, positive in the open; extents. f32 by plain arithmetic
 //! and `libm`, so that what is drawn by them is the same on every platform.
 
 use super::motion::pose_at;
-use super::schema::{Enclosure, Obstacle, Scenario, Shape};
+use super::polygon;
+use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape, Wall};
 
 /// The distance, in m, from `point_m` to the nearest surface of an obstacle (where it is at `step`) or of a
-/// wall; negative inside an obstacle or outside the enclosure.
+/// wall; negative inside an obstacle or a wall or outside the enclosure.
 #[must_use]
 pub fn clearance(scenario: &Scenario, point_m: (f32, f32), step: u64) -> f32 {
     let to_wall = wall_distance(&scenario.enclosure, point_m);
+    let to_inner = scenario.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
     let period = scenario.task.control_period_s;
-    scenario.obstacles.iter().map(|o| obstacle_distance(o, point_m, step, period)).fold(to_wall, f32::min)
+    let to_obstacle = scenario.obstacles.iter().map(|o| obstacle_distance(o, point_m, step, period));
+    to_inner.chain(to_obstacle).fold(to_wall, f32::min)
 }
 
 /// Whether `point_m` is at least `clearance_m` from everything: [`clearance`] with an early end.
 pub(super) fn is_clear(scenario: &Scenario, point_m: (f32, f32), step: u64, clearance_m: f32) -> bool {
     let period = scenario.task.control_period_s;
     wall_distance(&scenario.enclosure, point_m) >= clearance_m
+        && scenario.walls.iter().all(|wall| inner_wall_distance(wall, point_m) >= clearance_m)
         && scenario.obstacles.iter().all(|o| obstacle_distance(o, point_m, step, period) >= clearance_m)
 }
 
-/// From a point to the nearest wall, in m, negative beyond it.
+/// From a point to the nearest wall of the enclosure, in m, negative beyond it.
 #[must_use]
 pub fn wall_distance(enclosure: &Enclosure, (x, y): (f32, f32)) -> f32 {
-    let Enclosure::Rectangle { width_m, height_m } = enclosure;
-    (width_m / 2.0 - x.abs()).min(height_m / 2.0 - y.abs())
+    match enclosure {
+        Enclosure::Rectangle { width_m, height_m } => {
+            (width_m / 2.0 - x.abs()).min(height_m / 2.0 - y.abs())
+        }
+        Enclosure::Polygon { corners_m } => polygon::depth(corners_m, (x, y)),
+    }
+}
+
+/// From a point to an inner wall, in m, negative within it.
+#[must_use]
+pub fn inner_wall_distance(wall: &Wall, point: (f32, f32)) -> f32 {
+    let half = wall.thickness_m / 2.0;
+    let to_piece = |ends: &[(f32, f32)]| {
+        let (from, to) = (ends[0], ends[1]);
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let long = length(dx, dy);
+        let (ux, uy) = if long > 0.0 { (dx / long, dy / long) } else { (1.0, 0.0) };
+        let (px, py) = (point.0 - (from.0 + to.0) / 2.0, point.1 - (from.1 + to.1) / 2.0);
+        from_box(((px * ux + py * uy).abs() - long / 2.0 - half, (py * ux - px * uy).abs() - half))
+    };
+    wall.corners_m.windows(2).map(to_piece).fold(f32::INFINITY, f32::min)
 }
 
 fn obstacle_distance(obstacle: &Obstacle, point: (f32, f32), step: u64, control_period_s: f32) -> f32 {
@@ -37,39 +60,138 @@ fn obstacle_distance(obstacle: &Obstacle, point: (f32, f32), step: u64, control_
 #[must_use]
 pub fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: (f32, f32)) -> f32 {
     let (dx, dy) = (point.0 - pose.0, point.1 - pose.1);
+    // In the shape's own frame.
+    let own = || {
+        let (sin, cos) = libm::sincosf(pose.2);
+        (dx * cos + dy * sin, dy * cos - dx * sin)
+    };
     match shape {
         Shape::Circle { radius_m } => length(dx, dy) - radius_m,
         Shape::Rectangle { width_m, height_m } => {
-            let (sin, cos) = libm::sincosf(pose.2);
-            // In the box's own frame, folded into its first quadrant, measured from its corner.
-            let past_x = (dx * cos + dy * sin).abs() - width_m / 2.0;
-            let past_y = (dy * cos - dx * sin).abs() - height_m / 2.0;
-            length(past_x.max(0.0), past_y.max(0.0)) + past_x.max(past_y).min(0.0)
+            // Folded into the first quadrant, measured from the corner.
+            let (x, y) = own();
+            from_box((x.abs() - width_m / 2.0, y.abs() - height_m / 2.0))
+        }
+        Shape::Polygon { corners_m } => -polygon::depth(corners_m, own()),
+        Shape::Capsule { length_m, radius_m } => {
+            let (x, y) = own();
+            length((x.abs() - length_m / 2.0).max(0.0), y) - radius_m
         }
     }
 }
 
-/// The half extents of a shape's bounding box along x and y when it is turned by `rotation_rad`.
+/// From a box's corner, seen from which a point is so far outwards along x and y.
+fn from_box((past_x, past_y): (f32, f32)) -> f32 {
+    length(past_x.max(0.0), past_y.max(0.0)) + past_x.max(past_y).min(0.0)
+}
+
+/// The half extents of a shape's bounding box about its middle, along x and y, when it is turned by `rotation_rad`.
+/// (A polygon's box reaches as far to both sides.)
 pub(super) fn half_extents(shape: &Shape, rotation_rad: f32) -> (f32, f32) {
+    let (sin, cos) = libm::sincosf(rotation_rad);
     match shape {
         Shape::Circle { radius_m } => (*radius_m, *radius_m),
         Shape::Rectangle { width_m, height_m } => {
-            let (sin, cos) = libm::sincosf(rotation_rad);
             let (w, h) = (width_m / 2.0, height_m / 2.0);
             (w * cos.abs() + h * sin.abs(), w * sin.abs() + h * cos.abs())
         }
+        Shape::Polygon { corners_m } => corners_m.iter().fold((0.0_f32, 0.0_f32), |(x, y), corner| {
+            let turned = (corner.0 * cos - corner.1 * sin, corner.0 * sin + corner.1 * cos);
+            (x.max(turned.0.abs()), y.max(turned.1.abs()))
+        }),
+        Shape::Capsule { length_m, radius_m } => {
+            let half = length_m / 2.0;
+            (half * cos.abs() + radius_m, half * sin.abs() + radius_m)
+        }
+    }
+}
+
+/// From a shape's middle to its farthest point, in m.
+pub(super) fn reach(shape: &Shape) -> f32 {
+    match shape {
+        Shape::Circle { radius_m } => *radius_m,
+        Shape::Rectangle { width_m, height_m } => length(width_m / 2.0, height_m / 2.0),
+        Shape::Polygon { corners_m } => corners_m.iter().map(|&(x, y)| length(x, y)).fold(0.0, f32::max),
+        Shape::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
     }
 }
 
 /// The distance from `centre_m` to the farthest point of an obstacle at step 0.
 pub(super) fn reach_from(obstacle: &Obstacle, centre_m: (f32, f32)) -> f32 {
     let (dx, dy) = (obstacle.position_m.0 - centre_m.0, obstacle.position_m.1 - centre_m.1);
-    match obstacle.shape {
+    let (sin, cos) = libm::sincosf(obstacle.rotation_rad);
+    let (x, y) = (dx * cos + dy * sin, dy * cos - dx * sin);
+    match &obstacle.shape {
         Shape::Circle { radius_m } => length(dx, dy) + radius_m,
-        Shape::Rectangle { width_m, height_m } => {
-            let (sin, cos) = libm::sincosf(obstacle.rotation_rad);
-            length((dx * cos + dy * sin).abs() + width_m / 2.0, (dy * cos - dx * sin).abs() + height_m / 2.0)
+        Shape::Rectangle { width_m, height_m } => length(x.abs() + width_m / 2.0, y.abs() + height_m / 2.0),
+        Shape::Polygon { corners_m } => {
+            corners_m.iter().map(|corner| length(x + corner.0, y + corner.1)).fold(0.0, f32::max)
         }
+        Shape::Capsule { length_m, radius_m } => length(x.abs() + length_m / 2.0, y) + radius_m,
+    }
+}
+
+impl Enclosure {
+    /// The lower left and the upper right corner of the box around it, in m.
+    #[must_use]
+    pub fn bounds_m(&self) -> ((f32, f32), (f32, f32)) {
+        match self {
+            Self::Rectangle { width_m, height_m } => {
+                ((-width_m / 2.0, -height_m / 2.0), (width_m / 2.0, height_m / 2.0))
+            }
+            Self::Polygon { corners_m } => {
+                let first = corners_m.first().copied().unwrap_or_default();
+                corners_m.iter().fold((first, first), |(low, high), &(x, y)| {
+                    ((low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y)))
+                })
+            }
+        }
+    }
+
+    /// Its corners, counterclockwise, in m.
+    #[must_use]
+    pub fn corners_m(&self) -> Vec<(f32, f32)> {
+        match self {
+            Self::Rectangle { .. } => {
+                let (low, high) = self.bounds_m();
+                vec![low, (high.0, low.1), high, (low.0, high.1)]
+            }
+            Self::Polygon { corners_m } => polygon::counterclockwise(corners_m),
+        }
+    }
+}
+
+impl Wall {
+    /// Its straight pieces, as boxes that stand still; each reaches half the thickness past its ends.
+    pub fn pieces(&self) -> impl Iterator<Item = Obstacle> {
+        self.corners_m.windows(2).map(|ends| {
+            let (from, to) = (ends[0], ends[1]);
+            let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+            Obstacle {
+                shape: Shape::Rectangle {
+                    width_m: length(dx, dy) + self.thickness_m,
+                    height_m: self.thickness_m,
+                },
+                position_m: ((from.0 + to.0) / 2.0, (from.1 + to.1) / 2.0),
+                rotation_rad: libm::atan2f(dy, dx),
+                motion: ObstacleMotion::Still,
+            }
+        })
+    }
+}
+
+impl Lidar {
+    /// The direction of beam `beam` from the heading, counterclockwise, in rad.
+    #[must_use]
+    pub fn beam_angle_rad(&self, beam: usize) -> f64 {
+        if self.is_all_around() {
+            return beam as f64 * (std::f64::consts::TAU / self.beams as f64);
+        }
+        if self.beams < 2 {
+            return 0.0;
+        }
+        let view = f64::from(self.field_of_view_rad);
+        view * (beam as f64 / (self.beams - 1) as f64 - 0.5)
     }
 }
 
@@ -118,6 +240,53 @@ mod tests {
         assert!(near(clearance(&scenario, (0.0, 0.5), 0), 1.25_f32.sqrt() - 0.2));
         assert!(near(clearance(&scenario, (0.0, 0.5), 1), 0.3), "a quarter turn later it is straight ahead");
         assert!(is_clear(&scenario, (0.0, 0.5), 1, 0.299) && !is_clear(&scenario, (0.0, 0.5), 1, 0.301));
+    }
+
+    #[test]
+    fn distances_to_polygons_and_rods_are_those_worked_by_hand() {
+        let triangle = Shape::Polygon { corners_m: vec![(0.0, 0.0), (3.0, 0.0), (0.0, 4.0)] };
+        // The long side is 4 x + 3 y = 12: (3, 4) is 12 / 5 beyond it, (0.5, 0.5) inside by its distance to x = 0.
+        assert!(near(shape_distance(&triangle, (0.0, 0.0, 0.0), (3.0, 4.0)), 2.4));
+        assert!(near(shape_distance(&triangle, (0.0, 0.0, 0.0), (0.5, 0.5)), -0.5));
+        // A quarter turn later its long leg points along -x.
+        assert!(near(shape_distance(&triangle, (1.0, 0.0, FRAC_PI_2), (-3.5, 0.0)), 0.5));
+        let rod = Shape::Capsule { length_m: 2.0, radius_m: 0.25 };
+        assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (4.0, 4.0)), 4.75), "3, 4, 5 from its end's middle");
+        assert!(near(shape_distance(&rod, (0.0, 0.0, FRAC_PI_2), (1.0, 0.5)), 0.75), "beside it when upright");
+        assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (0.3, 0.0)), -0.25));
+        assert!(near(half_extents(&rod, FRAC_PI_2).1, 1.25) && near(half_extents(&rod, FRAC_PI_2).0, 0.25));
+        assert!(near(reach(&rod), 1.25) && near(reach(&triangle), 4.0));
+    }
+
+    #[test]
+    fn an_inner_wall_is_its_pieces() {
+        let wall = Wall { corners_m: vec![(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)], thickness_m: 0.2 };
+        for (point, expected) in [
+            ((1.0, 1.0), 0.9),
+            ((1.0, -0.5), 0.4),
+            ((2.05, 2.0), -0.05),
+            // Past the corner the two pieces make a square end: the nearest point is (2.1, -0.1).
+            ((2.4, -0.5), 0.5),
+            ((2.0, 3.5), 0.4),
+        ] {
+            assert!(near(inner_wall_distance(&wall, point), expected), "{point:?}");
+            let by_pieces = wall.pieces().map(|piece| obstacle_distance(&piece, point, 0, 0.2));
+            assert!(near(by_pieces.fold(f32::INFINITY, f32::min), expected), "{point:?} by its pieces");
+        }
+        let scenario = Scenario { walls: vec![wall], ..Scenario::default() };
+        assert!(near(clearance(&scenario, (1.0, 0.3), 0), 0.2));
+        assert!(is_clear(&scenario, (1.0, 0.3), 0, 0.19) && !is_clear(&scenario, (1.0, 0.3), 0, 0.21));
+    }
+
+    #[test]
+    fn beams_go_all_around_or_from_right_to_left() {
+        let lidar = |beams, field_of_view_rad| Lidar { beams, field_of_view_rad, ..Lidar::default() };
+        let all = lidar(4, std::f32::consts::TAU);
+        assert!((all.beam_angle_rad(1) - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "a quarter turn to the left");
+        let ahead = lidar(5, 2.0);
+        let angles: Vec<f64> = (0..5).map(|beam| ahead.beam_angle_rad(beam)).collect();
+        assert_eq!(angles, [-1.0, -0.5, 0.0, 0.5, 1.0]);
+        assert_eq!(lidar(1, 2.0).beam_angle_rad(0), 0.0, "a single beam looks ahead");
     }
 
     #[test]

@@ -7,21 +7,25 @@
 
 mod check;
 mod file_error;
+mod generate;
 mod geometry;
 mod load;
 mod motion;
 mod outline;
 mod placement;
+mod polygon;
 mod ron_message;
 mod schema;
 #[cfg(target_arch = "wasm32")]
 pub mod shelf;
+mod write;
 
 pub use check::findings;
 pub use file_error::{FileError, Finding, Problem};
-pub use geometry::{clearance, shape_distance, wall_distance};
+pub use geometry::{clearance, inner_wall_distance, shape_distance, wall_distance};
 pub use load::{is_there, parse_ron, read_bytes, read_ron, read_text, to_ron};
 pub use motion::pose_at;
-pub use placement::{NoFreePlace, draw_start, draw_target};
+pub use placement::{NoFreePlace, draw_navigation, draw_start, draw_target};
 pub use ron_message::nearest;
 pub use schema::*;
+pub use write::to_text;

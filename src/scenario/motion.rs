@@ -7,13 +7,16 @@
 use std::f64::consts::{PI, TAU};
 
 use super::schema::{Obstacle, ObstacleMotion};
+use crate::random::{self, Stream};
 
 /// The pose (x in m, y in m, rotation in rad, in [-pi, pi]) of `obstacle` after `step` steps of
 /// `control_period_s`.
 ///
 /// Orbit: the obstacle revolves about the centre and turns with the revolution. Patrol: it starts at its own
 /// position, visits the waypoints in order, returns to its position, and so on; it doesn't turn, and a
-/// negative speed goes the other way round. Numbers that [`findings`](super::findings) would refuse may give
+/// negative speed goes the other way round. Back and forth: the same to the last waypoint and back. Random walk: it is
+/// at its position at step 0, and at a random point of the disc about it whenever the longest leg's time has passed;
+/// between, it goes straight and evenly. Numbers that [`findings`](super::findings) would refuse may give
 /// NaN, never a panic.
 #[must_use]
 pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f32, f32) {
@@ -29,6 +32,12 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
         }
         ObstacleMotion::Patrol { waypoints_m, speed_m_s } => {
             (along(position, waypoints_m, travelled(*speed_m_s)), rotation)
+        }
+        ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
+            (there_and_back(position, waypoints_m, travelled(*speed_m_s)), rotation)
+        }
+        ObstacleMotion::RandomWalk { reach_m, speed_m_s, seed } => {
+            (wandered(position, f64::from(*reach_m), *seed, travelled(*speed_m_s)), rotation)
         }
     };
     (x as f32, y as f32, wrapped(rotation) as f32)
@@ -56,12 +65,65 @@ fn along(start: (f64, f64), waypoints: &[(f32, f32)], distance: f64) -> (f64, f6
     for (from, to) in legs() {
         let leg = length(from, to);
         if left < leg {
-            let part = left / leg;
-            return (from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part);
+            return between(from, to, left / leg);
         }
         left -= leg;
     }
     start
+}
+
+/// The point at `distance` along `start`, waypoints, and back the same way, and so on.
+fn there_and_back(start: (f64, f64), waypoints: &[(f32, f32)], distance: f64) -> (f64, f64) {
+    let corners = || std::iter::once(start).chain(waypoints.iter().map(|&corner| wide(corner)));
+    let legs = || corners().zip(corners().skip(1));
+    let one_way: f64 = legs().map(|(from, to)| length(from, to)).sum();
+    if one_way == 0.0 {
+        return start;
+    }
+    let gone = libm::fmod(distance.abs(), 2.0 * one_way);
+    let mut left = if gone <= one_way { gone } else { 2.0 * one_way - gone };
+    for (from, to) in legs() {
+        let leg = length(from, to);
+        if left < leg {
+            return between(from, to, left / leg);
+        }
+        left -= leg;
+    }
+    corners().last().unwrap_or(start)
+}
+
+/// Where a random walk about `middle` has come after `distance` at its full speed: every leg takes as long as that
+/// needs for two reaches.
+fn wandered(middle: (f64, f64), reach: f64, seed: u32, distance: f64) -> (f64, f64) {
+    let legs = distance.abs() / (2.0 * reach);
+    if !legs.is_finite() {
+        return middle;
+    }
+    let point = |leg: f64| {
+        if leg <= 0.0 {
+            return middle;
+        }
+        let mut stream = random::stream(u64::from(seed), "random walk", leg as u64);
+        let (x, y) = in_disc(&mut stream);
+        (middle.0 + reach * x, middle.1 + reach * y)
+    };
+    let begun = legs.floor();
+    between(point(begun), point(begun + 1.0), legs - begun)
+}
+
+/// A point of the disc of radius 1, evenly: the first of the square that lies in it.
+fn in_disc(stream: &mut Stream) -> (f64, f64) {
+    let mut coordinate = || f64::from(random::between(stream, -1.0, 1.0));
+    loop {
+        let (x, y) = (coordinate(), coordinate());
+        if x * x + y * y <= 1.0 {
+            return (x, y);
+        }
+    }
+}
+
+fn between(from: (f64, f64), to: (f64, f64), part: f64) -> (f64, f64) {
+    (from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part)
 }
 
 fn length(from: (f64, f64), to: (f64, f64)) -> f64 {
@@ -129,6 +191,47 @@ mod tests {
             assert_near(pose_at(&o, step, 1.0), (expected.0, expected.1, 0.0));
         }
         assert_near(pose_at(&o, 12_000_000_007, 1.0), (3.0, 4.0, 0.0));
+    }
+
+    #[test]
+    fn back_and_forth_turns_at_the_last_waypoint() {
+        // 3 m and 4 m at 1 m/s, one second a step: there after 7 steps, home after 14.
+        let waypoints_m = vec![(3.0, 0.0), (3.0, 4.0)];
+        let o = obstacle((0.0, 0.0), ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 1.0 });
+        for (step, (x, y)) in [
+            (0, (0.0, 0.0)),
+            (2, (2.0, 0.0)),
+            (7, (3.0, 4.0)),
+            (9, (3.0, 2.0)),
+            (12, (2.0, 0.0)),
+            (14, (0.0, 0.0)),
+            (14_000_000_016, (2.0, 0.0)),
+        ] {
+            assert_near(pose_at(&o, step, 1.0), (x, y, 0.0));
+        }
+    }
+
+    #[test]
+    fn a_random_walk_stays_in_reach_never_hurries_and_is_told_by_its_seed() {
+        let walk = |seed| {
+            obstacle((1.0, -1.0), ObstacleMotion::RandomWalk { reach_m: 0.5, speed_m_s: 0.2, seed })
+        };
+        let (one, other) = (walk(1), walk(2));
+        assert_eq!(pose_at(&one, 0, 0.2), (1.0, -1.0, 0.0));
+        let (mut apart, mut corners) = (0.0_f32, std::collections::BTreeSet::new());
+        for step in (0..5_000).chain(3_000_000_000..3_000_000_200) {
+            let (now, next) = (pose_at(&one, step, 0.2), pose_at(&one, step + 1, 0.2));
+            assert!((now.0 - 1.0).hypot(now.1 + 1.0) <= 0.5 + 1e-6, "out of reach at step {step}");
+            assert!((next.0 - now.0).hypot(next.1 - now.1) <= 0.04 + 1e-5, "too quick at step {step}");
+            let beside = pose_at(&other, step, 0.2);
+            apart = apart.max((now.0 - beside.0).hypot(now.1 - beside.1));
+            // A leg takes 2 * 0.5 m / 0.2 m/s = 5 s, 25 steps.
+            if step % 25 == 0 {
+                corners.insert((now.0.to_bits(), now.1.to_bits()));
+            }
+        }
+        assert!(apart > 0.3, "another seed is another walk");
+        assert!(corners.len() >= 200, "each leg goes elsewhere: {}", corners.len());
     }
 
     #[test]

@@ -155,7 +155,7 @@ impl<'a> Outline<'a> {
 }
 
 /// The next token at or after `at`, as (start, end); spaces, comments and `#![...]` lie between tokens.
-fn token(text: &str, mut at: usize) -> Option<(usize, usize)> {
+pub(super) fn token(text: &str, mut at: usize) -> Option<(usize, usize)> {
     loop {
         let rest = &text[at..];
         let first = rest.chars().next()?;
@@ -215,7 +215,7 @@ fn quoted(rest: &str) -> usize {
 }
 
 /// The length of a block comment, which may hold others.
-fn block_comment(rest: &str) -> usize {
+pub(super) fn block_comment(rest: &str) -> usize {
     let bytes = rest.as_bytes();
     let (mut depth, mut at) = (0_usize, 0);
     while at + 1 < bytes.len() {

@@ -6,9 +6,11 @@
 //! Lengths are metres, times seconds, angles radians (counterclockwise positive, 0 along +x). The origin is
 //! the middle of the enclosure.
 
+use std::f32::consts::TAU;
+
 use serde::{Deserialize, Serialize};
 
-/// One world: enclosure, obstacles, robot, LIDAR, and the rules of the task in it.
+/// One world: enclosure, walls, obstacles, robot, LIDAR, and the rules of the task in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
@@ -20,9 +22,15 @@ pub struct Scenario {
     /// The walls around it; hitting them is hitting an obstacle.
     #[serde(default)]
     pub enclosure: Enclosure,
+    /// Inner walls, at most 1,000.
+    #[serde(default)]
+    pub walls: Vec<Wall>,
     /// What stands or moves inside, at most 10,000.
     #[serde(default)]
     pub obstacles: Vec<Obstacle>,
+    /// Obstacles that are drawn anew for every episode, at most 16 kinds of them.
+    #[serde(default)]
+    pub generators: Vec<Generator>,
     /// The robot's body and its motions.
     #[serde(default)]
     pub robot: Robot,
@@ -50,7 +58,9 @@ impl Default for Scenario {
             name: "Empty".into(),
             about: String::new(),
             enclosure: Enclosure::default(),
+            walls: Vec::new(),
             obstacles: Vec::new(),
+            generators: Vec::new(),
             robot: Robot::default(),
             lidar: Lidar::default(),
             task: TaskRules::default(),
@@ -72,6 +82,11 @@ pub enum Enclosure {
         /// Inner extent along y.
         height_m: f32,
     },
+    /// Any outline whose sides don't cross, such as an L. Its extent along x and along y is 0.5 to 1,000 m.
+    Polygon {
+        /// Its corners in order, either way round, 3 to 64; the last is joined to the first.
+        corners_m: Vec<(f32, f32)>,
+    },
 }
 
 impl Default for Enclosure {
@@ -79,6 +94,21 @@ impl Default for Enclosure {
     fn default() -> Self {
         Self::Rectangle { width_m: 4.0, height_m: 4.0 }
     }
+}
+
+/// An inner wall: straight pieces from corner to corner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// Where it goes, 2 to 256 corners. Each piece reaches half the thickness past its ends, so that corners are closed.
+    pub corners_m: Vec<(f32, f32)>,
+    /// How thick it is, 0.01 to 100 m.
+    #[serde(default = "default_thickness_m")]
+    pub thickness_m: f32,
+}
+
+fn default_thickness_m() -> f32 {
+    0.1
 }
 
 /// One thing to keep clear of.
@@ -113,20 +143,32 @@ pub enum Shape {
         /// Whole extent along its own y axis.
         height_m: f32,
     },
+    /// Straight sides, without a corner that points inwards. (What has one is put together of several.)
+    Polygon {
+        /// Its corners in order, either way round, 3 to 32, in its own frame: (0, 0) is what `position_m` places.
+        corners_m: Vec<(f32, f32)>,
+    },
+    /// A rod with round ends.
+    Capsule {
+        /// From the middle of one round end to that of the other, along its own x axis.
+        length_m: f32,
+        /// Half its width, and the radius of its ends.
+        radius_m: f32,
+    },
 }
 
 /// How an obstacle moves: always a function of the step count alone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ObstacleMotion {
-    /// Not at all.
+    /// It stands still.
     #[default]
     Still,
     /// Around a point at a constant distance, turning with the revolution as if fixed to a turntable.
     Orbit {
-        /// The point.
+        /// The point it revolves about.
         centre_m: (f32, f32),
-        /// Counterclockwise positive; the obstacle's middle may move at 5 m/s at most.
+        /// How fast, counterclockwise positive; the obstacle's middle may move at 5 m/s at most.
         speed_rad_s: f32,
     },
     /// Along straight lines from its position through each waypoint in order and back to its position,
@@ -137,13 +179,82 @@ pub enum ObstacleMotion {
         /// Along the path, 0 to 5 m/s.
         speed_m_s: f32,
     },
+    /// Along straight lines from its position through each waypoint in order to the last, and the same way back,
+    /// forever, without turning.
+    BackAndForth {
+        /// The further corners, 1 to 256.
+        waypoints_m: Vec<(f32, f32)>,
+        /// Along the path, 0 to 5 m/s.
+        speed_m_s: f32,
+    },
+    /// From one random point near its position straight to the next, forever, without turning. Each leg takes as long as
+    /// the longest there could be, so most are slower than the speed that is given.
+    RandomWalk {
+        /// How far from its position the points are at most, 0.01 to 500 m.
+        reach_m: f32,
+        /// The fastest it ever is, 0 to 5 m/s.
+        speed_m_s: f32,
+        /// Which walk: the same number is the same one in every run.
+        #[serde(default)]
+        seed: u32,
+    },
+}
+
+/// Obstacles that are drawn anew for every episode, in each arena for itself: for policies that must cope with worlds
+/// they have not seen. They stand still.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Generator {
+    /// How many, 1 to 200 (and no more than 200 by all generators together); fewer where there is no room.
+    pub count: u32,
+    /// Their outline.
+    pub shape: RandomShape,
+    /// The least gap from each one's bounding circle to walls, to other obstacles, to the course's ends and to places
+    /// that the rules of starts and targets name. More than twice the collision range, so that the robot fits through.
+    #[serde(default = "default_gap_m")]
+    pub gap_m: f32,
+    /// Where their middles may be; anywhere, if this is left out.
+    #[serde(default)]
+    pub within: Option<Region>,
+}
+
+fn default_gap_m() -> f32 {
+    0.4
+}
+
+/// An outline whose sizes are drawn evenly from ranges, each written `(lowest, highest)`; 0.001 to 1,000 m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum RandomShape {
+    /// A cylinder seen from above.
+    Circle {
+        /// From the middle to the rim.
+        radius_m: (f32, f32),
+    },
+    /// A box seen from above, turned by any angle.
+    Rectangle {
+        /// Whole extent along its own x axis.
+        width_m: (f32, f32),
+        /// Whole extent along its own y axis.
+        height_m: (f32, f32),
+    },
+}
+
+/// A rectangle with its sides along x and y.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Its lower left corner.
+    pub min_m: (f32, f32),
+    /// Its upper right corner.
+    pub max_m: (f32, f32),
 }
 
 /// The robot: a disc with a differential drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Robot {
-    /// Of the disc, 0.01 to 10 m.
+    /// The disc's radius, 0.01 to 10 m.
     pub radius_m: f32,
     /// What it can do, 1 to 64; action k of the policy is motion k.
     pub motions: Vec<Motion>,
@@ -172,25 +283,38 @@ pub struct Motion {
     pub w_rad_s: f32,
 }
 
-/// The LIDAR: beams spread evenly over the full circle, from the robot's centre.
+/// The LIDAR: beams spread evenly over its field of view, from the robot's centre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Lidar {
-    /// How many beams, 1 to 4,096. Beam 0 looks along the heading, the others follow counterclockwise.
+    /// How many beams, 1 to 4,096. All around, beam 0 looks along the heading and the others follow counterclockwise.
     pub beams: usize,
+    /// How wide it sees, 0.01 to 6.2832 (all around, where 6.28 is enough). A narrower one is centred on the heading: the
+    /// first beam is its right edge, the last its left edge; a single beam looks ahead.
+    pub field_of_view_rad: f32,
     /// What a beam reports when it meets nothing nearer, 0.01 to 1,000 m.
     pub max_range_m: f32,
     /// Standard deviation of the Gaussian noise on each range, 0 to 10 m.
     pub noise_std_m: f32,
     /// Probability that a beam is lost and reports the maximum range, 0 to 1.
     pub dropout: f32,
+    /// How many control steps old a scan is when the policy sees it, 0 to 50. (Collisions and rewards go by what is
+    /// there now.)
+    pub latency_steps: u32,
 }
 
 impl Default for Lidar {
     /// 24 beams (equation (8)), without noise; the range of 3.5 m is that of the robot the paper's setting
     /// follows.
     fn default() -> Self {
-        Self { beams: 24, max_range_m: 3.5, noise_std_m: 0.0, dropout: 0.0 }
+        Self {
+            beams: 24,
+            field_of_view_rad: TAU,
+            max_range_m: 3.5,
+            noise_std_m: 0.0,
+            dropout: 0.0,
+            latency_steps: 0,
+        }
     }
 }
 
@@ -199,6 +323,12 @@ impl Lidar {
     #[must_use]
     pub fn is_exact(&self) -> bool {
         self.noise_std_m <= 0.0 && self.dropout <= 0.0
+    }
+
+    /// Whether it sees all around.
+    #[must_use]
+    pub fn is_all_around(&self) -> bool {
+        self.field_of_view_rad >= 6.28
     }
 }
 
@@ -244,9 +374,33 @@ pub enum PlaceRule {
         #[serde(default = "default_clearance_m")]
         clearance_m: f32,
     },
+    /// Like `Random`, but within a rectangle.
+    Within {
+        /// The rectangle's lower left corner.
+        min_m: (f32, f32),
+        /// Its upper right corner.
+        max_m: (f32, f32),
+        /// The least distance from the point to any surface, 0 to 1,000 m.
+        #[serde(default = "default_clearance_m")]
+        clearance_m: f32,
+    },
+    /// Always the same place.
+    Fixed {
+        /// The place.
+        at_m: (f32, f32),
+        /// Where the robot looks at its start, -6.3 to 6.3; anywhere, if this is left out. A target has none.
+        #[serde(default)]
+        heading_rad: Option<f32>,
+    },
+    /// One of a few places, each as likely as the others; the heading is random.
+    OneOf {
+        /// The places, 1 to 256.
+        places_m: Vec<(f32, f32)>,
+    },
 }
 
 impl Default for PlaceRule {
+    /// Anywhere that is 0.35 m clear of everything.
     fn default() -> Self {
         Self::Random { clearance_m: default_clearance_m() }
     }

@@ -5,9 +5,10 @@
 
 use bevy::prelude::*;
 
-use super::{Arena, Clock, CurrentScenario, Drive, Episode, Pose, Restart, Streams, Target};
+use super::{Arena, Clock, CurrentScenario, Drive, Episode, Pose, Restart, Room, Streams, Target};
 use crate::control_step::Begin;
-use crate::scenario::{draw_start, draw_target};
+use crate::random;
+use crate::scenario::{NoFreePlace, Scenario, draw_navigation, draw_target};
 
 /// By which rule starts and targets are chosen.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,44 +31,81 @@ pub(super) fn run_begin(world: &mut World, arenas: &mut QueryState<&Episode>) {
     }
 }
 
-/// `Draw`: a new target, and for a new episode a new start, at rest.
+/// What is drawn for an arena: a start where the robot does not stay where it is, and a target.
+type Drawn = (Option<Pose>, Target);
+
+/// `Draw`: a new target, and for a new episode a new layout where there are generators and a new start, at rest.
 pub(super) fn draw(
     scenario: Res<CurrentScenario>,
     places: Res<Places>,
     mut fault: ResMut<TaskFault>,
-    mut arenas: Query<(&Arena, &Clock, &mut Pose, &mut Drive, &mut Target, &mut Episode, &mut Streams)>,
+    mut arenas: Query<(
+        &Arena,
+        &Clock,
+        &mut Room,
+        &mut Pose,
+        &mut Drive,
+        &mut Target,
+        &mut Episode,
+        &mut Streams,
+    )>,
 ) {
-    let scenario = &*scenario.0;
-    for (arena, clock, mut pose, mut drive, mut target, mut episode, mut streams) in &mut arenas {
+    for (arena, clock, mut room, mut pose, mut drive, mut target, mut episode, mut streams) in &mut arenas {
         if matches!(episode.restart, Restart::No | Restart::Moved) {
             continue;
         }
-        if episode.restart != Restart::Target {
+        if episode.restart.begins_episode() {
             *episode = Episode { restart: episode.restart, ..Episode::default() };
-            *drive = Drive::default();
+            if !scenario.0.generators.is_empty() {
+                *room = Room::new(&scenario.0, random::word(&mut streams.places));
+            }
         }
         let drawn = match *places {
-            Places::Course => {
-                let course = &scenario.course;
-                *pose =
-                    Pose { x_m: course.start_m.0, y_m: course.start_m.1, heading_rad: course.heading_rad };
-                *target = Target { x_m: course.target_m.0, y_m: course.target_m.1 };
-                Ok(())
+            Places::Course => Ok(course(&room.scenario)),
+            Places::Drawn => {
+                let stays = (episode.restart == Restart::Target).then_some(*pose);
+                draw_for(&room.scenario, clock.0, stays, &mut streams)
             }
-            Places::Drawn => (|| {
-                if episode.restart != Restart::Target {
-                    let (x_m, y_m, heading_rad) = draw_start(scenario, clock.0, &mut streams.places)?;
-                    *pose = Pose { x_m, y_m, heading_rad };
-                }
-                let (x_m, y_m) = draw_target(scenario, clock.0, (pose.x_m, pose.y_m), &mut streams.places)?;
-                *target = Target { x_m, y_m };
-                Ok::<(), crate::scenario::NoFreePlace>(())
-            })(),
         };
-        if let Err(problem) = drawn {
-            fault.0 = Some(format!("arena {}, step {}: {problem}", arena.0, clock.0));
+        match drawn {
+            Ok((start, new_target)) => {
+                *target = new_target;
+                if let Some(start) = start {
+                    (*pose, *drive) = (start, Drive::default());
+                    if episode.restart == Restart::Target {
+                        episode.restart = Restart::Place;
+                    }
+                }
+            }
+            Err(problem) => {
+                *drive = Drive::default();
+                fault.0 = Some(format!("arena {}, step {}: {problem}", arena.0, clock.0));
+            }
         }
     }
+}
+
+/// The timed course.
+fn course(scenario: &Scenario) -> Drawn {
+    let course = &scenario.course;
+    let start = Pose { x_m: course.start_m.0, y_m: course.start_m.1, heading_rad: course.heading_rad };
+    (Some(start), Target { x_m: course.target_m.0, y_m: course.target_m.1 })
+}
+
+/// A target for a robot that `stays` where it is; if there is none far enough, or it doesn't stay, a start, too.
+fn draw_for(
+    scenario: &Scenario,
+    step: u64,
+    stays: Option<Pose>,
+    streams: &mut Streams,
+) -> Result<Drawn, NoFreePlace> {
+    let stream = &mut streams.places;
+    let for_it = stays.map(|pose| draw_target(scenario, step, (pose.x_m, pose.y_m), stream));
+    if let Some(Ok((x_m, y_m))) = for_it {
+        return Ok((None, Target { x_m, y_m }));
+    }
+    let ((x_m, y_m, heading_rad), target) = draw_navigation(scenario, step, stream)?;
+    Ok((Some(Pose { x_m, y_m, heading_rad }), Target { x_m: target.0, y_m: target.1 }))
 }
 
 /// `Observe`, last: nothing is owed any more.

@@ -25,7 +25,9 @@ pub use begin::{Places, TaskFault};
 pub use judge::{EpisodeEnd, EpisodeEnded, Outcome, Outcomes};
 pub use observation::{Encoding, Observations};
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
-pub use state::{Arena, ArenaState, Clock, Drive, Episode, Pose, Restart, Scan, Streams, Target, wrap_angle};
+pub use state::{
+    Arena, ArenaState, Clock, Drive, Episode, Pose, Restart, Room, Scan, Streams, Target, wrap_angle,
+};
 
 use crate::control_step::{Begin, BeginSet, ControlSet, ControlStep, ScanWritten};
 use crate::scenario::Scenario;

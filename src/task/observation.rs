@@ -144,7 +144,7 @@ mod tests {
     fn row(encoding: Encoding) -> Vec<f32> {
         let mut ranges_m = vec![3.5; 24];
         ranges_m[6] = 0.7;
-        let scan = Scan { ranges_m, nearest_m: 0.7, touching: false };
+        let scan = Scan { ranges_m, nearest_m: 0.7, ..Scan::default() };
         let pose = Pose { x_m: 1.0, y_m: 0.0, heading_rad: 0.0 };
         let target = Target { x_m: 1.0, y_m: -2.0 };
         let mut row = vec![f32::NAN; width(24)];

@@ -3,15 +3,39 @@
 //! In: `world/` writes [`Pose`], [`Drive`] and [`Scan`], `begin.rs` writes [`Target`] and [`Episode`]. Out: everything else
 //! reads them. Positions are in the arena's own frame, whose origin is the enclosure's centre.
 
+use std::collections::VecDeque;
+use std::sync::Arc;
+
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::reward::{Potential, RewardTerms};
 use crate::random::{self, Stream};
+use crate::scenario::Scenario;
 
 /// An arena: one robot in one enclosure. The number is its row in every batch.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arena(pub usize);
+
+/// The world as it stands in this arena: the scenario, with the layout of this episode where it has generators.
+#[derive(Component, Clone, Debug)]
+pub struct Room {
+    /// The layout's number; 0 where there are no generators.
+    pub layout: u64,
+    /// The scenario with that layout ([`Scenario::furnished`]).
+    pub scenario: Arc<Scenario>,
+}
+
+impl Room {
+    /// The world of `scenario` with layout number `layout`, which only generators ask for.
+    #[must_use]
+    pub fn new(scenario: &Arc<Scenario>, layout: u64) -> Self {
+        if scenario.generators.is_empty() {
+            return Self { layout: 0, scenario: scenario.clone() };
+        }
+        Self { layout, scenario: Arc::new(scenario.furnished(layout)) }
+    }
+}
 
 /// Where the robot is and where it looks.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -69,12 +93,17 @@ pub fn wrap_angle(angle_rad: f32) -> f32 {
 /// One LIDAR scan.
 #[derive(Component, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scan {
-    /// What the sensor reports, in m: beam i looks along heading + i * 2 pi / beams. Noise and dropout included.
+    /// What the sensor reports, in m, by beam ([`beam_angle_rad`](crate::scenario::Lidar::beam_angle_rad)). Noise,
+    /// dropout and latency included.
     pub ranges_m: Vec<f32>,
+    /// From where that was seen: the robot's pose, `latency_steps` steps ago.
+    pub from: Pose,
     /// The smallest range without noise and dropout, in m: d_o, by which collisions and rewards are judged.
     pub nearest_m: f32,
     /// Whether the robot's body touches another.
     pub touching: bool,
+    /// Scans that the policy has yet to see, oldest first, where the sensor has a latency: poses and ranges.
+    pub late: VecDeque<(Pose, Vec<f32>)>,
 }
 
 /// The point that the robot is to reach, in m.
@@ -98,12 +127,28 @@ pub enum Restart {
     No,
     /// A new target; robot and episode go on.
     Target,
+    /// A new start and a new target; the episode goes on. So it is after a target where no other is far enough.
+    Place,
     /// A new episode: robot and target are placed anew.
     Episode,
     /// As `Episode`, with the obstacles put where the clock says (a fresh arena, or a rewound clock).
     Everything,
     /// Nothing is drawn: a hand has moved something, and robot, scan and observation follow. The episode goes on.
     Moved,
+}
+
+impl Restart {
+    /// Whether the robot is somewhere else afterwards, or may be.
+    #[must_use]
+    pub fn moves_robot(self) -> bool {
+        matches!(self, Self::Place | Self::Episode | Self::Everything | Self::Moved)
+    }
+
+    /// Whether a new episode begins.
+    #[must_use]
+    pub fn begins_episode(self) -> bool {
+        matches!(self, Self::Episode | Self::Everything)
+    }
 }
 
 /// The running episode of an arena.
@@ -153,6 +198,8 @@ pub struct ArenaState {
     pub target: Target,
     /// The obstacles' clock.
     pub clock: Clock,
+    /// The layout's number ([`Room`]).
+    pub layout: u64,
     /// The running episode.
     pub episode: Episode,
     /// The streams where they stand.

@@ -15,7 +15,7 @@ use crate::control_step::Begin;
 use crate::scenario::Scenario;
 use crate::task::{
     Actions, Arena, ArenaState, Clock, CurrentScenario, Drive, Encoding, Episode, Observations, Outcome,
-    Outcomes, Pose, Restart, Scan, Streams, Target, TaskFault, observation,
+    Outcomes, Pose, Restart, Room, Scan, Streams, Target, TaskFault, observation,
 };
 
 /// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
@@ -23,7 +23,7 @@ use crate::task::{
 pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed: u64) {
     physics::despawn_all(world);
     world.insert_resource(CurrentScenario(scenario.clone()));
-    world.insert_resource(Beams::around(scenario.lidar.beams));
+    world.insert_resource(Beams::of(&scenario.lidar));
     world.resource_mut::<Observations>().resize(arenas, observation::width(scenario.lidar.beams));
     world.resource_mut::<Actions>().0 = vec![0; arenas];
     world.resource_mut::<Outcomes>().0 = vec![Outcome::default(); arenas];
@@ -31,6 +31,7 @@ pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed
         let arena = world
             .spawn((
                 Arena(index),
+                Room { layout: 0, scenario: scenario.clone() },
                 Pose::default(),
                 Drive::default(),
                 Scan::default(),
@@ -65,16 +66,18 @@ pub fn rewind(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(Streams
 
 /// The state of every arena, by number.
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
-    let mut arenas = world.query::<(&Arena, &Pose, &Drive, &Scan, &Target, &Clock, &Episode, &Streams)>();
+    let mut arenas =
+        world.query::<(&Arena, &Room, &Pose, &Drive, &Scan, &Target, &Clock, &Episode, &Streams)>();
     let mut states: Vec<(usize, ArenaState)> = arenas
         .iter(world)
-        .map(|(arena, pose, drive, scan, target, clock, episode, streams)| {
+        .map(|(arena, room, pose, drive, scan, target, clock, episode, streams)| {
             let state = ArenaState {
                 pose: *pose,
                 drive: *drive,
                 scan: scan.clone(),
                 target: *target,
                 clock: *clock,
+                layout: room.layout,
                 episode: episode.clone(),
                 streams: streams.clone(),
             };
@@ -94,14 +97,16 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
     let encoding = *world.resource::<Encoding>();
     let mut arenas = world.query::<(
         &Arena,
-        &Bodies,
+        &mut Bodies,
         &mut RapierRigidBodySet,
         &mut RapierContextColliders,
-        (&mut Pose, &mut Drive, &mut Scan, &mut Target, &mut Clock, &mut Episode, &mut Streams),
+        (&mut Room, &mut Pose, &mut Drive, &mut Scan, &mut Target, &mut Clock, &mut Episode, &mut Streams),
     )>();
-    for (arena, bodies, mut set, mut colliders, components) in arenas.iter_mut(world) {
+    for (arena, mut bodies, mut set, mut colliders, components) in arenas.iter_mut(world) {
         let Some(state) = states.get(arena.0) else { continue };
-        let (mut pose, mut drive, mut scan, mut target, mut clock, mut episode, mut streams) = components;
+        let (mut room, mut pose, mut drive, mut scan, mut target, mut clock, mut episode, mut streams) =
+            components;
+        *room = Room::new(&scenario, state.layout);
         *pose = state.pose;
         *drive = state.drive;
         *scan = state.scan.clone();
@@ -109,8 +114,9 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         *clock = state.clock;
         *episode = state.episode.clone();
         *streams = state.streams.clone();
-        robot::place_body(&mut set, bodies, &pose);
-        obstacles::place_bodies(&scenario, *clock, bodies, &mut set, &mut colliders);
+        robot::place_body(&mut set, &bodies, &pose);
+        obstacles::furnish(&scenario, &room, &mut bodies, &mut set, &mut colliders);
+        obstacles::place_bodies(&room, *clock, &bodies, &mut set, &mut colliders);
         observation::encode(encoding, &scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
     }
     world.insert_resource(rows);
@@ -126,6 +132,14 @@ pub fn rebuild(world: &mut World, scenario: &Arc<Scenario>) {
     world.insert_resource(actions);
     restore(world, &states);
     sense_anew(world, |_| true);
+}
+
+/// Begins anew in every arena, in another world: streams and clocks go on, layouts, starts and targets are drawn there.
+/// The number of beams and that of the robot's motions must be the same.
+pub fn replace(world: &mut World, scenario: &Arc<Scenario>) {
+    let states = snapshot(world);
+    populate(world, scenario, states.len(), 0);
+    rewind(world, |arena| states.get(arena).map(|state| (state.streams.clone(), state.clock)));
 }
 
 /// Puts the robot of `arena` at `to_m`, its heading as it is; the episode goes on from there.

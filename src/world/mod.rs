@@ -20,7 +20,7 @@ mod robot;
 
 use bevy::prelude::*;
 
-pub use arena::{move_robot, move_target, populate, rebuild, restore, rewind, snapshot};
+pub use arena::{move_robot, move_target, populate, rebuild, replace, restore, rewind, snapshot};
 pub use physics::Bodies;
 pub use probe::Probe;
 pub use robot::{Lag, chord_velocity, turned};

@@ -1,14 +1,16 @@
-//! Moving obstacles: where each is, is a function of the arena's step count alone.
+//! Obstacles: where a moving one is, is a function of the arena's step count alone; generated ones are put up anew when an
+//! episode begins.
 //!
-//! In: the arena's [`Clock`]. Out: the next position of its kinematic bodies; they neither drift nor get pushed.
+//! In: the arena's [`Clock`] and its [`Room`]. Out: the next position of its kinematic bodies, which neither drift nor get
+//! pushed; and generated bodies in their new shapes and places.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation, Vector};
 
-use super::physics::Bodies;
+use super::physics::{self, Bodies};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
-use crate::task::{Clock, CurrentScenario, Episode, Restart};
+use crate::task::{Clock, CurrentScenario, Episode, Restart, Room};
 
 /// `Actuate`: the clock advances, and every moving obstacle is told where it will be after this step.
 pub(super) fn advance(
@@ -28,28 +30,70 @@ pub(super) fn advance(
     }
 }
 
-/// `Place`: in a fresh or rewound arena the moving obstacles are put where the clock says.
+/// `Place`: what was generated for a new episode is put up, and in a fresh or rewound arena the moving obstacles are put
+/// where the clock says.
 pub(super) fn place(
     scenario: Res<CurrentScenario>,
-    mut arenas: Query<(&Clock, &Bodies, &Episode, &mut RapierRigidBodySet, &mut RapierContextColliders)>,
+    mut arenas: Query<(
+        &Clock,
+        &Room,
+        &mut Bodies,
+        &Episode,
+        &mut RapierRigidBodySet,
+        &mut RapierContextColliders,
+    )>,
 ) {
-    for (clock, bodies, episode, mut set, mut colliders) in &mut arenas {
+    for (clock, room, mut bodies, episode, mut set, mut colliders) in &mut arenas {
+        if episode.restart.begins_episode() {
+            furnish(&scenario.0, room, &mut bodies, &mut set, &mut colliders);
+        }
         if episode.restart == Restart::Everything {
-            place_bodies(&scenario.0, *clock, bodies, &mut set, &mut colliders);
+            place_bodies(room, *clock, &bodies, &mut set, &mut colliders);
         }
     }
 }
 
+/// Gives the bodies for what `scenario` generates the shapes and places that `room` has; the others are taken away.
+pub(super) fn furnish(
+    scenario: &Scenario,
+    room: &Room,
+    bodies: &mut Bodies,
+    set: &mut RapierRigidBodySet,
+    colliders: &mut RapierContextColliders,
+) {
+    if bodies.generated.is_empty() {
+        return;
+    }
+    bodies.solids.retain(|solid| bodies.generated.iter().all(|(_, collider)| collider != solid));
+    let generated = room.scenario.obstacles.get(scenario.obstacles.len()..).unwrap_or_default();
+    let mut obstacles = generated.iter();
+    for &(body, collider) in &bodies.generated {
+        let obstacle = obstacles.next();
+        if let Some(collider) = colliders.colliders.get_mut(collider) {
+            collider.set_enabled(obstacle.is_some());
+            if let Some(obstacle) = obstacle {
+                collider.set_shape(physics::shape(&obstacle.shape));
+            }
+        }
+        if let (Some(obstacle), Some(body)) = (obstacle, set.bodies.get_mut(body)) {
+            body.set_position(body_pose(&room.scenario, obstacle, Clock(0)), true);
+            bodies.solids.push(collider);
+        }
+    }
+    set.propagate_modified_body_positions_to_colliders(colliders);
+}
+
 /// Puts the moving obstacles, and the colliders that the LIDAR sees, where the clock says.
 pub(super) fn place_bodies(
-    scenario: &Scenario,
+    room: &Room,
     clock: Clock,
     bodies: &Bodies,
     set: &mut RapierRigidBodySet,
     colliders: &mut RapierContextColliders,
 ) {
+    let scenario = &*room.scenario;
     for (index, obstacle) in moving(scenario) {
-        if let Some(body) = set.bodies.get_mut(bodies.obstacles[index]) {
+        if let Some(body) = bodies.obstacles.get(index).and_then(|&body| set.bodies.get_mut(body)) {
             let pose = body_pose(scenario, obstacle, clock);
             body.set_position(pose, true);
             body.set_next_kinematic_position(pose);

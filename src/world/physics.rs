@@ -12,10 +12,10 @@ use bevy::ecs::schedule::{Schedule, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::transform::TransformPlugin;
 use bevy_rapier2d::prelude::*;
-use bevy_rapier2d::rapier::prelude::{ColliderHandle, ColliderSet, RigidBodyHandle};
+use bevy_rapier2d::rapier::prelude::{ColliderHandle, ColliderSet, RigidBodyHandle, SharedShape};
 
 use crate::control_step::{ControlSet, ControlStep};
-use crate::scenario::{Enclosure, ObstacleMotion, Scenario, Shape, pose_at};
+use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
 /// Runs when arenas have been spawned: makes rapier's bodies from the components.
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
@@ -40,7 +40,9 @@ pub struct Bodies {
     pub robot_collider: ColliderHandle,
     /// One for each obstacle of the scenario, in its order.
     pub obstacles: Vec<RigidBodyHandle>,
-    /// What a beam can meet: the obstacles in the scenario's order, then the walls.
+    /// Enough for what the scenario's generators make.
+    pub generated: Vec<(RigidBodyHandle, ColliderHandle)>,
+    /// What a beam can meet: the obstacles in the scenario's order, then the walls, then what was generated.
     pub solids: Vec<ColliderHandle>,
 }
 
@@ -50,6 +52,7 @@ enum Part {
     Robot,
     Obstacle(usize),
     Wall(usize),
+    Generated(usize),
 }
 
 /// Installs rapier in [`ControlStep`].
@@ -103,27 +106,76 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
         SoftCcd { prediction: LOOK_AHEAD_M },
         at(0.0, 0.0, 0.0),
     ));
+    let period_s = scenario.task.control_period_s;
     for (index, obstacle) in scenario.obstacles.iter().enumerate() {
-        let (x, y, rotation) = pose_at(obstacle, 0, scenario.task.control_period_s);
-        let collider = match obstacle.shape {
-            Shape::Circle { radius_m } => Collider::ball(radius_m),
-            Shape::Rectangle { width_m, height_m } => Collider::cuboid(width_m / 2.0, height_m / 2.0),
-        };
+        let (x, y, rotation) = pose_at(obstacle, 0, period_s);
         let body = if obstacle.motion != ObstacleMotion::Still {
             RigidBody::KinematicPositionBased
         } else {
             RigidBody::Fixed
         };
-        world.spawn((Part::Obstacle(index), link, body, collider, at(x, y, rotation)));
+        world.spawn((Part::Obstacle(index), link, body, collider(&obstacle.shape), at(x, y, rotation)));
     }
-    let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
-    let (w, h, t) = (width_m / 2.0, height_m / 2.0, WALL_M / 2.0);
-    let walls =
-        [(w + t, 0.0, t, h), (-w - t, 0.0, t, h), (0.0, h + t, w + WALL_M, t), (0.0, -h - t, w + WALL_M, t)];
-    for (index, (x, y, half_width, half_height)) in walls.into_iter().enumerate() {
-        let collider = Collider::cuboid(half_width, half_height);
-        world.spawn((Part::Wall(index), link, RigidBody::Fixed, collider, at(x, y, 0.0)));
+    let inner = scenario.walls.iter().flat_map(|wall| wall.pieces());
+    let inner = inner.map(|Obstacle { shape, position_m: (x, y), rotation_rad, .. }| {
+        (collider(&shape), at(x, y, rotation_rad))
+    });
+    for (index, (collider, at)) in around(&scenario.enclosure).into_iter().chain(inner).enumerate() {
+        world.spawn((Part::Wall(index), link, RigidBody::Fixed, collider, at));
     }
+    for index in 0..scenario.most_obstacles() - scenario.obstacles.len() {
+        // Shaped and placed when an episode begins.
+        world.spawn((
+            Part::Generated(index),
+            link,
+            RigidBody::Fixed,
+            ColliderDisabled,
+            Collider::ball(1.0),
+            at(0.0, 0.0, 0.0),
+        ));
+    }
+}
+
+/// The colliders around the enclosure, and where they are. A rectangle has thick walls; any other outline its bare sides,
+/// for thick ones would reach in where a corner points inwards.
+fn around(enclosure: &Enclosure) -> Vec<(Collider, Transform)> {
+    match *enclosure {
+        Enclosure::Rectangle { width_m, height_m } => {
+            let (w, h, t) = (width_m / 2.0, height_m / 2.0, WALL_M / 2.0);
+            let long = w + WALL_M;
+            [(w + t, 0.0, t, h), (-w - t, 0.0, t, h), (0.0, h + t, long, t), (0.0, -h - t, long, t)]
+                .map(|(x, y, half_width, half_height)| {
+                    (Collider::cuboid(half_width, half_height), Transform::from_xyz(x, y, 0.0))
+                })
+                .into()
+        }
+        Enclosure::Polygon { .. } => {
+            let corners = enclosure.corners_m();
+            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+            sides
+                .map(|(from, to)| (Collider::segment((*from).into(), (*to).into()), Transform::IDENTITY))
+                .collect()
+        }
+    }
+}
+
+/// A shape about its middle, as bevy_rapier has it.
+fn collider(shape: &Shape) -> Collider {
+    match shape {
+        Shape::Circle { radius_m } => Collider::ball(*radius_m),
+        Shape::Rectangle { width_m, height_m } => Collider::cuboid(width_m / 2.0, height_m / 2.0),
+        Shape::Capsule { length_m, radius_m } => Collider::capsule_x(length_m / 2.0, *radius_m),
+        Shape::Polygon { corners_m } => {
+            let corners: Vec<Vec2> = corners_m.iter().map(|&corner| corner.into()).collect();
+            // What parry can't take encloses nothing: the checks let no such thing through.
+            Collider::convex_hull(&corners).unwrap_or_else(|| Collider::ball(0.001))
+        }
+    }
+}
+
+/// The same as rapier has it, for bodies that are shaped anew.
+pub(super) fn shape(shape: &Shape) -> SharedShape {
+    collider(shape).raw
 }
 
 /// Makes rapier's bodies of all that was spawned, and gives each arena its [`Bodies`].
@@ -137,14 +189,17 @@ pub(super) fn make_bodies(world: &mut World, control_period_s: f32) {
         .collect();
     found.sort_by_key(|&(arena, part, ..)| (arena, part));
     for parts in found.chunk_by(|a, b| a.0 == b.0) {
-        // The robot sorts first, then the obstacles in order, then the walls.
+        // The robot sorts first, then the obstacles in order, then the walls, then what is generated.
         let (arena, _, robot, robot_collider) = parts[0];
         let obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
+        let (standing, generated) =
+            parts[1..].split_at(parts[1..].partition_point(|p| !matches!(p.1, Part::Generated(_))));
         world.entity_mut(arena).insert(Bodies {
             robot,
             robot_collider,
-            obstacles: parts.iter().filter(|p| obstacle(&p.1)).map(|p| p.2).collect(),
-            solids: parts[1..].iter().map(|p| p.3).collect(),
+            obstacles: standing.iter().filter(|p| obstacle(&p.1)).map(|p| p.2).collect(),
+            generated: generated.iter().map(|p| (p.2, p.3)).collect(),
+            solids: standing.iter().map(|p| p.3).collect(),
         });
     }
 }

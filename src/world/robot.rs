@@ -18,7 +18,7 @@ use bevy_rapier2d::rapier::math::Pose as BodyPose;
 
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
-use crate::task::{Actions, Arena, CurrentScenario, Drive, Episode, Pose, Restart, wrap_angle};
+use crate::task::{Actions, Arena, CurrentScenario, Drive, Episode, Pose, wrap_angle};
 
 /// The constant velocity, in m/s, that takes the robot in `seconds` to the end of its arc.
 #[must_use]
@@ -137,7 +137,7 @@ pub(super) fn read_pose(
 /// `Place`: a restarted robot's body is put where its pose says, at rest.
 pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigidBodySet)>) {
     for (bodies, pose, episode, mut set) in &mut arenas {
-        if !matches!(episode.restart, Restart::Episode | Restart::Everything | Restart::Moved) {
+        if !episode.restart.moves_robot() {
             continue;
         }
         place_body(&mut set, bodies, pose);

@@ -1,21 +1,31 @@
 //! Distances in a scenario, worked in f64 from its numbers: the truth that LIDAR and clearances are held against.
 
-use wayfield::scenario::{Enclosure, Scenario, Shape, pose_at};
+use wayfield::scenario::{Obstacle, Scenario, Shape, pose_at};
 
 /// The distance from `origin` along `angle_rad` to the nearest surface at `step`, at most `max_m`; 0 from inside.
 pub fn range(scenario: &Scenario, step: u64, origin: (f64, f64), angle_rad: f64, max_m: f64) -> f64 {
-    let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
-    let (half_width, half_height) = (f64::from(width_m) / 2.0, f64::from(height_m) / 2.0);
     let (sin, cos) = angle_rad.sin_cos();
-    let to_wall = |half: f64, at: f64, along: f64| (half * along.signum() - at) / along;
-    let mut nearest = max_m.min(to_wall(half_width, origin.0, cos)).min(to_wall(half_height, origin.1, sin));
-    for obstacle in &scenario.obstacles {
-        let (x, y, turn) = pose_at(obstacle, step, scenario.task.control_period_s);
+    let corners = scenario.enclosure.corners_m();
+    let walls = sides(&corners);
+    let mut nearest = walls.filter_map(|side| to_side(origin, (cos, sin), side)).fold(max_m, f64::min);
+    for obstacle in all(scenario) {
+        let (x, y, turn) = pose_at(&obstacle, step, scenario.task.control_period_s);
         let (from, way) = in_frame(origin, (cos, sin), (f64::from(x), f64::from(y)), f64::from(turn));
         let hit = match obstacle.shape {
             Shape::Circle { radius_m } => to_circle(from, way, f64::from(radius_m)),
             Shape::Rectangle { width_m, height_m } => {
                 to_box(from, way, (f64::from(width_m) / 2.0, f64::from(height_m) / 2.0))
+            }
+            Shape::Capsule { length_m, radius_m } => {
+                // A box with a disc at either end.
+                let (half, radius) = (f64::from(length_m) / 2.0, f64::from(radius_m));
+                let ends = [-half, half].map(|x| to_circle((from.0 - x, from.1), way, radius));
+                let parts = [to_box(from, way, (half, radius)), ends[0], ends[1]];
+                parts.into_iter().flatten().reduce(f64::min)
+            }
+            Shape::Polygon { ref corners_m } if depth(corners_m, from) >= 0.0 => Some(0.0),
+            Shape::Polygon { ref corners_m } => {
+                sides(corners_m).filter_map(|side| to_side(from, way, side)).reduce(f64::min)
             }
         };
         nearest = nearest.min(hit.unwrap_or(f64::INFINITY));
@@ -40,10 +50,9 @@ pub fn range_within(
 
 /// The distance from a point to the nearest surface at `step`; negative inside an obstacle or beyond a wall.
 pub fn clearance(scenario: &Scenario, step: u64, point: (f64, f64)) -> f64 {
-    let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
-    let to_walls = (f64::from(width_m) / 2.0 - point.0.abs()).min(f64::from(height_m) / 2.0 - point.1.abs());
-    let to_obstacle = |obstacle: &wayfield::scenario::Obstacle| {
-        let (x, y, turn) = pose_at(obstacle, step, scenario.task.control_period_s);
+    let to_walls = depth(&scenario.enclosure.corners_m(), point);
+    let to_obstacle = |obstacle: Obstacle| {
+        let (x, y, turn) = pose_at(&obstacle, step, scenario.task.control_period_s);
         let ((x, y), _) = in_frame(point, (1.0, 0.0), (f64::from(x), f64::from(y)), f64::from(turn));
         match obstacle.shape {
             Shape::Circle { radius_m } => x.hypot(y) - f64::from(radius_m),
@@ -56,12 +65,49 @@ pub fn clearance(scenario: &Scenario, step: u64, point: (f64, f64)) -> f64 {
                     past_x.max(0.0).hypot(past_y.max(0.0))
                 }
             }
+            Shape::Capsule { length_m, radius_m } => {
+                (x.abs() - f64::from(length_m) / 2.0).max(0.0).hypot(y) - f64::from(radius_m)
+            }
+            Shape::Polygon { ref corners_m } => -depth(corners_m, (x, y)),
         }
     };
-    scenario.obstacles.iter().map(to_obstacle).fold(to_walls, f64::min)
+    all(scenario).map(to_obstacle).fold(to_walls, f64::min)
 }
 
 type Pair = (f64, f64);
+
+/// Obstacles, and the pieces of inner walls.
+fn all(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
+    scenario.obstacles.iter().cloned().chain(scenario.walls.iter().flat_map(|wall| wall.pieces()))
+}
+
+fn sides(corners: &[(f32, f32)]) -> impl Iterator<Item = (Pair, Pair)> {
+    let wide = |(x, y): (f32, f32)| (f64::from(x), f64::from(y));
+    corners.iter().zip(corners.iter().cycle().skip(1)).map(move |(a, b)| (wide(*a), wide(*b)))
+}
+
+/// From a point to the nearest side of a polygon; negative outside (by its winding number).
+fn depth(corners: &[(f32, f32)], point: Pair) -> f64 {
+    let (mut nearest, mut turns) = (f64::INFINITY, 0.0);
+    for (a, b) in sides(corners) {
+        let (from, to) = ((a.0 - point.0, a.1 - point.1), (b.0 - point.0, b.1 - point.1));
+        turns += (from.0 * to.1 - from.1 * to.0).atan2(from.0 * to.0 + from.1 * to.1);
+        let way = (b.0 - a.0, b.1 - a.1);
+        let along = -(from.0 * way.0 + from.1 * way.1) / (way.0 * way.0 + way.1 * way.1);
+        let part = along.clamp(0.0, 1.0);
+        nearest = nearest.min((from.0 + part * way.0).hypot(from.1 + part * way.1));
+    }
+    if turns.abs() > 3.0 { nearest } else { -nearest }
+}
+
+/// How far a ray goes to a segment, if it meets it.
+fn to_side(from: Pair, way: Pair, (a, b): (Pair, Pair)) -> Option<f64> {
+    let (side, gap) = ((b.0 - a.0, b.1 - a.1), (a.0 - from.0, a.1 - from.1));
+    let cross = way.0 * side.1 - way.1 * side.0;
+    let (distance, part) =
+        ((gap.0 * side.1 - gap.1 * side.0) / cross, (gap.0 * way.1 - gap.1 * way.0) / cross);
+    (distance >= 0.0 && (0.0..=1.0).contains(&part)).then_some(distance)
+}
 
 /// A point and a direction as seen from a frame at `centre`, turned by `turn_rad`.
 fn in_frame(point: Pair, way: Pair, centre: Pair, turn_rad: f64) -> (Pair, Pair) {

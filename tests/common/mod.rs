@@ -84,7 +84,7 @@ impl Lab {
 
     /// A scan from `pose` in `arena`, cast anew against the colliders as they are now.
     pub fn cast(&mut self, arena: usize, pose: &Pose) -> Vec<f32> {
-        let beams = lidar::Beams::around(self.scenario.lidar.beams);
+        let beams = lidar::Beams::of(&self.scenario.lidar);
         let max_range_m = self.scenario.lidar.max_range_m;
         self.look(arena, |bodies, _, colliders| {
             let mut ranges_m = Vec::new();

@@ -6,8 +6,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::MARGIN_M;
-use super::world::{Goal, Solid, State, distance};
-use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, pose_at};
+use super::world::{Goal, Solid, State, distance, standing};
+use crate::scenario::{Obstacle, Scenario, pose_at};
 
 /// Corners of the polygon in a circle.
 const CIRCLE_CORNERS: usize = 32;
@@ -144,12 +144,11 @@ impl Geodesic {
             let at = (f64::from(o.position_m.0), f64::from(o.position_m.1));
             distance(start, at) + distance(at, target)
         };
-        let mut still: Vec<_> =
-            scenario.obstacles.iter().filter(|o| o.motion == ObstacleMotion::Still).collect();
+        let mut still: Vec<_> = standing(scenario).collect();
         still.sort_by(|a, b| from_line(a).total_cmp(&from_line(b)));
         let mut points = Vec::new();
         for obstacle in still {
-            let mut solid = Solid::new(&obstacle.shape, pose_at(obstacle, 0, period), range);
+            let mut solid = Solid::new(&obstacle.shape, pose_at(&obstacle, 0, period), range);
             // Grown by what the whole chord keeps clear of, not only its ends.
             solid.radius = (solid.radius * solid.radius - stride * stride / 4.0).sqrt();
             let reach = Solid { radius: solid.radius + goal.radius, ..solid };
@@ -164,8 +163,8 @@ impl Geodesic {
             points.extend(outline);
         }
         // No way bends outside a rectangle that holds it all: the robot's centre's, and the target besides.
-        let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
-        let (reach_x, reach_y) = (f64::from(width_m) / 2.0 - range, f64::from(height_m) / 2.0 - range);
+        let (_, (half_width, half_height)) = scenario.enclosure.bounds_m();
+        let (reach_x, reach_y) = (f64::from(half_width) - range, f64::from(half_height) - range);
         let (reach_x, reach_y) = (reach_x.max(goal.x.abs()), reach_y.max(goal.y.abs()));
         points.retain(|&(x, y)| x.abs() <= reach_x && y.abs() <= reach_y);
         geodesic.measure(points);

@@ -13,8 +13,9 @@
 //! may cost steps, fewer the smaller the cells. All that guides it, and [`lower_bound_steps`], rests on two proven bounds:
 //! the way round the obstacles that stand still, and the turning. Where both agree the optimum is known.
 //!
-//! **A lag of the drive is not modelled.** Both the search and the bounds take a motion to be driven from its first
-//! moment on. Of a scenario with `actuator_lag_s` the planner therefore says nothing ([`is_modelled`]).
+//! **What is not modelled** ([`is_modelled`]): of such a scenario the planner says nothing. A lag of the drive, for both
+//! the search and the bounds take a motion to be driven from its first moment on; a LIDAR that doesn't see all around, for
+//! the judge lets a robot pass nearer by what it doesn't see; polygons, as enclosures or as obstacles.
 //!
 //! The proofs, what they leave out, how lenient the judge is, how near plan and bound are, and what all this says
 //! of the paper's times: docs/optimum.md.
@@ -29,7 +30,7 @@ use world::{Goal, World};
 
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::Scenario;
+use crate::scenario::{Enclosure, Scenario, Shape};
 
 /// How far, in m, a plan stays within the rules, and how far beyond them the lower bound still holds: more than the
 /// world's f32 arithmetic adds up to in some hundred steps.
@@ -83,10 +84,14 @@ impl Default for Resolution {
     }
 }
 
-/// Whether plans and bounds hold in `scenario`: not if its robot's drive lags.
+/// Whether plans and bounds hold in `scenario`: not if its robot's drive lags, its LIDAR doesn't see all around, or it has
+/// polygons. One with generators is planned in with its layout ([`Scenario::furnished`]).
 #[must_use]
 pub fn is_modelled(scenario: &Scenario) -> bool {
     scenario.robot.actuator_lag_s == 0.0
+        && scenario.lidar.is_all_around()
+        && matches!(scenario.enclosure, Enclosure::Rectangle { .. })
+        && !scenario.obstacles.iter().any(|obstacle| matches!(obstacle.shape, Shape::Polygon { .. }))
 }
 
 /// The shortest plan found from `start` (x in m, y in m, heading in rad) to `target` (in m) when the obstacles are

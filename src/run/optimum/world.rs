@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
 /// Robot's centre in m and heading in rad, not wrapped.
 #[derive(Clone, Copy)]
@@ -56,7 +56,7 @@ pub(super) fn moves(scenario: &Scenario) -> Vec<Move> {
     scenario.robot.motions.iter().map(of).collect()
 }
 
-/// An obstacle grown by the collision range: a box with rounded corners, which a circle is too.
+/// An obstacle grown by the collision range: a box with rounded corners, which a circle and a rod are too.
 pub(super) struct Solid {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -76,6 +76,11 @@ impl Solid {
             Shape::Rectangle { width_m, height_m } => {
                 (f64::from(width_m) / 2.0, f64::from(height_m) / 2.0, growth)
             }
+            Shape::Capsule { length_m, radius_m } => {
+                (f64::from(length_m) / 2.0, 0.0, f64::from(radius_m) + growth)
+            }
+            // Not modelled: whoever plans asks first (`is_modelled`).
+            Shape::Polygon { .. } => (0.0, 0.0, f64::INFINITY),
         };
         Self { x: x.into(), y: y.into(), cos, sin, half_width, half_height, radius }
     }
@@ -87,6 +92,12 @@ impl Solid {
         let past_y = ((dy * self.cos - dx * self.sin).abs() - self.half_height).max(0.0);
         past_x * past_x + past_y * past_y >= self.radius * self.radius
     }
+}
+
+/// All that stands still within the enclosure: obstacles, and the pieces of inner walls.
+pub(super) fn standing(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
+    let obstacles = scenario.obstacles.iter().filter(|o| o.motion == ObstacleMotion::Still).cloned();
+    obstacles.chain(scenario.walls.iter().flat_map(|wall| wall.pieces()))
 }
 
 /// Where the robot may be, and how it moves.
@@ -108,15 +119,14 @@ impl<'a> World<'a> {
     /// The world with a collision range larger by `margin_m`.
     pub(super) fn new(scenario: &'a Scenario, clock: u64, margin_m: f64) -> Self {
         let growth = (f64::from(scenario.task.collision_range_m) + margin_m).max(0.0);
-        let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
+        let (_, (half_width, half_height)) = scenario.enclosure.bounds_m();
         let period_s = scenario.task.control_period_s;
-        let (still, moving): (Vec<_>, Vec<_>) =
-            scenario.obstacles.iter().partition(|obstacle| obstacle.motion == ObstacleMotion::Still);
-        let still = still.iter().map(|o| Solid::new(&o.shape, pose_at(o, 0, period_s), growth)).collect();
+        let still = standing(scenario).map(|o| Solid::new(&o.shape, pose_at(&o, 0, period_s), growth)).collect();
+        let moving = scenario.obstacles.iter().filter(|o| o.motion != ObstacleMotion::Still).collect();
         Self {
             moves: moves(scenario),
-            half_width: f64::from(width_m) / 2.0 - growth,
-            half_height: f64::from(height_m) / 2.0 - growth,
+            half_width: f64::from(half_width) - growth,
+            half_height: f64::from(half_height) - growth,
             growth,
             still,
             moving,

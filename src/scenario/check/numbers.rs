@@ -1,34 +1,25 @@
 //! Each number of a scenario against its range, and against the numbers it must fit.
 
-use super::Notes;
-use crate::scenario::geometry::length;
+use super::{METRES, METRES_A_SECOND, Notes, RADIANS, RADIANS_A_SECOND, SECONDS, TURN};
+use super::{obstacles, outlines, speeds};
 use crate::scenario::schema::*;
 
-const METRES: &str = " (metres)";
-const METRES_A_SECOND: &str = " (metres a second)";
-const SECONDS: &str = " (seconds)";
-const RADIANS: &str = " (radians: a full turn is 6.2832)";
-const RADIANS_A_SECOND: &str = " (radians a second)";
-/// A full turn either way, with a little room for rounding.
-const TURN: f32 = 6.3;
 /// The fastest that an obstacle or the robot may move, m/s.
-const FASTEST_M_S: f32 = 5.0;
+pub(super) const FASTEST_M_S: f32 = 5.0;
+/// A full turn as one writes it, 6.2832: a little more than 2 pi.
+const ALL_AROUND_RAD: f32 = 62_832.0 / 10_000.0;
 /// The fastest that anything may turn or revolve, rad/s.
-const FASTEST_RAD_S: f32 = 20.0;
+pub(super) const FASTEST_RAD_S: f32 = 20.0;
 
 pub(super) fn check(scenario: &Scenario, notes: &mut Notes) {
     texts(scenario, notes);
-    let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
-    notes.number(format_args!("enclosure.width_m"), width_m, 0.5..=1000.0, METRES);
-    notes.number(format_args!("enclosure.height_m"), height_m, 0.5..=1000.0, METRES);
-    notes.count(format_args!("obstacles"), scenario.obstacles.len(), 0..=10_000);
-    for (k, obstacle) in scenario.obstacles.iter().enumerate().take(10_000) {
-        check_obstacle(k, obstacle, notes);
-    }
+    enclosure(&scenario.enclosure, notes);
+    obstacles::check(scenario, notes);
     robot(&scenario.robot, notes);
     lidar(&scenario.lidar, notes);
     task(scenario, notes);
     places(scenario, notes);
+    speeds::check(scenario, notes);
 }
 
 fn texts(scenario: &Scenario, notes: &mut Notes) {
@@ -41,43 +32,30 @@ fn texts(scenario: &Scenario, notes: &mut Notes) {
     }
 }
 
-fn check_obstacle(k: usize, obstacle: &Obstacle, notes: &mut Notes) {
-    let mut size = |name: &str, value: f32| {
-        notes.number(format_args!("obstacles[{k}].shape.{name}"), value, 0.001..=1000.0, METRES);
-    };
-    match obstacle.shape {
-        Shape::Circle { radius_m } => size("radius_m", radius_m),
-        Shape::Rectangle { width_m, height_m } => {
-            size("width_m", width_m);
-            size("height_m", height_m);
+fn enclosure(enclosure: &Enclosure, notes: &mut Notes) {
+    match enclosure {
+        Enclosure::Rectangle { width_m, height_m } => {
+            notes.number(format_args!("enclosure.width_m"), *width_m, 0.5..=1000.0, METRES);
+            notes.number(format_args!("enclosure.height_m"), *height_m, 0.5..=1000.0, METRES);
         }
-    }
-    point(format_args!("obstacles[{k}].position_m"), obstacle.position_m, notes);
-    notes.number(format_args!("obstacles[{k}].rotation_rad"), obstacle.rotation_rad, -TURN..=TURN, RADIANS);
-    match &obstacle.motion {
-        ObstacleMotion::Still => {}
-        ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            point(format_args!("obstacles[{k}].motion.centre_m"), *centre_m, notes);
-            let path = format_args!("obstacles[{k}].motion.speed_rad_s");
-            notes.number(path, *speed_rad_s, -FASTEST_RAD_S..=FASTEST_RAD_S, RADIANS_A_SECOND);
-            let arm = length(obstacle.position_m.0 - centre_m.0, obstacle.position_m.1 - centre_m.1);
-            let speed = (arm * speed_rad_s).abs();
-            if speed > FASTEST_M_S && speed_rad_s.abs() <= FASTEST_RAD_S && arm.is_finite() {
-                let most = FASTEST_M_S / arm;
-                notes.add(
-                    path,
-                    format!("makes the obstacle move at {speed:.3} m/s: write at most {most:.3}, for 5 m/s"),
-                );
+        Enclosure::Polygon { corners_m } => {
+            let path = format_args!("enclosure.corners_m");
+            let before = notes.0.len();
+            notes.points(path, corners_m, 3..=64);
+            if notes.0.len() > before {
+                return;
             }
-        }
-        ObstacleMotion::Patrol { waypoints_m, speed_m_s } => {
-            let path = format_args!("obstacles[{k}].motion.waypoints_m");
-            notes.count(path, waypoints_m.len(), 1..=256);
-            for (j, &corner) in waypoints_m.iter().enumerate().take(256) {
-                point(format_args!("obstacles[{k}].motion.waypoints_m[{j}]"), corner, notes);
+            let (low, high) = enclosure.bounds_m();
+            for (axis, extent) in [("x", high.0 - low.0), ("y", high.1 - low.1)] {
+                if extent < 0.5 {
+                    let message =
+                        format!("reach over {extent} m along {axis}: move them apart, to 0.5 m at least");
+                    notes.add(path, message);
+                }
             }
-            let path = format_args!("obstacles[{k}].motion.speed_m_s");
-            notes.number(path, *speed_m_s, 0.0..=FASTEST_M_S, METRES_A_SECOND);
+            if notes.0.len() == before {
+                outlines::simple(path, corners_m, notes);
+            }
         }
     }
 }
@@ -100,9 +78,12 @@ fn robot(robot: &Robot, notes: &mut Notes) {
 
 fn lidar(lidar: &Lidar, notes: &mut Notes) {
     notes.number(format_args!("lidar.beams"), lidar.beams, 1..=4096, "");
+    let path = format_args!("lidar.field_of_view_rad");
+    notes.number(path, lidar.field_of_view_rad, 0.01..=ALL_AROUND_RAD, " (radians: all around is 6.2832)");
     notes.number(format_args!("lidar.max_range_m"), lidar.max_range_m, 0.01..=1000.0, METRES);
     notes.number(format_args!("lidar.noise_std_m"), lidar.noise_std_m, 0.0..=10.0, METRES);
     notes.number(format_args!("lidar.dropout"), lidar.dropout, 0.0..=1.0, " (a probability)");
+    notes.number(format_args!("lidar.latency_steps"), lidar.latency_steps, 0..=50, "");
 }
 
 fn task(scenario: &Scenario, notes: &mut Notes) {
@@ -124,19 +105,52 @@ fn task(scenario: &Scenario, notes: &mut Notes) {
 
 fn places(scenario: &Scenario, notes: &mut Notes) {
     for (name, rule) in [("starts", &scenario.starts), ("targets", &scenario.targets)] {
-        let PlaceRule::Random { clearance_m } = *rule;
-        let path = format_args!("{name}.clearance_m");
-        notes.number(path, clearance_m, 0.0..=1000.0, METRES);
-        notes.above(path, clearance_m, scenario.task.collision_range_m, "the collision range");
+        match rule {
+            PlaceRule::Random { clearance_m } => clear(name, *clearance_m, scenario, notes),
+            PlaceRule::Within { min_m, max_m, clearance_m } => {
+                region(format_args!("{name}"), *min_m, *max_m, notes);
+                clear(name, *clearance_m, scenario, notes);
+            }
+            PlaceRule::Fixed { at_m, heading_rad } => {
+                notes.point(format_args!("{name}.at_m"), *at_m);
+                let path = format_args!("{name}.heading_rad");
+                match heading_rad {
+                    Some(_) if name == "targets" => {
+                        notes.add(path, "has no meaning: a target looks nowhere; leave it out");
+                    }
+                    Some(heading) => notes.number(path, *heading, -TURN..=TURN, RADIANS),
+                    None => {}
+                }
+            }
+            PlaceRule::OneOf { places_m } => {
+                notes.points(format_args!("{name}.places_m"), places_m, 1..=256);
+            }
+        }
     }
     let course = &scenario.course;
-    point(format_args!("course.start_m"), course.start_m, notes);
-    point(format_args!("course.target_m"), course.target_m, notes);
+    notes.point(format_args!("course.start_m"), course.start_m);
+    notes.point(format_args!("course.target_m"), course.target_m);
     notes.number(format_args!("course.heading_rad"), course.heading_rad, -TURN..=TURN, RADIANS);
 }
 
-/// Coordinates: within the largest enclosure there is.
-fn point(path: std::fmt::Arguments<'_>, (x, y): (f32, f32), notes: &mut Notes) {
-    notes.number(format_args!("{path}[0]"), x, -500.0..=500.0, METRES);
-    notes.number(format_args!("{path}[1]"), y, -500.0..=500.0, METRES);
+/// The clearance of the rule called `name`.
+fn clear(name: &str, clearance_m: f32, scenario: &Scenario, notes: &mut Notes) {
+    let path = format_args!("{name}.clearance_m");
+    notes.number(path, clearance_m, 0.0..=1000.0, METRES);
+    notes.above(path, clearance_m, scenario.task.collision_range_m, "the collision range");
+}
+
+/// A rectangle's corners: each a point, the lower left one below and left of the other.
+pub(super) fn region(path: std::fmt::Arguments<'_>, min: (f32, f32), max: (f32, f32), notes: &mut Notes) {
+    notes.point(format_args!("{path}.min_m"), min);
+    notes.point(format_args!("{path}.max_m"), max);
+    for (index, low, high) in [(0, min.0, max.0), (1, min.1, max.1)] {
+        if low >= high && low.is_finite() && high.is_finite() {
+            let message = format!(
+                "is {high}, and `min_m[{index}]` is {low}: write the lower left corner as min_m, the \
+                                   upper right one as max_m"
+            );
+            notes.add(format_args!("{path}.max_m[{index}]"), message);
+        }
+    }
 }
