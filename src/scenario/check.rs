@@ -51,6 +51,15 @@ pub fn findings(scenario: &Scenario) -> Vec<Finding> {
     notes.0
 }
 
+/// What is wrong with the numbers of `scenario`: without such findings it can be drawn and edited, though perhaps not
+/// driven in.
+#[must_use]
+pub fn unsound(scenario: &Scenario) -> Vec<Finding> {
+    let mut notes = Notes(Vec::new());
+    numbers::check(scenario, &mut notes);
+    notes.0
+}
+
 /// The findings so far.
 struct Notes(Vec<Finding>);
 

@@ -85,27 +85,6 @@ fn from_box((past_x, past_y): (f32, f32)) -> f32 {
     length(past_x.max(0.0), past_y.max(0.0)) + past_x.max(past_y).min(0.0)
 }
 
-/// The half extents of a shape's bounding box about its middle, along x and y, when it is turned by `rotation_rad`.
-/// (A polygon's box reaches as far to both sides.)
-pub(super) fn half_extents(shape: &Shape, rotation_rad: f32) -> (f32, f32) {
-    let (sin, cos) = libm::sincosf(rotation_rad);
-    match shape {
-        Shape::Circle { radius_m } => (*radius_m, *radius_m),
-        Shape::Rectangle { width_m, height_m } => {
-            let (w, h) = (width_m / 2.0, height_m / 2.0);
-            (w * cos.abs() + h * sin.abs(), w * sin.abs() + h * cos.abs())
-        }
-        Shape::Polygon { corners_m } => corners_m.iter().fold((0.0_f32, 0.0_f32), |(x, y), corner| {
-            let turned = (corner.0 * cos - corner.1 * sin, corner.0 * sin + corner.1 * cos);
-            (x.max(turned.0.abs()), y.max(turned.1.abs()))
-        }),
-        Shape::Capsule { length_m, radius_m } => {
-            let half = length_m / 2.0;
-            (half * cos.abs() + radius_m, half * sin.abs() + radius_m)
-        }
-    }
-}
-
 /// From a shape's middle to its farthest point, in m.
 pub(super) fn reach(shape: &Shape) -> f32 {
     match shape {
@@ -202,7 +181,7 @@ pub(super) fn length(x: f32, y: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+    use std::f32::consts::FRAC_PI_2;
 
     use super::*;
     use crate::scenario::ObstacleMotion;
@@ -254,7 +233,6 @@ mod tests {
         assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (4.0, 4.0)), 4.75), "3, 4, 5 from its end's middle");
         assert!(near(shape_distance(&rod, (0.0, 0.0, FRAC_PI_2), (1.0, 0.5)), 0.75), "beside it when upright");
         assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (0.3, 0.0)), -0.25));
-        assert!(near(half_extents(&rod, FRAC_PI_2).1, 1.25) && near(half_extents(&rod, FRAC_PI_2).0, 0.25));
         assert!(near(reach(&rod), 1.25) && near(reach(&triangle), 4.0));
     }
 
@@ -290,14 +268,16 @@ mod tests {
     }
 
     #[test]
-    fn a_boxs_extents_and_reach_follow_its_turn() {
+    fn reach_follows_a_shapes_turn() {
         let shape = Shape::Rectangle { width_m: 2.0, height_m: 1.0 };
-        let (x, y) = half_extents(&shape, FRAC_PI_2);
-        assert!(near(x, 0.5) && near(y, 1.0));
-        let (x, y) = half_extents(&shape, FRAC_PI_4);
-        assert!(near(x, 1.5 / 2.0_f32.sqrt()) && near(y, x));
         let motion = ObstacleMotion::Still;
         let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: FRAC_PI_2, motion };
         assert!(near(reach_from(&o, (0.0, 0.0)), length(3.5, 1.0)));
+        let shape = Shape::Polygon { corners_m: vec![(0.0, 0.0), (4.0, 0.0), (0.0, 1.0)] };
+        let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: FRAC_PI_2, motion: ObstacleMotion::Still };
+        assert!(near(reach_from(&o, (0.0, 0.0)), 5.0), "its far corner is at (3, 4)");
+        let shape = Shape::Capsule { length_m: 2.0, radius_m: 0.5 };
+        let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Still };
+        assert!(near(reach_from(&o, (0.0, 0.0)), 4.5));
     }
 }

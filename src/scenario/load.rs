@@ -13,13 +13,13 @@ use ron::ser::PrettyConfig;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::check::findings;
-use super::file_error::FileError;
+use super::check::{findings, unsound};
+use super::file_error::{FileError, Finding};
 use super::ron_message::{explain, nearest};
 use super::schema::Scenario;
 
 /// The most bytes a RON file may have.
-const MOST_BYTES: u64 = 1 << 20;
+pub const MOST_BYTES: u64 = 1 << 20;
 /// The most levels of nesting.
 const MOST_LEVELS: usize = 64;
 /// Where the project's own RON files lie, seen from its root.
@@ -41,11 +41,27 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        let scenario: Self = parse_ron(text, path)?;
-        let findings = findings(&scenario);
-        if findings.is_empty() { Ok(scenario) } else { Err(FileError::in_fields(path, text, &findings)) }
+        parse_checked(text, path.as_ref(), findings)
     }
+
+    /// The scenario in the file at `path`, to be edited: every number is sound, but the parts may not fit together.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn load_draft(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        parse_checked(&read_text(path)?, path, unsound)
+    }
+}
+
+fn parse_checked(
+    text: &str,
+    path: &Path,
+    check: fn(&Scenario) -> Vec<Finding>,
+) -> Result<Scenario, FileError> {
+    let scenario = parse_ron(text, path)?;
+    let findings = check(&scenario);
+    if findings.is_empty() { Ok(scenario) } else { Err(FileError::in_fields(path, text, &findings)) }
 }
 
 /// A `T` from the RON file at `path`.

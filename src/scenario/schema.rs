@@ -328,7 +328,7 @@ impl Lidar {
     /// Whether it sees all around.
     #[must_use]
     pub fn is_all_around(&self) -> bool {
-        self.field_of_view_rad >= 6.28
+        self.field_of_view_rad >= TAU - 0.01
     }
 }
 

@@ -1,8 +1,8 @@
 //! Whether the robot can get from wherever it may start to wherever a target may be.
 //!
 //! The robot's middle must keep the collision range from everything: what is left is looked at on a fine grid. Only
-//! what is surely out of reach is noted: a cell counts as free if there could be a free point in it. What moves, and what
-//! generators make (they keep their gaps), stands in nobody's way for ever, and is left aside.
+//! what is surely out of reach is noted: a cell counts as free if there could be a free point in it. What moves, and
+//! what generators make (they keep their gaps), stands in nobody's way for ever, and is left aside.
 //!
 //! Asked of scenarios in which everything has its room.
 

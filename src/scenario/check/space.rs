@@ -15,7 +15,10 @@ const MOMENTS: u64 = 4;
 const MOST_SIDES: usize = 80_000;
 /// So many layouts of generators are looked at.
 const LAYOUTS: usize = 4;
-/// Where furnishing a world takes more than this (obstacles to place times sides to keep clear of), fewer are.
+/// Where furnishing them takes more than this (obstacles to place times sides to keep clear of), fewer are: a check
+/// while the hand still moves must not be felt.
+const QUICK_FURNISHING: usize = 20_000;
+/// Where furnishing one takes more than this, none is.
 const MOST_FURNISHING: usize = 400_000;
 /// Of random starts, one in so many must leave a target that is far enough.
 const FAR_STARTS: usize = 4;
@@ -191,7 +194,10 @@ fn layouts(scenario: &Scenario, notes: &mut Notes) {
         return;
     }
     let work = made * (made + sides(scenario));
-    for layout in 0..(MOST_FURNISHING / work).min(LAYOUTS) as u64 {
+    if work > MOST_FURNISHING {
+        return;
+    }
+    for layout in 0..(QUICK_FURNISHING / work).clamp(1, LAYOUTS) as u64 {
         let found = Room::of(&frozen(&scenario.furnished(layout), 0));
         let what = match found {
             Room { starts: false, .. } => "for a start",

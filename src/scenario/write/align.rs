@@ -53,7 +53,7 @@ fn between(old: &[Node], new: &[Node]) -> Vec<Option<usize>> {
     aligned
 }
 
-/// What it is worth to call `new` the same element as `old`: at least 1, so that nothing is made anew for nothing.
+/// What it is worth to call `new` the same element as `old`.
 fn worth(old: &Node, new: &Node) -> u32 {
     if old == new {
         return EQUAL;
@@ -61,8 +61,8 @@ fn worth(old: &Node, new: &Node) -> u32 {
     match (old.record(), new.record()) {
         (Some(old), Some(new)) => {
             let shared = old.fields.iter().zip(&new.fields).filter(|(old, new)| old == new).count();
-            1 + u32::try_from(shared).unwrap_or(u32::MAX).min(EQUAL / 4)
+            u32::try_from(shared).unwrap_or(u32::MAX).min(EQUAL / 4)
         }
-        _ => 1,
+        _ => 0,
     }
 }

@@ -87,7 +87,7 @@ impl<'a> Join<'a> {
         } else if is_first && k > 0 {
             head = first_head[..first_head.len() - first_head.trim_start().len()].to_string()
                 + head.trim_start();
-        } else if !is_first && head.is_empty() {
+        } else if self.after_new && head.is_empty() {
             head = " ".into();
         }
         let key = child.key.clone().map_or("", |key| &self.text[key]);
