@@ -14,7 +14,7 @@ mod map;
 
 pub use curves::{Curves, Level, Line, Panel, Point, XMark};
 pub use dots::{DotCell, DotColumn, Dots};
-pub use map::{Map, Path};
+pub use map::{Map, Outline, Path, Solid, SolidKind, Track};
 
 // Sizes in drawn pixels. A figure is narrow enough for its type to be legible 12 cm wide on paper.
 const WIDTH: i32 = 1280;
@@ -188,12 +188,27 @@ mod tests {
 
     #[test]
     fn maps_stay_in_the_picture_whatever_they_show() {
+        let solid = |kind, outline| Solid { kind, outline };
+        let disc = |x, y, radius| solid(SolidKind::Moving(0.3), Outline::Disc(x, y, radius));
+        let beyond = vec![(1.0, 1.0), (9.0, 1.0), (9.0, 2.0), (1.0, 2.0)];
         let map = Map {
             title: "a < b & c".to_owned(),
-            width_m: 5.0,
-            height_m: 5.0,
-            circles: vec![(0.0, 0.0, 0.5), (2.4, 2.4, 1.0), (f64::NAN, 0.0, 1.0), (0.0, 0.0, 1e300)],
-            boxes: vec![[(1.0, 1.0), (9.0, 1.0), (9.0, 2.0), (1.0, 2.0)]],
+            enclosure: vec![(-2.5, -2.5), (2.5, -2.5), (2.5, 2.5), (-2.5, 2.5)],
+            solids: vec![
+                disc(0.0, 0.0, 0.5),
+                disc(2.4, 2.4, 1.0),
+                disc(f64::NAN, 0.0, 1.0),
+                disc(0.0, 0.0, 1e300),
+                solid(SolidKind::Wall, Outline::Polygon(beyond.clone())),
+                solid(SolidKind::Redrawn, Outline::Polygon(Vec::new())),
+                solid(SolidKind::Moving(f64::NAN), Outline::Polygon(beyond.clone())),
+            ],
+            tracks: vec![
+                Track::Lines(beyond),
+                Track::Lines(vec![(f64::NAN, 0.0), (0.0, 0.0), (0.0, 0.0)]),
+                Track::Ring(2.0, 0.0, 1.0),
+                Track::Ring(0.0, 0.0, f64::NAN),
+            ],
             start: (-2.0, -2.0, 0.8),
             target: (2.0, 2.0, 0.3),
             paths: vec![Path {
@@ -202,19 +217,28 @@ mod tests {
                 points: vec![(-2.0, -2.0), (f64::NAN, 0.0), (70.0, 0.0), (2.0, 2.0)],
             }],
         };
+        let within = |x: f64, y: f64| {
+            let corners = [(-x, -y), (x, -y), (x, y), (0.0, 0.0), (-x, y)];
+            Map { enclosure: corners.to_vec(), ..map.clone() }
+        };
         let cases = [
             ("none", Map::default()),
-            ("not finite", Map { width_m: f64::INFINITY, ..map.clone() }),
+            ("not finite", within(f64::INFINITY, 2.5)),
+            ("flat", within(2.5, 0.0)),
             ("square", map.clone()),
-            ("wide", Map { width_m: 40.0, ..map.clone() }),
-            ("tall", Map { height_m: 40.0, ..map.clone() }),
+            ("wide", within(20.0, 2.5)),
+            ("tall", within(2.5, 20.0)),
             ("nowhere", Map { start: (f64::NAN, 0.0, 0.0), target: (0.0, f64::NAN, 1.0), ..map.clone() }),
         ];
         for (name, figure) in cases {
-            let svg = figure.svg().expect("is drawn");
-            check(name, &svg);
-            assert_eq!(svg, figure.svg().expect("is drawn"), "{name}");
+            for draw in [Map::svg, Map::small_svg] {
+                let svg = draw(&figure).expect("is drawn");
+                check(name, &svg);
+                assert_eq!(svg, draw(&figure).expect("is drawn"), "{name}");
+            }
         }
+        let small = map.small_svg().expect("is drawn");
+        assert!(small.contains(r#"width="480" height="360""#) && !small.contains("<text"));
         assert!(Map::default().svg().expect("is drawn").contains("nothing yet"));
         assert!(map.svg().expect("is drawn").contains("a &lt; b &amp; c"));
     }

@@ -13,7 +13,7 @@ use crate::report::statistics::{Estimate, band, moving_mean};
 use crate::run::RunError;
 use crate::run::evaluate::Evaluator;
 use crate::run::optimum::{Resolution, least_time};
-use crate::scenario::{Enclosure, Scenario, Shape, pose_at};
+use crate::run::picture;
 use crate::task::{Places, Pose};
 
 /// Draws a figure of experiment `index`.
@@ -164,52 +164,17 @@ fn course(results: &Results<'_>, index: usize, title: &str, after: u64) -> Resul
         let name = row_name(results, index, condition, arm);
         let name = if drive.succeeded() { format!("{name} {time_s:.1} s") } else { format!("{name} failed") };
         paths.push(Path { name, colour, points: points(&poses) });
-        world.get_or_insert((scenario, drive.clock.0));
+        world.get_or_insert((scenario, drive.layout, drive.clock.0));
     }
-    let (scenario, clock) =
+    let (scenario, layout, clock) =
         world.ok_or_else(|| RunError::Failed("a figure of a course needs at least one arm".into()))?;
     let course = &scenario.course;
     let start = (course.start_m.0, course.start_m.1, course.heading_rad);
-    if let Some(plan) = least_time(scenario, start, course.target_m, clock, Resolution::default()) {
+    let furnished = scenario.furnished(layout);
+    if let Some(plan) = least_time(&furnished, start, course.target_m, clock, Resolution::default()) {
         let name = format!("the planner {:.1} s", plan.time_s);
         let points = plan.poses.iter().map(|pose| (f64::from(pose.0), f64::from(pose.1))).collect();
         paths.insert(0, Path { name, colour: 0, points });
     }
-    Ok(map(scenario, clock, title, paths))
-}
-
-/// The world at `clock`, with paths.
-fn map(scenario: &Scenario, clock: u64, title: &str, paths: Vec<Path>) -> Map {
-    let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
-    let (mut circles, mut boxes) = (Vec::new(), Vec::new());
-    for obstacle in &scenario.obstacles {
-        let (x, y, turn) = pose_at(obstacle, clock, scenario.task.control_period_s);
-        let (x, y) = (f64::from(x), f64::from(y));
-        match obstacle.shape {
-            Shape::Circle { radius_m } => circles.push((x, y, f64::from(radius_m))),
-            Shape::Rectangle { width_m, height_m } => {
-                let (sin, cos) = f64::from(turn).sin_cos();
-                let (w, h) = (f64::from(width_m) / 2.0, f64::from(height_m) / 2.0);
-                boxes.push(
-                    [(w, h), (-w, h), (-w, -h), (w, -h)]
-                        .map(|(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy)),
-                );
-            }
-        }
-    }
-    let course = &scenario.course;
-    Map {
-        title: title.into(),
-        width_m: f64::from(width_m),
-        height_m: f64::from(height_m),
-        circles,
-        boxes,
-        start: (f64::from(course.start_m.0), f64::from(course.start_m.1), f64::from(course.heading_rad)),
-        target: (
-            f64::from(course.target_m.0),
-            f64::from(course.target_m.1),
-            f64::from(scenario.task.goal_radius_m),
-        ),
-        paths,
-    }
+    Ok(Map { title: title.into(), paths, ..picture::map(scenario, layout, clock) })
 }

@@ -5,6 +5,7 @@
 //! | file | duty |
 //! |---|---|
 //! | `preset.rs` | how to learn: the file of all switches and numbers |
+//! | `check_files.rs` | whether scenarios and presets can be used, without using them |
 //! | `shipped.rs` | the scenarios, presets and policies that come with the program, by name |
 //! | `simulation.rs` | the headless app: the rooms' plugins put together |
 //! | `start.rs` | what a training starts with |
@@ -19,8 +20,11 @@
 //! | `policy_card.rs` | what the user of a policy needs to know |
 //! | `checkpoint.rs` | everything that a run needs to go on to the bit |
 //! | `fingerprint.rs` | whether two builds simulate alike to the bit |
+//! | `picture.rs` | a world from above, as an SVG or PNG |
 //! | `tensorboard.rs`, `progress.rs` | the same rows for TensorBoard, and for whoever waits |
 
+#[cfg(not(target_arch = "wasm32"))]
+pub mod check_files;
 pub mod checkpoint;
 pub mod evaluate;
 pub mod examiner;
@@ -30,6 +34,8 @@ pub mod follow;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
 pub mod optimum;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod picture;
 pub mod policy_card;
 pub mod preset;
 #[cfg(not(target_arch = "wasm32"))]

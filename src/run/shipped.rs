@@ -26,7 +26,10 @@ macro_rules! shipped {
     };
 }
 
-const SCENARIOS: &[Shipped] = shipped!("scenarios": "scenario-1", "scenario-2", "empty");
+const SCENARIOS: &[Shipped] = shipped!(
+    "scenarios": "scenario-1", "scenario-2", "empty", "corridor", "doorway", "slalom", "random-field", "u-trap", "crossing",
+    "crowd", "hall", "maze"
+);
 const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn", "per_d3qn_tuned");
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
@@ -60,6 +63,17 @@ pub fn is_scenario(name: &str) -> bool {
 /// Whether a preset of this name is shipped.
 pub fn is_preset(name: &str) -> bool {
     PRESETS.iter().any(|file| file.name == name)
+}
+
+/// The text of the shipped scenario of that name.
+pub fn scenario_text(name: &str) -> Option<&'static str> {
+    SCENARIOS.iter().find(|file| file.name == name).map(|file| file.text)
+}
+
+/// Whether `scenario` is the paper's Scenario I as it is shipped.
+pub fn is_papers_first(scenario: &Scenario) -> bool {
+    static FIRST: LazyLock<Option<Scenario>> = LazyLock::new(|| scenarios().next().map(|(_, first)| first));
+    FIRST.as_ref() == Some(scenario)
 }
 
 /// The shipped scenarios, by name. (A test sees to it that each can be read.)

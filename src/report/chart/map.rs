@@ -1,38 +1,77 @@
 //! The plan of a world and of ways through it.
 //!
-//! In: what stands in the world, in metres and radians, and named paths. Out: an SVG seen from above, x to the
-//! right and y up, one metre as long in both.
+//! In: what stands and moves in the world, in metres and radians, and named paths. Out: an SVG seen from above, x to the
+//! right and y up, one metre as long in both: a figure with title and key, or a small picture without a word.
 
-use std::f64::consts::TAU;
+mod plan;
 
 use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
+
+use plan::{Plan, closed};
 
 use super::{LEFT, WIDTH, draw_nothing};
 use crate::report::style::{
-    Area, At, Axis, DrawError, Drawn, Entry, GREEN, GRID, HAIRLINE, INK, Key, SOFT_INK, STROKE, TEXT, along,
-    area, colour, draw_title, line, mark, picture, thinned, title_height, usable, write,
+    Area, At, Axis, DrawError, Drawn, Entry, GREEN, HAIRLINE, INK, Key, SOFT_INK, STROKE, along, area,
+    bounds, colour, draw_title, line, mark, picture, thinned, title_height, usable,
 };
 
-/// A world from above. The origin is the enclosure's centre.
+/// A world from above.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map {
     /// What the figure is about, on top.
     pub title: String,
-    /// Inner width of the enclosure along x, in m.
-    pub width_m: f64,
-    /// Inner height of the enclosure along y, in m.
-    pub height_m: f64,
-    /// Round obstacles: x, y and radius, in m.
-    pub circles: Vec<(f64, f64, f64)>,
-    /// Rectangular obstacles: their corners in order, in m.
-    pub boxes: Vec<[(f64, f64); 4]>,
+    /// The corners of the walls around it, anticlockwise, in m.
+    pub enclosure: Vec<(f64, f64)>,
+    /// What stands or moves in it; the later lie on the earlier.
+    pub solids: Vec<Solid>,
+    /// Where moving obstacles go.
+    pub tracks: Vec<Track>,
     /// Where the robot begins: x and y in m, heading in rad from the x axis, anticlockwise.
     pub start: (f64, f64, f64),
     /// Where it is to go: x, y and the radius that counts as reached, in m.
     pub target: (f64, f64, f64),
     /// Ways through it.
     pub paths: Vec<Path>,
+}
+
+/// Something to keep clear of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// What it is.
+    pub kind: SolidKind,
+    /// Its outline.
+    pub outline: Outline,
+}
+
+/// What a solid is, which says how it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SolidKind {
+    /// A piece of an inner wall.
+    Wall,
+    /// An obstacle that stands still.
+    Obstacle,
+    /// An obstacle that stands still and is drawn anew for every episode.
+    Redrawn,
+    /// An obstacle on its way into a direction, in rad from the x axis, anticlockwise.
+    Moving(f64),
+}
+
+/// The outline of a solid.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outline {
+    /// x, y and radius, in m.
+    Disc(f64, f64, f64),
+    /// Corners in order, in m.
+    Polygon(Vec<(f64, f64)>),
+}
+
+/// Where a moving obstacle goes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Track {
+    /// Straight from place to place, in m.
+    Lines(Vec<(f64, f64)>),
+    /// Along a circle, or anywhere within it: x, y and radius, in m.
+    Ring(f64, f64, f64),
 }
 
 /// A way through the world.
@@ -52,7 +91,15 @@ const MAX_CORNERS: usize = 1200;
 const RIGHT: i32 = 32;
 const FOOT: i32 = 128;
 const MAX_HEIGHT: f64 = 1400.0;
+/// The small picture, half of it shown, and the rim around its walls.
+const SMALL: (i32, i32) = (960, 720);
+const RIM: i32 = 36;
 const SOLID: RGBColor = RGBColor(190, 190, 190);
+const REDRAWN: RGBColor = RGBColor(232, 232, 232);
+const MOVING: RGBColor = RGBColor(242, 207, 150);
+const MOVING_EDGE: RGBColor = RGBColor(138, 92, 8);
+const TRACK: RGBColor = RGBColor(172, 137, 76);
+const OUTSIDE: RGBColor = RGBColor(240, 240, 240);
 
 impl Map {
     /// Draws the figure, as the text of an SVG file.
@@ -64,7 +111,7 @@ impl Map {
         let key = Key::new(self.entries(), width);
         let title_end = title_height(&self.title, width);
         let upper = title_end + key.height() + 24;
-        let plan = self.plan((LEFT, upper), f64::from(width));
+        let plan = self.plan((LEFT, upper), (f64::from(width), MAX_HEIGHT));
         let lower = plan.as_ref().map_or(upper + 400, |p| p.lower);
 
         picture((WIDTH as u32, (lower + FOOT) as u32), |root| {
@@ -77,37 +124,53 @@ impl Map {
         })
     }
 
-    /// Where the enclosure lies on the drawing; none if it has no size.
-    fn plan(&self, (left, upper): At, width: f64) -> Option<Plan> {
-        let fits = |m: f64| usable(m) && m > 1e-6;
-        if !fits(self.width_m) || !fits(self.height_m) {
+    /// Draws the world alone, without title, key, numbers and paths: 480 x 360 shown, as the text of an SVG file. The
+    /// floor's grid is of whole metres in a world of more than 3 m.
+    ///
+    /// # Errors
+    /// When the drawing library fails; none of the input is known to bring that about.
+    pub fn small_svg(&self) -> Result<String, DrawError> {
+        let (width, height) = SMALL;
+        picture((width as u32, height as u32), |root| {
+            let room = (width - 2 * RIM, height - 2 * RIM);
+            let Some(plan) = self.plan((RIM, RIM), (f64::from(room.0), f64::from(room.1))) else {
+                return draw_nothing(root, (RIM, width - RIM), (RIM, height - RIM));
+            };
+            let plan = plan.centred(SMALL);
+            plan.draw_grid(root)?;
+            self.draw_world(root, &plan)?;
+            self.draw_start(root, &plan)?;
+            plan.draw_enclosure(root, &self.enclosure, ((0, 0), SMALL), OUTSIDE)
+        })
+    }
+
+    /// Where the enclosure lies on the drawing, as large as there is room; none if it has no size.
+    fn plan(&self, (left, upper): At, room: (f64, f64)) -> Option<Plan> {
+        if !self.enclosure.iter().all(|corner| usable(corner.0) && usable(corner.1)) {
             return None;
         }
-        let scale = (width / self.width_m).min(MAX_HEIGHT / self.height_m);
-        let step = Axis::within([0.0, self.width_m.max(self.height_m)].into_iter(), 6.0).step;
-        let axis = |size: f64| Axis { range: -size / 2.0..size / 2.0, step };
+        let (low_x, high_x) = bounds(self.enclosure.iter().map(|corner| corner.0));
+        let (low_y, high_y) = bounds(self.enclosure.iter().map(|corner| corner.1));
+        let (width_m, height_m) = (high_x - low_x, high_y - low_y);
+        if self.enclosure.len() < 3 || width_m.min(height_m) < 1e-6 {
+            return None;
+        }
+        let scale = (room.0 / width_m).min(room.1 / height_m);
+        let step = Axis::within([0.0, width_m.max(height_m)].into_iter(), 6.0).step;
         Some(Plan {
-            x: axis(self.width_m),
-            y: axis(self.height_m),
+            x: Axis { range: low_x..high_x, step },
+            y: Axis { range: low_y..high_y, step },
             left,
-            right: left + ((self.width_m * scale).round() as i32).max(1),
+            right: left + ((width_m * scale).round() as i32).max(1),
             upper,
-            lower: upper + ((self.height_m * scale).round() as i32).max(1),
+            lower: upper + ((height_m * scale).round() as i32).max(1),
         })
     }
 
     fn draw(&self, root: &Area, plan: &Plan) -> Drawn {
-        plan.draw_axes(root)?;
-        for &circle in &self.circles {
-            plan.draw_disc(root, circle, SOLID.filled(), SOFT_INK)?;
-        }
-        for corners in &self.boxes {
-            plan.draw_shape(root, corners, SOLID.filled(), SOFT_INK)?;
-        }
-        plan.draw_disc(root, self.target, GREEN.mix(0.25).filled(), GREEN)?;
-        if usable(self.target.0) && usable(self.target.1) {
-            draw_cross(root, plan.place((self.target.0, self.target.1)))?;
-        }
+        plan.draw_grid(root)?;
+        plan.draw_numbers(root)?;
+        self.draw_world(root, plan)?;
 
         let ways = self.paths.iter().map(|path| thinned(&plan.places(&path.points), MAX_CORNERS));
         let ways: Vec<Vec<At>> = ways.collect();
@@ -120,11 +183,44 @@ impl Map {
                 mark(root, path.colour, at)?;
             }
         }
+        self.draw_start(root, plan)?;
+        let field = ((plan.left, plan.upper), (plan.right, plan.lower));
+        plan.draw_enclosure(root, &self.enclosure, field, WHITE)
+    }
+
+    /// Tracks, solids and the target.
+    fn draw_world(&self, root: &Area, plan: &Plan) -> Drawn {
+        plan.draw_tracks(root, &self.tracks)?;
+        for solid in &self.solids {
+            let (fill, edge) = match solid.kind {
+                SolidKind::Wall => (INK, INK),
+                SolidKind::Obstacle => (SOLID, SOFT_INK),
+                SolidKind::Redrawn => (REDRAWN, SOFT_INK),
+                SolidKind::Moving(_) => (MOVING, MOVING_EDGE),
+            };
+            match &solid.outline {
+                Outline::Disc(x, y, radius) => {
+                    plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?
+                }
+                Outline::Polygon(corners) => plan.draw_shape(root, corners, fill.filled(), edge)?,
+            }
+            if let SolidKind::Moving(heading) = solid.kind {
+                plan.draw_arrow(root, &solid.outline, heading)?;
+            }
+        }
+        plan.draw_disc(root, self.target, GREEN.mix(0.25).filled(), GREEN)?;
+        if usable(self.target.0) && usable(self.target.1) {
+            draw_cross(root, plan.place((self.target.0, self.target.1)))?;
+        }
+        Ok(())
+    }
+
+    fn draw_start(&self, root: &Area, plan: &Plan) -> Drawn {
         let (x, y, heading) = self.start;
         if usable(x) && usable(y) && usable(heading) {
             draw_robot(root, plan.place((x, y)), heading)?;
         }
-        plan.draw_walls(root)
+        Ok(())
     }
 
     fn entries(&self) -> Vec<Entry> {
@@ -132,90 +228,23 @@ impl Map {
             Entry::Sign(|root, at| draw_robot(root, at, 0.0), "start"),
             Entry::Sign(draw_goal, "target"),
         ];
-        if !self.circles.is_empty() || !self.boxes.is_empty() {
-            entries.push(Entry::Sign(draw_block, "obstacle"));
+        let any = |is: fn(SolidKind) -> bool| self.solids.iter().any(|solid| is(solid.kind));
+        if any(|kind| kind == SolidKind::Obstacle) {
+            entries.push(Entry::Sign(|root, at| draw_block(root, at, SOLID, SOFT_INK), "obstacle"));
+        }
+        if any(|kind| kind == SolidKind::Redrawn) {
+            entries.push(Entry::Sign(
+                |root, at| draw_block(root, at, REDRAWN, SOFT_INK),
+                "obstacle of one episode",
+            ));
+        }
+        if any(|kind| matches!(kind, SolidKind::Moving(_))) {
+            entries
+                .push(Entry::Sign(|root, at| draw_block(root, at, MOVING, MOVING_EDGE), "moving obstacle"));
         }
         entries.extend(self.paths.iter().map(|path| Entry::Line(path.colour, path.name.clone())));
         entries
     }
-}
-
-/// The enclosure on the drawing.
-struct Plan {
-    x: Axis,
-    y: Axis,
-    left: i32,
-    right: i32,
-    upper: i32,
-    lower: i32,
-}
-
-impl Plan {
-    /// Of a place in m; one outside the walls lies on them.
-    fn place(&self, (x, y): (f64, f64)) -> At {
-        (self.x.place(x, (self.left, self.right)), self.y.place(y, (self.lower, self.upper)))
-    }
-
-    fn places(&self, points: &[(f64, f64)]) -> Vec<At> {
-        points.iter().filter(|p| usable(p.0) && usable(p.1)).map(|&p| self.place(p)).collect()
-    }
-
-    fn draw_axes(&self, root: &Area) -> Drawn {
-        for tick in self.x.ticks() {
-            let at = self.place((tick, 0.0)).0;
-            line(root, vec![(at, self.upper), (at, self.lower)], GRID.stroke_width(HAIRLINE))?;
-            line(root, vec![(at, self.lower), (at, self.lower + 12)], SOFT_INK.stroke_width(HAIRLINE))?;
-            write(root, &self.x.label(tick), (at, self.lower + 36), TEXT, &SOFT_INK, HPos::Center)?;
-        }
-        for tick in self.y.ticks() {
-            let at = self.place((0.0, tick)).1;
-            line(root, vec![(self.left, at), (self.right, at)], GRID.stroke_width(HAIRLINE))?;
-            write(root, &self.y.label(tick), (self.left - 20, at), TEXT, &SOFT_INK, HPos::Right)?;
-        }
-        let middle = ((self.left + self.right) / 2, self.lower + 80);
-        write(root, "x and y in m", middle, TEXT, &SOFT_INK, HPos::Center)
-    }
-
-    /// A shape with an edge; what is beyond the walls is cut off.
-    fn draw_shape(&self, root: &Area, corners: &[(f64, f64)], fill: ShapeStyle, edge: RGBColor) -> Drawn {
-        let corners = self.places(corners);
-        area(root, corners.clone(), fill)?;
-        line(root, closed(corners), edge.stroke_width(HAIRLINE))
-    }
-
-    fn draw_disc(&self, root: &Area, disc: (f64, f64, f64), fill: ShapeStyle, edge: RGBColor) -> Drawn {
-        let (x, y, radius) = disc;
-        let within = |axis: &Axis, at: f64| axis.range.start <= at - radius && at + radius <= axis.range.end;
-        if !within(&self.x, x) || !within(&self.y, y) {
-            return self.draw_shape(root, &ring(disc), fill, edge);
-        }
-        let pixels_per_m = f64::from(self.right - self.left) / (self.x.range.end - self.x.range.start);
-        let pixels = (radius.max(0.0) * pixels_per_m).round() as i32;
-        root.draw(&Circle::new(self.place((x, y)), pixels, fill))?;
-        root.draw(&Circle::new(self.place((x, y)), pixels, edge.stroke_width(HAIRLINE)))?;
-        Ok(())
-    }
-
-    fn draw_walls(&self, root: &Area) -> Drawn {
-        let walls = [
-            (self.left, self.upper),
-            (self.right, self.upper),
-            (self.right, self.lower),
-            (self.left, self.lower),
-        ];
-        line(root, closed(walls.to_vec()), INK.stroke_width(STROKE + 2))
-    }
-}
-
-/// A circle's corners: so many that it looks round.
-fn ring((x, y, radius): (f64, f64, f64)) -> Vec<(f64, f64)> {
-    (0..64).map(|i| f64::from(i) / 64.0 * TAU).map(|a| (x + radius * a.cos(), y + radius * a.sin())).collect()
-}
-
-/// Back to where it began.
-fn closed(mut corners: Vec<At>) -> Vec<At> {
-    corners.extend(corners.first().copied());
-    corners
 }
 
 /// A dot with a white rim, and where it looks.
@@ -241,8 +270,8 @@ fn draw_goal(root: &Area, (x, y): At) -> Drawn {
 }
 
 /// An obstacle in the key.
-fn draw_block(root: &Area, (x, y): At) -> Drawn {
+fn draw_block(root: &Area, (x, y): At, fill: RGBColor, edge: RGBColor) -> Drawn {
     let corners = vec![(x - 16, y - 12), (x + 16, y - 12), (x + 16, y + 12), (x - 16, y + 12)];
-    area(root, corners.clone(), SOLID.filled())?;
-    line(root, closed(corners), SOFT_INK.stroke_width(HAIRLINE))
+    area(root, corners.clone(), fill.filled())?;
+    line(root, closed(corners), edge.stroke_width(HAIRLINE))
 }
