@@ -21,6 +21,7 @@ use crate::app::{
 };
 use crate::learning::Policy;
 use crate::reproduce::{Request, reproduce};
+use crate::run::check_files::{self, Checked};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::optimum::is_modelled;
@@ -29,7 +30,7 @@ use crate::run::preset::Budget;
 use crate::run::progress::say as tell;
 use crate::run::records::{Milestone, Summary};
 use crate::run::train::{CHECKPOINT_EVERY, Job, train};
-use crate::run::{RunError, shipped};
+use crate::run::{RunError, picture, shipped};
 use crate::scenario::Scenario;
 use crate::task::Places;
 
@@ -41,17 +42,18 @@ Examples:
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
   wayfield --train --resume runs/scenario-1-fast-0 --steps 600000
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
+  wayfield --check scenarios/                        whether all worlds in a folder can be used
 
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
 2 arguments or files that cannot be used. Ctrl-C saves a checkpoint and ends cleanly.";
 
 /// A LIDAR robot learns to navigate, in seconds, by prioritized-replay double dueling DQN
 #[derive(Parser, Debug)]
-#[command(version, max_term_width = 110, after_help = AFTER_HELP, group(ArgGroup::new("mode").args(["train", "eval", "reproduce"])),
+#[command(version, max_term_width = 110, after_help = AFTER_HELP, group(ArgGroup::new("mode").args(["train", "eval", "reproduce", "check", "draw"])),
     group(ArgGroup::new("writing").args(["train", "reproduce"]).multiple(true)))]
 struct Arguments {
     // clap drops a `requires` whose object conflicts with what was given; so whatever requires --train also
-    // conflicts with --eval and --reproduce, and so on.
+    // conflicts with --eval and --reproduce, and so on; and with --check, which says so itself.
     /// Train: by default the preset `fast` in Scenario I, into a new folder under runs/
     #[arg(long, help_heading = "What to do")]
     train: bool,
@@ -63,6 +65,18 @@ struct Arguments {
     /// Reproduce the paper: train, test and report every figure and table over several seeds
     #[arg(long, help_heading = "What to do")]
     reproduce: bool,
+
+    /// Say whether scenarios and presets can be used, files or whole folders of them, and what is wrong with them
+    #[arg(long, value_name = "PATH", help_heading = "What to do", num_args = 1..,
+        conflicts_with_all = ["scenario", "seed", "preset", "episodes", "steps", "arenas", "out", "init", "epsilon", "resume",
+            "checkpoint_every", "rounds", "navigations", "course", "optimum", "only", "seeds", "quick", "experiment", "jobs"])]
+    check: Vec<PathBuf>,
+
+    /// Draw the world from above, as an SVG or PNG file
+    #[arg(long, value_name = "FILE", help_heading = "What to do",
+        conflicts_with_all = ["seed", "preset", "episodes", "steps", "arenas", "out", "init", "epsilon", "resume", "json",
+            "checkpoint_every", "rounds", "navigations", "course", "optimum", "only", "seeds", "quick", "experiment", "jobs"])]
+    draw: Option<PathBuf>,
 
     /// The world: a RON file, or a shipped one by name (scenario-1, scenario-2, empty) [default: scenario-1]
     #[arg(long, value_name = "FILE", help_heading = "Training and testing",
@@ -234,6 +248,10 @@ pub fn main(began: Instant) -> ExitCode {
         eval_command(&arguments, &policy)
     } else if arguments.reproduce {
         reproduce_command(arguments, began)
+    } else if !arguments.check.is_empty() {
+        check_command(&arguments)
+    } else if let Some(file) = &arguments.draw {
+        draw_command(&arguments, file)
     } else {
         window_command(arguments)
     };
@@ -270,7 +288,13 @@ fn window_command(arguments: Arguments) -> Result<(), RunError> {
         ..usual
     };
     // What cannot be used is said here, not in a window.
-    shipped::scenario(&first.scenario)?;
+    // (But a broken scenario is waited for: the window takes it as soon as it is mended.)
+    match shipped::scenario(&first.scenario) {
+        Err(error) if Path::new(&first.scenario).is_file() && arguments.screenshot.is_none() => {
+            tell(&error.to_string());
+        }
+        found => drop(found?),
+    }
     shipped::preset(&first.preset)?;
     let shows = |what: ShowArgument| arguments.show.contains(&what);
     let asked = !arguments.show.is_empty();
@@ -488,6 +512,65 @@ fn reproduction_text(report: &ReproductionReport) -> String {
     text
 }
 
+/// A picture of the world.
+fn draw_command(arguments: &Arguments, file: &Path) -> Result<(), RunError> {
+    let scenario = shipped::scenario(arguments.scenario.as_deref().unwrap_or("scenario-1"))?;
+    picture::draw(&scenario, file)?;
+    say(&format!("{}\n", file.display()))
+}
+
+/// What `--check --json` prints.
+#[derive(serde::Serialize)]
+struct CheckReport {
+    /// All that were looked at.
+    files: Vec<String>,
+    problems: Vec<ProblemReport>,
+}
+
+#[derive(serde::Serialize)]
+struct ProblemReport {
+    path: String,
+    line: Option<usize>,
+    column: Option<usize>,
+    message: String,
+}
+
+impl CheckReport {
+    fn of(checked: &[Checked]) -> Self {
+        let errors = checked.iter().filter_map(|file| file.error.as_ref());
+        let problems = errors.flat_map(|error| {
+            error.problems().iter().map(|problem| ProblemReport {
+                path: error.path().display().to_string(),
+                line: problem.line_column.map(|(line, _)| line),
+                column: problem.line_column.map(|(_, column)| column),
+                message: problem.message.clone(),
+            })
+        });
+        Self {
+            files: checked.iter().map(|file| file.path.display().to_string()).collect(),
+            problems: problems.collect(),
+        }
+    }
+}
+
+fn check_command(arguments: &Arguments) -> Result<(), RunError> {
+    let checked = check_files::check(&arguments.check);
+    if arguments.json {
+        print_json(&CheckReport::of(&checked))?;
+    } else {
+        for file in &checked {
+            match &file.error {
+                None => say(&format!("{}: ok\n", file.path.display()))?,
+                Some(error) => tell(&error.to_string()),
+            }
+        }
+    }
+    match checked.iter().filter(|file| file.error.is_some()).count() {
+        0 => Ok(()),
+        bad => Err(RunError::Unusable(format!("of {} checked, {bad} can't be used", checked.len()))),
+    }
+}
+
 /// What `--eval --json` prints.
 #[derive(serde::Serialize)]
 struct EvaluationReport {
@@ -546,8 +629,9 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     };
     if arguments.optimum && !is_modelled(&scenario) {
         tell(&format!(
-            "note: no least times: the planner knows no lag of the drive, and in {} actuator_lag_s is {}",
-            scenario.name, scenario.robot.actuator_lag_s
+            "note: no least times: the planner knows no lag of the drive, no polygons, and only a LIDAR that sees all \
+             around; {} has something else",
+            scenario.name
         ));
     }
     let optimum = arguments.optimum.then(|| {

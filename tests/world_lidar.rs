@@ -35,7 +35,7 @@ fn assert_closed_form(lab: &mut Lab, from: &Pose) {
         let view = f64::from(scenario.lidar.field_of_view_rad);
         let all_around = i as f64 * std::f64::consts::TAU / beams as f64;
         let across = if beams == 1 { 0.0 } else { view * (i as f64 / (beams - 1) as f64 - 0.5) };
-        let angle = f64::from(from.heading_rad) + if view > 6.28 { all_around } else { across };
+        let angle = f64::from(from.heading_rad) + if view > 6.27 { all_around } else { across };
         let max_m = f64::from(scenario.lidar.max_range_m);
         let (low, high) = closed_form::range_within(&scenario, clock, origin, angle, max_m);
         let range = f64::from(range);

@@ -82,7 +82,11 @@ fn every_episode_has_a_room_of_its_own_that_its_lidar_sees() {
     }
     assert!(layouts.len() > 20, "no two rooms are alike: {}", layouts.len());
     let mut again = Lab::new(&scenario, 2, 11);
-    assert_eq!(again.states()[1].layout, Lab::new(&scenario, 6, 11).states()[1].layout, "told by seed and arena");
+    assert_eq!(
+        again.states()[1].layout,
+        Lab::new(&scenario, 6, 11).states()[1].layout,
+        "told by seed and arena"
+    );
     again.step(&[2; 2]);
 }
 
@@ -110,8 +114,7 @@ fn nothing_gets_through_a_wall_however_fast_it_is() {
     for (scenario, name) in [(crooked(), "crooked"), (field(), "field")] {
         for v_m_s in [0.15, 1.0, 5.0] {
             let mut scenario = scenario.clone();
-            scenario.robot.motions =
-                [-3.0, 0.0, 3.0].map(|w_rad_s| Motion { v_m_s, w_rad_s }).into();
+            scenario.robot.motions = [-3.0, 0.0, 3.0].map(|w_rad_s| Motion { v_m_s, w_rad_s }).into();
             let mut lab = Lab::new(&scenario, 8, 3);
             let mut stream = random::stream(9, "actions", 0);
             let mut collisions = 0;

@@ -4,6 +4,7 @@
 //! training stands in words (for who cannot see the canvas, and for tests), and a panic's message. The other side is
 //! `web/page.js`: an object `wayfieldPage` with a function for each thing said here.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
@@ -112,11 +113,27 @@ pub(super) fn answer(
     mut messages: ResMut<Messages<Order>>,
     mut seen: Local<bevy::ecs::message::MessageCursor<Order>>,
     session: Option<Res<Session>>,
+    mut editing: Local<bool>,
 ) {
     let mut answers = Vec::new();
     for order in seen.read(&messages) {
         match order {
-            Order::OpenDialog => choose(),
+            Order::OpenDialog => {
+                *editing = false;
+                choose();
+            }
+            Order::EditOpen(None) => {
+                *editing = true;
+                choose();
+            }
+            Order::SaveWorld { scenario, like, path: None } => {
+                let path = world_file(&scenario.name);
+                answers.push(Order::SaveWorld {
+                    scenario: scenario.clone(),
+                    like: like.clone(),
+                    path: Some(path),
+                });
+            }
             Order::SaveDialog(what) => {
                 answers.extend(
                     session.iter().map(|session| Order::Save(*what, session.proposed_name(*what).into())),
@@ -127,12 +144,20 @@ pub(super) fn answer(
     }
     for (name, bytes) in std::mem::take(&mut *INBOX.lock().unwrap_or_else(PoisonError::into_inner)) {
         shelf::hand_in(name.clone(), bytes);
-        answers.push(Order::Open(name.into()));
+        let edits = std::mem::take(&mut *editing) && name.ends_with(".ron");
+        answers.push(if edits { Order::EditOpen(Some(name.into())) } else { Order::Open(name.into()) });
     }
     messages.write_batch(answers);
     for (name, bytes) in shelf::take_out() {
         save(&name, &bytes);
     }
+}
+
+/// A file's name for a world that is called `name`.
+fn world_file(name: &str) -> PathBuf {
+    let plain = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+    let stem: String = name.chars().map(plain).collect();
+    format!("{}.ron", stem.trim_matches('-')).into()
 }
 
 /// The page's address becomes a link to what goes on: whoever follows it begins the same training. A world of the user's

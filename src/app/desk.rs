@@ -4,6 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::editor::Editor;
+
 /// Light, dark, or as the system has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Look {
@@ -43,7 +45,7 @@ impl Default for Overlays {
 /// Which part of the plane the world view shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The point in the view's middle, in m.
+    /// The point in the view's middle, from the middle of the box around the enclosure, in m.
     pub centre_m: [f32; 2],
     /// 1 shows the whole enclosure; 2 half of it.
     pub zoom: f32,
@@ -80,6 +82,9 @@ pub struct Desk {
     /// The list of keys is open.
     #[serde(skip)]
     pub help_open: bool,
+    /// The world that is being edited, in place of the one that runs.
+    #[serde(skip)]
+    pub editor: Option<Box<Editor>>,
 }
 
 impl Default for Desk {
@@ -94,6 +99,7 @@ impl Default for Desk {
             plots_open: true,
             plots_width: None,
             help_open: false,
+            editor: None,
         }
     }
 }

@@ -14,7 +14,7 @@ use super::scene::Field;
 use super::session::Session;
 use crate::agent::{Driver, Drivers, Trainer};
 use crate::learning::QNetwork;
-use crate::scenario::{Enclosure, Scenario};
+use crate::scenario::{Scenario, inner_wall_distance, wall_distance};
 use crate::task::{Arena, Clock, CurrentScenario, Encoding, Pose, RewardConfig, Scan, Target, observation};
 use crate::world::Probe;
 
@@ -61,14 +61,11 @@ struct Grid {
 
 impl Grid {
     fn over(scenario: &Scenario) -> Self {
-        let Enclosure::Rectangle { width_m, height_m } = scenario.enclosure;
+        let (min, max) = scenario.enclosure.bounds_m();
+        let (width_m, height_m) = (max.0 - min.0, max.1 - min.1);
         let longer = width_m.max(height_m);
         let points = |side: f32| ((POINTS as f32 * side / longer).round() as usize).max(2);
-        Self {
-            size: [points(width_m), points(height_m)],
-            min_m: [-width_m / 2.0, -height_m / 2.0],
-            max_m: [width_m / 2.0, height_m / 2.0],
-        }
+        Self { size: [points(width_m), points(height_m)], min_m: min.into(), max_m: max.into() }
     }
 
     /// The middle of each cell, row by row from the bottom.
@@ -150,7 +147,8 @@ pub(super) fn survey(
     for (x_m, y_m) in grid.points_m() {
         let there = Pose { x_m, y_m, heading_rad: pose.heading_rad };
         scan_from(&there, &mut scan);
-        let free = scan.nearest_m >= scenario.task.collision_range_m;
+        // From beyond a wall, or within one, the beams may see far.
+        let free = scan.nearest_m >= scenario.task.collision_range_m && is_floor(scenario, (x_m, y_m));
         let potential = reward.potential(there.distance_m(target), scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
         if asked.value {
@@ -178,6 +176,12 @@ pub(super) fn survey(
     fields.potential = asked.potential.then(|| grid.field(potentials, version));
 }
 
+/// Whether a point is within the enclosure and not within an inner wall.
+fn is_floor(scenario: &Scenario, point_m: (f32, f32)) -> bool {
+    wall_distance(&scenario.enclosure, point_m) > 0.0
+        && scenario.walls.iter().all(|wall| inner_wall_distance(wall, point_m) > 0.0)
+}
+
 /// The network that a driver asks, if it does.
 fn network(driver: &Driver) -> Option<&QNetwork> {
     match driver {
@@ -192,4 +196,29 @@ fn values(network: &QNetwork, observations: &[f32], n: usize) -> Vec<f32> {
     network.q_values(observations, n, &mut q_values);
     let actions = network.shape().actions.max(1);
     q_values.chunks_exact(actions).map(|row| row.iter().copied().fold(f32::NEG_INFINITY, f32::max)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Enclosure, Wall};
+
+    #[test]
+    fn the_grid_lies_over_the_box_around_an_l_and_its_notch_is_no_floor() {
+        let corners_m = vec![(1.0, 0.0), (5.0, 0.0), (5.0, 1.0), (3.0, 1.0), (3.0, 2.0), (1.0, 2.0)];
+        let wall = Wall { corners_m: vec![(1.0, 0.5), (2.0, 0.5)], thickness_m: 0.1 };
+        let scenario = Scenario {
+            enclosure: Enclosure::Polygon { corners_m },
+            walls: vec![wall],
+            ..Scenario::default()
+        };
+        let grid = Grid::over(&scenario);
+        assert_eq!((grid.size, grid.min_m, grid.max_m), ([POINTS, POINTS / 2], [1.0, 0.0], [5.0, 2.0]));
+        assert_eq!(grid.points_m().count(), POINTS * POINTS / 2);
+        for (point, floor) in
+            [((2.0, 1.5), true), ((4.0, 1.5), false), ((1.5, 0.52), false), ((1.5, 0.6), true)]
+        {
+            assert_eq!(is_floor(&scenario, point), floor, "{point:?}");
+        }
+    }
 }

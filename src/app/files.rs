@@ -3,6 +3,7 @@
 //! In: the orders that ask for one. Out: the orders that name the file. A dialog runs beside the app; nothing waits for it.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::ecs::system::NonSendMarker;
@@ -13,6 +14,7 @@ use rfd::AsyncFileDialog;
 use super::orders::{Order, Saved};
 use super::session::Session;
 use super::status::Weight;
+use crate::scenario::Scenario;
 
 /// A dialog that was closed sooner than this was never there: nobody is so quick.
 const SOONEST: Duration = Duration::from_millis(250);
@@ -25,9 +27,54 @@ pub struct Dialogs {
 
 struct Dialog {
     asking: Task<Option<PathBuf>>,
-    /// What is to be saved; None: something is to be opened.
-    what: Option<Saved>,
+    what: Asked,
     since: Instant,
+}
+
+/// What a dialog is for.
+enum Asked {
+    /// Something is to be opened.
+    Open,
+    /// Something of the training is to be saved.
+    Save(Saved),
+    /// A scenario is to be edited.
+    Edit,
+    /// An edited world is to be saved, as one that was made from `like`.
+    SaveWorld { scenario: Arc<Scenario>, like: String },
+}
+
+impl Asked {
+    /// What `order` asks for, if that takes a dialog.
+    fn by(order: &Order) -> Option<Self> {
+        match order {
+            Order::OpenDialog => Some(Self::Open),
+            Order::SaveDialog(what) => Some(Self::Save(*what)),
+            Order::EditOpen(None) => Some(Self::Edit),
+            Order::SaveWorld { scenario, like, path: None } => {
+                Some(Self::SaveWorld { scenario: scenario.clone(), like: like.clone() })
+            }
+            _ => None,
+        }
+    }
+
+    /// The order that says so.
+    fn answered(self, path: PathBuf) -> Order {
+        match self {
+            Self::Open => Order::Open(path),
+            Self::Save(what) => Order::Save(what, path),
+            Self::Edit => Order::EditOpen(Some(path)),
+            Self::SaveWorld { scenario, like } => Order::SaveWorld { scenario, like, path: Some(path) },
+        }
+    }
+
+    /// The name that is proposed for what is to be saved; none if something is to be opened.
+    fn proposed_name(&self, session: &Session) -> Option<String> {
+        match self {
+            Self::Open | Self::Edit => None,
+            Self::Save(what) => Some(session.proposed_name(*what)),
+            Self::SaveWorld { .. } => Some(session.proposed_name(Saved::Scenario)),
+        }
+    }
 }
 
 /// Opens the dialogs that are asked for, and answers with what was chosen. (On some systems a dialog belongs to the main
@@ -39,49 +86,41 @@ pub(super) fn answer(
     mut session: ResMut<Session>,
     mut dialogs: ResMut<Dialogs>,
 ) {
-    if let Some(dialog) = &mut dialogs.open
-        && let Some(chosen) = block_on(poll_once(&mut dialog.asking))
-    {
-        match (chosen, dialog.what) {
-            (Some(path), Some(what)) => {
-                messages.write(Order::Save(what, path));
+    if let Some(mut dialog) = dialogs.open.take() {
+        match block_on(poll_once(&mut dialog.asking)) {
+            None => dialogs.open = Some(dialog),
+            Some(Some(path)) => {
+                messages.write(dialog.what.answered(path));
             }
-            (Some(path), None) => {
-                messages.write(Order::Open(path));
-            }
-            // No dialog here: what is to be saved goes where runs go.
-            (None, Some(what)) if dialog.since.elapsed() < SOONEST => {
-                messages.write(Order::Save(what, untaken(&session.proposed_name(what))));
-            }
-            (None, None) if dialog.since.elapsed() < SOONEST => session.tell(
-                Weight::Failed,
-                "This system shows no file dialog: drop a file on the window to open it, or start with --open FILE. \
-                 (On Linux a desktop portal or zenity shows them.)",
-            ),
-            (None, _) => {}
+            Some(None) if dialog.since.elapsed() < SOONEST => match dialog.what.proposed_name(&session) {
+                // No dialog here: what is to be saved goes where runs go.
+                Some(name) => {
+                    messages.write(dialog.what.answered(untaken(&name)));
+                }
+                None => session.tell(
+                    Weight::Failed,
+                    "This system shows no file dialog: drop a file on the window to open it, or start with --open FILE. \
+                     (On Linux a desktop portal or zenity shows them.)",
+                ),
+            },
+            Some(None) => {}
         }
-        dialogs.open = None;
     }
-    let asked = seen.read(&messages).find_map(|order| match order {
-        Order::OpenDialog => Some(None),
-        Order::SaveDialog(what) => Some(Some(*what)),
-        _ => None,
-    });
+    let asked = seen.read(&messages).find_map(Asked::by);
     if let (None, Some(what)) = (&dialogs.open, asked) {
-        let asking = match what {
-            Some(what) => ask_where(what, &session.proposed_name(what)),
-            None => ask_which(),
+        let asking = match (&what, what.proposed_name(&session)) {
+            (Asked::Save(saved), Some(name)) => ask_where(*saved, &name),
+            (Asked::SaveWorld { .. }, Some(name)) => ask_where(Saved::Scenario, &name),
+            (Asked::Edit, _) => ask_which("Open a scenario to edit", &["ron"]),
+            _ => ask_which("Open a policy, a checkpoint, a scenario or a preset", &["safetensors", "bin", "ron"]),
         };
         dialogs.open = Some(Dialog { asking, what, since: Instant::now() });
     }
 }
 
 /// Asks for a file to open.
-fn ask_which() -> Task<Option<PathBuf>> {
-    let asking = AsyncFileDialog::new()
-        .set_title("Open a policy, a checkpoint, a scenario or a preset")
-        .add_filter("Of wayfield", &["safetensors", "bin", "ron"])
-        .pick_file();
+fn ask_which(title: &str, endings: &[&str]) -> Task<Option<PathBuf>> {
+    let asking = AsyncFileDialog::new().set_title(title).add_filter("Of wayfield", endings).pick_file();
     IoTaskPool::get().spawn(async move { asking.await.map(|file| file.path().into()) })
 }
 

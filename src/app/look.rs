@@ -15,7 +15,7 @@ use crate::agent::{Decisions, Trainer};
 use crate::run::preset::Budget;
 use crate::run::shipped;
 use crate::scenario::{Scenario, pose_at};
-use crate::task::{Actions, Arena, Clock, CurrentScenario, Episode, Pose, Scan, Target, wrap_angle};
+use crate::task::{Actions, Arena, Clock, CurrentScenario, Episode, Pose, Room, Scan, Target, wrap_angle};
 
 /// What the screen draws next; nothing before the first frame.
 #[derive(Resource, Default)]
@@ -30,7 +30,15 @@ pub struct Shown {
 const MOST_SHOWN: usize = 100;
 
 /// What is seen of an arena.
-type Seen = (&'static Arena, &'static Pose, &'static Target, &'static Clock, &'static Scan, &'static Episode);
+type Seen = (
+    &'static Arena,
+    &'static Room,
+    &'static Pose,
+    &'static Target,
+    &'static Clock,
+    &'static Scan,
+    &'static Episode,
+);
 
 /// Takes the scene and the status.
 #[expect(clippy::too_many_arguments, reason = "a system's parameters are what it reads")]
@@ -56,17 +64,18 @@ pub(super) fn look(
     let none = Ways::default();
     let arenas: Vec<ArenaScene> = seen
         .into_iter()
-        .map(|(arena, pose, target, clock, scan, episode)| {
+        .map(|(arena, room, pose, target, clock, scan, episode)| {
             let k = arena.0;
             let ways = trails.0.get(k).unwrap_or(&none);
             let q_values = decisions.q_values.get(k * motions..(k + 1) * motions).unwrap_or_default();
             let in_full = desk.0.followed == k || session.mode != Mode::Train;
             ArenaScene {
+                room: room.scenario.clone(),
                 pose: ways.before.map_or(*pose, |before| between(&before, pose, part)),
                 target: *target,
-                obstacles: obstacles(scenario, *clock, part),
+                obstacles: obstacles(&room.scenario, *clock, part),
                 ranges_m: scan.ranges_m.clone(),
-                scan_pose: *pose,
+                scan_pose: scan.from,
                 driver: driver(&session, k),
                 action: actions.0.get(k).copied().unwrap_or(0),
                 explored: decisions.explored.get(k).copied().unwrap_or(false),
@@ -153,7 +162,7 @@ fn status(session: &Session, trainer: &Trainer, scenarios: Vec<Choice>, presets:
         pace: session.pacer.pace,
         mode: session.mode,
         world_changed,
-        papers_world: !world_changed && session.config.scenario_from == "scenario-1",
+        papers_world: shipped::is_papers_first(&session.config.scenario),
         scenario_from: session.config.scenario_from.clone(),
         preset_from: session.config.preset_from.clone(),
         scenarios: with_own(scenarios, &session.own_scenarios),
@@ -178,6 +187,8 @@ fn status(session: &Session, trainer: &Trainer, scenarios: Vec<Choice>, presets:
         notices: session.notices(),
         restart_discards: session.would_discard(learner.env_steps()),
         expert: session.expert().map(|(name, _)| name),
+        saved_world: session.saved_world.clone(),
+        draft: session.draft.clone(),
         disk: cfg!(not(target_arch = "wasm32")),
     }
 }

@@ -12,6 +12,7 @@
 //! | `scene.rs`, `status.rs` | what there is to see, as plain data |
 //! | `history/` | the learning curves, in bounded memory |
 //! | `screen/` | all that is drawn, by egui: the world, the plots, the panels |
+//! | `editor/` | the world's editor: the document, what can be done with it, undone and redone |
 //! | `orders.rs` | all that the user's hand can ask for |
 //! | `desk.rs` | what the user has chosen to look at; `preferences.rs` remembers it |
 //! | `window.rs`, `blending.rs` | the window itself, its colours, and pictures of it |
@@ -22,6 +23,7 @@ mod blending;
 #[cfg(target_arch = "wasm32")]
 pub mod browser;
 pub mod desk;
+pub mod editor;
 mod fields;
 #[cfg(not(target_arch = "wasm32"))]
 mod files;

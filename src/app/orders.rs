@@ -5,8 +5,11 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+
+use crate::scenario::Scenario;
 
 /// How quickly simulated time passes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,6 +123,26 @@ pub enum Order {
     SaveDialog(Saved),
     /// Saves it there.
     Save(Saved, PathBuf),
+    /// Training goes on in this world, which was edited.
+    TakeWorld {
+        /// The world.
+        scenario: Arc<Scenario>,
+        /// By what name or file it is asked for.
+        from: String,
+        /// A new training begins there, of the same preset and seed; else the policy goes on.
+        again: bool,
+    },
+    /// Saves an edited world as RON.
+    SaveWorld {
+        /// The world.
+        scenario: Arc<Scenario>,
+        /// The name or file that it was made from: its comments are kept.
+        like: String,
+        /// Where to; None: asks by a dialog.
+        path: Option<PathBuf>,
+    },
+    /// Opens a scenario's file to be edited; None: asks by a dialog which.
+    EditOpen(Option<PathBuf>),
     /// A notice was read: its index among the status's.
     Dismiss(usize),
 }

@@ -105,6 +105,7 @@ pub(super) fn keep(
     now.desk.followed = remembered.desk.followed;
     now.desk.camera = remembered.desk.camera;
     now.desk.help_open = remembered.desk.help_open;
+    now.desk.editor = None;
     if now == *remembered {
         return;
     }

@@ -42,13 +42,15 @@ pub enum Driver {
 /// What is to be seen of one arena.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArenaScene {
+    /// The world as it stands in this arena: with what generators made of it, where there are some.
+    pub room: Arc<Scenario>,
     /// The robot, between its last two poses when the pace is slow enough to see it.
     pub pose: Pose,
     /// The present target.
     pub target: Target,
-    /// Pose (x in m, y in m, rotation in rad) of each obstacle of the scenario, in its order, in step with `pose`.
+    /// Pose (x in m, y in m, rotation in rad) of each obstacle of the room, in its order, in step with `pose`.
     pub obstacles: Vec<(f32, f32, f32)>,
-    /// The last scan, in m, as the sensor reports it: beam i looks along the heading at the scan + i * 2 pi / beams.
+    /// The last scan, in m, as the sensor reports it, by beam.
     pub ranges_m: Vec<f32>,
     /// From where it was taken; the robot may be drawn on its way there.
     pub scan_pose: Pose,

@@ -2,7 +2,10 @@
 //!
 //! In: the session and the learner, read only (`look.rs`). Out: plain data for the panels.
 
+use std::sync::Arc;
+
 use super::orders::{Mode, Pace};
+use crate::scenario::Scenario;
 
 /// A scenario or preset that can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -88,6 +91,10 @@ pub struct Status {
     pub restart_discards: bool,
     /// The shipped policy that can drive in this world and sees what the preset shows: its name.
     pub expert: Option<String>,
+    /// The world that was saved last, and its file.
+    pub saved_world: Option<(String, Arc<Scenario>)>,
+    /// A world that was opened to be edited: another number with each, its name or file, the world.
+    pub draft: Option<(u64, String, Arc<Scenario>)>,
     /// Whether there is a disk. A browser has none: no folder can be saved, and a picture is one that it draws itself.
     pub disk: bool,
 }

@@ -65,6 +65,7 @@ fn controls_in_the_bar(window: &Window) -> Vec<Rect> {
         "Full",
         "Train",
         "Compare",
+        "Edit",
         "Dark",
         "Light",
         "Help",

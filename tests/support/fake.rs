@@ -12,7 +12,10 @@ use wayfield::app::scene::{ArenaScene, Driver, Field, Scene, Trail, TrailEnd};
 use wayfield::app::screen::{self, View, theme};
 use wayfield::app::status::{Choice, Notice, Status, Weight};
 use wayfield::run::records::{EpisodeRow, EvaluationRow};
-use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
+use wayfield::scenario::{
+    Course, Enclosure, Generator, Lidar, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Region, Scenario,
+    Shape, Wall,
+};
 use wayfield::task::{Pose, Target};
 
 const RING_M: [(f32, f32); 4] = [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)];
@@ -44,9 +47,10 @@ impl Default for Fake {
         };
         let obstacles = RING_M.map(obstacle).into();
         let scenario = Scenario { name: "Scenario I".into(), obstacles, ..Scenario::default() };
+        let scenario = Arc::new(scenario);
         let scene = Scene {
-            scenario: Arc::new(scenario),
-            arenas: (0..8).map(arena).collect(),
+            arenas: (0..8).map(|n| arena(n, &scenario)).collect(),
+            scenario,
             potential: None,
             value: None,
         };
@@ -73,6 +77,19 @@ impl Fake {
             (arena.path_m, arena.trails, arena.q_values) = (Vec::new(), Vec::new(), Vec::new());
         }
         fake
+    }
+
+    /// The same training in another world, each arena furnished for itself; nothing is met by the beams.
+    pub fn in_world(mut self, scenario: Scenario) -> Self {
+        for (layout, arena) in (0..).zip(&mut self.scene.arenas) {
+            let room = scenario.furnished(layout);
+            let at = |o: &Obstacle| (o.position_m.0, o.position_m.1, o.rotation_rad);
+            arena.obstacles = room.obstacles.iter().map(at).collect();
+            arena.ranges_m = vec![0.4 * scenario.lidar.max_range_m; scenario.lidar.beams];
+            arena.room = Arc::new(room);
+        }
+        self.scene.scenario = Arc::new(scenario);
+        self
     }
 
     /// The present policy drives alone in one arena.
@@ -113,6 +130,66 @@ impl Fake {
     }
 }
 
+/// A world of all that a file can spell: an L with inner walls, each shape, each motion, a generator, a narrow view.
+pub fn all_sorts() -> Scenario {
+    let obstacle =
+        |shape, position_m, rotation_rad, motion| Obstacle { shape, position_m, rotation_rad, motion };
+    let still = ObstacleMotion::Still;
+    let disc = |radius_m| Shape::Circle { radius_m };
+    let corners_m = vec![(0.25, 0.0), (-0.15, 0.2), (-0.2, -0.25)];
+    Scenario {
+        name: "All sorts".into(),
+        enclosure: Enclosure::Polygon {
+            corners_m: vec![(-2.0, -1.5), (4.0, -1.5), (4.0, 0.5), (1.5, 0.5), (1.5, 2.5), (-2.0, 2.5)],
+        },
+        walls: vec![
+            Wall { corners_m: vec![(-0.4, -1.5), (-0.4, -0.6), (0.5, -0.6)], thickness_m: 0.1 },
+            Wall { corners_m: vec![(-2.0, 1.3), (-1.2, 1.0)], thickness_m: 0.2 },
+        ],
+        obstacles: vec![
+            obstacle(disc(0.15), (-1.4, 0.2), 0.0, still.clone()),
+            obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.3 }, (0.9, 1.9), 0.5, still.clone()),
+            obstacle(Shape::Polygon { corners_m }, (-0.6, 1.9), 0.4, still.clone()),
+            obstacle(Shape::Capsule { length_m: 0.5, radius_m: 0.12 }, (3.4, -0.1), 1.1, still),
+            obstacle(
+                disc(0.12),
+                (1.0, -1.2),
+                0.0,
+                ObstacleMotion::Patrol { waypoints_m: vec![(2.6, -1.2), (2.6, -0.5)], speed_m_s: 0.3 },
+            ),
+            obstacle(
+                disc(0.1),
+                (-1.7, -1.2),
+                0.0,
+                ObstacleMotion::BackAndForth { waypoints_m: vec![(-1.7, -0.3)], speed_m_s: 0.2 },
+            ),
+            obstacle(
+                Shape::Rectangle { width_m: 0.3, height_m: 0.12 },
+                (0.8, 0.9),
+                0.0,
+                ObstacleMotion::Orbit { centre_m: (0.3, 0.9), speed_rad_s: 0.3 },
+            ),
+            obstacle(
+                disc(0.12),
+                (3.2, -1.0),
+                0.0,
+                ObstacleMotion::RandomWalk { reach_m: 0.4, speed_m_s: 0.3, seed: 1 },
+            ),
+        ],
+        generators: vec![Generator {
+            count: 3,
+            shape: RandomShape::Circle { radius_m: (0.05, 0.1) },
+            gap_m: 0.3,
+            within: Some(Region { min_m: (1.2, -0.4), max_m: (2.8, 0.4) }),
+        }],
+        lidar: Lidar { beams: 12, field_of_view_rad: 2.0, ..Lidar::default() },
+        starts: PlaceRule::Within { min_m: (-1.9, -0.2), max_m: (-0.9, 0.6), clearance_m: 0.2 },
+        targets: PlaceRule::OneOf { places_m: vec![(0.0, 0.2), (3.7, -1.2), (1.2, 2.2)] },
+        course: Course { start_m: (-1.5, 1.9), heading_rad: -0.8, target_m: (3.0, 0.2) },
+        ..Scenario::default()
+    }
+}
+
 /// A field like a hollow with a ridge, for the overlays.
 pub fn field(version: u64, deep: f32) -> Arc<Field> {
     let size = [40, 40];
@@ -125,7 +202,7 @@ pub fn field(version: u64, deep: f32) -> Arc<Field> {
     Arc::new(Field { size, min_m: [-2.0, -2.0], max_m: [2.0, 2.0], values, version })
 }
 
-fn arena(n: usize) -> ArenaScene {
+fn arena(n: usize, room: &Arc<Scenario>) -> ArenaScene {
     let turn = n as f32 * 0.8;
     let pose = Pose { x_m: -0.1 + 0.9 * turn.sin(), y_m: -1.1 * turn.cos() + 0.1, heading_rad: 0.9 + turn };
     let path_m = (0..40).map(|k| back(pose, 0.03 * (39 - k) as f32)).collect();
@@ -137,6 +214,7 @@ fn arena(n: usize) -> ArenaScene {
     };
     let ends = [TrailEnd::Reached, TrailEnd::Collided, TrailEnd::Reached, TrailEnd::TimedOut];
     ArenaScene {
+        room: room.clone(),
         pose,
         target: Target { x_m: 1.2 * (turn + 0.8).cos(), y_m: 1.2 * (turn + 0.8).sin() },
         obstacles: RING_M.iter().map(|&(x, y)| (x, y, 0.0)).collect(),
@@ -218,6 +296,8 @@ fn status() -> Status {
         restart_discards: false,
         expert: Some("Expert of Scenario I".into()),
         disk: true,
+        saved_world: None,
+        draft: None,
     }
 }
 

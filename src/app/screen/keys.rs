@@ -7,6 +7,7 @@
 use egui::{Event, Key, Modifiers, Ui};
 
 use super::View;
+use super::editor::{self, leave};
 use crate::app::desk::{Camera, Desk, Look};
 use crate::app::orders::{Order, Pace, Saved};
 
@@ -48,6 +49,8 @@ pub enum Deed {
     Value,
     /// An overlay.
     QValues,
+    /// Into the editor, or out of it.
+    Edit,
     /// Light or dark.
     Look,
     /// The help window.
@@ -76,7 +79,7 @@ const fn plain(deed: Deed, codes: &'static [Key], key: &'static str, what: &'sta
 }
 
 /// All of them, in the order in which they are listed.
-pub const KEYS: [Shortcut; 17] = [
+pub const KEYS: [Shortcut; 18] = [
     plain(Deed::Pause, &[Key::Space], "Space", "Run or pause"),
     plain(Deed::Step, &[Key::Period], ".", "One control step, then stand still"),
     plain(Deed::Pace, &[], "1 … 5", "How quickly time passes"),
@@ -90,6 +93,7 @@ pub const KEYS: [Shortcut; 17] = [
     plain(Deed::Potential, &[Key::P], "P", "Potential field"),
     plain(Deed::Value, &[Key::V], "V", "Value by the network"),
     plain(Deed::QValues, &[Key::Q], "Q", "Q-values"),
+    plain(Deed::Edit, &[Key::E], "E", "Edit the world, or leave the editor"),
     plain(Deed::Look, &[Key::L], "L", "Light or dark"),
     plain(Deed::Help, &[Key::H, Key::Questionmark], "H or ?", "This list"),
     Shortcut {
@@ -118,6 +122,13 @@ pub fn handle(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Or
     if ctx.text_edit_focused() {
         return;
     }
+    if let Some(editor) = desk.editor.as_mut().filter(|_| !(desk.help_open || leave::is_asked(&ctx))) {
+        editor::keys::handle(ui, editor, view.status, orders);
+    }
+    // In the editor the others are the editor's own, or of a world that can't be seen.
+    let editing = desk.editor.is_some();
+    let open =
+        |row: &&Shortcut| !editing || matches!(row.deed, Deed::Fit | Deed::Edit | Deed::Look | Deed::Help);
     let focused = ctx.memory(|memory| memory.focused().is_some());
     let pressed = |row: &&Shortcut| {
         let modifiers = if row.ctrl { Modifiers::COMMAND } else { Modifiers::NONE };
@@ -136,12 +147,15 @@ pub fn handle(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Or
             })
         })
     };
-    for row in KEYS.iter().filter(pressed) {
+    for row in KEYS.iter().filter(open).filter(pressed) {
         if row.deed == Deed::Next {
             // Or egui would give the focus to its first control.
             ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));
         }
-        carry_out(row.deed, view, ui.visuals().dark_mode, desk, orders);
+        carry_out(ui, row.deed, view, desk, orders);
+    }
+    if editing {
+        return;
     }
     let digits = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
     for (code, (pace, ..)) in digits.into_iter().zip(PACES) {
@@ -151,7 +165,7 @@ pub fn handle(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Or
     }
 }
 
-fn carry_out(deed: Deed, view: &View<'_>, dark: bool, desk: &mut Desk, orders: &mut Vec<Order>) {
+fn carry_out(ui: &Ui, deed: Deed, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
     let over = &mut desk.overlays;
     match deed {
         Deed::Pause => orders.push(Order::Pause(!view.status.paused)),
@@ -166,7 +180,9 @@ fn carry_out(deed: Deed, view: &View<'_>, dark: bool, desk: &mut Desk, orders: &
         Deed::Potential => over.potential = !over.potential,
         Deed::Value => over.value = !over.value,
         Deed::QValues => over.q_values = !over.q_values,
-        Deed::Look => desk.look = if dark { Look::Light } else { Look::Dark },
+        Deed::Edit if desk.editor.is_some() => leave::ask(ui.ctx(), desk, None, orders),
+        Deed::Edit => leave::enter(ui.ctx(), view, desk, orders),
+        Deed::Look => desk.look = if ui.visuals().dark_mode { Look::Light } else { Look::Dark },
         Deed::Help => desk.help_open = !desk.help_open,
         Deed::Open => orders.push(Order::OpenDialog),
         Deed::Save => orders.push(Order::SaveDialog(Saved::Policy)),

@@ -6,6 +6,7 @@
 //! | file | duty |
 //! |---|---|
 //! | `world/` | the middle: the arenas, what is drawn over them, and the hand on them |
+//! | `editor/` | in place of it and of the setup: a world that is being changed |
 //! | `plots/` | the right: how the learning goes |
 //! | `panels/` | the bar at the top, the setup on the left, notices, help |
 //! | `keys.rs` | the keyboard: which key does what |
@@ -15,6 +16,7 @@
 //!
 //! In a window narrower than `NARROW` the bar has two rows, and the setup or the plots are below the world.
 
+mod editor;
 mod icons;
 mod keys;
 mod numbers;
@@ -62,9 +64,10 @@ enum Below {
     Plots,
 }
 
-/// What is seen there: one of the panels that are open, the plots before the setup.
+/// What is seen there: one of the panels that are open, the plots before the setup, but not before the editor's.
 fn shown_below(desk: &Desk) -> Option<Below> {
-    if desk.plots_open { Some(Below::Plots) } else { desk.setup_open.then_some(Below::Setup) }
+    let panel_first = desk.editor.is_some() && desk.setup_open;
+    if desk.plots_open && !panel_first { Some(Below::Plots) } else { desk.setup_open.then_some(Below::Setup) }
 }
 
 /// Draws the window into `ui`, and writes down what the user asks for. The typeface and the colours are those of
@@ -77,7 +80,9 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
     });
     desk.followed = desk.followed.min(view.scene.arenas.len().saturating_sub(1));
     keys::handle(ui, view, desk, orders);
-    world::steer::handle(ui, view, orders);
+    if desk.editor.is_none() {
+        world::steer::handle(ui, view, orders);
+    }
     let inks = Inks::of(ui);
     if ui.available_width() < NARROW {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(6, 0));
@@ -93,12 +98,21 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
     }
     let middle = CentralPanel::default()
         .frame(Frame::new().fill(inks.paper))
-        .show(ui, |ui| world::show(ui, view, desk, orders))
+        .show(ui, |ui| {
+            if desk.editor.is_some() {
+                editor::show(ui, view.status, desk);
+            } else {
+                world::show(ui, view, desk, orders);
+            }
+        })
         .response
         .rect;
-    world::welcome::show(ui, middle, view, orders);
+    if desk.editor.is_none() {
+        world::welcome::show(ui, middle, view, orders);
+    }
+    editor::leave::show(ui, middle, desk, orders);
     notices::show(ui, middle, &view.status.notices, orders);
-    help::show(ui, &mut desk.help_open);
+    help::show(ui, desk);
 }
 
 /// The panel below the world in a narrow window.
@@ -113,7 +127,7 @@ fn panel_below(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<O
         .resizable(false)
         .frame(Frame::side_top_panel(ui.style()).inner_margin(margin));
     panel.show(ui, |ui| match below {
-        Below::Setup => setup::show(ui, view, desk, orders),
+        Below::Setup => left(ui, view, desk, orders),
         Below::Plots => plots::show(ui, view.history, when(view.status), orders),
     });
 }
@@ -125,8 +139,17 @@ fn setup_panel(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<O
         .exact_size(SETUP_WIDTH)
         .resizable(false)
         .frame(Frame::side_top_panel(ui.style()).inner_margin(Margin::ZERO));
-    panel.show_collapsible(ui, &mut open, |ui| setup::show(ui, view, desk, orders));
+    panel.show_collapsible(ui, &mut open, |ui| left(ui, view, desk, orders));
     desk.setup_open &= open;
+}
+
+/// What is in the panel on the left, or below a narrow window's world.
+fn left(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    if desk.editor.is_some() {
+        editor::panel::show(ui, view, desk, orders);
+    } else {
+        setup::show(ui, view, desk, orders);
+    }
 }
 
 /// The panel on the right; the user may drag its edge, and finds it as it was left.

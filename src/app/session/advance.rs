@@ -15,7 +15,7 @@ use crate::app::orders::{Mode, Order};
 use crate::app::status::Weight;
 use crate::run::examiner::ON_THE_CALLERS_THREAD;
 use crate::run::{RunError, follow, simulation};
-use crate::task::{CurrentScenario, Outcomes, TaskFault};
+use crate::task::{CurrentScenario, EpisodeEnded, Outcomes, TaskFault};
 
 /// One frame.
 pub(super) fn advance(world: &mut World) {
@@ -27,6 +27,8 @@ pub(super) fn advance(world: &mut World) {
         for order in orders {
             session.carry_out(world, order);
         }
+        #[cfg(not(target_arch = "wasm32"))]
+        session.look_at_files(world);
         let period_s = f64::from(world.resource::<CurrentScenario>().0.task.control_period_s);
         session.pacer.begin_frame(real_s, period_s);
         let began = Instant::now();
@@ -83,6 +85,7 @@ impl Session {
             trails.after(&after, world.resource::<Outcomes>());
         });
         self.speed.stepped(after.len());
+        let ended = !world.resource::<Messages<EpisodeEnded>>().is_empty();
         if self.mode == Mode::Train {
             self.journal.steps += 1;
             let wall_s = self.wall_s();
@@ -91,6 +94,9 @@ impl Session {
             }
         } else {
             self.watch_rounds(world);
+        }
+        if ended {
+            self.take_coming(world);
         }
         if stepped.is_err() {
             // A world without room may be mended by hand; a learner that broke down cannot.

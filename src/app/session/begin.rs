@@ -14,6 +14,8 @@ use super::journal::{self, Journal};
 use super::modes::{self, Rounds};
 use super::pacer::Pacer;
 use super::trails::Trails;
+#[cfg(not(target_arch = "wasm32"))]
+use super::watch;
 use super::{Curves, First, Session, Speed};
 use crate::app::orders::Mode;
 use crate::app::status::Weight;
@@ -52,6 +54,8 @@ pub(super) fn first(world: &mut World, first: &First) {
         for problem in first.not_understood.iter().cloned().chain(problem) {
             session.tell(Weight::Failed, problem);
         }
+        #[cfg(not(target_arch = "wasm32"))]
+        session.wait_for(&first.scenario, watch::Then::Begin);
         if let Some(path) = &first.open {
             session.open_or_tell(world, path);
         }
@@ -80,6 +84,12 @@ fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
         examiner: SyncCell::new(examiner(&config, &scenario)),
         journal: Journal::new(config.clone()),
         earlier_s: standing.wall_s,
+        as_asked: config.scenario.clone(),
+        saved_world: None,
+        draft: None,
+        coming: None,
+        #[cfg(not(target_arch = "wasm32"))]
+        watches: watch::Watches::of(&config.scenario_from),
         scenario,
         config,
         standing,
@@ -121,6 +131,8 @@ impl Session {
         self.own_scenarios = old.own_scenarios;
         self.own_presets = old.own_presets;
         self.speed = old.speed;
+        self.saved_world = old.saved_world;
+        self.draft = old.draft;
         self.offer_own();
     }
 
@@ -136,6 +148,26 @@ impl Session {
         seed: u64,
     ) -> Result<(), RunError> {
         let beginning = from_nothing(scenario, preset, seed)?;
+        self.pacer.paused = false;
+        self.replace(world, beginning);
+        Ok(())
+    }
+
+    /// A new training of the same preset and seed from nothing, in `scenario`, which is asked for by `from`.
+    ///
+    /// # Errors
+    /// The preset does not fit.
+    pub(super) fn begin_in(
+        &mut self,
+        world: &mut World,
+        scenario: Scenario,
+        from: String,
+    ) -> Result<(), RunError> {
+        let mut config = self.config.clone();
+        config.scenario = scenario;
+        config.scenario_from = from;
+        config.transfer = None;
+        let beginning = prepare(config, None)?;
         self.pacer.paused = false;
         self.replace(world, beginning);
         Ok(())

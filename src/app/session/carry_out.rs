@@ -71,6 +71,9 @@ impl Session {
                 }
                 Err(error) => Err(error),
             },
+            Order::TakeWorld { scenario, from, again } => self.take_edited(world, &scenario, from, again),
+            Order::SaveWorld { scenario, like, path: Some(path) } => self.save_world(&scenario, &like, &path),
+            Order::EditOpen(Some(path)) => self.open_to_edit(&path),
             Order::Dismiss(index) => {
                 if index < self.notices.len() {
                     self.notices.remove(index);
@@ -78,7 +81,10 @@ impl Session {
                 Ok(())
             }
             // Whoever has dialogs here answers with an order of their own.
-            Order::OpenDialog | Order::SaveDialog(_) => Ok(()),
+            Order::OpenDialog
+            | Order::SaveDialog(_)
+            | Order::SaveWorld { path: None, .. }
+            | Order::EditOpen(None) => Ok(()),
         };
         if let Err(error) = done {
             self.tell(Weight::Failed, error.to_string());
@@ -97,30 +103,35 @@ impl Session {
         };
         self.untell(NOT_THERE);
         hand::apply(world, &deed);
-        if let hand::Deed::Robot { arena, .. } = deed {
-            world.resource_mut::<Trails>().lift(arena);
+        if let hand::Deed::Robot { arena, .. } = &deed {
+            world.resource_mut::<Trails>().lift(*arena);
         }
         let of_the_world = matches!(deed, hand::Deed::Obstacle { .. });
         match &mut self.aside {
             None => self.journal.note(deed),
             Some(aside) if of_the_world => {
-                aside.note(deed, self.config.scenario.lidar.is_exact());
+                aside.note(deed.clone(), self.config.scenario.lidar.is_exact());
                 self.journal.note(deed);
             }
             // Where a robot or target is while somebody else drives is nothing to the training.
             Some(_) => {}
         }
         if of_the_world {
-            let scenario = world.resource::<CurrentScenario>().0.clone();
-            self.config.scenario = Scenario::clone(&scenario);
-            if self.aside.is_none() {
-                self.scenario = scenario.clone();
-            }
-            self.examiner_is_stale = true;
-            // What was best in another world is nothing to go by.
-            self.standing.best = None;
-            let env_steps = world.resource::<Trainer>().0.env_steps();
-            world.resource_mut::<Curves>().0.mark(env_steps, "world changed".into());
+            self.world_is_another(world);
         }
+    }
+
+    /// The world that is driven in is another from now on, for the training, too.
+    pub(super) fn world_is_another(&mut self, world: &mut World) {
+        let scenario = world.resource::<CurrentScenario>().0.clone();
+        self.config.scenario = Scenario::clone(&scenario);
+        if self.aside.is_none() {
+            self.scenario = scenario;
+        }
+        self.examiner_is_stale = true;
+        // What was best in another world is nothing to go by.
+        self.standing.best = None;
+        let env_steps = world.resource::<Trainer>().0.env_steps();
+        world.resource_mut::<Curves>().0.mark(env_steps, "world changed".into());
     }
 }

@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 use crate::agent::{Acting, Trainer};
 use crate::app::orders::Moved;
 use crate::scenario::{ObstacleMotion, Scenario, clearance, findings, pose_at};
-use crate::task::{Arena, Clock, CurrentScenario};
+use crate::task::{Arena, Clock, CurrentScenario, Room};
 use crate::world;
 
 /// What the hand did.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Deed {
     /// The target of an arena was put there.
@@ -39,6 +39,8 @@ pub enum Deed {
         /// Its position at step 0, in m.
         position_m: (f32, f32),
     },
+    /// Another world was taken, from the editor or from its file: all arenas began anew in it.
+    World(Box<Scenario>),
 }
 
 impl Deed {
@@ -67,17 +69,20 @@ pub fn resolve(world: &mut World, moved: &Moved) -> Result<Deed, String> {
     let scenario = world.resource::<CurrentScenario>().0.clone();
     match *moved {
         Moved::Target { arena, to_m } => {
-            let room_m = clearance(&scenario, to_m, clock(world, arena).ok_or_else(nowhere)?);
+            let (room, clock) = room(world, arena).ok_or_else(nowhere)?;
+            let room_m = clearance(&room, to_m, clock);
             if room_m > 0.0 { Ok(Deed::Target { arena, to_m }) } else { Err("something stands there".into()) }
         }
         Moved::Robot { arena, to_m } => {
-            let room_m = clearance(&scenario, to_m, clock(world, arena).ok_or_else(nowhere)?);
+            let (room, clock) = room(world, arena).ok_or_else(nowhere)?;
+            let room_m = clearance(&room, to_m, clock);
             let free = room_m > scenario.task.collision_range_m;
             if free { Ok(Deed::Robot { arena, to_m }) } else { Err("the robot would collide there".into()) }
         }
         Moved::Obstacle { arena, index, to_m } => {
-            let obstacle = scenario.obstacles.get(index).ok_or_else(nowhere)?;
-            let clock = clock(world, arena).ok_or_else(nowhere)?;
+            let generated = || "it is drawn anew for every episode".to_string();
+            let obstacle = scenario.obstacles.get(index).ok_or_else(generated)?;
+            let (_, clock) = room(world, arena).ok_or_else(nowhere)?;
             let (x, y, _) = pose_at(obstacle, clock, scenario.task.control_period_s);
             let position_m = match obstacle.motion {
                 ObstacleMotion::Still => to_m,
@@ -97,10 +102,11 @@ pub fn resolve(world: &mut World, moved: &Moved) -> Result<Deed, String> {
 
 /// Does it.
 pub fn apply(world: &mut World, deed: &Deed) {
-    match *deed {
-        Deed::Target { arena, to_m } => world::move_target(world, arena, to_m),
-        Deed::Robot { arena, to_m } => world::move_robot(world, arena, to_m),
-        Deed::Obstacle { index, position_m } => {
+    match deed {
+        Deed::Target { arena, to_m } => world::move_target(world, *arena, *to_m),
+        Deed::Robot { arena, to_m } => world::move_robot(world, *arena, *to_m),
+        Deed::World(scenario) => world::replace(world, &Arc::new(Scenario::clone(scenario))),
+        &Deed::Obstacle { index, position_m } => {
             let changed = with_obstacle_at(&world.resource::<CurrentScenario>().0, index, position_m);
             if let Some(changed) = changed {
                 world::rebuild(world, &Arc::new(changed));
@@ -121,16 +127,19 @@ fn with_obstacle_at(scenario: &Scenario, index: usize, position_m: (f32, f32)) -
     let (dx, dy) = (position_m.0 - obstacle.position_m.0, position_m.1 - obstacle.position_m.1);
     let shift = |point: &mut (f32, f32)| *point = (point.0 + dx, point.1 + dy);
     match &mut obstacle.motion {
-        ObstacleMotion::Still => {}
+        ObstacleMotion::Still | ObstacleMotion::RandomWalk { .. } => {}
         ObstacleMotion::Orbit { centre_m, .. } => shift(centre_m),
-        ObstacleMotion::Patrol { waypoints_m, .. } => waypoints_m.iter_mut().for_each(shift),
+        ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
+            waypoints_m.iter_mut().for_each(shift);
+        }
     }
     obstacle.position_m = position_m;
     Some(changed)
 }
 
-/// The obstacles' clock of `arena`.
-fn clock(world: &mut World, arena: usize) -> Option<u64> {
-    let mut arenas = world.query::<(&Arena, &Clock)>();
-    arenas.iter(world).find(|(other, _)| other.0 == arena).map(|(_, clock)| clock.0)
+/// The world as it stands in `arena`, and its obstacles' clock.
+fn room(world: &mut World, arena: usize) -> Option<(Arc<Scenario>, u64)> {
+    let mut arenas = world.query::<(&Arena, &Room, &Clock)>();
+    let found = arenas.iter(world).find(|(other, ..)| other.0 == arena);
+    found.map(|(_, room, clock)| (room.scenario.clone(), clock.0))
 }

@@ -21,7 +21,7 @@ use crate::task::TaskFault;
 pub const JOURNAL: &str = "journal.ron";
 
 /// What the hand did, and when.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
     /// After so many control steps of the training.

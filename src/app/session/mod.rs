@@ -13,6 +13,8 @@
 //! | `hand.rs` | a target, a robot, an obstacle put elsewhere |
 //! | `journal.rs` | all that the hand did, to be replayed |
 //! | `trails.rs` | the ways driven |
+//! | `worlds.rs` | another world under the training: edited, or changed in its file |
+//! | `watch.rs` | the scenario's file, watched |
 //! | `open.rs`, `save.rs` | files read and written |
 //!
 //! What is learnt depends on the configuration, the journal, and the number of steps; not on when they were taken, nor on
@@ -28,6 +30,9 @@ mod open;
 pub mod pacer;
 mod save;
 pub mod trails;
+#[cfg(not(target_arch = "wasm32"))]
+mod watch;
+mod worlds;
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -118,6 +123,17 @@ pub struct Session {
     pub speed: Speed,
     /// The world of the training, whoever drives meanwhile.
     scenario: Arc<Scenario>,
+    /// The world as its file has it, or as it is shipped.
+    as_asked: Scenario,
+    /// The world that was saved last, and its file.
+    pub saved_world: Option<(String, Arc<Scenario>)>,
+    /// A world that was opened to be edited: another number with each, its name or file, the world.
+    pub draft: Option<(u64, String, Arc<Scenario>)>,
+    /// Another world that is to be taken when the next episode ends.
+    coming: Option<Scenario>,
+    /// Files that are watched.
+    #[cfg(not(target_arch = "wasm32"))]
+    watches: watch::Watches,
     evaluations: Vec<EvaluationRow>,
     /// (A channel's end may be used by one thread at a time; who has the session alone, has it alone.)
     examiner: SyncCell<Examiner>,
@@ -169,10 +185,10 @@ impl Session {
             .retain(|(notice, since)| notice.weight == Weight::Failed || since.elapsed() < CONFIRMED_FOR);
     }
 
-    /// Whether obstacles were moved by hand since the training began.
+    /// Whether the world is another than its file has it: something was moved by hand, or it was edited and not saved.
     #[must_use]
     pub fn world_changed(&self) -> bool {
-        self.journal.begun.scenario != self.config.scenario
+        self.as_asked != self.config.scenario
     }
 
     /// Whether nothing happens by itself: time stands still, and nobody is being examined.

@@ -21,7 +21,13 @@ impl Session {
     pub(super) fn open_or_tell(&mut self, world: &mut World, path: &Path) {
         match self.open(world, path) {
             Ok(told) => self.tell(Weight::Told, told),
-            Err(error) => self.tell(Weight::Failed, error.to_string()),
+            Err(error) => {
+                self.tell(Weight::Failed, error.to_string());
+                #[cfg(not(target_arch = "wasm32"))]
+                if path.extension().is_some_and(|ending| ending == "ron") {
+                    self.wait_for(&path.display().to_string(), super::watch::Then::Open);
+                }
+            }
         }
     }
 

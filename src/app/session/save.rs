@@ -4,6 +4,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
@@ -43,9 +44,9 @@ impl Session {
                 write_whole(path, |file| file.write_all(&bytes)).map_err(|error| failed(error.to_string()))
             }
             Saved::Scenario => {
-                let text = to_ron(&self.config.scenario).map_err(|error| failed(error.to_string()))?;
-                write_whole(path, |file| file.write_all(text.as_bytes()))
-                    .map_err(|error| failed(error.to_string()))
+                let (scenario, like) =
+                    (Arc::new(self.config.scenario.clone()), self.config.scenario_from.clone());
+                self.save_world(&scenario, &like, path)
             }
             Saved::Csv => {
                 let curves = &mut world.resource_mut::<Curves>().0;

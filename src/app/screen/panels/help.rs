@@ -1,9 +1,11 @@
 //! The help window: what one sees, in five sentences, and the keys.
 //!
-//! In: whether it is open. Out: nothing else.
+//! In: whether it is open, and whether a world is edited. Out: nothing else.
 
 use egui::{Align2, FontId, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
+use crate::app::desk::Desk;
+use crate::app::screen::editor;
 use crate::app::screen::keys::KEYS;
 use crate::app::screen::theme::{BODY, GAP, Inks, SMALL};
 
@@ -19,8 +21,23 @@ const SENTENCES: [&str; 5] = [
      against it, or set it against another.",
 ];
 
-/// Draws it if `open`, and takes note when it is closed.
-pub fn show(ui: &mut Ui, open: &mut bool) {
+/// The same of the editor.
+const EDITING: [&str; 3] = [
+    "Here the world is a drawing: what you click is selected, what you drag moves, and the panel has its numbers.",
+    "What can't be meant is shown in orange, with what is wrong and how to mend it; such a world can't be driven in.",
+    "Nothing changes for the robot until you take the world over: then the policy goes on in it, or a training begins \
+     there from nothing. Saved as a file, it can be opened in any text editor, too.",
+];
+
+/// Draws it if it is open, and takes note when it is closed.
+pub fn show(ui: &mut Ui, desk: &mut Desk) {
+    let editing = desk.editor.is_some();
+    let rows: Vec<(&str, &str)> = if editing {
+        editor::keys::KEYS.into()
+    } else {
+        KEYS.iter().map(|row| (row.key, row.what)).collect()
+    };
+    let open = &mut desk.help_open;
     if *open && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
         *open = false;
     }
@@ -34,21 +51,21 @@ pub fn show(ui: &mut Ui, open: &mut bool) {
         .show(ui.ctx(), |ui| {
             ui.spacing_mut().item_spacing.y = GAP;
             ui.add_space(GAP);
-            for sentence in SENTENCES {
+            for &sentence in if editing { &EDITING[..] } else { &SENTENCES } {
                 ui.label(sentence);
             }
             ui.add_space(2.0 * GAP);
             ui.label(RichText::new("Keys").size(BODY).strong());
-            let half = KEYS.len().div_ceil(2);
+            let half = rows.len().div_ceil(2);
             ui.columns(2, |columns| {
-                for (column, rows) in columns.iter_mut().zip(KEYS.chunks(half)) {
-                    for row in rows {
+                for (column, rows) in columns.iter_mut().zip(rows.chunks(half)) {
+                    for (key, what) in rows {
                         column.horizontal(|ui| {
                             let width = 58.0;
                             let start = ui.cursor().left();
-                            cap(ui, row.key);
+                            cap(ui, key);
                             ui.add_space((start + width - ui.cursor().left()).max(0.0));
-                            ui.add(egui::Label::new(row.what).wrap());
+                            ui.add(egui::Label::new(*what).wrap());
                         });
                     }
                 }

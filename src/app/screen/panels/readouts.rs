@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, status: &Status, tight: bool) {
     let mut fit: Vec<(usize, Readout)> = Vec::new();
     // By weight; the number is the place from the right.
     for (place, readout) in [
-        (0, Readout { width: if tight { 76.0 } else { 84.0 }, ..success(status) }),
+        (0, Readout { width: if tight { 68.0 } else { 84.0 }, ..success(status) }),
         (3, episodes(status)),
         (2, env_steps(status)),
         (1, speed(status)),

@@ -26,8 +26,11 @@ impl Segment {
 
 const HEIGHT: f32 = 28.0;
 const SIDE: f32 = 10.0;
+/// What each may give away of that, both sides together, where there is little room.
+const CLOSER: f32 = 6.0;
 
-/// Draws them in a row, as wide as they need to be, or `width` in all; answers with the one that was pressed.
+/// Draws them in a row, as wide as they need to be, or `width` in all, for which they come a little closer; answers with
+/// the one that was pressed.
 pub fn show(
     ui: &mut Ui,
     id: &str,
@@ -42,7 +45,8 @@ pub fn show(
         .map(|s| ui.painter().layout_no_wrap(s.text.clone(), font.clone(), egui::Color32::PLACEHOLDER))
         .collect();
     let own: f32 = texts.iter().map(|text| text.size().x.ceil() + 2.0 * SIDE).sum();
-    let spare = width.map_or(0.0, |width| (width - own).max(0.0)) / segments.len().max(1) as f32;
+    let spare = width.map_or(0.0, |width| width - own) / segments.len().max(1) as f32;
+    let spare = spare.max(-CLOSER);
     let (whole, _) =
         ui.allocate_exact_size(vec2(own + spare * segments.len() as f32, HEIGHT), Sense::hover());
     let radius = ui.visuals().widgets.inactive.corner_radius;

@@ -8,6 +8,7 @@ use super::readouts;
 use super::segments::{self, Segment};
 use crate::app::desk::{Desk, Look};
 use crate::app::orders::{Mode, Order};
+use crate::app::screen::editor::leave;
 use crate::app::screen::icons::{self, Icon, Tone};
 use crate::app::screen::keys::{Deed, PACES, tip};
 use crate::app::screen::theme::{BODY, GAP, Inks};
@@ -15,6 +16,11 @@ use crate::app::screen::{Below, View, shown_below};
 
 /// What the upper of two rows takes with all its buttons.
 const UPPER_ROW: f32 = 348.0;
+
+/// What stands beside the modes in the lower row: the success rate and two buttons.
+const BESIDE_MODES: f32 = 134.0;
+/// What the modes take where there is room.
+const MODES_WIDTH: f32 = 280.0;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
@@ -31,7 +37,7 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
         ui.add_space(2.0 * GAP);
         pace(ui, view, orders);
         ui.add_space(2.0 * GAP);
-        mode(ui, view, orders);
+        mode(ui, view, desk, None, orders);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if plots_button(ui, desk.plots_open, "Show or hide the curves on the right") {
                 desk.plots_open = !desk.plots_open;
@@ -68,7 +74,8 @@ pub fn show_narrow(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut V
         });
     });
     ui.allocate_ui_with_layout(row, along, |ui| {
-        mode(ui, view, orders);
+        let room = row.x - BESIDE_MODES;
+        mode(ui, view, desk, (room < MODES_WIDTH).then_some(room), orders);
         ui.with_layout(back, |ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             help(ui, desk);
@@ -132,7 +139,7 @@ fn pace(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
     }
 }
 
-fn mode(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
+fn mode(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, width: Option<f32>, orders: &mut Vec<Order>) {
     const MODES: [Mode; 4] = [Mode::Train, Mode::Test, Mode::Drive, Mode::Compare];
     let opened = view.status.opened.as_deref();
     let expert = view.status.expert.as_deref();
@@ -149,14 +156,22 @@ fn mode(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
         Segment::new("Test", "The policy as it is drives alone; nothing is left to chance, nothing learnt"),
         Segment::new("Drive", "You drive with the arrow keys, and the policy beside you to the same targets"),
         Segment::new("Compare", compare),
+        Segment::new("Edit", tip("The world as a drawing: change it, save it, train in it", Deed::Edit)),
     ];
-    let on = MODES.iter().position(|mode| *mode == view.status.mode);
-    if let Some(k) = segments::show(ui, "mode", &segments, on, None) {
-        orders.push(match (MODES[k], opened, expert) {
-            (Mode::Compare, None, Some(_)) => Order::OpenExpert,
-            (Mode::Compare, None, None) => Order::OpenDialog,
-            (mode, ..) => Order::SetMode(mode),
-        });
+    let now = MODES.iter().position(|mode| *mode == view.status.mode);
+    let editing = desk.editor.is_some();
+    let on = if editing { Some(MODES.len()) } else { now };
+    let Some(k) = segments::show(ui, "mode", &segments, on, width) else { return };
+    let order = MODES.get(k).map(|mode| match (*mode, opened, expert) {
+        (Mode::Compare, None, Some(_)) => Order::OpenExpert,
+        (Mode::Compare, None, None) => Order::OpenDialog,
+        (mode, ..) => Order::SetMode(mode),
+    });
+    match order {
+        Some(order) if editing => leave::ask(ui.ctx(), desk, (Some(k) != now).then_some(order), orders),
+        Some(order) => orders.push(order),
+        None if !editing => leave::enter(ui.ctx(), view, desk, orders),
+        None => {}
     }
 }
 

@@ -3,82 +3,54 @@
 //! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`], drawn from the ground up: [`ground`], then a
 //! field if there is one, then [`ways`], [`solids`], [`target`], [`robot`].
 
-use egui::{Color32, Pos2, Rect, Shape as Mark, Stroke, StrokeKind, pos2, vec2};
+use egui::{Color32, Pos2, Rangef, Rect, Shape as Mark, Stroke, StrokeKind, pos2, vec2};
 
 use super::canvas::Canvas;
-use super::plane::direction;
+use super::outline::{self, Outline, Place};
+use super::plane::{Bounds, direction};
+use super::polygon::{self, Corner};
 use crate::app::desk::Overlays;
 use crate::app::scene::{ArenaScene, Trail, TrailEnd};
-use crate::scenario::{Scenario, Shape};
+use crate::scenario::{Enclosure, Scenario, Wall};
 use crate::task::Pose;
 
-/// The outline of something in the world, in m.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outline {
-    /// A disc.
-    Disc {
-        /// Its middle.
-        at_m: [f32; 2],
-        /// From the middle to the rim.
-        radius_m: f32,
-    },
-    /// An obstacle's shape at a pose.
-    Solid {
-        /// The shape.
-        shape: Shape,
-        /// x in m, y in m, rotation in rad.
-        pose: (f32, f32, f32),
-    },
-}
-
-impl Outline {
-    /// From its middle to its farthest point, in m.
-    #[must_use]
-    pub fn reach_m(&self) -> f32 {
-        match self {
-            Self::Disc { radius_m, .. } | Self::Solid { shape: Shape::Circle { radius_m }, .. } => *radius_m,
-            Self::Solid { shape: Shape::Rectangle { width_m, height_m }, .. } => {
-                width_m.hypot(*height_m) / 2.0
-            }
-        }
-    }
-
-    /// The outline `by_m` further out.
-    #[must_use]
-    pub fn grown(self, by_m: f32) -> Self {
-        match self {
-            Self::Disc { at_m, radius_m } => Self::Disc { at_m, radius_m: radius_m + by_m },
-            Self::Solid { shape: Shape::Circle { radius_m }, pose } => {
-                Self::Solid { shape: Shape::Circle { radius_m: radius_m + by_m }, pose }
-            }
-            Self::Solid { shape: Shape::Rectangle { width_m, height_m }, pose } => {
-                let (width_m, height_m) = (width_m + 2.0 * by_m, height_m + 2.0 * by_m);
-                Self::Solid { shape: Shape::Rectangle { width_m, height_m }, pose }
-            }
-        }
-    }
-}
-
 /// The floor within the walls, with faint lines every so often.
-pub fn ground(canvas: &Canvas, scenario: &Scenario) {
+pub fn ground(canvas: &Canvas, enclosure: &Enclosure) {
     let (painter, plane, inks) = (&canvas.painter, &canvas.plane, &canvas.inks);
-    let floor = plane.enclosure_rect(&scenario.enclosure);
-    painter.rect_filled(floor, 0.0, inks.floor);
-    if canvas.small {
+    let bounds = Bounds::of(enclosure);
+    let whole = plane.rect_of(bounds.min_m, bounds.max_m);
+    let corners = enclosure.corners_m();
+    match enclosure {
+        Enclosure::Rectangle { .. } => {
+            painter.rect_filled(whole, 0.0, inks.floor);
+        }
+        Enclosure::Polygon { .. } => polygon::fill(canvas, &corners, inks.floor),
+    }
+    let seen = whole.intersect(painter.clip_rect());
+    if canvas.small || !seen.is_positive() {
         return;
     }
-    let seen = floor.intersect(painter.clip_rect());
-    if !seen.is_positive() {
-        return;
-    }
-    let step_m = grid_step_m(plane.scale);
     let faint = Stroke::new(1.0, inks.grid);
+    lines(canvas, seen, &corners, grid_step_m(plane.scale), faint);
+}
+
+/// Lines `step_m` apart through what is `seen` of the inside of a polygon.
+pub fn lines(canvas: &Canvas, seen: Rect, corners: &[Corner], step_m: f32, stroke: Stroke) {
+    let (painter, plane) = (&canvas.painter, &canvas.plane);
     let (low, high) = (plane.to_world(seen.left_bottom()), plane.to_world(seen.right_top()));
+    let part = |from: f32, to: f32, seen: Rangef| Rangef::new(from.min(to), from.max(to)).intersection(seen);
     for k in lines_between(low[0], high[0], step_m) {
-        painter.vline(canvas.at([k, 0.0]).x, seen.y_range(), faint);
+        for [from, to] in polygon::spans(corners, k) {
+            let (from, to) = (canvas.at([k, from]), canvas.at([k, to]));
+            painter.vline(from.x, part(from.y, to.y, seen.y_range()), stroke);
+        }
     }
+    let lying: Vec<Corner> = corners.iter().map(|&(x, y)| (y, x)).collect();
     for k in lines_between(low[1], high[1], step_m) {
-        painter.hline(seen.x_range(), canvas.at([0.0, k]).y, faint);
+        for [from, to] in polygon::spans(&lying, k) {
+            let (from, to) = (canvas.at([from, k]), canvas.at([to, k]));
+            painter.hline(part(from.x, to.x, seen.x_range()), from.y, stroke);
+        }
     }
 }
 
@@ -95,52 +67,42 @@ fn lines_between(low: f32, high: f32, step: f32) -> impl Iterator<Item = f32> {
     (first..=last.min(first + 200)).map(move |k| k as f32 * step)
 }
 
-/// The walls and the obstacles.
-pub fn solids(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) {
-    let (painter, inks) = (&canvas.painter, &canvas.inks);
-    let walls = canvas.plane.enclosure_rect(&scenario.enclosure);
-    let thick = if canvas.small { 1.5 } else { 4.0 };
-    painter.rect_stroke(walls, 0.0, Stroke::new(thick, inks.solid), StrokeKind::Outside);
-    for (obstacle, &pose) in scenario.obstacles.iter().zip(&arena.obstacles) {
+/// The walls around and within, and the obstacles of a furnished world at their poses.
+pub fn solids(canvas: &Canvas, room: &Scenario, poses: &[Place]) {
+    walls(canvas, room, canvas.inks.solid);
+    for (obstacle, &pose) in room.obstacles.iter().zip(poses) {
         let outline = Outline::Solid { shape: obstacle.shape.clone(), pose };
-        draw_outline(canvas, &outline, inks.solid, Stroke::NONE);
+        outline::draw(canvas, &outline, canvas.inks.solid, Stroke::NONE);
     }
 }
 
-/// Draws `outline` if it is in view and not too small to be seen.
-pub fn draw_outline(canvas: &Canvas, outline: &Outline, fill: Color32, edge: Stroke) {
-    let mark = match outline {
-        Outline::Disc { at_m, radius_m } => disc(canvas, *at_m, *radius_m, fill, edge),
-        Outline::Solid { shape: Shape::Circle { radius_m }, pose } => {
-            disc(canvas, [pose.0, pose.1], *radius_m, fill, edge)
-        }
-        Outline::Solid { shape: Shape::Rectangle { width_m, height_m }, pose } => {
-            let corners = box_corners(*pose, *width_m, *height_m).map(|corner| canvas.at(corner));
-            Mark::convex_polygon(corners.to_vec(), fill, edge)
-        }
-    };
-    let space = mark.visual_bounding_rect();
-    if space.intersects(canvas.painter.clip_rect()) && space.size().max_elem() > 0.6 {
-        canvas.painter.add(mark);
+/// The walls around and within; where those within end at one around, they don't show beyond it.
+fn walls(canvas: &Canvas, room: &Scenario, ink: Color32) {
+    let thick = if canvas.small { 1.5 } else { 4.0 };
+    for piece in room.walls.iter().flat_map(Wall::pieces) {
+        outline::draw(canvas, &Outline::of(&piece), ink, Stroke::NONE);
     }
-}
-
-fn disc(canvas: &Canvas, at_m: [f32; 2], radius_m: f32, fill: Color32, edge: Stroke) -> Mark {
-    let (centre, radius) = (canvas.at(at_m), canvas.plane.length(radius_m));
-    Mark::Circle(egui::epaint::CircleShape { center: centre, radius, fill, stroke: edge })
-}
-
-/// The corners of a box at a pose, in m, in order around it.
-fn box_corners((x, y, rotation): (f32, f32, f32), width_m: f32, height_m: f32) -> [[f32; 2]; 4] {
-    let (sin, cos) = rotation.sin_cos();
-    let (w, h) = (width_m / 2.0, height_m / 2.0);
-    [[w, h], [-w, h], [-w, -h], [w, -h]].map(|[a, b]| [x + a * cos - b * sin, y + a * sin + b * cos])
+    if !room.walls.is_empty() {
+        let beyond = room.walls.iter().map(|wall| wall.thickness_m).fold(0.0, f32::max);
+        let ((x0, y0), (x1, y1)) = room.enclosure.bounds_m();
+        let (low, high) = ((x0 - beyond, y0 - beyond), (x1 + beyond, y1 + beyond));
+        let behind = if canvas.small { canvas.inks.panel } else { canvas.inks.paper };
+        polygon::fill_around(canvas, &room.enclosure.corners_m(), low, high, behind);
+    }
+    match &room.enclosure {
+        Enclosure::Rectangle { .. } => {
+            let bounds = Bounds::of(&room.enclosure);
+            let inside = canvas.plane.rect_of(bounds.min_m, bounds.max_m);
+            canvas.painter.rect_stroke(inside, 0.0, Stroke::new(thick, ink), StrokeKind::Outside);
+        }
+        Enclosure::Polygon { .. } => outline::around(canvas, &room.enclosure.corners_m(), thick, ink),
+    }
 }
 
 /// The target: where it is, and from how far it counts as reached.
-pub fn target(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) {
+pub fn target(canvas: &Canvas, scenario: &Scenario, at_m: [f32; 2]) {
     let inks = &canvas.inks;
-    let centre = canvas.at([arena.target.x_m, arena.target.y_m]);
+    let centre = canvas.at(at_m);
     let radius = canvas.plane.length(scenario.task.goal_radius_m).max(3.0);
     let painter = &canvas.painter;
     let width = if canvas.small { 1.5 } else { 2.5 };
@@ -156,10 +118,16 @@ pub fn target(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) {
     }
 }
 
+/// The robot's colour: grey where nothing moves any more.
+#[must_use]
+pub fn skin(canvas: &Canvas, arena: &ArenaScene) -> Color32 {
+    if arena.parked { canvas.inks.soft } else { canvas.inks.accent }
+}
+
 /// The robot: its body, where it looks, and how near anything may come.
-pub fn robot(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) {
+pub fn robot(canvas: &Canvas, scenario: &Scenario, pose: Pose, skin: Color32) {
     let (painter, inks) = (&canvas.painter, &canvas.inks);
-    let Pose { x_m, y_m, heading_rad } = arena.pose;
+    let Pose { x_m, y_m, heading_rad } = pose;
     let centre = canvas.at([x_m, y_m]);
     let body = canvas.plane.length(scenario.robot.radius_m);
     if !canvas.small {
@@ -169,7 +137,6 @@ pub fn robot(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) {
     let least = if canvas.small { 4.0 } else { 6.0 };
     let radius = body.max(least);
     let halo = if canvas.small { 1.0 } else { 1.5 };
-    let skin = if arena.parked { inks.soft } else { inks.accent };
     painter.circle_filled(centre, radius + halo, inks.floor);
     painter.circle_filled(centre, radius, skin);
     let along = direction(heading_rad) * radius;
@@ -251,11 +218,5 @@ mod tests {
         }
         let lines: Vec<f32> = lines_between(-1.1, 1.0, 0.5).collect();
         assert_eq!(lines, [-1.0, -0.5, 0.0, 0.5, 1.0]);
-    }
-
-    #[test]
-    fn a_box_turns_counterclockwise() {
-        let corners = box_corners((1.0, 0.0, std::f32::consts::FRAC_PI_2), 2.0, 1.0);
-        assert!((corners[0][0] - 0.5).abs() < 1e-6 && (corners[0][1] - 1.0).abs() < 1e-6, "{corners:?}");
     }
 }

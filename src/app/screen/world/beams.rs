@@ -2,7 +2,7 @@
 //!
 //! In: the last scan of an [`ArenaScene`]. Out: shapes on a [`Canvas`].
 
-use egui::{Align2, Color32, Rect, Stroke, Vec2};
+use egui::{Align2, Color32, Pos2, Rect, Shape, Stroke, Vec2};
 
 use super::canvas::Canvas;
 use super::plane::direction;
@@ -36,9 +36,11 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
     let from = canvas.at([arena.scan_pose.x_m, arena.scan_pose.y_m]);
     let skin = canvas.plane.length(scenario.robot.radius_m);
     let towards = |beam: usize| -> Vec2 {
-        let turn = beam as f32 * std::f32::consts::TAU / ranges.len() as f32;
-        direction(arena.scan_pose.heading_rad + turn)
+        direction(arena.scan_pose.heading_rad + scenario.lidar.beam_angle_rad(beam) as f32)
     };
+    if !scenario.lidar.is_all_around() {
+        view(canvas, scenario, arena, from);
+    }
     let nearest = nearest(ranges, max_m);
     // Many lines together are as strong as few.
     let strength = (48.0 / ranges.len() as f32).sqrt().min(1.0);
@@ -67,6 +69,26 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
     painter.circle_filled(hit, 3.25, ink);
     let label = format!("{range_m:.2} m");
     Some(canvas.chip(hit + along * 9.0 + label_shift(along), Align2::CENTER_CENTER, &label, inks.ink))
+}
+
+/// What a sensor that doesn't see all around sees: the wedge between its outermost beams, as far as they go.
+fn view(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, from: Pos2) {
+    let half = scenario.lidar.field_of_view_rad / 2.0;
+    let skin = canvas.plane.length(scenario.robot.radius_m);
+    let (heading, reach) = (arena.scan_pose.heading_rad, canvas.plane.length(scenario.lidar.max_range_m));
+    let ends =
+        if arena.ranges_m.len() > 1 { [arena.ranges_m.first(), arena.ranges_m.last()] } else { [None; 2] };
+    let stroke = Stroke::new(1.0, canvas.inks.soft.gamma_multiply(0.6));
+    for (turn, end) in [-half, half].into_iter().zip(ends) {
+        let long = end.map_or(reach, |&range_m| canvas.plane.length(range_m));
+        let along = direction(heading + turn);
+        canvas.painter.line_segment([from + along * skin, from + along * long.max(skin)], stroke);
+    }
+    let radius = (2.2 * skin).max(16.0);
+    let parts = 24;
+    let arc =
+        (0..=parts).map(|k| from + direction(heading - half + 2.0 * half * k as f32 / parts as f32) * radius);
+    canvas.painter.add(Shape::line(arc.collect(), stroke));
 }
 
 /// From the beam's end to the label's middle, such that the label lies beyond the end whichever way it looks.

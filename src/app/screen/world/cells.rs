@@ -6,7 +6,7 @@ use egui::{Align2, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, 
 
 use super::canvas::Canvas;
 use super::name_for_readers;
-use super::plane::{Plane, extent_m};
+use super::plane::{Bounds, Plane};
 use super::{arena, beams};
 use crate::app::desk::{Camera, Desk};
 use crate::app::scene::{ArenaScene, Scene};
@@ -34,7 +34,7 @@ fn columns_rows(count: usize, room: Vec2, aspect: f32) -> (usize, usize) {
 /// Fills `rect` with a cell for each arena.
 pub(super) fn grid(ui: &Ui, rect: Rect, scene: &Scene, desk: &mut Desk) {
     let room = rect.shrink(8.0);
-    let [width_m, height_m] = extent_m(&scene.scenario.enclosure);
+    let [width_m, height_m] = Bounds::of(&scene.scenario.enclosure).extent_m();
     let (columns, rows) = columns_rows(scene.arenas.len(), room.size(), width_m / height_m);
     let each = vec2(room.width() / columns as f32, room.height() / rows as f32);
     for (index, arena) in scene.arenas.iter().enumerate() {
@@ -74,16 +74,16 @@ fn draw_cell(
     painter.rect_filled(cell, 4.0, inks.panel);
     let caption = if cell.width().min(cell.height()) >= 90.0 { 18.0 } else { 0.0 };
     let view = Rect::from_min_max(pos2(cell.left(), cell.top() + caption), cell.max);
-    let plane = Plane::new(view, MARGIN, Camera::default(), &scenario.enclosure);
+    let plane = Plane::new(view, MARGIN, Camera::default(), Bounds::of(&scenario.enclosure));
     let canvas = Canvas { painter: painter.clone(), plane, inks, small: true };
-    arena::ground(&canvas, scenario);
+    arena::ground(&canvas, &scenario.enclosure);
     arena::ways(&canvas, arena, &desk.overlays);
-    arena::solids(&canvas, scenario, arena);
-    arena::target(&canvas, scenario, arena);
+    arena::solids(&canvas, &arena.room, &arena.obstacles);
+    arena::target(&canvas, scenario, [arena.target.x_m, arena.target.y_m]);
     if desk.overlays.beams && !arena.parked && view.size().min_elem() >= BEAMS_FROM {
         beams::draw(&canvas, scenario, arena);
     }
-    arena::robot(&canvas, scenario, arena);
+    arena::robot(&canvas, scenario, arena.pose, arena::skin(&canvas, arena));
     if caption > 0.0 {
         let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
         let y = cell.top() + 2.0 + caption / 2.0;

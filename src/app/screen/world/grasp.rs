@@ -6,12 +6,12 @@
 
 use egui::{Id, Pos2, Response, Ui};
 
-use super::arena::Outline;
+use super::outline::Outline;
 use super::plane::Plane;
 use crate::app::orders::{Moved, Order};
-use crate::app::scene::ArenaScene;
+use crate::app::scene::{ArenaScene, Scene};
 use crate::app::screen::View;
-use crate::scenario::{Scenario, shape_distance, wall_distance};
+use crate::scenario::{inner_wall_distance, shape_distance, wall_distance};
 
 /// What can be taken hold of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,12 +63,12 @@ pub fn follow(
     index: usize,
     orders: &mut Vec<Order>,
 ) -> Option<Held> {
-    let scenario = &*view.scene.scenario;
-    let arena = view.scene.arenas.get(index)?;
+    let scene = view.scene;
+    let arena = scene.arenas.get(index)?;
     if response.is_pointer_button_down_on() && ui.input(|input| input.pointer.any_pressed()) {
         let pressed = ui.input(|input| input.pointer.press_origin());
         let held = pressed.and_then(|at| {
-            let grip = under(plane, scenario, arena, at)?;
+            let grip = under(plane, scene, arena, at)?;
             let (middle, taken) = (middle_of(grip, arena)?, plane.to_world(at));
             let offset_m = [middle[0] - taken[0], middle[1] - taken[1]];
             Some(Held { arena: index, grip, to_m: middle, refused: None, offset_m })
@@ -87,7 +87,7 @@ pub fn follow(
     let pointer = response.interact_pointer_pos().filter(|_| response.dragged())?;
     let at = plane.to_world(pointer);
     held.to_m = [at[0] + held.offset_m[0], at[1] + held.offset_m[1]];
-    held.refused = refusal(scenario, arena, held.grip, held.to_m);
+    held.refused = refusal(arena, held.grip, held.to_m);
     // A robot would drive out of a hand that rests, and a target that it reaches would go elsewhere.
     let slips = !view.status.paused && !matches!(held.grip, Grip::Obstacle(_));
     let moves = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
@@ -103,9 +103,11 @@ pub fn follow(
     Some(held)
 }
 
-/// What is under the pointer, with a little slack for small things: the robot before the target before the obstacles.
+/// What is under the pointer, with a little slack for small things: the robot before the target before the obstacles. An
+/// obstacle that was drawn for this episode alone can't be taken hold of: the world's file doesn't have it.
 #[must_use]
-pub fn under(plane: &Plane, scenario: &Scenario, arena: &ArenaScene, at: Pos2) -> Option<Grip> {
+pub fn under(plane: &Plane, scene: &Scene, arena: &ArenaScene, at: Pos2) -> Option<Grip> {
+    let scenario = &*scene.scenario;
     let [x, y] = plane.to_world(at);
     let slack_m = 3.0 / plane.scale;
     let from = |px: f32, py: f32| (px - x).hypot(py - y);
@@ -132,12 +134,8 @@ fn middle_of(grip: Grip, arena: &ArenaScene) -> Option<[f32; 2]> {
 
 /// The outline of `grip` where it is, or with its middle at `to_m`.
 #[must_use]
-pub fn outline(
-    scenario: &Scenario,
-    arena: &ArenaScene,
-    grip: Grip,
-    to_m: Option<[f32; 2]>,
-) -> Option<Outline> {
+pub fn outline(arena: &ArenaScene, grip: Grip, to_m: Option<[f32; 2]>) -> Option<Outline> {
+    let scenario = &*arena.room;
     let at_m = to_m.or_else(|| middle_of(grip, arena))?;
     match grip {
         Grip::Target => Some(Outline::Disc { at_m, radius_m: scenario.task.goal_radius_m }),
@@ -150,17 +148,23 @@ pub fn outline(
 }
 
 /// Why `grip` cannot be put at `to_m`; none if it can.
-fn refusal(scenario: &Scenario, arena: &ArenaScene, grip: Grip, to_m: [f32; 2]) -> Option<&'static str> {
+fn refusal(arena: &ArenaScene, grip: Grip, to_m: [f32; 2]) -> Option<&'static str> {
+    let scenario = &*arena.room;
     let inside_m = wall_distance(&scenario.enclosure, to_m.into());
     let guard_m = scenario.task.collision_range_m;
     let solid_m = || {
         let solids = scenario.obstacles.iter().zip(&arena.obstacles);
         solids.map(|(o, &pose)| shape_distance(&o.shape, pose, to_m.into())).fold(f32::INFINITY, f32::min)
     };
+    let wall_m = || {
+        let walls = scenario.walls.iter().map(|wall| inner_wall_distance(wall, to_m.into()));
+        walls.fold(f32::INFINITY, f32::min)
+    };
     match grip {
         _ if inside_m.is_nan() || inside_m <= 0.0 => Some("Outside the walls"),
         Grip::Target if solid_m() <= 0.0 => Some("Inside an obstacle"),
-        Grip::Robot if inside_m <= guard_m => Some("Too near the wall"),
+        Grip::Target if wall_m() <= 0.0 => Some("Inside a wall"),
+        Grip::Robot if inside_m <= guard_m || wall_m() <= guard_m => Some("Too near the wall"),
         Grip::Robot if solid_m() <= guard_m => Some("Too near an obstacle"),
         Grip::Obstacle(index) => {
             let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
@@ -179,22 +183,28 @@ fn refusal(scenario: &Scenario, arena: &ArenaScene, grip: Grip, to_m: [f32; 2]) 
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use egui::{Rect, pos2};
 
+    use super::super::plane::Bounds;
     use super::*;
     use crate::app::desk::Camera;
     use crate::app::scene::Driver;
-    use crate::scenario::{Obstacle, ObstacleMotion, Shape};
+    use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, Wall};
     use crate::task::{Pose, Target};
 
-    fn world() -> (Plane, Scenario, ArenaScene) {
+    fn world() -> (Plane, Scene) {
         let shape = Shape::Rectangle { width_m: 1.0, height_m: 0.2 };
         let turned = std::f32::consts::FRAC_PI_2;
         let obstacle =
             Obstacle { shape, position_m: (1.0, 1.0), rotation_rad: turned, motion: ObstacleMotion::Still };
-        let scenario = Scenario { obstacles: vec![obstacle], ..Scenario::default() };
+        let wall = Wall { corners_m: vec![(-2.0, -1.5), (0.0, -1.5)], thickness_m: 0.2 };
+        let world = Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() };
+        let scenario = Arc::new(world);
         let pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
         let arena = ArenaScene {
+            room: scenario.clone(),
             pose,
             target: Target { x_m: -1.0, y_m: 0.0 },
             obstacles: vec![(1.0, 1.0, turned)],
@@ -211,12 +221,13 @@ mod tests {
             parked: false,
         };
         let view = Rect::from_min_size(pos2(0.0, 0.0), egui::vec2(400.0, 400.0));
-        (Plane::new(view, egui::Vec2::ZERO, Camera::default(), &scenario.enclosure), scenario, arena)
+        let plane = Plane::new(view, egui::Vec2::ZERO, Camera::default(), Bounds::of(&scenario.enclosure));
+        (plane, Scene { scenario, arenas: vec![arena], potential: None, value: None })
     }
 
     #[test]
     fn the_pointer_finds_what_is_under_it() {
-        let (plane, scenario, arena) = world();
+        let (plane, scene) = world();
         for (point, grip) in [
             ([0.05, 0.05], Some(Grip::Robot)),
             ([-0.85, 0.0], Some(Grip::Target)),
@@ -224,14 +235,14 @@ mod tests {
             ([1.45, 1.05], None),
             ([0.3, 0.3], None),
         ] {
-            assert_eq!(under(&plane, &scenario, &arena, plane.to_screen(point)), grip, "{point:?}");
+            assert_eq!(under(&plane, &scene, &scene.arenas[0], plane.to_screen(point)), grip, "{point:?}");
         }
     }
 
     #[test]
     fn nothing_is_put_into_an_obstacle_or_out_of_the_walls() {
-        let (_, scenario, arena) = world();
-        let may = |grip, to_m| refusal(&scenario, &arena, grip, to_m).is_none();
+        let (_, scene) = world();
+        let may = |grip, to_m| refusal(&scene.arenas[0], grip, to_m).is_none();
         assert!(
             may(Grip::Target, [1.2, 1.0]) && !may(Grip::Target, [1.0, 1.4]) && !may(Grip::Target, [2.1, 0.0])
         );
@@ -239,5 +250,16 @@ mod tests {
         assert!(!may(Grip::Robot, [1.9, 0.0]) && !may(Grip::Robot, [f32::NAN, 0.0]));
         assert!(may(Grip::Obstacle(0), [0.5, 0.0]) && !may(Grip::Obstacle(0), [0.2, 0.0]));
         assert!(!may(Grip::Obstacle(0), [-1.0, 0.2]), "over the target");
+        assert!(!may(Grip::Target, [-1.0, -1.45]) && may(Grip::Target, [-1.0, -1.35]), "into the inner wall");
+        assert!(!may(Grip::Robot, [-1.0, -1.35]) && may(Grip::Robot, [-1.0, -1.25]));
+    }
+
+    #[test]
+    fn what_was_drawn_for_an_episode_alone_stays() {
+        let (plane, mut scene) = world();
+        let at = plane.to_screen([1.0, 1.0]);
+        assert_eq!(under(&plane, &scene, &scene.arenas[0], at), Some(Grip::Obstacle(0)));
+        scene.scenario = Arc::new(Scenario::default());
+        assert_eq!(under(&plane, &scene, &scene.arenas[0], at), None);
     }
 }

@@ -8,6 +8,8 @@
 //! | `plane.rs` | metres to points and back, and the camera |
 //! | `canvas.rs` | what is drawn with: ribbons, chips, cards |
 //! | `arena.rs` | floor, walls, obstacles, target, robot, ways |
+//! | `outline.rs`, `polygon.rs` | the shapes of things; the floor, wherever its corners point |
+//! | `motions.rs` | where moving obstacles go |
 //! | `beams.rs` | the LIDAR's beams |
 //! | `q_bars.rs` | the Q-values beside the robot |
 //! | `field_view.rs`, `field_picture.rs` | the potential and the value over the plane; their colours |
@@ -18,15 +20,18 @@
 //! | `steer.rs` | the arrow keys in Drive mode |
 //! | `welcome.rs` | the call to a first-time user |
 
-mod arena;
+pub mod arena;
 mod beams;
-mod canvas;
+pub mod canvas;
 mod cells;
 mod field_picture;
 mod field_view;
 mod grasp;
 mod legend;
-mod plane;
+pub mod motions;
+pub mod outline;
+pub mod plane;
+pub mod polygon;
 mod q_bars;
 mod score;
 pub mod steer;
@@ -37,7 +42,7 @@ use egui::{Align2, CursorIcon, FontId, Id, Rect, Response, Sense, Stroke, Ui, Ve
 use self::canvas::Canvas;
 use self::field_view::Kind;
 use self::grasp::{Grip, Held};
-use self::plane::Plane;
+use self::plane::{Bounds, Plane};
 use crate::app::desk::{Camera, Desk, Overlays};
 use crate::app::orders::Order;
 use crate::app::scene::{ArenaScene, Driver, Scene};
@@ -109,9 +114,9 @@ fn headed(ui: &Ui, part: Rect, view: &View<'_>, index: usize, desk: &mut Desk, o
     large(ui, below, view, index, desk, orders);
     if let Some(arena) = view.scene.arenas.get(index) {
         // As wide as the arena is when it fits.
-        let fit = Plane::new(below, MARGIN, Camera::default(), &view.scene.scenario.enclosure);
-        let walls = fit.enclosure_rect(&view.scene.scenario.enclosure);
-        score::draw(ui, header, walls.width(), arena);
+        let bounds = Bounds::of(&view.scene.scenario.enclosure);
+        let fit = Plane::new(below, MARGIN, Camera::default(), bounds);
+        score::draw(ui, header, fit.bounds_rect().width(), arena);
     }
 }
 
@@ -129,8 +134,7 @@ fn large(
     // The panels' edges can be taken hold of from this side, too.
     let response = ui.interact(rect.shrink2(vec2(4.0, 0.0)), id, Sense::click_and_drag());
     name_for_readers(&response, index);
-    let walls = &scene.scenario.enclosure;
-    let mut plane = Plane::new(rect, MARGIN, desk.camera, walls);
+    let mut plane = Plane::new(rect, MARGIN, desk.camera, Bounds::of(&scene.scenario.enclosure));
     let held = grasp::follow(ui, &response, &plane, view, index, orders);
     if response.clicked() || held.is_some() {
         desk.followed = index;
@@ -138,47 +142,37 @@ fn large(
     let pointed = response.hover_pos().filter(|_| response.contains_pointer());
     let grip = match (&held, pointed, scene.arenas.get(index)) {
         (Some(held), _, _) => Some(held.grip),
-        (None, Some(at), Some(arena)) if !response.dragged() => {
-            grasp::under(&plane, &scene.scenario, arena, at)
-        }
+        (None, Some(at), Some(arena)) if !response.dragged() => grasp::under(&plane, scene, arena, at),
         _ => None,
     };
-    steer_camera(ui, &response, &mut plane, scene, desk, grip);
+    steer_camera(ui, &response, &mut plane, &mut desk.camera, grip.is_none());
     let canvas = Canvas { painter: ui.painter_at(rect), plane, inks: Inks::of(ui), small: false };
     if let Some(arena) = scene.arenas.get(index) {
         draw_large(ui, &canvas, scene, index, arena, desk, id);
-        mark_hand(ui, &response, &canvas, scene, arena, grip, held);
+        mark_hand(ui, &response, &canvas, arena, grip, held);
     }
     canvas
 }
 
-/// Pan, zoom and fit.
-fn steer_camera(
-    ui: &Ui,
-    response: &Response,
-    plane: &mut Plane,
-    scene: &Scene,
-    desk: &mut Desk,
-    grip: Option<Grip>,
-) {
-    let walls = &scene.scenario.enclosure;
-    let before = desk.camera;
-    if grip.is_none() && response.dragged() {
-        desk.camera = plane.panned(desk.camera, response.drag_delta(), walls);
+/// Pan, zoom and fit; pan and fit only with a hand that is `empty`.
+pub fn steer_camera(ui: &Ui, response: &Response, plane: &mut Plane, camera: &mut Camera, empty: bool) {
+    let before = *camera;
+    if empty && response.dragged() {
+        *camera = plane.panned(*camera, response.drag_delta());
         ui.ctx().set_cursor_icon(CursorIcon::AllScroll);
     }
     if let Some(at) = response.hover_pos().filter(|_| response.contains_pointer()) {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         let factor = pinch * (scroll * 0.0035).exp();
         if factor.is_finite() && factor != 1.0 {
-            desk.camera = plane.zoomed(desk.camera, at, factor, walls);
+            *camera = plane.zoomed(*camera, at, factor);
         }
     }
-    if response.double_clicked() && grip.is_none() {
-        desk.camera = Camera::default();
+    if response.double_clicked() && empty {
+        *camera = Camera::default();
     }
-    if desk.camera != before {
-        *plane = Plane::new(plane.rect, MARGIN, desk.camera, walls);
+    if *camera != before {
+        *plane = plane.through(*camera);
     }
 }
 
@@ -196,7 +190,7 @@ fn draw_large(
     let value = scene.value.as_deref().filter(|_| here && overlays.value);
     let potential = scene.potential.as_deref().filter(|_| here && overlays.potential);
     let field = value.map(|field| (Kind::Value, field)).or(potential.map(|field| (Kind::Potential, field)));
-    arena::ground(canvas, scenario);
+    arena::ground(canvas, &scenario.enclosure);
     if let Some((kind, field)) = field {
         field_view::colours(canvas, kind, field, dark);
     }
@@ -204,11 +198,11 @@ fn draw_large(
         field_view::arrows(canvas, field, canvas.inks.ink.gamma_multiply(0.45));
     }
     arena::ways(canvas, arena, overlays);
-    arena::solids(canvas, scenario, arena);
-    arena::target(canvas, scenario, arena);
+    arena::solids(canvas, &arena.room, &arena.obstacles);
+    arena::target(canvas, scenario, [arena.target.x_m, arena.target.y_m]);
     let beams = overlays.beams && !arena.parked;
     let label = beams.then(|| beams::draw(canvas, scenario, arena)).flatten();
-    arena::robot(canvas, scenario, arena);
+    arena::robot(canvas, scenario, arena.pose, arena::skin(canvas, arena));
     // Of two beside each other, one explains for both.
     let explains = index == 0 || !is_pair(scene);
     let beams = overlays.beams && if is_pair(scene) { scene.arenas.iter().any(|a| !a.parked) } else { beams };
@@ -227,30 +221,34 @@ fn mark_hand(
     ui: &Ui,
     response: &Response,
     canvas: &Canvas,
-    scene: &Scene,
     arena: &ArenaScene,
     grip: Option<Grip>,
     held: Option<Held>,
 ) {
     let (inks, Some(grip)) = (&canvas.inks, grip) else { return };
     let to_m = held.and_then(|held| held.refused.map(|_| held.to_m));
-    let Some(outline) = grasp::outline(&scene.scenario, arena, grip, to_m) else { return };
+    let Some(outline) = grasp::outline(arena, grip, to_m) else { return };
+    if let Grip::Obstacle(obstacle) = grip
+        && let Some(obstacle) = arena.room.obstacles.get(obstacle)
+    {
+        motions::draw(canvas, obstacle, inks.soft);
+    }
     let around = outline.clone().grown(4.5 / canvas.plane.scale);
     let clear = egui::Color32::TRANSPARENT;
     match held {
         Some(Held { refused: Some(why), to_m, .. }) => {
             ui.ctx().set_cursor_icon(CursorIcon::NoDrop);
-            arena::draw_outline(canvas, &outline, inks.bad.gamma_multiply(0.35), Stroke::new(2.0, inks.bad));
+            outline::draw(canvas, &outline, inks.bad.gamma_multiply(0.35), Stroke::new(2.0, inks.bad));
             let below = vec2(0.0, canvas.plane.length(outline.reach_m()) + 7.0);
             canvas.chip(canvas.at(to_m) + below, Align2::CENTER_TOP, why, inks.bad);
         }
         Some(_) => {
             ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
-            arena::draw_outline(canvas, &around, clear, Stroke::new(2.0, inks.ink));
+            outline::draw(canvas, &around, clear, Stroke::new(2.0, inks.ink));
         }
         None => {
             ui.ctx().set_cursor_icon(CursorIcon::Grab);
-            arena::draw_outline(canvas, &around, clear, Stroke::new(1.5, inks.ink.gamma_multiply(0.8)));
+            outline::draw(canvas, &around, clear, Stroke::new(1.5, inks.ink.gamma_multiply(0.8)));
             response.clone().on_hover_text_at_pointer(grip.words());
         }
     }

@@ -1,6 +1,7 @@
 //! The plane: where a point of the world, in m, is on the screen, in points, and back. y is up in the world.
 //!
-//! In: the rectangle of a view, the camera, the enclosure. Out: a [`Plane`], and the camera after a pan or a zoom.
+//! In: the rectangle of a view, the camera, the box around the enclosure. Out: a [`Plane`], and the camera after a pan
+//! or a zoom.
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 
@@ -9,6 +10,47 @@ use crate::scenario::Enclosure;
 
 /// How far the camera may go out and in.
 const ZOOM: (f32, f32) = (0.5, 40.0);
+
+/// A box of the world with its sides along x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Its lower left corner, in m.
+    pub min_m: [f32; 2],
+    /// Its upper right corner, in m.
+    pub max_m: [f32; 2],
+}
+
+impl Bounds {
+    /// The box around `enclosure`, if it has numbers for corners.
+    #[must_use]
+    pub fn of(enclosure: &Enclosure) -> Self {
+        let (min, max) = enclosure.bounds_m();
+        let [min_m, max_m]: [[f32; 2]; 2] = [min.into(), max.into()];
+        if min_m.into_iter().chain(max_m).all(|at| at.abs() < 1e6) {
+            Self { min_m, max_m }
+        } else {
+            Self { min_m: [-1.0; 2], max_m: [1.0; 2] }
+        }
+    }
+
+    /// Its width and height, in m.
+    #[must_use]
+    pub fn extent_m(&self) -> [f32; 2] {
+        [0, 1].map(|k| (self.max_m[k] - self.min_m[k]).max(1e-3))
+    }
+
+    /// Its middle, in m.
+    #[must_use]
+    pub fn middle_m(&self) -> [f32; 2] {
+        [0, 1].map(|k| (self.min_m[k] + self.max_m[k]) / 2.0)
+    }
+
+    /// The nearest point within it, from its middle.
+    fn within(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let [width_m, height_m] = self.extent_m();
+        [x.clamp(-width_m / 2.0, width_m / 2.0), y.clamp(-height_m / 2.0, height_m / 2.0)]
+    }
+}
 
 /// The transform between the world and one view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,24 +61,27 @@ pub struct Plane {
     pub scale: f32,
     /// The point of the world in the view's middle, in m.
     pub centre_m: [f32; 2],
-}
-
-/// Width and height of the space within the walls, in m.
-#[must_use]
-pub fn extent_m(enclosure: &Enclosure) -> [f32; 2] {
-    let Enclosure::Rectangle { width_m, height_m } = enclosure;
-    [width_m.max(1e-3), height_m.max(1e-3)]
+    bounds: Bounds,
+    margin: Vec2,
 }
 
 impl Plane {
-    /// The view `rect` through `camera`; at zoom 1 the whole enclosure is in it, `margin` points from its
-    /// sides and from its top and bottom.
+    /// The view `rect` through `camera`; at zoom 1 all of `bounds` is in it, `margin` points from its sides and from
+    /// its top and bottom.
     #[must_use]
-    pub fn new(rect: Rect, margin: Vec2, camera: Camera, enclosure: &Enclosure) -> Self {
-        let [width_m, height_m] = extent_m(enclosure);
+    pub fn new(rect: Rect, margin: Vec2, camera: Camera, bounds: Bounds) -> Self {
+        let [width_m, height_m] = bounds.extent_m();
         let room = (rect.size() - 2.0 * margin).max(Vec2::splat(1.0));
         let fit = (room.x / width_m).min(room.y / height_m);
-        Self { rect, scale: fit * camera.zoom.clamp(ZOOM.0, ZOOM.1), centre_m: camera.centre_m }
+        let ([mx, my], [x, y]) = (bounds.middle_m(), camera.centre_m);
+        let scale = fit * camera.zoom.clamp(ZOOM.0, ZOOM.1);
+        Self { rect, scale, centre_m: [mx + x, my + y], bounds, margin }
+    }
+
+    /// The same view through another camera.
+    #[must_use]
+    pub fn through(&self, camera: Camera) -> Self {
+        Self::new(self.rect, self.margin, camera, self.bounds)
     }
 
     /// Where a point of the world, in m, is on the screen.
@@ -65,35 +110,29 @@ impl Plane {
         Rect::from_two_pos(self.to_screen(min_m), self.to_screen(max_m))
     }
 
-    /// The space within the walls, on the screen.
+    /// The box that zoom 1 shows, on the screen.
     #[must_use]
-    pub fn enclosure_rect(&self, enclosure: &Enclosure) -> Rect {
-        let [width_m, height_m] = extent_m(enclosure);
-        self.rect_of([-width_m / 2.0, -height_m / 2.0], [width_m / 2.0, height_m / 2.0])
+    pub fn bounds_rect(&self) -> Rect {
+        self.rect_of(self.bounds.min_m, self.bounds.max_m)
     }
 
-    /// The camera after the world was dragged by `delta` points. The view's middle stays within the walls.
+    /// The camera after the world was dragged by `delta` points. The view's middle stays within the bounds.
     #[must_use]
-    pub fn panned(&self, camera: Camera, delta: Vec2, enclosure: &Enclosure) -> Camera {
+    pub fn panned(&self, camera: Camera, delta: Vec2) -> Camera {
         let [x, y] = camera.centre_m;
         let by = delta / self.scale;
-        Camera { centre_m: within([x - by.x, y + by.y], enclosure), ..camera }
+        Camera { centre_m: self.bounds.within([x - by.x, y + by.y]), ..camera }
     }
 
     /// The camera `factor` nearer, where what is at `about` on the screen stays there.
     #[must_use]
-    pub fn zoomed(&self, camera: Camera, about: Pos2, factor: f32, enclosure: &Enclosure) -> Camera {
+    pub fn zoomed(&self, camera: Camera, about: Pos2, factor: f32) -> Camera {
         let zoom = (camera.zoom * factor).clamp(ZOOM.0, ZOOM.1);
-        let [wx, wy] = self.to_world(about);
-        let keep = camera.zoom / zoom;
+        let ([wx, wy], [mx, my]) = (self.to_world(about), self.bounds.middle_m());
+        let (wx, wy, keep) = (wx - mx, wy - my, camera.zoom / zoom);
         let [x, y] = camera.centre_m;
-        Camera { centre_m: within([wx + (x - wx) * keep, wy + (y - wy) * keep], enclosure), zoom }
+        Camera { centre_m: self.bounds.within([wx + (x - wx) * keep, wy + (y - wy) * keep]), zoom }
     }
-}
-
-fn within([x, y]: [f32; 2], enclosure: &Enclosure) -> [f32; 2] {
-    let [width_m, height_m] = extent_m(enclosure);
-    [x.clamp(-width_m / 2.0, width_m / 2.0), y.clamp(-height_m / 2.0, height_m / 2.0)]
 }
 
 /// The unit vector on the screen (y down) of a direction in the world, in rad from +x, counterclockwise.
@@ -115,7 +154,7 @@ pub fn pushed_into(rect: Rect, room: Rect) -> Rect {
 mod tests {
     use super::*;
 
-    const WALLS: Enclosure = Enclosure::Rectangle { width_m: 4.0, height_m: 2.0 };
+    const WALLS: Bounds = Bounds { min_m: [-2.0, -1.0], max_m: [2.0, 1.0] };
 
     const MARGIN: Vec2 = vec2(10.0, 10.0);
 
@@ -125,9 +164,9 @@ mod tests {
 
     #[test]
     fn the_enclosure_fits_and_up_is_up() {
-        let plane = Plane::new(view(), MARGIN, Camera::default(), &WALLS);
+        let plane = Plane::new(view(), MARGIN, Camera::default(), WALLS);
         assert_eq!(plane.scale, 200.0);
-        assert_eq!(plane.enclosure_rect(&WALLS), Rect::from_min_max(pos2(110.0, 160.0), pos2(910.0, 560.0)));
+        assert_eq!(plane.bounds_rect(), Rect::from_min_max(pos2(110.0, 160.0), pos2(910.0, 560.0)));
         assert!(plane.to_screen([0.0, 1.0]).y < plane.to_screen([0.0, 0.0]).y);
         assert!((direction(std::f32::consts::FRAC_PI_2) - vec2(0.0, -1.0)).length() < 1e-6);
     }
@@ -135,7 +174,7 @@ mod tests {
     #[test]
     fn there_and_back_is_the_same_point() {
         let camera = Camera { centre_m: [0.7, -0.4], zoom: 3.5 };
-        let plane = Plane::new(view(), MARGIN, camera, &WALLS);
+        let plane = Plane::new(view(), MARGIN, camera, WALLS);
         for point in [[0.0, 0.0], [1.9, -0.9], [-2.0, 1.0], [0.7, -0.4]] {
             let back = plane.to_world(plane.to_screen(point));
             assert!((back[0] - point[0]).abs() < 1e-5 && (back[1] - point[1]).abs() < 1e-5, "{back:?}");
@@ -146,21 +185,34 @@ mod tests {
     #[test]
     fn zooming_keeps_what_is_under_the_pointer_and_panning_moves_by_as_much() {
         let camera = Camera { centre_m: [0.2, 0.1], zoom: 1.5 };
-        let plane = Plane::new(view(), MARGIN, camera, &WALLS);
+        let plane = Plane::new(view(), MARGIN, camera, WALLS);
         let pointer = pos2(430.0, 300.0);
         let there = plane.to_world(pointer);
-        let nearer = Plane::new(view(), MARGIN, plane.zoomed(camera, pointer, 1.7, &WALLS), &WALLS);
+        let nearer = Plane::new(view(), MARGIN, plane.zoomed(camera, pointer, 1.7), WALLS);
         assert!((nearer.to_screen(there) - pointer).length() < 0.01);
-        let panned = Plane::new(view(), MARGIN, plane.panned(camera, vec2(30.0, -20.0), &WALLS), &WALLS);
+        let panned = Plane::new(view(), MARGIN, plane.panned(camera, vec2(30.0, -20.0)), WALLS);
         assert!((panned.to_screen(there) - pointer - vec2(30.0, -20.0)).length() < 0.01);
     }
 
     #[test]
+    fn an_enclosure_that_lies_aside_is_in_the_middle_of_its_view() {
+        let corners_m = vec![(10.0, 5.0), (14.0, 5.0), (10.0, 7.0)];
+        let bounds = Bounds::of(&Enclosure::Polygon { corners_m });
+        assert_eq!((bounds.extent_m(), bounds.middle_m()), ([4.0, 2.0], [12.0, 6.0]));
+        let plane = Plane::new(view(), MARGIN, Camera::default(), bounds);
+        assert_eq!((plane.to_screen([12.0, 6.0]), plane.scale), (view().center(), 200.0));
+        let pointer = pos2(430.0, 300.0);
+        let there = plane.to_world(pointer);
+        let nearer = Plane::new(view(), MARGIN, plane.zoomed(Camera::default(), pointer, 2.0), bounds);
+        assert!((nearer.to_screen(there) - pointer).length() < 0.01);
+    }
+
+    #[test]
     fn the_camera_cannot_be_lost() {
-        let plane = Plane::new(view(), MARGIN, Camera::default(), &WALLS);
-        let far = plane.panned(Camera::default(), vec2(-1e6, 1e6), &WALLS);
+        let plane = Plane::new(view(), MARGIN, Camera::default(), WALLS);
+        let far = plane.panned(Camera::default(), vec2(-1e6, 1e6));
         assert_eq!(far.centre_m, [2.0, 1.0]);
-        assert_eq!(plane.zoomed(Camera::default(), view().center(), 1e9, &WALLS).zoom, 40.0);
+        assert_eq!(plane.zoomed(Camera::default(), view().center(), 1e9).zoom, 40.0);
     }
 
     #[test]

@@ -10,9 +10,10 @@ use egui::{Align2, Color32, Id, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
 use super::canvas::Canvas;
 use super::field_view::{decimals_for, figures};
+use super::outline::Outline;
 use super::plane::{direction, pushed_into};
 use crate::app::scene::{ArenaScene, Driver};
-use crate::scenario::{Motion, Scenario, Shape as Outer};
+use crate::scenario::{Motion, Scenario};
 
 /// With more motions than these, only the chosen and the best are shown.
 const MOST: usize = 9;
@@ -119,7 +120,7 @@ fn place(
     let ctx = canvas.painter.ctx();
     let before = ctx.data(|data| data.get_temp::<usize>(id));
     let way: Vec<Pos2> = arena.path_m.iter().rev().take(60).map(|&point| canvas.at(point)).collect();
-    let solids: Vec<Rect> = solids_near(canvas, scenario, arena, robot, 2.0 * size.x + body);
+    let solids: Vec<Rect> = solids_near(canvas, arena, robot, 2.0 * size.x + body);
     let sides = [(1.0, -0.6), (1.0, 0.6), (-1.0, -0.6), (-1.0, 0.6), (0.0, -1.0), (0.0, 1.0)];
     let mut best = (f32::INFINITY, 0, Rect::NOTHING);
     for (k, (sx, sy)) in sides.into_iter().enumerate() {
@@ -145,20 +146,13 @@ fn place(
 }
 
 /// The boxes on the screen of the obstacles within `reach` points of the robot.
-fn solids_near(
-    canvas: &Canvas,
-    scenario: &Scenario,
-    arena: &ArenaScene,
-    robot: Pos2,
-    reach: f32,
-) -> Vec<Rect> {
-    let boxes = scenario.obstacles.iter().zip(&arena.obstacles).map(|(obstacle, &(x, y, _))| {
-        let across_m = match obstacle.shape {
-            Outer::Circle { radius_m } => 2.0 * radius_m,
-            Outer::Rectangle { width_m, height_m } => width_m.hypot(height_m),
-        };
-        Rect::from_center_size(canvas.at([x, y]), Vec2::splat(canvas.plane.length(across_m)))
-    });
+fn solids_near(canvas: &Canvas, arena: &ArenaScene, robot: Pos2, reach: f32) -> Vec<Rect> {
+    let boxes = arena
+        .room
+        .obstacles
+        .iter()
+        .zip(&arena.obstacles)
+        .map(|(obstacle, &pose)| Outline::Solid { shape: obstacle.shape.clone(), pose }.space(canvas));
     boxes.filter(|place| place.distance_to_pos(robot) < reach).collect()
 }
 

@@ -1,0 +1,152 @@
+//! The body of an obstacle: its place, its turn, its sizes.
+//!
+//! In: the obstacle, a handle. Out: the obstacle, resized in its own frame so that what is opposite stays, or turned.
+
+use super::corners;
+use super::handles::{Handle, HandleKind};
+use super::points::{Frame, Point, degrees_text, metres, minus, place_text, point_to_mm, size_text};
+use super::snap::Snap;
+use super::way;
+use crate::scenario::{Obstacle, Shape};
+
+/// How few and how many corners a polygon has.
+const POLYGON: (usize, usize) = (3, 32);
+/// How far beyond the shape the handle is that turns it, in m.
+const TURN_M: f32 = 0.15;
+
+/// The corners of a shape at a pose (x in m, y in m, rotation in rad), in m; none of what is round.
+#[must_use]
+pub fn outline_of(shape: &Shape, (x, y, turn): (f32, f32, f32)) -> Vec<Point> {
+    let frame = Frame::new((x, y), turn);
+    match shape {
+        Shape::Circle { .. } | Shape::Capsule { .. } => Vec::new(),
+        Shape::Rectangle { width_m, height_m } => {
+            let (w, h) = (width_m / 2.0, height_m / 2.0);
+            [(-w, -h), (w, -h), (w, h), (-w, h)].map(|corner| frame.out(corner)).into()
+        }
+        Shape::Polygon { corners_m } => corners_m.iter().map(|&corner| frame.out(corner)).collect(),
+    }
+}
+
+/// From a shape's middle to its farthest point, in m.
+#[must_use]
+pub fn reach_of(shape: &Shape) -> f32 {
+    match shape {
+        Shape::Circle { radius_m } => *radius_m,
+        Shape::Rectangle { width_m, height_m } => (width_m / 2.0).hypot(height_m / 2.0),
+        Shape::Polygon { corners_m } => corners_m.iter().map(|&(x, y)| x.hypot(y)).fold(0.0, f32::max),
+        Shape::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
+    }
+}
+
+/// Whether it looks another when it is turned.
+pub(super) fn turns(shape: &Shape) -> bool {
+    !matches!(shape, Shape::Circle { .. })
+}
+
+fn frame_of(obstacle: &Obstacle) -> Frame {
+    Frame::new(obstacle.position_m, obstacle.rotation_rad)
+}
+
+/// Its handles.
+pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
+    let frame = frame_of(obstacle);
+    let mut all = Vec::new();
+    let mut add = |kind, own: Point, text: String, about| {
+        all.push(Handle::new(kind, frame.out(own), text, about));
+    };
+    match &obstacle.shape {
+        Shape::Circle { radius_m } => {
+            add(HandleKind::Rim, (*radius_m, 0.0), format!("r {} m", metres(*radius_m)), "Its radius");
+        }
+        Shape::Rectangle { width_m, height_m } => {
+            for (x, y) in SIDES {
+                let at = (f32::from(x) * width_m / 2.0, f32::from(y) * height_m / 2.0);
+                add(HandleKind::Side(x, y), at, size_text(*width_m, *height_m), "Its size");
+            }
+        }
+        Shape::Capsule { length_m, radius_m } => {
+            add(HandleKind::Rim, (0.0, *radius_m), format!("r {} m", metres(*radius_m)), "Half its width");
+            for (right, side) in [(false, -1.0), (true, 1.0)] {
+                let at = (side * (length_m / 2.0 + radius_m), 0.0);
+                add(HandleKind::End(right), at, format!("{} m long", metres(*length_m)), "Its length");
+            }
+        }
+        Shape::Polygon { corners_m } => {
+            let outline: Vec<Point> = corners_m.iter().map(|&corner| frame.out(corner)).collect();
+            all = corners::handles(&outline, true, POLYGON.1);
+        }
+    }
+    if turns(&obstacle.shape) {
+        let at = frame.out((reach_of(&obstacle.shape) + TURN_M, 0.0));
+        all.push(Handle::new(HandleKind::Turn, at, degrees_text(obstacle.rotation_rad), "Turns it"));
+    }
+    let about = "Moves it, and its path with it";
+    let at = obstacle.position_m;
+    all.push(Handle::new(HandleKind::Middle, at, place_text(at), about));
+    all
+}
+
+/// The sides, and on top of them the corners, of a rectangle in its own frame.
+pub(super) const SIDES: [(i8, i8); 8] =
+    [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (1, 1), (-1, 1)];
+
+/// Drags a handle of it to `to`, or to `snapped`.
+pub(super) fn drag(
+    obstacle: &mut Obstacle,
+    kind: HandleKind,
+    to: Point,
+    snapped: Point,
+    snap: Snap,
+) -> Option<()> {
+    let frame = frame_of(obstacle);
+    let own = frame.into_own(to);
+    let at = obstacle.position_m;
+    match (kind, &mut obstacle.shape) {
+        (HandleKind::Middle, _) => way::shift(obstacle, minus(snapped, at)),
+        (HandleKind::Rim, Shape::Circle { radius_m }) => *radius_m = snap.size(own.0.hypot(own.1)),
+        (HandleKind::Rim, Shape::Capsule { radius_m, .. }) => *radius_m = snap.size(own.1.abs()),
+        (HandleKind::End(right), Shape::Capsule { length_m, radius_m }) => {
+            let side = if right { 1.0 } else { -1.0 };
+            let stays = -side * *length_m / 2.0;
+            *length_m = snap.size((own.0 - stays) * side - *radius_m);
+            let middle = (stays + side * *length_m / 2.0, 0.0);
+            obstacle.position_m = point_to_mm(frame.out(middle));
+        }
+        (HandleKind::Side(x, y), Shape::Rectangle { width_m, height_m }) => {
+            let along = |side: i8, size: &mut f32, own: f32| {
+                if side == 0 {
+                    return 0.0;
+                }
+                let side = f32::from(side);
+                let stays = -side * *size / 2.0;
+                *size = snap.size((own - stays) * side);
+                stays + side * *size / 2.0
+            };
+            let middle = (along(x, width_m, own.0), along(y, height_m, own.1));
+            obstacle.position_m = point_to_mm(frame.out(middle));
+        }
+        (HandleKind::Corner(k), Shape::Polygon { corners_m }) => {
+            *corners_m.get_mut(k)? = point_to_mm(frame.into_own(snapped));
+        }
+        _ => return None,
+    }
+    Some(())
+}
+
+/// A new corner of a polygon.
+pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, at: Point) -> Option<HandleKind> {
+    let own = point_to_mm(frame_of(obstacle).into_own(at));
+    match (kind, &mut obstacle.shape) {
+        (HandleKind::Insert(k), Shape::Polygon { corners_m }) => corners::insert(corners_m, k, own),
+        _ => None,
+    }
+}
+
+/// A corner of a polygon taken out.
+pub(super) fn remove(obstacle: &mut Obstacle, kind: HandleKind) -> Option<()> {
+    match (kind, &mut obstacle.shape) {
+        (HandleKind::Corner(k), Shape::Polygon { corners_m }) => corners::remove(corners_m, k, POLYGON.0),
+        _ => None,
+    }
+}

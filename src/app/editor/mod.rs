@@ -1,0 +1,322 @@
+//! The editor: a world that is being changed, as a document beside the one that runs.
+//!
+//! In: what the pointer and the fields on the screen ask for. Out: the changed [`Scenario`], with what is wrong with it
+//! at every moment, and the way back by undo. Nothing is drawn here, and nothing here reaches the world that runs: that
+//! takes an order. All of it is plain data and rules; every place is in m, every angle in rad.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `selection.rs` | what can be selected, what is under the pointer, what a finding is about |
+//! | `handles.rs` | what can be dragged; `body.rs`, `way.rs`, `corners.rs`, `frames.rs`, `marks.rs` of what |
+//! | `drag.rs` | one drag, from taking hold to letting go |
+//! | `snap.rs`, `points.rs` | even numbers |
+//! | `forms.rs` | what is added, copied, deleted |
+//! | `choices.rs` | another kind of motion, of rule, of enclosure, with numbers that fit |
+//! | `tools.rs` | what is drawn corner by corner |
+//! | `steps.rs` | undo and redo |
+
+mod body;
+mod choices;
+mod corners;
+mod drag;
+mod forms;
+mod frames;
+mod handles;
+mod marks;
+mod points;
+mod selection;
+mod snap;
+mod steps;
+#[cfg(test)]
+mod tests;
+mod tools;
+mod way;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::scenario::{Finding, Scenario, findings};
+
+pub use body::{outline_of, reach_of};
+pub use choices::{EnclosureKind, MotionKind, Rule, RuleKind};
+pub use forms::Form;
+pub use handles::{Handle, HandleKind};
+pub use points::{Point, metres, to_angle, to_mm};
+pub use selection::Selection;
+pub use snap::Snap;
+pub use tools::Tool;
+pub use way::path_of;
+
+use drag::Drag;
+use forms::Thing;
+use steps::{Moment, Origin, Steps};
+
+/// Of more things than this the findings wait for the end of a drag.
+const MANY: usize = 400;
+
+/// A world in the hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Editor {
+    /// Whether what is dragged goes to even numbers.
+    pub snap: Snap,
+    scenario: Arc<Scenario>,
+    selection: Selection,
+    tool: Tool,
+    drag: Option<Drag>,
+    steps: Steps,
+    clipboard: Option<Thing>,
+    findings: Vec<Finding>,
+    revision: u64,
+    from: String,
+    /// As the file has it, if there is one.
+    saved: Option<Arc<Scenario>>,
+    /// What of the session's answers was there already; nothing until it was looked at once.
+    seen: Option<Seen>,
+}
+
+/// What was saved and opened last, as the status had it.
+#[derive(Clone, Debug, PartialEq)]
+struct Seen {
+    saved: Option<(String, Arc<Scenario>)>,
+    draft: Option<u64>,
+}
+
+impl Editor {
+    /// Begins with `scenario`. `from` is the name or the file it came from, and `saved` whether it is still the same
+    /// there.
+    #[must_use]
+    pub fn open(scenario: Arc<Scenario>, from: String, saved: bool) -> Self {
+        Self {
+            snap: Snap::default(),
+            selection: Selection::Nothing,
+            tool: Tool::Select,
+            drag: None,
+            steps: Steps::default(),
+            clipboard: None,
+            findings: findings(&scenario),
+            revision: 0,
+            from,
+            saved: saved.then(|| Arc::clone(&scenario)),
+            scenario,
+            seen: None,
+        }
+    }
+
+    /// Takes what was saved or opened since the last time: of the status, once a frame. What is there at the first time
+    /// is old.
+    pub fn follow(
+        &mut self,
+        saved: Option<&(String, Arc<Scenario>)>,
+        draft: Option<&(u64, String, Arc<Scenario>)>,
+    ) {
+        let now = Seen { saved: saved.cloned(), draft: draft.map(|draft| draft.0) };
+        let Some(seen) = self.seen.replace(now) else { return };
+        if let Some((path, world)) = saved
+            && !seen.saved.is_some_and(|(before, old)| before == *path && Arc::ptr_eq(&old, world))
+        {
+            self.from.clone_from(path);
+            self.saved = Some(Arc::clone(world));
+        }
+        if let Some((serial, from, world)) = draft
+            && seen.draft != Some(*serial)
+        {
+            self.turn_to(world, from);
+        }
+    }
+
+    /// Another world is edited from now on; one step back is the one before.
+    fn turn_to(&mut self, world: &Arc<Scenario>, from: &str) {
+        self.end_drag();
+        let before = self.now();
+        self.steps.push(before);
+        self.scenario = Arc::clone(world);
+        self.saved = Some(Arc::clone(world));
+        self.from = from.to_owned();
+        (self.selection, self.tool) = (Selection::Nothing, Tool::Select);
+        self.changed();
+    }
+
+    /// This moment, with where the world came from.
+    fn now(&self) -> Moment {
+        let origin = Origin { from: self.from.clone(), saved: self.saved.clone() };
+        Moment { scenario: Arc::clone(&self.scenario), selection: self.selection, origin: Some(origin) }
+    }
+
+    /// Notes this moment before a change.
+    fn note(&mut self) {
+        self.steps.push(Moment { origin: None, ..self.now() });
+    }
+
+    /// The world as it is now, in the middle of a drag, too.
+    #[must_use]
+    pub fn scenario(&self) -> &Arc<Scenario> {
+        &self.scenario
+    }
+
+    /// The name or the file that it came from, or was saved to.
+    #[must_use]
+    pub fn from(&self) -> &str {
+        &self.from
+    }
+
+    /// The file that it can be saved to again; none of a world that came with the program.
+    #[must_use]
+    pub fn file(&self) -> Option<PathBuf> {
+        let path = Path::new(&self.from);
+        (path.extension() == Some("ron".as_ref())).then(|| path.into())
+    }
+
+    /// Another number after every change of the world.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// What is wrong with the world now.
+    #[must_use]
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// Whether something is wrong with this.
+    #[must_use]
+    pub fn is_wrong(&self, selection: Selection) -> bool {
+        selection != Selection::Nothing
+            && self.findings.iter().any(|finding| Selection::of_path(&finding.path) == selection)
+    }
+
+    /// Whether it differs from what was opened or saved last.
+    #[must_use]
+    pub fn is_changed(&self) -> bool {
+        self.saved.as_ref().is_none_or(|saved| !Arc::ptr_eq(saved, &self.scenario) && *saved != self.scenario)
+    }
+
+    /// What is selected.
+    #[must_use]
+    pub fn selection(&self) -> Selection {
+        self.selection
+    }
+
+    /// Selects; nothing if there is no such thing. Ends the tool.
+    pub fn select(&mut self, selection: Selection) {
+        self.end_drag();
+        self.seal();
+        if selection != self.selection {
+            self.tool = Tool::Select;
+        }
+        self.selection = selection.within(&self.scenario);
+    }
+
+    /// What is under `at_m`, with so much slack for what is small or thin. What is selected wins where things overlap.
+    #[must_use]
+    pub fn pick(&self, at_m: Point, slack_m: f32) -> Selection {
+        selection::pick(&self.scenario, self.selection, at_m, slack_m)
+    }
+
+    /// What can be dragged of what is selected; later ones lie on top.
+    #[must_use]
+    pub fn handles(&self) -> Vec<Handle> {
+        handles::of(&self.scenario, self.selection)
+    }
+
+    /// The point about which the handle [`HandleKind::Turn`] turns what is selected, and the angle now.
+    #[must_use]
+    pub fn turn_about(&self) -> Option<(Point, f32)> {
+        handles::turn_about(&self.scenario, self.selection)
+    }
+
+    /// Where a point that is dragged or clicked to `at_m` goes.
+    #[must_use]
+    pub fn snapped(&self, at_m: Point, free: bool) -> Point {
+        self.snap.unless(free).point(at_m, handles::middle_of(&self.scenario))
+    }
+
+    /// The world changed otherwise than by a drag: in one step of its own, unless `change` leaves it as it is.
+    fn step(&mut self, change: impl FnOnce(&mut Scenario, &mut Selection)) {
+        self.end_drag();
+        self.seal();
+        let (mut scenario, mut selection) = (Scenario::clone(&self.scenario), self.selection);
+        change(&mut scenario, &mut selection);
+        if scenario != *self.scenario {
+            self.note();
+            self.scenario = Arc::new(scenario);
+            self.changed();
+        }
+        self.selection = selection.within(&self.scenario);
+    }
+
+    /// Changes `field` of the world, as it is typed or dragged in the inspector. The same field again is the same step,
+    /// until [`seal`](Self::seal) or anything else.
+    pub fn edit(&mut self, field: &str, change: impl FnOnce(&mut Scenario)) {
+        self.end_drag();
+        let mut scenario = Scenario::clone(&self.scenario);
+        change(&mut scenario);
+        if scenario == *self.scenario {
+            return;
+        }
+        if !self.steps.goes_on_with(field) {
+            self.note();
+            self.steps.open(field);
+        }
+        self.scenario = Arc::new(scenario);
+        self.changed();
+        self.selection = self.selection.within(&self.scenario);
+    }
+
+    /// What is typed next is another step, be it in the same field.
+    pub fn seal(&mut self) {
+        self.steps.seal();
+    }
+
+    /// One step back; a drag that goes on is given up instead.
+    pub fn undo(&mut self) {
+        if self.drag.is_some() {
+            return self.cancel_drag();
+        }
+        self.go(Steps::back);
+    }
+
+    /// One step forward again.
+    pub fn redo(&mut self) {
+        self.end_drag();
+        self.go(Steps::forward);
+    }
+
+    fn go(&mut self, way: impl FnOnce(&mut Steps, Moment) -> Option<Moment>) {
+        let now = self.now();
+        if let Some(moment) = way(&mut self.steps, now) {
+            self.scenario = moment.scenario;
+            if let Some(origin) = moment.origin {
+                (self.from, self.saved) = (origin.from, origin.saved);
+            }
+            self.selection = moment.selection.within(&self.scenario);
+            self.tool = Tool::Select;
+            self.changed();
+        }
+    }
+
+    /// Whether there is a step to go back.
+    #[must_use]
+    pub fn can_undo(&self) -> bool {
+        self.steps.can_go_back()
+    }
+
+    /// Whether there is a step to go forward.
+    #[must_use]
+    pub fn can_redo(&self) -> bool {
+        self.steps.can_go_forward()
+    }
+
+    fn changed(&mut self) {
+        self.revision += 1;
+        if self.drag.is_none() || things(&self.scenario) <= MANY {
+            self.findings = findings(&self.scenario);
+        }
+    }
+}
+
+/// How many things there are in a world.
+fn things(scenario: &Scenario) -> usize {
+    let corners = scenario.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>();
+    scenario.obstacles.len() + corners
+}

@@ -1,0 +1,150 @@
+//! Points and lengths as the editor writes them: in millimetres, so that files stay readable; angles to 0.0001 rad.
+//!
+//! In: what the pointer or a number field says. Out: what goes into the scenario, and how it is written beside a handle.
+
+use std::f32::consts::{PI, TAU};
+
+/// A place in the world, x and y in m.
+pub type Point = (f32, f32);
+
+/// The least size that a drag leaves, in m.
+pub(super) const LEAST_M: f32 = 0.01;
+
+/// `value` as `steps` to one, without a negative zero.
+fn to_steps(value: f32, steps: f64) -> f32 {
+    ((f64::from(value) * steps).round() / steps) as f32 + 0.0
+}
+
+/// A length in m, to the millimetre.
+#[must_use]
+pub fn to_mm(length_m: f32) -> f32 {
+    to_steps(length_m, 1000.0)
+}
+
+/// A place, to the millimetre.
+pub(super) fn point_to_mm((x, y): Point) -> Point {
+    (to_mm(x), to_mm(y))
+}
+
+/// An angle in rad within half a turn of 0, to the fourth decimal.
+#[must_use]
+pub fn to_angle(angle_rad: f32) -> f32 {
+    let within = if angle_rad.abs() <= PI { angle_rad } else { angle_rad - (angle_rad / TAU).round() * TAU };
+    to_steps(within, 10_000.0)
+}
+
+pub(super) fn plus(a: Point, b: Point) -> Point {
+    (a.0 + b.0, a.1 + b.1)
+}
+
+pub(super) fn minus(a: Point, b: Point) -> Point {
+    (a.0 - b.0, a.1 - b.1)
+}
+
+pub(super) fn middle(a: Point, b: Point) -> Point {
+    ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0)
+}
+
+pub(super) fn distance(a: Point, b: Point) -> f32 {
+    (a.0 - b.0).hypot(a.1 - b.1)
+}
+
+/// From `point` to the segment between two others.
+pub(super) fn from_segment(from: Point, to: Point, point: Point) -> f32 {
+    let (along, away) = (minus(to, from), minus(point, from));
+    let square = along.0 * along.0 + along.1 * along.1;
+    let part = if square > 0.0 { (away.0 * along.0 + away.1 * along.1) / square } else { 0.0 };
+    let part = part.clamp(0.0, 1.0);
+    distance(point, (from.0 + part * along.0, from.1 + part * along.1))
+}
+
+/// A frame of its own: moved and turned in the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    at: Point,
+    sin: f32,
+    cos: f32,
+}
+
+impl Frame {
+    pub fn new(at: Point, turn_rad: f32) -> Self {
+        // To the quarter turn exact, as far as four decimals say it.
+        let (sin, cos) = turn_rad.sin_cos();
+        let tidy = |value: f32| if value.abs() < 1e-4 { 0.0 } else { value };
+        Self { at, sin: tidy(sin), cos: tidy(cos) }
+    }
+
+    /// Its point in the world.
+    pub fn out(self, (x, y): Point) -> Point {
+        plus(self.at, self.turned((x, y)))
+    }
+
+    /// Its direction in the world.
+    pub fn turned(self, (x, y): Point) -> Point {
+        (x * self.cos - y * self.sin, x * self.sin + y * self.cos)
+    }
+
+    /// A point of the world, as it sees it.
+    pub fn into_own(self, point: Point) -> Point {
+        let (x, y) = minus(point, self.at);
+        (x * self.cos + y * self.sin, y * self.cos - x * self.sin)
+    }
+}
+
+/// A length, or a coordinate, as it is written: two decimals, and a third where there is one.
+#[must_use]
+pub fn metres(length_m: f32) -> String {
+    let text = format!("{:.3}", to_mm(length_m));
+    text.strip_suffix('0').map_or(text.clone(), str::to_owned)
+}
+
+/// `x, y m`.
+pub(super) fn place_text((x, y): Point) -> String {
+    format!("{}, {} m", metres(x), metres(y))
+}
+
+/// `w × h m`.
+pub(super) fn size_text(width_m: f32, height_m: f32) -> String {
+    format!("{} × {} m", metres(width_m), metres(height_m))
+}
+
+/// An angle in degrees, to the tenth.
+pub(super) fn degrees_text(angle_rad: f32) -> String {
+    format!("{}°", to_steps(angle_rad.to_degrees(), 10.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_millimetres_and_angles_four_decimals() {
+        assert_eq!([0.123_456, -0.000_4, 2.999_9].map(to_mm), [0.123, 0.0, 3.0]);
+        assert!(to_mm(-0.000_4).is_sign_positive(), "a file has no -0.0");
+        assert_eq!(to_angle(PI / 6.0), 0.5236);
+        assert_eq!(to_angle(-PI / 2.0 - TAU), -1.5708, "a turn less is the same direction");
+        assert_eq!(to_angle(1.5 * PI), -1.5708);
+    }
+
+    #[test]
+    fn numbers_are_written_short() {
+        assert_eq!([0.15, 0.125, 3.0, -0.5].map(metres), ["0.15", "0.125", "3.00", "-0.50"]);
+        assert_eq!(size_text(0.6, 0.4), "0.60 × 0.40 m");
+        assert_eq!([0.5236, -1.5708, 0.0].map(degrees_text), ["30°", "-90°", "0°"]);
+    }
+
+    #[test]
+    fn a_frame_goes_there_and_back() {
+        let frame = Frame::new((1.0, 2.0), 1.5708);
+        assert_eq!(frame.out((0.5, 0.25)), (0.75, 2.5), "a quarter turn: x goes up, y to the left");
+        assert_eq!(frame.into_own((0.75, 2.5)), (0.5, 0.25));
+    }
+
+    #[test]
+    fn the_way_to_a_segment_ends_at_its_ends() {
+        let (from, to) = ((0.0, 0.0), (2.0, 0.0));
+        let found = [(1.0, 0.5), (5.0, 4.0), (-3.0, 4.0)].map(|point| from_segment(from, to, point));
+        assert_eq!(found, [0.5, 5.0, 5.0]);
+        assert_eq!(from_segment(from, from, (3.0, 4.0)), 5.0, "a segment without length");
+    }
+}

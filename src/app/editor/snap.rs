@@ -1,0 +1,90 @@
+//! Snapping: what is dragged goes to the grid, to the world's middle, to sizes and angles that are even.
+//!
+//! In: where the pointer is. Out: where the thing goes; to the millimetre and 0.0001 rad in any case.
+
+use super::points::{LEAST_M, Point, to_angle, to_mm};
+
+/// Whether and how finely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snap {
+    /// Or else to the millimetre only.
+    pub on: bool,
+    /// The grid's step, in m: one of [`Snap::STEPS_M`].
+    pub step_m: f32,
+}
+
+impl Default for Snap {
+    fn default() -> Self {
+        Self { on: true, step_m: 0.05 }
+    }
+}
+
+impl Snap {
+    /// The steps that can be chosen, in m.
+    pub const STEPS_M: [f32; 4] = [0.05, 0.1, 0.25, 0.5];
+    /// The step of angles, in degrees.
+    pub const STEP_DEGREES: f32 = 15.0;
+
+    /// The same, or none at all.
+    pub(super) fn unless(self, free: bool) -> Self {
+        Self { on: self.on && !free, ..self }
+    }
+
+    /// A place: on the grid through (0, 0), or on a line through the world's `middle` where that is nearer.
+    pub(super) fn point(self, at: Point, middle: Point) -> Point {
+        (self.coordinate(at.0, middle.0), self.coordinate(at.1, middle.1))
+    }
+
+    fn coordinate(self, at: f32, middle: f32) -> f32 {
+        if !self.on {
+            return to_mm(at);
+        }
+        let grid = self.stepped(at);
+        to_mm(if (middle - at).abs() < (grid - at).abs() { middle } else { grid })
+    }
+
+    /// A size: so many steps, one at least.
+    pub(super) fn size(self, size_m: f32) -> f32 {
+        if self.on { self.stepped(size_m).max(self.step_m) } else { to_mm(size_m).max(LEAST_M) }
+    }
+
+    /// An angle in rad.
+    pub(super) fn angle(self, angle_rad: f32) -> f32 {
+        let step = Self::STEP_DEGREES.to_radians();
+        to_angle(if self.on { (angle_rad / step).round() * step } else { angle_rad })
+    }
+
+    fn stepped(self, at: f32) -> f32 {
+        to_mm((at / self.step_m).round() * self.step_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_go_to_the_grid_or_to_the_worlds_middle() {
+        let snap = Snap { on: true, step_m: 0.25 };
+        assert_eq!(snap.point((0.37, -0.38), (0.0, 0.0)), (0.25, -0.5));
+        assert_eq!(snap.point((0.37, -0.38), (0.4, -0.4)), (0.4, -0.4), "the middle is nearer");
+        assert_eq!(snap.point((0.13, 0.1), (0.1, 5.0)), (0.1, 0.0), "each axis for itself");
+        assert_eq!(snap.unless(true).point((0.371_4, -0.38), (0.0, 0.0)), (0.371, -0.38));
+    }
+
+    #[test]
+    fn sizes_are_never_nothing() {
+        let snap = Snap { on: true, step_m: 0.1 };
+        assert_eq!([0.34, 0.02, -3.0].map(|size| snap.size(size)), [0.3, 0.1, 0.1]);
+        let free = snap.unless(true);
+        assert_eq!([0.344_4, 0.001, -3.0].map(|size| free.size(size)), [0.344, 0.01, 0.01]);
+    }
+
+    #[test]
+    fn angles_go_by_fifteen_degrees() {
+        let snap = Snap::default();
+        let degrees = |angle: f32| snap.angle(angle.to_radians()).to_degrees().round();
+        assert_eq!([37.0, 38.0, -7.0, 200.0].map(degrees), [30.0, 45.0, 0.0, -165.0]);
+        assert_eq!(snap.unless(true).angle(0.123_456), 0.1235);
+    }
+}

@@ -1,0 +1,126 @@
+//! Tools: what is drawn corner by corner, click by click.
+//!
+//! In: clicks. Out: a wall, the path of an obstacle, or places for starts or targets; a wall or a path is one step for
+//! undo, a place is one each.
+
+use super::Editor;
+use super::forms::Thing;
+use super::points::{Point, distance};
+use super::selection::{Selection, places};
+use crate::scenario::{ObstacleMotion, PlaceRule, Wall};
+
+/// How thick a new wall is, in m.
+const WALL_M: f32 = 0.1;
+/// The speed of a new path, in m/s.
+pub(super) const SPEED_M_S: f32 = 0.1;
+/// The most corners of a wall, of a path, and places of a rule.
+const MOST: usize = 256;
+
+/// What a click in the world does.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Tool {
+    /// Selects.
+    #[default]
+    Select,
+    /// Sets the next corner of a new wall.
+    Wall {
+        /// Those so far.
+        corners_m: Vec<Point>,
+    },
+    /// Sets the next waypoint of the selected obstacle's path.
+    Path {
+        /// Those so far.
+        waypoints_m: Vec<Point>,
+    },
+    /// Sets one more place of the selected rule.
+    Places,
+}
+
+impl Editor {
+    /// What a click does now.
+    #[must_use]
+    pub fn tool(&self) -> &Tool {
+        &self.tool
+    }
+
+    /// Takes a tool, if what is selected is something for it.
+    pub fn take_tool(&mut self, tool: Tool) {
+        self.end_drag();
+        self.seal();
+        let fits = match tool {
+            Tool::Select | Tool::Wall { .. } => true,
+            Tool::Path { .. } => matches!(self.selection, Selection::Obstacle(_)),
+            Tool::Places => matches!(self.selection, Selection::Starts | Selection::Targets),
+        };
+        if fits {
+            self.tool = tool;
+        }
+    }
+
+    /// A click in the world with the tool; `free` is without snapping.
+    pub fn tool_click(&mut self, at_m: Point, free: bool) {
+        let at = self.snapped(at_m, free);
+        match &mut self.tool {
+            Tool::Select => {}
+            Tool::Wall { corners_m: corners } | Tool::Path { waypoints_m: corners } => {
+                // A click twice in the same place is one corner.
+                if corners.len() < MOST && corners.last().is_none_or(|&last| distance(last, at) > 0.0) {
+                    corners.push(at);
+                }
+            }
+            Tool::Places => self.step(|scenario, selection| {
+                let rule = match selection {
+                    Selection::Targets => &mut scenario.targets,
+                    _ => &mut scenario.starts,
+                };
+                let mut all = places(rule).to_vec();
+                if all.len() < MOST && !all.contains(&at) {
+                    all.push(at);
+                    *rule = PlaceRule::OneOf { places_m: all };
+                }
+            }),
+        }
+    }
+
+    /// It is all drawn: the wall or the path is there, if it has corners enough.
+    pub fn tool_end(&mut self) {
+        match std::mem::take(&mut self.tool) {
+            Tool::Wall { corners_m } if corners_m.len() >= 2 => {
+                self.put(Thing::Wall(Wall { corners_m, thickness_m: WALL_M }));
+            }
+            Tool::Path { waypoints_m } if !waypoints_m.is_empty() => self.lead(waypoints_m),
+            _ => {}
+        }
+    }
+
+    /// Gives the selected obstacle this path, of the kind that it has or else a patrol.
+    fn lead(&mut self, path: Vec<Point>) {
+        self.step(|scenario, selection| {
+            let Selection::Obstacle(k) = *selection else { return };
+            let Some(obstacle) = scenario.obstacles.get_mut(k) else { return };
+            match &mut obstacle.motion {
+                ObstacleMotion::Patrol { waypoints_m, .. }
+                | ObstacleMotion::BackAndForth { waypoints_m, .. } => *waypoints_m = path,
+                motion => *motion = ObstacleMotion::Patrol { waypoints_m: path, speed_m_s: SPEED_M_S },
+            }
+        });
+    }
+
+    /// The last corner was not meant; without any, the tool is put away.
+    pub fn tool_back(&mut self) {
+        let left = match &mut self.tool {
+            Tool::Wall { corners_m: corners } | Tool::Path { waypoints_m: corners } => {
+                corners.pop().is_some()
+            }
+            Tool::Select | Tool::Places => false,
+        };
+        if !left {
+            self.tool_cancel();
+        }
+    }
+
+    /// Puts the tool away; what was not ended is gone.
+    pub fn tool_cancel(&mut self) {
+        self.tool = Tool::Select;
+    }
+}

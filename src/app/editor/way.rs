@@ -1,0 +1,121 @@
+//! The way of an obstacle that moves: the corners of its path, the centre of its orbit, how far it strays.
+//!
+//! In: the obstacle, a handle. Out: the obstacle with its motion changed.
+
+use super::corners::{self, shift as shift_all};
+use super::handles::{Handle, HandleKind};
+use super::points::{Point, distance, metres, middle, place_text, plus, point_to_mm};
+use super::snap::Snap;
+use crate::scenario::{Obstacle, ObstacleMotion};
+
+/// The most waypoints of a path.
+const MOST: usize = 256;
+
+/// The corners of its path, in m, its position first, and whether the last is joined to the first; none of what doesn't
+/// go by straight lines that are given.
+#[must_use]
+pub fn path_of(obstacle: &Obstacle) -> Option<(Vec<Point>, bool)> {
+    let (waypoints, closed) = match &obstacle.motion {
+        ObstacleMotion::Patrol { waypoints_m, .. } => (waypoints_m, true),
+        ObstacleMotion::BackAndForth { waypoints_m, .. } => (waypoints_m, false),
+        _ => return None,
+    };
+    Some((std::iter::once(obstacle.position_m).chain(waypoints.iter().copied()).collect(), closed))
+}
+
+/// Its handles.
+pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
+    let mut all = Vec::new();
+    if let Some((path, closed)) = path_of(obstacle) {
+        let legs = if closed && path.len() > 2 { path.len() } else { path.len() - 1 };
+        if path.len() <= MOST {
+            all.extend((0..legs).map(|k| {
+                let at = middle(path[k], path[(k + 1) % path.len()]);
+                let about = "Drag a new corner of the path out of here";
+                Handle::new(HandleKind::PathInsert(k), at, place_text(at), about)
+            }));
+        }
+        all.extend(path.iter().enumerate().map(|(k, &at)| match k.checked_sub(1) {
+            None => Handle::new(
+                HandleKind::PathStart,
+                at,
+                place_text(at),
+                "Where its path begins; the rest stays",
+            ),
+            Some(k) => {
+                let about = "A corner of its path; double click takes it out";
+                Handle::new(HandleKind::Waypoint(k), at, place_text(at), about)
+            }
+        }));
+    }
+    match &obstacle.motion {
+        ObstacleMotion::Orbit { centre_m, .. } => {
+            let text = format!("r {} m", metres(distance(*centre_m, obstacle.position_m)));
+            all.push(Handle::new(HandleKind::Centre, *centre_m, text, "What it revolves about"));
+        }
+        ObstacleMotion::RandomWalk { reach_m, .. } => {
+            let at = plus(obstacle.position_m, (0.0, *reach_m));
+            let text = format!("{} m", metres(*reach_m));
+            all.push(Handle::new(HandleKind::Reach, at, text, "How far it strays"));
+        }
+        _ => {}
+    }
+    all
+}
+
+fn waypoints(obstacle: &mut Obstacle) -> Option<&mut Vec<Point>> {
+    match &mut obstacle.motion {
+        ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
+            Some(waypoints_m)
+        }
+        _ => None,
+    }
+}
+
+/// Drags a handle of it to `to`, or to `snapped`.
+pub(super) fn drag(
+    obstacle: &mut Obstacle,
+    kind: HandleKind,
+    to: Point,
+    snapped: Point,
+    snap: Snap,
+) -> Option<()> {
+    let at = obstacle.position_m;
+    match (kind, &mut obstacle.motion) {
+        (HandleKind::PathStart, _) => {
+            waypoints(obstacle)?;
+            obstacle.position_m = snapped;
+        }
+        (HandleKind::Waypoint(k), _) => *waypoints(obstacle)?.get_mut(k)? = snapped,
+        (HandleKind::Centre, ObstacleMotion::Orbit { centre_m, .. }) => *centre_m = snapped,
+        (HandleKind::Reach, ObstacleMotion::RandomWalk { reach_m, .. }) => {
+            *reach_m = snap.size(distance(at, to));
+        }
+        _ => return None,
+    }
+    Some(())
+}
+
+/// A new waypoint.
+pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, at: Point) -> Option<HandleKind> {
+    let HandleKind::PathInsert(k) = kind else { return None };
+    corners::insert(waypoints(obstacle)?, k, at)?;
+    Some(HandleKind::Waypoint(k))
+}
+
+/// A waypoint taken out; one stays.
+pub(super) fn remove(obstacle: &mut Obstacle, kind: HandleKind) -> Option<()> {
+    let HandleKind::Waypoint(k) = kind else { return None };
+    corners::remove(waypoints(obstacle)?, k, 1)
+}
+
+/// Moves it with all its way.
+pub(super) fn shift(obstacle: &mut Obstacle, by: Point) {
+    obstacle.position_m = point_to_mm(plus(obstacle.position_m, by));
+    if let Some(waypoints) = waypoints(obstacle) {
+        shift_all(waypoints, by);
+    }
+    if let ObstacleMotion::Orbit { centre_m, .. } = &mut obstacle.motion {
+        *centre_m = point_to_mm(plus(*centre_m, by));
+    }
+}

@@ -1,0 +1,209 @@
+//! The handles of what is selected, as knobs on the screen, with the number that one changes beside it.
+//!
+//! In: the [`Editor`]. Out: where the knobs are, which one is under the pointer, and their picture.
+
+use egui::{Align2, FontId, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
+
+use super::pointer::Under;
+use crate::app::editor::{Editor, Handle, HandleKind, Selection};
+use crate::app::screen::theme::SMALL;
+use crate::app::screen::world::canvas::Canvas;
+use crate::app::screen::world::outline::Outline;
+use crate::app::screen::world::plane::Plane;
+
+/// Half the side of a knob, in points.
+const HALF: f32 = 4.0;
+/// From the thing's outline to the knob that turns it, in points.
+const TURN: f32 = 26.0;
+/// Knobs nearer to the middle than this are hidden, or a small thing could not be taken hold of.
+const LEAST: f32 = 11.0;
+/// Knobs that put a new corner in need so much room to their neighbours.
+const LEAST_BETWEEN: f32 = 17.0;
+
+/// A handle on the screen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Knob {
+    /// What it is of.
+    pub handle: Handle,
+    /// Its middle.
+    pub at: Pos2,
+}
+
+/// Those of what is selected; later ones lie on top.
+pub fn knobs(plane: &Plane, editor: &Editor) -> Vec<Knob> {
+    let knobs = editor.handles().into_iter().map(|handle| {
+        let at = match handle.kind {
+            HandleKind::Turn => turning(plane, editor, &handle),
+            _ => plane.to_screen(handle.at_m.into()),
+        };
+        Knob { handle, at }
+    });
+    let all: Vec<Knob> = knobs.filter(|knob| knob.at.is_finite()).collect();
+    let middle = all.iter().find(|knob| knob.handle.kind == HandleKind::Middle).map(|knob| knob.at);
+    let dragged = editor.dragged();
+    let has_room = |knob: &&Knob| {
+        let near = |other: Pos2, least: f32| other.distance(knob.at) < least;
+        let kind = knob.handle.kind;
+        match kind {
+            _ if dragged == Some(kind) => true,
+            HandleKind::Insert(_) | HandleKind::PathInsert(_) => {
+                !all.iter().any(|other| !other.handle.kind.is_insert() && near(other.at, LEAST_BETWEEN))
+            }
+            HandleKind::Side(..) | HandleKind::Rim | HandleKind::End(_) | HandleKind::Corner(_) => {
+                middle.is_none_or(|middle| !near(middle, LEAST))
+            }
+            _ => true,
+        }
+    };
+    all.iter().filter(has_room).cloned().collect()
+}
+
+/// What turns something is as far beyond it on the screen whatever the zoom.
+fn turning(plane: &Plane, editor: &Editor, handle: &Handle) -> Pos2 {
+    let at = plane.to_screen(handle.at_m.into());
+    let Some((about, _)) = editor.turn_about() else { return at };
+    let about = plane.to_screen(about.into());
+    let along = (at - about).normalized();
+    let reach_m = match editor.selection() {
+        Selection::Obstacle(k) => editor.scenario().obstacles.get(k).map(|o| Outline::of(o).reach_m()),
+        _ => Some(editor.scenario().robot.radius_m),
+    };
+    about + along * (plane.length(reach_m.unwrap_or(0.0)).max(8.0) + TURN)
+}
+
+/// The middle of what is selected, on the screen, if its size is measured from there.
+pub fn middle(plane: &Plane, editor: &Editor) -> Option<Pos2> {
+    let scenario = editor.scenario();
+    let between = |a: (f32, f32), b: (f32, f32)| [(a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0];
+    let knobs = editor.handles();
+    let middle_m = match editor.selection() {
+        Selection::Obstacle(k) => scenario.obstacles.get(k).map(|obstacle| obstacle.position_m.into()),
+        Selection::Enclosure => {
+            let (low, high) = scenario.enclosure.bounds_m();
+            Some(between(low, high))
+        }
+        _ => {
+            let corner = |x, y| knobs.iter().find(|knob| knob.kind == HandleKind::Side(x, y)).map(|k| k.at_m);
+            corner(-1, -1).zip(corner(1, 1)).map(|(a, b)| between(a, b))
+        }
+    }?;
+    Some(plane.to_screen(middle_m))
+}
+
+/// The nearest knob within `reach` points of `at`. Where a path begins the whole thing is taken, or with `shift` the
+/// thing alone.
+pub fn hit(knobs: &[Knob], at: Pos2, reach: f32, shift: bool) -> Option<HandleKind> {
+    let has_start = knobs.iter().any(|knob| knob.handle.kind == HandleKind::PathStart);
+    let hidden = if shift && has_start { HandleKind::Middle } else { HandleKind::PathStart };
+    let away = |knob: &Knob| {
+        // What makes something new gives way to what is there.
+        knob.at.distance(at) + if knob.handle.kind.is_insert() { 3.0 } else { 0.0 }
+    };
+    let open = knobs.iter().rev().filter(|knob| knob.handle.kind != hidden && away(knob) <= reach);
+    open.min_by(|a, b| away(a).total_cmp(&away(b))).map(|knob| knob.handle.kind)
+}
+
+/// Draws them, and beside the one that is under the pointer or in the hand its number.
+pub fn draw(canvas: &Canvas, editor: &Editor, under: Under) {
+    let knobs = knobs(&canvas.plane, editor);
+    let (painter, inks) = (&canvas.painter, &canvas.inks);
+    let lit = match under {
+        Under::Handle(kind) => Some(kind),
+        _ => None,
+    };
+    // The others would only be in the way of what is dragged.
+    let alone = editor.dragged();
+    for knob in &knobs {
+        let (kind, at) = (knob.handle.kind, knob.at);
+        // A mark has its own middle.
+        let is_mark = matches!(editor.selection(), Selection::CourseStart | Selection::CourseTarget);
+        if is_mark && kind == HandleKind::Middle && lit != Some(kind) {
+            continue;
+        }
+        if kind == HandleKind::PathStart && lit != Some(kind) || alone.is_some_and(|dragged| dragged != kind)
+        {
+            continue;
+        }
+        let on = lit == Some(kind);
+        let (fill, half) = if on { (inks.accent, HALF + 1.0) } else { (inks.floor, HALF) };
+        let edge = Stroke::new(1.5, inks.accent);
+        match kind {
+            HandleKind::Side(..) => {
+                let square = Rect::from_center_size(at, Vec2::splat(2.0 * half));
+                painter.rect(square, 1.5, fill, edge, StrokeKind::Middle);
+            }
+            HandleKind::Middle if !on => {
+                painter.circle(at, 2.5, inks.accent, Stroke::new(1.0, inks.floor));
+            }
+            HandleKind::Insert(_) | HandleKind::PathInsert(_) => {
+                painter.circle(at, half, inks.floor, Stroke::new(1.0, inks.accent.gamma_multiply(0.7)));
+                let ink = Stroke::new(1.25, inks.accent);
+                for way in [vec2(half - 1.5, 0.0), vec2(0.0, half - 1.5)] {
+                    painter.line_segment([at - way, at + way], ink);
+                }
+            }
+            HandleKind::Turn => {
+                if let Some((about, _)) = editor.turn_about() {
+                    let stalk = (at - canvas.at(about.into())).normalized();
+                    painter.line_segment([at - stalk * (TURN - 4.0), at], Stroke::new(1.5, inks.accent));
+                }
+                painter.circle(at, half, fill, edge);
+            }
+            _ => {
+                painter.circle(at, half, fill, edge);
+            }
+        }
+    }
+    // Over all of them.
+    if let Some(knob) = knobs.iter().find(|knob| Some(knob.handle.kind) == lit) {
+        let text = &knob.handle.text;
+        let size = painter.layout_no_wrap(text.clone(), FontId::proportional(SMALL), inks.ink).size();
+        let away = vec2(HALF + 9.0, HALF + 5.0);
+        // To the upper right, or where no other knob is.
+        let places = [
+            (vec2(away.x, -away.y), Align2::LEFT_BOTTOM),
+            (away, Align2::LEFT_TOP),
+            (-away, Align2::RIGHT_BOTTOM),
+            (vec2(-away.x, away.y), Align2::RIGHT_TOP),
+        ];
+        let is_free = |(shift, anchor): &(Vec2, Align2)| {
+            let chip = anchor.anchor_size(knob.at + *shift, size + vec2(8.0, 3.0));
+            let covered = |other: &Knob| alone.is_none() && chip.expand(HALF).contains(other.at);
+            canvas.plane.rect.contains_rect(chip) && !knobs.iter().any(covered)
+        };
+        let (shift, anchor) = places.into_iter().find(is_free).unwrap_or(places[0]);
+        canvas.chip(knob.at + shift, anchor, text, inks.ink);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn knob(kind: HandleKind, x: f32) -> Knob {
+        let handle = Handle { kind, at_m: (0.0, 0.0), text: String::new(), about: "" };
+        Knob { handle, at: Pos2::new(x, 0.0) }
+    }
+
+    #[test]
+    fn the_nearest_knob_is_hit_and_a_new_corner_gives_way() {
+        let knobs = [
+            knob(HandleKind::Insert(1), 6.0),
+            knob(HandleKind::Corner(0), 0.0),
+            knob(HandleKind::Corner(1), 40.0),
+        ];
+        let hit = |x: f32| super::hit(&knobs, Pos2::new(x, 0.0), 9.0, false);
+        assert_eq!(hit(1.0), Some(HandleKind::Corner(0)));
+        assert_eq!(hit(4.0), Some(HandleKind::Corner(0)), "the other is nearer, but makes something new");
+        assert_eq!(hit(7.0), Some(HandleKind::Insert(1)));
+        assert_eq!(hit(49.5), None);
+    }
+
+    #[test]
+    fn where_a_path_begins_shift_takes_the_obstacle_alone() {
+        let knobs = [knob(HandleKind::PathStart, 0.0), knob(HandleKind::Middle, 0.0)];
+        let hit = |shift| super::hit(&knobs, Pos2::new(0.0, 0.0), 9.0, shift);
+        assert_eq!([hit(false), hit(true)], [Some(HandleKind::Middle), Some(HandleKind::PathStart)]);
+        assert_eq!(super::hit(&knobs[1..], Pos2::new(0.0, 0.0), 9.0, true), Some(HandleKind::Middle));
+    }
+}

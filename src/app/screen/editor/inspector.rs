@@ -1,0 +1,249 @@
+//! The inspector: the numbers of what is selected.
+//!
+//! In: the editor. Out: its changes.
+
+use egui::{Align, Layout, Ui};
+
+use super::fields::{Rows, Unit, buttons, choose};
+use super::world;
+use crate::app::editor::{Editor, MotionKind, Rule, Selection, Tool, metres, path_of};
+use crate::app::screen::icons::{self, Icon, Tone};
+use crate::app::screen::panels::setup::{soft, title};
+use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Region, Shape};
+
+/// What a size may be.
+const SIZE: Unit = Unit::metres(0.001, 1000.0);
+
+const MOTIONS: [(MotionKind, &str, &str); 5] = [
+    (MotionKind::Still, "Still", "It stays where it is"),
+    (MotionKind::Orbit, "Orbit", "Around a point, turning with the revolution"),
+    (MotionKind::Patrol, "Patrol", "Along a closed path, forever"),
+    (MotionKind::BackAndForth, "Back and forth", "Along a path to its end and back"),
+    (MotionKind::RandomWalk, "Random walk", "From one random point near its place to the next"),
+];
+
+/// What it is called, among how many.
+fn name(editor: &Editor) -> String {
+    let scenario = editor.scenario();
+    let of = |word: &str, k: usize, count: usize| format!("{word} {} of {count}", k + 1);
+    match editor.selection() {
+        Selection::Nothing => "World".into(),
+        Selection::Enclosure => "Enclosure".into(),
+        Selection::Obstacle(k) => of("Obstacle", k, scenario.obstacles.len()),
+        Selection::Wall(k) => of("Wall", k, scenario.walls.len()),
+        Selection::Generator(k) => of("Random obstacles", k, scenario.generators.len()),
+        Selection::Starts => "Starts".into(),
+        Selection::Targets => "Targets".into(),
+        Selection::CourseStart => "Timed course: start".into(),
+        Selection::CourseTarget => "Timed course: target".into(),
+    }
+}
+
+/// Draws it.
+pub fn show(ui: &mut Ui, editor: &mut Editor) {
+    let selection = editor.selection();
+    ui.horizontal(|ui| {
+        title(ui, &name(editor));
+        if selection != Selection::Nothing {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let tip = "Back to the world's own numbers";
+                if icons::button(ui, Icon::Close, Tone::Quiet, 18.0, "Select nothing", tip).clicked() {
+                    editor.select(Selection::Nothing);
+                }
+            });
+        }
+    });
+    if editor.can_copy() {
+        let all = [
+            ("Duplicate", "Another one like it  (Ctrl+D)", true),
+            ("Delete", "Takes it away  (Delete)", true),
+        ];
+        match buttons(ui, &all) {
+            Some(0) => return editor.duplicate(),
+            Some(_) => return editor.delete(),
+            None => {}
+        }
+    }
+    // Each thing has fields of its own: what is being written in one must not end up in another.
+    ui.push_id(format!("{selection:?}"), |ui| match selection {
+        Selection::Nothing => world::show(ui, editor),
+        Selection::Enclosure => world::enclosure(ui, editor),
+        Selection::Obstacle(k) => obstacle(ui, editor, k),
+        Selection::Wall(k) => wall(ui, editor, k),
+        Selection::Generator(k) => generator(ui, editor, k),
+        Selection::Starts => world::rule(ui, editor, Rule::Starts),
+        Selection::Targets => world::rule(ui, editor, Rule::Targets),
+        Selection::CourseStart => world::course_start(ui, editor),
+        Selection::CourseTarget => world::course_target(ui, editor),
+    });
+}
+
+fn obstacle(ui: &mut Ui, editor: &mut Editor, k: usize) {
+    let Some(mut obstacle) = editor.scenario().obstacles.get(k).cloned() else { return };
+    let mut rows = Rows::new(ui);
+    rows.place("Position", "Where its middle is at first", &mut obstacle.position_m);
+    shape(&mut rows, &mut obstacle.shape);
+    if !matches!(obstacle.shape, Shape::Circle { .. }) {
+        rows.number("Turned", "Counterclockwise", &mut obstacle.rotation_rad, Unit::ANGLE);
+    }
+    let kind = choose(rows.ui, "Motion", MotionKind::of(&obstacle.motion), &MOTIONS);
+    motion(&mut rows, &mut obstacle);
+    let moves = path_of(&obstacle).is_some();
+    rows.finish(editor, &format!("obstacle {k}"), |scenario| {
+        if let Some(there) = scenario.obstacles.get_mut(k) {
+            *there = obstacle;
+        }
+    });
+    if moves {
+        let drawing = matches!(editor.tool(), Tool::Path { .. });
+        let text = if drawing { "Path is done" } else { "Draw its path anew" };
+        if buttons(ui, &[(text, "Click the path in the world, corner by corner", true)]) == Some(0) {
+            if drawing {
+                editor.tool_end();
+            } else {
+                editor.take_tool(Tool::Path { waypoints_m: Vec::new() });
+            }
+        }
+    }
+    if let Some(kind) = kind {
+        editor.set_motion(kind);
+    }
+}
+
+fn shape(rows: &mut Rows<'_>, shape: &mut Shape) {
+    match shape {
+        Shape::Circle { radius_m } => rows.number("Radius", "From the middle to the rim", radius_m, SIZE),
+        Shape::Rectangle { width_m, height_m } => {
+            rows.pair("Size", "Along its own x and y", [("width", width_m), ("height", height_m)], SIZE);
+        }
+        Shape::Capsule { length_m, radius_m } => {
+            let tip = "From the middle of one round end to that of the other";
+            rows.number("Length", tip, length_m, SIZE);
+            rows.number("Radius", "Half its width, and of its ends", radius_m, SIZE);
+        }
+        Shape::Polygon { corners_m } => rows.places("Corner", corners_m, 3),
+    }
+}
+
+fn motion(rows: &mut Rows<'_>, obstacle: &mut Obstacle) {
+    let path = path_of(obstacle);
+    let position = obstacle.position_m;
+    match &mut obstacle.motion {
+        ObstacleMotion::Still => {}
+        ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
+            rows.place("Centre", "What it revolves about", centre_m);
+            rows.number("Speed", "Counterclockwise", speed_rad_s, Unit::TURNING);
+            let arm_m = (position.0 - centre_m.0).hypot(position.1 - centre_m.1);
+            let speed_m_s = (arm_m * *speed_rad_s).abs();
+            rows.ui.label(soft(&format!("{} m away: {} m/s", metres(arm_m), metres(speed_m_s))));
+        }
+        ObstacleMotion::Patrol { waypoints_m, speed_m_s }
+        | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
+            rows.number("Speed", "Along the path", speed_m_s, Unit::SPEED);
+            rows.places("Point", waypoints_m, 1);
+            if let Some((corners, closed)) = path {
+                rows.ui.label(soft(&round(&corners, closed, *speed_m_s)));
+            }
+        }
+        ObstacleMotion::RandomWalk { reach_m, speed_m_s, seed } => {
+            rows.number("Reach", "How far it strays at most", reach_m, Unit::metres(0.01, 500.0));
+            rows.number("Speed", "The fastest it ever is", speed_m_s, Unit::SPEED);
+            rows.count("Walk", "The same number is the same walk", seed, 0..=u32::MAX);
+        }
+    }
+}
+
+/// How long a round takes.
+fn round(corners: &[(f32, f32)], closed: bool, speed_m_s: f32) -> String {
+    let leg = |a: (f32, f32), b: (f32, f32)| (a.0 - b.0).hypot(a.1 - b.1);
+    let there: f32 = corners.windows(2).map(|ends| leg(ends[0], ends[1])).sum();
+    let back = match (closed, corners.first(), corners.last()) {
+        (true, Some(&first), Some(&last)) => leg(last, first),
+        _ => there,
+    };
+    let round_m = there + back;
+    if speed_m_s > 0.0 {
+        format!("{} m there and back in {:.0} s", metres(round_m), round_m / speed_m_s)
+    } else {
+        format!("{} m there and back", metres(round_m))
+    }
+}
+
+fn wall(ui: &mut Ui, editor: &mut Editor, k: usize) {
+    let Some(mut wall) = editor.scenario().walls.get(k).cloned() else { return };
+    let mut rows = Rows::new(ui);
+    rows.number("Thickness", "Across", &mut wall.thickness_m, Unit::metres(0.01, 100.0));
+    rows.places("Corner", &mut wall.corners_m, 2);
+    rows.finish(editor, &format!("wall {k}"), |scenario| {
+        if let Some(there) = scenario.walls.get_mut(k) {
+            *there = wall;
+        }
+    });
+}
+
+fn generator(ui: &mut Ui, editor: &mut Editor, k: usize) {
+    let Some(mut generator) = editor.scenario().generators.get(k).cloned() else { return };
+    ui.label(soft("Drawn anew for every episode, so that a policy learns to cope with what it hasn't seen."));
+    let mut rows = Rows::new(ui);
+    rows.count("How many", "Fewer where there is no room", &mut generator.count, 1..=200);
+    random_shape(&mut rows, &mut generator);
+    let tip = "The least gap to walls and to each other: more than twice the collision range, so that the robot fits";
+    rows.number("Gap", tip, &mut generator.gap_m, Unit::metres(0.0, 1000.0));
+    let mut given = generator.within.is_some();
+    rows.tick("Only in a region", "Or else anywhere", &mut given);
+    match (given, &mut generator.within) {
+        (true, Some(region)) => world::region(&mut rows, &mut region.min_m, &mut region.max_m),
+        (true, none) => {
+            let (low, high) = editor.scenario().enclosure.bounds_m();
+            let half = |(x, y): (f32, f32)| (x / 2.0, y / 2.0);
+            *none = Some(Region { min_m: half(low), max_m: half(high) });
+        }
+        (false, some) => *some = None,
+    }
+    rows.finish(editor, &format!("generator {k}"), |scenario| {
+        if let Some(there) = scenario.generators.get_mut(k) {
+            *there = generator;
+        }
+    });
+}
+
+fn random_shape(rows: &mut Rows<'_>, generator: &mut Generator) {
+    let boxes = matches!(generator.shape, RandomShape::Rectangle { .. });
+    let kinds = [(false, "Circles", "Cylinders seen from above"), (true, "Boxes", "Turned by any angle")];
+    if let Some(boxes) = choose(rows.ui, "Shape", boxes, &kinds) {
+        generator.shape = match (boxes, &generator.shape) {
+            (true, RandomShape::Circle { radius_m: (low, high) }) => {
+                let sizes = (2.0 * low, 2.0 * high);
+                RandomShape::Rectangle { width_m: sizes, height_m: sizes }
+            }
+            (false, RandomShape::Rectangle { width_m: (low, high), .. }) => {
+                RandomShape::Circle { radius_m: (low / 2.0, high / 2.0) }
+            }
+            (_, same) => same.clone(),
+        };
+        rows.tell("shape");
+    }
+    let mut range = |name: &str, (low, high): &mut (f32, f32)| {
+        rows.pair(name, "From the smallest to the largest", [("least", low), ("most", high)], SIZE);
+    };
+    match &mut generator.shape {
+        RandomShape::Circle { radius_m } => range("Radius", radius_m),
+        RandomShape::Rectangle { width_m, height_m } => {
+            range("Width", width_m);
+            range("Height", height_m);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_round_is_there_and_back() {
+        let corners = [(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)];
+        assert_eq!(round(&corners, true, 0.5), "12.00 m there and back in 24 s");
+        assert_eq!(round(&corners, false, 0.5), "14.00 m there and back in 28 s");
+        assert_eq!(round(&corners, false, 0.0), "14.00 m there and back");
+    }
+}

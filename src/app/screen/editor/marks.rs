@@ -1,0 +1,187 @@
+//! Starts, targets and what is drawn anew for each episode: regions, places, and the ends of the course.
+//!
+//! In: the rules of a scenario. Out: shaded regions and marks on a [`Canvas`]; starts in the robot's colour, targets in
+//! the target's.
+
+use egui::{Align2, Color32, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
+
+use crate::app::editor::{Editor, Selection};
+use crate::app::screen::world::arena;
+use crate::app::screen::world::canvas::Canvas;
+use crate::app::screen::world::plane::direction;
+use crate::scenario::{PlaceRule, Region, Scenario};
+use crate::task::Pose;
+
+/// Of more places than these not each has its name beside it.
+const NAMED: usize = 6;
+
+/// The rectangles of the rules and of the generators.
+pub fn regions(canvas: &Canvas, editor: &Editor) {
+    let (scenario, inks) = (editor.scenario(), &canvas.inks);
+    for (k, generator) in scenario.generators.iter().enumerate() {
+        if let Some(region) = generator.within {
+            let ink = own_ink(canvas, editor, Selection::Generator(k), inks.soft);
+            shade(canvas, region, ink, 0.07, &format!("{} drawn anew", generator.count));
+        }
+    }
+    for (rule, selection, ink, words) in [
+        (&scenario.starts, Selection::Starts, inks.accent, "Starts"),
+        (&scenario.targets, Selection::Targets, inks.good, "Targets"),
+    ] {
+        if let Some(region) = region_of(rule) {
+            shade(canvas, region, own_ink(canvas, editor, selection, ink), 0.13, words);
+        }
+    }
+}
+
+/// The colour of something, or that of what is wrong.
+fn own_ink(canvas: &Canvas, editor: &Editor, selection: Selection, ink: Color32) -> Color32 {
+    if editor.is_wrong(selection) { canvas.inks.bad } else { ink }
+}
+
+fn region_of(rule: &PlaceRule) -> Option<Region> {
+    match *rule {
+        PlaceRule::Within { min_m, max_m, .. } => Some(Region { min_m, max_m }),
+        _ => None,
+    }
+}
+
+fn shade(canvas: &Canvas, region: Region, ink: Color32, strength: f32, words: &str) {
+    let rect = canvas.plane.rect_of(region.min_m.into(), region.max_m.into());
+    if !rect.is_finite() {
+        return;
+    }
+    canvas.painter.rect_filled(rect, 0.0, ink.gamma_multiply(strength));
+    let corners =
+        [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom(), rect.left_top()];
+    canvas.painter.extend(Shape::dashed_line(&corners, Stroke::new(1.25, ink), 5.0, 4.0));
+    // Over the region where it has no room within.
+    let (at, anchor) = if rect.width() > 84.0 && rect.height() > 34.0 {
+        (rect.left_top() + vec2(4.0, 3.0), Align2::LEFT_TOP)
+    } else {
+        (rect.left_top() - vec2(0.0, 2.0), Align2::LEFT_BOTTOM)
+    };
+    if canvas.painter.clip_rect().intersects(rect) {
+        canvas.chip(at, anchor, words, ink);
+    }
+}
+
+/// The places of the rules, and the ends of the course.
+pub fn places(canvas: &Canvas, editor: &Editor) {
+    let (scenario, inks) = (&**editor.scenario(), &canvas.inks);
+    let course = &scenario.course;
+    let goal = own_ink(canvas, editor, Selection::CourseTarget, inks.good);
+    let start = own_ink(canvas, editor, Selection::CourseStart, inks.accent);
+    arena::target(canvas, scenario, course.target_m.into());
+    if goal == inks.bad {
+        ring(canvas, scenario, Selection::CourseTarget, Stroke::new(2.0, goal));
+    }
+    let (x_m, y_m) = course.start_m;
+    arena::robot(canvas, scenario, Pose { x_m, y_m, heading_rad: course.heading_rad }, start);
+    name(canvas, course.target_m, reach(canvas, scenario, Selection::CourseTarget), "Course target", goal);
+    // The name is where the start doesn't look: there is the handle that turns it.
+    let radius = reach(canvas, scenario, Selection::CourseStart);
+    let over = course.heading_rad.sin() < 0.0;
+    name(canvas, course.start_m, if over { -radius } else { radius }, "Course start", start);
+    for (rule, selection, ink, words) in [
+        (&scenario.targets, Selection::Targets, inks.good, "Target"),
+        (&scenario.starts, Selection::Starts, inks.accent, "Start"),
+    ] {
+        let ink = own_ink(canvas, editor, selection, ink);
+        let all = places_of(rule);
+        for &place in all {
+            let (at, radius) = (canvas.at(place.into()), reach(canvas, scenario, selection));
+            canvas.painter.circle(at, radius, ink.gamma_multiply(0.14), Stroke::new(1.75, ink));
+            match rule {
+                PlaceRule::Fixed { heading_rad: Some(heading), .. } if selection == Selection::Starts => {
+                    pointing(canvas, at, radius, *heading, ink);
+                }
+                _ => {
+                    canvas.painter.circle_filled(at, 2.5, ink);
+                }
+            }
+            if all.len() <= NAMED {
+                name(canvas, place, radius, words, ink);
+            }
+        }
+    }
+}
+
+fn places_of(rule: &PlaceRule) -> &[(f32, f32)] {
+    match rule {
+        PlaceRule::Fixed { at_m, .. } => std::slice::from_ref(at_m),
+        PlaceRule::OneOf { places_m } => places_m,
+        PlaceRule::Random { .. } | PlaceRule::Within { .. } => &[],
+    }
+}
+
+/// An arrow from the middle to the rim.
+fn pointing(canvas: &Canvas, at: Pos2, radius: f32, heading_rad: f32, ink: Color32) {
+    let along = direction(heading_rad);
+    let tip = at + along * (radius - 2.0).max(6.0);
+    canvas.painter.line_segment([at - along * radius * 0.5, tip - along * 4.0], Stroke::new(1.75, ink));
+    canvas.arrow_head(tip, along, 6.0, ink);
+}
+
+/// How large a mark is on the screen, in points.
+fn reach(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> f32 {
+    let radius_m = match selection {
+        Selection::Starts => scenario.robot.radius_m,
+        Selection::CourseStart => scenario.task.collision_range_m.max(scenario.robot.radius_m),
+        _ => scenario.task.goal_radius_m,
+    };
+    canvas.plane.length(radius_m).max(6.0)
+}
+
+/// A name below a mark of this radius, or above it if that is negative.
+fn name(canvas: &Canvas, at_m: (f32, f32), radius: f32, words: &str, ink: Color32) {
+    let at = canvas.at(at_m.into());
+    let anchor = if radius < 0.0 { Align2::CENTER_BOTTOM } else { Align2::CENTER_TOP };
+    if canvas.painter.clip_rect().expand(radius.abs()).contains(at) {
+        canvas.chip(at + vec2(0.0, radius + 5.0 * radius.signum()), anchor, words, ink);
+    }
+}
+
+/// Draws around a rule's region or places, or an end of the course.
+pub fn ring(canvas: &Canvas, scenario: &Scenario, selection: Selection, stroke: Stroke) {
+    let frame = |region: Region| {
+        let rect = canvas.plane.rect_of(region.min_m.into(), region.max_m.into());
+        canvas.painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
+    };
+    let radius = reach(canvas, scenario, selection) + 4.0;
+    let around = |place: (f32, f32)| {
+        canvas.painter.circle_stroke(canvas.at(place.into()), radius, stroke);
+    };
+    match selection {
+        Selection::Generator(k) => {
+            if let Some(region) = scenario.generators.get(k).and_then(|generator| generator.within) {
+                frame(region);
+            }
+        }
+        Selection::Starts | Selection::Targets => {
+            let rule = if selection == Selection::Starts { &scenario.starts } else { &scenario.targets };
+            region_of(rule).into_iter().for_each(frame);
+            places_of(rule).iter().copied().for_each(around);
+        }
+        Selection::CourseStart => around(scenario.course.start_m),
+        Selection::CourseTarget => around(scenario.course.target_m),
+        _ => {}
+    }
+}
+
+/// The box around what is drawn of it, on the screen.
+pub fn space(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> Option<Rect> {
+    let side = 2.0 * reach(canvas, scenario, selection);
+    let around = |place: (f32, f32)| Rect::from_center_size(canvas.at(place.into()), Vec2::splat(side));
+    let rule = match selection {
+        Selection::CourseStart => return Some(around(scenario.course.start_m)),
+        Selection::CourseTarget => return Some(around(scenario.course.target_m)),
+        Selection::Starts => &scenario.starts,
+        Selection::Targets => &scenario.targets,
+        _ => return None,
+    };
+    match region_of(rule) {
+        Some(region) => Some(canvas.plane.rect_of(region.min_m.into(), region.max_m.into())),
+        None => places_of(rule).first().copied().map(around),
+    }
+}

@@ -1,0 +1,345 @@
+//! The editor's panel, in place of the setup: the world's name, what can be added, the numbers of what is selected, what is
+//! wrong, and what becomes of it all.
+//!
+//! In: the view, the editor on the desk. Out: the editor's changes, and orders. What would give up a training of some worth
+//! is asked about first.
+
+use std::path::{Path, PathBuf};
+
+use egui::{
+    Align, Button, Context, Frame, Id, Label, Layout, Margin, Panel, RichText, ScrollArea, Stroke, TextEdit,
+    Ui, Vec2, vec2,
+};
+
+use super::fields::{buttons, choose, named};
+use super::{findings, inspector, leave};
+use crate::app::desk::Desk;
+use crate::app::editor::{Editor, Form, Point, Snap, Tool, metres};
+use crate::app::orders::Order;
+use crate::app::screen::icons::{self, Icon, Tone};
+use crate::app::screen::numbers;
+use crate::app::screen::panels::setup::{soft, title};
+use crate::app::screen::theme::{BODY, GAP, Inks, SMALL};
+use crate::app::screen::{View, panels::press};
+
+/// The height of the wide buttons.
+const TALL: f32 = 30.0;
+/// A panel as high as this keeps what is wrong and what becomes of it in sight.
+const ROOMY: f32 = 560.0;
+
+/// What is asked for at the panel's foot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wish {
+    GoOn,
+    Again,
+    Close,
+}
+
+/// Draws it.
+pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+    let camera = desk.camera.centre_m;
+    let Some(editor) = desk.editor.as_deref_mut() else { return };
+    let inner = Frame::new().inner_margin(Margin::symmetric(14, 12));
+    let mut wish = None;
+    let roomy = ui.available_height() >= ROOMY;
+    if roomy {
+        let foot = Panel::bottom("editor foot").resizable(false).frame(inner);
+        foot.show(ui, |ui| {
+            // What is wrong may be much: it has its own scroll bar, in the margin.
+            let most = ui.ctx().content_rect().height() * 0.16;
+            let list = ScrollArea::vertical().id_salt("findings").max_height(most);
+            list.show(ui, |ui| findings::show(ui, editor));
+            wish = becomes(ui, view, editor, orders);
+        });
+    }
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        inner.show(ui, |ui| {
+            wish = head(ui, editor).or(wish);
+            templates(ui, view, orders);
+            gap(ui);
+            add(ui, editor, camera);
+            gap(ui);
+            inspector::show(ui, editor);
+            if !roomy {
+                gap(ui);
+                findings::show(ui, editor);
+                wish = becomes(ui, view, editor, orders).or(wish);
+            }
+        });
+    });
+    let (scenario, from) = (editor.scenario().clone(), editor.from().to_owned());
+    if wish.is_some() {
+        set_asked(ui.ctx(), false);
+    }
+    match wish {
+        Some(Wish::Close) => leave::ask(ui.ctx(), desk, None, orders),
+        Some(wish) => {
+            let taken = Order::TakeWorld { scenario, from, again: wish == Wish::Again };
+            leave::leave(ui.ctx(), desk, Some(taken), orders);
+        }
+        None => {}
+    }
+}
+
+/// Its name, where it came from, the way back.
+fn head(ui: &mut Ui, editor: &mut Editor) -> Option<Wish> {
+    let mut wish = None;
+    from_the_right(ui, |ui| {
+        let tip = "Back to the world that runs";
+        if icons::button(ui, Icon::Close, Tone::Quiet, 22.0, "Close the editor", tip).clicked() {
+            wish = Some(Wish::Close);
+        }
+        name(ui, editor);
+    });
+    from_the_right(ui, |ui| {
+        ui.spacing_mut().button_padding = vec2(6.0, 2.0);
+        let undo = "The last change is taken back  (Ctrl+Z)";
+        let redo = "It is made again  (Ctrl+Y)";
+        let small = |ui: &mut Ui, can, text, tip| {
+            let button = ui.add_enabled(can, Button::new(RichText::new(text).size(SMALL)));
+            button.on_hover_text(tip).on_disabled_hover_text(tip).clicked()
+        };
+        if small(ui, editor.can_redo(), "Redo", redo) {
+            editor.redo();
+        }
+        if small(ui, editor.can_undo(), "Undo", undo) {
+            editor.undo();
+        }
+        let from = Path::new(editor.from());
+        let short = from.file_name().map_or(editor.from().into(), |name| name.to_string_lossy());
+        let changed = if editor.is_changed() { " · changed" } else { "" };
+        let text = soft(&format!("{short}{changed}"));
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            ui.add(Label::new(text).truncate()).on_hover_text(editor.from());
+        });
+    });
+    wish
+}
+
+/// A row that is filled from the right.
+fn from_the_right(ui: &mut Ui, fill: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| ui.with_layout(Layout::right_to_left(Align::Center), fill));
+}
+
+fn name(ui: &mut Ui, editor: &mut Editor) {
+    let mut name = editor.scenario().name.clone();
+    let field = TextEdit::singleline(&mut name).char_limit(100).hint_text("Name");
+    let size = vec2(ui.available_width(), 26.0);
+    let response = ui.add_sized(size, field.vertical_align(Align::Center));
+    named(&response, "Name of the world");
+    if response.changed() {
+        editor.edit("name", |scenario| scenario.name = name);
+    }
+    if response.lost_focus() {
+        editor.seal();
+    }
+}
+
+/// Worlds to begin with.
+fn templates(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
+    ui.horizontal(|ui| {
+        let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
+        let own = |from: &str| Path::new(from).extension() == Some("ron".as_ref());
+        let new = ui.add_sized(vec2(width, 26.0), Button::new("New from…"));
+        let new = new.on_hover_text("A world that comes with the program, to be made into another");
+        egui::Popup::menu(&new).show(|ui| {
+            ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+                for choice in view.status.scenarios.iter().filter(|choice| !own(&choice.from)) {
+                    if ui.button(&choice.title).on_hover_text(&choice.about).clicked() {
+                        orders.push(Order::EditOpen(Some(PathBuf::from(&choice.from))));
+                        ui.close();
+                    }
+                }
+            });
+        });
+        let open = ui.add_sized(vec2(width, 26.0), Button::new("Open…"));
+        if open.on_hover_text("A world from a file  (Ctrl+O)").clicked() {
+            orders.push(Order::EditOpen(None));
+        }
+    });
+}
+
+/// What can be added: it stands near the middle of what is seen.
+fn add(ui: &mut Ui, editor: &mut Editor, camera: [f32; 2]) {
+    title(ui, "Add");
+    let (low, high) = editor.scenario().enclosure.bounds_m();
+    let near: Point = ((low.0 + high.0) / 2.0 + camera[0], (low.1 + high.1) / 2.0 + camera[1]);
+    let forms = [
+        (Form::Circle, "Circle", "Add a circle"),
+        (Form::Box, "Box", "Add a box"),
+        (Form::Capsule, "Rod", "Add a rod with round ends"),
+        (Form::Triangle, "Triangle", "Add a polygon of three corners"),
+        (Form::Hexagon, "Hexagon", "Add a polygon of six corners"),
+    ];
+    let gap = ui.spacing().item_spacing.x;
+    let size = vec2((ui.available_width() - 2.0 * gap) / 3.0, 26.0);
+    for row in forms.chunks(3) {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().button_padding.x = 2.0;
+            for &(form, text, name) in row {
+                let button = ui.add_sized(size, Button::new(text)).on_hover_text(name);
+                named(&button, name);
+                if button.clicked() {
+                    editor.add(form, near);
+                }
+            }
+            if row.len() < 3 {
+                wall(ui, editor, size);
+            }
+        });
+    }
+    let name = "Add obstacles that are drawn anew for every episode";
+    let button = ui.add_sized(vec2(ui.available_width(), 26.0), Button::new("Random obstacles"));
+    named(&button, name);
+    if button.on_hover_text(name).clicked() {
+        editor.add(Form::Generator, near);
+    }
+    grid(ui, editor);
+}
+
+/// The button that begins and ends a wall.
+fn wall(ui: &mut Ui, editor: &mut Editor, size: Vec2) {
+    let drawing = matches!(editor.tool(), Tool::Wall { .. });
+    let (text, name) = if drawing { ("Done", "The wall is done") } else { ("Wall", "Draw a wall") };
+    let tip = "Click its corners in the world; a double click or Enter ends it";
+    let button = ui.add_sized(size, Button::new(text).selected(drawing)).on_hover_text(tip);
+    named(&button, name);
+    if button.clicked() {
+        if drawing {
+            editor.tool_end();
+        } else {
+            editor.take_tool(Tool::Wall { corners_m: Vec::new() });
+        }
+    }
+}
+
+fn grid(ui: &mut Ui, editor: &mut Editor) {
+    let now = editor.snap.on.then_some(editor.snap.step_m);
+    let texts = Snap::STEPS_M.map(|step_m| (Some(step_m), format!("{} m", metres(step_m))));
+    let about = "What is dragged goes to a grid of so much, and turns by 15°; with Alt it is free";
+    let mut all: Vec<(Option<f32>, &str, &str)> = vec![(None, "Off", "What is dragged goes where it is put")];
+    all.extend(texts.iter().map(|(step, text)| (*step, text.as_str(), about)));
+    if let Some(chosen) = choose(ui, "Grid", now, &all) {
+        editor.snap = Snap { on: chosen.is_some(), step_m: chosen.unwrap_or(editor.snap.step_m) };
+    }
+}
+
+/// What becomes of it: driven in, saved.
+fn becomes(ui: &mut Ui, view: &View<'_>, editor: &mut Editor, orders: &mut Vec<Order>) -> Option<Wish> {
+    ui.add_space(GAP);
+    let mut wish = None;
+    let (go_on, again) = (why_not_go_on(view, editor), why_not_again(editor));
+    set_asked(ui.ctx(), is_asked(ui.ctx()) && again.is_none());
+    if is_asked(ui.ctx()) {
+        wish = ask_back(ui, view);
+    } else {
+        let size = vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, TALL);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().button_padding.x = 2.0;
+            let about = "The policy goes on learning in this world";
+            let text = "Go on here";
+            let button = if let Some(why) = &go_on {
+                ui.add_enabled_ui(false, |ui| ui.add_sized(size, Button::new(text)))
+                    .inner
+                    .on_disabled_hover_text(why)
+            } else {
+                press::primary(ui, text, BODY, size).on_hover_text(about)
+            };
+            if button.clicked() {
+                wish = Some(Wish::GoOn);
+            }
+            let about = "A new training from nothing in this world; what was learnt is given up";
+            let begins =
+                ui.add_enabled_ui(again.is_none(), |ui| ui.add_sized(size, Button::new("Start again here")));
+            let begins = begins.inner.on_hover_text(about).on_disabled_hover_text(again.unwrap_or(about));
+            if begins.clicked() && view.status.restart_discards {
+                set_asked(ui.ctx(), true);
+            } else if begins.clicked() {
+                wish = Some(Wish::Again);
+            }
+        });
+        if let Some(why) = &go_on {
+            ui.label(soft(why));
+        }
+    }
+    files(ui, view, editor, orders);
+    wish
+}
+
+/// Why the policy cannot go on in this world.
+fn why_not_go_on(view: &View<'_>, editor: &Editor) -> Option<String> {
+    if let Some(why) = why_not_again(editor) {
+        return Some(why.into());
+    }
+    let (here, there) = (&**editor.scenario(), &*view.scene.scenario);
+    let shape = |s: &crate::scenario::Scenario| (s.lidar.beams, s.robot.motions.len());
+    if shape(here) != shape(there) {
+        let (beams, motions) = shape(there);
+        return Some(format!(
+            "The network was made for {beams} beams and {motions} motions: start again to learn with others."
+        ));
+    }
+    (here == there).then(|| "This is the world that runs.".into())
+}
+
+/// Why no training can begin in this world.
+fn why_not_again(editor: &Editor) -> Option<&'static str> {
+    (!editor.findings().is_empty()).then_some("First mend what is wrong.")
+}
+
+fn files(ui: &mut Ui, view: &View<'_>, editor: &Editor, orders: &mut Vec<Order>) {
+    let save = |path: Option<PathBuf>| Order::SaveWorld {
+        scenario: editor.scenario().clone(),
+        like: editor.from().to_owned(),
+        path,
+    };
+    let file = editor.file().filter(|_| view.status.disk);
+    let all = [
+        ("Save", "As a RON file, which any text editor opens; its comments are kept  (Ctrl+S)", true),
+        ("Save as…", "Under another name", true),
+    ];
+    match buttons(ui, &all) {
+        Some(0) => orders.push(save(file)),
+        Some(_) => orders.push(save(None)),
+        None => {}
+    }
+}
+
+fn asked() -> Id {
+    Id::new("start again in the edited world")
+}
+
+fn is_asked(ctx: &Context) -> bool {
+    ctx.data(|data| data.get_temp(asked())).unwrap_or(false)
+}
+
+fn set_asked(ctx: &Context, asks: bool) {
+    ctx.data_mut(|data| data.insert_temp(asked(), asks));
+}
+
+/// The question whether the present training may be given up.
+fn ask_back(ui: &mut Ui, view: &View<'_>) -> Option<Wish> {
+    let inks = Inks::of(ui);
+    let frame =
+        Frame::new().stroke(Stroke::new(1.0, inks.warn)).corner_radius(5.0).inner_margin(Margin::same(8));
+    let pressed = frame.show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let episodes = if view.status.episodes == 1 { "episode" } else { "episodes" };
+        let text =
+            format!("This training of {} {episodes} will be gone.", numbers::count(view.status.episodes));
+        ui.label(RichText::new(text).color(inks.ink));
+        buttons(
+            ui,
+            &[("Start again", "A new training begins", true), ("Keep it", "All stays as it is", true)],
+        )
+    });
+    let pressed = pressed.inner?;
+    set_asked(ui.ctx(), false);
+    (pressed == 0).then_some(Wish::Again)
+}
+
+fn gap(ui: &mut Ui) {
+    ui.add_space(GAP);
+    ui.separator();
+    ui.add_space(GAP * 0.5);
+}

@@ -1,0 +1,233 @@
+//! The world's own part of the editor's panel: its enclosure, robot, LIDAR and rules, in groups that open.
+//!
+//! In: the editor. Out: its changes. The rules and the enclosure are shown alone, too, when they are selected.
+
+use egui::{CollapsingHeader, Context, Id, RichText, TextEdit, Ui};
+
+use super::fields::{Rows, Unit, buttons, choose, named};
+use crate::app::editor::{Editor, EnclosureKind, Point, Rule, RuleKind, Selection, Tool};
+use crate::app::screen::panels::setup::soft;
+use crate::app::screen::theme::BODY;
+use crate::scenario::{Enclosure, Motion, PlaceRule};
+
+/// A full turn, as the schema's default has it.
+const ALL_AROUND: f32 = std::f32::consts::TAU;
+
+const RULES: [(RuleKind, &str, &str); 4] = [
+    (RuleKind::Random, "Anywhere", "Anywhere that is clear, drawn anew each time"),
+    (RuleKind::Within, "In a region", "Anywhere that is clear within a rectangle"),
+    (RuleKind::Fixed, "One place", "Always the same place"),
+    (RuleKind::OneOf, "Some places", "One of a few places, each as likely as the others"),
+];
+
+fn group_to_open() -> Id {
+    Id::new("editor group to open")
+}
+
+/// Opens the group that the field at `path` is in.
+pub fn open_at(ctx: &Context, path: &str) {
+    let head = path.split(['.', '[']).next().unwrap_or_default().to_owned();
+    ctx.data_mut(|data| data.insert_temp(group_to_open(), head));
+}
+
+/// All groups.
+pub fn show(ui: &mut Ui, editor: &mut Editor) {
+    let asked: Option<String> = ui.data_mut(|data| data.remove_temp(group_to_open()));
+    let group =
+        |ui: &mut Ui, editor: &mut Editor, (name, field): (&str, &str), body: fn(&mut Ui, &mut Editor)| {
+            let open = asked.as_deref().filter(|&head| head == field).map(|_| true);
+            CollapsingHeader::new(RichText::new(name).size(BODY))
+                .id_salt(("editor", name))
+                .open(open)
+                .show_unindented(ui, |ui| body(ui, editor));
+        };
+    group(ui, editor, ("About", "about"), about);
+    group(ui, editor, ("Enclosure", "enclosure"), enclosure);
+    group(ui, editor, ("Robot", "robot"), robot);
+    group(ui, editor, ("LIDAR", "lidar"), lidar);
+    group(ui, editor, ("Episodes", "task"), task);
+    group(ui, editor, ("Starts", "starts"), |ui, editor| rule(ui, editor, Rule::Starts));
+    group(ui, editor, ("Targets", "targets"), |ui, editor| rule(ui, editor, Rule::Targets));
+    group(ui, editor, ("Timed course", "course"), |ui, editor| {
+        course_start(ui, editor);
+        course_target(ui, editor);
+    });
+    if !editor.scenario().generators.is_empty() {
+        group(ui, editor, ("Random obstacles", "generators"), generators);
+    }
+}
+
+fn about(ui: &mut Ui, editor: &mut Editor) {
+    let mut text = editor.scenario().about.clone();
+    let field = TextEdit::multiline(&mut text).desired_width(f32::INFINITY).desired_rows(3).char_limit(2_000);
+    let response = ui.add(field.hint_text("What it is for, or what it teaches"));
+    named(&response, "About the world");
+    if response.changed() {
+        editor.edit("about", |scenario| scenario.about = text);
+    }
+    if response.lost_focus() {
+        editor.seal();
+    }
+}
+
+/// The walls around.
+pub fn enclosure(ui: &mut Ui, editor: &mut Editor) {
+    let mut enclosure = editor.scenario().enclosure.clone();
+    let kinds = [
+        (EnclosureKind::Rectangle, "Rectangle", "About the middle of the world, its sides along x and y"),
+        (EnclosureKind::Polygon, "Polygon", "Any outline, such as an L"),
+    ];
+    if let Some(kind) = choose(ui, "Outline", EnclosureKind::of(&enclosure), &kinds) {
+        return editor.set_enclosure(kind);
+    }
+    let mut rows = Rows::new(ui);
+    match &mut enclosure {
+        Enclosure::Rectangle { width_m, height_m } => {
+            let both = [("width", width_m), ("height", height_m)];
+            rows.pair("Size", "Inner extent along x and y", both, Unit::metres(0.5, 1000.0));
+        }
+        Enclosure::Polygon { corners_m } => rows.places("Corner", corners_m, 3),
+    }
+    rows.finish(editor, "enclosure", |scenario| scenario.enclosure = enclosure);
+}
+
+fn robot(ui: &mut Ui, editor: &mut Editor) {
+    let mut robot = editor.scenario().robot.clone();
+    let mut rows = Rows::new(ui);
+    rows.number("Radius", "Of the robot's disc", &mut robot.radius_m, Unit::metres(0.01, 10.0));
+    let tip = "Time constant of the drive: how slowly it follows the motion that was chosen";
+    rows.number("Drive's lag", tip, &mut robot.actuator_lag_s, Unit::seconds(0.0, 10.0));
+    let units = [Unit::SPEED.between(-5.0, 5.0), Unit::TURNING];
+    rows.list("Motion", &mut robot.motions, 1, units, |motion| {
+        [("speed", &mut motion.v_m_s), ("turning", &mut motion.w_rad_s)]
+    });
+    if robot.motions.len() < 64
+        && buttons(rows.ui, &[("Add a motion", "One more for the policy to choose", true)]) == Some(0)
+    {
+        robot.motions.push(Motion { v_m_s: 0.15, w_rad_s: 0.0 });
+        rows.tell("motion added");
+    }
+    rows.finish(editor, "robot", |scenario| scenario.robot = robot);
+}
+
+fn lidar(ui: &mut Ui, editor: &mut Editor) {
+    let mut lidar = editor.scenario().lidar.clone();
+    let mut rows = Rows::new(ui);
+    rows.count("Beams", "Spread evenly over what it sees", &mut lidar.beams, 1..=4096);
+    let tip = "How wide it sees; a narrower one looks ahead";
+    let view = Unit::ANGLE.between(0.01, f64::from(ALL_AROUND));
+    rows.number("Field of view", tip, &mut lidar.field_of_view_rad, view);
+    if lidar.is_all_around() {
+        lidar.field_of_view_rad = ALL_AROUND;
+    }
+    let tip = "What a beam reports when it meets nothing nearer";
+    rows.number("Range", tip, &mut lidar.max_range_m, Unit::metres(0.01, 1000.0));
+    let tip = "Standard deviation of the Gaussian noise on each range";
+    rows.number("Noise", tip, &mut lidar.noise_std_m, Unit::metres(0.0, 10.0));
+    rows.number("Lost beams", "They report the whole range", &mut lidar.dropout, Unit::SHARE);
+    rows.count(
+        "Latency in steps",
+        "How old a scan is when the policy sees it",
+        &mut lidar.latency_steps,
+        0..=50,
+    );
+    rows.finish(editor, "lidar", |scenario| scenario.lidar = lidar);
+}
+
+fn task(ui: &mut Ui, editor: &mut Editor) {
+    let mut task = editor.scenario().task.clone();
+    let mut rows = Rows::new(ui);
+    let tip = "The target is reached when the robot is nearer than this";
+    rows.number("Goal radius", tip, &mut task.goal_radius_m, Unit::metres(0.001, 100.0));
+    let tip = "It is a collision when anything is nearer to the robot's middle; more than its radius";
+    rows.number("Collision range", tip, &mut task.collision_range_m, Unit::metres(0.001, 100.0));
+    let tip = "How far a new target is from the robot at least";
+    rows.number("New target's distance", tip, &mut task.min_target_distance_m, Unit::metres(0.001, 1000.0));
+    rows.count(
+        "Time limit in steps",
+        "Until an episode is cut off",
+        &mut task.time_limit_steps,
+        1..=1_000_000,
+    );
+    let tip = "Simulated time of one step";
+    rows.number("A step lasts", tip, &mut task.control_period_s, Unit::seconds(0.001, 10.0));
+    rows.finish(editor, "task", |scenario| scenario.task = task);
+}
+
+/// The rule of starts or targets.
+pub fn rule(ui: &mut Ui, editor: &mut Editor, which: Rule) {
+    let (word, place) = match which {
+        Rule::Starts => ("starts", "Start"),
+        Rule::Targets => ("targets", "Target"),
+    };
+    let mut rule = which.of(editor.scenario()).clone();
+    if let Some(kind) = choose(ui, "Where", RuleKind::of(&rule), &RULES) {
+        return editor.set_rule(which, kind);
+    }
+    let mut rows = Rows::new(ui);
+    let clear = "The least distance to any surface";
+    let clearance = Unit::metres(0.0, 1000.0);
+    match &mut rule {
+        PlaceRule::Random { clearance_m } => rows.number("Clearance", clear, clearance_m, clearance),
+        PlaceRule::Within { min_m, max_m, clearance_m } => {
+            region(&mut rows, min_m, max_m);
+            rows.number("Clearance", clear, clearance_m, clearance);
+        }
+        PlaceRule::Fixed { at_m, heading_rad } => {
+            rows.place(place, "", at_m);
+            let mut given = heading_rad.is_some();
+            if which == Rule::Starts {
+                rows.tick("Looks one way", "Or else anywhere", &mut given);
+            }
+            match (given, &mut *heading_rad) {
+                (true, Some(heading)) => rows.number("Heading", HEADING, heading, Unit::ANGLE),
+                (true, none) => *none = Some(0.0),
+                (false, some) => *some = None,
+            }
+        }
+        PlaceRule::OneOf { places_m } => rows.places(place, places_m, 1),
+    }
+    rows.finish(editor, word, |scenario| *which.of_mut(scenario) = rule);
+    if matches!(which.of(editor.scenario()), PlaceRule::OneOf { .. }) {
+        let drawing = *editor.tool() == Tool::Places;
+        let text = if drawing { "Done" } else { "Click more places" };
+        if buttons(ui, &[(text, "Each click in the world is one more place", true)]) == Some(0) {
+            editor.select(which.selection());
+            editor.take_tool(if drawing { Tool::Select } else { Tool::Places });
+        }
+    }
+}
+
+const HEADING: &str = "Where it looks: 0° is along x, counterclockwise";
+
+/// The corners of a rectangle.
+pub fn region(rows: &mut Rows<'_>, min_m: &mut Point, max_m: &mut Point) {
+    rows.place("From", "Its lower left corner", min_m);
+    rows.place("To", "Its upper right corner", max_m);
+}
+
+/// Where the course starts.
+pub fn course_start(ui: &mut Ui, editor: &mut Editor) {
+    let mut course = editor.scenario().course.clone();
+    let mut rows = Rows::new(ui);
+    rows.place("Start", "Where the robot starts on the timed course", &mut course.start_m);
+    rows.number("Heading", HEADING, &mut course.heading_rad, Unit::ANGLE);
+    rows.finish(editor, "course", |scenario| scenario.course = course);
+}
+
+/// Where it ends.
+pub fn course_target(ui: &mut Ui, editor: &mut Editor) {
+    let mut course = editor.scenario().course.clone();
+    let mut rows = Rows::new(ui);
+    rows.place("Target", "Where it must go on the timed course", &mut course.target_m);
+    rows.finish(editor, "course", |scenario| scenario.course = course);
+}
+
+fn generators(ui: &mut Ui, editor: &mut Editor) {
+    for k in 0..editor.scenario().generators.len() {
+        let name = format!("Random obstacles {}", k + 1);
+        if ui.button(soft(&name)).on_hover_text("Show its numbers").clicked() {
+            editor.select(Selection::Generator(k));
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Another world under the training: one that was edited, or whose file has changed.
+//!
+//! In: a world. Out: the training goes on in it, or begins anew there; worlds written to files, and opened to be edited.
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::trails::Trails;
+use super::{Session, hand};
+use crate::app::orders::Mode;
+use crate::app::status::Weight;
+use crate::run::folder::write_whole;
+use crate::run::{RunError, shipped};
+use crate::scenario::{MOST_BYTES, Scenario, findings, is_there, read_text, to_text};
+
+impl Session {
+    /// The training goes on in an edited world, or begins anew there.
+    ///
+    /// # Errors
+    /// The world can't be, or the network doesn't fit it; all stays as it was then.
+    pub(super) fn take_edited(
+        &mut self,
+        world: &mut World,
+        scenario: &Scenario,
+        from: String,
+        again: bool,
+    ) -> Result<(), RunError> {
+        if let Some(finding) = findings(scenario).first() {
+            return Err(RunError::Unusable(format!("{}: {finding}", scenario.name)));
+        }
+        let asked = if from == self.config.scenario_from {
+            self.as_asked.clone()
+        } else {
+            as_it_stands(&from).unwrap_or_else(|| scenario.clone())
+        };
+        if again {
+            self.begin_in(world, scenario.clone(), from)?;
+        } else {
+            self.take_world(world, scenario)?;
+            self.config.scenario_from = from;
+            self.follow_file();
+            self.offer_own();
+        }
+        self.as_asked = asked;
+        Ok(())
+    }
+
+    /// The training goes on in `scenario`, all arenas with a new episode.
+    ///
+    /// # Errors
+    /// The network doesn't fit it.
+    pub(super) fn take_world(&mut self, world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
+        self.may_take(scenario)?;
+        let mode = self.mode;
+        self.set_mode(world, Mode::Train)?;
+        let deed = hand::Deed::World(Box::new(scenario.clone()));
+        hand::apply(world, &deed);
+        self.journal.note(deed);
+        self.world_is_another(world);
+        let arenas = self.config.preset.arenas;
+        world.resource_mut::<Trails>().restart(arenas);
+        self.coming = None;
+        self.set_mode(world, mode)
+    }
+
+    /// Whether the network can go on in `scenario`.
+    ///
+    /// # Errors
+    /// It cannot; what differs.
+    pub(super) fn may_take(&self, scenario: &Scenario) -> Result<(), RunError> {
+        let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
+        let ((beams, motions), here) = (shape(scenario), shape(&self.config.scenario));
+        if (beams, motions) == here {
+            return Ok(());
+        }
+        Err(RunError::Unusable(format!(
+            "{}: it has {beams} beams and {motions} motions, and the network was made for {} and {}: begin a new \
+             training there",
+            scenario.name, here.0, here.1
+        )))
+    }
+
+    /// Writes an edited world to `path`, with the comments of the file that is there, or else of `like`, that it was made
+    /// from.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub(super) fn save_world(
+        &mut self,
+        scenario: &Arc<Scenario>,
+        like: &str,
+        path: &Path,
+    ) -> Result<(), RunError> {
+        let older = if is_there(path) { read_text(path).ok() } else { text_of(like) };
+        let text = to_text(scenario, older.as_deref());
+        if text.len() as u64 > MOST_BYTES {
+            let why = "the world is too large: its file would have more than 1 MiB, and could not be read again";
+            return Err(RunError::failed(path, why));
+        }
+        write_whole(path, |file| file.write_all(text.as_bytes()))
+            .map_err(|error| RunError::failed(path, error.to_string()))?;
+        let file = path.display().to_string();
+        if file == self.config.scenario_from {
+            self.as_asked = Scenario::clone(scenario);
+        }
+        self.tell(Weight::Told, format!("Saved to {file}"));
+        self.saved_world = Some((file, scenario.clone()));
+        Ok(())
+    }
+
+    /// Opens the scenario at `path`, a file or a shipped name, to be edited: also one whose parts don't fit together yet.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub(super) fn open_to_edit(&mut self, path: &Path) -> Result<(), RunError> {
+        let from = path.display().to_string();
+        let scenario = if is_there(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;
+        let number = self.draft.as_ref().map_or(0, |draft| draft.0) + 1;
+        self.draft = Some((number, from, Arc::new(scenario)));
+        Ok(())
+    }
+
+    /// After an episode's end: the world that was waiting for it is taken.
+    pub(super) fn take_coming(&mut self, world: &mut World) {
+        let Some(scenario) = self.coming.take() else { return };
+        match self.take_world(world, &scenario) {
+            Ok(()) => {
+                self.tell(Weight::Told, format!("{}: the changed world is driven in now", self.config.scenario_from));
+                self.as_asked = scenario;
+            }
+            Err(error) => self.tell(Weight::Failed, error.to_string()),
+        }
+    }
+
+    /// From now on the scenario's file is watched, if it is one.
+    fn follow_file(&mut self) {
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            self.watches.file = super::watch::Watch::of(&self.config.scenario_from);
+        }
+    }
+}
+
+/// The world that is asked for by `from`, a shipped name or a file, as it stands there.
+fn as_it_stands(from: &str) -> Option<Scenario> {
+    shipped::scenario(from).ok()
+}
+
+/// The text of a shipped scenario or of a file.
+fn text_of(from: &str) -> Option<String> {
+    match shipped::scenario_text(from) {
+        Some(text) if !is_there(Path::new(from)) => Some(text.into()),
+        _ => read_text(from).ok(),
+    }
+}

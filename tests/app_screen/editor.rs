@@ -1,0 +1,415 @@
+//! The editor's panel: what is typed, chosen and pressed there, and what becomes of the world.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::Key;
+use egui_kittest::kittest::Queryable;
+use wayfield::app::editor::{Editor, Rule, RuleKind, Selection, Tool};
+use wayfield::app::orders::Order;
+use wayfield::scenario::{Enclosure, Obstacle, ObstacleMotion, PlaceRule, Scenario, Shape};
+
+use super::{Window, click, ordered, settle, window, window_of};
+use crate::fake::{self, Fake};
+
+/// A window in which the fake's own world is edited: four cylinders of 0.15 m in a square of 4 m.
+fn editing() -> Window {
+    editing_in(Fake::default())
+}
+
+fn editing_in(mut fake: Fake) -> Window {
+    open(&mut fake, "scenario-1");
+    window(fake)
+}
+
+fn open(fake: &mut Fake, from: &str) {
+    let editor = Editor::open(fake.scene.scenario.clone(), from.into(), true);
+    fake.desk.editor = Some(Box::new(editor));
+}
+
+fn editor(window: &mut Window) -> &mut Editor {
+    window.state_mut().desk.editor.as_deref_mut().expect("the editor is open")
+}
+
+fn world(window: &mut Window) -> Arc<Scenario> {
+    editor(window).scenario().clone()
+}
+
+fn select(window: &mut Window, selection: Selection) {
+    editor(window).select(selection);
+    settle(window);
+}
+
+/// Presses what may have to be scrolled to first.
+fn press_on(window: &mut Window, label: &str) -> Vec<Order> {
+    window.get_by_label(label).scroll_to_me();
+    window.run_steps(40);
+    click(window, label)
+}
+
+/// Writes `text` in place of what is in the field.
+fn write(window: &mut Window, label: &str, text: &str) {
+    press_on(window, label);
+    settle(window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    window.get_by_label(label).type_text(text);
+    settle(window);
+    window.key_press(Key::Enter);
+    settle(window);
+}
+
+#[test]
+fn a_number_that_is_typed_is_one_step() {
+    let mut window = editing();
+    select(&mut window, Selection::Obstacle(2));
+    assert!(window.query_by_label("Obstacle 3 of 4").is_some());
+    write(&mut window, "Radius", "0.25");
+    write(&mut window, "Position x", "-0.755");
+    let obstacle = world(&mut window).obstacles[2].clone();
+    assert_eq!(obstacle.shape, Shape::Circle { radius_m: 0.25 });
+    assert_eq!(obstacle.position_m, (-0.755, -0.6));
+    assert_eq!(click(&mut window, "Undo"), []);
+    assert_eq!(world(&mut window).obstacles[2].position_m, (-0.6, -0.6), "with all its digits");
+    click(&mut window, "Undo");
+    assert_eq!(world(&mut window).obstacles[2].shape, Shape::Circle { radius_m: 0.15 });
+    click(&mut window, "Redo");
+    assert_eq!(world(&mut window).obstacles[2].shape, Shape::Circle { radius_m: 0.25 });
+}
+
+#[test]
+fn angles_are_degrees_here_and_radians_there() {
+    let mut window = editing();
+    click(&mut window, "Add a box");
+    write(&mut window, "Turned", "30");
+    assert_eq!(world(&mut window).obstacles[4].rotation_rad, 0.5236);
+    write(&mut window, "Size height", "0.2");
+    assert_eq!(world(&mut window).obstacles[4].shape, Shape::Rectangle { width_m: 0.4, height_m: 0.2 });
+    select(&mut window, Selection::Nothing);
+    click(&mut window, "LIDAR");
+    write(&mut window, "Field of view", "180");
+    assert_eq!(world(&mut window).lidar.field_of_view_rad, 3.1416);
+    write(&mut window, "Field of view", "360");
+    assert_eq!(world(&mut window).lidar.field_of_view_rad, std::f32::consts::TAU, "the default, to the bit");
+    write(&mut window, "Lost beams", "2.5");
+    assert_eq!(world(&mut window).lidar.dropout, 0.025);
+}
+
+#[test]
+fn what_is_added_is_selected_copied_and_deleted() {
+    let mut window = editing();
+    for (label, count) in [
+        ("Add a circle", 5),
+        ("Add a rod with round ends", 6),
+        ("Add a polygon of three corners", 7),
+        ("Add a polygon of six corners", 8),
+        ("Duplicate", 9),
+        ("Delete", 8),
+    ] {
+        assert_eq!(click(&mut window, label), [], "{label}");
+        assert_eq!(world(&mut window).obstacles.len(), count, "{label}");
+    }
+    assert_eq!(editor(&mut window).selection(), Selection::Nothing);
+    click(&mut window, "Add obstacles that are drawn anew for every episode");
+    assert_eq!(editor(&mut window).selection(), Selection::Generator(0));
+    write(&mut window, "How many", "7");
+    click(&mut window, "Only in a region");
+    let generator = world(&mut window).generators[0].clone();
+    assert_eq!((generator.count, generator.within.map(|r| r.min_m)), (7, Some((-1.0, -1.0))));
+    assert_eq!(editor(&mut window).findings(), []);
+}
+
+#[test]
+fn a_wall_is_drawn_with_the_tool() {
+    let mut window = editing();
+    click(&mut window, "Draw a wall");
+    for at in [(-1.0, 1.2), (1.0, 1.2)] {
+        editor(&mut window).tool_click(at, false);
+    }
+    settle(&mut window);
+    click(&mut window, "The wall is done");
+    assert_eq!(editor(&mut window).selection(), Selection::Wall(0));
+    write(&mut window, "Corner 2 y", "1");
+    assert_eq!(world(&mut window).walls[0].corners_m, [(-1.0, 1.2), (1.0, 1.0)]);
+    assert!(window.query_by_label("Remove corner 1").is_none(), "two are left");
+}
+
+#[test]
+fn motions_and_rules_are_chosen_by_kind() {
+    let mut window = editing();
+    select(&mut window, Selection::Obstacle(0));
+    click(&mut window, "Motion");
+    click(&mut window, "Orbit");
+    let motion = world(&mut window).obstacles[0].motion.clone();
+    assert_eq!(motion, ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: 0.15 });
+    assert!(window.query_by_label("0.849 m away: 0.127 m/s").is_some(), "what that means");
+    click(&mut window, "Motion");
+    click(&mut window, "Back and forth");
+    write(&mut window, "Speed", "0.3");
+    click(&mut window, "Draw its path anew");
+    assert!(matches!(editor(&mut window).tool(), Tool::Path { .. }));
+    editor(&mut window).tool_click((0.6, 1.6), false);
+    settle(&mut window);
+    click(&mut window, "Path is done");
+    let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![(0.6, 1.6)], speed_m_s: 0.3 };
+    assert_eq!(world(&mut window).obstacles[0].motion, expected);
+
+    select(&mut window, Selection::Starts);
+    click(&mut window, "Where");
+    click(&mut window, "One place");
+    click(&mut window, "Looks one way");
+    write(&mut window, "Heading", "-90");
+    let expected = PlaceRule::Fixed { at_m: (0.0, 0.0), heading_rad: Some(-1.5708) };
+    assert_eq!(world(&mut window).starts, expected);
+    click(&mut window, "Where");
+    click(&mut window, "Some places");
+    click(&mut window, "Click more places");
+    editor(&mut window).tool_click((1.5, 0.0), false);
+    settle(&mut window);
+    click(&mut window, "Done");
+    assert_eq!(world(&mut window).starts, PlaceRule::OneOf { places_m: vec![(0.0, 0.0), (1.5, 0.0)] });
+    click(&mut window, "Remove start 1");
+    assert_eq!(world(&mut window).starts, PlaceRule::OneOf { places_m: vec![(1.5, 0.0)] });
+}
+
+#[test]
+fn the_worlds_own_numbers_are_in_groups() {
+    let mut window = editing();
+    assert!(window.query_by_label("Goal radius").is_none(), "closed to begin with");
+    click(&mut window, "Episodes");
+    write(&mut window, "Time limit in steps", "800");
+    press_on(&mut window, "Robot");
+    write(&mut window, "Motion 3 speed", "0.2");
+    press_on(&mut window, "Remove motion 1");
+    press_on(&mut window, "Add a motion");
+    press_on(&mut window, "Enclosure");
+    write(&mut window, "Size width", "5");
+    let world = world(&mut window);
+    assert_eq!(world.task.time_limit_steps, 800);
+    assert_eq!(world.robot.motions.len(), 5);
+    assert_eq!(world.robot.motions[1].v_m_s, 0.2, "the third of before");
+    assert_eq!(world.enclosure, Enclosure::Rectangle { width_m: 5.0, height_m: 4.0 });
+    press_on(&mut window, "Outline");
+    click(&mut window, "Polygon");
+    assert_eq!(editor(&mut window).selection(), Selection::Enclosure);
+    write(&mut window, "Corner 1 x", "-2");
+    click(&mut window, "Select nothing");
+    assert_eq!(editor(&mut window).selection(), Selection::Nothing);
+}
+
+#[test]
+fn the_name_is_written_and_what_changed_is_marked() {
+    let mut window = editing();
+    assert!(window.query_by_label("scenario-1").is_some());
+    write(&mut window, "Name of the world", "Four posts");
+    assert_eq!(world(&mut window).name, "Four posts");
+    assert!(window.query_by_label("scenario-1 · changed").is_some());
+    click(&mut window, "Undo");
+    assert_eq!(world(&mut window).name, "Scenario I", "all of it was one step");
+    assert!(window.query_by_label("scenario-1").is_some());
+}
+
+#[test]
+fn what_is_wrong_is_listed_and_leads_to_the_thing() {
+    let mut window = editing();
+    assert!(window.query_by_label("No problems").is_some());
+    editor(&mut window).edit("x", |s| s.obstacles[1].position_m = (-1.95, 0.6));
+    settle(&mut window);
+    assert!(window.query_by_label("No problems").is_none());
+    assert!(window.query_by_label("1 problem").is_some());
+    window.get_by_label_contains("`obstacles[1]").click();
+    assert_eq!(ordered(&mut window), []);
+    assert_eq!(editor(&mut window).selection(), Selection::Obstacle(1));
+    for label in ["Go on here", "Start again here"] {
+        assert_eq!(click(&mut window, label), [], "{label}: not in a world that can't be");
+    }
+    assert!(window.query_by_label("First mend what is wrong.").is_some());
+    // What belongs to nothing in the world opens its group.
+    click(&mut window, "Undo");
+    editor(&mut window).edit("limit", |s| s.task.time_limit_steps = 0);
+    settle(&mut window);
+    window.get_by_label_contains("`task.time_limit_steps`").click();
+    settle(&mut window);
+    assert!(window.query_by_label("Time limit in steps").is_some());
+}
+
+#[test]
+fn training_goes_on_or_begins_again_in_the_changed_world() {
+    let mut window = editing();
+    assert_eq!(click(&mut window, "Go on here"), [], "it runs there already");
+    assert!(window.query_by_label("This is the world that runs.").is_some());
+    click(&mut window, "Add a circle");
+    let scenario = world(&mut window);
+    let go_on = Order::TakeWorld { scenario, from: "scenario-1".into(), again: false };
+    assert_eq!(click(&mut window, "Go on here"), [go_on]);
+    assert!(window.state().desk.editor.is_none(), "and the world itself is seen again");
+
+    let mut window = editing();
+    window.state_mut().status.restart_discards = true;
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Start again here"), []);
+    assert!(window.query_by_label("This training of 1,284 episodes will be gone.").is_some());
+    assert_eq!(click(&mut window, "Keep it"), []);
+    assert_eq!(click(&mut window, "Start again here"), []);
+    let scenario = world(&mut window);
+    let again = Order::TakeWorld { scenario, from: "scenario-1".into(), again: true };
+    assert_eq!(click(&mut window, "Start again"), [again]);
+    assert!(window.state().desk.editor.is_none());
+}
+
+#[test]
+fn a_network_made_for_other_beams_does_not_go_on() {
+    let mut window = editing();
+    click(&mut window, "LIDAR");
+    write(&mut window, "Beams", "36");
+    assert!(window.query_by_label_contains("made for 24 beams and 5 motions").is_some());
+    assert_eq!(click(&mut window, "Go on here"), []);
+    assert!(window.state().desk.editor.is_some());
+    let orders = click(&mut window, "Start again here");
+    assert!(matches!(orders[..], [Order::TakeWorld { again: true, .. }]), "{orders:?}");
+}
+
+#[test]
+fn worlds_are_saved_and_opened() {
+    let mut window = editing();
+    click(&mut window, "Add a circle");
+    let scenario = world(&mut window);
+    let save = |path: Option<&str>, like: &str| Order::SaveWorld {
+        scenario: scenario.clone(),
+        like: like.into(),
+        path: path.map(PathBuf::from),
+    };
+    assert_eq!(
+        click(&mut window, "Save"),
+        [save(None, "scenario-1")],
+        "what came with the program has no file"
+    );
+    window.state_mut().status.saved_world = Some(("worlds/mine.ron".into(), scenario.clone()));
+    settle(&mut window);
+    assert!(window.query_by_label("mine.ron").is_some(), "not changed any more");
+    assert_eq!(click(&mut window, "Save"), [save(Some("worlds/mine.ron"), "worlds/mine.ron")]);
+    assert_eq!(click(&mut window, "Save as…"), [save(None, "worlds/mine.ron")]);
+    window.state_mut().status.disk = false;
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Save"), [save(None, "worlds/mine.ron")], "a browser has no files");
+
+    assert_eq!(click(&mut window, "Open…"), [Order::EditOpen(None)]);
+    assert_eq!(click(&mut window, "New from…"), []);
+    assert_eq!(click(&mut window, "Scenario II"), [Order::EditOpen(Some("scenario-2".into()))]);
+    let opened = Scenario { name: "Two".into(), ..Scenario::default() };
+    window.state_mut().status.draft = Some((1, "scenario-2".into(), Arc::new(opened.clone())));
+    settle(&mut window);
+    assert_eq!(*world(&mut window), opened);
+    click(&mut window, "Undo");
+    assert_eq!(world(&mut window), scenario, "what was edited before is not lost");
+}
+
+#[test]
+fn closing_asks_about_what_is_not_saved() {
+    let mut window = editing();
+    assert_eq!(click(&mut window, "Close the editor"), []);
+    assert!(window.state().desk.editor.is_none());
+    let mut window = editing();
+    click(&mut window, "Add a circle");
+    click(&mut window, "Close the editor");
+    assert!(window.state().desk.editor.is_some());
+    click(&mut window, "Leave without them");
+    assert!(window.state().desk.editor.is_none());
+}
+
+#[test]
+fn the_grid_is_chosen() {
+    let mut window = editing();
+    click(&mut window, "Grid");
+    click(&mut window, "0.25 m");
+    assert_eq!((editor(&mut window).snap.on, editor(&mut window).snap.step_m), (true, 0.25));
+    click(&mut window, "Grid");
+    click(&mut window, "Off");
+    assert!(!editor(&mut window).snap.on);
+}
+
+/// The right edges of all that stands on the panel.
+fn widest(window: &Window, panel: f32) -> f32 {
+    let on_it = window.get_all_by(|node| {
+        let named = node.label().is_some() || node.value().is_some();
+        named && node.bounding_box().is_some_and(|at| (at.x0 as f32) < panel - 20.0 && at.y0 > 60.0)
+    });
+    on_it.map(|node| node.rect().max.x).fold(0.0, f32::max)
+}
+
+#[test]
+fn nothing_is_wider_than_the_panel() {
+    let mut world = fake::all_sorts();
+    // The longest numbers that are likely.
+    let shape = Shape::Rectangle { width_m: 12.125, height_m: 10.375 };
+    let motion = ObstacleMotion::Patrol { waypoints_m: vec![(-10.125, -10.125)], speed_m_s: 0.125 };
+    world.obstacles.push(Obstacle { shape, position_m: (-12.125, -12.125), rotation_rad: 2.0, motion });
+    let obstacles = (0..world.obstacles.len()).map(Selection::Obstacle);
+    let others = [
+        Selection::Nothing,
+        Selection::Enclosure,
+        Selection::Wall(0),
+        Selection::Generator(0),
+        Selection::Starts,
+        Selection::Targets,
+        Selection::CourseStart,
+        Selection::CourseTarget,
+    ];
+    let mut window = editing_in(Fake::default().in_world(world.clone()));
+    for selection in obstacles.chain(others) {
+        select(&mut window, selection);
+        let widest = widest(&window, 248.0);
+        assert!(widest > 200.0 && widest <= 248.0, "{selection:?}: {widest}");
+    }
+    for group in ["Robot", "LIDAR", "Episodes", "Enclosure", "Starts", "Targets", "Timed course", "About"] {
+        select(&mut window, Selection::Nothing);
+        press_on(&mut window, group);
+        let widest = widest(&window, 248.0);
+        assert!(widest <= 248.0, "{group}: {widest}");
+        press_on(&mut window, group);
+    }
+}
+
+#[test]
+fn in_a_low_panel_everything_scrolls() {
+    let mut fake = Fake::default();
+    (fake.desk.plots_open, fake.desk.setup_open) = (false, true);
+    open(&mut fake, "scenario-1");
+    let mut window = window_of(fake, [420.0, 800.0]);
+    click(&mut window, "Add a circle");
+    select(&mut window, Selection::Obstacle(4));
+    let add = window.get_by_label("Add a circle").rect();
+    window.get_by_label("Save as…").scroll_to_me();
+    settle(&mut window);
+    assert!(window.get_by_label("Add a circle").rect().min.y < add.min.y);
+    let orders = click(&mut window, "Save as…");
+    assert!(matches!(orders[..], [Order::SaveWorld { path: None, .. }]), "{orders:?}");
+}
+
+#[test]
+fn rules_that_are_nowhere_in_the_world_are_changed_in_their_groups() {
+    let mut window = editing();
+    click(&mut window, "Targets");
+    write(&mut window, "Clearance", "0.4");
+    assert_eq!(world(&mut window).targets, PlaceRule::Random { clearance_m: 0.4 });
+    editor(&mut window).set_rule(Rule::Targets, RuleKind::Within);
+    settle(&mut window);
+    write(&mut window, "From x", "-1.5");
+    let (min_m, max_m) = ((-1.5, -1.0), (1.0, 1.0));
+    assert_eq!(world(&mut window).targets, PlaceRule::Within { min_m, max_m, clearance_m: 0.4 });
+}
+
+#[test]
+fn what_is_being_written_stays_with_its_thing() {
+    let mut window = editing();
+    select(&mut window, Selection::Obstacle(0));
+    press_on(&mut window, "Radius");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    window.get_by_label("Radius").type_text("0.3");
+    settle(&mut window);
+    select(&mut window, Selection::Obstacle(1));
+    window.key_press(Key::Enter);
+    settle(&mut window);
+    let radii: Vec<_> = world(&mut window).obstacles.iter().map(|o| o.shape.clone()).collect();
+    let circle = |radius_m| Shape::Circle { radius_m };
+    assert_eq!(radii, [circle(0.3), circle(0.15), circle(0.15), circle(0.15)]);
+}
