@@ -140,6 +140,60 @@ fn a_picture_that_cannot_be_written_is_a_failure() {
     assert!(text(&output.stderr).contains("nowhere/picture.png"));
 }
 
+/// Does what a user's hand does: `xdotool`, which says where a mouse is and what it presses.
+fn hand(display: &Display, deeds: &[&str]) {
+    for deed in deeds {
+        let done = Command::new("xdotool").args(deed.split(' ')).env("DISPLAY", &display.name).status();
+        assert!(
+            done.expect("xdotool starts: its package is among those that the README has one install").success(),
+            "{deed}"
+        );
+        // A software GPU draws some ten frames a second, and each should see it.
+        std::thread::sleep(std::time::Duration::from_millis(400));
+    }
+}
+
+#[test]
+fn an_obstacle_dragged_in_the_editor_and_saved_is_found_in_the_file() {
+    let display = Display::new();
+    let home = tempfile::tempdir().expect("a folder");
+    let file = home.path().join("mine.ron");
+    let before = "// My own.\n(\n    name: \"Mine\",\n    obstacles: [\n        \
+                  (shape: Circle(radius_m: 0.3), position_m: (0.0, 0.6)), // here\n    ],\n)\n";
+    std::fs::write(&file, before).expect("it is written");
+    let mut app = Command::new(env!("CARGO_BIN_EXE_wayfield"))
+        .args(["--scenario", "mine.ron", "--look", "light", "--size", "1280x800"])
+        .current_dir(home.path())
+        .env("XDG_CONFIG_HOME", home.path())
+        .env("XDG_RUNTIME_DIR", home.path())
+        .env("DISPLAY", &display.name)
+        .spawn()
+        .expect("the binary starts");
+    let until = |done: &dyn Fn() -> bool| {
+        let begun = std::time::Instant::now();
+        while !done() && begun.elapsed().as_secs() < 20 {
+            std::thread::sleep(std::time::Duration::from_millis(100));
+        }
+        done()
+    };
+    // It remembers what one looks at as soon as it is there, and after.
+    assert!(until(&|| home.path().join("wayfield/preferences.ron").exists()), "the window is there");
+    // "Edit" in the bar; the obstacle, 0.6 m above the middle of a world of 4 m; "Save" at the panel's foot.
+    let (edit, obstacle, save) = ((655, 28), (588, 335), (67, 775));
+    let at = |(x, y): (i32, i32)| format!("mousemove {x} {y}");
+    hand(&display, &[&at(edit), "click 1", &at(obstacle), "mousedown 1"]);
+    for x in [20, 60, 93] {
+        hand(&display, &[&at((obstacle.0 + x, obstacle.1))]);
+    }
+    hand(&display, &["mouseup 1", &at(save), "click 1"]);
+    let written = || std::fs::read_to_string(&file).unwrap_or_default();
+    until(&|| written() != before);
+    let _ = app.kill();
+    let _ = app.wait();
+    // 93 points of about 156 a metre, on the grid of 5 cm.
+    assert_eq!(written(), before.replace("(0.0, 0.6)", "(0.6, 0.6)"), "one number is another");
+}
+
 #[test]
 fn what_one_looked_at_is_remembered() {
     let display = Display::new();

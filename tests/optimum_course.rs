@@ -30,6 +30,7 @@ fn course(scenario: &Scenario, heading_rad: f32, clock: u64) -> Navigation {
         start: Pose { x_m, y_m, heading_rad },
         target: Target { x_m: target.0, y_m: target.1 },
         clock: Clock(clock),
+        layout: 0,
     }
 }
 
@@ -42,7 +43,7 @@ fn random_navigations(scenario: &Scenario, count: u64) -> Vec<Navigation> {
         let target = draw_target(scenario, clock, (x_m, y_m), &mut draws).expect("room");
         let target = Target { x_m: target.0, y_m: target.1 };
         let start = Pose { x_m, y_m, heading_rad };
-        Navigation { end: EpisodeEnd::TimedOut, steps: 0, start, target, clock: Clock(clock) }
+        Navigation { end: EpisodeEnd::TimedOut, steps: 0, start, target, clock: Clock(clock), layout: 0 }
     };
     (0..count).map(drawn).collect()
 }

@@ -1,4 +1,5 @@
 //! The editor's panel: what is typed, chosen and pressed there, and what becomes of the world.
+#![expect(clippy::approx_constant, reason = "angles as a file has them, to four decimals")]
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,7 +10,7 @@ use wayfield::app::editor::{Editor, Rule, RuleKind, Selection, Tool};
 use wayfield::app::orders::Order;
 use wayfield::scenario::{Enclosure, Obstacle, ObstacleMotion, PlaceRule, Scenario, Shape};
 
-use super::{Window, click, ordered, settle, window, window_of};
+use super::{Window, click, ordered, released, settle, window, window_of};
 use crate::fake::{self, Fake};
 
 /// A window in which the fake's own world is edited: four cylinders of 0.15 m in a square of 4 m.
@@ -248,6 +249,14 @@ fn training_goes_on_or_begins_again_in_the_changed_world() {
     settle(&mut window);
     assert_eq!(click(&mut window, "Start again here"), []);
     assert!(window.query_by_label("This training of 1,284 episodes will be gone.").is_some());
+    // A second click in the same place is no answer.
+    let place = window.get_by_label("Start again here").rect().center();
+    for _ in 0..2 {
+        window.hover_at(place);
+        window.drag_at(place);
+        window.event(released(place));
+        assert_eq!(ordered(&mut window), []);
+    }
     assert_eq!(click(&mut window, "Keep it"), []);
     assert_eq!(click(&mut window, "Start again here"), []);
     let scenario = world(&mut window);
@@ -407,6 +416,8 @@ fn what_is_being_written_stays_with_its_thing() {
     window.get_by_label("Radius").type_text("0.3");
     settle(&mut window);
     select(&mut window, Selection::Obstacle(1));
+    let focused = window.ctx.memory(|memory| memory.focused());
+    assert_eq!(focused, None, "nothing is being written in the fields of another thing");
     window.key_press(Key::Enter);
     settle(&mut window);
     let radii: Vec<_> = world(&mut window).obstacles.iter().map(|o| o.shape.clone()).collect();

@@ -7,7 +7,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use wayfield::app::editor::{Editor, Selection, Tool};
 use wayfield::app::orders::{Mode, Order};
-use wayfield::scenario::{Enclosure, ObstacleMotion, Scenario, Shape};
+use wayfield::scenario::{Enclosure, ObstacleMotion, PlaceRule, Scenario, Shape, findings};
 
 use super::{Window, click, ordered, press, released, settle};
 use crate::fake::{self, Fake};
@@ -222,6 +222,29 @@ fn a_wall_is_drawn_by_clicks() {
 }
 
 #[test]
+fn places_for_targets_are_set_by_clicks_and_the_other_button_ends_it() {
+    let mut window = editing();
+    editor(&mut window).select(Selection::Targets);
+    editor(&mut window).take_tool(Tool::Places);
+    click_at(&mut window, (1.5, 0.0));
+    click_at(&mut window, (-1.49, 0.01));
+    let expected = PlaceRule::OneOf { places_m: vec![(1.5, 0.0), (-1.5, 0.0)] };
+    assert_eq!(world(&mut window).targets, expected);
+    let at = place(&window, (1.0, -1.0));
+    for pressed in [true, false] {
+        window.event(Event::PointerMoved(at));
+        window.event(button(at, PointerButton::Secondary, pressed, Modifiers::NONE));
+        window.step();
+    }
+    assert_eq!(editor(&mut window).tool(), &Tool::Select);
+    assert_eq!(world(&mut window).targets, expected);
+    // One is dragged, and one taken out by a double click.
+    drag(&mut window, (1.5, 0.0), (1.5, -0.5));
+    double_click_at(&mut window, (-1.5, 0.0));
+    assert_eq!(world(&mut window).targets, PlaceRule::OneOf { places_m: vec![(1.5, -0.5)] });
+}
+
+#[test]
 fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
     let mut window = editing();
     click_at(&mut window, (0.6, 0.6));
@@ -302,7 +325,9 @@ fn a_narrow_window_has_the_panel_below_the_world_though_the_curves_are_open() {
     assert!(world.width() > 370.0 && world.max.y < panel.min.y, "{world} {panel}");
     assert!(window.query_by_label("Learning").is_none());
     click(&mut window, "Plots panel");
-    assert!(window.query_by_label("Learning").is_some() && window.query_by_label("Close the editor").is_none());
+    assert!(
+        window.query_by_label("Learning").is_some() && window.query_by_label("Close the editor").is_none()
+    );
 }
 
 #[test]
@@ -330,6 +355,7 @@ fn the_world_is_saved_and_another_opened_by_key() {
 
 #[test]
 fn a_world_of_all_sorts_is_edited_in_any_window_without_a_panic() {
+    assert_eq!(findings(&fake::all_sorts()), []);
     for size in [[1280.0, 860.0], [390.0, 844.0], [200.0, 200.0]] {
         let mut window = at_sixty(size, Fake::default().in_world(fake::all_sorts()));
         press(&mut window, Key::E);

@@ -173,7 +173,7 @@ pub fn all_sorts() -> Scenario {
                 disc(0.12),
                 (3.2, -1.0),
                 0.0,
-                ObstacleMotion::RandomWalk { reach_m: 0.4, speed_m_s: 0.3, seed: 1 },
+                ObstacleMotion::RandomWalk { reach_m: 0.3, speed_m_s: 0.3, seed: 1 },
             ),
         ],
         generators: vec![Generator {
@@ -184,7 +184,7 @@ pub fn all_sorts() -> Scenario {
         }],
         lidar: Lidar { beams: 12, field_of_view_rad: 2.0, ..Lidar::default() },
         starts: PlaceRule::Within { min_m: (-1.9, -0.2), max_m: (-0.9, 0.6), clearance_m: 0.2 },
-        targets: PlaceRule::OneOf { places_m: vec![(0.0, 0.2), (3.7, -1.2), (1.2, 2.2)] },
+        targets: PlaceRule::OneOf { places_m: vec![(0.0, 0.2), (3.7, -1.2), (1.2, 1.2)] },
         course: Course { start_m: (-1.5, 1.9), heading_rad: -0.8, target_m: (3.0, 0.2) },
         ..Scenario::default()
     }

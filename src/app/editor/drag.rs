@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::handles::{self, HandleKind};
-use super::points::{Point, distance, minus, plus};
+use super::points::{Point, distance, is_finite, minus, plus};
 use super::selection::{Selection, places};
 use super::steps::Moment;
 use super::{Editor, Rule, Tool};
@@ -33,6 +33,9 @@ impl Editor {
     pub fn begin_drag(&mut self, kind: HandleKind, at_m: Point) -> bool {
         self.end_drag();
         self.seal();
+        if !is_finite(at_m) {
+            return false;
+        }
         let selection = self.selection;
         let kind = match (selection, kind) {
             // A rule of places has no middle: the nearest place is meant.
@@ -71,7 +74,7 @@ impl Editor {
     /// The pointer is at `at_m` now; `free` is without snapping.
     pub fn drag_to(&mut self, at_m: Point, free: bool) {
         let Some(drag) = &self.drag else { return };
-        if !(at_m.0.is_finite() && at_m.1.is_finite()) {
+        if !is_finite(at_m) {
             return;
         }
         let snap = self.snap.unless(free);

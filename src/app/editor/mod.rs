@@ -52,7 +52,7 @@ use forms::Thing;
 use steps::{Moment, Origin, Steps};
 
 /// Of more things than this the findings wait for the end of a drag.
-const MANY: usize = 400;
+const MANY: usize = 1_000;
 
 /// A world in the hand.
 #[derive(Clone, Debug, PartialEq)]

@@ -33,6 +33,11 @@ pub fn to_angle(angle_rad: f32) -> f32 {
     to_steps(within, 10_000.0)
 }
 
+/// Whether it is a place at all.
+pub(super) fn is_finite((x, y): Point) -> bool {
+    x.is_finite() && y.is_finite()
+}
+
 pub(super) fn plus(a: Point, b: Point) -> Point {
     (a.0 + b.0, a.1 + b.1)
 }
@@ -114,6 +119,7 @@ pub(super) fn degrees_text(angle_rad: f32) -> String {
 }
 
 #[cfg(test)]
+#[expect(clippy::approx_constant, reason = "angles as a file has them, to four decimals")]
 mod tests {
     use super::*;
 

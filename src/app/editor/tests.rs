@@ -1,5 +1,7 @@
 //! The document as a whole: every operation, and the way back from it.
+#![expect(clippy::approx_constant, reason = "angles as a file has them, to four decimals")]
 
+mod anything;
 mod drags;
 
 use super::*;

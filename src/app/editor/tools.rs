@@ -5,7 +5,7 @@
 
 use super::Editor;
 use super::forms::Thing;
-use super::points::{Point, distance};
+use super::points::{Point, distance, is_finite};
 use super::selection::{Selection, places};
 use crate::scenario::{ObstacleMotion, PlaceRule, Wall};
 
@@ -59,6 +59,9 @@ impl Editor {
 
     /// A click in the world with the tool; `free` is without snapping.
     pub fn tool_click(&mut self, at_m: Point, free: bool) {
+        if !is_finite(at_m) {
+            return;
+        }
         let at = self.snapped(at_m, free);
         match &mut self.tool {
             Tool::Select => {}

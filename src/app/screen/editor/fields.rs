@@ -8,7 +8,7 @@ use egui::{Align, ComboBox, DragValue, Id, Label, Layout, Response, RichText, Ui
 use crate::app::editor::{Editor, Point};
 use crate::app::screen::icons::{self, Icon, Tone};
 use crate::app::screen::panels::setup::soft;
-use crate::app::screen::theme::BODY;
+use crate::app::screen::theme::{BODY, Inks};
 use crate::scenario::Scenario;
 
 /// The width of a number's box.
@@ -205,8 +205,18 @@ impl<'u> Rows<'u> {
 
     /// A tick.
     pub fn tick(&mut self, name: &str, tip: &str, value: &mut bool) {
-        let response = self.ui.checkbox(value, soft(name));
-        if hinted(response, tip).changed() {
+        let inks = Inks::of(self.ui);
+        let on = *value;
+        let response = self.ui.scope(|ui| {
+            let widgets = &mut ui.visuals_mut().widgets;
+            for look in [&mut widgets.inactive, &mut widgets.hovered, &mut widgets.active] {
+                if on {
+                    (look.bg_fill, look.fg_stroke.color) = (inks.accent, inks.on_accent);
+                }
+            }
+            ui.checkbox(value, soft(name))
+        });
+        if hinted(response.inner, tip).changed() {
             self.tell(name);
         }
     }

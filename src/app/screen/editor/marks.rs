@@ -12,6 +12,8 @@ use crate::app::screen::world::plane::direction;
 use crate::scenario::{PlaceRule, Region, Scenario};
 use crate::task::Pose;
 
+/// How much room a name takes below a mark, or above it, in points.
+const NAME: f32 = 14.0;
 /// Of more places than these not each has its name beside it.
 const NAMED: usize = 6;
 
@@ -83,13 +85,13 @@ pub fn places(canvas: &Canvas, editor: &Editor) {
     let radius = reach(canvas, scenario, Selection::CourseStart);
     let over = course.heading_rad.sin() < 0.0;
     name(canvas, course.start_m, if over { -radius } else { radius }, "Course start", start);
-    for (rule, selection, ink, words) in [
+    for (rule, selection, own, words) in [
         (&scenario.targets, Selection::Targets, inks.good, "Target"),
         (&scenario.starts, Selection::Starts, inks.accent, "Start"),
     ] {
-        let ink = own_ink(canvas, editor, selection, ink);
         let all = places_of(rule);
-        for &place in all {
+        for (k, &place) in all.iter().enumerate() {
+            let ink = if is_wrong(editor, selection, k) { inks.bad } else { own };
             let (at, radius) = (canvas.at(place.into()), reach(canvas, scenario, selection));
             canvas.painter.circle(at, radius, ink.gamma_multiply(0.14), Stroke::new(1.75, ink));
             match rule {
@@ -105,6 +107,15 @@ pub fn places(canvas: &Canvas, editor: &Editor) {
             }
         }
     }
+}
+
+/// Whether something is wrong with a rule's place `k`, or with the rule as a whole.
+fn is_wrong(editor: &Editor, selection: Selection, k: usize) -> bool {
+    let mut about = editor.findings().iter().filter(|finding| Selection::of_path(&finding.path) == selection);
+    about.any(|finding| {
+        let place = finding.path.split("places_m[").nth(1).and_then(|rest| rest.split(']').next());
+        place.is_none_or(|place| place == k.to_string())
+    })
 }
 
 fn places_of(rule: &PlaceRule) -> &[(f32, f32)] {
@@ -169,10 +180,12 @@ pub fn ring(canvas: &Canvas, scenario: &Scenario, selection: Selection, stroke: 
     }
 }
 
-/// The box around what is drawn of it, on the screen.
+/// The box around what is drawn of it, with its name, on the screen.
 pub fn space(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> Option<Rect> {
     let side = 2.0 * reach(canvas, scenario, selection);
-    let around = |place: (f32, f32)| Rect::from_center_size(canvas.at(place.into()), Vec2::splat(side));
+    let around = |place: (f32, f32)| {
+        Rect::from_center_size(canvas.at(place.into()), Vec2::splat(side)).expand2(vec2(0.0, NAME))
+    };
     let rule = match selection {
         Selection::CourseStart => return Some(around(scenario.course.start_m)),
         Selection::CourseTarget => return Some(around(scenario.course.target_m)),
@@ -183,5 +196,32 @@ pub fn space(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> Opti
     match region_of(rule) {
         Some(region) => Some(canvas.plane.rect_of(region.min_m.into(), region.max_m.into())),
         None => places_of(rule).first().copied().map(around),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scenario::{Obstacle, ObstacleMotion, Shape};
+
+    #[test]
+    fn only_the_place_that_is_wrong_is_shown_so() {
+        let block = Obstacle {
+            shape: Shape::Circle { radius_m: 0.3 },
+            position_m: (-1.0, -1.0),
+            rotation_rad: 0.0,
+            motion: ObstacleMotion::Still,
+        };
+        let scenario = Scenario {
+            obstacles: vec![block],
+            targets: PlaceRule::OneOf { places_m: vec![(1.0, 1.0), (-1.0, -1.0)] },
+            ..Scenario::default()
+        };
+        let editor = Editor::open(Arc::new(scenario), "mine.ron".into(), true);
+        let wrong = |k| is_wrong(&editor, Selection::Targets, k);
+        assert_eq!([wrong(0), wrong(1)], [false, true], "{:?}", editor.findings());
+        assert!(!is_wrong(&editor, Selection::Starts, 0));
     }
 }

@@ -227,40 +227,37 @@ fn grid(ui: &mut Ui, editor: &mut Editor) {
 /// What becomes of it: driven in, saved.
 fn becomes(ui: &mut Ui, view: &View<'_>, editor: &mut Editor, orders: &mut Vec<Order>) -> Option<Wish> {
     ui.add_space(GAP);
-    let mut wish = None;
     let (go_on, again) = (why_not_go_on(view, editor), why_not_again(editor));
-    set_asked(ui.ctx(), is_asked(ui.ctx()) && again.is_none());
-    if is_asked(ui.ctx()) {
-        wish = ask_back(ui, view);
-    } else {
-        let size = vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, TALL);
-        ui.horizontal(|ui| {
-            ui.spacing_mut().button_padding.x = 2.0;
-            let about = "The policy goes on learning in this world";
-            let text = "Go on here";
-            let button = if let Some(why) = &go_on {
-                ui.add_enabled_ui(false, |ui| ui.add_sized(size, Button::new(text)))
-                    .inner
-                    .on_disabled_hover_text(why)
-            } else {
-                press::primary(ui, text, BODY, size).on_hover_text(about)
-            };
-            if button.clicked() {
-                wish = Some(Wish::GoOn);
-            }
-            let about = "A new training from nothing in this world; what was learnt is given up";
-            let begins =
-                ui.add_enabled_ui(again.is_none(), |ui| ui.add_sized(size, Button::new("Start again here")));
-            let begins = begins.inner.on_hover_text(about).on_disabled_hover_text(again.unwrap_or(about));
-            if begins.clicked() && view.status.restart_discards {
-                set_asked(ui.ctx(), true);
-            } else if begins.clicked() {
-                wish = Some(Wish::Again);
-            }
-        });
-        if let Some(why) = &go_on {
-            ui.label(soft(why));
+    let asks = is_asked(ui.ctx()) && again.is_none();
+    set_asked(ui.ctx(), asks);
+    // Over the buttons, which rest meanwhile: a double click on one of them answers nothing.
+    let mut wish = if asks { ask_back(ui, view) } else { None };
+    let size = vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, TALL);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().button_padding.x = 2.0;
+        let text = "Go on here";
+        let button = if asks || go_on.is_some() {
+            ui.add_enabled_ui(false, |ui| ui.add_sized(size, Button::new(text))).inner
+        } else {
+            press::primary(ui, text, BODY, size)
+        };
+        let about = "The policy goes on learning in this world";
+        let why = go_on.as_deref().unwrap_or(about);
+        if button.on_hover_text(about).on_disabled_hover_text(why).clicked() {
+            wish = Some(Wish::GoOn);
         }
+        let begins = Button::new("Start again here");
+        let begins = ui.add_enabled_ui(again.is_none() && !asks, |ui| ui.add_sized(size, begins)).inner;
+        let about = "A new training from nothing in this world; what was learnt is given up";
+        let begins = begins.on_hover_text(about).on_disabled_hover_text(again.unwrap_or(about));
+        if begins.clicked() && view.status.restart_discards {
+            set_asked(ui.ctx(), true);
+        } else if begins.clicked() {
+            wish = Some(Wish::Again);
+        }
+    });
+    if let Some(why) = &go_on {
+        ui.label(soft(why));
     }
     files(ui, view, editor, orders);
     wish

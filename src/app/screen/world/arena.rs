@@ -40,18 +40,25 @@ pub fn lines(canvas: &Canvas, seen: Rect, corners: &[Corner], step_m: f32, strok
     let (low, high) = (plane.to_world(seen.left_bottom()), plane.to_world(seen.right_top()));
     let part = |from: f32, to: f32, seen: Rangef| Rangef::new(from.min(to), from.max(to)).intersection(seen);
     for k in lines_between(low[0], high[0], step_m) {
-        for [from, to] in polygon::spans(corners, k) {
+        for [from, to] in beside(corners, k, step_m) {
             let (from, to) = (canvas.at([k, from]), canvas.at([k, to]));
             painter.vline(from.x, part(from.y, to.y, seen.y_range()), stroke);
         }
     }
     let lying: Vec<Corner> = corners.iter().map(|&(x, y)| (y, x)).collect();
     for k in lines_between(low[1], high[1], step_m) {
-        for [from, to] in polygon::spans(&lying, k) {
+        for [from, to] in beside(&lying, k, step_m) {
             let (from, to) = (canvas.at([from, k]), canvas.at([to, k]));
             painter.hline(part(from.x, to.x, seen.x_range()), from.y, stroke);
         }
     }
+}
+
+/// The parts of the line x = `at_m` within a polygon. Where a side lies on the line, it counts as within.
+fn beside(corners: &[Corner], at_m: f32, step_m: f32) -> Vec<[f32; 2]> {
+    let [left, right] = [-1e-3, 1e-3].map(|by| polygon::spans(corners, at_m + by * step_m));
+    let long = |spans: &[[f32; 2]]| spans.iter().map(|[from, to]| to - from).sum::<f32>();
+    if long(&left) >= long(&right) { left } else { right }
 }
 
 /// The distance of the floor's lines: 1, 2 or 5 times a power of ten, in m, that is 56 points or more.
@@ -218,5 +225,13 @@ mod tests {
         }
         let lines: Vec<f32> = lines_between(-1.1, 1.0, 0.5).collect();
         assert_eq!(lines, [-1.0, -0.5, 0.0, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn a_line_along_a_side_is_within() {
+        let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0), (0.0, 3.0)];
+        for (at, spans) in [(0.0, vec![[0.0, 3.0]]), (2.0, vec![[0.0, 3.0]]), (2.1, vec![])] {
+            assert_eq!(beside(&square, at, 0.5), spans, "{at}");
+        }
     }
 }
