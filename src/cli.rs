@@ -24,7 +24,7 @@ use crate::reproduce::{Request, reproduce};
 use crate::run::check_files::{self, Checked};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
-use crate::run::optimum::is_modelled;
+use crate::run::optimum::not_modelled;
 use crate::run::policy_card;
 use crate::run::preset::Budget;
 use crate::run::progress::say as tell;
@@ -153,6 +153,11 @@ struct Arguments {
     #[cfg(feature = "window")]
     #[arg(long, value_name = "PATH", help_heading = "Window", conflicts_with = "mode")]
     open: Option<PathBuf>,
+
+    /// Open the world in the editor
+    #[cfg(feature = "window")]
+    #[arg(long, help_heading = "Window", conflicts_with_all = ["mode", "replay"])]
+    edit: bool,
 
     /// How many times real time it goes at first, or `full`: as quickly as it goes [default: 5]
     #[cfg(feature = "window")]
@@ -285,6 +290,7 @@ fn window_command(arguments: Arguments) -> Result<(), RunError> {
         seed: arguments.seed.unwrap_or(usual.seed),
         pace: arguments.pace.unwrap_or(usual.pace),
         open: arguments.open,
+        edit: arguments.edit,
         ..usual
     };
     // What cannot be used is said here, not in a window.
@@ -627,12 +633,10 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     } else {
         None
     };
-    if arguments.optimum && !is_modelled(&scenario) {
-        tell(&format!(
-            "note: no least times: the planner knows no lag of the drive, no polygons, and only a LIDAR that sees all \
-             around; {} has something else",
-            scenario.name
-        ));
+    if arguments.optimum
+        && let Some(what) = not_modelled(&scenario)
+    {
+        tell(&format!("note: no least times in {}: the planner does not know {what}", scenario.name));
     }
     let optimum = arguments.optimum.then(|| {
         let against = evaluate::against_optimum(&scenario, &navigations);

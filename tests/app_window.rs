@@ -145,7 +145,8 @@ fn hand(display: &Display, deeds: &[&str]) {
     for deed in deeds {
         let done = Command::new("xdotool").args(deed.split(' ')).env("DISPLAY", &display.name).status();
         assert!(
-            done.expect("xdotool starts: its package is among those that the README has one install").success(),
+            done.expect("xdotool starts: its package is among those that the README has one install")
+                .success(),
             "{deed}"
         );
         // A software GPU draws some ten frames a second, and each should see it.
@@ -162,7 +163,7 @@ fn an_obstacle_dragged_in_the_editor_and_saved_is_found_in_the_file() {
                   (shape: Circle(radius_m: 0.3), position_m: (0.0, 0.6)), // here\n    ],\n)\n";
     std::fs::write(&file, before).expect("it is written");
     let mut app = Command::new(env!("CARGO_BIN_EXE_wayfield"))
-        .args(["--scenario", "mine.ron", "--look", "light", "--size", "1280x800"])
+        .args(["--scenario", "mine.ron", "--edit", "--look", "light", "--size", "1280x800"])
         .current_dir(home.path())
         .env("XDG_CONFIG_HOME", home.path())
         .env("XDG_RUNTIME_DIR", home.path())
@@ -178,10 +179,10 @@ fn an_obstacle_dragged_in_the_editor_and_saved_is_found_in_the_file() {
     };
     // It remembers what one looks at as soon as it is there, and after.
     assert!(until(&|| home.path().join("wayfield/preferences.ron").exists()), "the window is there");
-    // "Edit" in the bar; the obstacle, 0.6 m above the middle of a world of 4 m; "Save" at the panel's foot.
-    let (edit, obstacle, save) = ((655, 28), (588, 335), (67, 775));
+    // The obstacle, 0.6 m above the middle of a world of 4 m; "Save" at the panel's foot.
+    let (obstacle, save) = ((588, 335), (67, 775));
     let at = |(x, y): (i32, i32)| format!("mousemove {x} {y}");
-    hand(&display, &[&at(edit), "click 1", &at(obstacle), "mousedown 1"]);
+    hand(&display, &[&at(obstacle), "mousedown 1"]);
     for x in [20, 60, 93] {
         hand(&display, &[&at((obstacle.0 + x, obstacle.1))]);
     }

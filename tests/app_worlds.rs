@@ -157,6 +157,8 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
     let mut wrong = edited.clone();
     wrong.obstacles[0].position_m = (1.95, 0.9);
     studio.order(take(&wrong, false));
+    studio.frame(Duration::from_millis(10));
+    assert!(told(&studio, "beyond the enclosure"), "{:?}", studio.complaints());
     studio.order(take(
         &Scenario {
             lidar: wayfield::scenario::Lidar { beams: 12, ..edited.lidar.clone() },
@@ -165,7 +167,7 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
         false,
     ));
     studio.frame(Duration::from_millis(10));
-    assert!(told(&studio, "beyond the enclosure") && told(&studio, "12 beams"), "{:?}", studio.complaints());
+    assert!(told(&studio, "12 beams"), "{:?}", studio.complaints());
     assert_eq!(studio.steps(), 120);
 
     studio.order(take(&edited, true));

@@ -87,6 +87,7 @@ pub fn run() {
         pace: pace.unwrap_or(usual.pace),
         paused: asked("paused").is_some(),
         open: None,
+        edit: asked("edit").is_some(),
         not_understood,
     };
     if let Err(error) = window::run(Opening { first, ..Opening::default() }) {

@@ -85,6 +85,9 @@ pub struct Desk {
     /// The world that is being edited, in place of the one that runs.
     #[serde(skip)]
     pub editor: Option<Box<Editor>>,
+    /// It is to be opened on the world that runs.
+    #[serde(skip)]
+    pub editor_opens: bool,
 }
 
 impl Default for Desk {
@@ -100,6 +103,7 @@ impl Default for Desk {
             plots_width: None,
             help_open: false,
             editor: None,
+            editor_opens: false,
         }
     }
 }

@@ -112,7 +112,10 @@ pub(super) fn answer(
             (Asked::Save(saved), Some(name)) => ask_where(*saved, &name),
             (Asked::SaveWorld { .. }, Some(name)) => ask_where(Saved::Scenario, &name),
             (Asked::Edit, _) => ask_which("Open a scenario to edit", &["ron"]),
-            _ => ask_which("Open a policy, a checkpoint, a scenario or a preset", &["safetensors", "bin", "ron"]),
+            _ => ask_which(
+                "Open a policy, a checkpoint, a scenario or a preset",
+                &["safetensors", "bin", "ron"],
+            ),
         };
         dialogs.open = Some(Dialog { asking, what, since: Instant::now() });
     }

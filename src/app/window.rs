@@ -100,6 +100,7 @@ impl Plugin for WindowedPlugin {
         desk.look = opening.look.unwrap_or(desk.look);
         desk.overlays = opening.overlays.unwrap_or(desk.overlays);
         desk.grid = opening.grid.unwrap_or(desk.grid);
+        desk.editor_opens = opening.first.edit;
         let window = Window {
             title: "wayfield".into(),
             name: Some("wayfield".into()),

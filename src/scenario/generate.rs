@@ -70,9 +70,10 @@ fn one(
         Some(region) => (region.min_m, region.max_m),
         None => room.enclosure.bounds_m(),
     };
-    let position_m = (0..TRIES)
-        .map(|_| (between(stream, low.0, high.0), between(stream, low.1, high.1)))
-        .find(|&at| has_room(room, at, away) && kept_free.iter().all(|p| length(p.0 - at.0, p.1 - at.1) >= away))?;
+    let position_m =
+        (0..TRIES).map(|_| (between(stream, low.0, high.0), between(stream, low.1, high.1))).find(|&at| {
+            has_room(room, at, away) && kept_free.iter().all(|p| length(p.0 - at.0, p.1 - at.1) >= away)
+        })?;
     Some(Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Still })
 }
 
@@ -131,7 +132,10 @@ mod tests {
                 };
                 let mut others = room.clone();
                 others.obstacles.truncate(index);
-                assert!(clearance(&others, (x, y), 0) >= radius + gap - 1e-5, "layout {layout}: {obstacle:?}");
+                assert!(
+                    clearance(&others, (x, y), 0) >= radius + gap - 1e-5,
+                    "layout {layout}: {obstacle:?}"
+                );
                 for end in [(0.0, 0.0), (1.2, 1.2)] {
                     assert!((x - end.0).hypot(y - end.1) >= radius + gap - 1e-5, "the course stays free");
                 }

@@ -30,9 +30,7 @@ pub(super) fn is_clear(scenario: &Scenario, point_m: (f32, f32), step: u64, clea
 #[must_use]
 pub fn wall_distance(enclosure: &Enclosure, (x, y): (f32, f32)) -> f32 {
     match enclosure {
-        Enclosure::Rectangle { width_m, height_m } => {
-            (width_m / 2.0 - x.abs()).min(height_m / 2.0 - y.abs())
-        }
+        Enclosure::Rectangle { width_m, height_m } => (width_m / 2.0 - x.abs()).min(height_m / 2.0 - y.abs()),
         Enclosure::Polygon { corners_m } => polygon::depth(corners_m, (x, y)),
     }
 }
@@ -230,8 +228,14 @@ mod tests {
         // A quarter turn later its long leg points along -x.
         assert!(near(shape_distance(&triangle, (1.0, 0.0, FRAC_PI_2), (-3.5, 0.0)), 0.5));
         let rod = Shape::Capsule { length_m: 2.0, radius_m: 0.25 };
-        assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (4.0, 4.0)), 4.75), "3, 4, 5 from its end's middle");
-        assert!(near(shape_distance(&rod, (0.0, 0.0, FRAC_PI_2), (1.0, 0.5)), 0.75), "beside it when upright");
+        assert!(
+            near(shape_distance(&rod, (0.0, 0.0, 0.0), (4.0, 4.0)), 4.75),
+            "3, 4, 5 from its end's middle"
+        );
+        assert!(
+            near(shape_distance(&rod, (0.0, 0.0, FRAC_PI_2), (1.0, 0.5)), 0.75),
+            "beside it when upright"
+        );
         assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (0.3, 0.0)), -0.25));
         assert!(near(reach(&rod), 1.25) && near(reach(&triangle), 4.0));
     }
@@ -260,7 +264,10 @@ mod tests {
     fn beams_go_all_around_or_from_right_to_left() {
         let lidar = |beams, field_of_view_rad| Lidar { beams, field_of_view_rad, ..Lidar::default() };
         let all = lidar(4, std::f32::consts::TAU);
-        assert!((all.beam_angle_rad(1) - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "a quarter turn to the left");
+        assert!(
+            (all.beam_angle_rad(1) - std::f64::consts::FRAC_PI_2).abs() < 1e-9,
+            "a quarter turn to the left"
+        );
         let ahead = lidar(5, 2.0);
         let angles: Vec<f64> = (0..5).map(|beam| ahead.beam_angle_rad(beam)).collect();
         assert_eq!(angles, [-1.0, -0.5, 0.0, 0.5, 1.0]);
@@ -274,7 +281,12 @@ mod tests {
         let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: FRAC_PI_2, motion };
         assert!(near(reach_from(&o, (0.0, 0.0)), length(3.5, 1.0)));
         let shape = Shape::Polygon { corners_m: vec![(0.0, 0.0), (4.0, 0.0), (0.0, 1.0)] };
-        let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: FRAC_PI_2, motion: ObstacleMotion::Still };
+        let o = Obstacle {
+            shape,
+            position_m: (3.0, 0.0),
+            rotation_rad: FRAC_PI_2,
+            motion: ObstacleMotion::Still,
+        };
         assert!(near(reach_from(&o, (0.0, 0.0)), 5.0), "its far corner is at (3, 4)");
         let shape = Shape::Capsule { length_m: 2.0, radius_m: 0.5 };
         let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Still };

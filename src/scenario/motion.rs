@@ -213,9 +213,8 @@ mod tests {
 
     #[test]
     fn a_random_walk_stays_in_reach_never_hurries_and_is_told_by_its_seed() {
-        let walk = |seed| {
-            obstacle((1.0, -1.0), ObstacleMotion::RandomWalk { reach_m: 0.5, speed_m_s: 0.2, seed })
-        };
+        let walk =
+            |seed| obstacle((1.0, -1.0), ObstacleMotion::RandomWalk { reach_m: 0.5, speed_m_s: 0.2, seed });
         let (one, other) = (walk(1), walk(2));
         assert_eq!(pose_at(&one, 0, 0.2), (1.0, -1.0, 0.0));
         let (mut apart, mut corners) = (0.0_f32, std::collections::BTreeSet::new());

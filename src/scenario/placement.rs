@@ -64,8 +64,7 @@ pub fn draw_start(
     stream: &mut Stream,
 ) -> Result<(f32, f32, f32), NoFreePlace> {
     let rule = &scenario.starts;
-    let (x, y) =
-        draw(scenario, rule, step, stream, |_| true).ok_or(NoFreePlace { what: "start", step })?;
+    let (x, y) = draw(scenario, rule, step, stream, |_| true).ok_or(NoFreePlace { what: "start", step })?;
     let heading = match rule {
         PlaceRule::Fixed { heading_rad: Some(heading), .. } => *heading,
         _ => PI - TAU * unit(stream),
@@ -130,11 +129,7 @@ fn region(scenario: &Scenario, rule: &PlaceRule) -> (Place, Place) {
 
 /// The places that satisfy `rule` at `step`: of a fixed grid of 64 x 64 over the enclosure or the rule's region those that
 /// are clear, or of the places that the rule names those where the robot would not collide.
-pub(super) fn free_points(
-    scenario: &Scenario,
-    rule: &PlaceRule,
-    step: u64,
-) -> impl Iterator<Item = Place> {
+pub(super) fn free_points(scenario: &Scenario, rule: &PlaceRule, step: u64) -> impl Iterator<Item = Place> {
     let (named, clearance_m): (&[Place], f32) = match rule {
         PlaceRule::Fixed { at_m, .. } => (std::slice::from_ref(at_m), scenario.task.collision_range_m),
         PlaceRule::OneOf { places_m } => (places_m, scenario.task.collision_range_m),
@@ -148,8 +143,7 @@ pub(super) fn free_points(
         (low + high) / 2.0 + ((k as f32 + 0.5) / GRID as f32 - 0.5) * (high - low)
     };
     let of_grid = if named.is_empty() { GRID * GRID } else { 0 };
-    let grid =
-        (0..of_grid).map(move |k| (at(k % GRID, low.0, high.0), at(k / GRID, low.1, high.1)));
+    let grid = (0..of_grid).map(move |k| (at(k % GRID, low.0, high.0), at(k / GRID, low.1, high.1)));
     let named = named.iter().copied();
     grid.chain(named).filter(move |&point| is_clear(scenario, point, step, clearance_m))
 }

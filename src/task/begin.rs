@@ -31,6 +31,18 @@ pub(super) fn run_begin(world: &mut World, arenas: &mut QueryState<&Episode>) {
     }
 }
 
+/// What is read and written of an arena where something begins.
+type Begins = (
+    &'static Arena,
+    &'static Clock,
+    &'static mut Room,
+    &'static mut Pose,
+    &'static mut Drive,
+    &'static mut Target,
+    &'static mut Episode,
+    &'static mut Streams,
+);
+
 /// What is drawn for an arena: a start where the robot does not stay where it is, and a target.
 type Drawn = (Option<Pose>, Target);
 
@@ -39,16 +51,7 @@ pub(super) fn draw(
     scenario: Res<CurrentScenario>,
     places: Res<Places>,
     mut fault: ResMut<TaskFault>,
-    mut arenas: Query<(
-        &Arena,
-        &Clock,
-        &mut Room,
-        &mut Pose,
-        &mut Drive,
-        &mut Target,
-        &mut Episode,
-        &mut Streams,
-    )>,
+    mut arenas: Query<Begins>,
 ) {
     for (arena, clock, mut room, mut pose, mut drive, mut target, mut episode, mut streams) in &mut arenas {
         if matches!(episode.restart, Restart::No | Restart::Moved) {

@@ -5,6 +5,9 @@
 
 #[path = "../support/fake.rs"]
 mod fake;
+
+mod editor;
+mod editor_canvas;
 mod hand;
 mod narrow;
 mod room;

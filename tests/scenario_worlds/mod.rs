@@ -1,5 +1,7 @@
 //! Random worlds over the whole schema: any, and such as can be run.
 
+use std::f32::consts::TAU;
+
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
@@ -126,7 +128,7 @@ impl Numbers {
     }
 
     fn obstacle(self) -> BoxedStrategy<Obstacle> {
-        (self.shape(), self.place(1.6), self.within(-6.28, 6.28), self.motion())
+        (self.shape(), self.place(1.6), self.within(-TAU, TAU), self.motion())
             .prop_map(|(shape, position_m, rotation_rad, motion)| Obstacle {
                 shape,
                 position_m,
@@ -152,8 +154,7 @@ impl Numbers {
     }
 
     fn rule(self, is_start: bool) -> BoxedStrategy<PlaceRule> {
-        let heading =
-            if is_start { option::of(self.within(-6.28, 6.28)).boxed() } else { Just(None).boxed() };
+        let heading = if is_start { option::of(self.within(-TAU, TAU)).boxed() } else { Just(None).boxed() };
         prop_oneof![
             3 => self.within(0.2, 0.4).prop_map(|clearance_m| PlaceRule::Random { clearance_m }),
             1 => (self.within(-3.0, -0.5), self.within(0.0, 3.0), self.within(-3.0, -0.5), self.within(0.0, 3.0),
@@ -182,7 +183,7 @@ impl Numbers {
             });
         let lidar = (
             1_usize..64,
-            self.within(0.1, 6.28),
+            self.within(0.1, TAU),
             self.within(1.0, 5.0),
             self.within(0.0, 0.1),
             self.within(0.0, 0.2),
@@ -222,7 +223,7 @@ impl Numbers {
                     }
                 },
             );
-        let course = (self.place(2.0), self.within(-6.28, 6.28), self.place(2.0))
+        let course = (self.place(2.0), self.within(-TAU, TAU), self.place(2.0))
             .prop_map(|(start_m, heading_rad, target_m)| Course { start_m, heading_rad, target_m });
         let texts =
             ("[ -~é]{1,40}", "[ -~é\n\t]{0,60}").prop_filter("a name", |(name, _)| !name.trim().is_empty());

@@ -14,23 +14,8 @@ const POLYGON: (usize, usize) = (3, 32);
 /// How far beyond the shape the handle is that turns it, in m.
 const TURN_M: f32 = 0.15;
 
-/// The corners of a shape at a pose (x in m, y in m, rotation in rad), in m; none of what is round.
-#[must_use]
-pub fn outline_of(shape: &Shape, (x, y, turn): (f32, f32, f32)) -> Vec<Point> {
-    let frame = Frame::new((x, y), turn);
-    match shape {
-        Shape::Circle { .. } | Shape::Capsule { .. } => Vec::new(),
-        Shape::Rectangle { width_m, height_m } => {
-            let (w, h) = (width_m / 2.0, height_m / 2.0);
-            [(-w, -h), (w, -h), (w, h), (-w, h)].map(|corner| frame.out(corner)).into()
-        }
-        Shape::Polygon { corners_m } => corners_m.iter().map(|&corner| frame.out(corner)).collect(),
-    }
-}
-
 /// From a shape's middle to its farthest point, in m.
-#[must_use]
-pub fn reach_of(shape: &Shape) -> f32 {
+pub(super) fn reach_of(shape: &Shape) -> f32 {
     match shape {
         Shape::Circle { radius_m } => *radius_m,
         Shape::Rectangle { width_m, height_m } => (width_m / 2.0).hypot(height_m / 2.0),

@@ -28,8 +28,8 @@ pub(super) struct Drag {
 
 impl Editor {
     /// Takes hold of a handle of what is selected, with the pointer at `at_m`; what can't be dragged answers no. By
-    /// [`HandleKind::Middle`] everything can be taken that has a place; an inserting handle makes its corner and goes on
-    /// with that.
+    /// [`HandleKind::Middle`] everything can be taken that has a place; an inserting handle makes its corner and goes
+    /// on with that.
     pub fn begin_drag(&mut self, kind: HandleKind, at_m: Point) -> bool {
         self.end_drag();
         self.seal();

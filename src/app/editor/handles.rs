@@ -1,7 +1,7 @@
 //! Handles: what can be dragged of the thing that is selected, and what dragging it does.
 //!
-//! In: a scenario, the selection. Out: the [`Handle`]s; a scenario in which one of them was dragged, put in or taken out.
-//! Where a handle goes is worked from the scenario at the drag's beginning, so that nothing adds up while it is dragged.
+//! In: a scenario, the selection. Out: the [`Handle`]s; a scenario in which one of them was dragged, put in or taken
+//! out. Where a handle goes is worked from the scenario at the drag's beginning, so that nothing adds up meanwhile.
 
 use super::points::Point;
 use super::selection::Selection;
@@ -14,8 +14,8 @@ use crate::scenario::{Enclosure, PlaceRule, Scenario};
 pub enum HandleKind {
     /// The whole thing, with its path or the centre of its orbit.
     Middle,
-    /// A side or a corner of a rectangle, in its own frame: (1, 0) the right side, (-1, 1) the upper left corner. What is
-    /// opposite stays; of the enclosure, the middle.
+    /// A side or a corner of a rectangle, in its own frame: (1, 0) the right side, (-1, 1) the upper left corner. What
+    /// is opposite stays; of the enclosure, the middle.
     Side(i8, i8),
     /// A radius.
     Rim,

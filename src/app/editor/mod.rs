@@ -37,11 +37,10 @@ use std::sync::Arc;
 
 use crate::scenario::{Finding, Scenario, findings};
 
-pub use body::{outline_of, reach_of};
 pub use choices::{EnclosureKind, MotionKind, Rule, RuleKind};
 pub use forms::Form;
 pub use handles::{Handle, HandleKind};
-pub use points::{Point, metres, to_angle, to_mm};
+pub use points::{Point, metres};
 pub use selection::Selection;
 pub use snap::Snap;
 pub use tools::Tool;

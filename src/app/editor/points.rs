@@ -1,6 +1,6 @@
 //! Points and lengths as the editor writes them: in millimetres, so that files stay readable; angles to 0.0001 rad.
 //!
-//! In: what the pointer or a number field says. Out: what goes into the scenario, and how it is written beside a handle.
+//! In: what the pointer or a number field says. Out: what goes into the scenario, and what is written beside a handle.
 
 use std::f32::consts::{PI, TAU};
 
@@ -16,8 +16,7 @@ fn to_steps(value: f32, steps: f64) -> f32 {
 }
 
 /// A length in m, to the millimetre.
-#[must_use]
-pub fn to_mm(length_m: f32) -> f32 {
+pub(super) fn to_mm(length_m: f32) -> f32 {
     to_steps(length_m, 1000.0)
 }
 
@@ -27,8 +26,7 @@ pub(super) fn point_to_mm((x, y): Point) -> Point {
 }
 
 /// An angle in rad within half a turn of 0, to the fourth decimal.
-#[must_use]
-pub fn to_angle(angle_rad: f32) -> f32 {
+pub(super) fn to_angle(angle_rad: f32) -> f32 {
     let within = if angle_rad.abs() <= PI { angle_rad } else { angle_rad - (angle_rad / TAU).round() * TAU };
     to_steps(within, 10_000.0)
 }

@@ -4,6 +4,8 @@
 mod anything;
 mod drags;
 
+use super::body::reach_of;
+use super::points::to_mm;
 use super::*;
 use crate::scenario::{
     Enclosure, Generator, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Region, Shape, Wall, clearance,

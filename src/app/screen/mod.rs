@@ -29,6 +29,7 @@ use egui::containers::panel::PanelState;
 use egui::{CentralPanel, Frame, Id, Margin, Panel, Rangef, ThemePreference, Ui};
 
 use super::desk::{Desk, Look};
+use super::editor::Editor;
 use super::history::History;
 use super::orders::{Mode, Order};
 use super::scene::Scene;
@@ -79,6 +80,12 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
         Look::Dark => ThemePreference::Dark,
     });
     desk.followed = desk.followed.min(view.scene.arenas.len().saturating_sub(1));
+    if std::mem::take(&mut desk.editor_opens) && desk.editor.is_none() {
+        editor::leave::enter(ui.ctx(), view, desk, orders);
+        if let Some((_, from, world)) = &view.status.draft {
+            desk.editor = Some(Box::new(Editor::open(world.clone(), from.clone(), true)));
+        }
+    }
     keys::handle(ui, view, desk, orders);
     if desk.editor.is_none() {
         world::steer::handle(ui, view, orders);

@@ -54,6 +54,10 @@ pub(super) fn first(world: &mut World, first: &First) {
         for problem in first.not_understood.iter().cloned().chain(problem) {
             session.tell(Weight::Failed, problem);
         }
+        if first.edit && session.config.scenario_from != first.scenario {
+            // It cannot be driven in, as was told, but perhaps be mended.
+            let _ = session.open_to_edit(Path::new(&first.scenario));
+        }
         #[cfg(not(target_arch = "wasm32"))]
         session.wait_for(&first.scenario, watch::Then::Begin);
         if let Some(path) = &first.open {

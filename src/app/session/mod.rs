@@ -73,6 +73,8 @@ pub struct First {
     pub paused: bool,
     /// A policy or a run to open at once.
     pub open: Option<PathBuf>,
+    /// The world is to be edited, though it may not fit together yet.
+    pub edit: bool,
     /// What of all that was asked for could not be understood, in words: to be told.
     pub not_understood: Vec<String>,
 }
@@ -87,6 +89,7 @@ impl Default for First {
             pace: Pace::Times(5.0),
             paused: false,
             open: None,
+            edit: false,
             not_understood: Vec::new(),
         }
     }

@@ -110,7 +110,10 @@ impl Session {
             Ok(found) => match self.may_take(&found) {
                 Err(error) => self.tell(Weight::Failed, format!("{name}: {error}")),
                 Ok(()) => {
-                    self.tell(Weight::Told, format!("{name}: its new world is taken when the next episode ends"));
+                    self.tell(
+                        Weight::Told,
+                        format!("{name}: its new world is taken when the next episode ends"),
+                    );
                     self.coming = Some(found);
                 }
             },

@@ -97,7 +97,8 @@ impl Session {
         let older = if is_there(path) { read_text(path).ok() } else { text_of(like) };
         let text = to_text(scenario, older.as_deref());
         if text.len() as u64 > MOST_BYTES {
-            let why = "the world is too large: its file would have more than 1 MiB, and could not be read again";
+            let why =
+                "the world is too large: its file would have more than 1 MiB, and could not be read again";
             return Err(RunError::failed(path, why));
         }
         write_whole(path, |file| file.write_all(text.as_bytes()))
@@ -128,7 +129,10 @@ impl Session {
         let Some(scenario) = self.coming.take() else { return };
         match self.take_world(world, &scenario) {
             Ok(()) => {
-                self.tell(Weight::Told, format!("{}: the changed world is driven in now", self.config.scenario_from));
+                self.tell(
+                    Weight::Told,
+                    format!("{}: the changed world is driven in now", self.config.scenario_from),
+                );
                 self.as_asked = scenario;
             }
             Err(error) => self.tell(Weight::Failed, error.to_string()),

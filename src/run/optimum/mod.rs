@@ -84,14 +84,28 @@ impl Default for Resolution {
     }
 }
 
-/// Whether plans and bounds hold in `scenario`: not if its robot's drive lags, its LIDAR doesn't see all around, or it has
-/// polygons. One with generators is planned in with its layout ([`Scenario::furnished`]).
+/// Whether plans and bounds hold in `scenario` ([`not_modelled`]).
 #[must_use]
 pub fn is_modelled(scenario: &Scenario) -> bool {
-    scenario.robot.actuator_lag_s == 0.0
-        && scenario.lidar.is_all_around()
-        && matches!(scenario.enclosure, Enclosure::Rectangle { .. })
-        && !scenario.obstacles.iter().any(|obstacle| matches!(obstacle.shape, Shape::Polygon { .. }))
+    not_modelled(scenario).is_none()
+}
+
+/// What of `scenario` the planner doesn't know, in words, if there is something: a lag of the drive, a LIDAR that doesn't
+/// see all around, polygons. (One with generators is planned in with its layout, [`Scenario::furnished`].)
+#[must_use]
+pub fn not_modelled(scenario: &Scenario) -> Option<String> {
+    let Scenario { robot, lidar, .. } = scenario;
+    if robot.actuator_lag_s != 0.0 {
+        return Some(format!("a lag of the drive: robot.actuator_lag_s is {}", robot.actuator_lag_s));
+    }
+    if !lidar.is_all_around() {
+        return Some(format!("what isn't seen: lidar.field_of_view_rad is {}", lidar.field_of_view_rad));
+    }
+    if matches!(scenario.enclosure, Enclosure::Polygon { .. }) {
+        return Some("polygons: the enclosure is one".into());
+    }
+    let polygon = scenario.obstacles.iter().position(|o| matches!(o.shape, Shape::Polygon { .. }));
+    polygon.map(|index| format!("polygons: obstacles[{index}] is one"))
 }
 
 /// The shortest plan found from `start` (x in m, y in m, heading in rad) to `target` (in m) when the obstacles are

@@ -121,7 +121,8 @@ impl<'a> World<'a> {
         let growth = (f64::from(scenario.task.collision_range_m) + margin_m).max(0.0);
         let (_, (half_width, half_height)) = scenario.enclosure.bounds_m();
         let period_s = scenario.task.control_period_s;
-        let still = standing(scenario).map(|o| Solid::new(&o.shape, pose_at(&o, 0, period_s), growth)).collect();
+        let still =
+            standing(scenario).map(|o| Solid::new(&o.shape, pose_at(&o, 0, period_s), growth)).collect();
         let moving = scenario.obstacles.iter().filter(|o| o.motion != ObstacleMotion::Still).collect();
         Self {
             moves: moves(scenario),

@@ -108,21 +108,24 @@ fn resizing_a_turned_box_keeps_the_opposite_corner() {
         rotation_rad: 0.5236,
         ..still(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, (1.0, 0.0))
     };
-    let corner = |editor: &Editor, k: usize| {
+    // The lower left (-1, -1) or the upper right (1, 1).
+    let corner = |editor: &Editor, side: f32| {
         let o = &editor.scenario().obstacles[0];
-        outline_of(&o.shape, (o.position_m.0, o.position_m.1, o.rotation_rad))[k]
+        let Shape::Rectangle { width_m, height_m } = o.shape else { panic!("a box") };
+        let ((sin, cos), (x, y)) = (o.rotation_rad.sin_cos(), (side * width_m / 2.0, side * height_m / 2.0));
+        (o.position_m.0 + x * cos - y * sin, o.position_m.1 + x * sin + y * cos)
     };
     let mut editor = with(turned);
-    assert!(near(corner(&editor, 0), (0.8402, -0.3232), 1e-4));
+    assert!(near(corner(&editor, -1.0), (0.8402, -0.3232), 1e-4));
     // By 0.4 along its own x, and 0.1 along its own y: (0.4 cos - 0.1 sin, 0.4 sin + 0.1 cos).
     drag(&mut editor, HandleKind::Side(1, 1), (0.2964, 0.2866), false);
     let o = &editor.scenario().obstacles[0];
     assert_eq!(o.shape, Shape::Rectangle { width_m: 1.0, height_m: 0.5 });
-    assert!(near(corner(&editor, 0), (0.8402, -0.3232), 6e-4), "but for the millimetre of its place");
+    assert!(near(corner(&editor, -1.0), (0.8402, -0.3232), 6e-4), "but for the millimetre of its place");
     // The lower left: the upper right stays.
-    let stays = corner(&editor, 2);
+    let stays = corner(&editor, 1.0);
     drag(&mut editor, HandleKind::Side(-1, -1), (0.1, 0.3), true);
-    assert!(near(corner(&editor, 2), stays, 6e-4));
+    assert!(near(corner(&editor, 1.0), stays, 6e-4));
     let after = Arc::clone(editor.scenario());
     // However often the pointer goes to and fro, nothing adds up.
     editor.begin_drag(HandleKind::Side(-1, 0), (0.0, 0.0));

@@ -317,8 +317,8 @@ pub fn choose<T: Copy + PartialEq>(ui: &mut Ui, name: &str, now: T, all: &[(T, &
     chosen.filter(|&kind| kind != now)
 }
 
-/// A few buttons in a row, as wide as the panel; answers with the one that was pressed. Each has a text, what it does, and
-/// whether it can be pressed.
+/// A few buttons in a row, as wide as the panel; answers with the one that was pressed. Each has a text, what it does,
+/// and whether it can be pressed.
 pub fn buttons(ui: &mut Ui, all: &[(&str, &str, bool)]) -> Option<usize> {
     let mut pressed = None;
     let gaps = ui.spacing().item_spacing.x * all.len().saturating_sub(1) as f32;

@@ -49,6 +49,12 @@ pub fn knobs(plane: &Plane, editor: &Editor) -> Vec<Knob> {
             HandleKind::Insert(_) | HandleKind::PathInsert(_) => {
                 !all.iter().any(|other| !other.handle.kind.is_insert() && near(other.at, LEAST_BETWEEN))
             }
+            // Between two corners of a short side.
+            HandleKind::Side(0, _) | HandleKind::Side(_, 0)
+                if all.iter().any(|other| is_corner(other.handle.kind) && near(other.at, LEAST)) =>
+            {
+                false
+            }
             HandleKind::Side(..) | HandleKind::Rim | HandleKind::End(_) | HandleKind::Corner(_) => {
                 middle.is_none_or(|middle| !near(middle, LEAST))
             }
@@ -56,6 +62,10 @@ pub fn knobs(plane: &Plane, editor: &Editor) -> Vec<Knob> {
         }
     };
     all.iter().filter(has_room).cloned().collect()
+}
+
+fn is_corner(kind: HandleKind) -> bool {
+    matches!(kind, HandleKind::Side(x, y) if x != 0 && y != 0)
 }
 
 /// What turns something is as far beyond it on the screen whatever the zoom.
@@ -178,7 +188,12 @@ pub fn draw(canvas: &Canvas, editor: &Editor, under: Under) {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::app::desk::Camera;
+    use crate::app::screen::world::plane::Bounds;
+    use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
 
     fn knob(kind: HandleKind, x: f32) -> Knob {
         let handle = Handle { kind, at_m: (0.0, 0.0), text: String::new(), about: "" };
@@ -197,6 +212,29 @@ mod tests {
         assert_eq!(hit(4.0), Some(HandleKind::Corner(0)), "the other is nearer, but makes something new");
         assert_eq!(hit(7.0), Some(HandleKind::Insert(1)));
         assert_eq!(hit(49.5), None);
+    }
+
+    #[test]
+    fn a_small_box_shows_its_corners_only_and_a_tiny_one_none() {
+        let block = Obstacle {
+            shape: Shape::Rectangle { width_m: 0.2, height_m: 0.2 },
+            position_m: (0.5, 0.5),
+            rotation_rad: 0.0,
+            motion: ObstacleMotion::Still,
+        };
+        let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
+        let bounds = Bounds::of(&scenario.enclosure);
+        let mut editor = Editor::open(Arc::new(scenario), "mine.ron".into(), true);
+        editor.select(Selection::Obstacle(0));
+        // The world is 4 m wide, the box 30, 18 or 8 points.
+        for (side, shown) in [(600.0, 8), (360.0, 4), (160.0, 0)] {
+            let view = Rect::from_min_size(Pos2::ZERO, Vec2::splat(side));
+            let plane = Plane::new(view, Vec2::ZERO, Camera::default(), bounds);
+            let all = knobs(&plane, &editor);
+            let sides = all.iter().filter(|knob| matches!(knob.handle.kind, HandleKind::Side(..)));
+            assert_eq!(sides.count(), shown, "{side}");
+            assert!(all.iter().any(|knob| knob.handle.kind == HandleKind::Middle), "it can be moved");
+        }
     }
 
     #[test]

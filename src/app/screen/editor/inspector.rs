@@ -187,7 +187,8 @@ fn generator(ui: &mut Ui, editor: &mut Editor, k: usize) {
     let mut rows = Rows::new(ui);
     rows.count("How many", "Fewer where there is no room", &mut generator.count, 1..=200);
     random_shape(&mut rows, &mut generator);
-    let tip = "The least gap to walls and to each other: more than twice the collision range, so that the robot fits";
+    let tip =
+        "The least to walls and to each other: more than twice the collision range, for the robot to fit";
     rows.number("Gap", tip, &mut generator.gap_m, Unit::metres(0.0, 1000.0));
     let mut given = generator.within.is_some();
     rows.tick("Only in a region", "Or else anywhere", &mut given);

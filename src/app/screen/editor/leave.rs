@@ -3,7 +3,9 @@
 //! In: the desk, the view. Out: [`Desk::editor`], and orders: time stands still in the editor, and goes on after it if it
 //! did before.
 
-use egui::{Align2, Area, Button, Context, Frame, Id, Margin, Order as Layer, Rect, RichText, Stroke, Ui, vec2};
+use egui::{
+    Align2, Area, Button, Context, Frame, Id, Margin, Order as Layer, Rect, RichText, Stroke, Ui, vec2,
+};
 
 use crate::app::desk::Desk;
 use crate::app::editor::Editor;

@@ -1,8 +1,8 @@
-//! The editor's panel, in place of the setup: the world's name, what can be added, the numbers of what is selected, what is
-//! wrong, and what becomes of it all.
+//! The editor's panel, in place of the setup: the world's name, what can be added, the numbers of what is selected,
+//! what is wrong, and what becomes of it all.
 //!
-//! In: the view, the editor on the desk. Out: the editor's changes, and orders. What would give up a training of some worth
-//! is asked about first.
+//! In: the view, the editor on the desk. Out: the editor's changes, and orders. What would give up a training of some
+//! worth is asked about first.
 
 use std::path::{Path, PathBuf};
 
