@@ -78,7 +78,8 @@ struct Arguments {
             "checkpoint_every", "rounds", "navigations", "course", "optimum", "only", "seeds", "quick", "experiment", "jobs"])]
     draw: Option<PathBuf>,
 
-    /// The world: a RON file, or a shipped one by name (scenario-1, scenario-2, empty) [default: scenario-1]
+    /// The world: a RON file, or a shipped one by name (scenario-1, scenario-2, empty, corridor, doorway,
+    /// slalom, random-field, u-trap, crossing, crowd, hall, maze) [default: scenario-1]
     #[arg(long, value_name = "FILE", help_heading = "Training and testing",
         conflicts_with_all = ["resume", "reproduce"])]
     scenario: Option<String>,

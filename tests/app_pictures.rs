@@ -57,6 +57,27 @@ fn the_first_sight() {
 }
 
 #[test]
+fn a_world_of_all_sorts() {
+    compare(
+        "all_sorts_dark",
+        [900.0, 720.0],
+        Look::Dark,
+        middle(Fake::default().in_world(fake::all_sorts())),
+    );
+}
+
+#[test]
+fn the_editor() {
+    let mut window = window([1100.0, 720.0], Look::Light, Fake::default().in_world(fake::all_sorts()));
+    window.key_press(egui::Key::E);
+    window.run_steps(4);
+    let editor = window.state_mut().desk.editor.as_mut().expect("it is open");
+    editor.select(wayfield::app::editor::Selection::Obstacle(1));
+    window.run_steps(10);
+    held_against(&mut window, "editor_light");
+}
+
+#[test]
 fn in_training_light() {
     compare("training_light", [1280.0, 800.0], Look::Light, Fake::default());
 }

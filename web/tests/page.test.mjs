@@ -33,6 +33,11 @@ const OPEN = [67, 739];
 const SAVE_WORLD = [67, 771];
 const SAVE_WORLD_ONCE_CHANGED = [67, 790];
 const OBSTACLE = [491, 381];
+// In the editor.
+const ADD_CIRCLE = [48, 217];
+const UNDO = [169, 112];
+const EDITED_SAVE = [67, 875];
+const GO_ON_HERE = [67, 841];
 
 const noComplaints = (page) => assert.deepEqual(page.complaints, []);
 
@@ -194,6 +199,34 @@ test('an obstacle is dragged with the mouse, and the world saved as it stands th
     const moved = await saveAt(SAVE_WORLD_ONCE_CHANGED);
     const differ = before.split('\n').filter((line, k) => line !== moved.split('\n')[k]);
     assert.equal(differ.length, 1, `one obstacle's place: ${differ}`);
+    noComplaints(page);
+    await page.context().close();
+});
+
+test('a world is edited, saved with its comments, and what was learnt goes on in it', async () => {
+    const page = await open(browser, `${host.address}?scenario=empty&edit`, { options: HIGH });
+    await until(page, (now) => now.paused);
+    const save = async () => {
+        const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...EDITED_SAVE)]);
+        assert.equal(saved.suggestedFilename(), 'empty.ron');
+        return readFile(await saved.path(), 'utf8');
+    };
+    const before = await save();
+    assert.match(before, /^\/\/ The enclosure alone/, 'the comments are there');
+    await click(page, ...ADD_CIRCLE);
+    await picture(page, 'editor');
+    const added = await save();
+    const lines = added.split('\n').filter((line) => !before.split('\n').includes(line));
+    assert.equal(lines.filter((line) => line.includes('Circle(radius_m:')).length, 1, `one more: ${lines}`);
+    assert.ok(lines.length <= 3, `and nothing else: ${lines}`);
+    await click(page, ...UNDO);
+    assert.equal(await save(), before, 'undone is undone');
+    await click(page, ...ADD_CIRCLE);
+    const then = await standing(page);
+    await click(page, ...GO_ON_HERE);
+    const now = await until(page, (now) => now.world_changed && !now.paused && now.env_steps > then.env_steps);
+    assert.equal(now.scenario, 'empty.ron', 'as it was saved');
+    await picture(page, 'goes-on-in-the-edited-world');
     noComplaints(page);
     await page.context().close();
 });

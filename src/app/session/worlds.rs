@@ -104,6 +104,9 @@ impl Session {
         write_whole(path, |file| file.write_all(text.as_bytes()))
             .map_err(|error| RunError::failed(path, error.to_string()))?;
         let file = path.display().to_string();
+        // What the page has saved is a file of the user's from now on, which can be asked for.
+        #[cfg(target_arch = "wasm32")]
+        crate::scenario::shelf::hand_in(file.clone(), text.into_bytes());
         if file == self.config.scenario_from {
             self.as_asked = Scenario::clone(scenario);
         }
