@@ -56,7 +56,8 @@ impl FileError {
         Self { path: path.into(), problems: vec![Problem { line_column, message: message.into() }] }
     }
 
-    /// What a check found, each placed in the text where the text has its field. Only the first hundred are
+    /// What a check found, each placed in the text where the text has its field, or at its beginning where that is left
+    /// out. Only the first hundred are
     /// kept.
     #[must_use]
     pub fn in_fields(path: &Path, text: &str, findings: &[Finding]) -> Self {
@@ -65,7 +66,10 @@ impl FileError {
             .iter()
             .take(MOST_PROBLEMS)
             .map(|finding| Problem {
-                line_column: outline.offset_of(&finding.path).map(|offset| line_column(text, offset)),
+                line_column: outline
+                    .offset_of(&finding.path)
+                    .or_else(|| outline.start())
+                    .map(|offset| line_column(text, offset)),
                 message: finding.to_string(),
             })
             .collect();

@@ -129,6 +129,11 @@ impl<'a> Outline<'a> {
         (node != 0).then(|| self.nodes[node].value)
     }
 
+    /// Where the whole begins, comments passed over.
+    pub fn start(&self) -> Option<usize> {
+        self.nodes.get(1).map(|whole| whole.start)
+    }
+
     /// The last node in the text's order that contains `offset`, which is the innermost.
     fn around(&self, offset: usize) -> usize {
         self.nodes.iter().rposition(|node| node.start <= offset && offset < node.end).unwrap_or(0)
@@ -266,6 +271,7 @@ World(
         let outline = Outline::new(TEXT);
         assert_eq!(outline.offset_of("obstacles[1].rotation_rad"), outline.offset_of("obstacles[1]"));
         assert_eq!(outline.offset_of("task.goal_radius_m"), None);
+        assert_eq!(outline.start(), TEXT.find("World("));
     }
 
     #[test]
