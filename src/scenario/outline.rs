@@ -131,7 +131,7 @@ impl<'a> Outline<'a> {
 
     /// Where the whole begins, comments passed over.
     pub fn start(&self) -> Option<usize> {
-        self.nodes.get(1).map(|whole| whole.start)
+        self.nodes.first().map(|whole| whole.value).filter(|&value| value != UNKNOWN)
     }
 
     /// The last node in the text's order that contains `offset`, which is the innermost.

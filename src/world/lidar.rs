@@ -9,7 +9,7 @@ use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::geometry::{
     Ball, ColliderHandle, ColliderSet, Cuboid, Ray, Segment, Shape, TypedShape,
 };
-use bevy_rapier2d::rapier::parry::query::{PointQuery, RayCast};
+use bevy_rapier2d::rapier::parry::query::RayCast;
 
 use super::physics::{Bodies, robot_touches};
 use crate::random::{self, Stream};
@@ -55,10 +55,11 @@ pub fn cast(
         let local_origin = placed.inverse_transform_point(origin);
         let local_heading = placed.inverse_transform_vector(heading);
         let window = Window::onto(shape, local_origin, local_heading);
+        let shape = shape.as_typed_shape();
         for (beam, range) in beams.iter().zip(ranges_m.iter_mut()) {
             if window.may_show(*beam, *range) {
                 let ray = Ray::new(local_origin, local_heading.rotate(*beam));
-                if let Some(distance) = meets(shape, &ray, *range) {
+                if let Some(distance) = meets(&shape, &ray, *range) {
                     *range = distance;
                 }
             }
@@ -68,14 +69,18 @@ pub fn cast(
 
 /// How far `ray` goes to `shape`, if it meets it within `most_m`. To a rod and to a polygon parry comes nearer step by
 /// step, to a tenth of a millimetre or so; by their parts it is as exact as to a circle.
-fn meets(shape: &dyn Shape, ray: &Ray, most_m: f32) -> Option<f32> {
+fn meets(shape: &TypedShape, ray: &Ray, most_m: f32) -> Option<f32> {
     let nearest = |a: Option<f32>, b: Option<f32>| a.into_iter().chain(b).reduce(f32::min);
-    match shape.as_typed_shape() {
+    match *shape {
+        TypedShape::Ball(ball) => ball.cast_local_ray(ray, most_m, true),
+        TypedShape::Cuboid(cuboid) => cuboid.cast_local_ray(ray, most_m, true),
+        TypedShape::Segment(side) => side.cast_local_ray(ray, most_m, true),
         TypedShape::ConvexPolygon(polygon) => {
-            if polygon.contains_local_point(ray.origin) {
+            let corners = polygon.points();
+            let within = |(corner, normal): (&Vec2, &Vec2)| normal.dot(ray.origin - *corner) <= 0.0;
+            if corners.iter().zip(polygon.normals()).all(within) {
                 return Some(0.0);
             }
-            let corners = polygon.points();
             let sides = corners.iter().zip(corners.iter().cycle().skip(1));
             sides.fold(None, |found, (from, to)| {
                 nearest(found, Segment::new(*from, *to).cast_local_ray(ray, most_m, true))
@@ -89,7 +94,8 @@ fn meets(shape: &dyn Shape, ray: &Ray, most_m: f32) -> Option<f32> {
             });
             nearest(middle.cast_local_ray(ray, most_m, true), nearest(ends[0], ends[1]))
         }
-        _ => shape.cast_local_ray(ray, most_m, true),
+        // No other kind is made (`physics.rs`).
+        _ => None,
     }
 }
 
