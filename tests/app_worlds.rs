@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use wayfield::app::orders::{Mode, Order, Pace, Saved};
+use wayfield::app::orders::{Mode, Moved, Order, Pace, Saved};
 use wayfield::app::session::First;
 use wayfield::app::session::journal::{Replayed, verify};
 use wayfield::scenario::Scenario;
@@ -96,7 +96,7 @@ fn a_file_that_was_broken_at_first_is_taken_as_soon_as_it_is_mended() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("mine.ron");
     write(&file, "(name: \"Mine\", obstacles: [");
-    let mut studio = Studio::new(first(&file));
+    let mut studio = Studio::new(First { preset: "per_d3qn".into(), ..first(&file) });
     studio.frame(Duration::from_millis(10));
     assert!(told(&studio, "mine.ron:1:"), "{:?}", studio.session().notices());
     assert_eq!(studio.shown().0.scenario.name, "Scenario I", "something goes on meanwhile");
@@ -105,6 +105,7 @@ fn a_file_that_was_broken_at_first_is_taken_as_soon_as_it_is_mended() {
     write(&file, &world(0.7));
     wait(&mut studio, "it is taken", |studio| studio.shown().0.scenario.name == "Mine");
     assert_eq!(studio.complaints(), Vec::<String>::new());
+    assert_eq!(studio.shown().1.preset_from, "per_d3qn", "as it was asked for");
     write(&file, &world(0.9));
     wait(&mut studio, "and watched from then on", |studio| x_m(studio) == 0.9);
 
@@ -116,6 +117,37 @@ fn a_file_that_was_broken_at_first_is_taken_as_soon_as_it_is_mended() {
     assert_eq!(studio.shown().0.scenario.name, "Mine");
     write(&other, "(name: \"Other\")");
     wait(&mut studio, "it is opened", |studio| studio.shown().0.scenario.name == "Other");
+    // Nor is a preset, once mended, a bad scenario; and a file that was away for a while is watched on.
+    let preset = folder.path().join("preset.ron");
+    write(&preset, "(abot: \"Mine\")");
+    studio.order(Order::Open(preset.clone()));
+    wait(&mut studio, "it is told", |studio| told(studio, "unknown field `abot`"));
+    write(&preset, &std::fs::read_to_string("assets/presets/dqn.ron").expect("it is shipped"));
+    wait(&mut studio, "it is opened", |studio| studio.shown().1.preset_from == preset.display().to_string());
+    assert_eq!(studio.complaints(), Vec::<String>::new());
+    std::fs::remove_file(&other).expect("it was there");
+    let steps = studio.steps();
+    wait(&mut studio, "it goes on without its file", |studio| studio.steps() > steps + 30);
+    write(&other, "(name: \"Back\", task: (time_limit_steps: 40))");
+    wait(&mut studio, "it is there again", |studio| told(studio, "its new world is taken"));
+}
+
+#[test]
+fn a_mended_file_takes_no_training_away() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("mine.ron");
+    write(&file, "(nam: \"Mine\")");
+    let mut studio = Studio::new(First { pace: Pace::Full, ..First::default() });
+    studio.frame(Duration::from_millis(10));
+    studio.order(Order::Open(file.clone()));
+    wait(&mut studio, "it is of some worth", |studio| studio.shown().1.env_steps > 21_000);
+    for k in 0..2 {
+        write(&file, &format!("(name: \"Mine {k}\")"));
+        wait(&mut studio, "it is told", |studio| k > 0 || told(studio, "it can be used now"));
+    }
+    let steps = studio.steps();
+    wait(&mut studio, "the training goes on", |studio| studio.steps() > steps + 3_000);
+    assert_eq!(studio.shown().0.scenario.name, "Scenario I");
 }
 
 #[test]
@@ -170,6 +202,21 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
     assert!(told(&studio, "12 beams"), "{:?}", studio.complaints());
     assert_eq!(studio.steps(), 120);
 
+    // In a world whose LIDAR is noisy each look around draws: every place of a drag is noted, though the training began
+    // in a world without noise.
+    let mut noisy = edited.clone();
+    noisy.lidar.noise_std_m = 0.02;
+    studio.order(take(&noisy, false));
+    for x_m in [0.05, 0.1] {
+        studio.order(Order::Move(Moved::Robot { arena: 1, to_m: (x_m, 0.0) }));
+    }
+    studio.frame(Duration::from_millis(10));
+    studio.step_to(140);
+    let noisy_run = folder.path().join("noisy");
+    studio.order(Order::Save(Saved::Run, noisy_run.clone()));
+    studio.frame(Duration::from_millis(10));
+    assert_eq!(verify(&noisy_run), Ok(Replayed { steps: 140, deeds: 4, same: true }));
+
     studio.order(take(&edited, true));
     studio.frame(Duration::from_millis(10));
     assert_eq!(studio.shown().0.scenario.obstacles[0].position_m, (0.9, 0.9));
@@ -193,7 +240,22 @@ fn an_edited_world_is_saved_with_the_comments_of_its_file_and_opened_to_be_edite
     studio.frame(Duration::from_millis(10));
     let saved = std::fs::read_to_string(&file).expect("it is there");
     assert_eq!(saved, world(3.0), "one number is another");
-    assert_eq!(studio.shown().1.saved_world, Some((file.display().to_string(), scenario)));
+    assert_eq!(studio.shown().1.saved_world, Some((file.display().to_string(), scenario.clone())));
+    // Whether the training goes on in it, the user says; that it doesn't fit yet, the editor.
+    let began = Instant::now();
+    wait(&mut studio, "the file was looked at", |_| began.elapsed() > Duration::from_millis(900));
+    assert_eq!((x_m(&studio), studio.complaints()), (0.6, Vec::new()));
+    // What somebody else has written meanwhile is not written over but when it is asked for twice.
+    write(&file, &world(1.1));
+    let like = file.display().to_string();
+    for k in 0..2 {
+        let (scenario, like) = (scenario.clone(), like.clone());
+        studio.order(Order::SaveWorld { scenario, like, path: Some(file.clone()) });
+        studio.frame(Duration::from_millis(10));
+        let there = std::fs::read_to_string(&file).expect("it is there");
+        assert_eq!(there, world(if k == 0 { 1.1 } else { 3.0 }), "asked for {} times", k + 1);
+        assert_eq!(told(&studio, "changed since by somebody else"), k == 0);
+    }
     studio.order(Order::EditOpen(Some(file.clone())));
     studio.frame(Duration::from_millis(10));
     let (number, from, draft) = studio.shown().1.draft.clone().expect("it was opened");

@@ -142,7 +142,7 @@ fn what_is_shipped_passes() {
         "--check {root}/scenarios {root}/assets/presets",
         root = env!("CARGO_MANIFEST_DIR")
     ));
-    assert!(done.stdout.lines().count() >= 7 && done.stdout.lines().all(|line| line.ends_with(": ok")));
+    assert!(done.stdout.lines().count() >= 16 && done.stdout.lines().all(|line| line.ends_with(": ok")));
 }
 
 #[test]

@@ -158,6 +158,13 @@ fn generators_that_can_fill_the_room_are_told_of() {
              enclosure, or write a smaller clearance_m"
         )]
     };
+    let nowhere = Generator { gap_m: 3.0, ..generator(8, None) };
+    assert_eq!(
+        found(&Scenario { generators: vec![nowhere], ..Scenario::default() }),
+        [
+            "`generators` find no room for anything: write a smaller gap_m, smaller sizes, or a larger `within`"
+        ]
+    );
     let crowd = Scenario { generators: vec![generator(100, None)], ..Scenario::default() };
     assert_eq!(found(&Scenario { generators: vec![generator(8, None)], ..crowd.clone() }), [""; 0]);
     let far = PlaceRule::Random { clearance_m: 0.6 };

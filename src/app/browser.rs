@@ -13,6 +13,7 @@ use bevy::time::Real;
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
+use super::OnDesk;
 use super::orders::{Mode, Order, Pace};
 use super::session::{First, Session};
 use super::window::{self, Opening};
@@ -114,19 +115,12 @@ pub(super) fn answer(
     mut messages: ResMut<Messages<Order>>,
     mut seen: Local<bevy::ecs::message::MessageCursor<Order>>,
     session: Option<Res<Session>>,
-    mut editing: Local<bool>,
+    desk: Res<OnDesk>,
 ) {
     let mut answers = Vec::new();
     for order in seen.read(&messages) {
         match order {
-            Order::OpenDialog => {
-                *editing = false;
-                choose();
-            }
-            Order::EditOpen(None) => {
-                *editing = true;
-                choose();
-            }
+            Order::OpenDialog | Order::EditOpen(None) => choose(),
             Order::SaveWorld { scenario, like, path: None } => {
                 let path = world_file(&scenario.name);
                 answers.push(Order::SaveWorld {
@@ -145,7 +139,7 @@ pub(super) fn answer(
     }
     for (name, bytes) in std::mem::take(&mut *INBOX.lock().unwrap_or_else(PoisonError::into_inner)) {
         shelf::hand_in(name.clone(), bytes);
-        let edits = std::mem::take(&mut *editing) && name.ends_with(".ron");
+        let edits = desk.0.editor.is_some() && name.ends_with(".ron");
         answers.push(if edits { Order::EditOpen(Some(name.into())) } else { Order::Open(name.into()) });
     }
     messages.write_batch(answers);
@@ -194,7 +188,7 @@ pub(super) struct Report {
     mode: Mode,
     pace: Option<Pace>,
     paused: bool,
-    /// An obstacle was moved by hand.
+    /// The world is another than its file has it.
     world_changed: bool,
     episodes: u64,
     env_steps: u64,

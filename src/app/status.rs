@@ -49,7 +49,7 @@ pub struct Status {
     pub scenario_from: String,
     /// The preset as it was asked for, among `presets`.
     pub preset_from: String,
-    /// Obstacles have been moved by hand since the training began.
+    /// The world is another than its file has it: moved by hand, or edited and not saved.
     pub world_changed: bool,
     /// The world is the paper's Scenario I as it stands in the file: the paper's levels can be compared with.
     pub papers_world: bool,

@@ -225,10 +225,15 @@ fn rest_while_paused(session: Option<Res<Session>>, mut settings: ResMut<WinitSe
 }
 
 /// A file that is dropped on the window is opened.
-fn take_dropped_files(mut dropped: MessageReader<FileDragAndDrop>, mut orders: MessageWriter<Order>) {
+fn take_dropped_files(
+    desk: Res<OnDesk>,
+    mut dropped: MessageReader<FileDragAndDrop>,
+    mut orders: MessageWriter<Order>,
+) {
     for event in dropped.read() {
-        if let FileDragAndDrop::DroppedFile { path_buf, .. } = event {
-            orders.write(Order::Open(path_buf.clone()));
+        if let FileDragAndDrop::DroppedFile { path_buf: path, .. } = event {
+            let edits = desk.0.editor.is_some() && path.extension().is_some_and(|ending| ending == "ron");
+            orders.write(if edits { Order::EditOpen(Some(path.clone())) } else { Order::Open(path.clone()) });
         }
     }
 }

@@ -3,10 +3,9 @@
 //! In: a [`Scenario`] with generators, the number of a layout. Out: the same world with their obstacles among the others
 //! and without generators: what stands in one arena for one episode. The same number is the same layout, everywhere.
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
-use super::geometry::{inner_wall_distance, length, reach, shape_distance, wall_distance};
-use super::motion::pose_at;
+use super::geometry::{is_clear, length, reach};
 use super::schema::{Generator, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Scenario, Shape};
 use crate::random::{Stream, between, stream};
 
@@ -64,7 +63,7 @@ fn one(
             (Shape::Rectangle { width_m: size(width_m), height_m: size(height_m) }, true)
         }
     };
-    let rotation_rad = if turns { between(stream, -PI, PI).clamp(-TAU, TAU) } else { 0.0 };
+    let rotation_rad = if turns { between(stream, -PI, PI) } else { 0.0 };
     let away = reach(&shape) + generator.gap_m;
     let (low, high) = match generator.within {
         Some(region) => (region.min_m, region.max_m),
@@ -72,17 +71,9 @@ fn one(
     };
     let position_m =
         (0..TRIES).map(|_| (between(stream, low.0, high.0), between(stream, low.1, high.1))).find(|&at| {
-            has_room(room, at, away) && kept_free.iter().all(|p| length(p.0 - at.0, p.1 - at.1) >= away)
+            is_clear(room, at, 0, away) && kept_free.iter().all(|p| length(p.0 - at.0, p.1 - at.1) >= away)
         })?;
     Some(Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Still })
-}
-
-/// Whether everything is at least `away` m from `at`, moving obstacles where they are at step 0.
-fn has_room(room: &Scenario, at: (f32, f32), away: f32) -> bool {
-    let period = room.task.control_period_s;
-    wall_distance(&room.enclosure, at) >= away
-        && room.walls.iter().all(|wall| inner_wall_distance(wall, at) >= away)
-        && room.obstacles.iter().all(|o| shape_distance(&o.shape, pose_at(o, 0, period), at) >= away)
 }
 
 #[cfg(test)]

@@ -73,17 +73,30 @@ pub fn read_ron<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, FileEr
     parse_ron(&read_text(path)?, path)
 }
 
+/// A `T` from a RON file of up to `most_bytes` at `path`: for files that the program itself has written.
+///
+/// # Errors
+/// [`FileError`] when the file can't be read or is no RON for a `T`.
+pub fn read_long_ron<T: DeserializeOwned>(path: impl AsRef<Path>, most_bytes: u64) -> Result<T, FileError> {
+    let path = path.as_ref();
+    parse_any(&text_up_to(path, most_bytes)?, path)
+}
+
 /// A `T` from RON text; `path` is only what errors name.
 ///
 /// # Errors
 /// [`FileError`] when `text` is no RON for a `T`.
 pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T, FileError> {
     if text.len() as u64 > MOST_BYTES {
-        return Err(too_large(path.as_ref()));
+        return Err(too_large(path.as_ref(), MOST_BYTES));
     }
+    parse_any(text, path.as_ref())
+}
+
+fn parse_any<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, FileError> {
     options().from_str(text).map_err(|error| {
         let (offset, message) = explain(text, &error);
-        FileError::at(path.as_ref(), text, offset, message)
+        FileError::at(path, text, offset, message)
     })
 }
 
@@ -122,7 +135,10 @@ pub fn is_there(path: &Path) -> bool {
 /// # Errors
 /// [`FileError`] when it is missing (naming what is there instead), unreadable, over 1 MiB or not UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
-    let path = path.as_ref();
+    text_up_to(path.as_ref(), MOST_BYTES)
+}
+
+fn text_up_to(path: &Path, most_bytes: u64) -> Result<String, FileError> {
     let fail = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => missing(path),
         ErrorKind::IsADirectory => FileError::whole(
@@ -131,9 +147,9 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
         ),
         _ => FileError::whole(path, format!("can't be read: {error}")),
     };
-    let bytes = read_bytes(path, MOST_BYTES + 1).map_err(fail)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(too_large(path));
+    let bytes = read_bytes(path, most_bytes + 1).map_err(fail)?;
+    if bytes.len() as u64 > most_bytes {
+        return Err(too_large(path, most_bytes));
     }
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
@@ -148,8 +164,9 @@ fn options() -> Options {
     Options::default().with_default_extension(extensions).with_recursion_limit(MOST_LEVELS)
 }
 
-fn too_large(path: &Path) -> FileError {
-    FileError::whole(path, "larger than 1 MiB: that is no file of this kind")
+fn too_large(path: &Path, most_bytes: u64) -> FileError {
+    let most = most_bytes >> 20;
+    FileError::whole(path, format!("larger than {most} MiB: that is no file of this kind"))
 }
 
 /// The error for a file that is not there: the nearest name among its neighbours (or the shipped files), and

@@ -210,7 +210,8 @@ pub struct Generator {
     /// Their outline.
     pub shape: RandomShape,
     /// The least gap from each one's bounding circle to walls, to other obstacles, to the course's ends and to places
-    /// that the rules of starts and targets name. More than twice the collision range, so that the robot fits through.
+    /// that the rules of starts and targets name; what moves is where it is at step 0. More than twice the collision range,
+    /// so that the robot fits through.
     #[serde(default = "default_gap_m")]
     pub gap_m: f32,
     /// Where their middles may be; anywhere, if this is left out.
@@ -339,8 +340,8 @@ impl Lidar {
 pub struct TaskRules {
     /// The paper's l_a: the target is reached when nearer than this, 0.001 to 100 m.
     pub goal_radius_m: f32,
-    /// The paper's l_c: it is a collision when the smallest distance from the robot's centre to anything is
-    /// under this. More than the robot's radius, less than the LIDAR's range.
+    /// The paper's l_c: it is a collision when the smallest distance that a beam measures, from the robot's centre, is
+    /// under this, or its body touches something. More than the robot's radius, less than the LIDAR's range.
     pub collision_range_m: f32,
     /// Steps until an episode is cut off, 1 to 1,000,000.
     pub time_limit_steps: u32,

@@ -31,6 +31,9 @@ pub(super) fn run_begin(world: &mut World, arenas: &mut QueryState<&Episode>) {
     }
 }
 
+/// So many layouts are tried for one that leaves room for a start and a target.
+const LAYOUTS: u32 = 50;
+
 /// What is read and written of an arena where something begins.
 type Begins = (
     &'static Arena,
@@ -59,15 +62,22 @@ pub(super) fn draw(
         }
         if episode.restart.begins_episode() {
             *episode = Episode { restart: episode.restart, ..Episode::default() };
-            if !scenario.0.generators.is_empty() {
+        }
+        let stays = (episode.restart == Restart::Target).then_some(*pose);
+        let generates = episode.restart.begins_episode() && !scenario.0.generators.is_empty();
+        // A layout may leave no room: then it is another.
+        let mut tries = if generates { LAYOUTS } else { 1 };
+        let drawn = loop {
+            if generates {
                 *room = Room::new(&scenario.0, random::word(&mut streams.places));
             }
-        }
-        let drawn = match *places {
-            Places::Course => Ok(course(&room.scenario)),
-            Places::Drawn => {
-                let stays = (episode.restart == Restart::Target).then_some(*pose);
-                draw_for(&room.scenario, clock.0, stays, &mut streams)
+            let drawn = match *places {
+                Places::Course => Ok(course(&room.scenario)),
+                Places::Drawn => draw_for(&room.scenario, clock.0, stays, &mut streams),
+            };
+            tries -= 1;
+            if drawn.is_ok() || tries == 0 {
+                break drawn;
             }
         };
         match drawn {

@@ -137,8 +137,10 @@ pub fn rebuild(world: &mut World, scenario: &Arc<Scenario>) {
 /// Begins anew in every arena, in another world: streams and clocks go on, layouts, starts and targets are drawn there.
 /// The number of beams and that of the robot's motions must be the same.
 pub fn replace(world: &mut World, scenario: &Arc<Scenario>) {
-    let states = snapshot(world);
+    let (states, fault) = (snapshot(world), world.resource::<TaskFault>().clone());
     populate(world, scenario, states.len(), 0);
+    // What was drawn for a moment is gone.
+    world.insert_resource(fault);
     rewind(world, |arena| states.get(arena).map(|state| (state.streams.clone(), state.clock)));
 }
 

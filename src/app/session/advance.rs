@@ -121,6 +121,10 @@ impl Session {
     pub(super) fn take_examinations(&mut self, world: &mut World, wait: bool) -> Result<(), RunError> {
         while let Some(examination) = self.examiner.get().take(wait)? {
             self.examining = false;
+            if self.examiner_is_stale {
+                // Of another world.
+                continue;
+            }
             let wall_s = self.wall_s();
             let noted = follow::examined(&self.config, &mut self.standing, examination, wall_s)?;
             world.resource_mut::<Curves>().0.evaluation(&noted.row);

@@ -16,6 +16,7 @@ use super::pacer::Pacer;
 use super::trails::Trails;
 #[cfg(not(target_arch = "wasm32"))]
 use super::watch;
+use super::worlds::as_it_stands;
 use super::{Curves, First, Session, Speed};
 use crate::app::orders::Mode;
 use crate::app::status::Weight;
@@ -41,7 +42,8 @@ pub(super) fn first(world: &mut World, first: &First) {
     let usual = First::default();
     let asked = from_nothing(&first.scenario, &first.preset, first.seed);
     let problem = asked.as_ref().err().map(ToString::to_string);
-    match asked.or_else(|_| from_nothing(&usual.scenario, &usual.preset, first.seed)) {
+    let instead = |preset: &str| from_nothing(&usual.scenario, preset, first.seed);
+    match asked.or_else(|_| instead(&first.preset)).or_else(|_| instead(&usual.preset)) {
         Ok(beginning) => {
             let mut session = session(world, beginning, Pacer::new(first.pace, first.paused));
             session.offer_own();
@@ -88,7 +90,7 @@ fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
         examiner: SyncCell::new(examiner(&config, &scenario)),
         journal: Journal::new(config.clone()),
         earlier_s: standing.wall_s,
-        as_asked: config.scenario.clone(),
+        as_asked: as_it_stands(&config.scenario_from).unwrap_or_else(|| config.scenario.clone()),
         saved_world: None,
         draft: None,
         coming: None,
@@ -113,6 +115,7 @@ fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
         broken: false,
         saved_at: None,
         asked_once: None,
+        overwrites: None,
         began: Instant::now(),
     }
 }

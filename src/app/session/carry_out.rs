@@ -33,7 +33,14 @@ impl Session {
                 Ok(())
             }
             Order::SetMode(mode) => self.set_mode(world, mode),
-            Order::Begin { scenario, preset, seed } => self.begin(world, &scenario, &preset, seed),
+            Order::Begin { scenario, preset, seed } => {
+                let begun = self.begin(world, &scenario, &preset, seed);
+                #[cfg(not(target_arch = "wasm32"))]
+                if begun.is_err() {
+                    self.wait_for(&scenario, super::watch::Then::Open);
+                }
+                begun
+            }
             Order::Transfer { scenario, epsilon } => {
                 let name = format!("{} after {} episodes", self.config.scenario.name, self.episodes(world));
                 let policy = follow::policy(&self.config, world);
@@ -107,11 +114,12 @@ impl Session {
             world.resource_mut::<Trails>().lift(*arena);
         }
         let of_the_world = matches!(deed, hand::Deed::Obstacle { .. });
+        let exact = self.config.scenario.lidar.is_exact();
         match &mut self.aside {
-            None => self.journal.note(deed),
+            None => self.journal.note(deed, exact),
             Some(aside) if of_the_world => {
-                aside.note(deed.clone(), self.config.scenario.lidar.is_exact());
-                self.journal.note(deed);
+                aside.note(deed.clone(), exact);
+                self.journal.note(deed, exact);
             }
             // Where a robot or target is while somebody else drives is nothing to the training.
             Some(_) => {}

@@ -108,8 +108,11 @@ pub fn apply(world: &mut World, deed: &Deed) {
         Deed::World(scenario) => world::replace(world, &Arc::new(Scenario::clone(scenario))),
         &Deed::Obstacle { index, position_m } => {
             let changed = with_obstacle_at(&world.resource::<CurrentScenario>().0, index, position_m);
-            if let Some(changed) = changed {
-                world::rebuild(world, &Arc::new(changed));
+            match changed.map(Arc::new) {
+                // What is drawn anew would stand elsewhere, perhaps where a robot is.
+                Some(changed) if !changed.generators.is_empty() => world::replace(world, &changed),
+                Some(changed) => world::rebuild(world, &changed),
+                None => {}
             }
         }
     }

@@ -14,11 +14,14 @@ use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
 use crate::run::folder::{INIT, RunConfig, RunFolder};
 use crate::run::{RunError, checkpoint, policy_card, simulation, start};
-use crate::scenario::read_ron;
+use crate::scenario::read_long_ron;
 use crate::task::TaskFault;
 
 /// Its name in a saved run's folder.
 pub const JOURNAL: &str = "journal.ron";
+
+/// It holds every world that was taken, so it may grow; what is larger is none.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// What the hand did, and when.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,7 +61,7 @@ impl Journal {
         let file = folder.path().join(JOURNAL);
         let mut journal = Self::new(config.clone());
         if file.exists() {
-            journal = read_ron(&file)?;
+            journal = read_long_ron(&file, MOST_BYTES)?;
         }
         journal.steps = learner.env_steps() / config.preset.arenas as u64;
         let times: Vec<u64> = journal.entries.iter().map(|entry| entry.after_steps).collect();
@@ -70,10 +73,10 @@ impl Journal {
     }
 
     /// Notes what is done now. Of what is dragged about between two steps only the last place counts, unless each look
-    /// around draws from the sensor's stream.
-    pub fn note(&mut self, deed: Deed) {
+    /// around draws from the sensor's stream (the LIDAR is not `exact`).
+    pub fn note(&mut self, deed: Deed, exact: bool) {
         if let Some(last) = self.entries.last_mut()
-            && self.begun.scenario.lidar.is_exact()
+            && exact
             && last.after_steps == self.steps
             && last.deed.is_of_what(&deed)
         {

@@ -148,6 +148,8 @@ pub struct Session {
     rounds: modes::Rounds,
     /// The training went wrong: it cannot go on.
     broken: bool,
+    /// A file of another's making that was to be written over once.
+    overwrites: Option<PathBuf>,
     /// What was asked to be opened once, though a training would be gone with it.
     asked_once: Option<PathBuf>,
     /// Env steps when the policy or the run was saved last.

@@ -10,9 +10,11 @@ use bevy::platform::time::Instant;
 use bevy::prelude::World;
 
 use super::Session;
+use crate::agent::Trainer;
 use crate::app::status::Weight;
+use crate::run::preset::Preset;
 use crate::run::shipped;
-use crate::scenario::Scenario;
+use crate::scenario::{FileError, Scenario};
 
 /// So long between two looks at the file.
 const EVERY: Duration = Duration::from_millis(200);
@@ -56,11 +58,13 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    /// Watches the file that `from` names, if it is one; what it holds now is known already.
+    /// Watches the file that `from` names, whether it is there at this moment or not; a shipped world's name is none. It
+    /// is read once at first: it may have been written since whoever asks has read it.
     pub fn of(from: &str) -> Option<Self> {
         let path = PathBuf::from(from);
-        let stamp = stamp(&path)?;
-        Some(Self { path, looked: Instant::now(), stamp: Some(stamp), read: Some(stamp) })
+        let stamp = stamp(&path);
+        let is_file = stamp.is_some() || !shipped::is_scenario(from);
+        is_file.then(|| Self { path, looked: Instant::now(), stamp, read: None })
     }
 
     /// The file, if it is to be read: it has changed, and has been the same for two looks, so that nobody is in the middle
@@ -91,21 +95,28 @@ impl Session {
         if let Some(path) = self.watches.file.as_mut().and_then(Watch::changed) {
             self.scenario_changed(&path);
         }
-        if let Some((watch, then)) = &mut self.watches.waited_for
-            && let Some(path) = watch.changed()
-        {
-            let then = *then;
-            self.try_again(world, &path, then);
+        let waited_for = self.watches.waited_for.as_mut();
+        if let Some(path) = waited_for.and_then(|(watch, _)| watch.changed()) {
+            self.try_again(world, &path);
         }
     }
 
     /// The scenario's file was written: its world is coming, or what is wrong with it is told.
     fn scenario_changed(&mut self, path: &Path) {
         let name = path.display().to_string();
+        let found = Scenario::load(path);
+        let as_asked = found.as_ref() == Ok(&self.as_asked);
+        if as_asked && self.coming.is_none() {
+            // What was told of its mistakes is over.
+            return self.notices.retain(|(notice, _)| {
+                notice.weight != Weight::Failed || notice.text.split(':').next() != Some(&name)
+            });
+        }
         self.untell(&name);
         self.coming = None;
-        match Scenario::load(path) {
+        match found {
             Err(error) => self.tell(Weight::Failed, error.to_string()),
+            Ok(_) if as_asked => {}
             Ok(found) if found == self.config.scenario => self.as_asked = found,
             Ok(found) => match self.may_take(&found) {
                 Err(error) => self.tell(Weight::Failed, format!("{name}: {error}")),
@@ -120,13 +131,18 @@ impl Session {
         }
     }
 
-    /// A file that could not be used was written.
-    fn try_again(&mut self, world: &mut World, path: &Path, then: Then) {
+    /// A file that could not be used was written. If it can be now, it is, unless a training of some worth would be gone.
+    fn try_again(&mut self, world: &mut World, path: &Path) {
         let name = path.display().to_string();
         self.untell(&name);
-        if let Err(error) = Scenario::load(path) {
+        if let Err(error) = usable(path) {
             return self.tell(Weight::Failed, error.to_string());
         }
+        let Some((_, then)) = self.watches.waited_for.take() else { return };
+        if self.would_discard(world.resource::<Trainer>().0.env_steps()) {
+            return self.tell(Weight::Told, format!("{name}: it can be used now; open it, if you like"));
+        }
+        let paused = self.pacer.paused;
         match then {
             Then::Open => self.open_or_tell(world, path),
             Then::Begin => {
@@ -137,12 +153,27 @@ impl Session {
                 }
             }
         }
+        self.pacer.paused = paused;
     }
 
-    /// Where the scenario's file `from` is there and cannot be used, it is waited for.
+    /// Where the file `from` is there and cannot be used, it is waited for.
     pub(super) fn wait_for(&mut self, from: &str, then: Then) {
-        if from != self.config.scenario_from && shipped::scenario(from).is_err() {
+        if Path::new(from).is_file() && usable(Path::new(from)).is_err() {
             self.watches.waited_for = Watch::of(from).map(|watch| (watch, then));
         }
+    }
+
+    /// From now on the scenario's file is watched, if it is one; what it holds now is known.
+    pub(super) fn watch_file(&mut self) {
+        self.watches.file =
+            Watch::of(&self.config.scenario_from).map(|watch| Watch { read: watch.stamp, ..watch });
+    }
+}
+
+/// Whether there is a scenario in the file at `path`, or else a preset.
+fn usable(path: &Path) -> Result<(), FileError> {
+    match Scenario::load(path) {
+        Err(_) if Preset::load(path).is_ok() => Ok(()),
+        found => found.map(drop),
     }
 }

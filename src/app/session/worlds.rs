@@ -31,20 +31,15 @@ impl Session {
         if let Some(finding) = findings(scenario).first() {
             return Err(RunError::Unusable(format!("{}: {finding}", scenario.name)));
         }
-        let asked = if from == self.config.scenario_from {
-            self.as_asked.clone()
-        } else {
-            as_it_stands(&from).unwrap_or_else(|| scenario.clone())
-        };
         if again {
-            self.begin_in(world, scenario.clone(), from)?;
-        } else {
-            self.take_world(world, scenario)?;
-            self.config.scenario_from = from;
-            self.follow_file();
-            self.offer_own();
+            return self.begin_in(world, scenario.clone(), from);
         }
-        self.as_asked = asked;
+        self.take_world(world, scenario)?;
+        self.as_asked = as_it_stands(&from).unwrap_or_else(|| scenario.clone());
+        self.config.scenario_from = from;
+        #[cfg(not(target_arch = "wasm32"))]
+        self.watch_file();
+        self.offer_own();
         Ok(())
     }
 
@@ -54,16 +49,18 @@ impl Session {
     /// The network doesn't fit it.
     pub(super) fn take_world(&mut self, world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
         self.may_take(scenario)?;
-        let mode = self.mode;
+        let (mode, pace) = (self.mode, self.pacer.pace);
         self.set_mode(world, Mode::Train)?;
         let deed = hand::Deed::World(Box::new(scenario.clone()));
         hand::apply(world, &deed);
-        self.journal.note(deed);
+        self.journal.note(deed, false);
         self.world_is_another(world);
         let arenas = self.config.preset.arenas;
         world.resource_mut::<Trails>().restart(arenas);
         self.coming = None;
-        self.set_mode(world, mode)
+        self.set_mode(world, mode)?;
+        self.pacer.pace = pace;
+        Ok(())
     }
 
     /// Whether the network can go on in `scenario`.
@@ -83,18 +80,19 @@ impl Session {
         )))
     }
 
-    /// Writes an edited world to `path`, with the comments of the file that is there, or else of `like`, that it was made
-    /// from.
+    /// Writes an edited world to `path`, with the comments of `like`, that it was made from, or else of the file that is
+    /// there.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// It cannot be written; or somebody else has changed the file, and it was not asked for twice.
     pub(super) fn save_world(
         &mut self,
         scenario: &Arc<Scenario>,
         like: &str,
         path: &Path,
     ) -> Result<(), RunError> {
-        let older = if is_there(path) { read_text(path).ok() } else { text_of(like) };
+        self.may_overwrite(scenario, path)?;
+        let older = text_of(like).or_else(|| read_text(path).ok());
         let text = to_text(scenario, older.as_deref());
         if text.len() as u64 > MOST_BYTES {
             let why =
@@ -109,10 +107,38 @@ impl Session {
         crate::scenario::shelf::hand_in(file.clone(), text.into_bytes());
         if file == self.config.scenario_from {
             self.as_asked = Scenario::clone(scenario);
+            // Whether it is driven in, the user says in the editor.
+            #[cfg(not(target_arch = "wasm32"))]
+            self.watch_file();
         }
+        self.untell(&file);
         self.tell(Weight::Told, format!("Saved to {file}"));
         self.saved_world = Some((file, scenario.clone()));
         Ok(())
+    }
+
+    /// Whether the file at `path` may be written over: what is there is what was read or written last, or it is asked for
+    /// the second time. (Of a file that was never read here whoever chose it was asked.)
+    ///
+    /// # Errors
+    /// It is asked for the first time.
+    fn may_overwrite(&mut self, scenario: &Scenario, path: &Path) -> Result<(), RunError> {
+        let file = path.display().to_string();
+        let asked = (file == self.config.scenario_from).then_some(&self.as_asked);
+        let saved = self.saved_world.iter().filter(|saved| saved.0 == file).map(|saved| &*saved.1);
+        let draft = self.draft.iter().filter(|draft| draft.1 == file).map(|draft| &*draft.2);
+        let mut known = asked.into_iter().chain(saved).chain(draft).peekable();
+        let there = Scenario::load_draft(path).ok();
+        let as_known = known.peek().is_none()
+            || there.as_ref() == Some(scenario)
+            || known.any(|known| there.as_ref() == Some(known));
+        let again = self.overwrites.take().as_deref() == Some(path);
+        if !is_there(path) || as_known || again {
+            return Ok(());
+        }
+        self.overwrites = Some(path.into());
+        let why = "it was changed since by somebody else, which would be gone: save once more, or save it elsewhere";
+        Err(RunError::failed(path, why))
     }
 
     /// Opens the scenario at `path`, a file or a shipped name, to be edited: also one whose parts don't fit together yet.
@@ -141,18 +167,10 @@ impl Session {
             Err(error) => self.tell(Weight::Failed, error.to_string()),
         }
     }
-
-    /// From now on the scenario's file is watched, if it is one.
-    fn follow_file(&mut self) {
-        #[cfg(not(target_arch = "wasm32"))]
-        {
-            self.watches.file = super::watch::Watch::of(&self.config.scenario_from);
-        }
-    }
 }
 
 /// The world that is asked for by `from`, a shipped name or a file, as it stands there.
-fn as_it_stands(from: &str) -> Option<Scenario> {
+pub(super) fn as_it_stands(from: &str) -> Option<Scenario> {
     shipped::scenario(from).ok()
 }
 

@@ -197,8 +197,11 @@ fn layouts(scenario: &Scenario, notes: &mut Notes) {
     if work > MOST_FURNISHING {
         return;
     }
+    let mut placed = 0;
     for layout in 0..(QUICK_FURNISHING / work).clamp(1, LAYOUTS) as u64 {
-        let found = Room::of(&frozen(&scenario.furnished(layout), 0));
+        let furnished = scenario.furnished(layout);
+        placed += furnished.obstacles.len() - scenario.obstacles.len();
+        let found = Room::of(&frozen(&furnished, 0));
         let what = match found {
             Room { starts: false, .. } => "for a start",
             Room { targets: false, .. } => "for a target",
@@ -211,6 +214,10 @@ fn layouts(scenario: &Scenario, notes: &mut Notes) {
         );
         notes.add(format_args!("generators"), message);
         return;
+    }
+    if placed == 0 && !notes.0.iter().any(|finding| finding.path.starts_with("generators")) {
+        let message = "find no room for anything: write a smaller gap_m, smaller sizes, or a larger `within`";
+        notes.add(format_args!("generators"), message);
     }
 }
 
