@@ -20,7 +20,7 @@ use crate::app::{
     window::{self, Opening, Picture},
 };
 use crate::learning::Policy;
-use crate::reproduce::{Request, reproduce};
+use crate::reproduce::{Experiment, Request, reproduce};
 use crate::run::check_files::{self, Checked};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
@@ -66,7 +66,7 @@ struct Arguments {
     #[arg(long, help_heading = "What to do")]
     reproduce: bool,
 
-    /// Say whether scenarios and presets can be used, files or whole folders of them, and what is wrong with them
+    /// Say whether scenarios, presets and experiments can be used, files or whole folders of them, and what is wrong with them
     #[arg(long, value_name = "PATH", help_heading = "What to do", num_args = 1..,
         conflicts_with_all = ["scenario", "seed", "preset", "episodes", "steps", "arenas", "out", "init", "epsilon", "resume",
             "checkpoint_every", "rounds", "navigations", "course", "optimum", "only", "seeds", "quick", "experiment", "jobs"])]
@@ -561,7 +561,12 @@ impl CheckReport {
 }
 
 fn check_command(arguments: &Arguments) -> Result<(), RunError> {
-    let checked = check_files::check(&arguments.check);
+    let mut checked = check_files::check(&arguments.check);
+    for file in &mut checked {
+        if file.error.is_some() && Experiment::load(&file.path).is_ok() {
+            file.error = None;
+        }
+    }
     if arguments.json {
         print_json(&CheckReport::of(&checked))?;
     } else {

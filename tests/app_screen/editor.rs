@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::Key;
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use wayfield::app::desk::Camera;
 use wayfield::app::editor::{Editor, Rule, RuleKind, Selection, Tool};
 use wayfield::app::orders::Order;
-use wayfield::scenario::{Enclosure, Obstacle, ObstacleMotion, PlaceRule, Scenario, Shape};
+use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, PlaceRule, Scenario, Shape};
 
 use super::{Window, click, ordered, released, settle, window, window_of};
 use crate::fake::{self, Fake};
@@ -423,4 +425,222 @@ fn what_is_being_written_stays_with_its_thing() {
     let radii: Vec<_> = world(&mut window).obstacles.iter().map(|o| o.shape.clone()).collect();
     let circle = |radius_m| Shape::Circle { radius_m };
     assert_eq!(radii, [circle(0.3), circle(0.15), circle(0.15), circle(0.15)]);
+}
+
+/// Goes with Tab from the name of the world through all that is on the panel; how many stops there are.
+fn tab_through(window: &mut Window) -> usize {
+    press_on(window, "Name of the world");
+    let mut seen = Vec::new();
+    while let Some(focused) = window.ctx.memory(|memory| memory.focused()) {
+        if seen.contains(&focused) || seen.len() > 300 {
+            break;
+        }
+        seen.push(focused);
+        window.key_press(Key::Tab);
+        window.run_steps(2);
+    }
+    seen.len()
+}
+
+#[test]
+fn a_field_that_is_only_visited_changes_nothing() {
+    let mut odd = fake::all_sorts();
+    odd.robot.motions[0] = Motion { v_m_s: 0.6127, w_rad_s: 1.5 };
+    odd.robot.radius_m = 0.06127;
+    odd.lidar.field_of_view_rad = 0.4;
+    odd.lidar.dropout = 0.012345;
+    odd.task.collision_range_m = 0.10004;
+    odd.course.heading_rad = 0.4;
+    odd.starts = PlaceRule::Fixed { at_m: (0.6127, 0.00004), heading_rad: Some(0.4) };
+    odd.obstacles = vec![Obstacle {
+        shape: Shape::Rectangle { width_m: 0.61274, height_m: 0.12345 },
+        position_m: (0.61274, 1.00004),
+        // More than a full turn, which a file may say.
+        rotation_rad: 7.0,
+        motion: ObstacleMotion::Orbit { centre_m: (0.61274, 0.1), speed_rad_s: 1.5 },
+    }];
+    let mut window = editing_in(Fake::default().in_world(odd.clone()));
+    let groups = ["About", "Enclosure", "Robot", "LIDAR", "Episodes", "Starts", "Targets", "Timed course"];
+    for group in groups {
+        press_on(&mut window, group);
+    }
+    let stops = tab_through(&mut window);
+    assert!(stops > 60, "{stops}");
+    select(&mut window, Selection::Obstacle(0));
+    let stops = tab_through(&mut window);
+    assert!(stops > 20, "{stops}");
+    assert_eq!(*world(&mut window), odd);
+    assert!(!editor(&mut window).can_undo() && !editor(&mut window).is_changed());
+    // A number that is clicked and left is as it was, too.
+    press_on(&mut window, "Turned");
+    window.key_press(Key::Enter);
+    settle(&mut window);
+    assert!(!editor(&mut window).can_undo());
+    write(&mut window, "Turned", "90");
+    assert_eq!(world(&mut window).obstacles[0].rotation_rad, 1.5708);
+}
+
+#[test]
+fn of_two_open_groups_each_has_its_own_list() {
+    let mut window = editing();
+    press_on(&mut window, "Starts");
+    press_on(&mut window, "Targets");
+    for (k, which) in [Rule::Starts, Rule::Targets].into_iter().enumerate() {
+        select(&mut window, Selection::Nothing);
+        let list = |window: &Window| {
+            let all: Vec<_> = window.get_all_by_role_and_label(Role::ComboBox, "Where").collect();
+            assert_eq!(all.len(), 2);
+            all[k].scroll_to_me();
+            all[k].rect()
+        };
+        list(&window);
+        window.run_steps(40);
+        let at = list(&window).center();
+        window.hover_at(at);
+        window.drag_at(at);
+        window.event(released(at));
+        settle(&mut window);
+        click(&mut window, "In a region");
+        assert_eq!(RuleKind::of(which.of(&world(&mut window))), RuleKind::Within, "{which:?}");
+    }
+}
+
+#[test]
+fn a_heading_that_a_target_has_for_nothing_is_taken_out() {
+    let mut world_m = Scenario::clone(&Fake::default().scene.scenario);
+    world_m.targets = PlaceRule::Fixed { at_m: (1.0, 0.0), heading_rad: Some(0.4) };
+    let mut window = editing_in(Fake::default().in_world(world_m));
+    select(&mut window, Selection::Targets);
+    click(&mut window, "Looks one way");
+    assert_eq!(world(&mut window).targets, PlaceRule::Fixed { at_m: (1.0, 0.0), heading_rad: None });
+    assert!(window.query_by_label("Looks one way").is_none());
+}
+
+#[test]
+fn the_question_about_the_training_is_not_left_behind() {
+    let mut window = editing();
+    window.state_mut().status.restart_discards = true;
+    settle(&mut window);
+    click(&mut window, "Start again here");
+    assert!(window.query_by_label_contains("will be gone").is_some());
+    click(&mut window, "Close the editor");
+    settle(&mut window);
+    click(&mut window, "Edit");
+    assert!(window.query_by_label("Close the editor").is_some());
+    assert!(window.query_by_label_contains("will be gone").is_none());
+    // By the key, too, which asks nobody on the panel.
+    click(&mut window, "Start again here");
+    assert!(window.query_by_label_contains("will be gone").is_some());
+    window.key_press(Key::E);
+    settle(&mut window);
+    assert!(window.state().desk.editor.is_none());
+    click(&mut window, "Edit");
+    assert!(window.query_by_label_contains("will be gone").is_none());
+}
+
+#[test]
+fn what_is_added_stands_in_the_middle_of_the_view() {
+    let mut window = editing();
+    window.state_mut().desk.camera = Camera { centre_m: [1.0, 0.0], zoom: 4.0 };
+    settle(&mut window);
+    editor(&mut window).edit("enclosure", |scenario| {
+        let corners_m = vec![(-2.0, -2.0), (8.0, -2.0), (8.0, 2.0), (-2.0, 2.0)];
+        scenario.enclosure = Enclosure::Polygon { corners_m };
+    });
+    settle(&mut window);
+    click(&mut window, "Add a circle");
+    // The view stays where it was: (1, 0), and not 1 m beside the new middle, (4, 0).
+    let (x, y) = world(&mut window).obstacles[4].position_m;
+    assert!((x - 1.0).hypot(y) < 0.6, "{x}, {y}");
+}
+
+#[test]
+fn a_world_that_was_saved_and_not_taken_is_opened_again() {
+    let mut fake = Fake::default();
+    let mut newer = Scenario::clone(&fake.scene.scenario);
+    newer.task.time_limit_steps = 77;
+    let newer = Arc::new(newer);
+    (fake.status.scenario_from, fake.status.world_changed) = ("worlds/mine.ron".into(), true);
+    fake.status.saved_world = Some(("worlds/mine.ron".into(), newer.clone()));
+    let mut window = window(fake);
+    click(&mut window, "Edit");
+    assert_eq!(world(&mut window), newer);
+    assert!(!editor(&mut window).is_changed());
+    // What was saved elsewhere, or is older than what is in the file now, is none of it.
+    for (path, changed) in [("worlds/other.ron", true), ("worlds/mine.ron", false)] {
+        let mut fake = Fake::default();
+        (fake.status.scenario_from, fake.status.world_changed) = ("worlds/mine.ron".into(), changed);
+        fake.status.saved_world = Some((path.into(), newer.clone()));
+        let running = fake.scene.scenario.clone();
+        let mut window = self::window(fake);
+        click(&mut window, "Edit");
+        assert_eq!(world(&mut window), running, "{path}");
+        assert_eq!(editor(&mut window).is_changed(), changed);
+    }
+}
+
+/// Begins a wall, of two corners so far.
+fn half_a_wall(window: &mut Window) {
+    click(window, "Draw a wall");
+    for at in [(-1.0, 1.2), (1.0, 1.2)] {
+        editor(window).tool_click(at, false);
+    }
+    settle(window);
+}
+
+#[test]
+fn a_wall_that_is_half_drawn_is_not_lost() {
+    let mut window = editing();
+    half_a_wall(&mut window);
+    click(&mut window, "Close the editor");
+    let asked = "The wall that is being drawn would be lost, and all else that is not saved.";
+    assert!(window.query_by_label(asked).is_some());
+    click(&mut window, "Go on editing");
+    assert!(window.query_by_label(asked).is_none());
+    let saved = |orders: Vec<Order>| match &orders[..] {
+        [Order::SaveWorld { scenario, .. } | Order::TakeWorld { scenario, .. }] => scenario.walls.len(),
+        _ => panic!("{orders:?}"),
+    };
+    assert_eq!(saved(click(&mut window, "Save")), 1);
+    assert_eq!(*editor(&mut window).tool(), Tool::Select);
+    for label in ["Save as…", "Go on here", "Start again here"] {
+        let mut window = editing();
+        half_a_wall(&mut window);
+        assert_eq!(saved(click(&mut window, label)), 1, "{label}");
+    }
+    let mut window = editing();
+    half_a_wall(&mut window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
+    assert_eq!(saved(ordered(&mut window)), 1);
+    // One that can't be there is not taken.
+    let mut window = editing();
+    click(&mut window, "Draw a wall");
+    for at in [(-1.0, 0.6), (1.0, 5.0)] {
+        editor(&mut window).tool_click(at, false);
+    }
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Go on here"), []);
+    assert_eq!((world(&mut window).walls.len(), editor(&mut window).findings().is_empty()), (1, false));
+}
+
+#[test]
+fn the_rest_of_a_long_list_is_said_to_be_elsewhere() {
+    let mut long = Scenario::clone(&Fake::default().scene.scenario);
+    long.robot.motions = vec![Motion { v_m_s: 0.1, w_rad_s: 0.0 }; 40];
+    let mut window = editing_in(Fake::default().in_world(long));
+    press_on(&mut window, "Robot");
+    assert!(window.query_by_label("and 8 more: edit them in the file").is_some());
+}
+
+#[test]
+fn what_stands_still_is_given_a_path() {
+    let mut window = editing();
+    select(&mut window, Selection::Obstacle(0));
+    click(&mut window, "Draw its path");
+    editor(&mut window).tool_click((0.6, 1.6), false);
+    settle(&mut window);
+    click(&mut window, "Path is done");
+    let motion = world(&mut window).obstacles[0].motion.clone();
+    assert_eq!(motion, ObstacleMotion::Patrol { waypoints_m: vec![(0.6, 1.6)], speed_m_s: 0.1 });
+    assert!(window.query_by_label("Draw its path anew").is_some());
 }

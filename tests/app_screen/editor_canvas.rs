@@ -381,3 +381,65 @@ fn a_world_of_all_sorts_is_edited_in_any_window_without_a_panic() {
         assert_eq!(ordered(&mut window), []);
     }
 }
+
+#[test]
+fn escape_closes_an_open_list_and_nothing_more() {
+    let mut window = editing();
+    click_at(&mut window, (0.6, 0.6));
+    assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
+    click(&mut window, "Motion");
+    assert!(window.query_by_label("Orbit").is_some());
+    window.ctx.memory_mut(|memory| {
+        if let Some(id) = memory.focused() {
+            memory.surrender_focus(id);
+        }
+    });
+    press(&mut window, Key::Escape);
+    assert!(window.query_by_label("Orbit").is_none());
+    assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
+    press(&mut window, Key::Escape);
+    assert_eq!(editor(&mut window).selection(), Selection::Nothing);
+}
+
+#[test]
+fn a_corner_near_the_middle_is_dragged_like_the_others() {
+    let mut window = editing();
+    editor(&mut window).edit("shape", |scenario| {
+        let corners_m = vec![(0.5, -0.4), (0.02, 0.02), (-0.4, 0.5), (-0.4, -0.4)];
+        scenario.obstacles[0].shape = Shape::Polygon { corners_m };
+    });
+    settle(&mut window);
+    click_at(&mut window, (0.3, 0.3));
+    assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
+    // 2.8 cm from the middle are some five points.
+    drag(&mut window, (0.62, 0.62), (0.75, 0.7));
+    let obstacle = world(&mut window).obstacles[0].clone();
+    assert_eq!(obstacle.position_m, (0.6, 0.6), "it stays");
+    let Shape::Polygon { corners_m } = obstacle.shape else { panic!("{:?}", obstacle.shape) };
+    assert!((corners_m[1].0 - 0.15).hypot(corners_m[1].1 - 0.1) < 0.001, "{corners_m:?}");
+}
+
+#[test]
+fn the_example_of_what_is_drawn_anew_is_of_this_world() {
+    let drawn = |window: &Window| {
+        let shapes = window.output().shapes.iter();
+        shapes.filter(|clipped| matches!(clipped.shape, egui::Shape::Circle(_))).count()
+    };
+    let three = fake::all_sorts();
+    let mut one = three.clone();
+    one.generators[0].count = 1;
+    let other = Arc::new(one);
+    let open = |window: &mut Window| {
+        let editor = Editor::open(other.clone(), "other".into(), true);
+        window.state_mut().desk.editor = Some(Box::new(editor));
+        settle(window);
+    };
+    let mut fresh = at_sixty([1280.0, 860.0], Fake::default().in_world(three.clone()));
+    open(&mut fresh);
+    let mut window = at_sixty([1280.0, 860.0], Fake::default().in_world(three));
+    click(&mut window, "Edit");
+    let before = drawn(&window);
+    open(&mut window);
+    assert_eq!(drawn(&window), drawn(&fresh), "one is drawn, and not the three of before");
+    assert_eq!(before - drawn(&window), 2);
+}

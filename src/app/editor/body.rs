@@ -1,6 +1,7 @@
 //! The body of an obstacle: its place, its turn, its sizes.
 //!
 //! In: the obstacle, a handle. Out: the obstacle, resized in its own frame so that what is opposite stays, or turned.
+//! Where its middle goes by that, its way goes along.
 
 use super::corners;
 use super::handles::{Handle, HandleKind};
@@ -96,7 +97,7 @@ pub(super) fn drag(
             let stays = -side * *length_m / 2.0;
             *length_m = snap.size((own.0 - stays) * side - *radius_m);
             let middle = (stays + side * *length_m / 2.0, 0.0);
-            obstacle.position_m = point_to_mm(frame.out(middle));
+            way::shift(obstacle, minus(point_to_mm(frame.out(middle)), at));
         }
         (HandleKind::Side(x, y), Shape::Rectangle { width_m, height_m }) => {
             let along = |side: i8, size: &mut f32, own: f32| {
@@ -109,7 +110,7 @@ pub(super) fn drag(
                 stays + side * *size / 2.0
             };
             let middle = (along(x, width_m, own.0), along(y, height_m, own.1));
-            obstacle.position_m = point_to_mm(frame.out(middle));
+            way::shift(obstacle, minus(point_to_mm(frame.out(middle)), at));
         }
         (HandleKind::Corner(k), Shape::Polygon { corners_m }) => {
             *corners_m.get_mut(k)? = point_to_mm(frame.into_own(snapped));

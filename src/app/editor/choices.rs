@@ -177,7 +177,8 @@ impl Editor {
     /// Gives starts or targets another kind of rule, and selects them.
     pub fn set_rule(&mut self, which: Rule, kind: RuleKind) {
         let snap = self.snap;
-        self.step(|scenario, _| {
+        self.step(|scenario, selection| {
+            *selection = which.selection();
             let now = which.of(scenario);
             if RuleKind::of(now) == kind {
                 return;
@@ -202,12 +203,12 @@ impl Editor {
             };
             *which.of_mut(scenario) = rule;
         });
-        self.selection = which.selection();
     }
 
     /// Makes the enclosure a polygon of the same four corners, or the rectangle about (0, 0) that holds all of it.
     pub fn set_enclosure(&mut self, kind: EnclosureKind) {
-        self.step(|scenario, _| {
+        self.step(|scenario, selection| {
+            *selection = Selection::Enclosure;
             let enclosure = match (kind, &scenario.enclosure) {
                 (EnclosureKind::Polygon, Enclosure::Rectangle { .. }) => Enclosure::Polygon {
                     corners_m: scenario.enclosure.corners_m().into_iter().map(point_to_mm).collect(),
@@ -221,7 +222,6 @@ impl Editor {
             };
             scenario.enclosure = enclosure;
         });
-        self.selection = Selection::Enclosure;
     }
 }
 

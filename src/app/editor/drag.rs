@@ -125,11 +125,17 @@ impl Editor {
         self.revision != before
     }
 
-    /// Moves what is selected by so many of the snap's steps (1 cm each if it is off, or if it is to be `fine`).
+    /// Moves what is selected by so many of the snap's steps (1 cm each if it is off, or if it is to be `fine`). Move after
+    /// move along the same axis is one step for undo.
     pub fn nudge(&mut self, right: i32, up: i32, fine: bool) {
         let step_m = if self.snap.on && !fine { self.snap.step_m } else { 0.01 };
         let (selection, by) = (self.selection, (right as f32 * step_m, up as f32 * step_m));
-        self.edit("nudge", |scenario| {
+        let field = match (right, up) {
+            (_, 0) => "nudge along x",
+            (0, _) => "nudge along y",
+            _ => "nudge",
+        };
+        self.edit(field, |scenario| {
             handles::shift(scenario, selection, by);
         });
     }

@@ -140,13 +140,14 @@ impl Editor {
         self.clipboard.is_some()
     }
 
-    /// Puts in what was copied: at `at_m`, or beside where it was.
+    /// Puts in what was copied: at `at_m`, or beside where it was; the next time beside that one.
     pub fn paste(&mut self, at_m: Option<Point>) {
-        let Some(thing) = self.clipboard.clone() else { return };
+        let Some(thing) = self.clipboard.take() else { return };
         let thing = match at_m {
-            Some(at) => thing.moved(self.snapped(at, false)),
+            Some(at) => thing.anew().moved(self.snapped(at, false)),
             None => beside(&self.scenario, thing, self.snap),
         };
+        self.clipboard = Some(thing.clone());
         self.put(thing);
     }
 
@@ -203,12 +204,9 @@ pub(super) fn near(scenario: &Scenario, wanted: Point, reach_m: f32, snap: Snap)
 }
 
 /// The same thing beside itself, and with another walk at random.
-fn beside(scenario: &Scenario, mut thing: Thing, snap: Snap) -> Thing {
-    let to = match &mut thing {
+fn beside(scenario: &Scenario, thing: Thing, snap: Snap) -> Thing {
+    let to = match &thing {
         Thing::Obstacle(obstacle) => {
-            if let ObstacleMotion::RandomWalk { seed, .. } = &mut obstacle.motion {
-                *seed = seed.wrapping_add(1);
-            }
             let reach_m = reach_of(&obstacle.shape);
             near(scenario, plus(obstacle.position_m, (2.0 * reach_m + 0.1, 0.0)), reach_m, snap)
         }
@@ -217,7 +215,7 @@ fn beside(scenario: &Scenario, mut thing: Thing, snap: Snap) -> Thing {
             thing.place().map_or((0.0, 0.0), |from| plus(from, (aside, -aside)))
         }
     };
-    thing.moved(to)
+    thing.anew().moved(to)
 }
 
 impl Thing {
@@ -228,6 +226,14 @@ impl Thing {
             Self::Wall(wall) => wall.corners_m.first().copied(),
             Self::Generator(generator) => generator.within.map(|region| region.min_m),
         }
+    }
+
+    /// The same with another walk, if it walks at random.
+    fn anew(mut self) -> Self {
+        if let Self::Obstacle(Obstacle { motion: ObstacleMotion::RandomWalk { seed, .. }, .. }) = &mut self {
+            *seed = seed.wrapping_add(1);
+        }
+        self
     }
 
     /// The same with that at `to`.

@@ -112,7 +112,10 @@ impl Editor {
         let Some(seen) = self.seen.replace(now) else { return };
         if let Some((path, world)) = saved
             && !seen.saved.is_some_and(|(before, old)| before == *path && Arc::ptr_eq(&old, world))
+            && self.has_had(world)
         {
+            // What is changed from now on is another step: undo stops at what was saved.
+            self.seal();
             self.from.clone_from(path);
             self.saved = Some(Arc::clone(world));
         }
@@ -121,6 +124,13 @@ impl Editor {
         {
             self.turn_to(world, from);
         }
+    }
+
+    /// Whether it is this world, now or some steps ago, and not one that was edited before it was opened: files are
+    /// chosen at leisure.
+    fn has_had(&self, world: &Arc<Scenario>) -> bool {
+        let mut all = std::iter::once(&self.scenario).chain(self.steps.of_this_world());
+        all.any(|had| Arc::ptr_eq(had, world) || had == world)
     }
 
     /// Another world is edited from now on; one step back is the one before.
@@ -184,10 +194,14 @@ impl Editor {
             && self.findings.iter().any(|finding| Selection::of_path(&finding.path) == selection)
     }
 
-    /// Whether it differs from what was opened or saved last.
+    /// Whether it differs from what was opened or saved last, or something is half drawn.
     #[must_use]
     pub fn is_changed(&self) -> bool {
-        self.saved.as_ref().is_none_or(|saved| !Arc::ptr_eq(saved, &self.scenario) && *saved != self.scenario)
+        self.is_drafting()
+            || self
+                .saved
+                .as_ref()
+                .is_none_or(|saved| !Arc::ptr_eq(saved, &self.scenario) && *saved != self.scenario)
     }
 
     /// What is selected.
@@ -234,14 +248,16 @@ impl Editor {
     fn step(&mut self, change: impl FnOnce(&mut Scenario, &mut Selection)) {
         self.end_drag();
         self.seal();
-        let (mut scenario, mut selection) = (Scenario::clone(&self.scenario), self.selection);
+        let (before, selected) = (Arc::clone(&self.scenario), self.selection);
+        let (mut scenario, mut selection) = (Scenario::clone(&before), selected);
         change(&mut scenario, &mut selection);
-        if scenario != *self.scenario {
+        if scenario != *before {
             self.note();
             self.scenario = Arc::new(scenario);
             self.changed();
         }
         self.selection = selection.within(&self.scenario);
+        self.check_tool(&before, selected);
     }
 
     /// Changes `field` of the world, as it is typed or dragged in the inspector. The same field again is the same step,
@@ -257,9 +273,10 @@ impl Editor {
             self.note();
             self.steps.open(field);
         }
-        self.scenario = Arc::new(scenario);
+        let (before, selected) = (std::mem::replace(&mut self.scenario, Arc::new(scenario)), self.selection);
         self.changed();
-        self.selection = self.selection.within(&self.scenario);
+        self.selection = selected.within(&self.scenario);
+        self.check_tool(&before, selected);
     }
 
     /// What is typed next is another step, be it in the same field.

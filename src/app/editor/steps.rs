@@ -92,6 +92,13 @@ impl Steps {
         Some(moment)
     }
 
+    /// The worlds before and after this moment, as far as no other was opened between.
+    pub fn of_this_world(&self) -> impl Iterator<Item = &Arc<Scenario>> {
+        let same = |moment: &&Moment| moment.origin.is_none();
+        let before = self.before.iter().rev().take_while(same);
+        before.chain(self.after.iter().rev().take_while(same)).map(|moment| &moment.scenario)
+    }
+
     pub fn can_go_back(&self) -> bool {
         !self.before.is_empty()
     }

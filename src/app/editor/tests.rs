@@ -3,6 +3,8 @@
 
 mod anything;
 mod drags;
+mod saving;
+mod tools;
 
 use super::body::reach_of;
 use super::points::to_mm;
@@ -207,8 +209,11 @@ fn a_copy_is_like_the_thing_and_beside_it() {
     editor.paste(Some((0.02, 0.51)));
     assert_eq!(editor.scenario().walls[0].corners_m, [(0.0, 0.5), (0.5, 0.5), (0.5, 1.0)]);
     assert_eq!(editor.selection(), Selection::Wall(0));
+    // Again and again: each beside the last.
     editor.paste(None);
-    assert_eq!(editor.scenario().walls[1].corners_m[0], (-1.3, 0.3));
+    editor.paste(None);
+    assert_eq!(editor.scenario().walls[1].corners_m[0], (0.2, 0.3));
+    assert_eq!(editor.scenario().walls[2].corners_m[0], (0.4, 0.1));
 }
 
 #[test]
@@ -217,11 +222,16 @@ fn copies_of_a_random_walk_walk_otherwise() {
     editor.add(Form::Circle, (1.0, -1.0));
     editor.set_motion(MotionKind::RandomWalk);
     editor.duplicate();
-    let seed = |k: usize| match editor.scenario().obstacles[k].motion {
+    editor.copy();
+    editor.paste(None);
+    editor.paste(Some((-1.0, 1.0)));
+    editor.paste(None);
+    let seed = |obstacle: &Obstacle| match obstacle.motion {
         ObstacleMotion::RandomWalk { seed, .. } => seed,
         _ => panic!("a random walk"),
     };
-    assert_ne!(seed(0), seed(1));
+    let seeds: Vec<_> = editor.scenario().obstacles.iter().map(seed).collect();
+    assert_eq!(seeds, [0, 1, 2, 3, 4]);
 }
 
 #[test]
@@ -354,14 +364,21 @@ fn a_path_and_places_are_drawn_for_what_is_selected() {
 fn arrows_go_by_the_grids_step_with_all_that_belongs_to_it() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
-    editor.nudge(2, -1, false);
+    editor.nudge(0, -1, false);
+    editor.nudge(2, 0, false);
     editor.nudge(1, 0, true);
     let moved = &editor.scenario().obstacles[1];
     assert_eq!(moved.position_m, (1.11, -0.05));
     let ObstacleMotion::Patrol { waypoints_m, .. } = &moved.motion else { panic!("a patrol") };
     assert_eq!(waypoints_m[..], [(1.11, 1.45), (0.61, 1.45)]);
     editor.undo();
-    assert_eq!(**editor.scenario(), full(), "arrow after arrow is one step");
+    assert_eq!(
+        editor.scenario().obstacles[1].position_m,
+        (1.0, -0.05),
+        "arrow after arrow along x is one step"
+    );
+    editor.undo();
+    assert_eq!(**editor.scenario(), full());
     for (selection, moves) in
         [(Selection::Nothing, false), (Selection::Enclosure, false), (Selection::Wall(0), true)]
     {

@@ -3,11 +3,11 @@
 //! In: clicks. Out: a wall, the path of an obstacle, or places for starts or targets; a wall or a path is one step for
 //! undo, a place is one each.
 
-use super::Editor;
 use super::forms::Thing;
 use super::points::{Point, distance, is_finite};
 use super::selection::{Selection, places};
-use crate::scenario::{ObstacleMotion, PlaceRule, Wall};
+use super::{Editor, RuleKind};
+use crate::scenario::{ObstacleMotion, PlaceRule, Scenario, Wall};
 
 /// How thick a new wall is, in m.
 const WALL_M: f32 = 0.1;
@@ -43,6 +43,15 @@ impl Editor {
         &self.tool
     }
 
+    /// Whether a wall or a path is half drawn: it is not in the world yet.
+    #[must_use]
+    pub fn is_drafting(&self) -> bool {
+        match &self.tool {
+            Tool::Wall { corners_m: corners } | Tool::Path { waypoints_m: corners } => !corners.is_empty(),
+            Tool::Select | Tool::Places => false,
+        }
+    }
+
     /// Takes a tool, if what is selected is something for it.
     pub fn take_tool(&mut self, tool: Tool) {
         self.end_drag();
@@ -73,8 +82,9 @@ impl Editor {
             }
             Tool::Places => self.step(|scenario, selection| {
                 let rule = match selection {
+                    Selection::Starts => &mut scenario.starts,
                     Selection::Targets => &mut scenario.targets,
-                    _ => &mut scenario.starts,
+                    _ => return,
                 };
                 let mut all = places(rule).to_vec();
                 if all.len() < MOST && !all.contains(&at) {
@@ -118,6 +128,28 @@ impl Editor {
             Tool::Select | Tool::Places => false,
         };
         if !left {
+            self.tool_cancel();
+        }
+    }
+
+    /// Puts the tool away after a change if it was for what was `selected`, and that is selected no more; or if the rule
+    /// is of another kind than in the world `before`, and has no places to be added to.
+    pub(super) fn check_tool(&mut self, before: &Scenario, selected: Selection) {
+        let kind = |scenario: &Scenario| match selected {
+            Selection::Starts => Some(RuleKind::of(&scenario.starts)),
+            Selection::Targets => Some(RuleKind::of(&scenario.targets)),
+            _ => None,
+        };
+        let same = self.selection == selected;
+        let fits = match self.tool {
+            Tool::Select | Tool::Wall { .. } => true,
+            Tool::Path { .. } => same,
+            Tool::Places => {
+                let now = kind(&self.scenario);
+                same && (now == Some(RuleKind::OneOf) || now == kind(before))
+            }
+        };
+        if !fits {
             self.tool_cancel();
         }
     }

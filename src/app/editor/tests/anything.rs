@@ -32,13 +32,38 @@ fn drag(editor: &mut Editor, stream: &mut Stream) {
     }
 }
 
+/// A click with the tool, whichever it is, changes the rule that is selected at most.
+fn click(editor: &mut Editor, at: Point) {
+    let before = Scenario::clone(editor.scenario());
+    editor.tool_click(at, false);
+    let mut expected = Scenario::clone(editor.scenario());
+    match editor.selection() {
+        Selection::Starts => expected.starts.clone_from(&before.starts),
+        Selection::Targets => expected.targets.clone_from(&before.targets),
+        _ => {}
+    }
+    assert_eq!(expected, before);
+}
+
+/// What the tool is for is selected, and the same as before, when something else was.
+fn assert_tool_fits(editor: &Editor, before: Selection) {
+    let now = editor.selection();
+    match editor.tool() {
+        Tool::Select | Tool::Wall { .. } => {}
+        Tool::Path { .. } => assert!(matches!(now, Selection::Obstacle(_)) && now == before, "{now:?}"),
+        Tool::Places => {
+            assert!(matches!(now, Selection::Starts | Selection::Targets) && now == before, "{now:?}");
+        }
+    }
+}
+
 fn anything(editor: &mut Editor, stream: &mut Stream) {
     const FORMS: [Form; 6] =
         [Form::Circle, Form::Box, Form::Capsule, Form::Triangle, Form::Hexagon, Form::Generator];
     let at = somewhere(stream);
     let rule = [Rule::Starts, Rule::Targets][one_of(stream, 2)];
-    match one_of(stream, 20) {
-        0 => editor.add(FORMS[one_of(stream, 6)], at),
+    match one_of(stream, 28) {
+        0 | 26 => editor.add(FORMS[one_of(stream, 6)], at),
         1..=3 => {
             let found = editor.pick(at, 0.3);
             editor.select(found);
@@ -62,27 +87,31 @@ fn anything(editor: &mut Editor, stream: &mut Stream) {
                 editor.remove_handle(handle.kind);
             }
         }
-        18 => {
+        // Anything else may come between taking a tool and ending it.
+        18..=20 => {
             let tools =
                 [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }, Tool::Places];
             editor.take_tool(tools[one_of(stream, 3)].clone());
-            for _ in 0..3 {
-                editor.tool_click(somewhere(stream), false);
-            }
-            [Editor::tool_end, Editor::tool_back, Editor::tool_cancel][one_of(stream, 3)](editor);
         }
+        21..=24 => click(editor, at),
+        25 => [Editor::tool_end, Editor::tool_back, Editor::tool_cancel][one_of(stream, 3)](editor),
         _ => [Editor::undo, Editor::redo, Editor::end_drag][one_of(stream, 3)](editor),
     }
 }
 
 #[test]
 fn whatever_is_done_can_be_undone_and_written_down() {
+    let (mut led, mut placed) = (0, 0);
     for seed in 0..6 {
         let mut stream = stream(seed, "anything", 0);
         let mut editor = editor(full());
         let mut most = 0;
-        for _ in 0..250 {
+        for _ in 0..400 {
+            let before = editor.selection();
             anything(&mut editor, &mut stream);
+            assert_tool_fits(&editor, before);
+            led += usize::from(matches!(editor.tool(), Tool::Path { .. }));
+            placed += usize::from(*editor.tool() == Tool::Places);
             assert_eq!(editor.selection(), editor.selection().within(editor.scenario()));
             most = most.max(things(editor.scenario()));
             if editor.dragged().is_none() {
@@ -108,4 +137,5 @@ fn whatever_is_done_can_be_undone_and_written_down() {
         }
         assert_eq!(*editor.scenario(), last);
     }
+    assert!(led > 10 && placed > 10, "tools were in hand: {led} {placed}");
 }

@@ -102,6 +102,28 @@ fn resizing_a_box_keeps_the_opposite_side() {
 }
 
 #[test]
+fn resizing_what_moves_takes_its_way_along() {
+    let shape = Shape::Rectangle { width_m: 0.6, height_m: 0.4 };
+    let motion = ObstacleMotion::Orbit { centre_m: (0.3, 1.2), speed_rad_s: 0.15 };
+    let mut editor = with(Obstacle { motion, ..still(shape, (0.3, 0.2)) });
+    // The right side from 0.6 to 1.0, the upper one from 0.4 to 0.8: the middle goes by 0.2 and 0.2.
+    drag(&mut editor, HandleKind::Side(1, 1), (0.4, 0.4), false);
+    let o = &editor.scenario().obstacles[0];
+    assert_eq!(o.position_m, (0.5, 0.4));
+    let expected = ObstacleMotion::Orbit { centre_m: (0.5, 1.4), speed_rad_s: 0.15 };
+    assert_eq!(o.motion, expected, "its radius is 1 m as before");
+    let shape = Shape::Capsule { length_m: 1.0, radius_m: 0.1 };
+    let motion = ObstacleMotion::BackAndForth { waypoints_m: vec![(0.0, 1.0), (1.0, 1.0)], speed_m_s: 0.1 };
+    let mut editor = with(Obstacle { motion, ..still(shape, (0.0, 0.0)) });
+    // The left end from -0.5 to -0.9.
+    drag(&mut editor, HandleKind::End(false), (-0.4, 0.0), false);
+    let o = &editor.scenario().obstacles[0];
+    assert_eq!(o.position_m, (-0.2, 0.0));
+    let waypoints_m = vec![(-0.2, 1.0), (0.8, 1.0)];
+    assert_eq!(o.motion, ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 0.1 });
+}
+
+#[test]
 fn resizing_a_turned_box_keeps_the_opposite_corner() {
     // 30 degrees. The lower left corner is at (1 - 0.3 cos + 0.2 sin, -0.3 sin - 0.2 cos) = (0.8402, -0.3232).
     let turned = Obstacle {

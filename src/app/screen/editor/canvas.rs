@@ -159,14 +159,15 @@ fn drawn_anew(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor) {
     if scenario.generators.is_empty() {
         return;
     }
-    type Example = (u64, Arc<Vec<Obstacle>>);
+    // With the world that it is of: of another one, the same number of changes old, it would be wrong.
+    type Example = (Arc<Scenario>, Arc<Vec<Obstacle>>);
     let id = id.with("example");
     let known = ui.data(|data| data.get_temp::<Example>(id));
-    let known = known.filter(|(of, _)| *of == editor.revision() || editor.dragged().is_some());
+    let known = known.filter(|(of, _)| Arc::ptr_eq(of, scenario) || editor.dragged().is_some());
     let (_, example) = known.unwrap_or_else(|| {
         let mut room = if editor.findings().is_empty() { scenario.furnished(1) } else { Scenario::default() };
         let made = room.obstacles.split_off(scenario.obstacles.len().min(room.obstacles.len()));
-        let example = (editor.revision(), Arc::new(made));
+        let example = (Arc::clone(scenario), Arc::new(made));
         ui.data_mut(|data| data.insert_temp(id, example.clone()));
         example
     });

@@ -143,12 +143,14 @@ impl<'u> Rows<'u> {
         self.pair(name, tip, [("x", x), ("y", y)], Unit::PLACE);
     }
 
-    /// A list with two numbers each, and a cross to take each out while more than `least` are there.
+    /// A list with two numbers each, and a cross to take each out while more than `least` are there. Of a long one
+    /// `further` says how the rest is changed.
     pub fn list<T>(
         &mut self,
         name: &str,
         all: &mut Vec<T>,
         least: usize,
+        further: &str,
         units: [Unit; 2],
         both: impl for<'t> Fn(&'t mut T) -> [(&'static str, &'t mut f32); 2],
     ) {
@@ -172,13 +174,14 @@ impl<'u> Rows<'u> {
             self.tell(&format!("{name} out"));
         }
         if let Some(more @ 1..) = many.checked_sub(MOST_SHOWN) {
-            self.ui.label(soft(&format!("and {more} more: drag them in the world")));
+            self.ui.label(soft(&format!("and {more} more: {further}")));
         }
     }
 
     /// A list of places.
     pub fn places(&mut self, name: &str, places: &mut Vec<Point>, least: usize) {
-        self.list(name, places, least, [Unit::PLACE; 2], |(x, y)| [("x", x), ("y", y)]);
+        let further = "drag them in the world";
+        self.list(name, places, least, further, [Unit::PLACE; 2], |(x, y)| [("x", x), ("y", y)]);
     }
 
     /// Something was changed otherwise, and at once.
@@ -246,9 +249,11 @@ enum Name {
 fn number(ui: &mut Ui, name: Name, tip: &str, value: &mut f32, unit: Unit) -> (bool, bool) {
     let mut shown = f64::from(*value) * unit.factor;
     let before = shown;
+    // A number that is already beyond the bounds stays where it is until it is changed.
+    let (least, most) = (before.min(unit.least * unit.factor), before.max(unit.most * unit.factor));
     let field = DragValue::new(&mut shown)
         .speed(unit.speed * unit.factor)
-        .range(unit.least * unit.factor..=unit.most * unit.factor)
+        .range(least..=most)
         .clamp_existing_to_range(false)
         .custom_formatter(move |value, _| written(value, unit.shown))
         .suffix(unit.suffix);
@@ -260,7 +265,8 @@ fn number(ui: &mut Ui, name: Name, tip: &str, value: &mut f32, unit: Unit) -> (b
             response
         }
     };
-    let touched = shown != before;
+    // A box that is left reads its own text, which has fewer decimals than what is stored.
+    let touched = written(shown, unit.shown) != written(before, unit.shown);
     if touched {
         let steps = 10_f64.powi(unit.stored);
         *value = ((shown / unit.factor * steps).round() / steps) as f32 + 0.0;

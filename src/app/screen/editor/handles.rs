@@ -40,6 +40,10 @@ pub fn knobs(plane: &Plane, editor: &Editor) -> Vec<Knob> {
     });
     let all: Vec<Knob> = knobs.filter(|knob| knob.at.is_finite()).collect();
     let middle = all.iter().find(|knob| knob.handle.kind == HandleKind::Middle).map(|knob| knob.at);
+    // One corner may lie near the middle; with all of them there the thing is small.
+    let is_outer = |knob: &Knob| middle.is_none_or(|middle| middle.distance(knob.at) >= LEAST);
+    let is_small =
+        !all.iter().any(|knob| matches!(knob.handle.kind, HandleKind::Corner(_)) && is_outer(knob));
     let dragged = editor.dragged();
     let has_room = |knob: &&Knob| {
         let near = |other: Pos2, least: f32| other.distance(knob.at) < least;
@@ -55,9 +59,8 @@ pub fn knobs(plane: &Plane, editor: &Editor) -> Vec<Knob> {
             {
                 false
             }
-            HandleKind::Side(..) | HandleKind::Rim | HandleKind::End(_) | HandleKind::Corner(_) => {
-                middle.is_none_or(|middle| !near(middle, LEAST))
-            }
+            HandleKind::Side(..) | HandleKind::Rim | HandleKind::End(_) => is_outer(knob),
+            HandleKind::Corner(_) => !is_small,
             _ => true,
         }
     };

@@ -6,7 +6,7 @@ use egui::{Align, Layout, Ui};
 
 use super::fields::{Rows, Unit, buttons, choose};
 use super::world;
-use crate::app::editor::{Editor, MotionKind, Rule, Selection, Tool, metres, path_of};
+use crate::app::editor::{Editor, MotionKind, Point, Rule, Selection, Tool, metres, path_of};
 use crate::app::screen::icons::{self, Icon, Tone};
 use crate::app::screen::panels::setup::{soft, title};
 use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Region, Shape};
@@ -88,15 +88,19 @@ fn obstacle(ui: &mut Ui, editor: &mut Editor, k: usize) {
     }
     let kind = choose(rows.ui, "Motion", MotionKind::of(&obstacle.motion), &MOTIONS);
     motion(&mut rows, &mut obstacle);
-    let moves = path_of(&obstacle).is_some();
+    let (still, has_path) = (obstacle.motion == ObstacleMotion::Still, path_of(&obstacle).is_some());
     rows.finish(editor, &format!("obstacle {k}"), |scenario| {
         if let Some(there) = scenario.obstacles.get_mut(k) {
             *there = obstacle;
         }
     });
-    if moves {
+    if still || has_path {
         let drawing = matches!(editor.tool(), Tool::Path { .. });
-        let text = if drawing { "Path is done" } else { "Draw its path anew" };
+        let text = match (drawing, has_path) {
+            (true, _) => "Path is done",
+            (false, true) => "Draw its path anew",
+            (false, false) => "Draw its path",
+        };
         if buttons(ui, &[(text, "Click the path in the world, corner by corner", true)]) == Some(0) {
             if drawing {
                 editor.tool_end();
@@ -195,9 +199,7 @@ fn generator(ui: &mut Ui, editor: &mut Editor, k: usize) {
     match (given, &mut generator.within) {
         (true, Some(region)) => world::region(&mut rows, &mut region.min_m, &mut region.max_m),
         (true, none) => {
-            let (low, high) = editor.scenario().enclosure.bounds_m();
-            let half = |(x, y): (f32, f32)| (x / 2.0, y / 2.0);
-            *none = Some(Region { min_m: half(low), max_m: half(high) });
+            *none = Some(middle_half(editor.scenario().enclosure.bounds_m()));
         }
         (false, some) => *some = None,
     }
@@ -206,6 +208,15 @@ fn generator(ui: &mut Ui, editor: &mut Editor, k: usize) {
             *there = generator;
         }
     });
+}
+
+/// The region of half the width and half the height in the middle of a box, to the millimetre.
+fn middle_half((low, high): (Point, Point)) -> Region {
+    let between = |a: f32, b: f32| ((a + (b - a) / 4.0) * 1000.0).round() / 1000.0;
+    Region {
+        min_m: (between(low.0, high.0), between(low.1, high.1)),
+        max_m: (between(high.0, low.0), between(high.1, low.1)),
+    }
 }
 
 fn random_shape(rows: &mut Rows<'_>, generator: &mut Generator) {
@@ -239,6 +250,12 @@ fn random_shape(rows: &mut Rows<'_>, generator: &mut Generator) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_middle_half_is_about_the_middle() {
+        let region = middle_half(((10.0, 0.0), (16.0, 6.0)));
+        assert_eq!((region.min_m, region.max_m), ((11.5, 1.5), (14.5, 4.5)));
+    }
 
     #[test]
     fn a_round_is_there_and_back() {

@@ -4,6 +4,7 @@
 
 use egui::{Event, Key, Modifiers, Ui};
 
+use super::end_drawing;
 use crate::app::editor::{Editor, Selection, Tool};
 use crate::app::orders::Order;
 use crate::app::status::Status;
@@ -35,7 +36,9 @@ pub fn handle(ui: &Ui, editor: &mut Editor, status: &Status, orders: &mut Vec<Or
     });
     // Arrows, Enter and Escape belong to a control that has the focus.
     let focused = ui.ctx().memory(|memory| memory.focused().is_some_and(|id| id != super::canvas_id()));
-    for (key, held, repeat) in pressed {
+    // It closes a list that is open, and nothing more.
+    let listed = egui::Popup::is_any_open(ui.ctx());
+    for (key, held, repeat) in pressed.into_iter().filter(|&(key, ..)| !(listed && key == Key::Escape)) {
         if held.command {
             with_command(key, held, repeat, editor, status, orders);
         } else if !focused {
@@ -62,11 +65,14 @@ fn with_command(
         Key::X => editor.cut(),
         Key::V => editor.paste(None),
         Key::D => editor.duplicate(),
-        Key::S => orders.push(Order::SaveWorld {
-            scenario: editor.scenario().clone(),
-            like: editor.from().to_owned(),
-            path: editor.file().filter(|_| status.disk),
-        }),
+        Key::S => {
+            end_drawing(editor);
+            orders.push(Order::SaveWorld {
+                scenario: editor.scenario().clone(),
+                like: editor.from().to_owned(),
+                path: editor.file().filter(|_| status.disk),
+            });
+        }
         Key::O => orders.push(Order::EditOpen(None)),
         _ => {}
     }

@@ -28,7 +28,7 @@ pub mod panel;
 mod pointer;
 mod world;
 
-use egui::{EventFilter, Id, Sense, Ui, Vec2, WidgetInfo, WidgetType, vec2};
+use egui::{EventFilter, Id, Rect, Sense, Ui, Vec2, WidgetInfo, WidgetType, vec2};
 
 use self::pointer::Under;
 use super::theme::Inks;
@@ -79,6 +79,28 @@ pub fn show(ui: &mut Ui, status: &Status, desk: &mut Desk) {
     canvas::draw_draft(ui, &canvas, editor, tip);
     handles::draw(&canvas, editor, under);
     hints::draw(&canvas, editor, under);
+}
+
+/// What is half drawn, if something is, as it is called.
+fn half_drawn(editor: &Editor) -> Option<&'static str> {
+    match editor.tool() {
+        Tool::Wall { corners_m } if !corners_m.is_empty() => Some("wall"),
+        Tool::Path { waypoints_m } if !waypoints_m.is_empty() => Some("path"),
+        _ => None,
+    }
+}
+
+/// What is half drawn is done, before the world is saved or taken.
+fn end_drawing(editor: &mut Editor) {
+    if half_drawn(editor).is_some() {
+        editor.tool_end();
+    }
+}
+
+/// The point of the world in the view's middle, in m.
+fn centre_m(ui: &Ui, editor: &Editor, camera: Camera) -> (f32, f32) {
+    let bounds = bounds(ui, canvas_id(), editor, camera);
+    Plane::new(Rect::ZERO, Vec2::ZERO, camera, bounds).centre_m.into()
 }
 
 /// What zoom 1 shows: the box around the enclosure, but in the middle of a drag or seen closer it stays what it was, or

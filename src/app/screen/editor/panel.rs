@@ -12,8 +12,8 @@ use egui::{
 };
 
 use super::fields::{buttons, choose, named};
-use super::{findings, inspector, leave};
-use crate::app::desk::Desk;
+use super::{centre_m, end_drawing, findings, half_drawn, inspector, leave};
+use crate::app::desk::{Camera, Desk};
 use crate::app::editor::{Editor, Form, Point, Snap, Tool, metres};
 use crate::app::orders::Order;
 use crate::app::screen::icons::{self, Icon, Tone};
@@ -37,7 +37,7 @@ enum Wish {
 
 /// Draws it.
 pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
-    let camera = desk.camera.centre_m;
+    let camera = desk.camera;
     let Some(editor) = desk.editor.as_deref_mut() else { return };
     let inner = Frame::new().inner_margin(Margin::symmetric(14, 12));
     let mut wish = None;
@@ -67,10 +67,19 @@ pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Orde
             }
         });
     });
-    let (scenario, from) = (editor.scenario().clone(), editor.from().to_owned());
     if wish.is_some() {
         set_asked(ui.ctx(), false);
     }
+    if matches!(wish, Some(Wish::GoOn | Wish::Again)) {
+        end_drawing(editor);
+    }
+    // What was drawn may be in the way, or nothing yet.
+    wish = wish.filter(|wish| match wish {
+        Wish::GoOn => why_not_go_on(view, editor).is_none(),
+        Wish::Again => why_not_again(editor).is_none(),
+        Wish::Close => true,
+    });
+    let (scenario, from) = (editor.scenario().clone(), editor.from().to_owned());
     match wish {
         Some(Wish::Close) => leave::ask(ui.ctx(), desk, None, orders),
         Some(wish) => {
@@ -160,10 +169,9 @@ fn templates(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
 }
 
 /// What can be added: it stands near the middle of what is seen.
-fn add(ui: &mut Ui, editor: &mut Editor, camera: [f32; 2]) {
+fn add(ui: &mut Ui, editor: &mut Editor, camera: Camera) {
     title(ui, "Add");
-    let (low, high) = editor.scenario().enclosure.bounds_m();
-    let near: Point = ((low.0 + high.0) / 2.0 + camera[0], (low.1 + high.1) / 2.0 + camera[1]);
+    let near: Point = centre_m(ui, editor, camera);
     let forms = [
         (Form::Circle, "Circle", "Add a circle"),
         (Form::Box, "Box", "Add a box"),
@@ -251,6 +259,7 @@ fn becomes(ui: &mut Ui, view: &View<'_>, editor: &mut Editor, orders: &mut Vec<O
         let about = "A new training from nothing in this world; what was learnt is given up";
         let begins = begins.on_hover_text(about).on_disabled_hover_text(again.unwrap_or(about));
         if begins.clicked() && view.status.restart_discards {
+            end_drawing(editor);
             set_asked(ui.ctx(), true);
         } else if begins.clicked() {
             wish = Some(Wish::Again);
@@ -276,7 +285,7 @@ fn why_not_go_on(view: &View<'_>, editor: &Editor) -> Option<String> {
             "The network was made for {beams} beams and {motions} motions: start again to learn with others."
         ));
     }
-    (here == there).then(|| "This is the world that runs.".into())
+    (here == there && half_drawn(editor).is_none()).then(|| "This is the world that runs.".into())
 }
 
 /// Why no training can begin in this world.
@@ -284,22 +293,18 @@ fn why_not_again(editor: &Editor) -> Option<&'static str> {
     (!editor.findings().is_empty()).then_some("First mend what is wrong.")
 }
 
-fn files(ui: &mut Ui, view: &View<'_>, editor: &Editor, orders: &mut Vec<Order>) {
-    let save = |path: Option<PathBuf>| Order::SaveWorld {
-        scenario: editor.scenario().clone(),
-        like: editor.from().to_owned(),
-        path,
-    };
-    let file = editor.file().filter(|_| view.status.disk);
+fn files(ui: &mut Ui, view: &View<'_>, editor: &mut Editor, orders: &mut Vec<Order>) {
     let all = [
         ("Save", "As a RON file, which any text editor opens; its comments are kept  (Ctrl+S)", true),
         ("Save as…", "Under another name", true),
     ];
-    match buttons(ui, &all) {
-        Some(0) => orders.push(save(file)),
-        Some(_) => orders.push(save(None)),
-        None => {}
-    }
+    let Some(pressed) = buttons(ui, &all) else { return };
+    end_drawing(editor);
+    orders.push(Order::SaveWorld {
+        scenario: editor.scenario().clone(),
+        like: editor.from().to_owned(),
+        path: editor.file().filter(|_| pressed == 0 && view.status.disk),
+    });
 }
 
 fn asked() -> Id {
@@ -310,7 +315,8 @@ fn is_asked(ctx: &Context) -> bool {
     ctx.data(|data| data.get_temp(asked())).unwrap_or(false)
 }
 
-fn set_asked(ctx: &Context, asks: bool) {
+/// Asks whether the present training may be given up, or asks no more.
+pub(super) fn set_asked(ctx: &Context, asks: bool) {
     ctx.data_mut(|data| data.insert_temp(asked(), asks));
 }
 

@@ -39,7 +39,8 @@ pub fn show(ui: &mut Ui, editor: &mut Editor) {
             CollapsingHeader::new(RichText::new(name).size(BODY))
                 .id_salt(("editor", name))
                 .open(open)
-                .show_unindented(ui, |ui| body(ui, editor));
+                // Two groups may have fields of the same name.
+                .show_unindented(ui, |ui| ui.push_id(field, |ui| body(ui, editor)));
         };
     group(ui, editor, ("About", "about"), about);
     group(ui, editor, ("Enclosure", "enclosure"), enclosure);
@@ -98,7 +99,7 @@ fn robot(ui: &mut Ui, editor: &mut Editor) {
     let tip = "Time constant of the drive: how slowly it follows the motion that was chosen";
     rows.number("Drive's lag", tip, &mut robot.actuator_lag_s, Unit::seconds(0.0, 10.0));
     let units = [Unit::SPEED.between(-5.0, 5.0), Unit::TURNING];
-    rows.list("Motion", &mut robot.motions, 1, units, |motion| {
+    rows.list("Motion", &mut robot.motions, 1, "edit them in the file", units, |motion| {
         [("speed", &mut motion.v_m_s), ("turning", &mut motion.w_rad_s)]
     });
     if robot.motions.len() < 64
@@ -176,7 +177,8 @@ pub fn rule(ui: &mut Ui, editor: &mut Editor, which: Rule) {
         PlaceRule::Fixed { at_m, heading_rad } => {
             rows.place(place, "", at_m);
             let mut given = heading_rad.is_some();
-            if which == Rule::Starts {
+            // A target has no use for one, and says so: here it is taken out.
+            if which == Rule::Starts || given {
                 rows.tick("Looks one way", "Or else anywhere", &mut given);
             }
             match (given, &mut *heading_rad) {
