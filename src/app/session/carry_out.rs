@@ -137,6 +137,8 @@ impl Session {
             self.scenario = scenario;
         }
         self.examiner_is_stale = true;
+        // What was saved before is older than this.
+        self.saved_world = None;
         // What was best in another world is nothing to go by.
         self.standing.best = None;
         let env_steps = world.resource::<Trainer>().0.env_steps();
