@@ -115,10 +115,13 @@ fn what_is_added_is_selected_copied_and_deleted() {
     click(&mut window, "Add obstacles that are drawn anew for every episode");
     assert_eq!(editor(&mut window).selection(), Selection::Generator(0));
     write(&mut window, "How many", "7");
+    assert_eq!(editor(&mut window).findings(), []);
     click(&mut window, "Only in a region");
     let generator = world(&mut window).generators[0].clone();
     assert_eq!((generator.count, generator.within.map(|r| r.min_m)), (7, Some((-1.0, -1.0))));
-    assert_eq!(editor(&mut window).findings(), []);
+    // The middle is full by now.
+    let told = editor(&mut window).findings().iter().map(|finding| finding.path.as_str()).collect::<Vec<_>>();
+    assert_eq!(told, ["generators"]);
 }
 
 #[test]
