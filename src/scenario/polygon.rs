@@ -38,7 +38,8 @@ pub(super) fn area(corners: &[(f32, f32)]) -> f32 {
 }
 
 /// The same corners, counterclockwise.
-pub(super) fn counterclockwise(corners: &[(f32, f32)]) -> Vec<(f32, f32)> {
+#[must_use]
+pub fn counterclockwise(corners: &[(f32, f32)]) -> Vec<(f32, f32)> {
     let mut corners = corners.to_vec();
     if area(&corners) < 0.0 {
         corners.reverse();

@@ -12,10 +12,11 @@ use bevy::ecs::schedule::{Schedule, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::transform::TransformPlugin;
 use bevy_rapier2d::prelude::*;
+use bevy_rapier2d::rapier::geometry::ConvexPolygon;
 use bevy_rapier2d::rapier::prelude::{ColliderHandle, ColliderSet, RigidBodyHandle, SharedShape};
 
 use crate::control_step::{ControlSet, ControlStep};
-use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
+use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, counterclockwise, pose_at};
 
 /// Runs when arenas have been spawned: makes rapier's bodies from the components.
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
@@ -166,9 +167,11 @@ fn collider(shape: &Shape) -> Collider {
         Shape::Rectangle { width_m, height_m } => Collider::cuboid(width_m / 2.0, height_m / 2.0),
         Shape::Capsule { length_m, radius_m } => Collider::capsule_x(length_m / 2.0, *radius_m),
         Shape::Polygon { corners_m } => {
-            let corners: Vec<Vec2> = corners_m.iter().map(|&corner| corner.into()).collect();
-            // What parry can't take encloses nothing: the checks let no such thing through.
-            Collider::convex_hull(&corners).unwrap_or_else(|| Collider::ball(0.001))
+            // Every corner is kept: parry would leave out those where the outline hardly bends. What it can't take encloses
+            // nothing: the checks let no such thing through.
+            let corners = counterclockwise(corners_m).into_iter().map(Vec2::from).collect();
+            let polygon = ConvexPolygon::from_convex_polyline_unmodified(corners);
+            polygon.map_or_else(|| Collider::ball(0.001), |polygon| SharedShape::new(polygon).into())
         }
     }
 }
