@@ -323,7 +323,7 @@ impl Run {
         Ok(())
     }
 
-    /// The last checkpoint, the last evaluation, the last policy, the summary and the picture.
+    /// The last checkpoint, the last evaluation, the last policy, the picture and the summary.
     ///
     /// The last evaluation comes after the checkpoint: had the run gone on, it would not have taken place, and a
     /// resumed run must end like one that never stopped.
@@ -357,8 +357,9 @@ impl Run {
             first_99: self.standing.first_99,
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
-        self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
         self.recorder.draw(&self.config.description())?;
+        // Last: where there is a summary, everything is there.
+        self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
         let how = if finished { "done" } else { "stopped; go on with --resume" };
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
         Ok(summary)
