@@ -74,6 +74,8 @@ proptest! {
     fn a_sound_scenario_has_room_at_the_start(scenario in scenario(), seed: u64) {
         let found = findings(&scenario);
         prop_assume!(found.iter().all(|f| f.path.starts_with("obstacles") || f.path.starts_with("course")));
+        // (Room is looked for when the numbers are sound: not with an obstacle that moves too fast.)
+        prop_assume!(!found.iter().any(|f| f.path.contains(".motion")));
         let mut s = stream(seed, "places", 0);
         let start = draw_start(&scenario, 0, &mut s);
         prop_assert!(start.is_ok());
