@@ -37,14 +37,27 @@ impl Drop for Display {
     }
 }
 
-fn wayfield(display: Option<&str>, home: &Path, arguments: &[&str]) -> Output {
+fn command(display: Option<&str>, home: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_wayfield"));
     command.args(arguments).current_dir(home).env("XDG_CONFIG_HOME", home).env("XDG_RUNTIME_DIR", home);
     command.env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
     if let Some(display) = display {
         command.env("DISPLAY", display);
     }
-    command.output().expect("the binary starts")
+    command
+}
+
+fn wayfield(display: Option<&str>, home: &Path, arguments: &[&str]) -> Output {
+    command(display, home, arguments).output().expect("the binary starts")
+}
+
+/// Waits until `done`, `seconds` at most; gives whether it is.
+fn until(seconds: u64, done: impl Fn() -> bool) -> bool {
+    let begun = std::time::Instant::now();
+    while !done() && begun.elapsed().as_secs() < seconds {
+        std::thread::sleep(std::time::Duration::from_millis(100));
+    }
+    done()
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -162,23 +175,10 @@ fn an_obstacle_dragged_in_the_editor_and_saved_is_found_in_the_file() {
     let before = "// My own.\n(\n    name: \"Mine\",\n    obstacles: [\n        \
                   (shape: Circle(radius_m: 0.3), position_m: (0.0, 0.6)), // here\n    ],\n)\n";
     std::fs::write(&file, before).expect("it is written");
-    let mut app = Command::new(env!("CARGO_BIN_EXE_wayfield"))
-        .args(["--scenario", "mine.ron", "--edit", "--look", "light", "--size", "1280x800"])
-        .current_dir(home.path())
-        .env("XDG_CONFIG_HOME", home.path())
-        .env("XDG_RUNTIME_DIR", home.path())
-        .env("DISPLAY", &display.name)
-        .spawn()
-        .expect("the binary starts");
-    let until = |done: &dyn Fn() -> bool| {
-        let begun = std::time::Instant::now();
-        while !done() && begun.elapsed().as_secs() < 20 {
-            std::thread::sleep(std::time::Duration::from_millis(100));
-        }
-        done()
-    };
+    let arguments = ["--scenario", "mine.ron", "--edit", "--look", "light", "--size", "1280x800"];
+    let mut app = command(Some(&display.name), home.path(), &arguments).spawn().expect("the binary starts");
     // It remembers what one looks at as soon as it is there, and after.
-    assert!(until(&|| home.path().join("wayfield/preferences.ron").exists()), "the window is there");
+    assert!(until(20, || home.path().join("wayfield/preferences.ron").exists()), "the window is there");
     // The obstacle, 0.6 m above the middle of a world of 4 m; "Save" at the panel's foot.
     let (obstacle, save) = ((588, 335), (67, 775));
     let at = |(x, y): (i32, i32)| format!("mousemove {x} {y}");
@@ -188,7 +188,7 @@ fn an_obstacle_dragged_in_the_editor_and_saved_is_found_in_the_file() {
     }
     hand(&display, &["mouseup 1", &at(save), "click 1"]);
     let written = || std::fs::read_to_string(&file).unwrap_or_default();
-    until(&|| written() != before);
+    until(20, || written() != before);
     let _ = app.kill();
     let _ = app.wait();
     // 93 points of about 156 a metre, on the grid of 5 cm.
@@ -199,19 +199,10 @@ fn an_obstacle_dragged_in_the_editor_and_saved_is_found_in_the_file() {
 fn what_one_looked_at_is_remembered() {
     let display = Display::new();
     let home = tempfile::tempdir().expect("a folder");
-    let mut app = Command::new(env!("CARGO_BIN_EXE_wayfield"))
-        .args(["--look", "dark", "--show", "grid", "--size", "900x600"])
-        .current_dir(home.path())
-        .env("XDG_CONFIG_HOME", home.path())
-        .env("XDG_RUNTIME_DIR", home.path())
-        .env("DISPLAY", &display.name)
-        .spawn()
-        .expect("the binary starts");
+    let arguments = ["--look", "dark", "--show", "grid", "--size", "900x600"];
+    let mut app = command(Some(&display.name), home.path(), &arguments).spawn().expect("the binary starts");
     let file = home.path().join("wayfield/preferences.ron");
-    let begun = std::time::Instant::now();
-    while !file.exists() && begun.elapsed().as_secs() < 60 {
-        std::thread::sleep(std::time::Duration::from_millis(100));
-    }
+    until(60, || file.exists());
     let _ = app.kill();
     let _ = app.wait();
     let remembered = std::fs::read_to_string(&file).expect("it was written within a minute");

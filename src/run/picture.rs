@@ -101,21 +101,16 @@ fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Outline {
 /// Where an obstacle goes; none if it stands still.
 fn track(obstacle: &Obstacle) -> Option<Track> {
     let (x, y) = wide(obstacle.position_m);
-    let through = |waypoints_m: &[(f32, f32)]| {
-        std::iter::once((x, y)).chain(waypoints_m.iter().copied().map(wide)).collect::<Vec<_>>()
-    };
     match &obstacle.motion {
         ObstacleMotion::Still => None,
         ObstacleMotion::Orbit { centre_m, .. } => {
             let (centre_x, centre_y) = wide(*centre_m);
             Some(Track::Ring(centre_x, centre_y, (x - centre_x).hypot(y - centre_y)))
         }
-        ObstacleMotion::Patrol { waypoints_m, .. } => {
-            let mut loop_m = through(waypoints_m);
-            loop_m.push((x, y));
-            Some(Track::Lines(loop_m))
+        ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
+            let (path, closed) = obstacle.path_m()?;
+            Some(Track::Lines(path.into_iter().map(wide).chain(closed.then_some((x, y))).collect()))
         }
-        ObstacleMotion::BackAndForth { waypoints_m, .. } => Some(Track::Lines(through(waypoints_m))),
         ObstacleMotion::RandomWalk { reach_m, .. } => Some(Track::Ring(x, y, f64::from(*reach_m))),
     }
 }

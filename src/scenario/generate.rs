@@ -5,7 +5,7 @@
 
 use std::f32::consts::PI;
 
-use super::geometry::{is_clear, length, reach};
+use super::geometry::{is_clear, length};
 use super::schema::{Generator, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Scenario, Shape};
 use crate::random::{Stream, between, stream};
 
@@ -64,7 +64,7 @@ fn one(
         }
     };
     let rotation_rad = if turns { between(stream, -PI, PI) } else { 0.0 };
-    let away = reach(&shape) + generator.gap_m;
+    let away = shape.reach_m() + generator.gap_m;
     let (low, high) = match generator.within {
         Some(region) => (region.min_m, region.max_m),
         None => room.enclosure.bounds_m(),

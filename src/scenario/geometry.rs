@@ -83,13 +83,16 @@ fn from_box((past_x, past_y): (f32, f32)) -> f32 {
     length(past_x.max(0.0), past_y.max(0.0)) + past_x.max(past_y).min(0.0)
 }
 
-/// From a shape's middle to its farthest point, in m.
-pub(super) fn reach(shape: &Shape) -> f32 {
-    match shape {
-        Shape::Circle { radius_m } => *radius_m,
-        Shape::Rectangle { width_m, height_m } => length(width_m / 2.0, height_m / 2.0),
-        Shape::Polygon { corners_m } => corners_m.iter().map(|&(x, y)| length(x, y)).fold(0.0, f32::max),
-        Shape::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
+impl Shape {
+    /// From its middle to its farthest point, in m.
+    #[must_use]
+    pub fn reach_m(&self) -> f32 {
+        match self {
+            Self::Circle { radius_m } => *radius_m,
+            Self::Rectangle { width_m, height_m } => length(width_m / 2.0, height_m / 2.0),
+            Self::Polygon { corners_m } => corners_m.iter().map(|&(x, y)| length(x, y)).fold(0.0, f32::max),
+            Self::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
+        }
     }
 }
 
@@ -237,7 +240,7 @@ mod tests {
             "beside it when upright"
         );
         assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (0.3, 0.0)), -0.25));
-        assert!(near(reach(&rod), 1.25) && near(reach(&triangle), 4.0));
+        assert!(near(rod.reach_m(), 1.25) && near(triangle.reach_m(), 4.0));
     }
 
     #[test]

@@ -13,7 +13,7 @@ mod load;
 mod motion;
 mod outline;
 mod placement;
-mod polygon;
+pub mod polygon;
 mod ron_message;
 mod schema;
 #[cfg(target_arch = "wasm32")]
@@ -26,7 +26,6 @@ pub use geometry::{clearance, inner_wall_distance, shape_distance, wall_distance
 pub use load::{MOST_BYTES, is_there, parse_ron, read_bytes, read_long_ron, read_ron, read_text, to_ron};
 pub use motion::pose_at;
 pub use placement::{NoFreePlace, draw_navigation, draw_start, draw_target};
-pub use polygon::counterclockwise;
 pub use ron_message::nearest;
 pub use schema::*;
 pub use write::to_text;

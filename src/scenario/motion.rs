@@ -43,6 +43,20 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
     (x as f32, y as f32, wrapped(rotation) as f32)
 }
 
+impl Obstacle {
+    /// The corners of its path, in m, its position first, and whether the last is joined to the first; none of what doesn't
+    /// go by straight lines that are given.
+    #[must_use]
+    pub fn path_m(&self) -> Option<(Vec<(f32, f32)>, bool)> {
+        let (waypoints_m, closed) = match &self.motion {
+            ObstacleMotion::Patrol { waypoints_m, .. } => (waypoints_m, true),
+            ObstacleMotion::BackAndForth { waypoints_m, .. } => (waypoints_m, false),
+            _ => return None,
+        };
+        Some((std::iter::once(self.position_m).chain(waypoints_m.iter().copied()).collect(), closed))
+    }
+}
+
 /// `point` turned about `centre` by `angle`.
 fn revolved(point: (f64, f64), centre: (f64, f64), angle: f64) -> (f64, f64) {
     let (sin, cos) = libm::sincos(angle);

@@ -1,6 +1,7 @@
-//! Polygons: how far a point is from the sides, on which side of them, and which way round they go.
+//! Polygons: their sides, how far a point is from them and on which side, and which way round they go.
 //!
-//! In: corners in order, either way round. Out: signed distances, areas. Plain f32 arithmetic, alike on every platform.
+//! In: corners in order, either way round. Out: sides, signed distances, areas. Plain f32 arithmetic, alike on every
+//! platform.
 
 use super::geometry::length;
 
@@ -19,12 +20,13 @@ pub(super) fn depth(corners: &[(f32, f32)], point: (f32, f32)) -> f32 {
 }
 
 /// Each side as its two ends; the last joins the first corner.
-pub(super) fn sides(corners: &[(f32, f32)]) -> impl Iterator<Item = ((f32, f32), (f32, f32))> {
+pub fn sides<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> {
     corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
 }
 
 /// From `point` to the segment between two points, in m.
-pub(super) fn from_segment(from: (f32, f32), to: (f32, f32), point: (f32, f32)) -> f32 {
+#[must_use]
+pub fn from_segment(from: (f32, f32), to: (f32, f32), point: (f32, f32)) -> f32 {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let (px, py) = (point.0 - from.0, point.1 - from.1);
     let square = dx * dx + dy * dy;
@@ -33,7 +35,8 @@ pub(super) fn from_segment(from: (f32, f32), to: (f32, f32), point: (f32, f32)) 
 }
 
 /// The area, in m^2; negative where the corners go clockwise.
-pub(super) fn area(corners: &[(f32, f32)]) -> f32 {
+#[must_use]
+pub fn area(corners: &[(f32, f32)]) -> f32 {
     sides(corners).map(|(from, to)| from.0 * to.1 - to.0 * from.1).sum::<f32>() / 2.0
 }
 
@@ -78,5 +81,13 @@ mod tests {
         let clockwise: Vec<_> = L.iter().rev().copied().collect();
         assert_eq!(area(&clockwise), -3.0);
         assert_eq!(counterclockwise(&clockwise), L);
+    }
+
+    #[test]
+    fn the_way_to_a_segment_ends_at_its_ends() {
+        let (from, to) = ((0.0, 0.0), (2.0, 0.0));
+        let found = [(1.0, 0.5), (5.0, 4.0), (-3.0, 4.0)].map(|point| from_segment(from, to, point));
+        assert_eq!(found, [0.5, 5.0, 5.0]);
+        assert_eq!(from_segment(from, from, (3.0, 4.0)), 5.0, "a segment without length");
     }
 }

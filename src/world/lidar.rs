@@ -12,6 +12,7 @@ use bevy_rapier2d::rapier::parry::query::RayCast;
 use super::physics::{Bodies, robot_touches};
 use crate::random::{self, Stream};
 use crate::scenario::Lidar;
+use crate::scenario::polygon::sides;
 use crate::task::{CurrentScenario, Episode, Pose, Scan, Streams};
 
 /// The beams' directions in the robot's own frame: unit vectors, in the sensor's order.
@@ -79,8 +80,7 @@ fn meets(shape: &TypedShape, ray: &Ray, most_m: f32) -> Option<f32> {
             if corners.iter().zip(polygon.normals()).all(within) {
                 return Some(0.0);
             }
-            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-            sides.fold(None, |found, (from, to)| nearest(found, to_side(*from, *to, ray, most_m)))
+            sides(corners).fold(None, |found, (from, to)| nearest(found, to_side(from, to, ray, most_m)))
         }
         TypedShape::Capsule(rod) => {
             // It lies along its own x axis, its middle at 0 (`physics.rs`).

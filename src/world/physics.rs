@@ -16,7 +16,7 @@ use bevy_rapier2d::rapier::geometry::ConvexPolygon;
 use bevy_rapier2d::rapier::prelude::{ColliderHandle, ColliderSet, RigidBodyHandle, SharedShape};
 
 use crate::control_step::{ControlSet, ControlStep};
-use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, counterclockwise, pose_at};
+use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, polygon, pose_at};
 
 /// Runs when arenas have been spawned: makes rapier's bodies from the components.
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
@@ -151,11 +151,10 @@ fn around(enclosure: &Enclosure) -> Vec<(Collider, Transform)> {
                 .into()
         }
         Enclosure::Polygon { .. } => {
-            let corners = enclosure.corners_m();
-            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-            sides
-                .map(|(from, to)| (Collider::segment((*from).into(), (*to).into()), Transform::IDENTITY))
-                .collect()
+            let side = |(from, to): ((f32, f32), (f32, f32))| {
+                (Collider::segment(from.into(), to.into()), Transform::IDENTITY)
+            };
+            polygon::sides(&enclosure.corners_m()).map(side).collect()
         }
     }
 }
@@ -169,9 +168,9 @@ fn collider(shape: &Shape) -> Collider {
         Shape::Polygon { corners_m } => {
             // Every corner is kept: parry would leave out those where the outline hardly bends. What it can't take encloses
             // nothing: the checks let no such thing through.
-            let corners = counterclockwise(corners_m).into_iter().map(Vec2::from).collect();
-            let polygon = ConvexPolygon::from_convex_polyline_unmodified(corners);
-            polygon.map_or_else(|| Collider::ball(0.001), |polygon| SharedShape::new(polygon).into())
+            let corners = polygon::counterclockwise(corners_m).into_iter().map(Vec2::from).collect();
+            ConvexPolygon::from_convex_polyline_unmodified(corners)
+                .map_or_else(|| Collider::ball(0.001), |outline| SharedShape::new(outline).into())
         }
     }
 }

@@ -44,7 +44,6 @@ pub use points::{Point, metres};
 pub use selection::Selection;
 pub use snap::Snap;
 pub use tools::Tool;
-pub use way::path_of;
 
 use drag::Drag;
 use forms::Thing;

@@ -52,15 +52,6 @@ pub(super) fn distance(a: Point, b: Point) -> f32 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
-/// From `point` to the segment between two others.
-pub(super) fn from_segment(from: Point, to: Point, point: Point) -> f32 {
-    let (along, away) = (minus(to, from), minus(point, from));
-    let square = along.0 * along.0 + along.1 * along.1;
-    let part = if square > 0.0 { (away.0 * along.0 + away.1 * along.1) / square } else { 0.0 };
-    let part = part.clamp(0.0, 1.0);
-    distance(point, (from.0 + part * along.0, from.1 + part * along.1))
-}
-
 /// A frame of its own: moved and turned in the world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
@@ -142,13 +133,5 @@ mod tests {
         let frame = Frame::new((1.0, 2.0), 1.5708);
         assert_eq!(frame.out((0.5, 0.25)), (0.75, 2.5), "a quarter turn: x goes up, y to the left");
         assert_eq!(frame.into_own((0.75, 2.5)), (0.5, 0.25));
-    }
-
-    #[test]
-    fn the_way_to_a_segment_ends_at_its_ends() {
-        let (from, to) = ((0.0, 0.0), (2.0, 0.0));
-        let found = [(1.0, 0.5), (5.0, 4.0), (-3.0, 4.0)].map(|point| from_segment(from, to, point));
-        assert_eq!(found, [0.5, 5.0, 5.0]);
-        assert_eq!(from_segment(from, from, (3.0, 4.0)), 5.0, "a segment without length");
     }
 }

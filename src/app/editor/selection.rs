@@ -2,9 +2,9 @@
 //!
 //! In: a scenario, a point or a field's path. Out: a [`Selection`].
 
-use super::points::{Point, distance, from_segment};
+use super::points::{Point, distance};
 use crate::scenario::{
-    Obstacle, PlaceRule, Region, Scenario, inner_wall_distance, shape_distance, wall_distance,
+    Obstacle, PlaceRule, Region, Scenario, inner_wall_distance, polygon, shape_distance, wall_distance,
 };
 
 /// What the handles and the inspector are of.
@@ -156,7 +156,9 @@ fn frame(scenario: &Scenario, at: Point, slack_m: f32) -> Option<Selection> {
 
 fn from_outline(Region { min_m, max_m }: Region, at: Point) -> f32 {
     let corners = [min_m, (max_m.0, min_m.1), max_m, (min_m.0, max_m.1)];
-    (0..4).map(|k| from_segment(corners[k], corners[(k + 1) % 4], at)).fold(f32::INFINITY, f32::min)
+    polygon::sides(&corners)
+        .map(|(from, to)| polygon::from_segment(from, to, at))
+        .fold(f32::INFINITY, f32::min)
 }
 
 #[cfg(test)]

@@ -11,22 +11,10 @@ use crate::scenario::{Obstacle, ObstacleMotion};
 /// The most waypoints of a path.
 const MOST: usize = 256;
 
-/// The corners of its path, in m, its position first, and whether the last is joined to the first; none of what doesn't
-/// go by straight lines that are given.
-#[must_use]
-pub fn path_of(obstacle: &Obstacle) -> Option<(Vec<Point>, bool)> {
-    let (waypoints, closed) = match &obstacle.motion {
-        ObstacleMotion::Patrol { waypoints_m, .. } => (waypoints_m, true),
-        ObstacleMotion::BackAndForth { waypoints_m, .. } => (waypoints_m, false),
-        _ => return None,
-    };
-    Some((std::iter::once(obstacle.position_m).chain(waypoints.iter().copied()).collect(), closed))
-}
-
 /// Its handles.
 pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
     let mut all = Vec::new();
-    if let Some((path, closed)) = path_of(obstacle) {
+    if let Some((path, closed)) = obstacle.path_m() {
         let legs = if closed && path.len() > 2 { path.len() } else { path.len() - 1 };
         if path.len() <= MOST {
             all.extend((0..legs).map(|k| {

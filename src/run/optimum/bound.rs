@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::MARGIN_M;
 use super::world::{Goal, Solid, State, distance, standing};
-use crate::scenario::{Obstacle, Scenario, pose_at};
+use crate::scenario::{Obstacle, Scenario, polygon, pose_at};
 
 /// Corners of the polygon in a circle.
 const CIRCLE_CORNERS: usize = 32;
@@ -240,8 +240,8 @@ fn screen(solid: &Solid) -> (Screen, Vec<(f64, f64)>) {
         place(x + solid.radius * cos, y + solid.radius * sin)
     };
     let corners: Vec<_> = (0..4 * BOX_CORNER_POINTS).map(corner).collect();
-    let sides = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(p, q)| {
-        let length = distance(*p, *q);
+    let sides = polygon::sides(&corners).map(|(p, q)| {
+        let length = distance(p, q);
         let (a, b) = ((q.1 - p.1) / length, (p.0 - q.0) / length);
         (a, b, a * p.0 + b * p.1 - 1e-9)
     });

@@ -6,7 +6,7 @@
 
 use std::cell::Cell;
 
-use crate::scenario::geometry::{length, reach, reach_from, wall_distance};
+use crate::scenario::geometry::{length, reach_from, wall_distance};
 use crate::scenario::schema::*;
 
 /// So far is allowed, in m: rounding.
@@ -75,26 +75,24 @@ impl<'a> Inside<'a> {
     /// How far `obstacle` reaches beyond the enclosure on its whole way, in m.
     pub(super) fn beyond(&self, obstacle: &Obstacle) -> f32 {
         let (points, mut margin) = bones(&obstacle.shape, obstacle.rotation_rad);
-        let mut around = reach(&obstacle.shape);
+        let mut around = obstacle.shape.reach_m();
         let start = obstacle.position_m;
-        let way = match &obstacle.motion {
+        let way = match (&obstacle.motion, obstacle.path_m()) {
             _ if !moves(obstacle) => vec![start],
-            ObstacleMotion::Still => vec![start],
             // It turns with the revolution, so that its farthest point draws a circle about the centre.
-            ObstacleMotion::Orbit { centre_m, .. } => {
+            (ObstacleMotion::Orbit { centre_m, .. }, _) => {
                 return reach_from(obstacle, *centre_m) - wall_distance(self.enclosure, *centre_m);
             }
-            ObstacleMotion::Patrol { waypoints_m, .. } => {
-                std::iter::once(start).chain(waypoints_m.iter().copied()).chain([start]).collect()
-            }
-            ObstacleMotion::BackAndForth { waypoints_m, .. } => {
-                std::iter::once(start).chain(waypoints_m.iter().copied()).collect()
-            }
-            ObstacleMotion::RandomWalk { reach_m, .. } => {
+            (ObstacleMotion::RandomWalk { reach_m, .. }, _) => {
                 margin += reach_m;
                 around += reach_m;
                 vec![start]
             }
+            (_, Some((mut path, closed))) => {
+                path.extend(closed.then_some(start));
+                path
+            }
+            (_, None) => vec![start],
         };
         let mut worst = f32::NEG_INFINITY;
         let mut last: Option<(Place, f32)> = None;

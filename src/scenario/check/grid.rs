@@ -4,6 +4,8 @@
 //! together side by side. All shapes are convex, so that each blocks one interval of a row: the work goes with the
 //! number of rows, not of cells.
 
+use crate::scenario::polygon::sides;
+
 /// About so many cells at most.
 const MOST_CELLS: f64 = 1_048_576.0;
 /// Cells need not be smaller than this part of the robot's room.
@@ -93,8 +95,7 @@ impl<'a> Cells<'a> {
         for row in 0..self.grid.rows {
             let y = self.grid.y(row);
             crossings.clear();
-            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-            crossings.extend(sides.filter_map(|(&from, &to)| crossing(from, to, y)));
+            crossings.extend(sides(&corners).filter_map(|(from, to)| crossing(from, to, y)));
             crossings.sort_by(f64::total_cmp);
             let mut column = 0;
             for pair in crossings.chunks_exact(2) {
@@ -114,7 +115,7 @@ impl<'a> Cells<'a> {
         }
         // What is so near is bounded by arcs about the points and by the sides, moved out by the margin to both sides.
         let mut moved = Vec::with_capacity(2 * points.len());
-        for (&a, &b) in points.iter().zip(points.iter().cycle().skip(1)) {
+        for (a, b) in sides(&points) {
             let long = ((b.0 - a.0) * (b.0 - a.0) + (b.1 - a.1) * (b.1 - a.1)).sqrt();
             if long > 0.0 {
                 let (dx, dy) = ((b.1 - a.1) / long * margin, (a.0 - b.0) / long * margin);

@@ -9,6 +9,7 @@
 use super::Notes;
 use super::extent::{bones, moves};
 use super::grid::{Cells, Grid, Parts, Point};
+use crate::scenario::polygon::sides;
 use crate::scenario::schema::*;
 
 /// A part of the free space in which a rule has places: how many cells of it, and one place among them.
@@ -122,7 +123,7 @@ fn blocked<'a>(scenario: &Scenario, grid: &'a Grid, margin: f64) -> Cells<'a> {
     let mut cells = Cells::none(grid);
     let corners: Vec<Point> = scenario.enclosure.corners_m().into_iter().map(wide).collect();
     cells.set_outside(&corners);
-    for (&from, &to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+    for (from, to) in sides(&corners) {
         cells.set_near(&[from, to], margin);
     }
     let mut set = |obstacle: &Obstacle| {

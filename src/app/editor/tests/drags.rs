@@ -239,11 +239,11 @@ fn a_walls_corners_and_the_whole_of_it() {
 fn a_path_is_dragged_in_parts_or_as_a_whole() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
-    assert_eq!(path_of(&full().obstacles[1]), Some((vec![(1.0, 0.0), (1.0, 1.5), (0.5, 1.5)], true)));
+    assert_eq!(full().obstacles[1].path_m(), Some((vec![(1.0, 0.0), (1.0, 1.5), (0.5, 1.5)], true)));
     drag(&mut editor, HandleKind::Waypoint(0), (0.3, -0.1), false);
     drag(&mut editor, HandleKind::PathStart, (0.1, 0.1), false);
     drag(&mut editor, HandleKind::PathInsert(2), (-0.2, 0.0), false);
-    let path = |editor: &Editor| path_of(&editor.scenario().obstacles[1]).expect("a path").0;
+    let path = |editor: &Editor| editor.scenario().obstacles[1].path_m().expect("a path").0;
     // The middle of (0.5, 1.5) and (1.1, 0.1) is (0.8, 0.8).
     assert_eq!(path(&editor), [(1.1, 0.1), (1.3, 1.4), (0.5, 1.5), (0.6, 0.8)]);
     drag(&mut editor, HandleKind::Middle, (-0.1, -0.1), false);

@@ -6,7 +6,7 @@ use egui::{Align, Layout, Ui};
 
 use super::fields::{Rows, Unit, buttons, choose};
 use super::world;
-use crate::app::editor::{Editor, MotionKind, Point, Rule, Selection, Tool, metres, path_of};
+use crate::app::editor::{Editor, MotionKind, Point, Rule, Selection, Tool, metres};
 use crate::app::screen::icons::{self, Icon, Tone};
 use crate::app::screen::panels::setup::{soft, title};
 use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Region, Shape};
@@ -88,7 +88,7 @@ fn obstacle(ui: &mut Ui, editor: &mut Editor, k: usize) {
     }
     let kind = choose(rows.ui, "Motion", MotionKind::of(&obstacle.motion), &MOTIONS);
     motion(&mut rows, &mut obstacle);
-    let (still, has_path) = (obstacle.motion == ObstacleMotion::Still, path_of(&obstacle).is_some());
+    let (still, has_path) = (obstacle.motion == ObstacleMotion::Still, obstacle.path_m().is_some());
     rows.finish(editor, &format!("obstacle {k}"), |scenario| {
         if let Some(there) = scenario.obstacles.get_mut(k) {
             *there = obstacle;
@@ -130,7 +130,7 @@ fn shape(rows: &mut Rows<'_>, shape: &mut Shape) {
 }
 
 fn motion(rows: &mut Rows<'_>, obstacle: &mut Obstacle) {
-    let path = path_of(obstacle);
+    let path = obstacle.path_m();
     let position = obstacle.position_m;
     match &mut obstacle.motion {
         ObstacleMotion::Still => {}

@@ -5,7 +5,7 @@
 use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
 
 use super::canvas::Canvas;
-use crate::app::editor::{Point, path_of};
+use crate::app::editor::Point;
 use crate::scenario::{Obstacle, ObstacleMotion};
 
 /// A dash and the gap after it, in points.
@@ -31,7 +31,7 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
             }
         }
         ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
-            if let Some((corners, closed)) = path_of(obstacle) {
+            if let Some((corners, closed)) = obstacle.path_m() {
                 legs(canvas, corners, closed, stroke);
             }
         }

@@ -44,12 +44,7 @@ impl Outline {
     pub fn reach_m(&self) -> f32 {
         match self {
             Self::Disc { radius_m, .. } => *radius_m,
-            Self::Solid { shape, .. } => match shape {
-                Shape::Circle { radius_m } => *radius_m,
-                Shape::Rectangle { width_m, height_m } => width_m.hypot(*height_m) / 2.0,
-                Shape::Polygon { corners_m } => corners_m.iter().map(|c| c.0.hypot(c.1)).fold(0.0, f32::max),
-                Shape::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
-            },
+            Self::Solid { shape, .. } => shape.reach_m(),
         }
     }
 

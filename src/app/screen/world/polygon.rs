@@ -6,6 +6,7 @@
 use egui::{Color32, Mesh, Pos2, Shape};
 
 use super::canvas::Canvas;
+use crate::scenario::polygon;
 
 /// A corner, in m.
 pub type Corner = (f32, f32);
@@ -20,8 +21,7 @@ fn turn(a: Corner, b: Corner, c: Corner) -> f32 {
 
 /// Whether the corners go counterclockwise.
 fn goes_left(corners: &[Corner]) -> bool {
-    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-    sides.map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum::<f32>() >= 0.0
+    polygon::area(corners) >= 0.0
 }
 
 /// Whether no corner points inwards and it goes round once.
@@ -152,8 +152,7 @@ pub fn grown(corners: &[Corner], by_m: f32) -> Vec<Corner> {
 /// The parts of the line x = `at_m` that lie within, from where to where along y, in order.
 #[must_use]
 pub fn spans(corners: &[Corner], at_m: f32) -> Vec<[f32; 2]> {
-    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-    let crossed = sides.filter(|(a, b)| (a.0 > at_m) != (b.0 > at_m));
+    let crossed = polygon::sides(corners).filter(|(a, b)| (a.0 > at_m) != (b.0 > at_m));
     let mut crossings: Vec<f32> =
         crossed.map(|(a, b)| a.1 + (at_m - a.0) / (b.0 - a.0) * (b.1 - a.1)).collect();
     crossings.sort_unstable_by(f32::total_cmp);
