@@ -60,12 +60,17 @@ pub struct Opening {
 /// There is no display; the picture could not be written.
 pub fn run(opening: Opening) -> Result<(), RunError> {
     let _held = display()?;
-    let mut app = App::new();
-    app.add_plugins(WindowedPlugin(opening));
-    match app.run() {
+    match app(opening).run() {
         AppExit::Success => Ok(()),
         AppExit::Error(_) => Err(RunError::Failed("the window ended unexpectedly (see above)".into())),
     }
+}
+
+/// The window's app, to which more may be added before it runs. It panics if there is no display ([`run`] asks first).
+pub fn app(opening: Opening) -> App {
+    let mut app = App::new();
+    app.add_plugins(WindowedPlugin(opening));
+    app
 }
 
 /// A connection to the display on which a window can be opened: winit would panic without one. It is to be held until the
