@@ -88,7 +88,7 @@ fn no_room_for_a_start_is_reported_and_names_the_arena() {
     let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
     let lab = Lab::new(&scenario, 1, 1);
     let fault = lab.app.world().resource::<TaskFault>().0.clone().expect("the fault is there to be seen");
-    assert!(fault.starts_with("arena 0, step 0: no free space for a start"), "{fault}");
+    assert!(fault.to_string().starts_with("arena 0, step 0: no free space for a start"), "{fault}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ mod train;
 use bevy::prelude::*;
 
 pub use decide::{Acting, Decisions, Driver, Drivers, GreedyPolicy};
-pub use train::{Trainer, TrainingFault, TrainingStats};
+pub use train::{Trainer, TrainingFault, TrainingStats, TrainingWarning};
 
 use crate::control_step::{ControlSet, ControlStep};
 
@@ -42,10 +42,13 @@ pub struct TrainingPlugin;
 
 impl Plugin for TrainingPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<TrainingStats>().init_resource::<TrainingFault>().add_systems(
-            ControlStep,
-            (train::remember.in_set(ControlSet::Remember), train::learn.in_set(ControlSet::Learn))
-                .run_if(resource_equals(Acting::Exploring)),
-        );
+        app.init_resource::<TrainingStats>()
+            .init_resource::<TrainingFault>()
+            .init_resource::<TrainingWarning>()
+            .add_systems(
+                ControlStep,
+                (train::remember.in_set(ControlSet::Remember), train::learn.in_set(ControlSet::Learn))
+                    .run_if(resource_equals(Acting::Exploring).and_then(train::numbers_are_sound)),
+            );
     }
 }

@@ -1,13 +1,13 @@
 //! `Remember` and `Learn`: transitions go into the replay buffer, gradient steps come out of it.
 //!
 //! In: observations, actions and outcomes of the step. Out: the learner in [`Trainer`], what its gradient steps
-//! looked like ([`TrainingStats`]), and [`TrainingFault`] if a number went wrong.
+//! looked like ([`TrainingStats`]), [`TrainingFault`] if a number went wrong, and [`TrainingWarning`] if one is about to.
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::learning::{Diverged, Experience, Learner};
-use crate::task::{Actions, Observations, Outcomes, TaskMode};
+use crate::learning::{Diverged, Experience, Learner, Overestimate};
+use crate::task::{Actions, Fault, Observations, Outcomes, TaskFault, TaskMode};
 
 /// The learner in training.
 #[derive(Resource)]
@@ -16,6 +16,27 @@ pub struct Trainer(pub Learner);
 /// Set when a loss or weight is no longer a number: the caller of the step must look, and stop.
 #[derive(Resource, Default)]
 pub struct TrainingFault(pub Option<Diverged>);
+
+/// Set when Q-values are beyond what any return can be: the caller of the step should tell the user.
+#[derive(Resource, Default)]
+pub struct TrainingWarning {
+    first: Option<Overestimate>,
+    told: bool,
+}
+
+impl TrainingWarning {
+    /// The first such warning of the training, once.
+    pub fn news(&mut self) -> Option<Overestimate> {
+        let news = self.first.clone().filter(|_| !self.told);
+        self.told |= news.is_some();
+        news
+    }
+}
+
+/// Whether the numbers of this step can be learnt from.
+pub(super) fn numbers_are_sound(fault: Res<TaskFault>) -> bool {
+    !matches!(fault.0, Some(Fault::NotFinite { .. }))
+}
 
 /// Sums over the gradient steps since they were last taken.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -71,6 +92,7 @@ pub(super) fn learn(
     mut trainer: ResMut<Trainer>,
     mut stats: ResMut<TrainingStats>,
     mut fault: ResMut<TrainingFault>,
+    mut warning: ResMut<TrainingWarning>,
 ) {
     match trainer.0.train() {
         Ok(Some(step)) => {
@@ -79,6 +101,9 @@ pub(super) fn learn(
             stats.loss += n * f64::from(step.loss);
             stats.td_error += n * f64::from(step.td_error);
             stats.q += n * f64::from(step.q);
+            if let (None, Some(overestimate)) = (&warning.first, step.overestimate) {
+                warning.first = Some(overestimate);
+            }
         }
         Ok(None) => {}
         Err(diverged) => fault.0 = Some(diverged),

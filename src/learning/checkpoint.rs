@@ -149,6 +149,8 @@ impl Learner {
         learner.optimizer = head.optimizer;
         learner.chains = head.chains;
         learner.progress = head.progress;
+        learner.largest_reward =
+            learner.replay.transitions.iter().fold(0.0, |largest, t| largest.max(t.reward.abs()));
         Ok(learner)
     }
 }

@@ -5,6 +5,7 @@
 //! (prioritized) replay.
 
 use super::config::{ConfigError, LearningConfig, TargetUpdate, within};
+use super::divergence::{Diverged, Overestimate, advice, cause_of_loss, cause_of_weight};
 use super::exploration::greedy;
 use super::n_step::{End, NStep, Pending};
 use super::network::{Gradient, NetworkShape, QNetwork, Regression};
@@ -16,6 +17,9 @@ use serde::{Deserialize, Serialize};
 
 /// The most numbers in all observations of a replay buffer: 8 GB of them, 1 GB where addresses have 32 bits.
 const MOST_NUMBERS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
+
+/// So many gradient steps with Q-values beyond any return are no passing fit.
+const LASTING: u32 = 50;
 
 /// One env step of one arena.
 #[derive(Debug, Clone, Copy)]
@@ -37,7 +41,7 @@ pub struct Experience<'a> {
 }
 
 /// Means over the gradient steps of one training.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct LearnStats {
     /// How many there were.
     pub gradient_steps: u32,
@@ -47,18 +51,8 @@ pub struct LearnStats {
     pub td_error: f32,
     /// Q(s, a) of the transitions sampled, in units of scaled reward.
     pub q: f32,
-}
-
-/// The learning blew up: a number is no longer finite.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "learning diverged at gradient step {gradient_step}: {what}; try a new run with a lower learning_rate or reward_scale"
-)]
-pub struct Diverged {
-    /// The gradient step, counted from 1.
-    pub gradient_step: u64,
-    /// Which number.
-    pub what: String,
+    /// Q-values beyond what any return can be, for some time now.
+    pub overestimate: Option<Overestimate>,
 }
 
 /// What is followed of one arena.
@@ -93,6 +87,11 @@ pub struct Learner {
     pub(super) replay: ReplayBuffer,
     pub(super) chains: Vec<Chain>,
     pub(super) progress: Progress,
+    /// The largest |scaled reward| of an env step so far; after a checkpoint is read, of a return over n steps among the
+    /// transitions kept.
+    pub(super) largest_reward: f32,
+    /// Gradient steps whose Q-values were beyond any return, less those whose were not, from zero on.
+    beyond: u32,
     scratch: Scratch,
 }
 
@@ -138,6 +137,8 @@ impl Learner {
                 epsilon_start: None,
                 sampling: stream(seed, "learning: sampling", 0),
             },
+            largest_reward: 0.0,
+            beyond: 0,
             scratch: Scratch::default(),
             online,
         })
@@ -155,7 +156,7 @@ impl Learner {
     /// `arena`, `action` or an observation's length is not what the learner was made for.
     pub fn remember(&mut self, e: &Experience<'_>) {
         assert!(e.action < self.online.shape().actions, "action {} does not exist", e.action);
-        let Self { chains, replay, config, .. } = self;
+        let Self { chains, replay, config, largest_reward, .. } = self;
         let chain = &mut chains[e.arena];
         let state = match chain.last {
             Some(id) if replay.holds(id) => id,
@@ -167,7 +168,9 @@ impl Learner {
             (false, false) => (replay.push_state(e.next_observation), End::Open),
         };
         chain.last = (end == End::Open).then_some(next);
-        let step = Pending { state, action: e.action as u8, reward: e.reward * config.reward_scale };
+        let reward = e.reward * config.reward_scale;
+        *largest_reward = largest_reward.max(reward.abs());
+        let step = Pending { state, action: e.action as u8, reward };
         chain.n_step.push(step, next, end, (config.n_step, config.gamma), |t| replay.push(&t));
 
         let progress = &mut self.progress;
@@ -194,24 +197,22 @@ impl Learner {
         if owed == 0 {
             return Ok(None);
         }
-        let mut sum = LearnStats::default();
+        let mut sum = LearnStats { gradient_steps: owed, ..LearnStats::default() };
         for _ in 0..owed {
             let step = self.gradient_step()?;
             sum.loss += step.loss;
             sum.td_error += step.td_error;
             sum.q += step.q;
+            sum.overestimate = step.overestimate;
         }
         let n = owed as f32;
-        Ok(Some(LearnStats {
-            gradient_steps: owed,
-            loss: sum.loss / n,
-            td_error: sum.td_error / n,
-            q: sum.q / n,
-        }))
+        Ok(Some(LearnStats { loss: sum.loss / n, td_error: sum.td_error / n, q: sum.q / n, ..sum }))
     }
 
     fn gradient_step(&mut self) -> Result<LearnStats, Diverged> {
-        let Self { config, online, target, optimizer, replay, progress, scratch, .. } = self;
+        let Self {
+            config, online, target, optimizer, replay, progress, largest_reward, beyond, scratch, ..
+        } = self;
         let Scratch { batch, gradient, online_q, target_q, targets } = scratch;
         let n = config.batch_size;
         progress.gradient_steps += 1;
@@ -226,24 +227,36 @@ impl Learner {
 
         let on = Regression { actions: &batch.actions, targets, weights: &batch.weights, loss: config.loss };
         online.gradient(&batch.states, on, gradient);
-        let diverged = |what: &str| Diverged {
-            gradient_step: progress.gradient_steps,
-            what: format!("{what} is not finite"),
-        };
+        let (gradient_step, env_step) = (progress.gradient_steps, progress.env_steps);
+        let diverged = |what| Diverged { gradient_step, env_step, what, advice: advice(config) };
         if !gradient.loss.is_finite() {
-            return Err(diverged("the loss"));
+            let what = cause_of_loss(&batch.rewards, target_q, &gradient.q, &gradient.td_errors);
+            return Err(diverged(what));
         }
         let learning_rate = config.learning_rate.at(progress.env_steps);
         online.update(|weights| optimizer.step(&config.optimizer, learning_rate, weights, &gradient.values));
         if !all_finite(online.parameters()) {
-            return Err(diverged("a weight"));
+            return Err(diverged(cause_of_weight(online, &gradient.values, learning_rate)));
         }
         replay.update_priorities(&batch.slots, &gradient.td_errors);
         follow(config.target_update, progress.gradient_steps, online, target);
 
         let mean = |values: &[f32]| values.iter().sum::<f32>() / n as f32;
-        let td_error = gradient.td_errors.iter().map(|e| e.abs()).sum::<f32>() / n as f32;
-        Ok(LearnStats { gradient_steps: 1, loss: gradient.loss, td_error, q: mean(&gradient.q) })
+        let mean_size = |values: &[f32]| values.iter().map(|value| value.abs()).sum::<f32>() / n as f32;
+        let (q, largest_reward) = (mean_size(&gradient.q), *largest_reward);
+        let largest_return = largest_reward / (1.0 - config.gamma);
+        *beyond = if q > largest_return { beyond.saturating_add(1) } else { beyond.saturating_sub(1) };
+        let overestimate = (*beyond >= LASTING).then(|| Overestimate {
+            gradient_step,
+            env_step,
+            q,
+            largest_reward,
+            largest_return,
+            advice: advice(config),
+        });
+        let td_error = mean_size(&gradient.td_errors);
+        let (loss, q) = (gradient.loss, mean(&gradient.q));
+        Ok(LearnStats { gradient_steps: 1, loss, td_error, q, overestimate })
     }
 
     /// Counts an episode, for the schedule of epsilon.
@@ -377,6 +390,7 @@ fn all_finite(values: &[f32]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::learning::Schedule;
 
     /// Two transitions; rewards 1 and 2, discounts 0.9 and (terminated) 0.
     fn batch() -> Batch {
@@ -400,6 +414,43 @@ mod tests {
             [1.0 + 0.9 * 3.0, 2.0],
             "online prefers action 0, which the target network values at 3"
         );
+    }
+
+    #[test]
+    fn q_values_are_beyond_any_return_from_the_largest_reward_over_one_less_gamma_on() {
+        let mut config = LearningConfig { gamma: 0.9, batch_size: 1, ..LearningConfig::default() };
+        (config.replay.warmup_steps, config.train_interval, config.gradient_steps) = (1, 1, 1);
+        (config.reward_scale, config.learning_rate) = (0.5, Schedule::Constant(1e-6));
+        let mut learner = Learner::new(&config, 1, 2, 1, 0).expect("a sound config");
+        // All Q-values are 10.5: rewards of up to 2, scaled 1, make returns of up to 1 / (1 - 0.9) = 10.
+        learner.online.update(|weights| weights.fill(0.0));
+        let bias = learner.online.shape().parameters().into_iter().find(|view| view.name == "value.bias");
+        let bias = bias.expect("the paper's network is dueling").range.start;
+        learner.online.update(|weights| weights[bias] = 10.5);
+        let step = |reward| Experience {
+            arena: 0,
+            observation: &[0.0],
+            action: 0,
+            reward,
+            next_observation: &[0.0],
+            terminated: true,
+            truncated: false,
+        };
+        let mut after = |reward, times: u64| {
+            let mut last = None;
+            for _ in 0..times {
+                learner.remember(&step(reward));
+                last = learner.train().expect("all finite").expect("a gradient step was due").overestimate;
+            }
+            last
+        };
+        assert_eq!(after(-2.0, 49), None, "it may pass");
+        let found = after(-2.0, 1).expect("10.5 is more than 10, fifty times now");
+        assert_eq!((found.gradient_step, found.env_step, found.largest_reward), (50, 50, 1.0));
+        assert!((found.q - 10.5).abs() < 1e-3, "{found}");
+        assert!((found.largest_return - 10.0).abs() < 1e-5, "{found}");
+        // A reward of 2.2, scaled 1.1, makes 11 of it: 10.5 can be, then.
+        assert_eq!(after(2.2, 1), None);
     }
 
     #[test]

@@ -15,11 +15,13 @@
 //! | [`n_step`] | returns over n steps, one accumulator per arena |
 //! | [`exploration`] | epsilon-greedy and its schedules |
 //! | [`learner`] | the agent's update rule: when to train, the TD target, the target network |
+//! | [`divergence`] | numbers that are none, and Q-values beyond any return |
 //! | [`checkpoint`] | everything a learner is, to the bit, in a file |
 //! | [`policy`] | a trained network with its metadata, as safetensors bytes |
 
 pub mod checkpoint;
 pub mod config;
+pub mod divergence;
 pub mod exploration;
 pub mod learner;
 pub mod n_step;
@@ -38,7 +40,8 @@ pub use config::{
     ConfigError, Exploration, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
     Schedule, TargetUpdate,
 };
+pub use divergence::{Diverged, Overestimate};
 pub use exploration::{epsilon_greedy, greedy};
-pub use learner::{Diverged, Experience, LearnStats, Learner};
+pub use learner::{Experience, LearnStats, Learner};
 pub use network::{NetworkShape, QNetwork};
 pub use policy::{Policy, PolicyError};

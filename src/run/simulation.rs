@@ -9,7 +9,9 @@ use bevy::prelude::*;
 
 use super::RunError;
 use super::preset::Preset;
-use crate::agent::{Acting, AgentPlugin, Decisions, Trainer, TrainingFault, TrainingPlugin, TrainingStats};
+use crate::agent::{
+    Acting, AgentPlugin, Decisions, Trainer, TrainingFault, TrainingPlugin, TrainingStats, TrainingWarning,
+};
 use crate::control_step::{ControlStep, ControlStepPlugin};
 use crate::learning::Learner;
 use crate::scenario::Scenario;
@@ -52,6 +54,7 @@ pub fn begin(world: &mut World, scenario: &Arc<Scenario>, preset: &Preset, seed:
     world.insert_resource(Decisions::new(seed, preset.arenas));
     world.insert_resource(TrainingStats::default());
     world.insert_resource(TrainingFault::default());
+    world.insert_resource(TrainingWarning::default());
     world.insert_resource(Trainer(learner));
     world.resource_mut::<Messages<EpisodeEnded>>().clear();
     populate(world, scenario, preset.arenas, seed);
@@ -87,11 +90,11 @@ fn make_ready(app: &mut App) {
 /// One control step in all arenas.
 ///
 /// # Errors
-/// No place was found for a start or target; or learning diverged.
+/// No place was found for a start or target; or a number is NaN or infinite: the message says which, where and when.
 pub fn step(world: &mut World) -> Result<(), RunError> {
     world.run_schedule(ControlStep);
     if let Some(problem) = &world.resource::<TaskFault>().0 {
-        return Err(RunError::Failed(problem.clone()));
+        return Err(RunError::Failed(problem.to_string()));
     }
     if let Some(diverged) = world.get_resource::<TrainingFault>().and_then(|fault| fault.0.as_ref()) {
         return Err(RunError::Failed(diverged.to_string()));

@@ -20,7 +20,7 @@ use super::recorder::Recorder;
 use super::records::{EpisodeRow, Summary};
 use super::start::learner;
 use super::{RunError, policy_card, simulation};
-use crate::agent::Trainer;
+use crate::agent::{Trainer, TrainingWarning};
 use crate::learning::{Learner, Policy};
 
 /// A checkpoint is written this often, beside those at the start and the end, unless another interval is asked for.
@@ -224,6 +224,9 @@ impl Run {
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let episodes_before = self.learner().episodes();
             simulation::step(self.app.world_mut())?;
+            if let Some(warning) = self.app.world_mut().resource_mut::<TrainingWarning>().news() {
+                self.progress.warn(&warning.to_string());
+            }
             self.record_episodes()?;
             self.keep_policy(episodes_before)?;
             if self.learner().env_steps() >= self.standing.next_evaluation {

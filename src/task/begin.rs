@@ -5,7 +5,9 @@
 
 use bevy::prelude::*;
 
-use super::{Arena, Clock, CurrentScenario, Drive, Episode, Pose, Restart, Room, Streams, Target};
+use super::{
+    Arena, Clock, CurrentScenario, Drive, Episode, Fault, Pose, Restart, Room, Streams, Target, TaskFault,
+};
 use crate::control_step::Begin;
 use crate::random;
 use crate::scenario::{NoFreePlace, Scenario, draw_navigation, draw_target};
@@ -19,10 +21,6 @@ pub enum Places {
     /// The scenario's timed course: always the same start, heading and target.
     Course,
 }
-
-/// Set where no start or target could be found: the caller of the step must look, and stop.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct TaskFault(pub Option<String>);
 
 /// `Restart`: begins what is due, if anything is.
 pub(super) fn run_begin(world: &mut World, arenas: &mut QueryState<&Episode>) {
@@ -90,9 +88,9 @@ pub(super) fn draw(
                     }
                 }
             }
-            Err(problem) => {
+            Err(why) => {
                 *drive = Drive::default();
-                fault.0 = Some(format!("arena {}, step {}: {problem}", arena.0, clock.0));
+                fault.0 = Some(Fault::NoRoom { arena: arena.0, step: clock.0, why });
             }
         }
     }

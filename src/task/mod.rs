@@ -10,8 +10,10 @@
 //! | `reward.rs` | eqs. (3) to (7), term by term |
 //! | `judge.rs` | collision, target, time limit: what a step was worth |
 //! | `begin.rs` | where episodes start and targets lie |
+//! | `fault.rs` | what went wrong in a step |
 
 mod begin;
+mod fault;
 mod judge;
 pub mod observation;
 pub mod reward;
@@ -21,7 +23,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-pub use begin::{Places, TaskFault};
+pub use begin::Places;
+pub use fault::{Fault, TaskFault};
 pub use judge::{EpisodeEnd, EpisodeEnded, Outcome, Outcomes};
 pub use observation::{Encoding, Observations};
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
@@ -74,7 +77,7 @@ impl Plugin for TaskPlugin {
                 ControlStep,
                 (
                     observation::observe_next.in_set(ControlSet::Sense).after(ScanWritten),
-                    judge::judge.in_set(ControlSet::Judge),
+                    (judge::judge, fault::look_for_faults).chain().in_set(ControlSet::Judge),
                     (judge::close_episodes, observation::advance, begin::run_begin)
                         .chain()
                         .in_set(ControlSet::Restart),

@@ -10,12 +10,12 @@ use bevy::time::Real;
 use super::begin::examiner;
 use super::trails::{Trails, poses};
 use super::{Curves, Session};
-use crate::agent::Trainer;
+use crate::agent::{Trainer, TrainingWarning};
 use crate::app::orders::{Mode, Order};
 use crate::app::status::Weight;
 use crate::run::examiner::ON_THE_CALLERS_THREAD;
 use crate::run::{RunError, follow, simulation};
-use crate::task::{CurrentScenario, EpisodeEnded, Outcomes, TaskFault};
+use crate::task::{CurrentScenario, EpisodeEnded, Fault, Outcomes, TaskFault};
 
 /// One frame.
 pub(super) fn advance(world: &mut World) {
@@ -85,6 +85,9 @@ impl Session {
             trails.after(&after, world.resource::<Outcomes>());
         });
         self.speed.stepped(after.len());
+        if let Some(warning) = world.resource_mut::<TrainingWarning>().news() {
+            self.tell(Weight::Failed, warning.to_string());
+        }
         let ended = !world.resource::<Messages<EpisodeEnded>>().is_empty();
         if self.mode == Mode::Train {
             self.journal.steps += 1;
@@ -99,8 +102,8 @@ impl Session {
             self.take_coming(world);
         }
         if stepped.is_err() {
-            // A world without room may be mended by hand; a learner that broke down cannot.
-            let no_room = world.resource_mut::<TaskFault>().0.take().is_some();
+            // A world without room may be mended by hand; numbers that are none cannot.
+            let no_room = matches!(world.resource_mut::<TaskFault>().0.take(), Some(Fault::NoRoom { .. }));
             self.broken |= !no_room && self.mode == Mode::Train;
         }
         stepped

@@ -15,7 +15,7 @@ use crate::learning::{Learner, Policy};
 use crate::run::folder::{INIT, RunConfig, RunFolder};
 use crate::run::{RunError, checkpoint, policy_card, simulation, start};
 use crate::scenario::read_long_ron;
-use crate::task::TaskFault;
+use crate::task::{Fault, TaskFault};
 
 /// Its name in a saved run's folder.
 pub const JOURNAL: &str = "journal.ron";
@@ -103,7 +103,8 @@ impl Journal {
             if step < self.steps {
                 // A world without room for a target is told of in the window, and mended there by hand: time goes on.
                 let stepped = simulation::step(app.world_mut());
-                if app.world_mut().resource_mut::<TaskFault>().0.take().is_none() {
+                let fault = app.world_mut().resource_mut::<TaskFault>().0.take();
+                if !matches!(fault, Some(Fault::NoRoom { .. })) {
                     stepped?;
                 }
             }

@@ -71,6 +71,11 @@ impl Session {
         if occupied || path.is_file() {
             return Err(RunError::unusable(path, "there is something already: choose another name"));
         }
+        if self.broken {
+            let instead =
+                "this training went wrong and cannot go on: save its episodes and its curves, or begin anew";
+            return Err(RunError::Unusable(instead.into()));
+        }
         let (mode, pace) = (self.mode, self.pacer.pace);
         self.set_mode(world, Mode::Train)?;
         let saved = self.write_run_whole(world, path);

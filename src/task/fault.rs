@@ -1,0 +1,174 @@
+//! What goes wrong in a step: no room for a start or target, or a number that is none.
+//!
+//! In: what `Sense` and `Judge` have left. Out: [`TaskFault`], which the caller of the step must look at. A step with such a
+//! number is neither remembered nor learnt from.
+
+use bevy::prelude::*;
+
+use super::{
+    Arena, Clock, Drive, Episode, Observations, Outcome, Outcomes, Pose, RewardConfig, Scan, Target,
+};
+use crate::scenario::NoFreePlace;
+
+/// Set where a step went wrong: the caller of the step must look, and stop.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct TaskFault(pub Option<Fault>);
+
+/// Why a step went wrong.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// No start or target could be found. A world can be mended, and the training go on.
+    #[error("arena {arena}, step {step}: {why}")]
+    NoRoom {
+        /// In which arena.
+        arena: usize,
+        /// Its clock, in control steps.
+        step: u64,
+        /// What was looked for.
+        why: NoFreePlace,
+    },
+    /// A number is NaN or infinite: what comes after it means nothing.
+    #[error("arena {arena}, step {step}: {what}")]
+    NotFinite {
+        /// In which arena.
+        arena: usize,
+        /// Its clock, in control steps.
+        step: u64,
+        /// Which number, where it came from, and what to try.
+        what: String,
+    },
+}
+
+/// `Judge`, last: all numbers of the step are finite, or the first that is not is told with its cause.
+pub(super) fn look_for_faults(
+    observations: Res<Observations>,
+    outcomes: Res<Outcomes>,
+    reward: Res<RewardConfig>,
+    mut fault: ResMut<TaskFault>,
+    arenas: Query<(&Arena, &Clock, &Pose, &Drive, &Scan, &Target, &Episode)>,
+) {
+    let rewards = outcomes.0.iter().map(|outcome| outcome.reward.total());
+    if all_finite(&observations.next) && rewards.fold(0.0, |sum, r| sum + 0.0 * r) == 0.0 {
+        return;
+    }
+    let mut seen: Vec<_> = arenas.iter().filter(|(.., episode)| !episode.parked).collect();
+    seen.sort_by_key(|(arena, ..)| arena.0);
+    for (arena, clock, pose, drive, scan, target, episode) in seen {
+        let outcome = &outcomes.0[arena.0];
+        let row = observations.next_row(arena.0);
+        if let Some(what) = cause(pose, drive, scan, target, row)
+            .or_else(|| cause_of_reward(&reward, outcome, episode, pose.distance_m(target)))
+        {
+            fault.0 = Some(Fault::NotFinite { arena: arena.0, step: clock.0, what });
+            return;
+        }
+    }
+}
+
+/// What among that which an observation is made of is not finite, the earliest first.
+fn cause(pose: &Pose, drive: &Drive, scan: &Scan, target: &Target, row: &[f32]) -> Option<String> {
+    let Pose { x_m, y_m, heading_rad } = *pose;
+    if !all_finite(&[x_m, y_m, heading_rad]) {
+        return Some(format!(
+            "the robot's pose is ({x_m} m, {y_m} m, {heading_rad} rad): its motions are {} m/s and {} rad/s; try slower \
+             ones, or a shorter control_period_s",
+            drive.v_m_s, drive.w_rad_s
+        ));
+    }
+    if !all_finite(&[target.x_m, target.y_m]) {
+        return Some(format!("the target lies at ({} m, {} m)", target.x_m, target.y_m));
+    }
+    if let Some(beam) = scan.ranges_m.iter().position(|range| !range.is_finite()) {
+        let range = scan.ranges_m[beam];
+        return Some(format!("the LIDAR's beam {beam} reports {range} m; look at the scenario's lidar"));
+    }
+    let column = row.iter().position(|number| !number.is_finite())?;
+    let beams = scan.ranges_m.len();
+    let meaning = match column.checked_sub(beams) {
+        None => format!("d_{}, a range", column + 1),
+        Some(0) => "phi_0, the target's bearing".into(),
+        Some(1) => "d_g, the target's distance".into(),
+        Some(2) => "d_o, the smallest range".into(),
+        Some(_) => "n, the nearest beam's number".into(),
+    };
+    Some(format!("the observation's number {column} ({meaning}) is {}", row[column]))
+}
+
+/// Why the reward is not finite, if it is not.
+fn cause_of_reward(
+    config: &RewardConfig,
+    outcome: &Outcome,
+    episode: &Episode,
+    distance_m: f32,
+) -> Option<String> {
+    let total = outcome.reward.total();
+    if total.is_finite() {
+        return None;
+    }
+    let (terms, potential) = (outcome.reward, episode.potential);
+    Some(if !terms.attraction.is_finite() {
+        format!(
+            "the reward is {total}: the attraction of eq. (5) is {} at {distance_m} m from the target, since reward.mu is \
+             {:e}; give less",
+            potential.attraction, config.mu
+        )
+    } else if !terms.repulsion.is_finite() {
+        format!(
+            "the reward is {total}: the repulsion of eq. (6) is {}, since reward.sigma is {:e}; give less",
+            potential.repulsion, config.sigma
+        )
+    } else {
+        format!("the reward is {total}: give less for reward.reached or reward.collided")
+    })
+}
+
+/// Whether no value is NaN or infinite.
+fn all_finite(values: &[f32]) -> bool {
+    values.iter().all(|value| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POSE: Pose = Pose { x_m: 1.0, y_m: 0.0, heading_rad: 0.0 };
+    const TARGET: Target = Target { x_m: 1.0, y_m: -2.0 };
+
+    fn said(pose: Pose, ranges_m: Vec<f32>, target: Target, row: &[f32]) -> Option<String> {
+        let scan = Scan { ranges_m, ..Scan::default() };
+        cause(&pose, &Drive { v_m_s: 0.15, w_rad_s: 0.0 }, &scan, &target, row)
+    }
+
+    #[test]
+    fn the_earliest_number_that_is_none_is_the_cause() {
+        let nan = f32::NAN;
+        assert_eq!(said(POSE, vec![3.5; 2], TARGET, &[1.0; 6]), None, "all is well");
+        let lost = Pose { y_m: nan, ..POSE };
+        let what = said(lost, vec![nan; 2], TARGET, &[nan; 6]).expect("it is seen");
+        assert!(
+            what.starts_with("the robot's pose is (1 m, NaN m, 0 rad): its motions are 0.15 m/s"),
+            "{what}"
+        );
+        let what = said(POSE, vec![3.5, f32::INFINITY], TARGET, &[nan; 6]).expect("it is seen");
+        assert!(what.starts_with("the LIDAR's beam 1 reports inf m"), "{what}");
+        let what = said(POSE, vec![3.5; 2], Target { x_m: nan, ..TARGET }, &[nan; 6]).expect("it is seen");
+        assert_eq!(what, "the target lies at (NaN m, -2 m)");
+        let what = said(POSE, vec![3.5; 2], TARGET, &[1.0, 1.0, 1.0, nan, 1.0, 0.5]).expect("it is seen");
+        assert_eq!(what, "the observation's number 3 (d_g, the target's distance) is NaN");
+    }
+
+    #[test]
+    fn a_reward_that_is_no_number_names_the_parameter() {
+        let config = RewardConfig { mu: 1e38, ..RewardConfig::default() };
+        // 0.5 * 1e38 * 3^2 is more than an f32 can be.
+        let potential = config.potential(3.0, 1.0);
+        let outcome =
+            Outcome { reward: config.reward(false, false, potential, potential), ..Outcome::default() };
+        let episode = Episode { potential, ..Episode::default() };
+        let what = cause_of_reward(&config, &outcome, &episode, 3.0).expect("it is seen");
+        let expected =
+            "the reward is NaN: the attraction of eq. (5) is inf at 3 m from the target, since reward.mu is";
+        assert!(what.starts_with(expected), "{what}");
+        assert_eq!(cause_of_reward(&config, &Outcome::default(), &episode, 3.0), None);
+    }
+}

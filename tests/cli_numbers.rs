@@ -1,0 +1,90 @@
+//! Numbers that go wrong, in the real program: caught where they arise, told with step, cause and mend, the checkpoint kept;
+//! and a warning while learning diverges, before it comes to that.
+
+mod cli_support;
+
+use cli_support::{Desk, FAST, edited, quick_fast};
+
+#[test]
+fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
+    let desk = Desk::new();
+    // Allowed by every check, and hopeless: the squares of such errors are no numbers any more.
+    let hopeless = edited(
+        &quick_fast(),
+        &[("reward_scale: 0.01", "reward_scale: 1e36"), ("Huber(delta: 1.0)", "MeanSquared")],
+    );
+    desk.write("hopeless.ron", hopeless);
+    let done = desk.run("--train --preset hopeless.ron --steps 20000 --out run");
+    assert_eq!((done.status, done.stdout.as_str()), (Some(1), ""), "{}", done.stderr);
+    let message = done.stderr.lines().last().unwrap();
+    for needle in [
+        "error: learning diverged at gradient step 1 (env step 512): the loss is not finite, with TD errors of up to",
+        "try a lower learning_rate or reward_scale, loss: Huber(delta: 1.0)",
+        "checkpoint is kept in run/checkpoint",
+    ] {
+        assert!(message.contains(needle), "`{needle}` is not in: {}", done.stderr);
+    }
+    assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+    assert!(!desk.path("run/policy.safetensors").exists(), "no policy of NaNs is left for anyone to use");
+    assert!(desk.rows("run/episodes.csv").len() > 1, "what was driven is on record");
+
+    // Going on diverges in the same place; stopping before does not, so the checkpoint is sound.
+    assert_eq!(desk.run("--train --resume run").status, Some(1));
+    let before = desk.succeed("--train --resume run --steps 320 --json").json();
+    assert_eq!(before["env_steps"], 320);
+    desk.succeed("--eval run/policy.safetensors --rounds 1 --navigations 10");
+}
+
+#[test]
+fn a_reward_that_is_no_number_stops_the_run_and_names_the_parameter() {
+    let desk = Desk::new();
+    // Half of 1e38 times the squared distance, some 9 m^2, is more than a number of 32 bits can be.
+    desk.write("steep.ron", edited(&quick_fast(), &[("mu: 100.0", "mu: 1e38")]));
+    let done = desk.run("--train --preset steep.ron --steps 2000 --out run");
+    assert_eq!((done.status, done.stdout.as_str()), (Some(1), ""), "{}", done.stderr);
+    let message = done.stderr.lines().last().unwrap();
+    for needle in [
+        "error: arena ",
+        ", step 1: the reward is NaN: the attraction of eq. (5) is inf",
+        "reward.mu is 1e38",
+    ] {
+        assert!(message.contains(needle), "`{needle}` is not in: {message}");
+    }
+    assert!(message.contains("checkpoint is kept in run/checkpoint"), "{message}");
+    assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+}
+
+#[test]
+fn q_values_beyond_any_return_are_warned_of_once_and_the_run_goes_on() {
+    let desk = Desk::new();
+    // All that deep Q-learning was taught to avoid, at once: no target network, one network that chooses and values, squared
+    // errors, a high learning rate, and many gradient steps on little data.
+    let wild = edited(
+        FAST,
+        &[
+            ("every_env_steps: 5000, navigations: 200", "every_env_steps: 4000, navigations: 20"),
+            ("hidden: [64, 64]", "hidden: [256, 256]"),
+            ("gamma: 0.95", "gamma: 0.99"),
+            ("double: true", "double: false"),
+            ("Huber(delta: 1.0)", "MeanSquared"),
+            ("Linear(from: 0.001, to: 0.00001, env_steps: 300000)", "Constant(0.01)"),
+            ("gradient_steps: 4", "gradient_steps: 16"),
+            ("Soft(tau: 0.01)", "Soft(tau: 1.0)"),
+        ],
+    );
+    desk.write("wild.ron", wild);
+    let done = desk.succeed("--train --preset wild.ron --steps 4000 --out run");
+    let warnings: Vec<&str> = done.stderr.lines().filter(|line| line.contains("seems to diverge")).collect();
+    let [warning] = warnings.as_slice() else { panic!("one warning, not {warnings:?}: {}", done.stderr) };
+    for needle in [
+        "warning: learning seems to diverge at gradient step",
+        "no return is beyond",
+        "try a lower learning_rate",
+    ] {
+        assert!(warning.contains(needle), "`{needle}` is not in: {warning}");
+    }
+    // A training as it should be has none, with the same largest reward.
+    desk.write("sound.ron", quick_fast());
+    let done = desk.succeed("--train --preset sound.ron --steps 4000 --out sound");
+    assert!(!done.stderr.contains("warning"), "{}", done.stderr);
+}

@@ -1,0 +1,36 @@
+//! A number that is NaN is caught in the step in which it arises, with its cause; that step is not learnt from.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use wayfield::agent::Trainer;
+use wayfield::run::{shipped, simulation, start};
+use wayfield::task::{Arena, Target};
+
+/// Three arenas of Scenario I, ten steps on.
+fn three_arenas() -> App {
+    let mut config = wayfield::run::folder::RunConfig::resolve("scenario-1", "fast", 5).expect("shipped");
+    config.preset.arenas = 3;
+    let learner = start::learner(&config, None).expect("a learner");
+    let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
+    let mut app = simulation::training(&scenario, &config.preset, 5, learner);
+    for _ in 0..10 {
+        simulation::step(app.world_mut()).expect("all is well");
+    }
+    app
+}
+
+#[test]
+fn a_target_that_is_nowhere_is_caught_in_the_next_step() {
+    let mut app = three_arenas();
+    let world = app.world_mut();
+    let mut arenas = world.query::<(&Arena, &mut Target)>();
+    for (_, mut target) in arenas.iter_mut(world).filter(|(arena, _)| arena.0 == 1) {
+        target.y_m = f32::NAN;
+    }
+    assert_eq!(world.resource::<Trainer>().0.env_steps(), 30);
+    let error = simulation::step(world).expect_err("it is not to be learnt from").to_string();
+    assert!(error.starts_with("arena 1, step 11: the target lies at ("), "{error}");
+    assert!(error.contains("NaN m)"), "{error}");
+    assert_eq!(world.resource::<Trainer>().0.env_steps(), 30, "nothing of that step is remembered");
+}
