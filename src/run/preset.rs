@@ -10,6 +10,11 @@ use crate::learning::LearningConfig;
 use crate::scenario::{FileError, Finding, parse_ron, read_text};
 use crate::task::{Encoding, RewardConfig};
 
+/// The most env steps or episodes that may be asked for: no run gets there, and sums of them are far from what 64 bits hold.
+pub const MOST_STEPS: u64 = 1_000_000_000_000_000;
+/// The most characters of `about`.
+const MOST_ABOUT: usize = 20_000;
+
 /// How to learn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -37,9 +42,9 @@ pub struct Preset {
 /// How long a run is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Budget {
-    /// Until so many episodes have ended, over all arenas.
+    /// Until so many episodes have ended, over all arenas; 1 to 10^15.
     Episodes(u64),
-    /// Until so many env steps were taken, over all arenas.
+    /// Until so many env steps were taken, over all arenas; 1 to 10^15.
     EnvSteps(u64),
 }
 
@@ -48,7 +53,7 @@ pub enum Budget {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EvaluationRule {
-    /// Every so many env steps, at least 1.
+    /// Every so many env steps, 1 to 10^15.
     pub every_env_steps: u64,
     /// Over so many navigations (always the same ones), 1 to 100,000.
     pub navigations: usize,
@@ -89,11 +94,17 @@ impl Preset {
         if !(1..=4096).contains(&self.arenas) {
             found("arenas", format!("is {}; give 1 to 4096", self.arenas));
         }
-        if matches!(self.budget, Budget::Episodes(0) | Budget::EnvSteps(0)) {
-            found("budget", "is 0; give at least 1".into());
+        let (Budget::Episodes(budget) | Budget::EnvSteps(budget)) = self.budget;
+        if !(1..=MOST_STEPS).contains(&budget) {
+            found("budget", format!("is {budget}; give 1 to {MOST_STEPS}"));
         }
-        if self.evaluation.every_env_steps == 0 {
-            found("evaluation.every_env_steps", "is 0; give at least 1, such as 10000".into());
+        let every = self.evaluation.every_env_steps;
+        if !(1..=MOST_STEPS).contains(&every) {
+            let message = format!("is {every}; give at least 1, such as 10000, and at most {MOST_STEPS}");
+            found("evaluation.every_env_steps", message);
+        }
+        if self.about.chars().count() > MOST_ABOUT {
+            found("about", format!("is too long: write at most {MOST_ABOUT} characters"));
         }
         if !(1..=100_000).contains(&self.evaluation.navigations) {
             found("evaluation.navigations", format!("is {}; give 1 to 100000", self.evaluation.navigations));
