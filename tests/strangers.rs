@@ -253,18 +253,13 @@ fn a_mebibyte_of_anything_is_refused_at_once() {
         "#",
         "!",
     ];
-    let starts = [
-        "",
-        "(",
-        "(name: ",
-        "(about: \"",
-        "(obstacles: [",
-        "(arenas: ",
-        "(arms: [",
-        "(title: \"x\", arms: [",
-    ];
     for (kind, reader) in texts() {
-        for start in starts {
+        let list = match kind {
+            "scenario" => "(obstacles: [",
+            "preset" => "(learning: (network: (hidden: [",
+            _ => "(arms: [",
+        };
+        for start in ["", "(about: \"", list] {
             for piece in pieces {
                 let mut text = start.to_string();
                 text.push_str(&piece.repeat((MIB - start.len()) / piece.len()));

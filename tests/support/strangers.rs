@@ -18,7 +18,7 @@ use wayfield::reproduce::plan::{Plan, Selected, Source};
 use wayfield::run::folder::RunConfig;
 use wayfield::run::preset::Preset;
 use wayfield::run::{checkpoint, evaluate, policy_card, simulation};
-use wayfield::scenario::{Scenario, draw_navigation, parse_ron, to_ron, to_text};
+use wayfield::scenario::{MOST_BYTES, Scenario, draw_navigation, parse_ron, to_ron, to_text};
 use wayfield::task::{EpisodeEnded, TaskFault};
 
 /// The name that errors give the file.
@@ -82,10 +82,10 @@ pub fn scenario(bytes: &[u8]) -> bool {
 
 fn written_and_read(scenario: &Scenario, like: &str) {
     for text in [to_text(scenario, Some(like)), to_text(scenario, None)] {
-        assert!(
-            parse_ron::<Scenario>(&text, NAME).as_ref() == Ok(scenario),
-            "what is written is read back: {text}"
-        );
+        // (Thousands of obstacles without a space between them take more bytes when they are written in order.)
+        let too_long = text.len() as u64 > MOST_BYTES;
+        let again = parse_ron::<Scenario>(&text, NAME);
+        assert!(too_long || again.as_ref() == Ok(scenario), "what is written is read back: {text}");
     }
 }
 
@@ -152,8 +152,10 @@ pub fn experiment(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    let again = Experiment::parse(&to_ron(&experiment).expect("an experiment is RON"), NAME);
-    assert!(again.as_ref() == Ok(&experiment), "what is written is read back");
+    // (By its text: what it changes may be no number, which is told when it is planned.)
+    let written = to_ron(&experiment).expect("an experiment is RON");
+    let again = Experiment::parse(&written, NAME).map(|again| to_ron(&again));
+    assert!(again == Ok(Ok(written)), "what is written is read back");
     // Planning reads the scenarios: those of the smallest, now and then.
     let shipped = |name: &str, known: &[&str]| known.contains(&name);
     let stages = experiment.arms.iter().flat_map(|arm| &arm.stages);
