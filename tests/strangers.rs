@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use wayfield::learning::{NetworkShape, Policy, QNetwork};
 use wayfield::random::{Stream, below, stream};
+use wayfield::run::checkpoint::Standing;
 
 /// What becomes of bytes of one kind: whether they were sound.
 type Reader = fn(&[u8]) -> bool;
@@ -116,6 +117,46 @@ fn sound_files_are_sound_and_used() {
                 fs::write(folder.join(name), bytes).expect("a seed is written");
             }
         }
+    }
+}
+
+/// What is changed in where a run stands, so that it cannot go on from there.
+type Breakage = (&'static str, fn(&mut Standing));
+
+#[test]
+fn a_checkpoint_with_numbers_that_no_run_has_is_refused() {
+    let sound = strangers::sound_checkpoint(3);
+    let length = usize::from(u16::from_le_bytes([sound[0], sound[1]]));
+    let standing: Standing = postcard::from_bytes(&sound[4..4 + length]).expect("its head");
+    let with = |standing: &Standing| {
+        let head = postcard::to_allocvec(standing).expect("a head");
+        [&(head.len() as u16).to_le_bytes(), &sound[2..4], &head, &sound[4 + length..]].concat()
+    };
+    assert!(strangers::checkpoint(&with(&standing)), "as it was");
+    let breakages: &[Breakage] = &[
+        ("a pose that is none", |s| s.arenas[0].pose.x_m = f32::NAN),
+        ("a robot beyond all walls", |s| s.arenas[1].pose.y_m = 1e30),
+        ("a clock at its end", |s| s.arenas[0].clock.0 = u64::MAX),
+        ("a scan of no beams", |s| s.arenas[0].scan.ranges_m.clear()),
+        ("a scan of too many beams", |s| s.arenas[0].scan.ranges_m.push(1.0)),
+        ("a late scan of no beams", |s| s.arenas[0].scan.late[0].1.clear()),
+        ("an episode at its end", |s| s.arenas[0].episode.steps = u32::MAX),
+        ("an arena that stands still", |s| s.arenas[0].episode.parked = true),
+        ("one arena too few", |s| drop(s.arenas.pop())),
+        ("one stream too few", |s| drop(s.exploration.pop())),
+        ("a last row that is none", |s| s.means = Some((f64::NAN, 0.0, 0.0))),
+        ("a last return that is none", |s| s.recent_returns.push_back(f64::INFINITY)),
+        ("too many last returns", |s| s.recent_returns.resize(101, 0.0)),
+        ("an evaluation after the end of numbers", |s| s.next_evaluation = u64::MAX),
+        ("a success rate beyond 1", |s| s.last_success_rate = Some(1.5)),
+        ("a best policy that is none", |s| s.best.as_mut().expect("it has one").bytes.truncate(100)),
+        ("a wall time that is none", |s| s.wall_s = f64::NAN),
+        ("sums that are none", |s| s.stats.loss = f64::NAN),
+    ];
+    for (what, breakage) in breakages {
+        let mut broken = standing.clone();
+        breakage(&mut broken);
+        assert!(!strangers::checkpoint(&with(&broken)), "{what}");
     }
 }
 

@@ -375,3 +375,109 @@ impl<T: Read> Summed<T> {
         Ok(bytes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learning::config::{NetworkConfig, Optimizer, ReplayConfig, Sampling, Schedule};
+    use crate::learning::learner::Experience;
+    use crate::learning::n_step::{End, Pending};
+    use crate::random::Stream;
+
+    /// A learner whose rings have gone round, and the config it was made with.
+    fn learner() -> (LearningConfig, Learner) {
+        let beta = Schedule::Constant(0.4);
+        let sampling = Sampling::Prioritized { alpha: 0.6, beta, importance_weights: true, epsilon: 0.01 };
+        let config = LearningConfig {
+            network: NetworkConfig { hidden: vec![3], dueling: true },
+            n_step: 3,
+            batch_size: 2,
+            optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
+            replay: ReplayConfig { capacity: 8, warmup_steps: 0, sampling },
+            ..LearningConfig::default()
+        };
+        let mut learner = Learner::new(&config, 2, 2, 1, 1).expect("it makes sense");
+        for step in 0..30 {
+            learner.remember(&Experience {
+                arena: 0,
+                observation: &[step as f32, 0.0],
+                action: step % 2,
+                reward: 1.0,
+                next_observation: &[step as f32 + 1.0, 0.0],
+                terminated: step % 9 == 8,
+                truncated: false,
+            });
+            learner.train().expect("it does not diverge");
+        }
+        (config, learner)
+    }
+
+    fn restored(config: &LearningConfig, learner: &Learner) -> Result<Learner, CheckpointError> {
+        let mut bytes = Vec::new();
+        learner.save(&mut bytes).expect("memory can be written");
+        Learner::restore(config, 2, 2, 1, &bytes[..])
+    }
+
+    /// What is changed in a learner that was saved, and what its file must be refused for.
+    type Breakage = (&'static str, fn(&mut Learner));
+
+    #[test]
+    fn numbers_that_no_learner_has_are_refused_whatever_the_checksum_says() {
+        let (config, sound) = learner();
+        let mut again = restored(&config, &sound).expect("it is sound");
+        assert_eq!(again.progress, sound.progress);
+        again.train().expect("it goes on");
+        let breakages: &[Breakage] = &[
+            ("a weight is not finite", |l| l.online.update(|weights| weights[3] = f32::NAN)),
+            ("a weight is not finite", |l| l.target.update(|weights| weights[0] = f32::INFINITY)),
+            ("its moments", |l| l.optimizer.second.truncate(2)),
+            ("a moment cannot be", |l| l.optimizer.first[1] = f32::NAN),
+            ("a moment cannot be", |l| l.optimizer.second[1] = -1.0),
+            ("its counters", |l| l.optimizer.steps = u64::MAX),
+            ("its counters", |l| l.progress.env_steps = u64::MAX),
+            ("its counters", |l| l.progress.episodes = u64::MAX),
+            ("its gradient steps owed", |l| l.progress.owed = u32::MAX),
+            ("its epsilon", |l| l.progress.epsilon_start = Some(f32::NAN)),
+            ("its stream", |l| {
+                let zero = postcard::to_allocvec(&0_u128).expect("a number");
+                l.progress.sampling = postcard::from_bytes::<Stream>(&zero).expect("a state");
+            }),
+            ("its priorities", |l| {
+                if let Some(priorities) = &mut l.replay.priorities {
+                    priorities.largest = 1e300;
+                }
+            }),
+            ("its chains", |l| l.chains[0].last = Some(StateId(1 << 40))),
+            ("its chains", |l| {
+                let step = Pending { state: StateId(1 << 40), action: 0, reward: 0.0 };
+                l.chains[0].n_step.push(step, StateId(0), End::Open, (9, 0.9), |_| ());
+            }),
+            ("an observation is not finite", |l| l.replay.states.values[3] = f32::NAN),
+            ("a transition refers to nothing", |l| l.replay.transitions[2].next = u32::MAX),
+            ("a transition refers to nothing", |l| l.replay.transitions[2].action = 2),
+            ("a transition's reward or discount cannot be", |l| l.replay.transitions[1].reward = f32::NAN),
+            ("a transition's reward or discount cannot be", |l| l.replay.transitions[1].discount = 1.5),
+            ("a priority is not above 0", |l| set_priority(l, |head, _| head, f64::INFINITY)),
+            ("a priority is not above 0", |l| set_priority(l, |_, tail| tail - 1, 0.0)),
+            ("a priority of a transition that is gone is not 0", |l| {
+                l.replay.head += 1;
+            }),
+        ];
+        for (what, breakage) in breakages {
+            let mut broken = sound.clone();
+            breakage(&mut broken);
+            match restored(&config, &broken) {
+                Err(CheckpointError::Damaged(why)) => assert_eq!(why, *what),
+                other => panic!("{what}: {:?}", other.map(|_| ())),
+            }
+        }
+    }
+
+    /// Gives a transition of those kept the priority `weight`.
+    fn set_priority(learner: &mut Learner, which: fn(u64, u64) -> u64, weight: f64) {
+        let slot = learner.replay.slot(which(learner.replay.head, learner.replay.tail));
+        if let Some(priorities) = &mut learner.replay.priorities {
+            priorities.tree.set(slot, weight);
+        }
+    }
+}

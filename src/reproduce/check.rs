@@ -357,3 +357,64 @@ impl Check<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::shipped;
+
+    /// What is changed in a sound experiment, and the field that must be blamed for it.
+    type Breakage = (&'static str, fn(&mut Experiment));
+
+    #[test]
+    fn more_than_anybody_needs_is_refused_before_it_is_looked_at() {
+        let text = shipped::experiments().find(|(from, _)| from.ends_with("fig10.ron")).expect("shipped").1;
+        let sound = Experiment::parse(text, "fig10.ron").expect("it is sound");
+        let breakages: &[Breakage] = &[
+            ("title", |e| e.title = "x".repeat(201)),
+            ("arms", |e| e.arms = vec![e.arms[0].clone(); 201]),
+            ("arms[0].stages", |e| e.arms[0].stages = vec![e.arms[0].stages[0].clone(); 21]),
+            ("arms[0].stages[0].scenario", |e| e.arms[0].stages[0].scenario = "x".repeat(201)),
+            ("arms[0].stages[0].budget", |e| {
+                e.arms[0].stages[0].budget = Some(Budget::Episodes(u64::MAX));
+            }),
+            ("figures", |e| e.figures = vec![e.figures[0].clone(); 201]),
+            ("tables", |e| e.tables = vec![e.tables[0].clone(); 201]),
+            ("tables[0].claims", |e| {
+                let claim = Claim {
+                    says: String::new(),
+                    measure: Measure::Success,
+                    better: "nobody".into(),
+                    than: "nobody".into(),
+                    after: 1,
+                    of_last_stage: false,
+                };
+                e.tables[0].claims = vec![claim; 201];
+            }),
+            // 1,000 seeds of at least 11 trainings each.
+            ("seeds", |e| {
+                let stage = e.arms[0].stages[0].clone();
+                (e.seeds, e.arms[0].stages) = (1000, vec![stage; 11]);
+            }),
+            ("seeds", |e| e.seeds = u64::MAX),
+            ("tables[0].show.paper[0][1]", |e| {
+                let paper = vec![("nobody".into(), f64::NAN)];
+                e.tables[0].show = Show::Seeds { measure: Measure::Success, after: 1, paper };
+            }),
+        ];
+        for (path, breakage) in breakages {
+            let mut broken = sound.clone();
+            breakage(&mut broken);
+            let found = findings(&broken);
+            assert!(found.iter().any(|finding| finding.path == *path), "{path}: {found:?}");
+            assert!(found.len() < 10, "{path}: and little else: {found:?}");
+        }
+    }
+
+    #[test]
+    fn sums_of_episodes_stop_at_the_largest_number() {
+        assert_eq!(total([Some(3), Some(4)].into_iter()), Some(7));
+        assert_eq!(total([Some(u64::MAX), Some(4)].into_iter()), Some(u64::MAX));
+        assert_eq!(total([Some(3), None].into_iter()), None);
+    }
+}
