@@ -26,6 +26,14 @@ pub fn stream(seed: u64, name: &str, index: u64) -> Stream {
     Stream::from_seed(bytes)
 }
 
+/// Whether `stream`, read from a file, can be one of [`stream`]'s: its state is odd, as that of every such generator is.
+/// (From an even one it would soon give the same number for ever.)
+#[must_use]
+pub fn is_sound(stream: &Stream) -> bool {
+    // Its state is all that is written of it, least significant bits first.
+    postcard::to_allocvec(stream).is_ok_and(|state| state.first().is_some_and(|low| low & 1 == 1))
+}
+
 /// A draw from [0, 1), in steps of 2^-24.
 pub fn unit(stream: &mut Stream) -> f32 {
     (stream.next_u32() >> 8) as f32 * (1.0 / 16_777_216.0)
@@ -81,6 +89,21 @@ mod tests {
         let saved = postcard::to_allocvec(&one).expect("a stream serializes");
         let mut two: Stream = postcard::from_bytes(&saved).expect("and comes back");
         assert_eq!(one.next_u64(), two.next_u64());
+    }
+
+    #[test]
+    fn a_stream_with_an_even_state_is_none_of_ours() {
+        for index in 0..100 {
+            let mut sound = stream(1, "noise", index);
+            assert!(is_sound(&sound), "at its start");
+            sound.next_u64();
+            assert!(is_sound(&sound), "and later");
+        }
+        for even in [0_u128, 2, 1 << 127, u128::MAX - 1] {
+            let bytes = postcard::to_allocvec(&even).expect("a number serializes");
+            let stream: Stream = postcard::from_bytes(&bytes).expect("and is read as a state");
+            assert!(!is_sound(&stream), "{even}");
+        }
     }
 
     #[test]

@@ -6,7 +6,8 @@
 //! Layout, little-endian: magic (8 bytes), version (u32), length of the head (u64), the head (postcard:
 //! config, counters, streams, weights, moments, chains), the replay buffer's arrays (states, transitions,
 //! leaves of the sum tree), CRC-32C of all before it. Lengths of arrays follow from the config and the
-//! counters, never from the file alone, and are checked before memory is taken.
+//! counters, never from the file alone, and are checked before memory is taken. A checksum tells of accidents, not of
+//! intent: so every number is checked, too, before a learner goes on with it.
 
 use std::io::{self, Read, Write};
 
@@ -15,7 +16,8 @@ use serde::{Deserialize, Serialize};
 use super::config::{ConfigError, LearningConfig};
 use super::learner::{Chain, Learner, Progress};
 use super::optimizer::OptimizerState;
-use super::replay::{Priorities, ReplayBuffer, Stored};
+use super::replay::{Priorities, ReplayBuffer, StateId, Stored};
+use crate::random;
 
 const MAGIC: &[u8; 8] = b"wayfield";
 const VERSION: u32 = 1;
@@ -171,17 +173,35 @@ impl Head {
         }
         let parameters = learner.online.parameters().len();
         let kept = self.transitions.checked_sub(self.first_transition);
+        let kept = kept.filter(|&n| n <= learner.replay.capacity() as u64);
         let pending = |chain: &Chain| {
             let n_step = chain.n_step.pending();
-            n_step.len() < self.config.n_step && n_step.iter().all(|p| usize::from(p.action) < self.actions)
+            let was_seen = |id: StateId| id.0 < self.states;
+            n_step.len() < self.config.n_step
+                && chain.last.is_none_or(was_seen)
+                && n_step.iter().all(|p| {
+                    usize::from(p.action) < self.actions && was_seen(p.state) && p.reward.is_finite()
+                })
         };
+        let finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
+        let Progress { env_steps, episodes, gradient_steps, owed, epsilon_start, sampling } = &self.progress;
+        // What an env step of every arena brings at most; and it must be there to be drawn.
+        let most_owed = learner.chains.len() as u64 * u64::from(self.config.gradient_steps);
+        let can_be_paid = *owed == 0 || kept.is_some_and(|n| n > 0);
+        let counts =
+            [self.states, self.transitions, *env_steps, *episodes, *gradient_steps, self.optimizer.steps];
+        let OptimizerState { first, second, steps: _ } = &self.optimizer;
         for (what, sane) in [
             ("its weights", self.online.len() == parameters && self.target.len() == parameters),
-            ("its moments", self.optimizer.first.len() == learner.optimizer.first.len()),
-            ("its moments", self.optimizer.second.len() == parameters),
-            ("its transitions' count", kept.is_some_and(|n| n <= learner.replay.capacity() as u64)),
-            ("its counters", self.states < 1 << 62 && self.transitions < 1 << 62),
-            ("its priorities", self.largest_priority.is_finite() && self.largest_priority > 0.0),
+            ("a weight is not finite", finite(&self.online) && finite(&self.target)),
+            ("its moments", first.len() == learner.optimizer.first.len() && second.len() == parameters),
+            ("a moment cannot be", finite(first) && second.iter().all(|m| m.is_finite() && *m >= 0.0)),
+            ("its transitions' count", kept.is_some()),
+            ("its counters", counts.iter().all(|&count| count < 1 << 62)),
+            ("its gradient steps owed", u64::from(*owed) <= most_owed && can_be_paid),
+            ("its epsilon", epsilon_start.is_none_or(|epsilon| (0.0..=1.0).contains(&epsilon))),
+            ("its stream", random::is_sound(sampling)),
+            ("its priorities", is_priority(self.largest_priority)),
             ("its chains", self.chains.iter().all(pending)),
         ] {
             if !sane {
@@ -212,8 +232,14 @@ impl ReplayBuffer {
         })?;
         let slots = self.tail.min(self.capacity() as u64) as usize;
         read_array(file, slots, |bytes| self.transitions.push(Stored::from_bytes(bytes)))?;
+        if !self.states.values[..used * inputs].iter().all(|value| value.is_finite()) {
+            return Err(CheckpointError::Damaged("an observation is not finite"));
+        }
         if self.transitions.iter().any(|t| !t.exists(used, actions)) {
             return Err(CheckpointError::Damaged("a transition refers to nothing"));
+        }
+        if !self.transitions.iter().all(Stored::is_sound) {
+            return Err(CheckpointError::Damaged("a transition's reward or discount cannot be"));
         }
         let mut leaves = Vec::new();
         read_array(file, slots, |bytes| leaves.push(f64::from_le_bytes(bytes)))?;
@@ -225,9 +251,14 @@ impl ReplayBuffer {
             for state in [state, next] {
                 self.states.last_user[state as usize] = number + 1;
             }
-            if !(leaves[slot].is_finite() && leaves[slot] > 0.0) {
+            if !is_priority(leaves[slot]) {
                 return Err(CheckpointError::Damaged("a priority is not above 0"));
             }
+        }
+        // What is gone must never be drawn.
+        let mut gone = (self.tail - slots as u64..self.head).map(|number| self.slot(number));
+        if self.priorities.is_some() && gone.any(|slot| leaves[slot] != 0.0) {
+            return Err(CheckpointError::Damaged("a priority of a transition that is gone is not 0"));
         }
         if let Some(Priorities { tree, largest }) = &mut self.priorities {
             tree.set_all(leaves.into_iter());
@@ -237,7 +268,17 @@ impl ReplayBuffer {
     }
 }
 
+/// Whether the power of an error can be so large: finite as an f32, so that no sum of them is infinite.
+fn is_priority(priority: f64) -> bool {
+    priority > 0.0 && priority <= f64::from(f32::MAX)
+}
+
 impl Stored {
+    /// Whether its numbers are such as [`ReplayBuffer::push`] stores.
+    fn is_sound(&self) -> bool {
+        self.reward.is_finite() && (0.0..=1.0).contains(&self.discount) && self.flags < 4
+    }
+
     /// Whether its states and its action are such as there are.
     fn exists(&self, states: usize, actions: usize) -> bool {
         (self.state.max(self.next) as usize) < states && usize::from(self.action) < actions
@@ -334,5 +375,111 @@ impl<T: Read> Summed<T> {
         let mut bytes = [0; N];
         self.read_exact(&mut bytes)?;
         Ok(bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learning::config::{NetworkConfig, Optimizer, ReplayConfig, Sampling, Schedule};
+    use crate::learning::learner::Experience;
+    use crate::learning::n_step::{End, Pending};
+    use crate::random::Stream;
+
+    /// A learner whose rings have gone round, and the config it was made with.
+    fn learner() -> (LearningConfig, Learner) {
+        let beta = Schedule::Constant(0.4);
+        let sampling = Sampling::Prioritized { alpha: 0.6, beta, importance_weights: true, epsilon: 0.01 };
+        let config = LearningConfig {
+            network: NetworkConfig { hidden: vec![3], dueling: true },
+            n_step: 3,
+            batch_size: 2,
+            optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
+            replay: ReplayConfig { capacity: 8, warmup_steps: 0, sampling },
+            ..LearningConfig::default()
+        };
+        let mut learner = Learner::new(&config, 2, 2, 1, 1).expect("it makes sense");
+        for step in 0..30 {
+            learner.remember(&Experience {
+                arena: 0,
+                observation: &[step as f32, 0.0],
+                action: step % 2,
+                reward: 1.0,
+                next_observation: &[step as f32 + 1.0, 0.0],
+                terminated: step % 9 == 8,
+                truncated: false,
+            });
+            learner.train().expect("it does not diverge");
+        }
+        (config, learner)
+    }
+
+    fn restored(config: &LearningConfig, learner: &Learner) -> Result<Learner, CheckpointError> {
+        let mut bytes = Vec::new();
+        learner.save(&mut bytes).expect("memory can be written");
+        Learner::restore(config, 2, 2, 1, &bytes[..])
+    }
+
+    /// What is changed in a learner that was saved, and what its file must be refused for.
+    type Breakage = (&'static str, fn(&mut Learner));
+
+    #[test]
+    fn numbers_that_no_learner_has_are_refused_whatever_the_checksum_says() {
+        let (config, sound) = learner();
+        let mut again = restored(&config, &sound).expect("it is sound");
+        assert_eq!(again.progress, sound.progress);
+        again.train().expect("it goes on");
+        let breakages: &[Breakage] = &[
+            ("a weight is not finite", |l| l.online.update(|weights| weights[3] = f32::NAN)),
+            ("a weight is not finite", |l| l.target.update(|weights| weights[0] = f32::INFINITY)),
+            ("its moments", |l| l.optimizer.second.truncate(2)),
+            ("a moment cannot be", |l| l.optimizer.first[1] = f32::NAN),
+            ("a moment cannot be", |l| l.optimizer.second[1] = -1.0),
+            ("its counters", |l| l.optimizer.steps = u64::MAX),
+            ("its counters", |l| l.progress.env_steps = u64::MAX),
+            ("its counters", |l| l.progress.episodes = u64::MAX),
+            ("its gradient steps owed", |l| l.progress.owed = u32::MAX),
+            ("its epsilon", |l| l.progress.epsilon_start = Some(f32::NAN)),
+            ("its stream", |l| {
+                let zero = postcard::to_allocvec(&0_u128).expect("a number");
+                l.progress.sampling = postcard::from_bytes::<Stream>(&zero).expect("a state");
+            }),
+            ("its priorities", |l| {
+                if let Some(priorities) = &mut l.replay.priorities {
+                    priorities.largest = 1e300;
+                }
+            }),
+            ("its chains", |l| l.chains[0].last = Some(StateId(1 << 40))),
+            ("its chains", |l| {
+                let step = Pending { state: StateId(1 << 40), action: 0, reward: 0.0 };
+                l.chains[0].n_step.push(step, StateId(0), End::Open, (9, 0.9), |_| ());
+            }),
+            ("an observation is not finite", |l| l.replay.states.values[3] = f32::NAN),
+            ("a transition refers to nothing", |l| l.replay.transitions[2].next = u32::MAX),
+            ("a transition refers to nothing", |l| l.replay.transitions[2].action = 2),
+            ("a transition's reward or discount cannot be", |l| l.replay.transitions[1].reward = f32::NAN),
+            ("a transition's reward or discount cannot be", |l| l.replay.transitions[1].discount = 1.5),
+            ("a priority is not above 0", |l| set_priority(l, |head, _| head, f64::INFINITY)),
+            ("a priority is not above 0", |l| set_priority(l, |_, tail| tail - 1, 0.0)),
+            ("a priority of a transition that is gone is not 0", |l| {
+                l.replay.head += 1;
+            }),
+        ];
+        for (what, breakage) in breakages {
+            let mut broken = sound.clone();
+            breakage(&mut broken);
+            match restored(&config, &broken) {
+                Err(CheckpointError::Damaged(why)) => assert_eq!(why, *what),
+                other => panic!("{what}: {:?}", other.map(|_| ())),
+            }
+        }
+    }
+
+    /// Gives a transition of those kept the priority `weight`.
+    fn set_priority(learner: &mut Learner, which: fn(u64, u64) -> u64, weight: f64) {
+        let slot = learner.replay.slot(which(learner.replay.head, learner.replay.tail));
+        if let Some(priorities) = &mut learner.replay.priorities {
+            priorities.tree.set(slot, weight);
+        }
     }
 }

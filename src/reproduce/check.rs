@@ -5,14 +5,34 @@
 
 use std::collections::BTreeSet;
 
-use super::experiment::{Arm, Draw, Experiment, Show, Tested};
+use super::experiment::{Arm, Claim, Draw, Experiment, Show, Tested};
 use super::measure::Measure;
-use crate::run::preset::Budget;
+use crate::run::preset::{Budget, MOST_STEPS};
 use crate::scenario::{Finding, nearest};
 
-/// Everything in `experiment` that cannot be meant.
+/// The most entries that a list of arms, conditions, figures, tables or claims has, or one of numbers or names in them.
+const MOST_ENTRIES: usize = 200;
+/// The most panels of a figure and columns of a table.
+const MOST_SERIES: usize = 10;
+const MOST_MEASURES: usize = 20;
+/// The most stages of an arm.
+const MOST_STAGES: usize = 20;
+/// The most trainings of an experiment: a plan of more takes long to make, and for ever to carry out.
+const MOST_TRAININGS: u64 = 10_000;
+/// The most characters that a name, a heading or a path has, and a text.
+const MOST_IN_NAME: usize = 200;
+const MOST_IN_TEXT: usize = 20_000;
+/// The largest number that may be written to be shown.
+const LARGEST: f64 = 1e9;
+
+/// Everything in `experiment` that cannot be meant. What it names is looked at only where there is no more of it than
+/// there may be.
 pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
     let mut check = Check { arms: &experiment.arms, findings: Vec::new() };
+    check.sizes(experiment);
+    if !check.findings.is_empty() {
+        return check.findings;
+    }
     check.header(experiment);
     check.arms();
     let conditions = experiment.conditions.iter().map(|condition| condition.name.as_str());
@@ -75,12 +95,138 @@ pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
     check.findings
 }
 
+/// The sum of counts, if all are known.
+fn total(mut counts: impl Iterator<Item = Option<u64>>) -> Option<u64> {
+    counts.try_fold(0_u64, |sum, count| Some(sum.saturating_add(count?)))
+}
+
 struct Check<'a> {
     arms: &'a [Arm],
     findings: Vec<Finding>,
 }
 
 impl Check<'_> {
+    /// How many there are of everything, and how long texts are.
+    fn sizes(&mut self, experiment: &Experiment) {
+        let Experiment { title, about, arms, conditions, figures, tables, .. } = experiment;
+        self.text("title", title, MOST_IN_NAME);
+        self.text("about", about, MOST_IN_TEXT);
+        self.count("arms", arms.len(), MOST_ENTRIES);
+        for (i, arm) in arms.iter().enumerate().take(MOST_ENTRIES) {
+            self.text(&format!("arms[{i}].name"), &arm.name, MOST_IN_NAME);
+            self.count(&format!("arms[{i}].stages"), arm.stages.len(), MOST_STAGES);
+            for (k, stage) in arm.stages.iter().enumerate().take(MOST_STAGES) {
+                let at = format!("arms[{i}].stages[{k}]");
+                self.text(&format!("{at}.scenario"), &stage.scenario, MOST_IN_NAME);
+                self.text(&format!("{at}.preset"), &stage.preset, MOST_IN_NAME);
+                let other = stage.change.scenario.as_deref().unwrap_or_default();
+                self.text(&format!("{at}.change.scenario"), other, MOST_IN_NAME);
+            }
+        }
+        self.count("conditions", conditions.len(), MOST_ENTRIES);
+        for (i, condition) in conditions.iter().enumerate().take(MOST_ENTRIES) {
+            self.text(&format!("conditions[{i}].name"), &condition.name, MOST_IN_NAME);
+            let other = condition.change.scenario.as_deref().unwrap_or_default();
+            self.text(&format!("conditions[{i}].change.scenario"), other, MOST_IN_NAME);
+        }
+        self.count("figures", figures.len(), MOST_ENTRIES);
+        for (i, figure) in figures.iter().enumerate().take(MOST_ENTRIES) {
+            let at = format!("figures[{i}]");
+            self.text(&format!("{at}.title"), &figure.title, MOST_IN_NAME);
+            self.text(&format!("{at}.caption"), &figure.caption, MOST_IN_TEXT);
+            self.claim_sizes(&at, &figure.claims);
+            match &figure.draw {
+                Draw::Curves { series, levels, .. } => {
+                    self.count(&format!("{at}.draw.series"), series.len(), MOST_SERIES);
+                    self.count(&format!("{at}.draw.levels"), levels.len(), MOST_ENTRIES);
+                    for (k, level) in levels.iter().enumerate().take(MOST_ENTRIES) {
+                        self.number(&format!("{at}.draw.levels[{k}].value"), level.value);
+                        self.text(&format!("{at}.draw.levels[{k}].label"), &level.label, MOST_IN_NAME);
+                    }
+                }
+                Draw::Dots { measures, .. } => {
+                    self.count(&format!("{at}.draw.measures"), measures.len(), MOST_MEASURES);
+                }
+                Draw::Course { .. } => {}
+            }
+        }
+        self.count("tables", tables.len(), MOST_ENTRIES);
+        for (i, table) in tables.iter().enumerate().take(MOST_ENTRIES) {
+            let at = format!("tables[{i}]");
+            self.text(&format!("{at}.title"), &table.title, MOST_IN_NAME);
+            self.count(&format!("{at}.also"), table.also.len(), MOST_ENTRIES);
+            for (k, name) in table.also.iter().enumerate().take(MOST_ENTRIES) {
+                self.text(&format!("{at}.also[{k}]"), name, MOST_IN_NAME);
+            }
+            self.claim_sizes(&at, &table.claims);
+            self.table_sizes(&format!("{at}.show"), &table.show);
+        }
+        let stages: u64 = arms.iter().map(|arm| arm.stages.len() as u64).sum();
+        let conditions = conditions.len().max(1) as u64;
+        let trainings = experiment.seeds.saturating_mul(stages).saturating_mul(conditions);
+        if trainings > MOST_TRAININGS && experiment.seeds <= 1000 {
+            let message = format!(
+                "are {}: with so many arms and conditions that makes {trainings} trainings; give fewer, for \
+                 {MOST_TRAININGS} at most",
+                experiment.seeds
+            );
+            self.found("seeds", message);
+        }
+    }
+
+    fn table_sizes(&mut self, at: &str, show: &Show) {
+        match show {
+            Show::Seeds { paper, .. } => {
+                self.count(&format!("{at}.paper"), paper.len(), MOST_ENTRIES);
+                for (k, (_, value)) in paper.iter().enumerate().take(MOST_ENTRIES) {
+                    self.number(&format!("{at}.paper[{k}][1]"), *value);
+                }
+            }
+            Show::Rounds { paper, .. } => {
+                self.count(&format!("{at}.paper"), paper.len(), MOST_ENTRIES);
+                for (k, (_, rounds)) in paper.iter().enumerate().take(MOST_ENTRIES) {
+                    self.count(&format!("{at}.paper[{k}][1]"), rounds.len(), 1000);
+                    for (j, value) in rounds.iter().enumerate().take(1000) {
+                        self.number(&format!("{at}.paper[{k}][1][{j}]"), *value);
+                    }
+                }
+            }
+            Show::Measures { measures, .. } => {
+                self.count(&format!("{at}.measures"), measures.len(), MOST_MEASURES);
+            }
+            Show::Contrast { measures, after, .. } => {
+                self.count(&format!("{at}.measures"), measures.len(), MOST_MEASURES);
+                self.count(&format!("{at}.after"), after.len(), MOST_ENTRIES);
+            }
+        }
+    }
+
+    fn claim_sizes(&mut self, at: &str, claims: &[Claim]) {
+        self.count(&format!("{at}.claims"), claims.len(), MOST_ENTRIES);
+        for (k, claim) in claims.iter().enumerate().take(MOST_ENTRIES) {
+            self.text(&format!("{at}.claims[{k}].says"), &claim.says, MOST_IN_TEXT);
+        }
+    }
+
+    fn count(&mut self, path: &str, count: usize, most: usize) {
+        if count > most {
+            self.found(path, format!("has {count} entries; give at most {most}"));
+        }
+    }
+
+    fn text(&mut self, path: &str, text: &str, most: usize) {
+        let long = text.chars().count();
+        if long > most {
+            self.found(path, format!("has {long} characters; write at most {most}"));
+        }
+    }
+
+    fn number(&mut self, path: &str, value: f64) {
+        if !(-LARGEST..=LARGEST).contains(&value) {
+            self.found(path, format!("is {value}; give a number from {} to {LARGEST}", -LARGEST));
+        }
+    }
+
     fn found(&mut self, path: &str, message: String) {
         self.findings.push(Finding { path: path.into(), message });
     }
@@ -118,8 +264,8 @@ impl Check<'_> {
             }
             for (k, stage) in arm.stages.iter().enumerate() {
                 let at = format!("arms[{i}].stages[{k}]");
-                if matches!(stage.budget, Some(Budget::Episodes(0) | Budget::EnvSteps(0))) {
-                    self.found(&format!("{at}.budget"), "is 0; give at least 1".into());
+                if let Some(Budget::Episodes(n) | Budget::EnvSteps(n)) = stage.budget {
+                    self.range(&format!("{at}.budget"), n, 1, MOST_STEPS);
                 }
                 match stage.epsilon {
                     Some(x) if !(0.0..=1.0).contains(&x) => {
@@ -183,9 +329,7 @@ impl Check<'_> {
 
     /// Every arm tested as it stands must get so far.
     fn after_of(&mut self, path: &str, after: u64, of_last_stage: bool) {
-        if after == 0 {
-            self.found(path, "is 0; give at least 1 episode".into());
-        }
+        self.range(path, after, 1, MOST_STEPS);
         for arm in self.arms.iter().filter(|arm| arm.policy == Tested::AsItStands) {
             // Budgets left to the preset are looked at when it is loaded.
             let first = if of_last_stage { arm.stages.len().saturating_sub(1) } else { 0 };
@@ -193,7 +337,7 @@ impl Check<'_> {
                 Some(Budget::Episodes(n)) => Some(n),
                 _ => None,
             });
-            if let Some(total) = budgets.sum::<Option<u64>>().filter(|&total| total < after) {
+            if let Some(total) = total(budgets).filter(|&total| total < after) {
                 let name = &arm.name;
                 self.findings.push(Finding {
                     path: path.into(),
@@ -203,7 +347,7 @@ impl Check<'_> {
         }
     }
 
-    fn claims(&mut self, at: &str, claims: &[super::experiment::Claim]) {
+    fn claims(&mut self, at: &str, claims: &[Claim]) {
         for (i, claim) in claims.iter().enumerate() {
             let at = format!("{at}.claims[{i}]");
             self.measures(&format!("{at}.measure"), &[claim.measure]);
@@ -211,5 +355,66 @@ impl Check<'_> {
             self.arm(&format!("{at}.than"), &claim.than);
             self.after_of(&format!("{at}.after"), claim.after, claim.of_last_stage);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::shipped;
+
+    /// What is changed in a sound experiment, and the field that must be blamed for it.
+    type Breakage = (&'static str, fn(&mut Experiment));
+
+    #[test]
+    fn more_than_anybody_needs_is_refused_before_it_is_looked_at() {
+        let text = shipped::experiments().find(|(from, _)| from.ends_with("fig10.ron")).expect("shipped").1;
+        let sound = Experiment::parse(text, "fig10.ron").expect("it is sound");
+        let breakages: &[Breakage] = &[
+            ("title", |e| e.title = "x".repeat(201)),
+            ("arms", |e| e.arms = vec![e.arms[0].clone(); 201]),
+            ("arms[0].stages", |e| e.arms[0].stages = vec![e.arms[0].stages[0].clone(); 21]),
+            ("arms[0].stages[0].scenario", |e| e.arms[0].stages[0].scenario = "x".repeat(201)),
+            ("arms[0].stages[0].budget", |e| {
+                e.arms[0].stages[0].budget = Some(Budget::Episodes(u64::MAX));
+            }),
+            ("figures", |e| e.figures = vec![e.figures[0].clone(); 201]),
+            ("tables", |e| e.tables = vec![e.tables[0].clone(); 201]),
+            ("tables[0].claims", |e| {
+                let claim = Claim {
+                    says: String::new(),
+                    measure: Measure::Success,
+                    better: "nobody".into(),
+                    than: "nobody".into(),
+                    after: 1,
+                    of_last_stage: false,
+                };
+                e.tables[0].claims = vec![claim; 201];
+            }),
+            // 1,000 seeds of at least 11 trainings each.
+            ("seeds", |e| {
+                let stage = e.arms[0].stages[0].clone();
+                (e.seeds, e.arms[0].stages) = (1000, vec![stage; 11]);
+            }),
+            ("seeds", |e| e.seeds = u64::MAX),
+            ("tables[0].show.paper[0][1]", |e| {
+                let paper = vec![("nobody".into(), f64::NAN)];
+                e.tables[0].show = Show::Seeds { measure: Measure::Success, after: 1, paper };
+            }),
+        ];
+        for (path, breakage) in breakages {
+            let mut broken = sound.clone();
+            breakage(&mut broken);
+            let found = findings(&broken);
+            assert!(found.iter().any(|finding| finding.path == *path), "{path}: {found:?}");
+            assert!(found.len() < 10, "{path}: and little else: {found:?}");
+        }
+    }
+
+    #[test]
+    fn sums_of_episodes_stop_at_the_largest_number() {
+        assert_eq!(total([Some(3), Some(4)].into_iter()), Some(7));
+        assert_eq!(total([Some(u64::MAX), Some(4)].into_iter()), Some(u64::MAX));
+        assert_eq!(total([Some(3), None].into_iter()), None);
     }
 }

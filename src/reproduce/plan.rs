@@ -282,10 +282,20 @@ fn keep(config: &mut RunConfig, episodes: u64) {
 fn config(source: &Source, condition: usize, stage: &Stage, seed: u64) -> Result<RunConfig, RunError> {
     let experiment = &source.experiment;
     let beside = |name: &str| beside(&source.from, name);
+    // An experiment from a stranger must not have a pipe or a device read, which may never end.
+    let read_for_ever = |name: &str| {
+        let path = beside(name);
+        let path = Path::new(&path);
+        (path.exists() && !path.is_file() && !path.is_dir())
+            .then(|| RunError::unusable(path, format!("{} names it, but it is no file", source.from)))
+    };
     let condition = experiment.conditions.get(condition).map(|condition| &condition.change);
     let scenario_from =
         condition.and_then(|change| change.scenario.as_ref()).or(stage.change.scenario.as_ref());
     let scenario_from = scenario_from.unwrap_or(&stage.scenario).clone();
+    if let Some(error) = [&scenario_from, &stage.preset].into_iter().find_map(|name| read_for_ever(name)) {
+        return Err(error);
+    }
     let mut scenario = shipped::scenario(&beside(&scenario_from))?;
     let mut preset = shipped::preset(&beside(&stage.preset))?;
     preset.budget = stage.budget.unwrap_or(preset.budget);

@@ -2,11 +2,12 @@
 //!
 //! In: the learner, the arenas, the streams, and where the records stand. Out: one file, written whole or not at all:
 //! magic, version, length and CRC-32C of the head, the head (postcard: [`Standing`]), then the learner's own
-//! checkpoint, which has a checksum of its own. Where the newest cannot be read, the one before is.
+//! checkpoint, which has a checksum of its own. Where the newest cannot be read, the one before is. A checksum tells of
+//! accidents, not of intent: so all that is read is checked, too.
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read, Write};
+use std::io::{self, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::World;
@@ -16,8 +17,8 @@ use super::RunError;
 use super::folder::{RunConfig, RunFolder};
 use super::records::Milestone;
 use crate::agent::{Decisions, Trainer, TrainingStats};
-use crate::learning::Learner;
-use crate::random::Stream;
+use crate::learning::{Learner, Policy};
+use crate::random::{self, Stream};
 use crate::task::{ArenaState, observation};
 use crate::world;
 
@@ -29,6 +30,8 @@ const MAGIC: &[u8; 8] = b"wayfrun\n";
 const VERSION: u32 = 3;
 /// The most bytes a head may have: 4096 arenas with 4096 beams each, and a policy.
 const LONGEST_HEAD: u64 = 1 << 28;
+/// The longest time that a checkpoint may name, in s: some 30,000 years.
+const LONGEST_S: f64 = 1e12;
 
 /// Where a run stands, beside its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -90,20 +93,7 @@ impl Best {
 /// # Errors
 /// It cannot be written; the one before is still there.
 pub fn save(folder: &RunFolder, world: &mut World, standing: &mut Standing) -> Result<(), RunError> {
-    standing.arenas = world::snapshot(world);
-    standing.exploration = world.resource::<Decisions>().streams.clone();
-    standing.stats = *world.resource::<TrainingStats>();
-    let path = folder.path().join(NAMES[0]);
-    let head = postcard::to_allocvec(standing).map_err(|error| RunError::failed(&path, error))?;
-    let learner = &world.resource::<Trainer>().0;
-    folder.write(NAMES[0], |file| {
-        file.write_all(MAGIC)?;
-        file.write_all(&VERSION.to_le_bytes())?;
-        file.write_all(&(head.len() as u64).to_le_bytes())?;
-        file.write_all(&crc32c::crc32c(&head).to_le_bytes())?;
-        file.write_all(&head)?;
-        learner.save(file).map_err(std::io::Error::other)
-    })?;
+    folder.write(NAMES[0], |file| write_to(file, world, standing))?;
     // Whenever this is cut short, all that are there are whole, and in order.
     for (from, to) in NAMES.iter().zip(&NAMES[1..]).rev() {
         let (from, to) = (folder.path().join(from), folder.path().join(to));
@@ -113,6 +103,23 @@ pub fn save(folder: &RunFolder, world: &mut World, standing: &mut Standing) -> R
         }
     }
     Ok(())
+}
+
+/// Takes what the world holds into `standing`, and writes both as the bytes of a checkpoint's file.
+///
+/// # Errors
+/// The writer's.
+pub fn write_to(mut file: impl Write, world: &mut World, standing: &mut Standing) -> io::Result<()> {
+    standing.arenas = world::snapshot(world);
+    standing.exploration = world.resource::<Decisions>().streams.clone();
+    standing.stats = *world.resource::<TrainingStats>();
+    let head = postcard::to_allocvec(standing).map_err(io::Error::other)?;
+    file.write_all(MAGIC)?;
+    file.write_all(&VERSION.to_le_bytes())?;
+    file.write_all(&(head.len() as u64).to_le_bytes())?;
+    file.write_all(&crc32c::crc32c(&head).to_le_bytes())?;
+    file.write_all(&head)?;
+    world.resource::<Trainer>().0.save(file).map_err(io::Error::other)
 }
 
 /// What was read of a run's checkpoints.
@@ -164,43 +171,94 @@ pub fn set_aside(passed_over: &[(PathBuf, RunError)]) -> Result<(), RunError> {
 }
 
 fn read(path: &Path, config: &RunConfig) -> Result<(Standing, Learner), RunError> {
-    let bad = |why: &str| RunError::unusable(path, why);
-    let file = File::open(path).map_err(|error| bad(&format!("can't be read: {error}")))?;
-    let mut file = BufReader::new(file);
+    let file =
+        File::open(path).map_err(|error| RunError::unusable(path, format!("can't be read: {error}")))?;
+    read_from(BufReader::new(file), config).map_err(|why| RunError::unusable(path, why))
+}
+
+/// What [`write_to`] wrote in a run of `config`. What a resumed run could not go on from is refused: nothing in the bytes
+/// is believed, however good their checksums are.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(Standing, Learner), String> {
     let mut array = [0_u8; 24];
-    file.read_exact(&mut array).map_err(|_| bad("is too short to be a checkpoint"))?;
+    file.read_exact(&mut array).map_err(|_| "is too short to be a checkpoint")?;
     let (magic, rest) = array.split_at(8);
     if magic != MAGIC {
-        return Err(bad("is no checkpoint of a run"));
+        return Err("is no checkpoint of a run".into());
     }
     let version = u32::from_le_bytes([rest[0], rest[1], rest[2], rest[3]]);
     if version != VERSION {
-        return Err(bad(&format!(
-            "is of checkpoint version {version}, but this wayfield reads version {VERSION}"
-        )));
+        return Err(format!("is of checkpoint version {version}, but this wayfield reads version {VERSION}"));
     }
     let mut length = [0_u8; 8];
     length.copy_from_slice(&rest[4..12]);
     let length = u64::from_le_bytes(length);
     let crc = u32::from_le_bytes([rest[12], rest[13], rest[14], rest[15]]);
     if length > LONGEST_HEAD {
-        return Err(bad("is damaged: its head is too long"));
+        return Err("is damaged: its head is too long".into());
     }
     let mut head = Vec::new();
-    (&mut file).take(length).read_to_end(&mut head).map_err(|error| bad(&error.to_string()))?;
+    (&mut file).take(length).read_to_end(&mut head).map_err(|error| error.to_string())?;
     if head.len() as u64 != length || crc32c::crc32c(&head) != crc {
-        return Err(bad("is damaged: the checksum of its head does not agree"));
+        return Err("is damaged: the checksum of its head does not agree".into());
     }
-    let standing: Standing = postcard::from_bytes(&head).map_err(|_| bad("is damaged: its head"))?;
-    let arenas = config.preset.arenas;
-    if standing.arenas.len() != arenas || standing.exploration.len() != arenas {
-        return Err(bad("is of another number of arenas than config.ron says"));
-    }
+    let standing: Standing = postcard::from_bytes(&head).map_err(|_| "is damaged: its head")?;
+    standing.check(config)?;
     let inputs = observation::width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
-    let learner = Learner::restore(&config.preset.learning, inputs, actions, arenas, file)
-        .map_err(|error| bad(&error.to_string()))?;
+    let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
+        .map_err(|error| error.to_string())?;
     Ok((standing, learner))
+}
+
+impl Standing {
+    /// Whether a run of `config` can go on from here.
+    fn check(&self, config: &RunConfig) -> Result<(), String> {
+        let arenas = config.preset.arenas;
+        if self.arenas.len() != arenas || self.exploration.len() != arenas {
+            return Err("is of another number of arenas than config.ron says".into());
+        }
+        for (number, arena) in self.arenas.iter().enumerate() {
+            arena
+                .check(&config.scenario)
+                .map_err(|what| format!("is damaged: {what} in arena {number} cannot be"))?;
+        }
+        let are = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let TrainingStats { loss, td_error, q, .. } = self.stats;
+        let share = |rate: f64| (0.0..=1.0).contains(&rate);
+        let milestones = [self.first_96, self.first_99];
+        for (what, sane) in [
+            ("a stream by which it explores", self.exploration.iter().all(random::is_sound)),
+            ("its sums over gradient steps", are(&[loss, td_error, q])),
+            ("its last row", self.means.is_none_or(|(a, b, c)| are(&[a, b, c]))),
+            (
+                "its last returns",
+                self.recent_returns.len() <= 100 && self.recent_returns.iter().all(|value| value.is_finite()),
+            ),
+            ("its next evaluation", self.next_evaluation <= 1 << 62),
+            ("its last success rate", self.last_success_rate.is_none_or(share)),
+            ("its best policy", self.best.as_ref().is_none_or(Best::is_sound)),
+            ("its milestones", milestones.iter().flatten().all(|milestone| milestone.wall_s.is_finite())),
+            ("its wall time", (0.0..=LONGEST_S).contains(&self.wall_s)),
+        ] {
+            if !sane {
+                return Err(format!("is damaged: {what} cannot be"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Best {
+    /// Whether it is a policy, and its numbers are such as evaluations give.
+    fn is_sound(&self) -> bool {
+        let times = [self.mean_cost_s, self.least_cost_s].into_iter().chain(self.mean_time_s);
+        (0.0..=1.0).contains(&self.success_rate)
+            && times.into_iter().all(|time| (0.0..=LONGEST_S).contains(&time))
+            && Policy::from_bytes(&self.bytes).is_ok()
+    }
 }
 
 /// Puts a populated world back to where `standing` was taken.

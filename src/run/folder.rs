@@ -211,6 +211,7 @@ impl RunFolder {
         if !findings.is_empty() {
             return Err(FileError::in_fields(&folder.config(), &text, &findings).into());
         }
+        config.preset.fits(&config.scenario).map_err(|error| RunError::unusable(&folder.config(), error))?;
         Ok((folder, config))
     }
 

@@ -7,8 +7,21 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::learning::LearningConfig;
-use crate::scenario::{FileError, Finding, parse_ron, read_text};
-use crate::task::{Encoding, RewardConfig};
+use crate::scenario::{FileError, Finding, Scenario, parse_ron, read_text};
+use crate::task::{Encoding, RewardConfig, observation};
+
+/// The most env steps or episodes that may be asked for: no run gets there, and sums of them are far from what 64 bits hold.
+pub const MOST_STEPS: u64 = 1_000_000_000_000_000;
+/// The most characters of `about`.
+const MOST_ABOUT: usize = 20_000;
+
+/// The most bodies that may stand and drive in all arenas together: robots, obstacles, straight pieces of walls. So many
+/// take about 2 GB.
+const MOST_BODIES: usize = 1_000_000;
+/// The most numbers in the scans and observations of all arenas together: 1 GB.
+const MOST_SEEN: usize = 1 << 28;
+/// The most numbers in the states that are remembered: 8 GB, 1 GB where addresses have 32 bits.
+const MOST_REMEMBERED: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
 
 /// How to learn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,9 +50,9 @@ pub struct Preset {
 /// How long a run is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Budget {
-    /// Until so many episodes have ended, over all arenas.
+    /// Until so many episodes have ended, over all arenas; 1 to 10^15.
     Episodes(u64),
-    /// Until so many env steps were taken, over all arenas.
+    /// Until so many env steps were taken, over all arenas; 1 to 10^15.
     EnvSteps(u64),
 }
 
@@ -48,7 +61,7 @@ pub enum Budget {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EvaluationRule {
-    /// Every so many env steps, at least 1.
+    /// Every so many env steps, 1 to 10^15.
     pub every_env_steps: u64,
     /// Over so many navigations (always the same ones), 1 to 100,000.
     pub navigations: usize,
@@ -81,6 +94,44 @@ impl Preset {
         if findings.is_empty() { Ok(preset) } else { Err(FileError::in_fields(path, text, &findings)) }
     }
 
+    /// Whether a training in its arenas of `scenario` asks for no more memory than a training may. (Both are sound by
+    /// themselves.)
+    ///
+    /// # Errors
+    /// What there is too much of, and what to write less for.
+    pub fn fits(&self, scenario: &Scenario) -> Result<(), String> {
+        let arenas = self.arenas;
+        let pieces: usize = scenario.walls.iter().map(|wall| wall.corners_m.len().saturating_sub(1)).sum();
+        let bodies = (1 + pieces + scenario.most_obstacles()).saturating_mul(arenas);
+        if bodies > MOST_BODIES {
+            return Err(format!(
+                "{arenas} arenas of this scenario have {bodies} bodies together, more than {MOST_BODIES}: give fewer \
+                 `arenas`, or a scenario with fewer obstacles and walls"
+            ));
+        }
+        let width = observation::width(scenario.lidar.beams);
+        // This observation and the next; this scan, and those that are late.
+        let rows = 2 + 1 + scenario.lidar.latency_steps as usize + 1;
+        let seen = arenas.saturating_mul(width).saturating_mul(rows);
+        if seen > MOST_SEEN {
+            return Err(format!(
+                "what is seen in {arenas} arenas with {} beams and a latency of {} steps takes {seen} numbers, more than \
+                 {MOST_SEEN}: give fewer `arenas`, `lidar.beams` or `lidar.latency_steps`",
+                scenario.lidar.beams, scenario.lidar.latency_steps
+            ));
+        }
+        let LearningConfig { replay, n_step, .. } = &self.learning;
+        let states = replay.capacity + replay.capacity / 8 + arenas * (n_step + 1);
+        let remembered = states.saturating_mul(width);
+        if remembered > MOST_REMEMBERED {
+            return Err(format!(
+                "{states} states of {width} numbers are to be remembered: {remembered} numbers, more than \
+                 {MOST_REMEMBERED}: give less for `learning.replay.capacity`, or fewer `arenas` or `lidar.beams`"
+            ));
+        }
+        Ok(())
+    }
+
     /// Everything in it that cannot be meant.
     #[must_use]
     pub fn findings(&self) -> Vec<Finding> {
@@ -89,11 +140,17 @@ impl Preset {
         if !(1..=4096).contains(&self.arenas) {
             found("arenas", format!("is {}; give 1 to 4096", self.arenas));
         }
-        if matches!(self.budget, Budget::Episodes(0) | Budget::EnvSteps(0)) {
-            found("budget", "is 0; give at least 1".into());
+        let (Budget::Episodes(budget) | Budget::EnvSteps(budget)) = self.budget;
+        if !(1..=MOST_STEPS).contains(&budget) {
+            found("budget", format!("is {budget}; give 1 to {MOST_STEPS}"));
         }
-        if self.evaluation.every_env_steps == 0 {
-            found("evaluation.every_env_steps", "is 0; give at least 1, such as 10000".into());
+        let every = self.evaluation.every_env_steps;
+        if !(1..=MOST_STEPS).contains(&every) {
+            let message = format!("is {every}; give at least 1, such as 10000, and at most {MOST_STEPS}");
+            found("evaluation.every_env_steps", message);
+        }
+        if self.about.chars().count() > MOST_ABOUT {
+            found("about", format!("is too long: write at most {MOST_ABOUT} characters"));
         }
         if !(1..=100_000).contains(&self.evaluation.navigations) {
             found("evaluation.navigations", format!("is {}; give 1 to 100000", self.evaluation.navigations));
@@ -105,5 +162,37 @@ impl Preset {
             found(&format!("learning.{}", error.field), error.problem);
         }
         findings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::shipped;
+
+    #[test]
+    fn a_training_that_no_memory_holds_is_refused_in_words() {
+        let fast = shipped::preset("fast").expect("shipped");
+        let empty = shipped::scenario("empty").expect("shipped");
+        let most = Preset { arenas: 4096, ..fast.clone() };
+        for (name, scenario) in shipped::scenarios() {
+            assert_eq!(most.fits(&scenario), Ok(()), "{name}: as many arenas as there may be");
+        }
+        let refused = |scenario: &Scenario, change: fn(&mut Preset), field: &str| {
+            let mut preset = fast.clone();
+            change(&mut preset);
+            let error = preset.fits(scenario).expect_err(field);
+            assert!(error.contains(field), "{error}");
+        };
+        let one = shipped::scenario("crowd").expect("shipped").obstacles[0].clone();
+        let crowd = Scenario { obstacles: vec![one; 10_000], ..Scenario::default() };
+        // 16 arenas of 10,000 obstacles are 160,016 bodies; 100 are 1,000,100.
+        assert_eq!(Preset { arenas: 16, ..fast.clone() }.fits(&crowd), Ok(()));
+        refused(&crowd, |preset| preset.arenas = 100, "`arenas`");
+        let mut fine = empty.clone();
+        (fine.lidar.beams, fine.lidar.latency_steps) = (4096, 50);
+        refused(&fine, |preset| preset.arenas = 4096, "`lidar.latency_steps`");
+        // 2^19 and an eighth states of 4,100 numbers: 2.4e9.
+        refused(&fine, |preset| preset.learning.replay.capacity = 1 << 19, "`learning.replay.capacity`");
     }
 }

@@ -15,6 +15,9 @@ pub fn learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, R
     let inputs = observation::width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
     let preset = &config.preset;
+    preset
+        .fits(&config.scenario)
+        .map_err(|error| RunError::Unusable(format!("{}: {error}", config.preset_from)))?;
     let mut learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, config.seed)
         .map_err(|error| RunError::Unusable(format!("{}: {error}", config.preset_from)))?;
     if let (Some(policy), Some(transfer)) = (policy, &config.transfer) {

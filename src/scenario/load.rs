@@ -50,7 +50,15 @@ impl Scenario {
     /// As [`Scenario::load`].
     pub fn load_draft(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        parse_checked(&read_text(path)?, path, unsound)
+        Self::parse_draft(&read_text(path)?, path)
+    }
+
+    /// The scenario that `text` spells, to be edited; `path` is only what errors name.
+    ///
+    /// # Errors
+    /// As [`Scenario::load_draft`].
+    pub fn parse_draft(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
+        parse_checked(text, path.as_ref(), unsound)
     }
 }
 

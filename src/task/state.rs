@@ -206,10 +206,111 @@ pub struct ArenaState {
     pub streams: Streams,
 }
 
+/// The farthest from an arena's origin that anything in it may be, in m: twice as far as any wall.
+const FARTHEST_M: f32 = 1_000.0;
+/// The most that a heading is off the x axis, in rad: that of a course may be a full turn.
+const MOST_TURNED_RAD: f32 = 7.0;
+/// The fastest that a drive goes, in m/s and rad/s: what a scenario allows, with a little room for rounding.
+const FASTEST: (f32, f32) = (5.01, 20.01);
+/// The longest that an episode may last, in control steps, and the farthest that a beam reaches, in m: what a scenario
+/// allows at most. (Who has a training in a window may have changed its own limits since.)
+const MOST_STEPS: u32 = 1_000_000;
+const MOST_RANGE_M: f32 = 1_000.0;
+
+impl ArenaState {
+    /// Whether an arena of `scenario`, in training, can be so: what is read from a file can be anything.
+    ///
+    /// # Errors
+    /// What cannot be.
+    pub fn check(&self, scenario: &Scenario) -> Result<(), &'static str> {
+        let Self { pose, drive, scan, target, clock, layout: _, episode, streams } = self;
+        let beams = scenario.lidar.beams;
+        let within = |value: f32, most: f32| value.abs() <= most;
+        let is_pose = |pose: &Pose| {
+            within(pose.x_m, FARTHEST_M)
+                && within(pose.y_m, FARTHEST_M)
+                && within(pose.heading_rad, MOST_TURNED_RAD)
+        };
+        let is_range = |range: &f32| (0.0..=MOST_RANGE_M).contains(range);
+        let are_ranges = |ranges: &[f32]| ranges.len() == beams && ranges.iter().all(is_range);
+        let Episode { steps, targets, rewards, potential, restart, parked } = episode;
+        for (what, sane) in [
+            ("the robot's pose", is_pose(pose)),
+            ("how fast the robot goes", within(drive.v_m_s, FASTEST.0) && within(drive.w_rad_s, FASTEST.1)),
+            ("a scan", are_ranges(&scan.ranges_m) && is_range(&scan.nearest_m) && is_pose(&scan.from)),
+            ("the number of late scans", scan.late.len() <= scenario.lidar.latency_steps as usize + 1),
+            ("a late scan", scan.late.iter().all(|(from, ranges)| is_pose(from) && are_ranges(ranges))),
+            ("the target's place", within(target.x_m, FARTHEST_M) && within(target.y_m, FARTHEST_M)),
+            ("the clock", clock.0 < 1 << 62),
+            ("the episode's length", *steps <= MOST_STEPS && targets <= steps),
+            ("the episode's rewards", rewards.total().is_finite()),
+            ("the potential", potential.total().is_finite()),
+            ("what is due", *restart == Restart::No && !parked),
+            ("a stream", random::is_sound(&streams.places) && random::is_sound(&streams.sensor)),
+        ] {
+            if !sane {
+                return Err(what);
+            }
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use core::f32::consts::PI;
+
+    /// What is changed in a sound state, and what must be blamed for it.
+    type Breakage = (&'static str, fn(&mut ArenaState));
+
+    #[test]
+    fn a_state_that_cannot_be_is_refused_and_what_is_wrong_is_named() {
+        let mut scenario = Scenario::default();
+        scenario.lidar.latency_steps = 1;
+        let ranges = vec![1.0; scenario.lidar.beams];
+        let sound = ArenaState {
+            pose: Pose { x_m: 1.0, y_m: -1.0, heading_rad: 3.0 },
+            drive: Drive { v_m_s: 0.15, w_rad_s: -1.5 },
+            scan: Scan {
+                ranges_m: ranges.clone(),
+                from: Pose::default(),
+                nearest_m: 0.5,
+                touching: false,
+                late: VecDeque::from([(Pose::default(), ranges.clone()), (Pose::default(), ranges)]),
+            },
+            target: Target { x_m: 0.5, y_m: 0.5 },
+            clock: Clock(1_000),
+            layout: u64::MAX,
+            episode: Episode { steps: 7, targets: 1, ..Episode::default() },
+            streams: Streams::new(1, 0),
+        };
+        assert_eq!(sound.check(&scenario), Ok(()));
+        let breakages: &[Breakage] = &[
+            ("the robot's pose", |s| s.pose.x_m = f32::NAN),
+            ("the robot's pose", |s| s.pose.y_m = 1e9),
+            ("the robot's pose", |s| s.pose.heading_rad = f32::INFINITY),
+            ("how fast the robot goes", |s| s.drive.v_m_s = f32::NAN),
+            ("a scan", |s| s.scan.ranges_m.truncate(3)),
+            ("a scan", |s| s.scan.ranges_m[2] = -1.0),
+            ("a scan", |s| s.scan.nearest_m = f32::NAN),
+            ("the number of late scans", |s| s.scan.late.push_back((Pose::default(), vec![1.0; 24]))),
+            ("a late scan", |s| s.scan.late[1].1.push(1.0)),
+            ("the target's place", |s| s.target.y_m = f32::NEG_INFINITY),
+            ("the clock", |s| s.clock = Clock(u64::MAX)),
+            ("the episode's length", |s| s.episode.steps = u32::MAX),
+            ("the episode's length", |s| s.episode.targets = 8),
+            ("the episode's rewards", |s| s.episode.rewards.attraction = f32::NAN),
+            ("the potential", |s| s.episode.potential.repulsion = f32::INFINITY),
+            ("what is due", |s| s.episode.restart = Restart::Everything),
+            ("what is due", |s| s.episode.parked = true),
+        ];
+        for (what, breakage) in breakages {
+            let mut state = sound.clone();
+            breakage(&mut state);
+            assert_eq!(state.check(&scenario), Err(*what));
+        }
+    }
 
     #[test]
     fn bearing_is_the_angle_from_the_heading_to_the_target() {
