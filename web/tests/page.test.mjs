@@ -73,6 +73,38 @@ test('it loads below any path, asks nobody else, and learns to drive', async (t)
     await page.context().close();
 });
 
+test('it runs no script but its own, and can reach nobody else, whoever tries', async () => {
+    const page = await open(browser, host.address);
+    const tried = await page.evaluate(async () => {
+        const forbidden = new Set();
+        document.addEventListener('securitypolicyviolation', (violation) => forbidden.add(violation.effectiveDirective));
+        const add = (kind, given) => document.head.append(Object.assign(document.createElement(kind), given));
+        add('script', { textContent: 'globalThis.ran = "inline"' });
+        add('script', { src: 'data:text/javascript,globalThis.ran = "foreign"' });
+        add('style', { textContent: 'body { opacity: 0 }' });
+        const elsewhere = location.origin.replace('127.0.0.1', 'localhost');
+        add('base', { href: elsewhere });
+        new Image().src = `${elsewhere}/picture.png`;
+        const reached = await fetch(elsewhere).then(() => 'reached', () => 'refused');
+        const evaluate = () => {
+            try {
+                return new Function('return "evaluated"')();
+            } catch {
+                return 'refused';
+            }
+        };
+        // (Later: what the debugger asks for at once is allowed more than the page is.)
+        const evaluated = await new Promise((later) => setTimeout(() => later(evaluate()), 100));
+        await new Promise((later) => setTimeout(later, 500));
+        return { reached, evaluated, ran: globalThis.ran ?? 'nothing', forbidden: [...forbidden].sort() };
+    });
+    assert.deepEqual(tried, {
+        reached: 'refused', evaluated: 'refused', ran: 'nothing',
+        forbidden: ['base-uri', 'connect-src', 'img-src', 'script-src', 'script-src-elem', 'style-src-elem'],
+    });
+    await page.context().close();
+});
+
 test('the address chooses scenario, preset, seed and pace, and follows what is chosen', async () => {
     const page = await open(browser, `${host.address}?scenario=scenario-2&preset=per_d3qn&seed=4294967295&pace=20&paused`);
     const now = await until(page, (now) => now.scenario === 'scenario-2');
