@@ -77,7 +77,7 @@ fn q_values_beyond_any_return_are_warned_of_once_and_the_run_goes_on() {
     let warnings: Vec<&str> = done.stderr.lines().filter(|line| line.contains("seems to diverge")).collect();
     let [warning] = warnings.as_slice() else { panic!("one warning, not {warnings:?}: {}", done.stderr) };
     for needle in [
-        "warning: learning seems to diverge at gradient step",
+        "warning: run: learning seems to diverge at gradient step",
         "no return is beyond",
         "try a lower learning_rate",
     ] {

@@ -225,7 +225,7 @@ impl Run {
             let episodes_before = self.learner().episodes();
             simulation::step(self.app.world_mut())?;
             if let Some(warning) = self.app.world_mut().resource_mut::<TrainingWarning>().news() {
-                self.progress.warn(&warning.to_string());
+                self.progress.warn(&format!("{}: {warning}", self.folder.path().display()));
             }
             self.record_episodes()?;
             self.keep_policy(episodes_before)?;
