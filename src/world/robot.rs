@@ -114,26 +114,27 @@ pub(super) fn actuate(
     }
 }
 
+/// What is read and written of an arena after its step.
+type Stepped = (
+    &'static Arena,
+    &'static Bodies,
+    &'static Clock,
+    &'static Episode,
+    &'static RapierContextColliders,
+    &'static mut RapierRigidBodySet,
+    &'static mut Pose,
+    &'static mut Drive,
+    &'static mut Scan,
+);
+
 /// `Sense`: where the step has left the robot, whether it touched something, and how fast it goes now.
 ///
 /// A free robot is where rapier has brought it. One that touches something rests where rapier has stopped it, if that is a
 /// place to rest at, else where it first touched. One that rapier has only turned aside goes where it was told to.
-pub(super) fn read_pose(
-    scenario: Res<CurrentScenario>,
-    actions: Res<Actions>,
-    mut arenas: Query<(
-        &Arena,
-        &Bodies,
-        &Clock,
-        &Episode,
-        &RapierContextColliders,
-        &mut RapierRigidBodySet,
-        (&mut Pose, &mut Drive, &mut Scan),
-    )>,
-) {
+pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, mut arenas: Query<Stepped>) {
     let scenario = &*scenario.0;
     let (lag, period_s) = (Lag::of(scenario), scenario.task.control_period_s);
-    for (arena, bodies, clock, episode, colliders, mut set, (mut pose, mut drive, mut scan)) in &mut arenas {
+    for (arena, bodies, clock, episode, colliders, mut set, mut pose, mut drive, mut scan) in &mut arenas {
         if episode.parked {
             continue;
         }
@@ -155,7 +156,7 @@ pub(super) fn read_pose(
                     body.set_translation(from.lerp(to, part), true);
                 }
                 body.set_linvel(Vec2::ZERO, true);
-            } else if turned_aside {
+            } else if turned_aside || body.linvel() != due {
                 body.set_translation(to, true);
                 body.set_linvel(due, true);
             }
