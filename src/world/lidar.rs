@@ -6,10 +6,12 @@
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
-use bevy_rapier2d::rapier::geometry::{Ball, ColliderHandle, ColliderSet, Cuboid, Ray, Shape, TypedShape};
+use bevy_rapier2d::rapier::geometry::{
+    Ball, ColliderHandle, ColliderSet, ConvexPolygon, Cuboid, Ray, Shape, TypedShape,
+};
 use bevy_rapier2d::rapier::parry::query::RayCast;
 
-use super::physics::{Bodies, robot_touches};
+use super::physics::Bodies;
 use crate::random::{self, Stream};
 use crate::scenario::Lidar;
 use crate::scenario::polygon::sides;
@@ -75,12 +77,11 @@ fn meets(shape: &TypedShape, ray: &Ray, most_m: f32) -> Option<f32> {
         TypedShape::Cuboid(cuboid) => cuboid.cast_local_ray(ray, most_m, true),
         TypedShape::Segment(side) => to_side(side.a, side.b, ray, most_m),
         TypedShape::ConvexPolygon(polygon) => {
-            let corners = polygon.points();
-            let within = |(corner, normal): (&Vec2, &Vec2)| normal.dot(ray.origin - *corner) <= 0.0;
-            if corners.iter().zip(polygon.normals()).all(within) {
+            if within(polygon, ray.origin) {
                 return Some(0.0);
             }
-            sides(corners).fold(None, |found, (from, to)| nearest(found, to_side(from, to, ray, most_m)))
+            sides(polygon.points())
+                .fold(None, |found, (from, to)| nearest(found, to_side(from, to, ray, most_m)))
         }
         TypedShape::Capsule(rod) => {
             // It lies along its own x axis, its middle at 0 (`physics.rs`).
@@ -93,6 +94,12 @@ fn meets(shape: &TypedShape, ray: &Ray, most_m: f32) -> Option<f32> {
         // No other kind is made (`physics.rs`).
         _ => None,
     }
+}
+
+/// Whether a point lies in a polygon, in its own frame.
+pub(super) fn within(polygon: &ConvexPolygon, point: Vec2) -> bool {
+    let inside = |(corner, normal): (&Vec2, &Vec2)| normal.dot(point - *corner) <= 0.0;
+    polygon.points().iter().zip(polygon.normals()).all(inside)
 }
 
 /// How far `ray` goes to the side between two corners, if it meets it within `most_m`. By cross products: parry's own cast
@@ -172,7 +179,6 @@ pub(super) fn scan(
 ) {
     for (bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
         if !episode.parked {
-            scan.touching = robot_touches(&colliders.colliders, bodies);
             take(&scenario.0.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
         }
     }

@@ -7,11 +7,13 @@
 //! | `arena.rs` | arenas spawned from a scenario, saved and restored, changed by hand |
 //! | `physics.rs` | everything of bevy_rapier: its plugin, its step, its bodies |
 //! | `robot.rs` | the differential drive and its lag |
+//! | `contact.rs` | when in a step the robot first touches something |
 //! | `obstacles.rs` | moving obstacles as a function of the step count |
 //! | `lidar.rs` | the scan |
 //! | `probe.rs` | what a robot would see that stood elsewhere |
 
 mod arena;
+mod contact;
 pub mod lidar;
 mod obstacles;
 mod physics;

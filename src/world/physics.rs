@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use bevy::transform::TransformPlugin;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::geometry::ConvexPolygon;
-use bevy_rapier2d::rapier::prelude::{ColliderHandle, ColliderSet, RigidBodyHandle, SharedShape};
+use bevy_rapier2d::rapier::prelude::{ColliderHandle, RigidBodyHandle, SharedShape};
 
 use crate::control_step::{ControlSet, ControlStep};
 use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, polygon, pose_at};
@@ -24,9 +24,6 @@ struct MakeBodies;
 
 /// The walls' thickness, in m: deep enough that nothing gets through in one step.
 const WALL_M: f32 = 0.5;
-
-/// Bodies nearer than this, in m, touch: rapier rests a body a hair off what stops it.
-const TOUCH_M: f32 = 0.0005;
 
 /// How far ahead, in m, rapier may look for what a body would meet in the coming step: farther than any step goes, so
 /// that a body stops at a surface instead of in it.
@@ -216,16 +213,4 @@ pub(super) fn despawn_all(world: &mut World) {
     }
     // bevy_rapier looks after removed bodies here; their contexts are gone with them.
     world.run_schedule(MakeBodies);
-}
-
-/// Whether the robot's body touches anything, where all are after the step. (The distances in rapier's contact
-/// manifolds may be those of an earlier step: it takes manifolds up again while bodies have moved little.)
-pub(super) fn robot_touches(colliders: &ColliderSet, bodies: &Bodies) -> bool {
-    let robot = &colliders[bodies.robot_collider];
-    let (centre, reach_m) =
-        (robot.translation(), robot.shape().compute_local_aabb().half_extents().x + TOUCH_M);
-    bodies.solids.iter().map(|&handle| &colliders[handle]).any(|solid| {
-        solid.shape().distance_to_local_point(solid.position().inverse_transform_point(centre), true)
-            <= reach_m
-    })
 }

@@ -9,16 +9,20 @@
 //!
 //! Driving with constant v and w for a time t describes an arc. Its chord has the length v t sinc(w t / 2) and points
 //! along the heading half way through, so one physics step with that velocity puts the robot exactly on the arc's
-//! end. The body is a disc with locked rotation: the wheels turn it, contacts do not. Its heading is kept here, by
-//! `libm`, so that the bits are the same on every platform.
+//! end, unless it touches something on the way (`contact.rs`): there it stops. The body is a disc with locked rotation: the
+//! wheels turn it, contacts do not. Its heading is kept here, by `libm`, so that the bits are the same on every platform.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
 
+use super::contact::Step;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
-use crate::task::{Actions, Arena, CurrentScenario, Drive, Episode, Pose, wrap_angle};
+use crate::task::{Actions, Arena, Clock, CurrentScenario, Drive, Episode, Pose, Scan, wrap_angle};
+
+/// What rounding may add to coordinates, and to a metre's way.
+const ROUNDING: f32 = 1e-6;
 
 /// The constant velocity, in m/s, that takes the robot in `seconds` to the end of its arc.
 #[must_use]
@@ -110,25 +114,57 @@ pub(super) fn actuate(
     }
 }
 
-/// `Sense`: where the physics step has left the robot, and how fast it goes now.
-pub(super) fn read_pose(
-    scenario: Res<CurrentScenario>,
-    actions: Res<Actions>,
-    mut arenas: Query<(&Arena, &Bodies, &RapierRigidBodySet, &Episode, &mut Pose, &mut Drive)>,
-) {
-    let lag = Lag::of(&scenario.0);
-    for (arena, bodies, set, episode, mut pose, mut drive) in &mut arenas {
+/// What is read and written of an arena after its step.
+type Stepped = (
+    &'static Arena,
+    &'static Bodies,
+    &'static Clock,
+    &'static Episode,
+    &'static RapierContextColliders,
+    &'static mut RapierRigidBodySet,
+    &'static mut Pose,
+    &'static mut Drive,
+    &'static mut Scan,
+);
+
+/// `Sense`: where the step has left the robot, whether it touched something, and how fast it goes now.
+///
+/// A free robot is where rapier has brought it. One that touches something rests where rapier has stopped it, if that is a
+/// place to rest at, else where it first touched. One that rapier has only turned aside goes where it was told to.
+pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, mut arenas: Query<Stepped>) {
+    let scenario = &*scenario.0;
+    let (lag, period_s) = (Lag::of(scenario), scenario.task.control_period_s);
+    for (arena, bodies, clock, episode, colliders, mut set, mut pose, mut drive, mut scan) in &mut arenas {
         if episode.parked {
             continue;
         }
-        if let Some(body) = set.bodies.get(bodies.robot) {
-            let position = body.translation();
-            let (motion, after) = lag.step(&drive, &scenario.0.robot.motions[actions.0[arena.0]]);
+        if let Some(body) = set.bodies.get_mut(bodies.robot) {
+            let (motion, after) = lag.step(&drive, &scenario.robot.motions[actions.0[arena.0]]);
             *drive = after;
+            let from = Vec2::new(pose.x_m, pose.y_m);
+            let due = chord_velocity(pose.heading_rad, &motion, period_s);
+            let free = from + due * period_s;
+            // (Rapier also moves what overlaps, without a velocity.)
+            let turned_aside =
+                (body.translation() - free).length() > ROUNDING * (1.0 + from.length() + free.length());
+            let to = if turned_aside { free } else { body.translation() };
+            let step = Step { scenario, colliders: &colliders.colliders, bodies, clock: *clock, from };
+            let touch = step.first_touch(to);
+            scan.touching = touch.is_some();
+            if let Some(part) = touch {
+                if !step.rests_at(body.translation(), to) {
+                    body.set_translation(from.lerp(to, part), true);
+                }
+                body.set_linvel(Vec2::ZERO, true);
+            } else if turned_aside || body.linvel() != due {
+                body.set_translation(to, true);
+                body.set_linvel(due, true);
+            }
+            let position = body.translation();
             *pose = Pose {
                 x_m: position.x,
                 y_m: position.y,
-                heading_rad: turned(pose.heading_rad, &motion, scenario.0.task.control_period_s),
+                heading_rad: turned(pose.heading_rad, &motion, period_s),
             };
         }
     }
