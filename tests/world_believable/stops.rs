@@ -111,7 +111,7 @@ impl Hall {
                 room: self.room(arena),
                 clock,
                 from,
-                motion: self.lab.scenario.robot.motions[action].clone(),
+                motion: self.lab.scenario.robot.motions[action],
                 after,
                 outcome: self.lab.outcomes()[arena],
                 speed_m_s: f64::from(velocity.length()),
