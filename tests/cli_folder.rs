@@ -173,3 +173,13 @@ fn folders_on_the_way_to_out_are_made() {
     desk.succeed(&format!("{TRAIN} --out here/and/there"));
     assert!(desk.path("here/and/there/summary.json").exists());
 }
+
+#[test]
+fn a_folder_of_that_name_does_not_stand_in_for_what_is_shipped() {
+    let desk = desk();
+    std::fs::create_dir(desk.path("empty")).expect("a folder");
+    std::fs::create_dir(desk.path("fast")).expect("a folder");
+    let done =
+        desk.succeed("--train --scenario empty --preset fast --steps 160 --out empty/run --json").json();
+    assert_eq!(done["scenario_from"], "empty");
+}

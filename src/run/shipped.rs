@@ -111,7 +111,9 @@ pub fn preset(wanted: &str) -> Result<Preset, FileError> {
 /// A shipped file is meant if no file of the user's has that path, and the name (or the path it has in the project)
 /// is one of those shipped.
 fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
-    if is_there(Path::new(wanted)) {
+    // (A folder that happens to be called `hall` is no scenario.)
+    let path = Path::new(wanted);
+    if is_there(path) && !path.is_dir() {
         return None;
     }
     files.iter().find(|file| file.name == wanted || file.path == wanted)
