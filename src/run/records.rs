@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::read_text;
 use crate::task::EpisodeEnd;
 
 /// A row of `episodes.csv`.
@@ -130,7 +131,7 @@ impl Summary {
     /// The summary in the run's folder at `path`; None if there is none that can be read.
     #[must_use]
     pub fn read(path: &std::path::Path) -> Option<Self> {
-        let text = std::fs::read_to_string(path.join("summary.json")).ok()?;
+        let text = read_text(path.join("summary.json")).ok()?;
         serde_json::from_str(&text).ok()
     }
 }
