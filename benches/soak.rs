@@ -69,6 +69,7 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let mut config = RunConfig::resolve("scenario-1", "fast", 0)?;
     config.preset.budget = Budget::EnvSteps(env_steps);
+    let arenas = config.preset.arenas as u64;
     let learning = config.preset.learning.clone();
     let out = folder.path().join("run");
     let began = Instant::now();
@@ -89,7 +90,7 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
     let mut good = report(&samples);
     let rows =
         |name: &str| std::fs::read_to_string(out.join(name)).map(|text| text.lines().count() as u64 - 1);
-    good &= agrees("env steps", summary.env_steps, env_steps.next_multiple_of(16));
+    good &= agrees("env steps", summary.env_steps, env_steps.next_multiple_of(arenas));
     good &= agrees("episodes, and their rows", summary.episodes, rows("episodes.csv")?);
     good &= agrees("gradient steps", summary.gradient_steps, due(&learning, summary.env_steps));
     Ok(good)
@@ -108,6 +109,9 @@ mod window {
 
     use super::*;
 
+    /// So long the run may take to be saved.
+    const PATIENCE: Duration = Duration::from_secs(60);
+
     #[derive(Resource)]
     struct Soak {
         began: Instant,
@@ -115,7 +119,9 @@ mod window {
         frames: u64,
         samples: Vec<Sample>,
         saves_to: std::path::PathBuf,
-        saved: bool,
+        /// When the run was asked to be saved.
+        saved: Option<Instant>,
+        complaints: Vec<String>,
     }
 
     /// What the app knew at its end.
@@ -148,7 +154,8 @@ mod window {
                 frames: 0,
                 samples: Vec::new(),
                 saves_to: saves_to.clone(),
-                saved: false,
+                saved: None,
+                complaints: Vec::new(),
             })
             .add_systems(Last, watch)
             .run();
@@ -188,16 +195,23 @@ mod window {
             println!("{sample:?}");
             soak.samples.push(sample);
         }
+        // (Only the last few stand at any time.)
+        for notice in session.notices().into_iter().filter(|notice| notice.weight == Weight::Failed) {
+            if !soak.complaints.contains(&notice.text) {
+                soak.complaints.push(notice.text);
+            }
+        }
         if soak.began.elapsed() < soak.lasts {
             return;
         }
-        if !soak.saved {
-            soak.saved = true;
+        let Some(since) = soak.saved else {
+            soak.saved = Some(Instant::now());
             orders.write(Order::Pause(true));
             orders.write(Order::Save(Saved::Run, soak.saves_to.clone()));
-        } else if soak.saves_to.join("checkpoint").exists() {
+            return;
+        };
+        if soak.saves_to.join("checkpoint").exists() || since.elapsed() > PATIENCE {
             let learner = &trainer.0;
-            let told = session.notices().into_iter().filter(|notice| notice.weight == Weight::Failed);
             *end.0.lock().expect("nobody panics while holding it") = Some(Known {
                 samples: soak.samples.clone(),
                 counts: [
@@ -206,7 +220,7 @@ mod window {
                     learner.episodes(),
                     learner.gradient_steps(),
                 ],
-                complaints: told.map(|notice| notice.text).collect(),
+                complaints: std::mem::take(&mut soak.complaints),
             });
             exit.write(AppExit::Success);
         }

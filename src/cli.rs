@@ -26,7 +26,7 @@ use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::optimum::not_modelled;
 use crate::run::policy_card;
-use crate::run::preset::Budget;
+use crate::run::preset::{Budget, MOST_STEPS};
 use crate::run::progress::say as tell;
 use crate::run::records::{Milestone, Summary};
 use crate::run::train::{CHECKPOINT_EVERY, Job, train};
@@ -735,7 +735,8 @@ fn read_policy(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
 
 /// A number of episodes or env steps, as typed.
 fn budget(text: &str) -> Result<u64, String> {
-    text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "give a whole number, 1 or more".into())
+    let typed = text.parse().ok().filter(|n| (1..=MOST_STEPS).contains(n));
+    typed.ok_or_else(|| format!("give a whole number, 1 to {MOST_STEPS}"))
 }
 
 /// A time in seconds, as typed.

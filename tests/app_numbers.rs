@@ -9,6 +9,7 @@ use std::time::Duration;
 use studio::Studio;
 use wayfield::app::orders::{Order, Pace, Saved};
 use wayfield::app::session::First;
+use wayfield::task::Target;
 
 const FAST: &str = include_str!("../assets/presets/fast.ron");
 
@@ -29,22 +30,34 @@ fn trained(folder: &std::path::Path, others: &[(&str, &str)]) -> Studio {
 }
 
 #[test]
-fn a_reward_that_is_no_number_ends_the_training_and_nothing_else() {
+fn a_number_that_is_none_ends_the_training_and_nothing_else() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut studio = trained(folder.path(), &[("mu: 100.0", "mu: 1e38")]);
+    let mut studio = trained(folder.path(), &[]);
+    let world = studio.world();
+    for mut target in world.query::<&mut Target>().iter_mut(world) {
+        target.x_m = f32::NAN;
+    }
+    studio.frame(Duration::from_millis(16));
+    let (steps, episodes) = (studio.steps(), studio.shown().1.episodes);
     let told = studio.complaints();
-    assert!(told.iter().any(|told| told.contains("step 1: the reward is NaN")), "{told:?}");
-    assert_eq!(studio.steps(), 1, "the step in which it arose was the last");
+    assert!(
+        told.iter().any(|told| told.contains("arena 0, step ") && told.contains("the target lies at (NaN m")),
+        "{told:?}"
+    );
 
-    // Not even by hand.
+    // It does not go on, not even by hand.
     studio.order(Order::Pause(false));
     studio.frame(Duration::from_millis(16));
-    assert_eq!(studio.steps(), 1);
-    // A run that cannot go on is not saved as one; its rows are.
+    assert_eq!((studio.steps(), studio.shown().1.episodes), (steps, episodes));
+    // A run that cannot go on is not saved as one; its rows and its policy are.
     studio.order(Order::Save(Saved::Run, folder.path().join("run")));
     studio.order(Order::Save(Saved::Csv, folder.path().join("rows.csv")));
+    studio.order(Order::Save(Saved::Policy, folder.path().join("policy.safetensors")));
     studio.frame(Duration::from_millis(16));
-    assert!(!folder.path().join("run").exists() && folder.path().join("rows.csv").exists());
+    assert!(!folder.path().join("run").exists());
+    let rows = std::fs::read_to_string(folder.path().join("rows.csv")).expect("the rows");
+    assert_eq!(rows.lines().count() as u64, episodes + 1, "no episode ends with such a step");
+    wayfield::run::policy_card::read(&folder.path().join("policy.safetensors")).expect("a policy");
     assert!(
         studio.complaints().iter().any(|told| told.contains("cannot go on")),
         "{:?}",
@@ -76,8 +89,11 @@ fn q_values_beyond_any_return_are_told_and_the_training_goes_on() {
             ("Soft(tau: 0.01)", "Soft(tau: 1.0)"),
         ],
     );
-    while studio.shown().1.gradient_steps < 1000 {
+    let warned = |studio: &Studio| studio.complaints().iter().any(|told| told.contains("seems to diverge"));
+    let mut frames = 0;
+    while !warned(&studio) && frames < 2000 {
         studio.frame(Duration::from_millis(16));
+        frames += 1;
     }
     let told = studio.complaints();
     let warnings =
@@ -86,4 +102,8 @@ fn q_values_beyond_any_return_are_told_and_the_training_goes_on() {
     let steps = studio.steps();
     studio.frame(Duration::from_millis(16));
     assert!(studio.steps() > steps, "a warning stops nothing");
+    let (scenario, preset) = ("scenario-1".to_owned(), "fast".to_owned());
+    studio.order(Order::Begin { scenario, preset, seed: 1 });
+    studio.frame(Duration::from_millis(16));
+    assert!(!warned(&studio), "another training has no part in it: {:?}", studio.complaints());
 }

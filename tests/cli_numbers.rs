@@ -11,7 +11,7 @@ fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
     // Allowed by every check, and hopeless: the squares of such errors are no numbers any more.
     let hopeless = edited(
         &quick_fast(),
-        &[("reward_scale: 0.01", "reward_scale: 1e36"), ("Huber(delta: 1.0)", "MeanSquared")],
+        &[("reward_scale: 0.01", "reward_scale: 1e20"), ("Huber(delta: 1.0)", "MeanSquared")],
     );
     desk.write("hopeless.ron", hopeless);
     let done = desk.run("--train --preset hopeless.ron --steps 20000 --out run");
@@ -36,22 +36,36 @@ fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
 }
 
 #[test]
-fn a_reward_that_is_no_number_stops_the_run_and_names_the_parameter() {
+fn numbers_so_large_that_sums_of_them_are_none_are_refused_at_once() {
     let desk = Desk::new();
-    // Half of 1e38 times the squared distance, some 9 m^2, is more than a number of 32 bits can be.
-    desk.write("steep.ron", edited(&quick_fast(), &[("mu: 100.0", "mu: 1e38")]));
-    let done = desk.run("--train --preset steep.ron --steps 2000 --out run");
-    assert_eq!((done.status, done.stdout.as_str()), (Some(1), ""), "{}", done.stderr);
-    let message = done.stderr.lines().last().unwrap();
-    for needle in [
-        "error: arena ",
-        ", step 1: the reward is NaN: the attraction of eq. (5) is inf",
-        "reward.mu is 1e38",
+    for (from, to, told) in [
+        ("mu: 100.0", "mu: 1e38", "reward.mu: is 1e38; give a number of at most 1e9 in size"),
+        ("reached: 250.0", "reached: -2e9", "reward.reached: is -2e9; give a number of at most 1e9 in size"),
+        ("reward_scale: 0.01", "reward_scale: 1e21", "learning.reward_scale: is 1000000000000000000000"),
     ] {
-        assert!(message.contains(needle), "`{needle}` is not in: {message}");
+        desk.write("steep.ron", edited(&quick_fast(), &[(from, to)]));
+        let done = desk.run("--train --preset steep.ron --steps 2000 --out run");
+        assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+        assert!(done.stderr.contains(told), "`{told}` is not in: {}", done.stderr);
+        assert!(!desk.path("run").exists());
     }
-    assert!(message.contains("checkpoint is kept in run/checkpoint"), "{message}");
-    assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+}
+
+#[test]
+fn where_nothing_is_rewarded_yet_no_q_value_is_too_large() {
+    let desk = Desk::new();
+    // The traditional reward is nothing at all up to the first target or collision, and here there is none.
+    let none = edited(
+        &quick_fast(),
+        &[
+            ("kind: Optimized", "kind: Traditional"),
+            ("reached: 250.0", "reached: 0.0"),
+            ("collided: -200.0", "collided: 0.0"),
+        ],
+    );
+    desk.write("none.ron", none);
+    let done = desk.succeed("--train --preset none.ron --steps 4000 --out run");
+    assert!(!done.stderr.contains("warning"), "{}", done.stderr);
 }
 
 #[test]

@@ -197,3 +197,24 @@ fn where_nothing_can_be_written_it_is_said_before_anything_begins() {
         assert!(done.stderr.contains(needle), "{}", done.stderr);
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn a_folder_from_elsewhere_cannot_lead_a_run_to_other_files() {
+    let desk = desk();
+    desk.succeed("--train --scenario two.ron --preset per.ron --episodes 20 --out run");
+    desk.write("precious.txt", "not a run's");
+    for name in ["episodes.csv", "checkpoint/lock", "policy.safetensors"] {
+        let file = desk.path(&format!("run/{name}"));
+        let kept = std::fs::read(&file).expect("a run has it");
+        std::fs::remove_file(&file).expect("it can be removed");
+        std::os::unix::fs::symlink(desk.path("precious.txt"), &file).expect("a link can be made");
+        let done = desk.run("--train --resume run --episodes 40");
+        assert_eq!(done.status, Some(2), "{}", done.stderr);
+        assert!(done.stderr.contains(name) && done.stderr.contains("is a link"), "{}", done.stderr);
+        std::fs::remove_file(&file).expect("the link");
+        std::fs::write(&file, kept).expect("it can be put back");
+    }
+    assert_eq!(std::fs::read_to_string(desk.path("precious.txt")).expect("it is there"), "not a run's");
+    desk.succeed("--train --resume run --episodes 40");
+}

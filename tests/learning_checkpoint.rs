@@ -170,3 +170,28 @@ fn a_checkpoint_wants_the_config_it_was_made_with() {
         Learner::restore(&uniform, INPUTS, ACTIONS, ARENAS + 1, bytes.as_slice()).expect_err("more arenas");
     assert!(matches!(error, CheckpointError::OtherConfig { field: "arenas" }), "{error}");
 }
+
+#[test]
+fn a_learner_that_has_not_paid_its_gradient_steps_yet_is_saved_and_read() {
+    for config in configs() {
+        let mut learner = Learner::new(&config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+        for step in 0..90 {
+            learner.remember(&Experience {
+                arena: 0,
+                observation: &[step as f32; INPUTS],
+                action: 0,
+                reward: 1.0,
+                next_observation: &[step as f32 + 1.0; INPUTS],
+                terminated: step % 9 == 8,
+                truncated: false,
+            });
+        }
+        // Every fourth from step 52 on: ten trainings of two.
+        assert_eq!(learner.due(), 20);
+        let mut bytes = Vec::new();
+        learner.save(&mut bytes).expect("memory can be written");
+        let mut again =
+            Learner::restore(&config, INPUTS, ACTIONS, ARENAS, &bytes[..]).expect("what is written is read");
+        assert_eq!(again.train().expect("finite"), learner.train().expect("finite"));
+    }
+}

@@ -1,5 +1,5 @@
 #![no_main]
-//! Any bytes as a experiment.
+//! Any bytes as an experiment.
 
 #[allow(dead_code, reason = "each target is one of these")]
 #[path = "../../tests/support/strangers.rs"]

@@ -16,6 +16,7 @@ pub use decide::{Acting, Decisions, Driver, Drivers, GreedyPolicy};
 pub use train::{Trainer, TrainingFault, TrainingStats, TrainingWarning};
 
 use crate::control_step::{ControlSet, ControlStep};
+use crate::task::numbers_are_sound;
 
 /// Responsible for choosing each arena's motion.
 pub struct AgentPlugin {
@@ -48,7 +49,7 @@ impl Plugin for TrainingPlugin {
             .add_systems(
                 ControlStep,
                 (train::remember.in_set(ControlSet::Remember), train::learn.in_set(ControlSet::Learn))
-                    .run_if(resource_equals(Acting::Exploring).and_then(train::numbers_are_sound)),
+                    .run_if(resource_equals(Acting::Exploring).and_then(numbers_are_sound)),
             );
     }
 }

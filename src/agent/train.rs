@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::learning::{Diverged, Experience, Learner, Overestimate};
-use crate::task::{Actions, Fault, Observations, Outcomes, TaskFault, TaskMode};
+use crate::task::{Actions, Observations, Outcomes, TaskMode};
 
 /// The learner in training.
 #[derive(Resource)]
@@ -31,11 +31,6 @@ impl TrainingWarning {
         self.told |= news.is_some();
         news
     }
-}
-
-/// Whether the numbers of this step can be learnt from.
-pub(super) fn numbers_are_sound(fault: Res<TaskFault>) -> bool {
-    !matches!(fault.0, Some(Fault::NotFinite { .. }))
 }
 
 /// Sums over the gradient steps since they were last taken.

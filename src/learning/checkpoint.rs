@@ -185,8 +185,9 @@ impl Head {
         };
         let finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
         let Progress { env_steps, episodes, gradient_steps, owed, epsilon_start, sampling } = &self.progress;
-        // What an env step of every arena brings at most; and it must be there to be drawn.
-        let most_owed = learner.chains.len() as u64 * u64::from(self.config.gradient_steps);
+        // What the env steps brought at most, of which as many are there to be drawn; and something must be.
+        let remembered = kept.unwrap_or_default().max(learner.chains.len() as u64);
+        let most_owed = remembered * u64::from(self.config.gradient_steps);
         let can_be_paid = *owed == 0 || kept.is_some_and(|n| n > 0);
         let counts =
             [self.states, self.transitions, *env_steps, *episodes, *gradient_steps, self.optimizer.steps];

@@ -9,6 +9,9 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
+/// The largest `reward_scale`: rewards as large as they may be are still numbers after it, and so are their sums.
+const LARGEST_SCALE: f32 = 1e20;
+
 /// Every choice of the learning algorithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -22,7 +25,7 @@ pub struct LearningConfig {
     pub gamma: f32,
     /// Steps of reward in a return before it bootstraps, 1 to 100. The paper: 1.
     pub n_step: usize,
-    /// Rewards are multiplied by this before they are stored, above 0. The paper: 1.
+    /// Rewards are multiplied by this before they are stored, above 0, at most 10^20. The paper: 1.
     pub reward_scale: f32,
     /// What a TD error costs.
     pub loss: Loss,
@@ -255,6 +258,7 @@ impl LearningConfig {
         within("gamma", self.gamma, 0.0..=1.0)?;
         within("n_step", self.n_step, 1..=100)?;
         above_zero("reward_scale", self.reward_scale)?;
+        within("reward_scale", self.reward_scale, 0.0..=LARGEST_SCALE)?;
         if let Loss::Huber { delta } = self.loss {
             above_zero("loss.delta", delta)?;
         }

@@ -203,7 +203,7 @@ impl Learner {
             sum.loss += step.loss;
             sum.td_error += step.td_error;
             sum.q += step.q;
-            sum.overestimate = step.overestimate;
+            sum.overestimate = sum.overestimate.or(step.overestimate);
         }
         let n = owed as f32;
         Ok(Some(LearnStats { loss: sum.loss / n, td_error: sum.td_error / n, q: sum.q / n, ..sum }))
@@ -238,6 +238,9 @@ impl Learner {
         if !all_finite(online.parameters()) {
             return Err(diverged(cause_of_weight(online, &gradient.values, learning_rate)));
         }
+        if !all_finite(&optimizer.second) {
+            return Err(diverged("the square of a gradient is not finite".into()));
+        }
         replay.update_priorities(&batch.slots, &gradient.td_errors);
         follow(config.target_update, progress.gradient_steps, online, target);
 
@@ -245,8 +248,10 @@ impl Learner {
         let mean_size = |values: &[f32]| values.iter().map(|value| value.abs()).sum::<f32>() / n as f32;
         let (q, largest_reward) = (mean_size(&gradient.q), *largest_reward);
         let largest_return = largest_reward / (1.0 - config.gamma);
-        *beyond = if q > largest_return { beyond.saturating_add(1) } else { beyond.saturating_sub(1) };
-        let overestimate = (*beyond >= LASTING).then(|| Overestimate {
+        // (Before the first reward that is one, nothing is known of any return.)
+        let is_beyond = largest_reward > 0.0 && q > largest_return;
+        *beyond = if is_beyond { beyond.saturating_add(1) } else { beyond.saturating_sub(1) };
+        let overestimate = (is_beyond && *beyond >= LASTING).then(|| Overestimate {
             gradient_step,
             env_step,
             q,
@@ -318,7 +323,7 @@ impl Learner {
     /// schedule.
     ///
     /// # Errors
-    /// The policy's network has another shape, or `epsilon` is out of range.
+    /// The policy's network has another shape, a weight of it is not finite, or `epsilon` is out of range.
     pub fn start_from(&mut self, policy: &Policy, epsilon: Option<f32>) -> Result<(), PolicyError> {
         let (expected, found) = (self.online.shape(), policy.network.shape());
         if expected != found {
@@ -327,6 +332,7 @@ impl Learner {
                 found: found.to_string(),
             });
         }
+        policy.check_finite()?;
         if let Some(epsilon) = epsilon.filter(|e| !(0.0..=1.0).contains(e)) {
             return Err(PolicyError::Epsilon(epsilon));
         }
@@ -444,13 +450,35 @@ mod tests {
             }
             last
         };
+        assert_eq!(after(0.0, 60), None, "before the first reward nothing is known of returns");
         assert_eq!(after(-2.0, 49), None, "it may pass");
         let found = after(-2.0, 1).expect("10.5 is more than 10, fifty times now");
-        assert_eq!((found.gradient_step, found.env_step, found.largest_reward), (50, 50, 1.0));
+        assert_eq!((found.gradient_step, found.env_step, found.largest_reward), (110, 110, 1.0));
         assert!((found.q - 10.5).abs() < 1e-3, "{found}");
         assert!((found.largest_return - 10.0).abs() < 1e-5, "{found}");
         // A reward of 2.2, scaled 1.1, makes 11 of it: 10.5 can be, then.
         assert_eq!(after(2.2, 1), None);
+    }
+
+    #[test]
+    fn a_gradient_whose_square_is_no_number_stops_the_learner_before_it_is_saved() {
+        let mut config = LearningConfig { batch_size: 1, ..LearningConfig::default() };
+        (config.replay.warmup_steps, config.train_interval, config.gradient_steps) = (1, 1, 1);
+        let mut learner = Learner::new(&config, 1, 2, 1, 0).expect("a sound config");
+        // The error is some 4e18, of which the square is still a number; that of its gradient, through inputs of 100, is none.
+        let (observation, next_observation) = (&[100.0], &[0.0]);
+        let reward = 4e18;
+        learner.remember(&Experience {
+            arena: 0,
+            observation,
+            action: 0,
+            reward,
+            next_observation,
+            terminated: true,
+            truncated: false,
+        });
+        let diverged = learner.train().expect_err("it cannot go on").to_string();
+        assert!(diverged.contains("the square of a gradient is not finite"), "{diverged}");
     }
 
     #[test]

@@ -107,8 +107,8 @@ impl Policy {
         let shape = self.network.shape();
         let bytes: Vec<u8> = self.network.parameters().iter().flat_map(|v| v.to_le_bytes()).collect();
         let mut tensors = Vec::new();
+        self.check_finite()?;
         for view in shape.parameters() {
-            finite(&view.name, &self.network.parameters()[view.range.clone()])?;
             let bytes = &bytes[view.range.start * 4..view.range.end * 4];
             let tensor = TensorView::new(Dtype::F32, view.shape, bytes).map_err(not_safetensors)?;
             tensors.push((view.name, tensor));
@@ -117,6 +117,16 @@ impl Policy {
         let header = serde_json::to_string(&header).map_err(|e| PolicyError::NotWayfield(e.to_string()))?;
         let metadata = HashMap::from([(KEY.to_string(), header)]);
         safetensors::serialize(tensors, Some(metadata)).map_err(not_safetensors)
+    }
+
+    /// Whether all weights are finite.
+    ///
+    /// # Errors
+    /// Which is not, and where.
+    pub fn check_finite(&self) -> Result<(), PolicyError> {
+        let weights = self.network.parameters();
+        let views = self.network.shape().parameters();
+        views.iter().try_for_each(|view| finite(&view.name, &weights[view.range.clone()]))
     }
 
     /// The policy in the bytes of a safetensors file. Takes no more memory than a few times the bytes given.

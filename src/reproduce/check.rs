@@ -21,6 +21,7 @@ const MOST_STAGES: usize = 20;
 const MOST_TRAININGS: u64 = 10_000;
 /// The most characters that a name, a heading or a path has, and a text.
 const MOST_IN_NAME: usize = 200;
+const MOST_IN_PATH: usize = 4096;
 const MOST_IN_TEXT: usize = 20_000;
 /// The largest number that may be written to be shown.
 const LARGEST: f64 = 1e9;
@@ -117,17 +118,17 @@ impl Check<'_> {
             self.count(&format!("arms[{i}].stages"), arm.stages.len(), MOST_STAGES);
             for (k, stage) in arm.stages.iter().enumerate().take(MOST_STAGES) {
                 let at = format!("arms[{i}].stages[{k}]");
-                self.text(&format!("{at}.scenario"), &stage.scenario, MOST_IN_NAME);
-                self.text(&format!("{at}.preset"), &stage.preset, MOST_IN_NAME);
+                self.text(&format!("{at}.scenario"), &stage.scenario, MOST_IN_PATH);
+                self.text(&format!("{at}.preset"), &stage.preset, MOST_IN_PATH);
                 let other = stage.change.scenario.as_deref().unwrap_or_default();
-                self.text(&format!("{at}.change.scenario"), other, MOST_IN_NAME);
+                self.text(&format!("{at}.change.scenario"), other, MOST_IN_PATH);
             }
         }
         self.count("conditions", conditions.len(), MOST_ENTRIES);
         for (i, condition) in conditions.iter().enumerate().take(MOST_ENTRIES) {
             self.text(&format!("conditions[{i}].name"), &condition.name, MOST_IN_NAME);
             let other = condition.change.scenario.as_deref().unwrap_or_default();
-            self.text(&format!("conditions[{i}].change.scenario"), other, MOST_IN_NAME);
+            self.text(&format!("conditions[{i}].change.scenario"), other, MOST_IN_PATH);
         }
         self.count("figures", figures.len(), MOST_ENTRIES);
         for (i, figure) in figures.iter().enumerate().take(MOST_ENTRIES) {

@@ -26,10 +26,10 @@ use crate::world;
 const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
 const MAGIC: &[u8; 8] = b"wayfrun\n";
-/// 2: arenas hold the drive's actual velocity.
+/// Raised whenever an older reader would misread a newer file.
 const VERSION: u32 = 3;
-/// The most bytes a head may have: 4096 arenas with 4096 beams each, and a policy.
-const LONGEST_HEAD: u64 = 1 << 28;
+/// The most bytes a head may have: as many numbers as may be seen in all arenas, and a policy.
+const LONGEST_HEAD: u64 = (1 << 30) + (1 << 27);
 /// The longest time that a checkpoint may name, in s: some 30,000 years.
 const LONGEST_S: f64 = 1e12;
 

@@ -13,6 +13,7 @@ use bevy::prelude::*;
 use serde::Serialize;
 
 use super::optimum::{self, Bounds, Resolution};
+use super::preset::{MOST_BODIES, bodies_in};
 use super::{RunError, policy_card, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
@@ -227,7 +228,8 @@ impl Evaluator {
     /// An evaluator for up to `navigations` navigations at a time.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, navigations: usize) -> Self {
-        let arenas = navigations.clamp(1, SIDE_BY_SIDE);
+        // (No result depends on how many are driven at once: fewer, where each has thousands of bodies.)
+        let arenas = navigations.min(SIDE_BY_SIDE).min(MOST_BODIES / bodies_in(scenario)).max(1);
         // Its world alone: that may go from thread to thread, an app may not.
         let world = std::mem::take(simulation::navigating(scenario, arenas).world_mut());
         Self { world, scenario: scenario.clone(), arenas }

@@ -25,7 +25,12 @@ use super::RunError;
 use super::lock::Lock;
 use super::preset::Preset;
 use super::shipped;
-use crate::scenario::{FileError, Scenario, parse_ron, read_text, to_ron};
+use crate::scenario::{FileError, Scenario, read_long_ron, read_long_text, to_ron};
+
+/// The most bytes that `config.ron` may have. (A scenario of a mebibyte takes more when it is written in full.)
+const MOST_CONFIG_BYTES: u64 = 1 << 24;
+/// How the names end of what is read and written in a run's folder.
+const OURS: [&str; 5] = ["ron", "csv", "json", "safetensors", "bin"];
 
 /// All that was resolved before a run began: `config.ron`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -204,15 +209,39 @@ impl RunFolder {
             let why = "is no run's folder (it has no config.ron): give --resume the folder of a run";
             return Err(RunError::unusable(path, why));
         }
-        let text = read_text(folder.config())?;
-        let config: RunConfig = parse_ron(&text, folder.config())?;
+        folder.holds_files_of_its_own()?;
+        let config: RunConfig = read_long_ron(folder.config(), MOST_CONFIG_BYTES)?;
         let findings: Vec<_> =
             config.preset.findings().into_iter().chain(crate::scenario::findings(&config.scenario)).collect();
         if !findings.is_empty() {
+            let text = read_long_text(folder.config(), MOST_CONFIG_BYTES)?;
             return Err(FileError::in_fields(&folder.config(), &text, &findings).into());
         }
         config.preset.fits(&config.scenario).map_err(|error| RunError::unusable(&folder.config(), error))?;
         Ok((folder, config))
+    }
+
+    /// Whether all that a run reads and writes here are files of this folder: a link would let a folder from elsewhere
+    /// write over any file of its user, and a pipe would never end.
+    ///
+    /// # Errors
+    /// Which is none, and what it is.
+    fn holds_files_of_its_own(&self) -> Result<(), RunError> {
+        for folder in [self.path.clone(), self.path.join("checkpoint")] {
+            for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+                let (path, name) = (entry.path(), entry.file_name());
+                let ours = path.extension().is_some_and(|ending| OURS.iter().any(|ours| ending == *ours))
+                    || ["checkpoint", "lock"].iter().any(|ours| name == *ours)
+                    || name.to_string_lossy().starts_with("events.");
+                // (Of the entry itself, not of what it leads to.)
+                let own = entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_dir());
+                if ours && !own {
+                    let why = "is a link or a pipe: a run's folder must hold the file itself";
+                    return Err(RunError::unusable(&path, why));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Writes `config.ron` anew.

@@ -17,11 +17,18 @@ const MOST_ABOUT: usize = 20_000;
 
 /// The most bodies that may stand and drive in all arenas together: robots, obstacles, straight pieces of walls. So many
 /// take about 2 GB.
-const MOST_BODIES: usize = 1_000_000;
+pub const MOST_BODIES: usize = 1_000_000;
 /// The most numbers in the scans and observations of all arenas together: 1 GB.
 const MOST_SEEN: usize = 1 << 28;
 /// The most numbers in the states that are remembered: 8 GB, 1 GB where addresses have 32 bits.
 const MOST_REMEMBERED: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
+
+/// The bodies that one arena of `scenario` has at most.
+#[must_use]
+pub fn bodies_in(scenario: &Scenario) -> usize {
+    let pieces: usize = scenario.walls.iter().map(|wall| wall.corners_m.len().saturating_sub(1)).sum();
+    1 + pieces + scenario.most_obstacles()
+}
 
 /// How to learn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -101,8 +108,7 @@ impl Preset {
     /// What there is too much of, and what to write less for.
     pub fn fits(&self, scenario: &Scenario) -> Result<(), String> {
         let arenas = self.arenas;
-        let pieces: usize = scenario.walls.iter().map(|wall| wall.corners_m.len().saturating_sub(1)).sum();
-        let bodies = (1 + pieces + scenario.most_obstacles()).saturating_mul(arenas);
+        let bodies = bodies_in(scenario).saturating_mul(arenas);
         if bodies > MOST_BODIES {
             return Err(format!(
                 "{arenas} arenas of this scenario have {bodies} bodies together, more than {MOST_BODIES}: give fewer \
@@ -121,7 +127,7 @@ impl Preset {
             ));
         }
         let LearningConfig { replay, n_step, .. } = &self.learning;
-        let states = replay.capacity + replay.capacity / 8 + arenas * (n_step + 1);
+        let states = replay.capacity + arenas * (n_step + 1);
         let remembered = states.saturating_mul(width);
         if remembered > MOST_REMEMBERED {
             return Err(format!(

@@ -146,6 +146,14 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
     text_up_to(path.as_ref(), MOST_BYTES)
 }
 
+/// As [`read_text`], but of up to `most_bytes`: for files that the program itself has written.
+///
+/// # Errors
+/// As [`read_text`].
+pub fn read_long_text(path: impl AsRef<Path>, most_bytes: u64) -> Result<String, FileError> {
+    text_up_to(path.as_ref(), most_bytes)
+}
+
 fn text_up_to(path: &Path, most_bytes: u64) -> Result<String, FileError> {
     let fail = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => missing(path),

@@ -23,7 +23,9 @@ mod write;
 pub use check::findings;
 pub use file_error::{FileError, Finding, Problem};
 pub use geometry::{clearance, inner_wall_distance, shape_distance, wall_distance};
-pub use load::{MOST_BYTES, is_there, parse_ron, read_bytes, read_long_ron, read_ron, read_text, to_ron};
+pub use load::{
+    MOST_BYTES, is_there, parse_ron, read_bytes, read_long_ron, read_long_text, read_ron, read_text, to_ron,
+};
 pub use motion::pose_at;
 pub use placement::{NoFreePlace, draw_navigation, draw_start, draw_target};
 pub use ron_message::nearest;

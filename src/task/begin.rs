@@ -90,7 +90,7 @@ pub(super) fn draw(
             }
             Err(why) => {
                 *drive = Drive::default();
-                fault.0 = Some(Fault::NoRoom { arena: arena.0, step: clock.0, why });
+                fault.0.get_or_insert(Fault::NoRoom { arena: arena.0, step: clock.0, why });
             }
         }
     }

@@ -1,13 +1,11 @@
 //! What goes wrong in a step: no room for a start or target, or a number that is none.
 //!
-//! In: what `Sense` and `Judge` have left. Out: [`TaskFault`], which the caller of the step must look at. A step with such a
-//! number is neither remembered nor learnt from.
+//! In: what `Sense` and `Judge` have left. Out: [`TaskFault`], which the caller of the step must look at. A step with a
+//! number that is none is neither remembered nor learnt from, and no episode ends with it.
 
 use bevy::prelude::*;
 
-use super::{
-    Arena, Clock, Drive, Episode, Observations, Outcome, Outcomes, Pose, RewardConfig, Scan, Target,
-};
+use super::{Arena, Clock, Drive, Episode, Observations, Outcome, Outcomes, Pose, Scan, Target};
 use crate::scenario::NoFreePlace;
 
 /// Set where a step went wrong: the caller of the step must look, and stop.
@@ -39,11 +37,15 @@ pub enum Fault {
     },
 }
 
+/// Whether the numbers of this step can be learnt from, and counted.
+pub fn numbers_are_sound(fault: Res<TaskFault>) -> bool {
+    !matches!(fault.0, Some(Fault::NotFinite { .. }))
+}
+
 /// `Judge`, last: all numbers of the step are finite, or the first that is not is told with its cause.
 pub(super) fn look_for_faults(
     observations: Res<Observations>,
     outcomes: Res<Outcomes>,
-    reward: Res<RewardConfig>,
     mut fault: ResMut<TaskFault>,
     arenas: Query<(&Arena, &Clock, &Pose, &Drive, &Scan, &Target, &Episode)>,
 ) {
@@ -56,8 +58,8 @@ pub(super) fn look_for_faults(
     for (arena, clock, pose, drive, scan, target, episode) in seen {
         let outcome = &outcomes.0[arena.0];
         let row = observations.next_row(arena.0);
-        if let Some(what) = cause(pose, drive, scan, target, row)
-            .or_else(|| cause_of_reward(&reward, outcome, episode, pose.distance_m(target)))
+        if let Some(what) =
+            cause(pose, drive, scan, target, row).or_else(|| cause_of_reward(outcome, episode))
         {
             fault.0 = Some(Fault::NotFinite { arena: arena.0, step: clock.0, what });
             return;
@@ -94,31 +96,21 @@ fn cause(pose: &Pose, drive: &Drive, scan: &Scan, target: &Target, row: &[f32]) 
     Some(format!("the observation's number {column} ({meaning}) is {}", row[column]))
 }
 
-/// Why the reward is not finite, if it is not.
-fn cause_of_reward(
-    config: &RewardConfig,
-    outcome: &Outcome,
-    episode: &Episode,
-    distance_m: f32,
-) -> Option<String> {
-    let total = outcome.reward.total();
-    if total.is_finite() {
-        return None;
-    }
-    let (terms, potential) = (outcome.reward, episode.potential);
-    Some(if !terms.attraction.is_finite() {
+/// What the reward is made of, if it is not finite.
+fn cause_of_reward(outcome: &Outcome, episode: &Episode) -> Option<String> {
+    let (terms, potential) = (&outcome.reward, &episode.potential);
+    let total = terms.total();
+    (!total.is_finite()).then(|| {
         format!(
-            "the reward is {total}: the attraction of eq. (5) is {} at {distance_m} m from the target, since reward.mu is \
-             {:e}; give less",
-            potential.attraction, config.mu
+            "the reward is {total}: {:e} for reaching, {:e} for colliding, {:e} by attraction and {:e} by repulsion, whose \
+             potentials are now {:e} and {:e}; give less for reward.mu or reward.sigma",
+            terms.reached,
+            terms.collided,
+            terms.attraction,
+            terms.repulsion,
+            potential.attraction,
+            potential.repulsion
         )
-    } else if !terms.repulsion.is_finite() {
-        format!(
-            "the reward is {total}: the repulsion of eq. (6) is {}, since reward.sigma is {:e}; give less",
-            potential.repulsion, config.sigma
-        )
-    } else {
-        format!("the reward is {total}: give less for reward.reached or reward.collided")
     })
 }
 
@@ -130,6 +122,7 @@ fn all_finite(values: &[f32]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::task::RewardConfig;
 
     const POSE: Pose = Pose { x_m: 1.0, y_m: 0.0, heading_rad: 0.0 };
     const TARGET: Target = Target { x_m: 1.0, y_m: -2.0 };
@@ -158,17 +151,18 @@ mod tests {
     }
 
     #[test]
-    fn a_reward_that_is_no_number_names_the_parameter() {
+    fn a_reward_that_is_no_number_is_told_with_its_terms() {
+        // 0.5 * 1e38 * 3^2 is more than an f32 can be. (No preset may ask for it.)
         let config = RewardConfig { mu: 1e38, ..RewardConfig::default() };
-        // 0.5 * 1e38 * 3^2 is more than an f32 can be.
         let potential = config.potential(3.0, 1.0);
         let outcome =
             Outcome { reward: config.reward(false, false, potential, potential), ..Outcome::default() };
         let episode = Episode { potential, ..Episode::default() };
-        let what = cause_of_reward(&config, &outcome, &episode, 3.0).expect("it is seen");
-        let expected =
-            "the reward is NaN: the attraction of eq. (5) is inf at 3 m from the target, since reward.mu is";
+        let what = cause_of_reward(&outcome, &episode).expect("it is seen");
+        let expected = "the reward is NaN: 0e0 for reaching, 0e0 for colliding, NaN by attraction and 0e0 by repulsion, \
+                        whose potentials are now inf and 0e0";
         assert!(what.starts_with(expected), "{what}");
-        assert_eq!(cause_of_reward(&config, &Outcome::default(), &episode, 3.0), None);
+        assert_eq!(cause_of_reward(&Outcome::default(), &episode), None);
+        assert_eq!(config.check().expect_err("so it is refused").0, "mu");
     }
 }

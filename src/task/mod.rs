@@ -24,7 +24,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 pub use begin::Places;
-pub use fault::{Fault, TaskFault};
+pub use fault::{Fault, TaskFault, numbers_are_sound};
 pub use judge::{EpisodeEnd, EpisodeEnded, Outcome, Outcomes};
 pub use observation::{Encoding, Observations};
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
@@ -78,7 +78,7 @@ impl Plugin for TaskPlugin {
                 (
                     observation::observe_next.in_set(ControlSet::Sense).after(ScanWritten),
                     (judge::judge, fault::look_for_faults).chain().in_set(ControlSet::Judge),
-                    (judge::close_episodes, observation::advance, begin::run_begin)
+                    (judge::close_episodes.run_if(numbers_are_sound), observation::advance, begin::run_begin)
                         .chain()
                         .in_set(ControlSet::Restart),
                 ),

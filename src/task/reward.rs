@@ -14,6 +14,9 @@ pub enum RewardKind {
     Optimized,
 }
 
+/// The largest parameter: potentials over a kilometre are still numbers with it, and sums of rewards are.
+const LARGEST: f32 = 1e9;
+
 /// The reward's parameters (Table 1).
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -124,7 +127,7 @@ impl RewardConfig {
         terms
     }
 
-    /// Every parameter finite, gains not negative, l_r positive: else the field's name, what is wrong and the mend.
+    /// Every parameter finite and at most 10^9 in size, gains not negative, l_r positive: else the field's name, what is wrong and the mend.
     ///
     /// # Errors
     /// The first field that cannot be used.
@@ -132,8 +135,8 @@ impl RewardConfig {
         let finite = [("reached", self.reached), ("collided", self.collided)];
         let gains = [("mu", self.mu), ("sigma", self.sigma)];
         for (field, value) in finite.into_iter().chain(gains) {
-            if !value.is_finite() {
-                return Err((field, format!("is {value}; give a finite number")));
+            if !value.is_finite() || value.abs() > LARGEST {
+                return Err((field, format!("is {value:e}; give a number of at most {LARGEST:e} in size")));
             }
         }
         for (field, value) in gains {

@@ -1,7 +1,7 @@
 //! Contact: when in a step the robot first touches something.
 //!
 //! In: the step that rapier has made, and where the robot was to go in it. Out: the part of the step before the first touch,
-//! and whether the body has come to rest where rapier put it.
+//! and whether the body may rest where rapier put it.
 //!
 //! Rapier alone does not tell. It sees obstacles come from 2 mm away, and looks one second ahead: what drives or turns fast
 //! passes over a small robot, and a step of ten seconds slides along a wall and off its end. And it stops a body at
@@ -14,7 +14,7 @@ use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, TypedShape};
 use super::lidar::within;
 use super::physics::Bodies;
 use crate::scenario::polygon::{from_segment, sides};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 use crate::task::Clock;
 
 /// Bodies nearer than this, in m, touch: rapier rests a body a hair off what stops it.
@@ -74,7 +74,7 @@ impl Step<'_> {
                 if part >= 1.0 {
                     return None;
                 }
-                part = (part + gap_m.max(FINE_M) / most_m).min(1.0);
+                part = (part + (gap_m.max(FINE_M) / most_m).max(f32::EPSILON)).min(1.0);
             }
         });
         first.reduce(f32::min)
@@ -86,7 +86,9 @@ impl Step<'_> {
             ObstacleMotion::Still => 0.0,
             ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
                 let arm_m = (Vec2::from(obstacle.position_m) - Vec2::from(centre_m)).length();
-                speed_rad_s * (arm_m + obstacle.shape.reach_m())
+                // (A disc that turns comes no nearer by it.)
+                let turns = !matches!(obstacle.shape, Shape::Circle { .. });
+                speed_rad_s * (arm_m + if turns { obstacle.shape.reach_m() } else { 0.0 })
             }
             ObstacleMotion::Patrol { speed_m_s, .. }
             | ObstacleMotion::BackAndForth { speed_m_s, .. }

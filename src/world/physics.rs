@@ -22,11 +22,11 @@ use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, poly
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
 struct MakeBodies;
 
-/// The walls' thickness, in m: deep enough that nothing gets through in one step.
+/// The walls' thickness, in m: rapier itself lets little through it. (What it lets through, `contact.rs` stops.)
 const WALL_M: f32 = 0.5;
 
-/// How far ahead, in m, rapier may look for what a body would meet in the coming step: farther than any step goes, so
-/// that a body stops at a surface instead of in it.
+/// How far ahead, in m, rapier may look for what a body would meet in the coming step: so that a
+/// body mostly stops at a surface instead of in it. (`contact.rs` does the rest.)
 const LOOK_AHEAD_M: f32 = 50.0;
 
 /// The handles of an arena's bodies in its physics context.
@@ -34,8 +34,6 @@ const LOOK_AHEAD_M: f32 = 50.0;
 pub struct Bodies {
     /// The robot.
     pub robot: RigidBodyHandle,
-    /// The robot's collider, which its own LIDAR does not see.
-    pub robot_collider: ColliderHandle,
     /// One for each obstacle of the scenario, in its order.
     pub obstacles: Vec<RigidBodyHandle>,
     /// Enough for what the scenario's generators make.
@@ -189,13 +187,12 @@ pub(super) fn make_bodies(world: &mut World, control_period_s: f32) {
     found.sort_by_key(|&(arena, part, ..)| (arena, part));
     for parts in found.chunk_by(|a, b| a.0 == b.0) {
         // The robot sorts first, then the obstacles in order, then the walls, then what is generated.
-        let (arena, _, robot, robot_collider) = parts[0];
+        let (arena, _, robot, _) = parts[0];
         let obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
         let (standing, generated) =
             parts[1..].split_at(parts[1..].partition_point(|p| !matches!(p.1, Part::Generated(_))));
         world.entity_mut(arena).insert(Bodies {
             robot,
-            robot_collider,
             obstacles: standing.iter().filter(|p| obstacle(&p.1)).map(|p| p.2).collect(),
             generated: generated.iter().map(|p| (p.2, p.3)).collect(),
             solids: standing.iter().map(|p| p.3).collect(),

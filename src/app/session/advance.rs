@@ -17,6 +17,9 @@ use crate::run::examiner::ON_THE_CALLERS_THREAD;
 use crate::run::{RunError, follow, simulation};
 use crate::task::{CurrentScenario, EpisodeEnded, Fault, Outcomes, TaskFault};
 
+/// The words by which a warning of the training begins; with another training it is gone.
+pub(super) const WARNING: &str = "This training";
+
 /// One frame.
 pub(super) fn advance(world: &mut World) {
     let orders: Vec<Order> = world.resource_mut::<Messages<Order>>().drain().collect();
@@ -86,7 +89,7 @@ impl Session {
         });
         self.speed.stepped(after.len());
         if let Some(warning) = world.resource_mut::<TrainingWarning>().news() {
-            self.tell(Weight::Failed, warning.to_string());
+            self.tell(Weight::Failed, format!("{WARNING}: {warning}"));
         }
         let ended = !world.resource::<Messages<EpisodeEnded>>().is_empty();
         if self.mode == Mode::Train {

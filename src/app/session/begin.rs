@@ -10,6 +10,7 @@ use bevy::platform::cell::SyncCell;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use super::advance::WARNING;
 use super::journal::{self, Journal};
 use super::modes::{self, Rounds};
 use super::pacer::Pacer;
@@ -135,6 +136,7 @@ impl Session {
         let old = std::mem::replace(self, new);
         self.opened = old.opened;
         self.notices = old.notices;
+        self.untell(WARNING);
         self.own_scenarios = old.own_scenarios;
         self.own_presets = old.own_presets;
         self.speed = old.speed;

@@ -14,7 +14,7 @@ use crate::agent::Trainer;
 use crate::learning::{Learner, Policy};
 use crate::run::folder::{INIT, RunConfig, RunFolder};
 use crate::run::{RunError, checkpoint, policy_card, simulation, start};
-use crate::scenario::read_long_ron;
+use crate::scenario::{Scenario, findings, read_long_ron};
 use crate::task::{Fault, TaskFault};
 
 /// Its name in a saved run's folder.
@@ -22,6 +22,9 @@ pub const JOURNAL: &str = "journal.ron";
 
 /// It holds every world that was taken, so it may grow; what is larger is none.
 const MOST_BYTES: u64 = 256 << 20;
+
+/// Nothing is moved farther than this along an axis, in m: the widest world ends sooner.
+const FARTHEST_M: f32 = 1000.0;
 
 /// What the hand did, and when.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,6 +66,7 @@ impl Journal {
         if file.exists() {
             journal = read_long_ron(&file, MOST_BYTES)?;
         }
+        journal.check().map_err(|why| RunError::unusable(&file, why))?;
         journal.steps = learner.env_steps() / config.preset.arenas as u64;
         let times: Vec<u64> = journal.entries.iter().map(|entry| entry.after_steps).collect();
         if !times.is_sorted() || times.last().is_some_and(|last| *last > journal.steps) {
@@ -70,6 +74,39 @@ impl Journal {
             return Err(RunError::unusable(&file, why));
         }
         Ok(journal)
+    }
+
+    /// Whether what it holds can be done: it may come from a stranger.
+    fn check(&self) -> Result<(), String> {
+        let RunConfig { scenario, preset, .. } = &self.begun;
+        let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
+        let sound = |world: &Scenario| {
+            let finding = findings(world).into_iter().next().map(|finding| finding.to_string());
+            finding.map_or(Ok(()), Err).and_then(|()| preset.fits(world))
+        };
+        if let Some(finding) = preset.findings().first() {
+            return Err(format!("it began with a preset that cannot be: {finding}"));
+        }
+        sound(scenario).map_err(|why| format!("it began in a world that cannot be: {why}"))?;
+        for Entry { after_steps, deed } in &self.entries {
+            let place_m = match deed {
+                Deed::Target { to_m, .. } | Deed::Robot { to_m, .. } => *to_m,
+                Deed::Obstacle { position_m, .. } => *position_m,
+                Deed::World(world) if shape(world) == shape(scenario) => {
+                    sound(world).map_err(|why| format!("the world after {after_steps} steps: {why}"))?;
+                    continue;
+                }
+                Deed::World(_) => {
+                    return Err(format!(
+                        "the world after {after_steps} steps has other beams or motions than the first"
+                    ));
+                }
+            };
+            if !(place_m.0.abs() <= FARTHEST_M && place_m.1.abs() <= FARTHEST_M) {
+                return Err(format!("what was moved after {after_steps} steps went to {place_m:?}"));
+            }
+        }
+        Ok(())
     }
 
     /// Notes what is done now. Of what is dragged about between two steps only the last place counts, unless each look

@@ -40,7 +40,11 @@ impl Session {
         let failed = |error: String| RunError::failed(path, error);
         match what {
             Saved::Policy => {
-                let bytes = follow::bytes(&follow::policy(&self.config, world))?;
+                // Of a training that went wrong the best that it had.
+                let bytes = match &self.standing.best {
+                    Some(best) if self.broken => best.bytes.clone(),
+                    _ => follow::bytes(&follow::policy(&self.config, world))?,
+                };
                 write_whole(path, |file| file.write_all(&bytes)).map_err(|error| failed(error.to_string()))
             }
             Saved::Scenario => {
@@ -73,7 +77,7 @@ impl Session {
         }
         if self.broken {
             let instead =
-                "this training went wrong and cannot go on: save its episodes and its curves, or begin anew";
+                "this training went wrong and cannot go on: save its best policy, its episodes or its curves";
             return Err(RunError::Unusable(instead.into()));
         }
         let (mode, pace) = (self.mode, self.pacer.pace);

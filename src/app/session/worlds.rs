@@ -63,15 +63,16 @@ impl Session {
         Ok(())
     }
 
-    /// Whether the network can go on in `scenario`.
+    /// Whether the training can go on in `scenario`.
     ///
     /// # Errors
-    /// It cannot; what differs.
+    /// It cannot: what the network was made for differs, or it takes too much memory.
     pub(super) fn may_take(&self, scenario: &Scenario) -> Result<(), RunError> {
         let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
         let ((beams, motions), here) = (shape(scenario), shape(&self.config.scenario));
         if (beams, motions) == here {
-            return Ok(());
+            let fits = self.config.preset.fits(scenario);
+            return fits.map_err(|error| RunError::Unusable(format!("{}: {error}", scenario.name)));
         }
         Err(RunError::Unusable(format!(
             "{}: it has {beams} beams and {motions} motions, and the network was made for {} and {}: begin a new \
