@@ -39,9 +39,17 @@ fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
 fn numbers_so_large_that_sums_of_them_are_none_are_refused_at_once() {
     let desk = Desk::new();
     for (from, to, told) in [
-        ("mu: 100.0", "mu: 1e38", "reward.mu: is 1e38; give a number of at most 1e9 in size"),
-        ("reached: 250.0", "reached: -2e9", "reward.reached: is -2e9; give a number of at most 1e9 in size"),
-        ("reward_scale: 0.01", "reward_scale: 1e21", "learning.reward_scale: is 1000000000000000000000"),
+        (
+            "mu: 100.0",
+            "mu: 1e38",
+            "steep.ron:11:13: `reward.mu` is 1e38; give a number of at most 1e9 in size",
+        ),
+        ("reached: 250.0", "reached: -2e9", "`reward.reached` is -2e9; give a number of at most 1e9 in size"),
+        (
+            "reward_scale: 0.01",
+            "reward_scale: 1e21",
+            "`learning.reward_scale` 1000000000000000000000 is out of range",
+        ),
     ] {
         desk.write("steep.ron", edited(&quick_fast(), &[(from, to)]));
         let done = desk.run("--train --preset steep.ron --steps 2000 --out run");

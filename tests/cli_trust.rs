@@ -202,7 +202,7 @@ fn where_nothing_can_be_written_it_is_said_before_anything_begins() {
 #[test]
 fn a_folder_from_elsewhere_cannot_lead_a_run_to_other_files() {
     let desk = desk();
-    desk.succeed("--train --scenario two.ron --preset per.ron --episodes 20 --out run");
+    desk.succeed("--train --scenario one.ron --preset fast.ron --episodes 20 --out run");
     desk.write("precious.txt", "not a run's");
     for name in ["episodes.csv", "checkpoint/lock", "policy.safetensors"] {
         let file = desk.path(&format!("run/{name}"));

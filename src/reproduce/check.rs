@@ -375,7 +375,7 @@ mod tests {
             ("title", |e| e.title = "x".repeat(201)),
             ("arms", |e| e.arms = vec![e.arms[0].clone(); 201]),
             ("arms[0].stages", |e| e.arms[0].stages = vec![e.arms[0].stages[0].clone(); 21]),
-            ("arms[0].stages[0].scenario", |e| e.arms[0].stages[0].scenario = "x".repeat(201)),
+            ("arms[0].stages[0].scenario", |e| e.arms[0].stages[0].scenario = "x".repeat(4097)),
             ("arms[0].stages[0].budget", |e| {
                 e.arms[0].stages[0].budget = Some(Budget::Episodes(u64::MAX));
             }),
