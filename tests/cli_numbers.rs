@@ -2,8 +2,11 @@
 //! and a warning while learning diverges, before it comes to that.
 
 mod cli_support;
+#[path = "support/wild.rs"]
+mod wild;
 
 use cli_support::{Desk, FAST, edited, quick_fast};
+use wild::WILD;
 
 #[test]
 fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
@@ -79,21 +82,8 @@ fn where_nothing_is_rewarded_yet_no_q_value_is_too_large() {
 #[test]
 fn q_values_beyond_any_return_are_warned_of_once_and_the_run_goes_on() {
     let desk = Desk::new();
-    // All that deep Q-learning was taught to avoid, at once: no target network, one network that chooses and values, squared
-    // errors, a high learning rate, and many gradient steps on little data.
-    let wild = edited(
-        FAST,
-        &[
-            ("every_env_steps: 5000, navigations: 200", "every_env_steps: 4000, navigations: 20"),
-            ("hidden: [64, 64]", "hidden: [256, 256]"),
-            ("gamma: 0.95", "gamma: 0.99"),
-            ("double: true", "double: false"),
-            ("Huber(delta: 1.0)", "MeanSquared"),
-            ("Linear(from: 0.001, to: 0.00001, env_steps: 300000)", "Constant(0.01)"),
-            ("gradient_steps: 4", "gradient_steps: 16"),
-            ("Soft(tau: 0.01)", "Soft(tau: 1.0)"),
-        ],
-    );
+    let seldom = ("every_env_steps: 5000, navigations: 200", "every_env_steps: 4000, navigations: 20");
+    let wild = edited(&edited(FAST, &WILD), &[seldom]);
     desk.write("wild.ron", wild);
     let done = desk.succeed("--train --preset wild.ron --steps 4000 --out run");
     let warnings: Vec<&str> = done.stderr.lines().filter(|line| line.contains("seems to diverge")).collect();

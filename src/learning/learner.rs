@@ -16,7 +16,7 @@ use crate::random::{Stream, stream};
 use serde::{Deserialize, Serialize};
 
 /// The most numbers in all observations of a replay buffer: 8 GB of them, 1 GB where addresses have 32 bits.
-const MOST_NUMBERS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
+pub const MOST_NUMBERS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
 
 /// So many gradient steps with Q-values beyond any return are no passing fit.
 const LASTING: u32 = 50;

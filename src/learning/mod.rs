@@ -42,6 +42,6 @@ pub use config::{
 };
 pub use divergence::{Diverged, Overestimate};
 pub use exploration::{epsilon_greedy, greedy};
-pub use learner::{Experience, LearnStats, Learner};
+pub use learner::{Experience, LearnStats, Learner, MOST_NUMBERS};
 pub use network::{NetworkShape, QNetwork};
 pub use policy::{Policy, PolicyError};

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::learning::LearningConfig;
+use crate::learning::{LearningConfig, MOST_NUMBERS};
 use crate::scenario::{FileError, Finding, Scenario, parse_ron, read_text};
 use crate::task::{Encoding, RewardConfig, observation};
 
@@ -20,8 +20,6 @@ const MOST_ABOUT: usize = 20_000;
 pub const MOST_BODIES: usize = 1_000_000;
 /// The most numbers in the scans and observations of all arenas together: 1 GB.
 const MOST_SEEN: usize = 1 << 28;
-/// The most numbers in the states that are remembered: 8 GB, 1 GB where addresses have 32 bits.
-const MOST_REMEMBERED: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
 
 /// The bodies that one arena of `scenario` has at most.
 #[must_use]
@@ -129,10 +127,10 @@ impl Preset {
         let LearningConfig { replay, n_step, .. } = &self.learning;
         let states = replay.capacity + arenas * (n_step + 1);
         let remembered = states.saturating_mul(width);
-        if remembered > MOST_REMEMBERED {
+        if remembered > MOST_NUMBERS {
             return Err(format!(
                 "{states} states of {width} numbers are to be remembered: {remembered} numbers, more than \
-                 {MOST_REMEMBERED}: give less for `learning.replay.capacity`, or fewer `arenas` or `lidar.beams`"
+                 {MOST_NUMBERS}: give less for `learning.replay.capacity`, or fewer `arenas` or `lidar.beams`"
             ));
         }
         Ok(())

@@ -87,7 +87,7 @@ pub fn read_ron<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, FileEr
 /// [`FileError`] when the file can't be read or is no RON for a `T`.
 pub fn read_long_ron<T: DeserializeOwned>(path: impl AsRef<Path>, most_bytes: u64) -> Result<T, FileError> {
     let path = path.as_ref();
-    parse_any(&text_up_to(path, most_bytes)?, path)
+    parse_any(&read_long_text(path, most_bytes)?, path)
 }
 
 /// A `T` from RON text; `path` is only what errors name.
@@ -143,7 +143,7 @@ pub fn is_there(path: &Path) -> bool {
 /// # Errors
 /// [`FileError`] when it is missing (naming what is there instead), unreadable, over 1 MiB or not UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
-    text_up_to(path.as_ref(), MOST_BYTES)
+    read_long_text(path, MOST_BYTES)
 }
 
 /// As [`read_text`], but of up to `most_bytes`: for files that the program itself has written.
@@ -151,10 +151,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
 /// # Errors
 /// As [`read_text`].
 pub fn read_long_text(path: impl AsRef<Path>, most_bytes: u64) -> Result<String, FileError> {
-    text_up_to(path.as_ref(), most_bytes)
-}
-
-fn text_up_to(path: &Path, most_bytes: u64) -> Result<String, FileError> {
+    let path = path.as_ref();
     let fail = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => missing(path),
         ErrorKind::IsADirectory => FileError::whole(
