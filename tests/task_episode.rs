@@ -238,7 +238,7 @@ fn after_a_single_navigation_the_arena_is_parked_and_nothing_of_it_changes() {
         let now: Vec<_> = (0..arenas)
             .map(|arena| {
                 let bodies = lab.look(arena, |bodies, set, _| {
-                    let all = bodies.obstacles.iter().chain([&bodies.robot]);
+                    let all = bodies.obstacles.iter().flatten().chain([&bodies.robot]);
                     all.map(|&body| *set.bodies[body].position()).collect::<Vec<_>>()
                 });
                 (lab.state(arena), bits(&lab.row(arena)), bodies)

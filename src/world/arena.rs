@@ -39,12 +39,12 @@ pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed
                 Clock::default(),
                 Episode { restart: Restart::Everything, ..Episode::default() },
                 Streams::new(seed, index as u64),
-                physics::context(),
+                physics::context(scenario.task.control_period_s),
             ))
             .id();
         physics::spawn_bodies(world, scenario, arena);
     }
-    physics::make_bodies(world, scenario.task.control_period_s);
+    physics::make_bodies(world);
     world.run_schedule(Begin);
 }
 
@@ -115,7 +115,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         *episode = state.episode.clone();
         *streams = state.streams.clone();
         robot::place_body(&mut set, &bodies, &pose);
-        obstacles::furnish(&scenario, &room, &mut bodies, &mut set, &mut colliders);
+        obstacles::furnish(&scenario, &room, &mut bodies, &mut colliders);
         obstacles::place_bodies(&room, *clock, &bodies, &mut set, &mut colliders);
         observation::encode(encoding, &scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
     }

@@ -23,7 +23,7 @@ pub(super) fn advance(
         }
         clock.0 += 1;
         for (index, obstacle) in moving(&scenario.0) {
-            if let Some(body) = set.bodies.get_mut(bodies.obstacles[index]) {
+            if let Some(body) = bodies.obstacles[index].and_then(|body| set.bodies.get_mut(body)) {
                 body.set_next_kinematic_position(body_pose(&scenario.0, obstacle, *clock));
             }
         }
@@ -45,7 +45,7 @@ pub(super) fn place(
 ) {
     for (clock, room, mut bodies, episode, mut set, mut colliders) in &mut arenas {
         if episode.restart.begins_episode() {
-            furnish(&scenario.0, room, &mut bodies, &mut set, &mut colliders);
+            furnish(&scenario.0, room, &mut bodies, &mut colliders);
         }
         if episode.restart == Restart::Everything {
             place_bodies(room, *clock, &bodies, &mut set, &mut colliders);
@@ -53,34 +53,29 @@ pub(super) fn place(
     }
 }
 
-/// Gives the bodies for what `scenario` generates the shapes and places that `room` has; the others are taken away.
+/// Gives the colliders for what `scenario` generates the shapes and places that `room` has; the others are taken away.
 pub(super) fn furnish(
     scenario: &Scenario,
     room: &Room,
     bodies: &mut Bodies,
-    set: &mut RapierRigidBodySet,
     colliders: &mut RapierContextColliders,
 ) {
     if bodies.generated.is_empty() {
         return;
     }
-    bodies.solids.retain(|solid| bodies.generated.iter().all(|(_, collider)| collider != solid));
+    bodies.solids.retain(|solid| !bodies.generated.contains(solid));
     let generated = room.scenario.obstacles.get(scenario.obstacles.len()..).unwrap_or_default();
     let mut obstacles = generated.iter();
-    for &(body, collider) in &bodies.generated {
+    for &handle in &bodies.generated {
+        let Some(collider) = colliders.colliders.get_mut(handle) else { continue };
         let obstacle = obstacles.next();
-        if let Some(collider) = colliders.colliders.get_mut(collider) {
-            collider.set_enabled(obstacle.is_some());
-            if let Some(obstacle) = obstacle {
-                collider.set_shape(physics::shape(&obstacle.shape));
-            }
-        }
-        if let (Some(obstacle), Some(body)) = (obstacle, set.bodies.get_mut(body)) {
-            body.set_position(body_pose(&room.scenario, obstacle, Clock(0)), true);
-            bodies.solids.push(collider);
+        collider.set_enabled(obstacle.is_some());
+        if let Some(obstacle) = obstacle {
+            collider.set_shape(physics::shape(&obstacle.shape));
+            collider.set_position(body_pose(&room.scenario, obstacle, Clock(0)));
+            bodies.solids.push(handle);
         }
     }
-    set.propagate_modified_body_positions_to_colliders(colliders);
 }
 
 /// Puts the moving obstacles, and the colliders that the LIDAR sees, where the clock says.
@@ -93,7 +88,7 @@ pub(super) fn place_bodies(
 ) {
     let scenario = &*room.scenario;
     for (index, obstacle) in moving(scenario) {
-        if let Some(body) = bodies.obstacles.get(index).and_then(|&body| set.bodies.get_mut(body)) {
+        if let Some(body) = bodies.obstacles[index].and_then(|body| set.bodies.get_mut(body)) {
             let pose = body_pose(scenario, obstacle, clock);
             body.set_position(pose, true);
             body.set_next_kinematic_position(pose);

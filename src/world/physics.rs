@@ -5,15 +5,16 @@
 //! command and read rapier's bodies directly.
 //!
 //! bevy_rapier's `SyncBackend` systems make bodies and colliders from components when arenas are spawned; in a
-//! control step only its `StepSimulation` runs. Copying every pose into a `Transform` and back each step would cost
-//! more than the step, and lose bits on the way; whoever draws reads [`Pose`](crate::task::Pose).
+//! control step [`step`] steps its contexts, with one [`Pipeline`] for all of them. Copying every pose into a
+//! `Transform` and back each step would cost more than the step, and lose bits on the way; whoever draws reads
+//! [`Pose`](crate::task::Pose).
 
 use bevy::ecs::schedule::{Schedule, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::transform::TransformPlugin;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::geometry::ConvexPolygon;
-use bevy_rapier2d::rapier::prelude::{ColliderHandle, RigidBodyHandle, SharedShape};
+use bevy_rapier2d::rapier::prelude::{ColliderHandle, PhysicsPipeline, RigidBodyHandle, SharedShape};
 
 use crate::control_step::{ControlSet, ControlStep};
 use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, polygon, pose_at};
@@ -29,15 +30,16 @@ const WALL_M: f32 = 0.5;
 /// body mostly stops at a surface instead of in it. (`contact.rs` does the rest.)
 const LOOK_AHEAD_M: f32 = 50.0;
 
-/// The handles of an arena's bodies in its physics context.
+/// The handles of what stands and moves in an arena's physics context. What stands still is a collider without a body:
+/// rapier has that much less to look after.
 #[derive(Component, Clone, Debug)]
 pub struct Bodies {
     /// The robot.
     pub robot: RigidBodyHandle,
-    /// One for each obstacle of the scenario, in its order.
-    pub obstacles: Vec<RigidBodyHandle>,
+    /// One for each obstacle of the scenario, in its order; none for one that stands still.
+    pub obstacles: Vec<Option<RigidBodyHandle>>,
     /// Enough for what the scenario's generators make.
-    pub generated: Vec<(RigidBodyHandle, ColliderHandle)>,
+    pub generated: Vec<ColliderHandle>,
     /// What a beam can meet: the obstacles in the scenario's order, then the walls, then what was generated.
     pub solids: Vec<ColliderHandle>,
 }
@@ -62,27 +64,63 @@ pub(super) fn build(app: &mut App) {
             .with_default_system_setup(false)
             .with_custom_initialization(RapierContextInitialization::NoAutomaticRapierContext),
     );
-    app.insert_resource(TimestepMode::Fixed { dt: 0.2, substeps: 1 });
-    app.add_systems(
-        ControlStep,
-        RapierPhysicsPlugin::<NoUserData>::get_systems(PhysicsSet::StepSimulation)
-            .in_set(ControlSet::Simulate),
-    );
+    app.init_resource::<Pipeline>().add_systems(ControlStep, step.in_set(ControlSet::Simulate));
     let mut make = Schedule::new(MakeBodies);
     make.set_executor(SingleThreadedExecutor::new());
     make.add_systems(RapierPhysicsPlugin::<NoUserData>::get_systems(PhysicsSet::SyncBackend));
     app.add_schedule(make);
 }
 
-/// The components of an arena's own entity that make it a physics context without gravity.
+/// The components of an arena's own entity that make it a physics context without gravity, stepped by
+/// `control_period_s`.
 ///
 /// One solver iteration is enough: rapier cuts a step into as many substeps, which help where contacts and joints
 /// depend on each other. Here one disc meets one thing, once, and that ends its episode. A free robot goes its chord
 /// in one sum instead of four, with one rounding, and a step costs an eighth less of rapier's time.
-pub(super) fn context() -> impl Bundle {
+pub(super) fn context(control_period_s: f32) -> impl Bundle {
     let mut simulation = RapierContextSimulation::default();
+    simulation.integration_parameters.dt = control_period_s;
     simulation.integration_parameters.num_solver_iterations = 1;
     (simulation, RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) })
+}
+
+/// Rapier's working memory. One serves all arenas, for nothing of it outlives a step: so it stays in the cache, however many
+/// arenas there are.
+#[derive(Resource, Default)]
+struct Pipeline(PhysicsPipeline);
+
+/// What a step of rapier reads and writes of an arena.
+type Stepped = (
+    &'static RapierConfiguration,
+    &'static mut RapierContextSimulation,
+    &'static mut RapierContextColliders,
+    &'static mut RapierContextJoints,
+    &'static mut RapierRigidBodySet,
+);
+
+/// `Simulate`: one step of every arena that is not parked.
+fn step(mut pipeline: ResMut<Pipeline>, mut arenas: Query<Stepped>) {
+    for (configuration, mut simulation, mut colliders, mut joints, mut set) in &mut arenas {
+        if !configuration.physics_pipeline_active {
+            continue;
+        }
+        let simulation = &mut *simulation;
+        let joints = &mut *joints;
+        pipeline.0.step(
+            configuration.gravity,
+            &simulation.integration_parameters,
+            &mut simulation.islands,
+            &mut simulation.broad_phase,
+            &mut simulation.narrow_phase,
+            &mut set.bodies,
+            &mut colliders.colliders,
+            &mut joints.impulse_joints,
+            &mut joints.multibody_joints,
+            &mut simulation.ccd_solver,
+            &(),
+            &(),
+        );
+    }
 }
 
 /// Spawns the bodies of `scenario` for the arena `context`, in an order that depends on the scenario alone.
@@ -105,30 +143,22 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
     let period_s = scenario.task.control_period_s;
     for (index, obstacle) in scenario.obstacles.iter().enumerate() {
         let (x, y, rotation) = pose_at(obstacle, 0, period_s);
-        let body = if obstacle.motion != ObstacleMotion::Still {
-            RigidBody::KinematicPositionBased
-        } else {
-            RigidBody::Fixed
-        };
-        world.spawn((Part::Obstacle(index), link, body, collider(&obstacle.shape), at(x, y, rotation)));
+        let mut parts =
+            world.spawn((Part::Obstacle(index), link, collider(&obstacle.shape), at(x, y, rotation)));
+        if obstacle.motion != ObstacleMotion::Still {
+            parts.insert(RigidBody::KinematicPositionBased);
+        }
     }
     let inner = scenario.walls.iter().flat_map(|wall| wall.pieces());
     let inner = inner.map(|Obstacle { shape, position_m: (x, y), rotation_rad, .. }| {
         (collider(&shape), at(x, y, rotation_rad))
     });
     for (index, (collider, at)) in around(&scenario.enclosure).into_iter().chain(inner).enumerate() {
-        world.spawn((Part::Wall(index), link, RigidBody::Fixed, collider, at));
+        world.spawn((Part::Wall(index), link, collider, at));
     }
     for index in 0..scenario.most_obstacles() - scenario.obstacles.len() {
         // Shaped and placed when an episode begins.
-        world.spawn((
-            Part::Generated(index),
-            link,
-            RigidBody::Fixed,
-            ColliderDisabled,
-            Collider::ball(1.0),
-            at(0.0, 0.0, 0.0),
-        ));
+        world.spawn((Part::Generated(index), link, ColliderDisabled, Collider::ball(1.0), at(0.0, 0.0, 0.0)));
     }
 }
 
@@ -176,25 +206,24 @@ pub(super) fn shape(shape: &Shape) -> SharedShape {
 }
 
 /// Makes rapier's bodies of all that was spawned, and gives each arena its [`Bodies`].
-pub(super) fn make_bodies(world: &mut World, control_period_s: f32) {
-    world.insert_resource(TimestepMode::Fixed { dt: control_period_s, substeps: 1 });
+pub(super) fn make_bodies(world: &mut World) {
     world.run_schedule(MakeBodies);
-    let mut found: Vec<(Entity, Part, RigidBodyHandle, ColliderHandle)> = world
-        .query::<(&RapierContextEntityLink, &Part, &RapierRigidBodyHandle, &RapierColliderHandle)>()
+    let mut found: Vec<(Entity, Part, Option<RigidBodyHandle>, ColliderHandle)> = world
+        .query::<(&RapierContextEntityLink, &Part, Option<&RapierRigidBodyHandle>, &RapierColliderHandle)>()
         .iter(world)
-        .map(|(link, part, body, collider)| (link.0, *part, body.0, collider.0))
+        .map(|(link, part, body, collider)| (link.0, *part, body.map(|body| body.0), collider.0))
         .collect();
     found.sort_by_key(|&(arena, part, ..)| (arena, part));
     for parts in found.chunk_by(|a, b| a.0 == b.0) {
         // The robot sorts first, then the obstacles in order, then the walls, then what is generated.
-        let (arena, _, robot, _) = parts[0];
+        let (arena, _, Some(robot), _) = parts[0] else { continue };
         let obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
         let (standing, generated) =
             parts[1..].split_at(parts[1..].partition_point(|p| !matches!(p.1, Part::Generated(_))));
         world.entity_mut(arena).insert(Bodies {
             robot,
             obstacles: standing.iter().filter(|p| obstacle(&p.1)).map(|p| p.2).collect(),
-            generated: generated.iter().map(|p| (p.2, p.3)).collect(),
+            generated: generated.iter().map(|p| p.3).collect(),
             solids: standing.iter().map(|p| p.3).collect(),
         });
     }
