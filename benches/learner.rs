@@ -12,6 +12,10 @@ use wayfield::random::{below, normal, stream};
 const INPUTS: usize = 28;
 const ACTIONS: usize = 5;
 
+/// The binary's.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }

@@ -17,6 +17,10 @@ use wayfield::scenario::{Lidar, Scenario};
 use wayfield::task::Pose;
 use wayfield::world::{Bodies, lidar};
 
+/// The binary's.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }

@@ -11,6 +11,10 @@ use wayfield::random::{below, stream, unit};
 
 const CAPACITY: usize = 1_000_000;
 
+/// The binary's.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }

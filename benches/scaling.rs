@@ -23,6 +23,10 @@ const GRADIENT_STEPS: u32 = 3_000;
 /// One row of a table: size, microseconds for one step, kB held.
 type Row = (usize, f64, f64);
 
+/// The binary's.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     // A process of its own for each row, so that none finds memory that another has left.

@@ -28,6 +28,10 @@ struct Outcome {
     time_ratio: f64,
 }
 
+/// The binary's.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let (seeds, pairs) = match arguments.split_first() {

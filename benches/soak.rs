@@ -39,6 +39,10 @@ impl Sample {
     }
 }
 
+/// The binary's.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let count = arguments.get(1).map(|text| text.replace('_', "").parse::<u64>());

@@ -22,6 +22,10 @@ use wayfield::scenario::Scenario;
 use wayfield::task::{Encoding, EpisodeEnded, RewardConfig, TaskMode, TaskPlugin, observation};
 use wayfield::world::{self, WorldPlugin};
 
+/// The binary's.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }

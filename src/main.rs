@@ -1,5 +1,10 @@
 //! The binary: one command line, one exit status; in a browser, the page's door.
 
+/// Rapier and dfdx ask for memory in every step, a thousand arenas all over it.
+#[cfg(not(target_arch = "wasm32"))]
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {
     wayfield::cli::main(std::time::Instant::now())

@@ -84,8 +84,9 @@ pub(super) fn context(control_period_s: f32) -> impl Bundle {
     (simulation, RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) })
 }
 
-/// Rapier's working memory. One serves all arenas, for nothing of it outlives a step: so it stays in the cache, however many
-/// arenas there are.
+/// Rapier's working memory. One serves all arenas, for nothing of it outlives a step but a layout of joints, and there are
+/// none: so it stays in the cache, however many arenas there are, and arenas whose bodies were touched equally often share
+/// that empty layout too (which is why `actuate` sets a velocity even where it is what it was).
 #[derive(Resource, Default)]
 struct Pipeline(PhysicsPipeline);
 
