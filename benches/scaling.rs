@@ -4,18 +4,22 @@
 //! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables; with a path it draws them too. An
 //! env step here has everything in: forward pass, exploration, rapier, LIDAR, observation, reward, replay buffer.
 
+#[path = "support/process.rs"]
+mod process;
+
 use std::error::Error;
 use std::process::Command;
 use std::sync::Arc;
 use std::time::Instant;
 
 use plotters::prelude::*;
+use process::status_kb;
 use wayfield::agent::Trainer;
 use wayfield::learning::{Experience, Learner, LearningConfig};
 use wayfield::run::{shipped, simulation};
 use wayfield::task::observation;
 
-const ARENAS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
+const ARENAS: [usize; 7] = [1, 4, 16, 64, 256, 512, 1024];
 const REPLAY: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 const ENV_STEPS: usize = 150_000;
 const GRADIENT_STEPS: u32 = 3_000;
@@ -72,13 +76,13 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let mut preset = shipped::preset("fast")?;
     preset.arenas = arenas;
     preset.learning.train_interval = u64::MAX;
-    let before = resident_kb();
+    let before = status_kb("VmRSS:") as f64;
     let learner = Learner::new(&preset.learning, observation::width(24), 5, arenas, 1)?;
     let mut app = simulation::training(&scenario, &preset, 1, learner);
     for _ in 0..(2_000 / arenas).max(4) {
         simulation::step(app.world_mut())?;
     }
-    let held = resident_kb() - before;
+    let held = status_kb("VmRSS:") as f64 - before;
     let steps = ENV_STEPS / arenas;
     let began = Instant::now();
     for _ in 0..steps {
@@ -96,7 +100,7 @@ fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
     config.replay.warmup_steps = transitions as u64;
     config.train_interval = transitions as u64;
     config.gradient_steps = GRADIENT_STEPS;
-    let before = resident_kb();
+    let before = status_kb("VmRSS:") as f64;
     let mut learner = Learner::new(&config, 28, 5, 1, 1)?;
     let mut noise = wayfield::random::stream(1, "bench", 0);
     let mut row = || -> Vec<f32> { (0..28).map(|_| wayfield::random::normal(&mut noise)).collect() };
@@ -114,17 +118,10 @@ fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
         });
         observation = next_observation;
     }
-    let held = resident_kb() - before;
+    let held = status_kb("VmRSS:") as f64 - before;
     let began = Instant::now();
     let taken = learner.train()?.map_or(0, |stats| stats.gradient_steps);
     Ok((began.elapsed().as_secs_f64() * 1e6 / f64::from(taken.max(1)), held))
-}
-
-/// Memory that this process holds, in kB; 0 where the system does not tell.
-fn resident_kb() -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap_or("0");
-    line.split_whitespace().next().and_then(|number| number.parse().ok()).unwrap_or(0.0)
 }
 
 fn draw(path: &str, arenas: &[Row], replay: &[Row]) -> Result<(), Box<dyn Error>> {

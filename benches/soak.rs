@@ -5,13 +5,16 @@
 //! wants a display, such as Xvfb's. Both print a table of ten parts and a verdict, and end with status 1 if it is a bad
 //! one. What else the machine does shows in the speeds: leave it alone meanwhile, or give this process a core of its own.
 
+#[path = "support/process.rs"]
+mod process;
+
 use std::error::Error;
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use process::{cpu_s, status_kb};
 use wayfield::learning::LearningConfig;
 use wayfield::run::folder::RunConfig;
 use wayfield::run::preset::Budget;
@@ -286,20 +289,4 @@ fn due(learning: &LearningConfig, env_steps: u64) -> u64 {
     let interval = learning.train_interval;
     let first = learning.replay.warmup_steps.max(1).div_ceil(interval);
     (env_steps / interval + 1).saturating_sub(first) * u64::from(learning.gradient_steps)
-}
-
-/// CPU time of this process, all threads, in s; 0 where the system does not tell.
-fn cpu_s() -> f64 {
-    let stat = std::fs::read_to_string(Path::new("/proc/self/stat")).unwrap_or_default();
-    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
-    // User and system time are the fields 14 and 15, in hundredths of a second; the name, field 2, ends at the last `)`.
-    let ticks = |at: usize| fields.get(at).and_then(|text| text.parse::<f64>().ok()).unwrap_or(0.0);
-    (ticks(11) + ticks(12)) / 100.0
-}
-
-/// A line of /proc/self/status, in kB; 0 where there is none.
-fn status_kb(key: &str) -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix(key)).unwrap_or("0");
-    line.split_whitespace().next().and_then(|number| number.parse().ok()).unwrap_or(0)
 }

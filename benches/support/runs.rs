@@ -1,0 +1,85 @@
+//! Whole runs, as `--train` makes them, looked at more closely: evaluations have 500 navigations.
+#![allow(dead_code)] // Each bench needs a part of it.
+
+use std::error::Error;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use wayfield::learning::Policy;
+use wayfield::run::folder::{RunConfig, Transfer};
+use wayfield::run::preset::Budget;
+use wayfield::run::records::{EvaluationRow, Summary};
+use wayfield::run::shipped;
+use wayfield::run::train::{CHECKPOINT_EVERY, Job, train};
+
+/// Navigations of each evaluation on the way.
+pub const NAVIGATIONS: usize = 500;
+
+/// A shipped preset in a shipped scenario.
+pub fn config(preset: &str, scenario: &str, seed: u64) -> Result<RunConfig, Box<dyn Error>> {
+    let mut config = RunConfig {
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed,
+        scenario_from: scenario.into(),
+        preset_from: preset.into(),
+        transfer: None,
+        keep_after_episodes: Vec::new(),
+        scenario: shipped::scenario(scenario)?,
+        preset: shipped::preset(preset)?,
+    };
+    config.preset.evaluation.navigations = NAVIGATIONS;
+    Ok(config)
+}
+
+/// What is left of a run.
+pub struct Ran {
+    pub summary: Summary,
+    pub evaluations: Vec<EvaluationRow>,
+    /// The best policy's file.
+    pub best: Vec<u8>,
+}
+
+impl Ran {
+    /// Runs `config`, from `policy` if there is one.
+    pub fn new(mut config: RunConfig, policy: Option<(&[u8], Option<f32>)>) -> Result<Self, Box<dyn Error>> {
+        let scratch = tempfile::tempdir()?;
+        let policy = match policy {
+            Some((bytes, epsilon)) => {
+                config.transfer = Some(Transfer { policy: "the policy".into(), epsilon });
+                Some(Policy::from_bytes(bytes)?)
+            }
+            None => None,
+        };
+        let job = Job::New { config: Box::new(config), policy, out: Some(scratch.path().join("run")) };
+        let (folder, summary) = train(job, CHECKPOINT_EVERY, &AtomicBool::new(false), Instant::now(), None)?;
+        let mut rows = csv::Reader::from_path(folder.join("evaluations.csv"))?;
+        let evaluations = rows.deserialize().collect::<Result<_, _>>()?;
+        let best = std::fs::read(folder.join("policy.safetensors"))?;
+        Ok(Self { summary, evaluations, best })
+    }
+
+    /// The first evaluation that reached `rate`.
+    pub fn reached(&self, rate: f64) -> Option<&EvaluationRow> {
+        self.evaluations.iter().find(|row| row.success_rate >= rate)
+    }
+}
+
+/// What is said of a row that there may be none of: infinite, if so.
+pub fn or_never(row: Option<&EvaluationRow>, of: impl Fn(&EvaluationRow) -> f64) -> f64 {
+    row.map_or(f64::INFINITY, of)
+}
+
+/// `config` until that many env steps.
+pub fn until(mut config: RunConfig, env_steps: u64) -> RunConfig {
+    config.preset.budget = Budget::EnvSteps(env_steps);
+    config
+}
+
+/// The median, and in brackets the largest.
+pub fn spread(mut values: Vec<f64>, digits: usize) -> String {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    let median = if n == 0 { f64::NAN } else { (values[(n - 1) / 2] + values[n / 2]) / 2.0 };
+    let worst = values.last().copied().unwrap_or(f64::NAN);
+    format!("{median:.digits$} ({worst:.digits$})")
+}
