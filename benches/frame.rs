@@ -4,6 +4,8 @@
 //! `cargo bench --bench frame`
 
 #[cfg(feature = "window")]
+#[path = "support/allocator.rs"]
+mod allocator;
 #[path = "../tests/support/studio.rs"]
 mod studio;
 
@@ -60,10 +62,6 @@ mod frames {
         bencher.bench_local(|| studio.frame(Duration::from_millis(16)));
     }
 }
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() {
     divan::main();

@@ -2,6 +2,9 @@
 //!
 //! `cargo bench --bench learner`: 28 inputs, two hidden layers of 64, 5 actions.
 
+#[path = "support/allocator.rs"]
+mod allocator;
+
 use divan::{Bencher, counter::ItemsCount};
 use wayfield::learning::{
     Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
@@ -11,10 +14,6 @@ use wayfield::random::{below, normal, stream};
 
 const INPUTS: usize = 28;
 const ACTIONS: usize = 5;
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() {
     divan::main();

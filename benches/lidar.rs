@@ -3,6 +3,8 @@
 //!
 //! `cargo bench --bench lidar`; items are beams.
 
+#[path = "support/allocator.rs"]
+mod allocator;
 #[path = "../tests/common/mod.rs"]
 mod common;
 
@@ -16,10 +18,6 @@ use divan::{Bencher, black_box};
 use wayfield::scenario::{Lidar, Scenario};
 use wayfield::task::Pose;
 use wayfield::world::{Bodies, lidar};
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() {
     divan::main();

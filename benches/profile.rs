@@ -1,12 +1,16 @@
 //! Where a control step goes: the time of each of its sets.
 //!
-//! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, medians over control
-//! steps, per number of arenas: without gradient steps, and last the default preset as it trains. A clock is read between two sets,
-//! which costs some 25 ns each: it shows at one arena only.
+//! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, means over control
+//! steps that see episodes at all ages, per number of arenas: without gradient steps, and last the default preset as it
+//! trains. Between two sets a system reads the clock, which costs some 40 ns: it shows at one arena only. `Decide` begins
+//! with the schedule, `Restart` ends with the look at the faults.
+
+#[path = "support/allocator.rs"]
+mod allocator;
 
 use std::error::Error;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use wayfield::control_step::{ControlSet, ControlStep};
@@ -25,15 +29,13 @@ const SETS: [ControlSet; 8] = [
     ControlSet::Restart,
 ];
 const ARENAS: [usize; 6] = [1, 16, 64, 256, 512, 1024];
+/// So many at least are measured, and so many control steps.
 const ENV_STEPS: usize = 200_000;
+const CONTROL_STEPS: usize = 600;
 
 /// When each set ended, in this control step.
 #[derive(Resource, Default)]
 struct Ends(Vec<Instant>);
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let names: Vec<String> = SETS.iter().map(|set| format!("{set:?}")).collect();
@@ -56,37 +58,29 @@ fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> 
     let learner = Learner::new(&preset.learning, inputs, scenario.robot.motions.len(), arenas, 1)?;
     let mut app = simulation::training(&scenario, &preset, 1, learner);
     app.init_resource::<Ends>();
-    for set in &SETS[..SETS.len() - 1] {
-        let next = SETS[SETS.iter().position(|other| other == set).unwrap_or(0) + 1].clone();
-        app.add_systems(ControlStep, tick.after(set.clone()).before(next));
+    for pair in SETS.windows(2) {
+        app.add_systems(ControlStep, tick.after(pair[0].clone()).before(pair[1].clone()));
     }
     let world = app.world_mut();
-    // Past the start, where learning waits for its first transitions.
-    for _ in 0..(4_000 / arenas).max(4) {
-        world.resource_mut::<Ends>().0.clear();
-        simulation::step(world)?;
-    }
-    let mut times = vec![Vec::new(); SETS.len() + 1];
-    for _ in 0..ENV_STEPS / arenas / if learning { 4 } else { 1 } {
+    let steps = if learning { 5_000 } else { (ENV_STEPS / arenas).max(CONTROL_STEPS) };
+    let mut spent = [Duration::ZERO; SETS.len() + 1];
+    for step in 0..CONTROL_STEPS + steps {
         world.resource_mut::<Ends>().0.clear();
         let began = Instant::now();
         simulation::step(world)?;
         let ended = Instant::now();
+        if step < CONTROL_STEPS {
+            continue;
+        }
         let mut from = began;
         for (set, end) in world.resource::<Ends>().0.iter().chain([&ended]).enumerate() {
-            times[set].push((*end - from).as_nanos() as usize / arenas);
+            spent[set] += *end - from;
             from = *end;
         }
-        times[SETS.len()].push((ended - began).as_nanos() as usize / arenas);
+        spent[SETS.len()] += ended - began;
     }
-    let medians: Vec<String> = times
-        .iter_mut()
-        .map(|of_set| {
-            of_set.sort_unstable();
-            of_set.get(of_set.len() / 2).map_or(String::new(), usize::to_string)
-        })
-        .collect();
-    println!("| {name} | {} |", medians.join(" | "));
+    let means = spent.map(|time| format!("{:.0}", time.as_nanos() as f64 / (steps * arenas) as f64));
+    println!("| {name} | {} |", means.join(" | "));
     Ok(())
 }
 

@@ -2,6 +2,9 @@
 //!
 //! `cargo bench --bench replay`.
 
+#[path = "support/allocator.rs"]
+mod allocator;
+
 use divan::{Bencher, counter::ItemsCount};
 use wayfield::learning::n_step::Transition;
 use wayfield::learning::replay::{Batch, ReplayBuffer};
@@ -10,10 +13,6 @@ use wayfield::learning::{ReplayConfig, Sampling, Schedule};
 use wayfield::random::{below, stream, unit};
 
 const CAPACITY: usize = 1_000_000;
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() {
     divan::main();

@@ -4,6 +4,8 @@
 //! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables; with a path it draws them too. An
 //! env step here has everything in: forward pass, exploration, rapier, LIDAR, observation, reward, replay buffer.
 
+#[path = "support/allocator.rs"]
+mod allocator;
 #[path = "support/process.rs"]
 mod process;
 
@@ -26,10 +28,6 @@ const GRADIENT_STEPS: u32 = 3_000;
 
 /// One row of a table: size, microseconds for one step, kB held.
 type Row = (usize, f64, f64);
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();

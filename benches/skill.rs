@@ -6,6 +6,8 @@
 //! the run's begin, with evaluations; env steps do not depend on the machine. CPU time is that of the same run again,
 //! stopped when it first reached 96 %: both threads, evaluations too.
 
+#[path = "support/allocator.rs"]
+mod allocator;
 #[path = "support/process.rs"]
 mod process;
 #[path = "support/runs.rs"]
@@ -20,9 +22,6 @@ use wayfield::run::evaluate::{Evaluation, Evaluator, against_optimum};
 use wayfield::run::records::EvaluationRow;
 use wayfield::task::Places;
 
-/// Median CPU time of Stable-Baselines3's DQN to 96 % in Scenario I on a machine of this kind, in s.
-const STABLE_BASELINES_S: f64 = 212.0;
-
 /// What one seed came to.
 struct Outcome {
     run: Ran,
@@ -30,10 +29,6 @@ struct Outcome {
     success_rate: f64,
     time_ratio: f64,
 }
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
@@ -68,16 +63,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             over(3, &|o| -o.success_rate).replace('-', ""),
             over(3, &|o| o.time_ratio),
         );
-        if pair == "fast:scenario-1" {
-            let mut cpu: Vec<f64> = outcomes.iter().map(|o| o.cpu_to_96_s).collect();
-            cpu.sort_by(f64::total_cmp);
-            let slowest = cpu.last().copied().unwrap_or(f64::INFINITY);
-            eprintln!(
-                "96 % in Scenario I for a {:.0}th to a {:.0}th of the CPU time of Stable-Baselines3 ({STABLE_BASELINES_S} s)",
-                STABLE_BASELINES_S / slowest,
-                STABLE_BASELINES_S / cpu.first().copied().unwrap_or(f64::INFINITY),
-            );
-        }
     }
     Ok(())
 }

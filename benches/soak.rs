@@ -5,6 +5,8 @@
 //! wants a display, such as Xvfb's. Both print a table of ten parts and a verdict, and end with status 1 if it is a bad
 //! one. What else the machine does shows in the speeds: leave it alone meanwhile, or give this process a core of its own.
 
+#[path = "support/allocator.rs"]
+mod allocator;
 #[path = "support/process.rs"]
 mod process;
 
@@ -41,10 +43,6 @@ impl Sample {
         Self { wall_s, cpu_s: cpu_s(), env_steps, frames, resident_kb: status_kb("VmRSS:") }
     }
 }
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();

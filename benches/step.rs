@@ -3,6 +3,8 @@
 //!
 //! `cargo bench --bench step`; items are environment steps.
 
+#[path = "support/allocator.rs"]
+mod allocator;
 #[path = "../tests/common/mod.rs"]
 mod common;
 
@@ -21,10 +23,6 @@ use wayfield::random;
 use wayfield::scenario::Scenario;
 use wayfield::task::{Encoding, EpisodeEnded, RewardConfig, TaskMode, TaskPlugin, observation};
 use wayfield::world::{self, WorldPlugin};
-
-/// The binary's.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() {
     divan::main();

@@ -1,6 +1,6 @@
 //! The binary: one command line, one exit status; in a browser, the page's door.
 
-/// Rapier and dfdx ask for memory in every step, a thousand arenas all over it.
+/// Rapier and dfdx allocate in every step: what that costs is told in docs/performance.md.
 #[cfg(not(target_arch = "wasm32"))]
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

@@ -5,8 +5,9 @@ mod common;
 use bevy::prelude::*;
 use common::{Lab, bits};
 use wayfield::control_step::{ControlSet, ControlStep};
-use wayfield::scenario::Scenario;
-use wayfield::task::{EpisodeEnd, Pose, RewardConfig, TaskMode};
+use wayfield::scenario::{Generator, RandomShape, Scenario};
+use wayfield::task::{Clock, EpisodeEnd, Pose, RewardConfig, Streams, TaskMode};
+use wayfield::world;
 
 const STEPS: usize = 300;
 
@@ -78,6 +79,33 @@ fn arena_k_moves_and_senses_the_same_bits_among_1_2_7_or_64_still_obstacles() {
 #[test]
 fn arena_k_moves_and_senses_the_same_bits_among_1_2_7_or_64_moving_obstacles() {
     arena_k_is_the_same_among_however_many(&common::moving());
+}
+
+#[test]
+fn arena_k_moves_and_senses_the_same_bits_among_1_2_7_or_64_with_generated_obstacles() {
+    let shape = RandomShape::Circle { radius_m: (0.1, 0.2) };
+    let generators = vec![Generator { count: 4, shape, gap_m: 0.3, within: None }];
+    arena_k_is_the_same_among_however_many(&Scenario { generators, ..common::moving() });
+}
+
+/// Arenas that stand still at different times, and go on together: rapier's working memory, which they share, sees them in
+/// turn.
+#[test]
+fn arena_k_is_the_same_among_7_or_64_when_others_are_parked_and_rewound() {
+    let scenario = restless(common::moving());
+    let navigate = |arenas: usize| {
+        let mut lab = Lab::with(&scenario, arenas, 5, RewardConfig::default(), TaskMode::SingleNavigation);
+        let first = tracks(&mut lab, arenas);
+        assert!(lab.states().iter().all(|state| state.episode.parked), "300 steps end them all");
+        let fresh = |arena: usize| Some((Streams::new(6, arena as u64), Clock(0)));
+        world::rewind(lab.app.world_mut(), fresh);
+        let second = tracks(&mut lab, arenas);
+        first.into_iter().zip(second).map(|(first, second)| [first, second].concat()).collect::<Vec<_>>()
+    };
+    let among_64 = navigate(64);
+    for (arena, track) in navigate(7).iter().enumerate() {
+        assert_same("7 arenas or 64", arena, track, &among_64[arena]);
+    }
 }
 
 #[test]

@@ -9,7 +9,6 @@ use wayfield::learning::Policy;
 use wayfield::run::folder::{RunConfig, Transfer};
 use wayfield::run::preset::Budget;
 use wayfield::run::records::{EvaluationRow, Summary};
-use wayfield::run::shipped;
 use wayfield::run::train::{CHECKPOINT_EVERY, Job, train};
 
 /// Navigations of each evaluation on the way.
@@ -17,16 +16,7 @@ pub const NAVIGATIONS: usize = 500;
 
 /// A shipped preset in a shipped scenario.
 pub fn config(preset: &str, scenario: &str, seed: u64) -> Result<RunConfig, Box<dyn Error>> {
-    let mut config = RunConfig {
-        version: env!("CARGO_PKG_VERSION").into(),
-        seed,
-        scenario_from: scenario.into(),
-        preset_from: preset.into(),
-        transfer: None,
-        keep_after_episodes: Vec::new(),
-        scenario: shipped::scenario(scenario)?,
-        preset: shipped::preset(preset)?,
-    };
+    let mut config = RunConfig::resolve(scenario, preset, seed)?;
     config.preset.evaluation.navigations = NAVIGATIONS;
     Ok(config)
 }
@@ -40,12 +30,12 @@ pub struct Ran {
 }
 
 impl Ran {
-    /// Runs `config`, from `policy` if there is one.
-    pub fn new(mut config: RunConfig, policy: Option<(&[u8], Option<f32>)>) -> Result<Self, Box<dyn Error>> {
+    /// Runs `config`, from a policy's file with an epsilon if they are given.
+    pub fn new(mut config: RunConfig, policy: Option<(&[u8], f32)>) -> Result<Self, Box<dyn Error>> {
         let scratch = tempfile::tempdir()?;
         let policy = match policy {
             Some((bytes, epsilon)) => {
-                config.transfer = Some(Transfer { policy: "the policy".into(), epsilon });
+                config.transfer = Some(Transfer { policy: "the policy".into(), epsilon: Some(epsilon) });
                 Some(Policy::from_bytes(bytes)?)
             }
             None => None,

@@ -5,7 +5,7 @@
 //! | file | duty |
 //! |---|---|
 //! | `arena.rs` | arenas spawned from a scenario, saved and restored, changed by hand |
-//! | `physics.rs` | everything of bevy_rapier: its plugin, its step, its bodies |
+//! | `physics.rs` | everything of bevy_rapier: its plugin, its bodies, a step |
 //! | `robot.rs` | the differential drive and its lag |
 //! | `contact.rs` | when in a step the robot first touches something |
 //! | `obstacles.rs` | moving obstacles as a function of the step count |

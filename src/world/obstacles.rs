@@ -2,7 +2,7 @@
 //! episode begins.
 //!
 //! In: the arena's [`Clock`] and its [`Room`]. Out: the next position of its kinematic bodies, which neither drift nor get
-//! pushed; and generated bodies in their new shapes and places.
+//! pushed; and generated obstacles in their new shapes and places.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
@@ -88,7 +88,9 @@ pub(super) fn place_bodies(
 ) {
     let scenario = &*room.scenario;
     for (index, obstacle) in moving(scenario) {
-        if let Some(body) = bodies.obstacles[index].and_then(|body| set.bodies.get_mut(body)) {
+        if let Some(body) =
+            bodies.obstacles.get(index).copied().flatten().and_then(|body| set.bodies.get_mut(body))
+        {
             let pose = body_pose(scenario, obstacle, clock);
             body.set_position(pose, true);
             body.set_next_kinematic_position(pose);

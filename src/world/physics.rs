@@ -1,4 +1,4 @@
-//! Everything of bevy_rapier stands here: its plugin, its step, and how bodies are made.
+//! Everything of bevy_rapier stands here: its plugin, how bodies are made, and the step of its contexts.
 //!
 //! Every arena is a physics context of its own, so arenas cannot meet, and arena k moves the same bits whatever the
 //! number of arenas. In: a scenario's shapes. Out: [`Bodies`], the handles by which the other files of this room
@@ -38,7 +38,7 @@ pub struct Bodies {
     pub robot: RigidBodyHandle,
     /// One for each obstacle of the scenario, in its order; none for one that stands still.
     pub obstacles: Vec<Option<RigidBodyHandle>>,
-    /// Enough for what the scenario's generators make.
+    /// Colliders, enough for what the scenario's generators make; those that are not used are disabled.
     pub generated: Vec<ColliderHandle>,
     /// What a beam can meet: the obstacles in the scenario's order, then the walls, then what was generated.
     pub solids: Vec<ColliderHandle>,
@@ -84,9 +84,9 @@ pub(super) fn context(control_period_s: f32) -> impl Bundle {
     (simulation, RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) })
 }
 
-/// Rapier's working memory. One serves all arenas, for nothing of it outlives a step but a layout of joints, and there are
-/// none: so it stays in the cache, however many arenas there are, and arenas whose bodies were touched equally often share
-/// that empty layout too (which is why `actuate` sets a velocity even where it is what it was).
+/// Rapier's working memory, one for all arenas: so little of it stays in the cache. What it keeps from step to step concerns
+/// joints, of which there are none, and a flag that every arena with a robot sets anew. Arenas in whose bodies rapier was let
+/// equally often (`actuate` and `read_pose` do so in every step) need not even lay out their lack of joints anew.
 #[derive(Resource, Default)]
 struct Pipeline(PhysicsPipeline);
 
@@ -158,8 +158,8 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
         world.spawn((Part::Wall(index), link, collider, at));
     }
     for index in 0..scenario.most_obstacles() - scenario.obstacles.len() {
-        // Shaped and placed when an episode begins.
-        world.spawn((Part::Generated(index), link, ColliderDisabled, Collider::ball(1.0), at(0.0, 0.0, 0.0)));
+        // Shaped and placed, or disabled, when an episode begins. (Not here: all that has no body is then made in order.)
+        world.spawn((Part::Generated(index), link, Collider::ball(1.0), at(0.0, 0.0, 0.0)));
     }
 }
 
@@ -201,7 +201,7 @@ fn collider(shape: &Shape) -> Collider {
     }
 }
 
-/// The same as rapier has it, for bodies that are shaped anew.
+/// The same as rapier has it, for colliders that are shaped anew.
 pub(super) fn shape(shape: &Shape) -> SharedShape {
     collider(shape).raw
 }
@@ -216,7 +216,7 @@ pub(super) fn make_bodies(world: &mut World) {
         .collect();
     found.sort_by_key(|&(arena, part, ..)| (arena, part));
     for parts in found.chunk_by(|a, b| a.0 == b.0) {
-        // The robot sorts first, then the obstacles in order, then the walls, then what is generated.
+        // The robot, which always has a body, sorts first; then the obstacles in order, the walls, what is generated.
         let (arena, _, Some(robot), _) = parts[0] else { continue };
         let obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
         let (standing, generated) =
