@@ -1,11 +1,11 @@
 //! What a frame of the window costs the CPU, beside the control steps: the scene taken, the screen laid out, its
 //! triangles made. (What the GPU does with them is not in it.) At 30 frames a second a frame has 33 ms.
 //!
-//! `cargo bench --bench frame`
+//! `cargo bench --bench frame`, with the feature `window`.
 
-#[cfg(feature = "window")]
 #[path = "support/allocator.rs"]
 mod allocator;
+#[cfg(feature = "window")]
 #[path = "../tests/support/studio.rs"]
 mod studio;
 

@@ -29,9 +29,13 @@ const SETS: [ControlSet; 8] = [
     ControlSet::Restart,
 ];
 const ARENAS: [usize; 6] = [1, 16, 64, 256, 512, 1024];
-/// So many at least are measured, and so many control steps.
+/// Control steps before anything is measured: longer than an episode may last.
+const WARM_UP: usize = 600;
+/// Measured without gradient steps: so many env steps, and at least so many control steps.
 const ENV_STEPS: usize = 200_000;
-const CONTROL_STEPS: usize = 600;
+const FEWEST_STEPS: usize = 600;
+/// Control steps measured with gradient steps.
+const LEARNING_STEPS: usize = 5_000;
 
 /// When each set ended, in this control step.
 #[derive(Resource, Default)]
@@ -44,7 +48,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for arenas in ARENAS {
         row(&arenas.to_string(), arenas, false)?;
     }
-    row(&format!("{}, learning", shipped::preset("fast")?.arenas), shipped::preset("fast")?.arenas, true)
+    let arenas = shipped::preset("fast")?.arenas;
+    row(&format!("{arenas}, learning"), arenas, true)
 }
 
 fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> {
@@ -62,14 +67,14 @@ fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> 
         app.add_systems(ControlStep, tick.after(pair[0].clone()).before(pair[1].clone()));
     }
     let world = app.world_mut();
-    let steps = if learning { 5_000 } else { (ENV_STEPS / arenas).max(CONTROL_STEPS) };
+    let steps = if learning { LEARNING_STEPS } else { (ENV_STEPS / arenas).max(FEWEST_STEPS) };
     let mut spent = [Duration::ZERO; SETS.len() + 1];
-    for step in 0..CONTROL_STEPS + steps {
+    for step in 0..WARM_UP + steps {
         world.resource_mut::<Ends>().0.clear();
         let began = Instant::now();
         simulation::step(world)?;
         let ended = Instant::now();
-        if step < CONTROL_STEPS {
+        if step < WARM_UP {
             continue;
         }
         let mut from = began;

@@ -2,7 +2,7 @@
 //! the size of the replay buffer.
 //!
 //! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables; with a path it draws them too. An
-//! env step here has everything in: forward pass, exploration, rapier, LIDAR, observation, reward, replay buffer.
+//! env step here has everything in (preset `fast`): forward pass, exploration, rapier, LIDAR, observation, reward, replay buffer.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -10,7 +10,7 @@ mod allocator;
 mod process;
 
 use std::error::Error;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -39,16 +39,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     let arenas = ARENAS.iter().map(|&n| row("arenas", n)).collect::<Result<Vec<_>, _>>()?;
-    println!("| arenas | us an env step | env steps/s | kB an arena |\n|---|---|---|---|");
+    let least = |rows: &[Row]| rows.iter().map(|row| row.1).fold(f64::INFINITY, f64::min);
+    println!("| arenas | us an env step | times the least | env steps/s | MB |\n|---|---|---|---|---|");
     for (n, us, kb) in &arenas {
-        println!("| {n} | {us:.2} | {:.0} | {:.0} |", 1e6 / us, kb / *n as f64);
+        println!("| {n} | {us:.2} | {:.2} | {:.0} | {:.1} |", us / least(&arenas), 1e6 / us, kb / 1024.0);
     }
     let replay = REPLAY.iter().map(|&n| row("replay", n)).collect::<Result<Vec<_>, _>>()?;
     println!(
-        "\n| transitions in the replay buffer | us a gradient step | gradient steps/s | MB |\n|---|---|---|---|"
+        "\n| transitions in the replay buffer | us a gradient step | times the least | gradient steps/s | MB |\n|---|---|---|---|---|"
     );
     for (n, us, kb) in &replay {
-        println!("| {n} | {us:.1} | {:.0} | {:.1} |", 1e6 / us, kb / 1024.0);
+        println!("| {n} | {us:.1} | {:.2} | {:.0} | {:.1} |", us / least(&replay), 1e6 / us, kb / 1024.0);
     }
     if let Some(path) = arguments.first() {
         draw(path, &arenas, &replay)?;
@@ -58,7 +59,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn row(kind: &str, size: usize) -> Result<Row, Box<dyn Error>> {
-    let output = Command::new(std::env::current_exe()?).args([kind, &size.to_string()]).output()?;
+    let output = Command::new(std::env::current_exe()?)
+        .args([kind, &size.to_string()])
+        .stderr(Stdio::inherit())
+        .output()?;
     let text = String::from_utf8(output.stdout)?;
     let (us, kb) = text.trim().split_once(' ').ok_or("a row's process printed no row")?;
     Ok((size, us.parse()?, kb.parse()?))

@@ -14,7 +14,7 @@ use std::error::Error;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use process::{cpu_s, status_kb};
 use wayfield::learning::LearningConfig;
@@ -103,6 +103,8 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
 
 #[cfg(feature = "window")]
 mod window {
+    use std::time::Duration;
+
     use bevy::prelude::*;
     use wayfield::agent::Trainer;
     use wayfield::app::Shown;

@@ -1,9 +1,9 @@
 //! Transfer: is a run in Scenario II sooner there from a policy of Scenario I than from scratch?
 //!
-//! `cargo bench --no-default-features --bench transfer -- [SEEDS]`, by default 3. Each seed runs 20,000 env steps in
-//! Scenario I (about what it takes to drive there; they are not counted), then twice in Scenario II: from scratch, and
-//! from the best policy; all with the default preset. There
-//! 500 navigations every 1,000 env steps tell when a rate is first reached. Env steps do not depend on the machine.
+//! `cargo bench --no-default-features --bench transfer -- [SEEDS]`, by default 3. Each seed runs 20,000 env steps in Scenario I
+//! (about what it takes to drive there; they are not counted), then twice 50,000 in Scenario II: from scratch, and from the
+//! best policy; all with the default preset. There 500 navigations every 1,000 env steps tell when a rate is first
+//! reached. Env steps do not depend on the machine.
 
 #[path = "support/allocator.rs"]
 mod allocator;
