@@ -7,16 +7,15 @@
 
 #[path = "support/allocator.rs"]
 mod allocator;
+#[path = "support/world.rs"]
+mod world;
 
 use std::error::Error;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use wayfield::control_step::{ControlSet, ControlStep};
-use wayfield::learning::Learner;
 use wayfield::run::{shipped, simulation};
-use wayfield::task::observation;
 
 const SETS: [ControlSet; 8] = [
     ControlSet::Decide,
@@ -53,15 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> {
-    let scenario = Arc::new(shipped::scenario("scenario-1")?);
-    let mut preset = shipped::preset("fast")?;
-    preset.arenas = arenas;
-    if !learning {
-        preset.learning.train_interval = u64::MAX;
-    }
-    let inputs = observation::width(scenario.lidar.beams);
-    let learner = Learner::new(&preset.learning, inputs, scenario.robot.motions.len(), arenas, 1)?;
-    let mut app = simulation::training(&scenario, &preset, 1, learner);
+    let mut app = world::training(arenas, learning)?;
     app.init_resource::<Ends>();
     for pair in SETS.windows(2) {
         app.add_systems(ControlStep, tick.after(pair[0].clone()).before(pair[1].clone()));

@@ -8,10 +8,11 @@
 mod allocator;
 #[path = "support/process.rs"]
 mod process;
+#[path = "support/world.rs"]
+mod world;
 
 use std::error::Error;
 use std::process::{Command, Stdio};
-use std::sync::Arc;
 use std::time::Instant;
 
 use plotters::prelude::*;
@@ -19,7 +20,6 @@ use process::status_kb;
 use wayfield::agent::Trainer;
 use wayfield::learning::{Experience, Learner, LearningConfig};
 use wayfield::run::{shipped, simulation};
-use wayfield::task::observation;
 
 const ARENAS: [usize; 7] = [1, 4, 16, 64, 256, 512, 1024];
 const REPLAY: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
@@ -74,13 +74,8 @@ fn config() -> Result<LearningConfig, Box<dyn Error>> {
 
 /// `ENV_STEPS` steps of Scenario I in `arenas` arenas, without gradient steps.
 fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
-    let scenario = Arc::new(shipped::scenario("scenario-1")?);
-    let mut preset = shipped::preset("fast")?;
-    preset.arenas = arenas;
-    preset.learning.train_interval = u64::MAX;
     let before = status_kb("VmRSS:") as f64;
-    let learner = Learner::new(&preset.learning, observation::width(24), 5, arenas, 1)?;
-    let mut app = simulation::training(&scenario, &preset, 1, learner);
+    let mut app = world::training(arenas, false)?;
     for _ in 0..(2_000 / arenas).max(4) {
         simulation::step(app.world_mut())?;
     }

@@ -84,9 +84,9 @@ pub(super) fn context(control_period_s: f32) -> impl Bundle {
     (simulation, RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) })
 }
 
-/// Rapier's working memory, one for all arenas: so little of it stays in the cache. What it keeps from step to step concerns
-/// joints, of which there are none, and a flag that every arena with a robot sets anew. Arenas in whose bodies rapier was let
-/// equally often (`actuate` and `read_pose` do so in every step) need not even lay out their lack of joints anew.
+/// Rapier's working memory, one for all arenas: so it stays in the cache. What it keeps from step to step concerns joints,
+/// of which there are none, and a flag that every arena with a robot sets anew. Where all robots are touched equally often
+/// (`actuate` and `read_pose` do so in every step), rapier lays out its lack of joints once for all arenas.
 #[derive(Resource, Default)]
 struct Pipeline(PhysicsPipeline);
 
