@@ -226,14 +226,14 @@ fn transfer_starts_with_the_policys_weights_and_the_epsilon_asked_for() {
     assert!(!desk.text("scratch/config.ron").contains("epsilon: 0.5"));
     desk.succeed("--train --resume transferred --steps 4000");
     desk.succeed("--train --resume scratch --steps 4000");
-    // The preset's line from its start to 0.05 over 15,000 env steps, from another start.
+    // The preset's line from its start to 0.02 over 15,000 env steps, from another start.
     for (run, start) in [("transferred", 0.5), ("scratch", 1.0)] {
         let rows = desk.rows(&format!("{run}/episodes.csv"));
         assert!(!rows.is_empty());
         for row in rows {
             let (epsilon, env_steps): (f64, f64) =
                 (row["epsilon"].parse().unwrap(), row["env_steps"].parse().unwrap());
-            let expected = start + (0.05 - start) * env_steps / 15_000.0;
+            let expected = start + (0.02 - start) * env_steps / 15_000.0;
             assert!((epsilon - expected).abs() < 1e-4, "{run}: {epsilon} at {env_steps}, not {expected}");
         }
     }

@@ -38,7 +38,7 @@ fn one_arena_of_prioritized_dqn_repeats_to_the_bit() {
 
 #[test]
 fn sixteen_arenas_of_the_default_algorithm_repeat_to_the_bit() {
-    assert_repeats("--scenario noisy.ron --preset fast.ron --steps 8000");
+    assert_repeats("--scenario noisy.ron --preset fast.ron --steps 10000");
 }
 
 /// A run of the whole budget equals one of half the budget that is resumed to the whole.

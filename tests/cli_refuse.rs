@@ -108,7 +108,7 @@ fn presets_that_cannot_be_used() {
             &["batch.ron:24:", "`learning.batch_size`", "at least 1"],
         ),
         ("gamma.ron", ("gamma: 0.95", "gamma: 1.5"), &["gamma.ron:18:", "`learning.gamma`", "1.5"]),
-        ("rate.ron", ("from: 0.001", "from: NaN"), &["rate.ron:23:", "`learning.learning_rate", "NaN"]),
+        ("rate.ron", ("from: 0.0015", "from: NaN"), &["rate.ron:23:", "`learning.learning_rate", "NaN"]),
         (
             "layer.ron",
             ("hidden: [64, 64]", "hidden: [64, 0]"),

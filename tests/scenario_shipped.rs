@@ -185,7 +185,7 @@ fn every_world_trains_a_little() {
         let first = learner.network().parameters().to_vec();
         let mut app = simulation::training(&scenario, &preset, 7, learner);
         let mut ended = 0;
-        for step in 0..400 {
+        for step in 0..600 {
             simulation::step(app.world_mut()).unwrap_or_else(|error| panic!("{name}, step {step}: {error}"));
             ended += app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().count();
         }

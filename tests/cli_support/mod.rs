@@ -247,7 +247,7 @@ pub fn quick_fast() -> String {
             ("every_env_steps: 5000, navigations: 200", "every_env_steps: 1500, navigations: 20"),
             ("hidden: [64, 64]", "hidden: [16]"),
             ("batch_size: 64", "batch_size: 32"),
-            ("capacity: 200000", "capacity: 3000"),
+            ("capacity: 400000", "capacity: 3000"),
         ],
     )
 }

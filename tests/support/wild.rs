@@ -7,7 +7,7 @@ pub const WILD: [(&str, &str); 7] = [
     ("gamma: 0.95", "gamma: 0.99"),
     ("double: true", "double: false"),
     ("Huber(delta: 1.0)", "MeanSquared"),
-    ("Linear(from: 0.001, to: 0.00001, env_steps: 300000)", "Constant(0.01)"),
-    ("gradient_steps: 4", "gradient_steps: 16"),
+    ("Linear(from: 0.0015, to: 0.00001, env_steps: 600000)", "Constant(0.01)"),
+    ("gradient_steps: 2", "gradient_steps: 16"),
     ("Soft(tau: 0.01)", "Soft(tau: 1.0)"),
 ];
