@@ -3,7 +3,7 @@
 //! `cargo bench --no-default-features --bench transfer -- [SEEDS]`, by default 3. Each seed runs 20,000 env steps in Scenario I
 //! (about what it takes to drive there; they are not counted), then twice 50,000 in Scenario II: from scratch, and from the
 //! best policy; all with the default preset. There 500 navigations every 1,000 env steps tell when a rate is first
-//! reached, and the mean rate up to then and then (the area under the learning curve). Env steps do not depend on the machine.
+//! reached, and the mean rate up to 20,000 and up to 50,000 (the area under the learning curve). Env steps do not depend on the machine.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -59,11 +59,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("| {seed} | {} | {} |", simple.summary.best_success_rate.unwrap_or(0.0), row.join(" | "));
         all.push((reached, means));
     }
-    let of = |column: usize| all.iter().map(move |(reached, _)| reached[column / 2][column % 2]).collect();
-    let reached = (0..2 * RATES.len()).map(|column| spread(of(column), 0));
+    let reached_of =
+        |column: usize| all.iter().map(move |(reached, _)| reached[column / 2][column % 2]).collect();
+    let reached = (0..2 * RATES.len()).map(|column| spread(reached_of(column), 0));
     // The worst mean is the lowest one.
-    let of = |column: usize| all.iter().map(move |(_, means)| -means[column / 2][column % 2]).collect();
-    let means = (0..2 * UP_TO.len()).map(|column| spread(of(column), 1).replace('-', ""));
+    let means_of = |column: usize| all.iter().map(move |(_, means)| -means[column / 2][column % 2]).collect();
+    let means = (0..2 * UP_TO.len()).map(|column| spread(means_of(column), 1).replace('-', ""));
     println!("| median (worst) | | {} |\n", reached.chain(means).collect::<Vec<_>>().join(" | "));
     for (index, column) in columns.iter().enumerate() {
         let ahead = all.iter().filter(|(reached, means)| match index.checked_sub(RATES.len()) {

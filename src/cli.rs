@@ -40,7 +40,7 @@ Examples:
   wayfield --train                                   Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
-  wayfield --train --resume runs/scenario-1-fast-0 --steps 600000
+  wayfield --train --resume runs/scenario-1-fast-0 --steps 900000
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        whether all worlds in a folder can be used
 

@@ -57,7 +57,7 @@ fn three_hundred_episodes_are_a_hundred_and_fifty_and_a_hundred_and_fifty() {
 }
 
 #[test]
-fn sixteen_arenas_with_three_step_returns_resume_to_the_bit() {
+fn sixteen_arenas_with_two_step_returns_resume_to_the_bit() {
     // The half is no multiple of anything: windows of returns, schedules and evaluations are all under way.
     assert_resumes("--scenario one.ron --preset fast.ron", "--steps 5200", "--steps 10000");
 }

@@ -146,6 +146,6 @@ fn gradient_steps(training: &Training, budget: Budget) -> f64 {
         Budget::EnvSteps(n) => n as f64,
     };
     let per_step = f64::from(learning.gradient_steps) / learning.train_interval as f64;
-    // An env step without learning costs a tenth of a gradient step.
+    // An env step without learning costs a tenth of a gradient step in one arena, a thirtieth in sixteen.
     env_steps * (per_step + 0.1) + 1.0
 }

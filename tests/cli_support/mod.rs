@@ -238,7 +238,7 @@ pub fn quick_per() -> String {
     )
 }
 
-/// The default preset's algorithm in 16 arenas, made quick: 3-step returns, Adam, Huber, a soft target, schedules by
+/// The default preset's algorithm in 16 arenas, made quick: 2-step returns, Adam, Huber, a soft target, schedules by
 /// env steps.
 pub fn quick_fast() -> String {
     edited(
