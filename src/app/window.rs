@@ -250,30 +250,35 @@ fn take_picture(
     picture: Res<Picture>,
     session: Option<ResMut<Session>>,
     windows: Query<Entity, With<PrimaryWindow>>,
-    mut settled: Local<u32>,
-    mut asked: Local<bool>,
+    under_way: Query<(), With<Screenshot>>,
+    mut frames: Local<u32>,
 ) {
     // Drawn often enough for the layout to have settled, and for glyphs and colours to have reached the GPU.
     const SETTLED: u32 = 8;
+    // So many pictures of nothing are thrown away: shaders are made beside, and until they are there nothing is drawn.
+    const MOST_EMPTY: u32 = 1_000;
     let Some(mut session) = session else { return };
-    if *asked || session.journal.steps < picture.after_steps || windows.is_empty() {
+    if !under_way.is_empty() || session.journal.steps < picture.after_steps || windows.is_empty() {
         return;
     }
     session.pacer.held = true;
-    *settled += 1;
-    if *settled < SETTLED {
+    *frames += 1;
+    if *frames < SETTLED {
         return;
     }
-    *asked = true;
-    let file = picture.file.clone();
+    let (file, last) = (picture.file.clone(), *frames >= SETTLED + MOST_EMPTY);
     commands.spawn(Screenshot::primary_window()).observe(
         move |captured: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
-            let written = captured
-                .image
-                .clone()
-                .try_into_dynamic()
-                .map_err(|error| error.to_string())
-                .and_then(|image| image.to_rgb8().save(&file).map_err(|error| error.to_string()));
+            let written = match captured.image.clone().try_into_dynamic().map(|image| image.to_rgb8()) {
+                Ok(image) if image.pixels().all(|pixel| pixel == image.get_pixel(0, 0)) => {
+                    if !last {
+                        return;
+                    }
+                    Err("nothing is drawn".to_owned())
+                }
+                Ok(image) => image.save(&file).map_err(|error| error.to_string()),
+                Err(error) => Err(error.to_string()),
+            };
             exit.write(match written {
                 Ok(()) => AppExit::Success,
                 Err(error) => {
