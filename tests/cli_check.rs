@@ -54,7 +54,7 @@ fn all_that_is_wrong_is_told_of_every_file() {
         ("radius_m: 0.15), position_m: (-0.6, -0.6)", "radius_m: 0.15), position_m: (-0.6, -1.9)"),
     ];
     desk.write("files/c.ron", edited(SCENARIO_1, &outside));
-    desk.write("files/b/preset.ron", edited(FAST, &[("n_step: 3", "nstep: 3")]));
+    desk.write("files/b/preset.ron", edited(FAST, &[("n_step: 2", "nstep: 2")]));
     desk.write("files/b/world.ron", edited(SCENARIO_1, &[("    obstacles: [", "    obstacels: [")]));
     let done = desk.run("--check files");
     assert_eq!(done.status, Some(2), "{}", done.stderr);

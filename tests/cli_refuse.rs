@@ -95,7 +95,7 @@ fn presets_that_cannot_be_used() {
     let desk = desk();
     let broken = [
         ("comma.ron", ("gamma: 0.95,", "gamma: 0.95"), &["comma.ron:19:9", "comma"][..]),
-        ("field.ron", ("n_step: 3", "nstep: 3"), &["field.ron:19:9", "nstep", "did you mean `n_step`?"]),
+        ("field.ron", ("n_step: 2", "nstep: 2"), &["field.ron:19:9", "nstep", "did you mean `n_step`?"]),
         (
             "encoding.ron",
             ("    reward: (", "    observation: Row,\n    reward: ("),
