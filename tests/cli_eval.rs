@@ -161,9 +161,9 @@ fn a_raw_policy_is_shown_raw_observations_and_nothing_else() {
     desk.write("raw.ron", raw(FAST));
     desk.succeed("--train --preset raw.ron --steps 40000 --seed 1 --out run");
     // During training: where scaled numbers are shown to it, it does not get there.
-    let rates = desk.rows("run/evaluations.csv").into_iter().map(|row| row["success_rate"].parse().unwrap());
-    let best = rates.fold(0.0, f64::max);
-    assert!(best >= 0.9, "{best}");
+    let evaluations = desk.rows("run/evaluations.csv");
+    let last: f64 = evaluations.last().unwrap()["success_rate"].parse().unwrap();
+    assert!(last >= 0.9, "{last}");
     let success = |name: &str| {
         number(&desk.succeed(&format!("--eval {name} --rounds 2 --seed 77 --json")).json(), "success_rate")
     };
