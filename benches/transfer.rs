@@ -3,7 +3,8 @@
 //! `cargo bench --no-default-features --bench transfer -- [SEEDS]`, by default 3. Each seed runs 20,000 env steps in Scenario I
 //! (about what it takes to drive there; they are not counted), then twice 50,000 in Scenario II: from scratch, and from the
 //! best policy; all with the default preset. There 500 navigations every 1,000 env steps tell when a rate is first
-//! reached, and the mean rate up to 20,000 and up to 50,000 (the area under the learning curve). Env steps do not depend on the machine.
+//! reached, and the mean rate up to 20,000 and up to 50,000 (the area under the learning curve). Env steps do not depend on
+//! the machine; seconds do, and hold the evaluations.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -25,65 +26,77 @@ const EVERY: u64 = 1_000;
 const PRESET: &str = "fast";
 /// To be reached.
 const RATES: [f64; 3] = [0.8, 0.9, 0.95];
+/// The seconds until then are told of this one.
+const TIMED: f64 = 0.95;
 /// The mean rate is taken over evaluations up to so many env steps.
 const UP_TO: [u64; 2] = [20_000, ENV_STEPS];
+
+/// What is compared: a run's figure, of which less is better.
+struct Measure {
+    name: String,
+    decimals: usize,
+    of: Box<dyn Fn(&Ran) -> f64>,
+}
+
+impl Measure {
+    fn new(name: String, decimals: usize, of: impl Fn(&Ran) -> f64 + 'static) -> Self {
+        Self { name, decimals, of: Box::new(of) }
+    }
+}
+
+fn measures() -> Vec<Measure> {
+    let sooner = RATES.map(|rate| {
+        let name = format!("env steps to {:.0} %", 100.0 * rate);
+        Measure::new(name, 0, move |run| or_never(run.reached(rate), |row| row.env_steps as f64))
+    });
+    let seconds = Measure::new(format!("s to {:.0} %", 100.0 * TIMED), 2, |run| {
+        or_never(run.reached(TIMED), |row| row.wall_s)
+    });
+    // What is missing of a mean success of 100 %.
+    let failures = UP_TO.map(|env_steps| {
+        Measure::new(format!("mean failures in % up to {env_steps}"), 1, move |run| failures(run, env_steps))
+    });
+    sooner.into_iter().chain([seconds]).chain(failures).collect()
+}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let seeds: u64 = arguments.first().map_or(Ok(3), |text| text.parse())?;
-    let columns: Vec<String> = RATES
-        .map(|rate| format!("{:.0} %", 100.0 * rate))
-        .into_iter()
-        .chain(UP_TO.map(|env_steps| format!("mean % up to {env_steps}")))
-        .collect();
-    let header = columns.iter().map(|column| format!("{column}: from scratch | with transfer"));
+    let measures = measures();
+    let header = measures.iter().map(|m| format!("{}: from scratch | with transfer", m.name));
     println!("| seed | success in I | {} |", header.collect::<Vec<_>>().join(" | "));
-    println!("|---|---|{}", "---|---|".repeat(columns.len()));
-    let mut all = Vec::new();
+    println!("|---|---|{}", "---|---|".repeat(measures.len()));
+    // By measure: every seed's figures, from scratch and with transfer.
+    let mut figures = vec![Vec::new(); measures.len()];
     for seed in 0..seeds {
         let simple = Ran::new(runs::until(runs::config(PRESET, "scenario-1", seed)?, BEFORE), None)?;
         let mut config = runs::until(runs::config(PRESET, "scenario-2", seed)?, ENV_STEPS);
         config.preset.evaluation.every_env_steps = EVERY;
         let scratch = Ran::new(config.clone(), None)?;
         let transfer = Ran::new(config, Some((&simple.best, EPSILON)))?;
-        let reached = RATES.map(|rate| {
-            [&scratch, &transfer].map(|run| or_never(run.reached(rate), |row| row.env_steps as f64))
-        });
-        let means = UP_TO.map(|env_steps| [&scratch, &transfer].map(|run| mean_percent(run, env_steps)));
-        let row: Vec<String> = reached
-            .as_flattened()
-            .iter()
-            .map(f64::to_string)
-            .chain(means.as_flattened().iter().map(percent))
-            .collect();
-        println!("| {seed} | {} | {} |", simple.summary.best_success_rate.unwrap_or(0.0), row.join(" | "));
-        all.push((reached, means));
+        let mut row = vec![simple.summary.best_success_rate.unwrap_or(0.0).to_string()];
+        for (measure, figures) in measures.iter().zip(&mut figures) {
+            let pair = [&scratch, &transfer].map(|run| (measure.of)(run));
+            row.extend(pair.map(|figure| format!("{figure:.*}", measure.decimals)));
+            figures.push(pair);
+        }
+        println!("| {seed} | {} |", row.join(" | "));
     }
-    let reached_of =
-        |column: usize| all.iter().map(move |(reached, _)| reached[column / 2][column % 2]).collect();
-    let reached = (0..2 * RATES.len()).map(|column| spread(reached_of(column), 0));
-    // The worst mean is the lowest one.
-    let means_of = |column: usize| all.iter().map(move |(_, means)| -means[column / 2][column % 2]).collect();
-    let means = (0..2 * UP_TO.len()).map(|column| spread(means_of(column), 1).replace('-', ""));
-    println!("| median (worst) | | {} |\n", reached.chain(means).collect::<Vec<_>>().join(" | "));
-    for (index, column) in columns.iter().enumerate() {
-        let ahead = all.iter().filter(|(reached, means)| match index.checked_sub(RATES.len()) {
-            None => reached[index][1] < reached[index][0],
-            Some(index) => means[index][1] > means[index][0],
-        });
-        println!("{column}: ahead with transfer on {} of {seeds} seeds", ahead.count());
+    let spreads = measures.iter().zip(&figures).flat_map(|(measure, figures)| {
+        [0, 1].map(|run| spread(figures.iter().map(|pair| pair[run]).collect(), measure.decimals))
+    });
+    println!("| median (worst) | | {} |\n", spreads.collect::<Vec<_>>().join(" | "));
+    for (measure, figures) in measures.iter().zip(&figures) {
+        let ahead = figures.iter().filter(|[scratch, transfer]| transfer < scratch).count();
+        println!("{}: less with transfer on {ahead} of {seeds} seeds", measure.name);
     }
     Ok(())
 }
 
-/// The mean success rate of the evaluations up to `env_steps`, in %.
-fn mean_percent(run: &Ran, env_steps: u64) -> f64 {
+/// The mean share of failures, in %, in the evaluations up to `env_steps`.
+fn failures(run: &Ran, env_steps: u64) -> f64 {
     // (A run's env steps come in whole control steps.)
     let rows = run.evaluations.iter().filter(|row| row.env_steps < env_steps + EVERY / 2);
-    let (count, sum) = rows.fold((0, 0.0), |(count, sum), row| (count + 1, sum + row.success_rate));
+    let (count, sum) = rows.fold((0, 0.0), |(count, sum), row| (count + 1, sum + 1.0 - row.success_rate));
     100.0 * sum / f64::from(count)
-}
-
-fn percent(rate: &f64) -> String {
-    format!("{rate:.1}")
 }
