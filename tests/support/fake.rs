@@ -274,7 +274,7 @@ fn status() -> Status {
             choice(
                 "fast",
                 "Fast",
-                "The skill in seconds: PER-D3QN in 16 arenas at once, with Adam and 3-step returns.",
+                "The skill in seconds: PER-D3QN in 16 arenas at once, with Adam and 2-step returns.",
             ),
             choice("dqn", "DQN", "Table 1 of the paper; single, without dueling, uniform replay."),
         ],
