@@ -6,6 +6,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use bevy::asset::AssetEventSystems;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 #[cfg(not(target_arch = "wasm32"))]
@@ -14,7 +15,9 @@ use bevy::window::{
     ExitCondition, FileDragAndDrop, PresentMode, PrimaryWindow, WindowResolution, WindowTheme,
 };
 use bevy::winit::{UpdateMode, WinitSettings};
-use bevy_egui::{EguiContexts, EguiInput, EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass};
+use bevy_egui::{
+    EguiContexts, EguiInput, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass,
+};
 
 #[cfg(target_arch = "wasm32")]
 use super::browser as files;
@@ -139,6 +142,8 @@ impl Plugin for WindowedPlugin {
                 .set(LogPlugin { filter: "error".into(), ..Default::default() }),
         )
         .add_plugins(EguiPlugin::default())
+        // bevy_egui 0.42 leaves this open: a new glyph would then be seen a frame late.
+        .configure_sets(PostUpdate, EguiPostUpdateSet::PostProcessOutput.before(AssetEventSystems))
         .insert_resource(OnDesk(preferences.desk.clone()))
         .add_plugins(StudioPlugin { first: opening.first.clone() })
         .insert_resource(ClearColor(Color::BLACK))
@@ -177,16 +182,12 @@ fn draw(
     mut desk: ResMut<OnDesk>,
     mut orders: MessageWriter<Order>,
     mut dressed: Local<bool>,
-    mut figures_at: Local<f32>,
 ) -> Result {
     let context = contexts.ctx_mut()?;
     // The typeface is there from the next frame on.
     if !std::mem::replace(&mut *dressed, true) {
         theme::install(context);
         return Ok(());
-    }
-    if std::mem::replace(&mut *figures_at, context.pixels_per_point()) != context.pixels_per_point() {
-        theme::prepare_figures(context);
     }
     let Some((scene, status)) = &shown.now else { return Ok(()) };
     let place = egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.content_rect());

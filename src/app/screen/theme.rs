@@ -130,17 +130,6 @@ pub fn install(ctx: &egui::Context) {
     }
 }
 
-/// Lays out the figures in every size, at every offset from a pixel, before they are needed: bevy_egui 0.42 shows a new
-/// glyph a frame late, and numbers change all the time.
-pub fn prepare_figures(ctx: &egui::Context) {
-    for size in [SMALL, BODY, HEADING, FIGURE] {
-        for figure in "0123456789.,−%×k".chars() {
-            let run = figure.to_string().repeat(8);
-            ctx.fonts_mut(|fonts| fonts.layout_no_wrap(run, FontId::proportional(size), Color32::WHITE));
-        }
-    }
-}
-
 fn dress(style: &mut egui::Style, inks: Inks) {
     for (name, size) in [
         (TextStyle::Small, SMALL),
