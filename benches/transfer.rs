@@ -3,8 +3,8 @@
 //! `cargo bench --no-default-features --bench transfer -- [SEEDS]`, by default 3. Each seed runs 20,000 env steps in Scenario I
 //! (about what it takes to drive there; they are not counted), then twice 50,000 in Scenario II: from scratch, and from the
 //! best policy; all with the default preset. There 500 navigations every 1,000 env steps tell when a rate is first
-//! reached, and the mean rate up to 20,000 and up to 50,000 (the area under the learning curve). Env steps do not depend on
-//! the machine; seconds do, and hold the evaluations.
+//! reached, and the mean share of failures up to 20,000 and up to 50,000 (the area above the learning curve). Env steps do not
+//! depend on the machine; seconds do, and hold the evaluations.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -28,7 +28,7 @@ const PRESET: &str = "fast";
 const RATES: [f64; 3] = [0.8, 0.9, 0.95];
 /// The seconds until then are told of this one.
 const TIMED: f64 = 0.95;
-/// The mean rate is taken over evaluations up to so many env steps.
+/// The mean is taken over evaluations up to so many env steps.
 const UP_TO: [u64; 2] = [20_000, ENV_STEPS];
 
 /// What is compared: a run's figure, of which less is better.
@@ -52,7 +52,6 @@ fn measures() -> Vec<Measure> {
     let seconds = Measure::new(format!("s to {:.0} %", 100.0 * TIMED), 2, |run| {
         or_never(run.reached(TIMED), |row| row.wall_s)
     });
-    // What is missing of a mean success of 100 %.
     let failures = UP_TO.map(|env_steps| {
         Measure::new(format!("mean failures in % up to {env_steps}"), 1, move |run| failures(run, env_steps))
     });
