@@ -16,8 +16,8 @@ use common::Lab;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use wayfield::scenario::{Lidar, Scenario};
+use wayfield::sim::{Bodies, lidar};
 use wayfield::task::Pose;
-use wayfield::world::{Bodies, lidar};
 
 fn main() {
     divan::main();

@@ -21,8 +21,8 @@ use wayfield::control_step::{ControlStep, ControlStepPlugin};
 use wayfield::learning::{NetworkShape, Policy, QNetwork};
 use wayfield::random;
 use wayfield::scenario::Scenario;
+use wayfield::sim::{self, WorldPlugin};
 use wayfield::task::{Encoding, EpisodeEnded, RewardConfig, TaskMode, TaskPlugin, observation};
-use wayfield::world::{self, WorldPlugin};
 
 fn main() {
     divan::main();
@@ -68,7 +68,7 @@ fn everything_in(bencher: Bencher, arenas: usize) {
     app.cleanup();
     app.update();
     let world = app.world_mut();
-    world::populate(world, &scenario, arenas, 1);
+    sim::populate(world, &scenario, arenas, 1);
     for _ in 0..200 {
         world.run_schedule(ControlStep);
     }

@@ -20,11 +20,11 @@ use crate::app::{
     window::{self, Opening, Picture},
 };
 use crate::learning::Policy;
+use crate::planner::not_modelled;
 use crate::reproduce::{Experiment, Request, reproduce};
 use crate::run::check_files::{self, Checked};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
-use crate::run::optimum::not_modelled;
 use crate::run::policy_card;
 use crate::run::preset::{Budget, MOST_STEPS};
 use crate::run::progress::say as tell;

@@ -7,8 +7,8 @@
 //! | set | responsible for | filled by |
 //! |---|---|---|
 //! | `Decide` | observations -> actions | [`AgentPlugin`](crate::agent::AgentPlugin) |
-//! | `Actuate` | actions -> velocities of robots and obstacles | [`WorldPlugin`](crate::world::WorldPlugin) |
-//! | `Simulate` | one step of rapier | [`WorldPlugin`](crate::world::WorldPlugin) |
+//! | `Actuate` | actions -> velocities of robots and obstacles | [`WorldPlugin`](crate::sim::WorldPlugin) |
+//! | `Simulate` | one step of rapier | [`WorldPlugin`](crate::sim::WorldPlugin) |
 //! | `Sense` | poses, LIDAR scans -> next observations | `WorldPlugin`, [`TaskPlugin`](crate::task::TaskPlugin) |
 //! | `Judge` | reward, collision, target, time limit | [`TaskPlugin`](crate::task::TaskPlugin) |
 //! | `Remember` | transitions -> replay buffer | [`TrainingPlugin`](crate::agent::TrainingPlugin) |

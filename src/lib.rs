@@ -21,18 +21,20 @@
 //!
 //! The browser's build leaves out `cli`, `reproduce` and what only they use; in its place `app` has a door of its own.
 
+pub use wayfield_learning as learning;
+pub use wayfield_planner as planner;
+pub use wayfield_random as random;
+pub use wayfield_report as report;
+pub use wayfield_scenario as scenario;
+
 pub mod agent;
 #[cfg(feature = "window")]
 pub mod app;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
 pub mod control_step;
-pub mod learning;
-pub mod random;
-pub mod report;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod reproduce;
 pub mod run;
-pub mod scenario;
+pub mod sim;
 pub mod task;
-pub mod world;

@@ -20,8 +20,8 @@ use wayfield::run::preset::Budget;
 use wayfield::run::train::{CHECKPOINT_EVERY, Job, train};
 use wayfield::run::{shipped, simulation};
 use wayfield::scenario::pose_at;
+use wayfield::sim;
 use wayfield::task::{ArenaState, Clock, CurrentScenario, observation};
-use wayfield::world;
 
 use studio::Studio;
 
@@ -31,7 +31,7 @@ const STEPS: u64 = 2_000;
 fn state(world: &mut bevy::prelude::World) -> (Vec<u8>, Vec<ArenaState>) {
     let mut bytes = Vec::new();
     world.resource::<Trainer>().0.save(&mut bytes).expect("a vector can be written to");
-    (bytes, world::snapshot(world))
+    (bytes, sim::snapshot(world))
 }
 
 /// The same training in a bare loop.

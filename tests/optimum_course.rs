@@ -10,9 +10,9 @@ use std::f32::consts::PI;
 use std::time::Instant;
 
 use common::Lab;
+use wayfield::planner::{Bounds, Plan, Resolution, least_time};
 use wayfield::random::stream;
 use wayfield::run::evaluate::{Navigation, bounds};
-use wayfield::run::optimum::{Bounds, Plan, Resolution, least_time};
 use wayfield::run::shipped;
 use wayfield::scenario::{Scenario, draw_start, draw_target};
 use wayfield::task::{ArenaState, Clock, EpisodeEnd, Pose, RewardConfig, Target, TaskMode};

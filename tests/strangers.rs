@@ -106,7 +106,10 @@ fn seeds(kind: &str) -> Vec<(String, Vec<u8>)> {
 
 /// A scenario with something of every kind.
 fn everything() -> (String, Vec<u8>) {
-    ("everything".into(), fs::read(project("tests/fixtures/scenario/everything.ron")).expect("it is there"))
+    (
+        "everything".into(),
+        fs::read(project("crates/scenario/tests/fixtures/everything.ron")).expect("it is there"),
+    )
 }
 
 #[test]

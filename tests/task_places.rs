@@ -4,8 +4,8 @@ mod common;
 
 use common::{Lab, closed_form};
 use wayfield::scenario::{PlaceRule, Scenario, Shape};
+use wayfield::sim;
 use wayfield::task::{Arena, ArenaState, Places, RewardConfig, TaskFault, TaskMode};
-use wayfield::world;
 
 fn assert_clear(scenario: &Scenario, state: &ArenaState, what: &str, at: (f32, f32), rule: &PlaceRule) {
     let PlaceRule::Random { clearance_m } = *rule else { panic!("random places") };
@@ -98,5 +98,5 @@ fn arenas_are_numbered_in_the_order_of_their_rows() {
     let mut numbers: Vec<usize> = world.query::<&Arena>().iter(world).map(|arena| arena.0).collect();
     numbers.sort_unstable();
     assert_eq!(numbers, (0..7).collect::<Vec<_>>());
-    assert_eq!(world::snapshot(world).len(), 7);
+    assert_eq!(sim::snapshot(world).len(), 7);
 }

@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use common::{Lab, bits};
 use wayfield::control_step::{ControlSet, ControlStep};
 use wayfield::scenario::{Generator, RandomShape, Scenario};
+use wayfield::sim;
 use wayfield::task::{Clock, EpisodeEnd, Pose, RewardConfig, Streams, TaskMode};
-use wayfield::world;
 
 const STEPS: usize = 300;
 
@@ -98,7 +98,7 @@ fn arena_k_is_the_same_among_7_or_64_when_others_are_parked_and_rewound() {
         let first = tracks(&mut lab, arenas);
         assert!(lab.states().iter().all(|state| state.episode.parked), "300 steps end them all");
         let fresh = |arena: usize| Some((Streams::new(6, arena as u64), Clock(0)));
-        world::rewind(lab.app.world_mut(), fresh);
+        sim::rewind(lab.app.world_mut(), fresh);
         let second = tracks(&mut lab, arenas);
         first.into_iter().zip(second).map(|(first, second)| [first, second].concat()).collect::<Vec<_>>()
     };
@@ -160,6 +160,6 @@ fn a_system_that_leaves_its_order_open_is_refused() {
     }
     let mut app = common::empty_app(RewardConfig::default(), TaskMode::Continuing);
     app.add_systems(ControlStep, meddle.in_set(ControlSet::Sense));
-    wayfield::world::populate(app.world_mut(), &common::moving().into(), 1, 1);
+    wayfield::sim::populate(app.world_mut(), &common::moving().into(), 1, 1);
     app.world_mut().run_schedule(ControlStep);
 }

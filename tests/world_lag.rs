@@ -5,8 +5,8 @@ mod common;
 use common::{Lab, bits};
 use proptest::prelude::*;
 use wayfield::scenario::{Motion, Scenario};
+use wayfield::sim::{Lag, chord_velocity, turned};
 use wayfield::task::{Drive, EpisodeEnd, Pose, RewardConfig, Target, TaskMode};
-use wayfield::world::{Lag, chord_velocity, turned};
 
 /// The paper's robot with a lag of 0.3 s, a step and a half, and nothing near.
 fn lagging() -> Scenario {
@@ -73,7 +73,7 @@ fn an_arena_that_is_rewound_begins_at_rest() {
     lab.step(&[0]);
     let state = lab.state(0);
     assert!(state.drive.v_m_s > 0.07 && state.drive.w_rad_s > 0.7);
-    wayfield::world::rewind(lab.app.world_mut(), |_| Some((state.streams.clone(), state.clock)));
+    wayfield::sim::rewind(lab.app.world_mut(), |_| Some((state.streams.clone(), state.clock)));
     assert_eq!(lab.state(0).drive, Drive::default());
 }
 

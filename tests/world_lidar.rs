@@ -13,11 +13,11 @@ use bevy_rapier2d::rapier::prelude::{
 use common::{Lab, bits, closed_form};
 use proptest::prelude::*;
 use wayfield::scenario::{Enclosure, Lidar, Scenario, Shape, Wall};
-use wayfield::task::{Pose, RewardConfig, TaskMode};
-use wayfield::world::{
+use wayfield::sim::{
     Bodies,
     lidar::{self, Beams},
 };
+use wayfield::task::{Pose, RewardConfig, TaskMode};
 
 fn pose(x_m: f32, y_m: f32, heading_rad: f32) -> Pose {
     Pose { x_m, y_m, heading_rad }

@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 use common::Lab;
 use proptest::prelude::*;
 use wayfield::scenario::Motion;
+use wayfield::sim::{chord_velocity, turned};
 use wayfield::task::Pose;
-use wayfield::world::{chord_velocity, turned};
 
 /// Where constant (v, w) takes a robot in `t` seconds: eq. by eq., in f64.
 fn arc((x, y, heading): (f64, f64, f64), motion: &Motion, t: f64) -> (f64, f64, f64) {

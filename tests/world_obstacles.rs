@@ -4,8 +4,8 @@ mod common;
 
 use common::Lab;
 use wayfield::scenario::{Scenario, pose_at};
+use wayfield::sim;
 use wayfield::task::{Clock, Pose, RewardConfig, Streams, TaskMode};
-use wayfield::world;
 
 /// Bodies, and the colliders that LIDAR and contacts use, are where `pose_at` puts them at the arena's clock.
 fn assert_in_place(lab: &mut Lab, arena: usize, when: &str) {
@@ -62,7 +62,7 @@ fn a_rewound_clock_takes_the_obstacles_along() {
     for clock in [0, 1, 777, 1_000_000_007] {
         lab.step(&[2, 2, 2]);
         let fresh = |arena| Some((Streams::new(4, arena as u64), Clock(clock + arena as u64)));
-        world::rewind(lab.app.world_mut(), fresh);
+        sim::rewind(lab.app.world_mut(), fresh);
         for arena in 0..3 {
             assert_eq!(lab.state(arena).clock, Clock(clock + arena as u64));
             assert_in_place(&mut lab, arena, "rewound");

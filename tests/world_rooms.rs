@@ -9,8 +9,8 @@ use wayfield::random::{self, below, between};
 use wayfield::scenario::{
     Enclosure, Generator, Motion, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Scenario, Shape, Wall,
 };
+use wayfield::sim;
 use wayfield::task::{Clock, EpisodeEnd, Pose};
-use wayfield::world;
 
 /// An L with a wall, a rod, a triangle, and one of each that moves.
 fn crooked() -> Scenario {
@@ -99,7 +99,7 @@ fn a_saved_room_goes_on_to_the_bit() {
     }
     let saved = lab.states();
     let mut other = Lab::new(&scenario, 3, 99);
-    world::restore(other.app.world_mut(), &saved);
+    sim::restore(other.app.world_mut(), &saved);
     assert_eq!(other.states(), saved);
     for step in 0..200 {
         let action = [step / 7 % 5; 3];
@@ -233,7 +233,7 @@ fn another_world_is_taken_with_streams_and_clocks_as_they_stand() {
     let before = lab.states();
     let other = Arc::new(crooked());
     lab.scenario = other.clone();
-    world::replace(lab.app.world_mut(), &other);
+    sim::replace(lab.app.world_mut(), &other);
     let after = lab.states();
     for (old, new) in before.iter().zip(&after) {
         assert_eq!(old.clock, new.clock);
@@ -247,6 +247,6 @@ fn another_world_is_taken_with_streams_and_clocks_as_they_stand() {
     for _ in 0..30 {
         again.step(&[2; 4]);
     }
-    world::replace(again.app.world_mut(), &other);
+    sim::replace(again.app.world_mut(), &other);
     assert_eq!(again.states(), after, "the same from the same");
 }

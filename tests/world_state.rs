@@ -4,11 +4,11 @@ mod common;
 
 use common::{Lab, bits, closed_form};
 use wayfield::scenario::Scenario;
+use wayfield::sim;
 use wayfield::task::{
     ArenaState, Clock, Encoding, EpisodeEnd, Outcome, RewardConfig, Streams, TaskMode,
     observation::RANGE_SCALE_M,
 };
-use wayfield::world;
 
 /// Scan and observation of every arena are those of this very moment: the scan is to the bit what a fresh cast
 /// gives, and to 1e-5 m what geometry says of obstacles where the clock has them.
@@ -76,7 +76,7 @@ fn no_scan_is_stale(mut scenario: Scenario) {
         "{collisions}, {time_outs}, {redrawn}: all were seen"
     );
     let fresh = |arena| Some((Streams::new(77, arena as u64), Clock(1000 * arena as u64)));
-    world::rewind(lab.app.world_mut(), fresh);
+    sim::rewind(lab.app.world_mut(), fresh);
     assert_fresh(&mut lab, "right after rewind");
 }
 
@@ -93,9 +93,7 @@ fn no_scan_is_stale_among_moving_obstacles() {
 #[test]
 fn an_arena_that_a_rewind_leaves_out_is_parked() {
     let mut lab = Lab::with(&common::moving(), 3, 6, RewardConfig::default(), TaskMode::SingleNavigation);
-    world::rewind(lab.app.world_mut(), |arena| {
-        (arena != 1).then(|| (Streams::new(1, arena as u64), Clock(5)))
-    });
+    sim::rewind(lab.app.world_mut(), |arena| (arena != 1).then(|| (Streams::new(1, arena as u64), Clock(5))));
     let (before, row) = (lab.states(), lab.row(1));
     for _ in 0..5 {
         lab.step(&[2, 2, 2]);
@@ -134,7 +132,7 @@ fn goes_on_to_the_bit(mut scenario: Scenario) {
     // Another seed: nothing of the fresh app's own start may shine through.
     let mut other = Lab::new(&scenario, arenas, 32);
     let states: Vec<ArenaState> = postcard::from_bytes(&saved).expect("and comes back");
-    world::restore(other.app.world_mut(), &states);
+    sim::restore(other.app.world_mut(), &states);
     assert_eq!(other.states(), lab.states(), "{}: restored is as saved", scenario.name);
     for (arena, row) in rows.iter().enumerate() {
         assert_eq!(bits(&other.row(arena)), *row, "{}: arena {arena} observes what it did", scenario.name);

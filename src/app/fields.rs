@@ -15,8 +15,8 @@ use super::session::Session;
 use crate::agent::{Driver, Drivers, Trainer};
 use crate::learning::QNetwork;
 use crate::scenario::{Scenario, inner_wall_distance, wall_distance};
+use crate::sim::Probe;
 use crate::task::{Arena, Clock, CurrentScenario, Encoding, Pose, RewardConfig, Scan, Target, observation};
-use crate::world::Probe;
 
 /// Grid points along the longer side.
 const POINTS: usize = 56;

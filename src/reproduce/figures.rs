@@ -7,12 +7,12 @@ use super::measure::Measure;
 use super::results::Results;
 use super::trial::read_policy;
 use super::verdict::plain;
+use crate::planner::{Resolution, least_time};
 use crate::report::DrawError;
 use crate::report::chart::{Curves, DotCell, DotColumn, Dots, Level, Line, Map, Panel, Path, Point, XMark};
 use crate::report::statistics::{Estimate, band, moving_mean};
 use crate::run::RunError;
 use crate::run::evaluate::Evaluator;
-use crate::run::optimum::{Resolution, least_time};
 use crate::run::picture;
 use crate::task::{Places, Pose};
 

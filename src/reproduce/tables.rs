@@ -8,11 +8,11 @@ use super::measure::Measure;
 use super::results::{Results, Value};
 use super::trial::COURSE_DRIVES;
 use super::verdict::{compare, plain};
+use crate::planner::Bounds;
 use crate::report::statistics::Estimate;
 use crate::report::table::{Cell, Column, ColumnKind, Table, number};
 use crate::run::RunError;
 use crate::run::evaluate::period_s;
-use crate::run::optimum::Bounds;
 
 /// Makes a table of experiment `index`.
 ///

@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 
 use super::experiment::TestRule;
 use super::trial;
+use crate::planner::Bounds;
 use crate::run::RunError;
 use crate::run::evaluate::{Navigation, bounds};
-use crate::run::optimum::Bounds;
 use crate::scenario::{Scenario, to_ron};
 
 /// The least times in one world, in the order of the test's navigations.

@@ -19,8 +19,8 @@ use super::records::Milestone;
 use crate::agent::{Decisions, Trainer, TrainingStats};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
+use crate::sim;
 use crate::task::{ArenaState, observation};
-use crate::world;
 
 /// The last checkpoints, from the newest on. The first is there only for a moment, while the others move up.
 const NAMES: [&str; 4] =
@@ -110,7 +110,7 @@ pub fn save(folder: &RunFolder, world: &mut World, standing: &mut Standing) -> R
 /// # Errors
 /// The writer's.
 pub fn write_to(mut file: impl Write, world: &mut World, standing: &mut Standing) -> io::Result<()> {
-    standing.arenas = world::snapshot(world);
+    standing.arenas = sim::snapshot(world);
     standing.exploration = world.resource::<Decisions>().streams.clone();
     standing.stats = *world.resource::<TrainingStats>();
     let head = postcard::to_allocvec(standing).map_err(io::Error::other)?;
@@ -263,7 +263,7 @@ impl Best {
 
 /// Puts a populated world back to where `standing` was taken.
 pub fn restore(world: &mut World, standing: &Standing) {
-    world::restore(world, &standing.arenas);
+    sim::restore(world, &standing.arenas);
     world.resource_mut::<Decisions>().streams.clone_from(&standing.exploration);
     *world.resource_mut::<TrainingStats>() = standing.stats;
 }

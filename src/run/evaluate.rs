@@ -12,17 +12,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use bevy::prelude::*;
 use serde::Serialize;
 
-use super::optimum::{self, Bounds, Resolution};
 use super::preset::{MOST_BODIES, bodies_in};
 use super::{RunError, policy_card, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
+use crate::planner::{self, Bounds, Resolution};
 use crate::random;
 use crate::scenario::{Scenario, TaskRules};
+use crate::sim;
 use crate::task::{
     Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, Places, Pose, Streams, Target, observation,
 };
-use crate::world;
 
 /// The most navigations that are driven side by side; in a browser fewer, whose world is built within a frame.
 const SIDE_BY_SIDE: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
@@ -126,7 +126,7 @@ pub fn to_microsecond(seconds: f64) -> f64 {
 }
 
 /// What is known of the least time of each navigation, however it went: the planner's bounds, with full knowledge of
-/// the world ([`optimum::bounds`]), at its default resolution. In order; the same on any number of `threads` (0: one a
+/// the world ([`planner::bounds`]), at its default resolution. In order; the same on any number of `threads` (0: one a
 /// core).
 #[must_use]
 pub fn bounds(scenario: &Scenario, navigations: &[Navigation], threads: usize) -> Vec<Bounds> {
@@ -134,9 +134,9 @@ pub fn bounds(scenario: &Scenario, navigations: &[Navigation], threads: usize) -
         let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
         let target = (n.target.x_m, n.target.y_m);
         if scenario.generators.is_empty() {
-            return optimum::bounds(scenario, start, target, n.clock.0, Resolution::default());
+            return planner::bounds(scenario, start, target, n.clock.0, Resolution::default());
         }
-        optimum::bounds(&scenario.furnished(n.layout), start, target, n.clock.0, Resolution::default())
+        planner::bounds(&scenario.furnished(n.layout), start, target, n.clock.0, Resolution::default())
     };
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = if threads == 0 { cores() } else { threads }.min(navigations.len());
@@ -198,7 +198,7 @@ impl AgainstOptimum {
 }
 
 /// Plans every successful navigation anew with full knowledge of the world ([`bounds`]), on all cores. None if there
-/// is nothing to compare, or the planner does not model the scenario ([`optimum::is_modelled`]: a lag of the drive).
+/// is nothing to compare, or the planner does not model the scenario ([`planner::is_modelled`]: a lag of the drive).
 #[must_use]
 pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Option<AgainstOptimum> {
     let succeeded: Vec<Navigation> = navigations.iter().filter(|n| n.succeeded()).copied().collect();
@@ -279,8 +279,8 @@ impl Evaluator {
         if drive.ends.is_empty() {
             let (seed, first) = (drive.seed, drive.navigations.len());
             let batch = self.arenas.min(drive.count - first);
-            world::rewind(world, |arena| (arena < batch).then(|| fresh(seed, (first + arena) as u64)));
-            drive.begun = world::snapshot(world);
+            sim::rewind(world, |arena| (arena < batch).then(|| fresh(seed, (first + arena) as u64)));
+            drive.begun = sim::snapshot(world);
             drive.ends = vec![None; batch];
         }
         simulation::step(world)?;
@@ -314,8 +314,8 @@ impl Evaluator {
     ) -> Result<(Navigation, Vec<Pose>), RunError> {
         self.follow(policy, places)?;
         let world = &mut self.world;
-        world::rewind(world, |arena| (arena == 0).then(|| fresh(seed, 0)));
-        let begun = world::snapshot(world).swap_remove(0);
+        sim::rewind(world, |arena| (arena == 0).then(|| fresh(seed, 0)));
+        let begun = sim::snapshot(world).swap_remove(0);
         let mut robots = world.query::<(&Arena, &Pose)>();
         let mut poses = vec![begun.pose];
         // The time limit ends it.

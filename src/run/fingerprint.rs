@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::folder::RunConfig;
 use super::{RunError, simulation, start};
 use crate::learning::Exploration;
-use crate::world;
+use crate::sim;
 
 /// Checksums (CRC-32C) of a training's beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub fn fingerprint(
     let mut checksum = 0;
     for _ in 0..control_steps {
         simulation::step(app.world_mut())?;
-        let bytes = postcard::to_stdvec(&world::snapshot(app.world_mut()))
+        let bytes = postcard::to_stdvec(&sim::snapshot(app.world_mut()))
             .map_err(|error| RunError::Failed(error.to_string()))?;
         checksum = crc32c::crc32c_append(checksum, &bytes);
     }

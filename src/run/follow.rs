@@ -154,5 +154,5 @@ pub fn bytes(policy: &Policy) -> Result<Vec<u8>, RunError> {
 #[must_use]
 pub fn evaluation_seed(seed: u64) -> u64 {
     let mut stream: Stream = random::stream(seed, "evaluation during training", 0);
-    rand::Rng::next_u64(&mut stream)
+    random::word(&mut stream)
 }

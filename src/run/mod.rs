@@ -33,7 +33,6 @@ pub mod folder;
 pub mod follow;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
-pub mod optimum;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod picture;
 pub mod policy_card;

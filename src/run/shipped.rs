@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use super::preset::Preset;
 use crate::learning::Policy;
-use crate::scenario::{FileError, Scenario, is_there};
+use crate::scenario::{FileError, Scenario, is_there, nearest};
 
 /// A file of the project, compiled in.
 struct Shipped {
@@ -132,17 +132,12 @@ fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
             format!("{}; shipped by name: {shipped}", error.problems()[0].message),
         );
     }
-    let nearest = names
-        .iter()
-        .map(|name| (strsim::jaro_winkler(name, wanted), name))
-        .filter(|(likeness, _)| *likeness > 0.7)
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    let mend = match nearest {
-        Some((_, name)) => format!("did you mean `{name}`?"),
+    let fix = match nearest(wanted, names.iter().copied()) {
+        Some(name) => format!("did you mean `{name}`?"),
         None => "give a file's path or a shipped name.".into(),
     };
     let message =
-        format!("no such file, and nothing of that name is shipped: {mend} Shipped: {}", names.join(", "));
+        format!("no such file, and nothing of that name is shipped: {fix} Shipped: {}", names.join(", "));
     FileError::whole(Path::new(wanted), message)
 }
 

@@ -15,8 +15,8 @@ use crate::agent::{
 use crate::control_step::{ControlStep, ControlStepPlugin};
 use crate::learning::Learner;
 use crate::scenario::Scenario;
+use crate::sim::{WorldPlugin, populate};
 use crate::task::{Encoding, EpisodeEnded, Places, RewardConfig, TaskFault, TaskMode, TaskPlugin};
-use crate::world::{WorldPlugin, populate};
 
 /// An app in which `learner` trains as `preset` says in its arenas of `scenario`, every arena at its first observation.
 pub fn training(scenario: &Arc<Scenario>, preset: &Preset, seed: u64, learner: Learner) -> App {

@@ -1,6 +1,6 @@
 //! The task: the Markov decision process of the paper, as pure functions with thin systems over them.
 //!
-//! In: poses and LIDAR scans, written by [`world`](crate::world). Out: observations (eq. 8), rewards (eqs. 3 and
+//! In: poses and LIDAR scans, written by [`world`](crate::sim). Out: observations (eq. 8), rewards (eqs. 3 and
 //! 7), what ended and why, and new starts and targets.
 //!
 //! | file | duty |

@@ -15,11 +15,11 @@ use bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
 use wayfield::control_step::{ControlStep, ControlStepPlugin};
 use wayfield::random::{self, Stream};
 use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
+use wayfield::sim::{self, Bodies, WorldPlugin, lidar};
 use wayfield::task::{
     Actions, Arena, ArenaState, Encoding, EpisodeEnded, Observations, Outcome, Outcomes, Pose, RewardConfig,
     TaskMode, TaskPlugin, observation,
 };
-use wayfield::world::{self, Bodies, WorldPlugin, lidar};
 
 /// World and task in one headless app.
 pub struct Lab {
@@ -36,14 +36,14 @@ impl Lab {
     pub fn with(scenario: &Scenario, arenas: usize, seed: u64, reward: RewardConfig, mode: TaskMode) -> Self {
         let mut app = empty_app(reward, mode);
         let scenario = Arc::new(scenario.clone());
-        world::populate(app.world_mut(), &scenario, arenas, seed);
+        sim::populate(app.world_mut(), &scenario, arenas, seed);
         Self { app, scenario }
     }
 
     /// Replaces the arenas, as hot reloading does.
     pub fn populate(&mut self, scenario: &Scenario, arenas: usize, seed: u64) {
         self.scenario = Arc::new(scenario.clone());
-        world::populate(self.app.world_mut(), &self.scenario, arenas, seed);
+        sim::populate(self.app.world_mut(), &self.scenario, arenas, seed);
     }
 
     /// One control step; arena k takes `actions[k]`.
@@ -59,7 +59,7 @@ impl Lab {
 
     /// The state of every arena, by number.
     pub fn states(&mut self) -> Vec<ArenaState> {
-        world::snapshot(self.app.world_mut())
+        sim::snapshot(self.app.world_mut())
     }
 
     pub fn state(&mut self, arena: usize) -> ArenaState {
@@ -70,7 +70,7 @@ impl Lab {
     pub fn edit(&mut self, arena: usize, change: impl FnOnce(&mut ArenaState)) {
         let mut states = self.states();
         change(&mut states[arena]);
-        world::restore(self.app.world_mut(), &states);
+        sim::restore(self.app.world_mut(), &states);
     }
 
     pub fn outcomes(&self) -> &[Outcome] {

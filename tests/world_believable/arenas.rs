@@ -3,8 +3,8 @@
 
 use wayfield::random::{Stream, below, between, stream, unit};
 use wayfield::scenario::Scenario;
+use wayfield::sim;
 use wayfield::task::{ArenaState, Clock, Observations, Streams};
-use wayfield::world;
 
 use crate::common::{Lab, bits};
 use crate::scenes::{free_place, hastened, worlds};
@@ -33,7 +33,7 @@ impl Pair {
         let states = together.states();
         let alone = states.iter().map(|state| {
             let mut lab = Lab::new(scenario, 1, seed + 1);
-            world::restore(lab.app.world_mut(), std::slice::from_ref(state));
+            sim::restore(lab.app.world_mut(), std::slice::from_ref(state));
             lab
         });
         Self { alone: alone.collect(), together }
@@ -65,10 +65,10 @@ fn meddle(pair: &mut Pair, arena: usize, stream: &mut Stream) {
     let room = pair.together.scenario.furnished(states[arena].layout);
     let anywhere = free_place(&room, 0, -0.2, stream).map_or(there, |pose| (pose.x_m, pose.y_m));
     match below(stream, 6) {
-        0 | 1 => pair.by_hand(arena, |lab, k| world::move_robot(lab.app.world_mut(), k, there)),
+        0 | 1 => pair.by_hand(arena, |lab, k| sim::move_robot(lab.app.world_mut(), k, there)),
         // Into a wall or an obstacle, perhaps.
-        2 => pair.by_hand(arena, |lab, k| world::move_robot(lab.app.world_mut(), k, anywhere)),
-        3 => pair.by_hand(arena, |lab, k| world::move_target(lab.app.world_mut(), k, there)),
+        2 => pair.by_hand(arena, |lab, k| sim::move_robot(lab.app.world_mut(), k, anywhere)),
+        3 => pair.by_hand(arena, |lab, k| sim::move_target(lab.app.world_mut(), k, there)),
         4 => {
             // The obstacles jump to another moment, and the robot turns about.
             let later = below(stream, 5_000) as u64;
@@ -86,9 +86,9 @@ fn meddle(pair: &mut Pair, arena: usize, stream: &mut Stream) {
                 of if of == arena => (Streams::new(seed, 77), Clock(seed)),
                 _ => (state.streams.clone(), state.clock),
             };
-            world::rewind(pair.together.app.world_mut(), |k| Some(fresh(k, &states[k])));
+            sim::rewind(pair.together.app.world_mut(), |k| Some(fresh(k, &states[k])));
             for (k, lab) in pair.alone.iter_mut().enumerate() {
-                world::rewind(lab.app.world_mut(), |_| Some(fresh(k, &states[k])));
+                sim::rewind(lab.app.world_mut(), |_| Some(fresh(k, &states[k])));
             }
         }
     }
@@ -103,7 +103,7 @@ fn never_see_each_other(what: &str, scenario: &Scenario, number: u64) {
     let first = pair.together.state(0);
     let together = (first.pose.x_m, first.pose.y_m);
     for arena in 0..ARENAS {
-        pair.by_hand(arena, |lab, k| world::move_robot(lab.app.world_mut(), k, together));
+        pair.by_hand(arena, |lab, k| sim::move_robot(lab.app.world_mut(), k, together));
     }
     pair.assert_alike(&format!("{what} {number}, all at {together:?}"));
     for step in 0..60 {

@@ -11,8 +11,8 @@ use bevy_rapier2d::rapier::parry::shape::Ball;
 use bevy_rapier2d::rapier::prelude::{ColliderHandle, ColliderSet};
 use wayfield::random::{Stream, below, between, stream, unit};
 use wayfield::scenario::{Motion, ObstacleMotion, Scenario};
+use wayfield::sim::{self, lidar};
 use wayfield::task::{Clock, Pose, RewardConfig, TaskMode};
-use wayfield::world::{self, lidar};
 
 use crate::common::{Lab, closed_form};
 use crate::scenes::{Point, middle, straight, wide, worlds};
@@ -194,7 +194,7 @@ fn a_step_tells_contact_where_geometry_does_to_a_millimetre() {
                 state.pose = Pose { x_m: at.0 as f32, y_m: at.1 as f32, heading_rad: 0.0 };
                 clears.push(clear);
             }
-            world::restore(lab.app.world_mut(), &states);
+            sim::restore(lab.app.world_mut(), &states);
             lab.step(&[0; ARENAS]);
             for (arena, (state, clear)) in lab.states().iter().zip(&clears).enumerate() {
                 let gap = clear - radius;

@@ -13,7 +13,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 #[allow(dead_code, reason = "these tests need sane worlds only")]
-#[path = "../scenario_worlds/mod.rs"]
+#[path = "../../crates/scenario/tests/scenario_worlds/mod.rs"]
 mod scenario_worlds;
 
 mod arenas;

@@ -5,8 +5,8 @@ use std::f32::consts::PI;
 
 use wayfield::random::{below, between, stream, unit};
 use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, Scenario, Shape, Wall, findings};
+use wayfield::sim;
 use wayfield::task::{ArenaState, Clock, Drive, Outcome, Pose, RewardConfig, TaskMode};
-use wayfield::world;
 
 use crate::common::{Lab, closed_form, still};
 use crate::scenes::{Point, apart, arc, between_steps, first_within, free_place, hastened, middle, worlds};
@@ -100,7 +100,7 @@ impl Hall {
         for (state, &(pose, clock, _)) in states.iter_mut().zip(begin) {
             (state.pose, state.clock, state.drive) = (pose, Clock(clock), Drive::default());
         }
-        world::restore(self.lab.app.world_mut(), &states);
+        sim::restore(self.lab.app.world_mut(), &states);
         let actions: Vec<usize> = begin.iter().map(|&(.., action)| action).collect();
         self.lab.step(&actions);
         let states = self.lab.states();

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use crate::agent::{Acting, Trainer};
 use crate::app::orders::Moved;
 use crate::scenario::{ObstacleMotion, Scenario, clearance, findings, pose_at};
+use crate::sim;
 use crate::task::{Arena, Clock, CurrentScenario, Room};
-use crate::world;
 
 /// What the hand did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,15 +103,15 @@ pub fn resolve(world: &mut World, moved: &Moved) -> Result<Deed, String> {
 /// Does it.
 pub fn apply(world: &mut World, deed: &Deed) {
     match deed {
-        Deed::Target { arena, to_m } => world::move_target(world, *arena, *to_m),
-        Deed::Robot { arena, to_m } => world::move_robot(world, *arena, *to_m),
-        Deed::World(scenario) => world::replace(world, &Arc::new(Scenario::clone(scenario))),
+        Deed::Target { arena, to_m } => sim::move_target(world, *arena, *to_m),
+        Deed::Robot { arena, to_m } => sim::move_robot(world, *arena, *to_m),
+        Deed::World(scenario) => sim::replace(world, &Arc::new(Scenario::clone(scenario))),
         &Deed::Obstacle { index, position_m } => {
             let changed = with_obstacle_at(&world.resource::<CurrentScenario>().0, index, position_m);
             match changed.map(Arc::new) {
                 // What is drawn anew would stand elsewhere, perhaps where a robot is.
-                Some(changed) if !changed.generators.is_empty() => world::replace(world, &changed),
-                Some(changed) => world::rebuild(world, &changed),
+                Some(changed) if !changed.generators.is_empty() => sim::replace(world, &changed),
+                Some(changed) => sim::rebuild(world, &changed),
                 None => {}
             }
         }

@@ -13,8 +13,8 @@ use crate::learning::Policy;
 use crate::random::Stream;
 use crate::run::evaluate;
 use crate::run::{RunError, follow, policy_card};
+use crate::sim;
 use crate::task::{Actions, Arena, ArenaState, CurrentScenario, Episode, EpisodeEnded, TaskMode};
-use crate::world;
 
 /// When all have ended a round, so many control steps are waited until the next, for the eye.
 const REST_STEPS: u32 = 4;
@@ -70,7 +70,7 @@ impl Session {
         if self.mode == Mode::Train {
             self.aside = Some(Aside {
                 pace: self.pacer.pace,
-                arenas: world::snapshot(world),
+                arenas: sim::snapshot(world),
                 exploration: world.resource::<Decisions>().streams.clone(),
                 actions: world.resource::<Actions>().clone(),
                 stats: *world.resource::<TrainingStats>(),
@@ -87,7 +87,7 @@ impl Session {
         } else {
             TaskMode::SingleNavigation
         });
-        world::populate(world, &scenario, arenas, self.config.seed);
+        sim::populate(world, &scenario, arenas, self.config.seed);
         self.mode = mode;
         self.pacer.pace = to_be_seen(self.pacer.pace, mode);
         self.rounds = Rounds::default();
@@ -136,8 +136,8 @@ impl Session {
         world.resource_mut::<Messages<EpisodeEnded>>().clear();
         if let Some(aside) = self.aside.take() {
             self.pacer.pace = aside.pace;
-            world::populate(world, &self.scenario, arenas, self.config.seed);
-            world::restore(world, &aside.arenas);
+            sim::populate(world, &self.scenario, arenas, self.config.seed);
+            sim::restore(world, &aside.arenas);
             let mut decisions = Decisions::new(self.config.seed, arenas);
             decisions.streams = aside.exploration;
             world.insert_resource(decisions);
@@ -171,7 +171,7 @@ impl Session {
     fn begin_round(&mut self, world: &mut World) {
         self.rounds.rested = 0;
         let (seed, round) = (self.config.seed, self.rounds.round);
-        world::rewind(world, |_| Some(evaluate::fresh(seed, round)));
+        sim::rewind(world, |_| Some(evaluate::fresh(seed, round)));
         let mut trails = world.resource_mut::<Trails>();
         for arena in 0..trails.0.len() {
             trails.lift(arena);

@@ -1,0 +1,115 @@
+//! Exploration: epsilon-greedy, with epsilon a pure function of how far the run has come.
+//!
+//! In: the exploration's schedule, env steps, episodes, a row of Q-values. Out: epsilon, an action.
+
+use super::config::{Exploration, Schedule};
+use wayfield_random::{Stream, below, unit};
+
+impl Exploration {
+    /// Epsilon, the chance of a random action (0 to 1), after `env_steps` and `episodes`.
+    ///
+    /// Per episode it is eq. (10): max(end, start decay^episodes). `start` replaces the schedule's own start,
+    /// as knowledge transfer asks (section 3.2: 0.5). Nothing is accumulated, so a resumed run agrees to the
+    /// bit.
+    #[must_use]
+    pub fn epsilon(&self, env_steps: u64, episodes: u64, start: Option<f32>) -> f32 {
+        match *self {
+            Self::PerEpisode { start: from, decay, end } => {
+                let from = f64::from(start.unwrap_or(from));
+                let epsilon = from * libm::pow(f64::from(decay), episodes as f64);
+                (epsilon as f32).max(end)
+            }
+            Self::Linear { start: from, end, env_steps: length } => {
+                Schedule::Linear { from: start.unwrap_or(from), to: end, env_steps: length }.at(env_steps)
+            }
+        }
+    }
+}
+
+/// The index of the largest of `q_row`; of equals, the lowest. An empty row gives 0.
+#[must_use]
+pub fn greedy(q_row: &[f32]) -> usize {
+    let mut best = 0;
+    for (action, &q) in q_row.iter().enumerate() {
+        if q > q_row[best] {
+            best = action;
+        }
+    }
+    best
+}
+
+/// A random action with chance `epsilon`, else the greedy one; and whether it was the random one.
+///
+/// Both draws (whether, which) are made either way, so that the stream's place does not depend on the
+/// outcome. `q_row` holds one Q-value per action and must not be empty.
+pub fn epsilon_greedy(q_row: &[f32], epsilon: f32, stream: &mut Stream) -> (usize, bool) {
+    let explored = unit(stream) < epsilon;
+    let random = below(stream, q_row.len());
+    (if explored { random } else { greedy(q_row) }, explored)
+}
+
+#[cfg(test)]
+mod tests {
+    use wayfield_random::word;
+
+    use super::*;
+    use wayfield_random::stream;
+
+    const TABLE_1: Exploration = Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 };
+
+    #[test]
+    fn epsilon_per_episode_is_equation_10() {
+        // 0.99^100 = exp(100 ln 0.99) = exp(-1.0050336) = 0.3660323; 0.99^298 = 0.0500, 0.99^299 < 0.05.
+        for (episodes, epsilon) in [(0, 1.0), (1, 0.99), (100, 0.366_032_3), (299, 0.05), (100_000, 0.05)] {
+            let found = TABLE_1.epsilon(0, episodes, None);
+            assert!((found - epsilon).abs() < 1e-6, "after {episodes} episodes: {found}");
+        }
+        assert_eq!(
+            TABLE_1.epsilon(1_000_000, 3, None),
+            TABLE_1.epsilon(0, 3, None),
+            "env steps do not matter"
+        );
+        let transfer = TABLE_1.epsilon(0, 10, Some(0.5));
+        assert!((transfer - 0.452_191_04).abs() < 1e-6, "0.5 x 0.99^10 = 0.5 x 0.9043821 after a transfer");
+    }
+
+    #[test]
+    fn linear_epsilon_goes_by_env_steps() {
+        let linear = Exploration::Linear { start: 1.0, end: 0.1, env_steps: 90 };
+        assert!((linear.epsilon(30, 7, None) - 0.7).abs() < 1e-6);
+        assert!((linear.epsilon(30, 7, Some(0.4)) - 0.3).abs() < 1e-6, "from 0.4 down to 0.1");
+        assert!((linear.epsilon(91, 0, Some(0.4)) - 0.1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn greedy_takes_the_largest_and_of_equals_the_first() {
+        assert_eq!(greedy(&[0.0, 2.0, 1.0]), 1);
+        assert_eq!(greedy(&[-1.0, 3.0, 3.0, 3.0]), 1);
+        assert_eq!(greedy(&[f32::NEG_INFINITY, -5.0]), 1);
+    }
+
+    #[test]
+    fn epsilon_is_the_share_of_random_actions_and_they_are_even() {
+        let mut random = stream(1, "test", 0);
+        let (mut explored, mut counts) = (0, [0; 4]);
+        for _ in 0..100_000 {
+            let (action, random) = epsilon_greedy(&[0.0, 0.0, 1.0, 0.0], 0.4, &mut random);
+            explored += u32::from(random);
+            counts[action] += 1;
+        }
+        assert!((39_000..41_000).contains(&explored), "{explored} of 100,000 with epsilon 0.4");
+        for action in [0, 1, 3] {
+            assert!((9_500..10_500).contains(&counts[action]), "a quarter of 40,000 each: {counts:?}");
+        }
+    }
+
+    #[test]
+    fn the_stream_moves_alike_whether_or_not_it_explores() {
+        let (mut never, mut always) = (stream(1, "test", 0), stream(1, "test", 0));
+        for _ in 0..100 {
+            assert!(!epsilon_greedy(&[0.0; 5], 0.0, &mut never).1, "epsilon 0 never explores");
+            assert!(epsilon_greedy(&[0.0; 5], 1.0, &mut always).1, "epsilon 1 always does");
+        }
+        assert_eq!(word(&mut never), word(&mut always));
+    }
+}

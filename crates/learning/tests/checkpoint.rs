@@ -1,0 +1,197 @@
+//! A learner that was saved and restored goes on as if it had never stopped, to the bit; a broken file is an
+//! error.
+
+use wayfield_learning::{
+    CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer,
+    ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
+};
+use wayfield_random::{Stream, normal, stream, unit};
+
+const INPUTS: usize = 4;
+const ACTIONS: usize = 3;
+const ARENAS: usize = 3;
+
+fn config(sampling: Sampling, n_step: usize) -> LearningConfig {
+    LearningConfig {
+        network: NetworkConfig { hidden: vec![8, 8], dueling: n_step == 1 },
+        n_step,
+        batch_size: 16,
+        optimizer: if n_step == 1 {
+            Optimizer::RmsProp { smoothing: 0.9, epsilon: 1e-7 }
+        } else {
+            Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 }
+        },
+        learning_rate: Schedule::Linear { from: 1e-3, to: 1e-4, env_steps: 2000 },
+        // Smaller than the run is long: the rings go round.
+        replay: ReplayConfig { capacity: 150, warmup_steps: 50, sampling },
+        train_interval: 4,
+        gradient_steps: 2,
+        target_update: if n_step == 1 {
+            TargetUpdate::Hard { every: 7 }
+        } else {
+            TargetUpdate::Soft { tau: 0.01 }
+        },
+        exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
+        ..LearningConfig::default()
+    }
+}
+
+fn configs() -> [LearningConfig; 3] {
+    let beta = Schedule::Linear { from: 0.4, to: 1.0, env_steps: 1000 };
+    let prioritized = Sampling::Prioritized { alpha: 0.6, beta, importance_weights: true, epsilon: 1e-3 };
+    [config(Sampling::Uniform, 1), config(prioritized, 1), config(prioritized, 3)]
+}
+
+/// A world of noise in which the actions depend on the Q-values, so that any difference soon shows.
+#[derive(Clone)]
+struct World {
+    observations: [[f32; INPUTS]; ARENAS],
+    random: Stream,
+}
+
+impl World {
+    fn new() -> Self {
+        Self { observations: [[0.5; INPUTS]; ARENAS], random: stream(9, "test", 0) }
+    }
+
+    fn run(&mut self, learner: &mut Learner, rounds: usize) {
+        let mut q = Vec::new();
+        for _ in 0..rounds {
+            for arena in 0..ARENAS {
+                let observation = self.observations[arena];
+                learner.q_values(&observation, 1, &mut q);
+                let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut self.random);
+                let next = std::array::from_fn(|_| normal(&mut self.random) + action as f32);
+                // So many short chains that the state ring, too, forces transitions out.
+                let (terminated, truncated) = (unit(&mut self.random) < 0.1, unit(&mut self.random) < 0.4);
+                learner.remember(&Experience {
+                    arena,
+                    observation: &observation,
+                    action,
+                    reward: next[0],
+                    next_observation: &next,
+                    terminated,
+                    truncated,
+                });
+                self.observations[arena] = next;
+                if terminated || truncated {
+                    learner.episode_ended();
+                    self.observations[arena] = [normal(&mut self.random); INPUTS];
+                }
+            }
+            learner.train().expect("it does not diverge");
+        }
+    }
+}
+
+fn saved(learner: &Learner) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    learner.save(&mut bytes).expect("memory can be written to");
+    bytes
+}
+
+fn restored(config: &LearningConfig, bytes: &[u8]) -> Result<Learner, CheckpointError> {
+    Learner::restore(config, INPUTS, ACTIONS, ARENAS, bytes)
+}
+
+#[test]
+fn a_restored_learner_goes_on_to_the_bit() {
+    for (number, config) in configs().iter().enumerate() {
+        for rounds in [0, 3, 40, 200] {
+            let mut world = World::new();
+            let mut one = Learner::new(config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+            world.run(&mut one, rounds);
+            let bytes = saved(&one);
+            let mut two = restored(config, &bytes).expect("it was just saved");
+            assert_eq!(saved(&two), bytes, "config {number}: saved again, it is the same file");
+
+            let mut other_world = world.clone();
+            world.run(&mut one, 150);
+            other_world.run(&mut two, 150);
+            assert!(one.gradient_steps() > 100, "and it has learnt in between");
+            assert_eq!(saved(&one), saved(&two), "config {number}, saved after {rounds} rounds");
+        }
+    }
+}
+
+#[test]
+fn one_seed_gives_the_same_bits_and_another_seed_others() {
+    for config in &configs() {
+        let run = |seed| {
+            let mut learner = Learner::new(config, INPUTS, ACTIONS, ARENAS, seed).expect("a sound config");
+            World::new().run(&mut learner, 200);
+            saved(&learner)
+        };
+        assert_eq!(run(5), run(5));
+        assert_ne!(run(5), run(6));
+    }
+}
+
+#[test]
+fn a_transfers_epsilon_survives_the_checkpoint() {
+    let config = &configs()[0];
+    let mut learner = Learner::new(config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+    let policy = Learner::new(config, INPUTS, ACTIONS, ARENAS, 6).expect("a sound config").policy();
+    learner.start_from(&policy, Some(0.5)).expect("the same shape");
+    assert_eq!(learner.network(), &policy.network, "it starts from the policy's weights");
+    assert_eq!(learner.target_network(), &policy.network);
+    assert_eq!(learner.epsilon(), 0.5);
+    assert_eq!(restored(config, &saved(&learner)).expect("it was just saved").epsilon(), 0.5);
+}
+
+#[test]
+fn a_broken_file_is_an_error_never_a_panic() {
+    let config = &configs()[2];
+    let mut learner = Learner::new(config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+    World::new().run(&mut learner, 60);
+    let bytes = saved(&learner);
+    for length in (0..bytes.len()).step_by(7) {
+        assert!(restored(config, &bytes[..length]).is_err(), "cut to {length} of {} bytes", bytes.len());
+    }
+    let mut broken = bytes.clone();
+    for at in (0..bytes.len()).filter(|at| *at < 1500 || at % 5 == 0) {
+        for flip in [0x01, 0x80, 0xFF] {
+            broken[at] ^= flip;
+            assert!(restored(config, &broken).is_err(), "byte {at} of {} flipped by {flip:#x}", bytes.len());
+            broken[at] = bytes[at];
+        }
+    }
+    assert!(matches!(restored(config, b"{ some: json }  "), Err(CheckpointError::NotCheckpoint)));
+}
+
+#[test]
+fn a_checkpoint_wants_the_config_it_was_made_with() {
+    let [uniform, prioritized, _] = configs();
+    let learner = Learner::new(&uniform, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+    let bytes = saved(&learner);
+    let error = restored(&prioritized, &bytes).expect_err("another sampling");
+    assert!(matches!(error, CheckpointError::OtherConfig { field: "learning" }), "{error}");
+    let error =
+        Learner::restore(&uniform, INPUTS, ACTIONS, ARENAS + 1, bytes.as_slice()).expect_err("more arenas");
+    assert!(matches!(error, CheckpointError::OtherConfig { field: "arenas" }), "{error}");
+}
+
+#[test]
+fn a_learner_that_has_not_paid_its_gradient_steps_yet_is_saved_and_read() {
+    for config in configs() {
+        let mut learner = Learner::new(&config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+        for step in 0..90 {
+            learner.remember(&Experience {
+                arena: 0,
+                observation: &[step as f32; INPUTS],
+                action: 0,
+                reward: 1.0,
+                next_observation: &[step as f32 + 1.0; INPUTS],
+                terminated: step % 9 == 8,
+                truncated: false,
+            });
+        }
+        // Every fourth from step 52 on: ten trainings of two.
+        assert_eq!(learner.due(), 20);
+        let mut bytes = Vec::new();
+        learner.save(&mut bytes).expect("memory can be written");
+        let mut again =
+            Learner::restore(&config, INPUTS, ACTIONS, ARENAS, &bytes[..]).expect("what is written is read");
+        assert_eq!(again.train().expect("finite"), learner.train().expect("finite"));
+    }
+}

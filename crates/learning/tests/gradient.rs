@@ -1,0 +1,78 @@
+//! The network's gradient is the slope of its loss: against central finite differences, parameter by
+//! parameter.
+
+use wayfield_learning::network::{Gradient, NetworkShape, QNetwork, Regression};
+use wayfield_learning::{Loss, NetworkConfig};
+use wayfield_random::{normal, stream};
+
+const BATCH: usize = 12;
+
+#[test]
+fn the_gradient_is_the_slope_of_the_weighted_loss() {
+    for dueling in [false, true] {
+        // Errors here are of order 1: with delta 0.8 the Huber loss uses both its branches.
+        for loss in [Loss::MeanSquared, Loss::Huber { delta: 0.8 }] {
+            check(dueling, loss);
+        }
+    }
+}
+
+fn check(dueling: bool, loss: Loss) {
+    let mut noise = stream(11, "test", u64::from(dueling));
+    let shape =
+        NetworkShape::new(&NetworkConfig { hidden: vec![7, 6], dueling }, 5, 3).expect("a sound shape");
+    let mut network = QNetwork::new(shape.clone(), &mut noise).expect("a sound shape");
+    let observations: Vec<f32> = (0..BATCH * 5).map(|_| normal(&mut noise)).collect();
+    let targets: Vec<f32> = (0..BATCH).map(|_| normal(&mut noise)).collect();
+    let weights: Vec<f32> = (0..BATCH).map(|i| 0.1 + 0.07 * i as f32).collect();
+    let actions: Vec<u8> = (0..BATCH).map(|i| (i % 3) as u8).collect();
+    let on = Regression { actions: &actions, targets: &targets, weights: &weights, loss };
+
+    let mut gradient = Gradient::default();
+    network.gradient(&observations, on, &mut gradient);
+    assert_eq!(gradient.values.len(), shape.parameter_count());
+
+    // The loss and the TD errors agree with their definitions.
+    let mut q = Vec::new();
+    network.q_values(&observations, BATCH, &mut q);
+    let mut expected = 0.0;
+    let (mut small, mut large) = (0, 0);
+    for i in 0..BATCH {
+        let chosen = q[i * 3 + i % 3];
+        let d = chosen - targets[i];
+        assert!((gradient.td_errors[i] - d).abs() < 1e-5, "TD error {i} is Q(s, a) - y");
+        assert!((gradient.q[i] - chosen).abs() < 1e-5, "Q(s, a) {i}");
+        expected += weights[i]
+            * match loss {
+                Loss::MeanSquared => d * d,
+                Loss::Huber { delta } if d.abs() <= delta => d * d / 2.0,
+                Loss::Huber { delta } => delta * (d.abs() - delta / 2.0),
+            };
+        *if d.abs() <= 0.8 { &mut small } else { &mut large } += 1;
+    }
+    assert!(small > 1 && large > 1, "both branches of the Huber loss are tried: {small}, {large}");
+    assert!((gradient.loss - expected / BATCH as f32).abs() < 1e-5, "the loss is the weighted mean");
+
+    // Central differences; the step is small beside the weights (0.4) and large beside f32's rounding.
+    let step = 2e-3;
+    let mut other = Gradient::default();
+    let mut moved = |network: &mut QNetwork, i: usize, by: f32| {
+        network.update(|parameters| parameters[i] += by);
+        network.gradient(&observations, on, &mut other);
+        other.loss
+    };
+    let mut nonzero = 0;
+    for (view, i) in shape.parameters().iter().flat_map(|view| view.range.clone().map(move |i| (view, i))) {
+        let above = moved(&mut network, i, step);
+        let below = moved(&mut network, i, -2.0 * step);
+        network.update(|parameters| parameters[i] += step);
+        let (slope, found) = ((above - below) / (2.0 * step), gradient.values[i]);
+        nonzero += usize::from(found.abs() > 1e-3);
+        assert!(
+            (slope - found).abs() < 1e-3 + 0.01 * slope.abs(),
+            "{} ({i}), dueling {dueling}, {loss:?}: gradient {found}, slope {slope}",
+            view.name
+        );
+    }
+    assert!(nonzero > shape.parameter_count() / 2, "most parameters have a slope: {nonzero}");
+}

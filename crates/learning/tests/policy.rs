@@ -1,0 +1,153 @@
+//! A policy's bytes: stable, readable by others, and safe to read from anyone.
+
+use std::collections::HashMap;
+
+use proptest::prelude::*;
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use wayfield_learning::{Learner, LearningConfig, NetworkConfig, Policy, PolicyError};
+
+fn learner(hidden: &[usize], dueling: bool) -> Learner {
+    let network = NetworkConfig { hidden: hidden.to_vec(), dueling };
+    Learner::new(&LearningConfig { network, ..LearningConfig::default() }, 6, 3, 1, 1)
+        .expect("a sound config")
+}
+
+fn policy() -> Policy {
+    let mut policy = learner(&[5, 4], true).policy();
+    for (key, value) in [("scenario", "I"), ("seed", "7"), ("\"quoted\" \u{fc}", "line\nbreak"), ("a", "")] {
+        policy.metadata.insert(key.into(), value.into());
+    }
+    policy
+}
+
+/// The policy's tensors and header, to be tampered with and packed again.
+struct Parts {
+    tensors: Vec<(String, Dtype, Vec<usize>, Vec<u8>)>,
+    header: String,
+}
+
+impl Parts {
+    fn new() -> Self {
+        let bytes = policy().to_bytes().expect("finite weights");
+        let file = SafeTensors::deserialize(&bytes).expect("safetensors");
+        let (_, metadata) = SafeTensors::read_metadata(&bytes).expect("safetensors");
+        let header = metadata.metadata().as_ref().expect("metadata")["wayfield"].clone();
+        let mut tensors: Vec<_> = file
+            .iter()
+            .map(|(name, t)| (name.to_string(), t.dtype(), t.shape().to_vec(), t.data().to_vec()))
+            .collect();
+        tensors.sort_by(|a, b| a.0.cmp(&b.0));
+        Self { tensors, header }
+    }
+
+    fn error(&self) -> PolicyError {
+        let tensors = self.tensors.iter().map(|(name, dtype, shape, data)| {
+            (name, TensorView::new(*dtype, shape.clone(), data).expect("data as long as the shape says"))
+        });
+        let metadata = HashMap::from([("wayfield".to_string(), self.header.clone())]);
+        let bytes = safetensors::serialize(tensors, Some(metadata)).expect("safetensors");
+        Policy::from_bytes(&bytes).expect_err("it was tampered with")
+    }
+
+    fn tensor(&mut self, name: &str) -> &mut (String, Dtype, Vec<usize>, Vec<u8>) {
+        self.tensors.iter_mut().find(|t| t.0 == name).expect("it has this tensor")
+    }
+}
+
+#[test]
+fn bytes_come_back_as_the_same_policy_and_are_always_the_same() {
+    let (one, bytes) = (policy(), policy().to_bytes().expect("finite weights"));
+    assert_eq!(Policy::from_bytes(&bytes).expect("it was just written"), one);
+    for _ in 0..20 {
+        assert_eq!(policy().to_bytes().expect("finite weights"), bytes, "same policy, same bytes");
+    }
+    for (hidden, dueling) in [(vec![], false), (vec![8], false), (vec![8, 8, 8], true)] {
+        let policy = learner(&hidden, dueling).policy();
+        let bytes = policy.to_bytes().expect("finite weights");
+        assert_eq!(Policy::from_bytes(&bytes), Ok(policy), "hidden layers {hidden:?}");
+    }
+}
+
+#[test]
+fn every_tampering_has_its_own_clear_error() {
+    let error = Policy::from_bytes(b"not a policy at all").expect_err("nonsense");
+    assert!(matches!(error, PolicyError::NotSafetensors(_)), "{error}");
+
+    let foreign = safetensors::serialize(Vec::<(String, TensorView<'_>)>::new(), None).expect("safetensors");
+    let error = Policy::from_bytes(&foreign).expect_err("another program's");
+    assert!(matches!(error, PolicyError::NotWayfield(_)), "{error}");
+
+    let mut parts = Parts::new();
+    parts.header = parts.header.replace("\"version\":1", "\"version\":99");
+    assert_eq!(parts.error(), PolicyError::Version { found: 99 });
+
+    let mut parts = Parts::new();
+    parts.header = "{".into();
+    assert!(matches!(parts.error(), PolicyError::NotWayfield(_)));
+
+    let mut parts = Parts::new();
+    parts.tensors.retain(|t| t.0 != "value.bias");
+    let error = parts.error();
+    assert_eq!(error, PolicyError::Missing { name: "value.bias".into(), expected: vec![1] });
+    assert!(error.to_string().contains("value.bias"), "{error}");
+
+    let mut parts = Parts::new();
+    parts.tensor("hidden.0.weight").2 = vec![6, 5];
+    let error = parts.error().to_string();
+    for part in ["hidden.0.weight", "[6, 5]", "[5, 6]"] {
+        assert!(error.contains(part), "name, found and expected are in: {error}");
+    }
+
+    let mut parts = Parts::new();
+    parts.tensor("hidden.1.bias").1 = Dtype::I32;
+    assert!(parts.error().to_string().contains("I32"), "{}", parts.error());
+
+    for value in [f32::NAN, f32::NEG_INFINITY] {
+        let mut parts = Parts::new();
+        parts.tensor("advantage.weight").3[8..12].copy_from_slice(&value.to_le_bytes());
+        let error = parts.error();
+        assert!(
+            matches!(&error, PolicyError::NotFinite { name, index: 2, .. } if name == "advantage.weight"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_small_file_that_claims_a_giant_network_takes_no_giant_memory() {
+    for hidden in ["[4096,4096,4096,4096,4096]", "[18446744073709551615]", "[1000000000,1000000000]", "[0]"] {
+        let mut parts = Parts::new();
+        parts.header = parts.header.replace("[5,4]", hidden);
+        assert!(matches!(parts.error(), PolicyError::Shape(_)), "{hidden}: {}", parts.error());
+    }
+    let mut parts = Parts::new();
+    parts.header = parts.header.replace("[5,4]", "[4096,2048]");
+    assert!(
+        matches!(parts.error(), PolicyError::Misshapen { .. }),
+        "within the limits, but not what is there"
+    );
+}
+
+#[test]
+fn a_transfer_wants_the_same_network() {
+    let mut learner = learner(&[5], true);
+    let error = learner.start_from(&policy(), None).expect_err("another network").to_string();
+    assert!(error.contains("6-5-4-dueling 3") && error.contains("6-5-dueling 3"), "both are named: {error}");
+    let same = learner.policy();
+    assert_eq!(learner.start_from(&same, Some(1.5)), Err(PolicyError::Epsilon(1.5)));
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_make_it_panic(
+        at in any::<prop::sample::Index>(),
+        byte in any::<u8>(),
+        cut in any::<prop::sample::Index>(),
+    ) {
+        let mut bytes = policy().to_bytes().expect("finite weights");
+        let at = at.index(bytes.len());
+        bytes[at] = byte;
+        let _ = Policy::from_bytes(&bytes);
+        prop_assert!(Policy::from_bytes(&bytes[..cut.index(bytes.len())]).is_err(), "a cut file is an error");
+    }
+}

@@ -1,0 +1,58 @@
+//! The number of threads changes no bit of what is learnt.
+
+use std::process::Command;
+
+use wayfield_learning::{Experience, Learner, LearningConfig, NetworkConfig, ReplayConfig};
+use wayfield_random::{below, normal, stream};
+
+/// Run as a process of its own, since the thread pool is made once per process.
+#[test]
+#[ignore = "run by the test below"]
+fn fingerprint() {
+    let config = LearningConfig {
+        // Products this large are given to several threads, if there are.
+        network: NetworkConfig { hidden: vec![256, 256], dueling: true },
+        batch_size: 512,
+        replay: ReplayConfig { capacity: 1000, ..LearningConfig::default().replay },
+        ..LearningConfig::default()
+    };
+    let mut learner = Learner::new(&config, 28, 5, 1, 1).expect("a sound config");
+    let mut noise = stream(1, "test", 0);
+    for step in 0..540 {
+        let observation: Vec<f32> = (0..28).map(|_| normal(&mut noise)).collect();
+        learner.remember(&Experience {
+            arena: 0,
+            observation: &observation,
+            action: below(&mut noise, 5),
+            reward: normal(&mut noise),
+            next_observation: &observation,
+            terminated: false,
+            truncated: step % 10 == 0,
+        });
+        learner.train().expect("it does not diverge");
+    }
+    let mut bytes = Vec::new();
+    learner.save(&mut bytes).expect("memory can be written to");
+    // Without the file's own checksum at its end: the CRC of anything followed by its CRC is a constant.
+    let content = &bytes[..bytes.len() - 4];
+    println!("fingerprint {:08x} after {}", crc32c::crc32c(content), learner.gradient_steps());
+}
+
+#[test]
+fn one_thread_or_several_give_the_same_bits() {
+    let run = |threads: &str| {
+        let test = std::env::current_exe().expect("a running test has a file");
+        let output = Command::new(test)
+            .args(["--exact", "fingerprint", "--ignored", "--nocapture"])
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .expect("the test can be run again");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        text.lines().find_map(|line| line.split_once("fingerprint ")).expect(&text).1.to_string()
+    };
+    let one = run("1");
+    assert!(!one.ends_with(" 0"), "it has learnt something: {one}");
+    for threads in ["2", "3", "8"] {
+        assert_eq!(run(threads), one, "{threads} threads");
+    }
+}

@@ -1,0 +1,78 @@
+//! How much room text takes.
+//!
+//! In: a text and its size. Out: its width by Arial's measures, and the text cut or wrapped to a width. What
+//! shows the figure may have another font of the same stack, so widths are meant a little wide.
+
+/// The width of a line of text in drawn pixels.
+pub(crate) fn text_width(text: &str, size: f64) -> i32 {
+    let ems: f64 = text.chars().map(advance).sum();
+    (ems * size / 1.24 * 1.02).ceil() as i32
+}
+
+/// The advance of a sign, in ems.
+fn advance(sign: char) -> f64 {
+    match sign {
+        'i' | 'j' | 'l' | '\'' => 0.23,
+        ' ' | '.' | ',' | ':' | ';' | '!' | '/' | '|' | '\\' | 't' | 'f' | 'I' | '·' | '[' | ']' => 0.28,
+        '(' | ')' | 'r' | '-' | '°' | '"' | '‘' | '’' | '“' | '”' => 0.36,
+        'c' | 'k' | 's' | 'v' | 'x' | 'y' | 'z' | 'J' => 0.5,
+        'm' | 'M' | '@' | '%' | 'W' => 0.89,
+        'w' | '—' | '…' | '→' => 0.95,
+        'A'..='Z' => 0.72,
+        _ => 0.58,
+    }
+}
+
+/// The text, cut with an ellipsis if it is wider than `width` drawn pixels.
+pub(crate) fn fitted(text: &str, size: f64, width: i32) -> String {
+    if text_width(text, size) <= width {
+        return text.to_owned();
+    }
+    let mut cut = text.to_owned();
+    while !cut.is_empty() && text_width(&cut, size) + text_width("…", size) > width {
+        cut.pop();
+    }
+    cut.truncate(cut.trim_end().len());
+    cut + "…"
+}
+
+/// The text in lines no wider than `width` drawn pixels, about as long as each other; one line at least.
+pub(crate) fn wrapped(text: &str, size: f64, width: i32) -> Vec<String> {
+    let lines = filled(text, size, width);
+    // As narrow as the same number of lines allows: no word is left alone on the last.
+    let narrower = (width / 2..width).step_by(16).map(|narrow| filled(text, size, narrow));
+    let mut as_few =
+        narrower.filter(|other| other.len() == lines.len() && !other.iter().any(|l| l.ends_with('…')));
+    as_few.next().unwrap_or(lines)
+}
+
+/// The text in lines as full as can be.
+fn filled(text: &str, size: f64, width: i32) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.len() - 1;
+        let longer = if lines[last].is_empty() { word.to_owned() } else { format!("{} {word}", lines[last]) };
+        if lines[last].is_empty() || text_width(&longer, size) <= width {
+            lines[last] = fitted(&longer, size, width);
+        } else {
+            lines.push(fitted(word, size, width));
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_cut_and_wrapped_to_its_room() {
+        let size = 26.0 * 1.24;
+        assert_eq!(fitted("short", size, 200), "short");
+        let cut = fitted("a name that is much too long to be written here", size, 200);
+        assert!(cut.ends_with('…') && text_width(&cut, size) <= 200, "{cut}");
+        let lines = wrapped("several words that do not fit into a single line", size, 200);
+        assert!(lines.len() > 2 && lines.iter().all(|l| text_width(l, size) <= 200), "{lines:?}");
+        assert_eq!(wrapped("", size, 200), [""]);
+    }
+}

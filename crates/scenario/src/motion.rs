@@ -1,0 +1,280 @@
+//! Where an obstacle is: a pure function of the step count, so that no clock and no history enters.
+//!
+//! In: an [`Obstacle`], a step, the control period. Out: its pose. All of it is worked in f64 with `libm`, so
+//! that the bits agree on every platform, and from the step count itself, so that nothing drifts: the angle
+//! after 10^9 steps is right to about 1e-8 rad.
+
+use std::f64::consts::{PI, TAU};
+
+use super::schema::{Obstacle, ObstacleMotion};
+use wayfield_random::Stream;
+
+/// The pose (x in m, y in m, rotation in rad, in [-pi, pi]) of `obstacle` after `step` steps of
+/// `control_period_s`.
+///
+/// Orbit: the obstacle revolves about the centre and turns with the revolution. Patrol: it starts at its own
+/// position, visits the waypoints in order, returns to its position, and so on; it doesn't turn, and a
+/// negative speed goes the other way round. Back and forth: the same to the last waypoint and back. Random walk: it is
+/// at its position at step 0, and at a random point of the disc about it whenever the longest leg's time has passed;
+/// between, it goes straight and evenly. Numbers that [`findings`](super::findings) would refuse may give
+/// NaN, never a panic.
+#[must_use]
+pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f32, f32) {
+    let position = wide(obstacle.position_m);
+    let rotation = f64::from(obstacle.rotation_rad);
+    // A product of two f32 is exact in f64; only the factor `step` rounds, once.
+    let travelled = |speed: f32| f64::from(speed) * f64::from(control_period_s) * step as f64;
+    let ((x, y), rotation) = match &obstacle.motion {
+        ObstacleMotion::Still => (position, rotation),
+        ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
+            let angle = travelled(*speed_rad_s);
+            (revolved(position, wide(*centre_m), angle), rotation + angle)
+        }
+        ObstacleMotion::Patrol { waypoints_m, speed_m_s } => {
+            (along(position, waypoints_m, travelled(*speed_m_s)), rotation)
+        }
+        ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
+            (there_and_back(position, waypoints_m, travelled(*speed_m_s)), rotation)
+        }
+        ObstacleMotion::RandomWalk { reach_m, speed_m_s, seed } => {
+            (wandered(position, f64::from(*reach_m), *seed, travelled(*speed_m_s)), rotation)
+        }
+    };
+    (x as f32, y as f32, wrapped(rotation) as f32)
+}
+
+impl Obstacle {
+    /// The corners of its path, in m, its position first, and whether the last is joined to the first; none of what doesn't
+    /// go by straight lines that are given.
+    #[must_use]
+    pub fn path_m(&self) -> Option<(Vec<(f32, f32)>, bool)> {
+        let (waypoints_m, closed) = match &self.motion {
+            ObstacleMotion::Patrol { waypoints_m, .. } => (waypoints_m, true),
+            ObstacleMotion::BackAndForth { waypoints_m, .. } => (waypoints_m, false),
+            _ => return None,
+        };
+        Some((std::iter::once(self.position_m).chain(waypoints_m.iter().copied()).collect(), closed))
+    }
+}
+
+/// `point` turned about `centre` by `angle`.
+fn revolved(point: (f64, f64), centre: (f64, f64), angle: f64) -> (f64, f64) {
+    let (sin, cos) = libm::sincos(angle);
+    let (dx, dy) = (point.0 - centre.0, point.1 - centre.1);
+    (centre.0 + dx * cos - dy * sin, centre.1 + dx * sin + dy * cos)
+}
+
+/// The point at `distance` along the closed loop `start`, waypoints, `start`.
+fn along(start: (f64, f64), waypoints: &[(f32, f32)], distance: f64) -> (f64, f64) {
+    let corners = || std::iter::once(start).chain(waypoints.iter().map(|&corner| wide(corner)));
+    let legs = || corners().zip(corners().skip(1).chain(std::iter::once(start)));
+    let perimeter: f64 = legs().map(|(from, to)| length(from, to)).sum();
+    if perimeter == 0.0 {
+        return start;
+    }
+    let mut left = libm::fmod(distance, perimeter);
+    if left < 0.0 {
+        left += perimeter;
+    }
+    for (from, to) in legs() {
+        let leg = length(from, to);
+        if left < leg {
+            return between(from, to, left / leg);
+        }
+        left -= leg;
+    }
+    start
+}
+
+/// The point at `distance` along `start`, waypoints, and back the same way, and so on.
+fn there_and_back(start: (f64, f64), waypoints: &[(f32, f32)], distance: f64) -> (f64, f64) {
+    let corners = || std::iter::once(start).chain(waypoints.iter().map(|&corner| wide(corner)));
+    let legs = || corners().zip(corners().skip(1));
+    let one_way: f64 = legs().map(|(from, to)| length(from, to)).sum();
+    if one_way == 0.0 {
+        return start;
+    }
+    let gone = libm::fmod(distance.abs(), 2.0 * one_way);
+    let mut left = if gone <= one_way { gone } else { 2.0 * one_way - gone };
+    for (from, to) in legs() {
+        let leg = length(from, to);
+        if left < leg {
+            return between(from, to, left / leg);
+        }
+        left -= leg;
+    }
+    corners().last().unwrap_or(start)
+}
+
+/// Where a random walk about `middle` has come after `distance` at its full speed: every leg takes as long as that
+/// needs for two reaches.
+fn wandered(middle: (f64, f64), reach: f64, seed: u32, distance: f64) -> (f64, f64) {
+    let legs = distance.abs() / (2.0 * reach);
+    if !legs.is_finite() {
+        return middle;
+    }
+    let point = |leg: f64| {
+        if leg <= 0.0 {
+            return middle;
+        }
+        let mut stream = wayfield_random::stream(u64::from(seed), "random walk", leg as u64);
+        let (x, y) = in_disc(&mut stream);
+        (middle.0 + reach * x, middle.1 + reach * y)
+    };
+    let begun = legs.floor();
+    between(point(begun), point(begun + 1.0), legs - begun)
+}
+
+/// A point of the disc of radius 1, evenly: the first of the square that lies in it.
+fn in_disc(stream: &mut Stream) -> (f64, f64) {
+    let mut coordinate = || f64::from(wayfield_random::between(stream, -1.0, 1.0));
+    loop {
+        let (x, y) = (coordinate(), coordinate());
+        if x * x + y * y <= 1.0 {
+            return (x, y);
+        }
+    }
+}
+
+fn between(from: (f64, f64), to: (f64, f64), part: f64) -> (f64, f64) {
+    (from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part)
+}
+
+fn length(from: (f64, f64), to: (f64, f64)) -> f64 {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    (dx * dx + dy * dy).sqrt()
+}
+
+/// The same direction within half a turn of 0; an angle already there keeps its bits.
+fn wrapped(angle: f64) -> f64 {
+    if angle.abs() <= PI { angle } else { libm::remainder(angle, TAU) }
+}
+
+fn wide((x, y): (f32, f32)) -> (f64, f64) {
+    (f64::from(x), f64::from(y))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::*;
+    use crate::Shape;
+
+    fn obstacle(position_m: (f32, f32), motion: ObstacleMotion) -> Obstacle {
+        Obstacle { shape: Shape::Circle { radius_m: 0.15 }, position_m, rotation_rad: 0.0, motion }
+    }
+
+    fn assert_near(pose: (f32, f32, f32), expected: (f32, f32, f32)) {
+        let near = |a: f32, b: f32| (a - b).abs() < 2e-6;
+        assert!(
+            near(pose.0, expected.0) && near(pose.1, expected.1) && near(pose.2, expected.2),
+            "{pose:?} is not {expected:?}"
+        );
+    }
+
+    #[test]
+    fn a_quarter_turn_takes_a_corner_to_the_next_one_counterclockwise() {
+        let quarter_rad_s = FRAC_PI_2 as f32;
+        let o =
+            obstacle((0.6, 0.6), ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: quarter_rad_s });
+        assert_eq!(pose_at(&o, 0, 0.25), (0.6, 0.6, 0.0), "step 0 is the position as written, to the bit");
+        assert_near(pose_at(&o, 4, 0.25), (-0.6, 0.6, FRAC_PI_2 as f32));
+        assert_near(pose_at(&o, 12, 0.25), (0.6, -0.6, -FRAC_PI_2 as f32));
+    }
+
+    #[test]
+    fn an_orbit_may_go_clockwise_about_any_centre() {
+        let motion = ObstacleMotion::Orbit { centre_m: (1.0, 1.0), speed_rad_s: -(FRAC_PI_2 as f32) };
+        assert_near(pose_at(&obstacle((1.0, 2.0), motion), 1, 1.0), (2.0, 1.0, -FRAC_PI_2 as f32));
+    }
+
+    #[test]
+    fn a_patrol_turns_at_its_waypoints_and_comes_home() {
+        // A 3-4-5 triangle at 1 m/s, one second a step: 12 steps a round.
+        let waypoints_m = vec![(3.0, 0.0), (3.0, 4.0)];
+        let o = obstacle((0.0, 0.0), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
+        for (step, expected) in [
+            (0, (0.0, 0.0)),
+            (1, (1.0, 0.0)),
+            (3, (3.0, 0.0)),
+            (5, (3.0, 2.0)),
+            (7, (3.0, 4.0)),
+            (12, (0.0, 0.0)),
+        ] {
+            assert_near(pose_at(&o, step, 1.0), (expected.0, expected.1, 0.0));
+        }
+        assert_near(pose_at(&o, 12_000_000_007, 1.0), (3.0, 4.0, 0.0));
+    }
+
+    #[test]
+    fn back_and_forth_turns_at_the_last_waypoint() {
+        // 3 m and 4 m at 1 m/s, one second a step: there after 7 steps, home after 14.
+        let waypoints_m = vec![(3.0, 0.0), (3.0, 4.0)];
+        let o = obstacle((0.0, 0.0), ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 1.0 });
+        for (step, (x, y)) in [
+            (0, (0.0, 0.0)),
+            (2, (2.0, 0.0)),
+            (7, (3.0, 4.0)),
+            (9, (3.0, 2.0)),
+            (12, (2.0, 0.0)),
+            (14, (0.0, 0.0)),
+            (14_000_000_016, (2.0, 0.0)),
+        ] {
+            assert_near(pose_at(&o, step, 1.0), (x, y, 0.0));
+        }
+    }
+
+    #[test]
+    fn a_random_walk_stays_in_reach_never_hurries_and_is_told_by_its_seed() {
+        let walk =
+            |seed| obstacle((1.0, -1.0), ObstacleMotion::RandomWalk { reach_m: 0.5, speed_m_s: 0.2, seed });
+        let (one, other) = (walk(1), walk(2));
+        assert_eq!(pose_at(&one, 0, 0.2), (1.0, -1.0, 0.0));
+        let (mut apart, mut corners) = (0.0_f32, std::collections::BTreeSet::new());
+        for step in (0..5_000).chain(3_000_000_000..3_000_000_200) {
+            let (now, next) = (pose_at(&one, step, 0.2), pose_at(&one, step + 1, 0.2));
+            assert!((now.0 - 1.0).hypot(now.1 + 1.0) <= 0.5 + 1e-6, "out of reach at step {step}");
+            assert!((next.0 - now.0).hypot(next.1 - now.1) <= 0.04 + 1e-5, "too quick at step {step}");
+            let beside = pose_at(&other, step, 0.2);
+            apart = apart.max((now.0 - beside.0).hypot(now.1 - beside.1));
+            // A leg takes 2 * 0.5 m / 0.2 m/s = 5 s, 25 steps.
+            if step % 25 == 0 {
+                corners.insert((now.0.to_bits(), now.1.to_bits()));
+            }
+        }
+        assert!(apart > 0.3, "another seed is another walk");
+        assert!(corners.len() >= 200, "each leg goes elsewhere: {}", corners.len());
+    }
+
+    #[test]
+    fn a_patrol_without_a_path_stays() {
+        for waypoints_m in [vec![], vec![(0.5, 0.5)]] {
+            let o = obstacle((0.5, 0.5), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
+            assert_eq!(pose_at(&o, 77, 0.2), (0.5, 0.5, 0.0));
+        }
+    }
+
+    #[test]
+    fn nothing_drifts_in_a_thousand_million_steps() {
+        let motion = ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: 0.15 };
+        let o = obstacle((0.6, 0.6), motion);
+        let radius = 0.6 * 2.0_f64.sqrt();
+        for step in [1, 1_000, 1_000_000, 999_999_999, 1_000_000_000] {
+            let (x, y, rotation) = pose_at(&o, step, 0.2);
+            assert!(
+                (f64::from(x).hypot(f64::from(y)) - radius).abs() < 1e-6,
+                "the distance stays at step {step}"
+            );
+            // The f32 nearest to 0.15 and 0.2, exactly: 10066330 / 2^26 and 13421773 / 2^26. Turns in
+            // integers: product * step / 2^52 rad, reduced by tau in steps that keep every bit that matters.
+            let exact = 10_066_330_i128 * 13_421_773 * i128::from(step);
+            let tau = (TAU * 2.0_f64.powi(50)) as i128 * 4;
+            // tau above is the f64 nearest to 2 pi, short of it by 2.45e-16.
+            let turns = exact / tau;
+            let angle = (exact % tau) as f64 / 2.0_f64.powi(52) - turns as f64 * 2.449_293_598_294_706_4e-16;
+            let miss = libm::remainder(f64::from(rotation) - angle, TAU);
+            assert!(miss.abs() < 1e-6, "at step {step} the rotation is {miss} rad off");
+        }
+    }
+}

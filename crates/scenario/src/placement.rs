@@ -1,0 +1,253 @@
+//! Starts and targets by the scenario's rules; random ones keep clear of the walls and of the obstacles where they are
+//! at that step.
+//!
+//! In: a [`Scenario`], the step, a [`Stream`]. Out: a start or a target. Called at every reset: nothing
+//! allocates.
+
+use std::f32::consts::{PI, TAU};
+
+use super::geometry::{is_clear, length};
+use super::schema::{PlaceRule, Scenario};
+use wayfield_random::{Stream, below, between, unit};
+
+/// Random tries before the grid is walked.
+const TRIES: u32 = 1_000;
+/// Grid points along each side of the enclosure.
+const GRID: usize = 64;
+/// So many starts are tried for one that leaves room for a target.
+const STARTS: u32 = 50;
+
+/// A place (x, y in m).
+type Place = (f32, f32);
+
+/// At this moment no point satisfies the rule. (A scenario without findings has room at step 0 and at the
+/// other moments that the checks look at.)
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "no free space for a {what} at step {step}: fewer or smaller obstacles, or a smaller clearance_m, make room"
+)]
+pub struct NoFreePlace {
+    /// "start" or "target".
+    pub what: &'static str,
+    /// The step at which there was no room.
+    pub step: u64,
+}
+
+/// A start as [`draw_start`] and a target as [`draw_target`] gives them, far enough apart.
+///
+/// # Errors
+/// [`NoFreePlace`] when the obstacles, where they are at `step`, leave no room.
+pub fn draw_navigation(
+    scenario: &Scenario,
+    step: u64,
+    stream: &mut Stream,
+) -> Result<((f32, f32, f32), Place), NoFreePlace> {
+    let mut drawn = Err(NoFreePlace { what: "target", step });
+    for _ in 0..STARTS {
+        let start = draw_start(scenario, step, stream)?;
+        drawn = draw_target(scenario, step, (start.0, start.1), stream).map(|target| (start, target));
+        if drawn.is_ok() {
+            break;
+        }
+    }
+    drawn
+}
+
+/// A start (x in m, y in m, heading in rad), the place by the rule `starts`; the heading is even over (-pi, pi], unless
+/// the rule gives it.
+///
+/// # Errors
+/// [`NoFreePlace`] when the obstacles, where they are at `step`, leave no room.
+pub fn draw_start(
+    scenario: &Scenario,
+    step: u64,
+    stream: &mut Stream,
+) -> Result<(f32, f32, f32), NoFreePlace> {
+    let rule = &scenario.starts;
+    let (x, y) = draw(scenario, rule, step, stream, |_| true).ok_or(NoFreePlace { what: "start", step })?;
+    let heading = match rule {
+        PlaceRule::Fixed { heading_rad: Some(heading), .. } => *heading,
+        _ => PI - TAU * unit(stream),
+    };
+    Ok((x, y, heading))
+}
+
+/// A target (x, y in m) by the rule `targets`, at least `task.min_target_distance_m` from `robot_m`.
+///
+/// # Errors
+/// [`NoFreePlace`] when the obstacles, where they are at `step`, leave no room, or the rule has no place so far away.
+pub fn draw_target(
+    scenario: &Scenario,
+    step: u64,
+    robot_m: Place,
+    stream: &mut Stream,
+) -> Result<Place, NoFreePlace> {
+    let far = |(x, y): Place| length(x - robot_m.0, y - robot_m.1) >= scenario.task.min_target_distance_m;
+    draw(scenario, &scenario.targets, step, stream, far).ok_or(NoFreePlace { what: "target", step })
+}
+
+/// A point by `rule` that `fits`: by rejection, and where room is scarce the first that fits on the grid. A place that
+/// the rule names is taken whatever passes there at this moment.
+fn draw(
+    scenario: &Scenario,
+    rule: &PlaceRule,
+    step: u64,
+    stream: &mut Stream,
+    fits: impl Fn(Place) -> bool,
+) -> Option<Place> {
+    match rule {
+        PlaceRule::Fixed { at_m, .. } => Some(*at_m).filter(|&place| fits(place)),
+        PlaceRule::OneOf { places_m } => {
+            let fitting = || places_m.iter().copied().filter(|&place| fits(place));
+            let count = fitting().count();
+            if count == 0 { None } else { fitting().nth(below(stream, count)) }
+        }
+        PlaceRule::Random { clearance_m } | PlaceRule::Within { clearance_m, .. } => {
+            let (low, high) = region(scenario, rule);
+            if !(low.0 <= high.0 && low.1 <= high.1) {
+                return None;
+            }
+            (0..TRIES)
+                .map(|_| (between(stream, low.0, high.0), between(stream, low.1, high.1)))
+                .find(|&point| fits(point) && is_clear(scenario, point, step, *clearance_m))
+                .or_else(|| free_points(scenario, rule, step).find(|&point| fits(point)))
+        }
+    }
+}
+
+/// The box that a rule's points lie in; where it is empty, low is above high.
+fn region(scenario: &Scenario, rule: &PlaceRule) -> (Place, Place) {
+    match *rule {
+        PlaceRule::Within { min_m, max_m, .. } => (min_m, max_m),
+        PlaceRule::Random { clearance_m: c } => {
+            let (low, high) = scenario.enclosure.bounds_m();
+            ((low.0 + c, low.1 + c), (high.0 - c, high.1 - c))
+        }
+        PlaceRule::Fixed { .. } | PlaceRule::OneOf { .. } => scenario.enclosure.bounds_m(),
+    }
+}
+
+/// The places that satisfy `rule` at `step`: of a fixed grid of 64 x 64 over the enclosure or the rule's region those that
+/// are clear, or of the places that the rule names those where the robot would not collide.
+pub(super) fn free_points(scenario: &Scenario, rule: &PlaceRule, step: u64) -> impl Iterator<Item = Place> {
+    let (named, clearance_m): (&[Place], f32) = match rule {
+        PlaceRule::Fixed { at_m, .. } => (std::slice::from_ref(at_m), scenario.task.collision_range_m),
+        PlaceRule::OneOf { places_m } => (places_m, scenario.task.collision_range_m),
+        PlaceRule::Random { clearance_m } | PlaceRule::Within { clearance_m, .. } => (&[], *clearance_m),
+    };
+    let (low, high) = match *rule {
+        PlaceRule::Within { min_m, max_m, .. } => (min_m, max_m),
+        _ => scenario.enclosure.bounds_m(),
+    };
+    let at = move |k: usize, low: f32, high: f32| {
+        (low + high) / 2.0 + ((k as f32 + 0.5) / GRID as f32 - 0.5) * (high - low)
+    };
+    let of_grid = if named.is_empty() { GRID * GRID } else { 0 };
+    let grid = (0..of_grid).map(move |k| (at(k % GRID, low.0, high.0), at(k / GRID, low.1, high.1)));
+    let named = named.iter().copied();
+    grid.chain(named).filter(move |&point| is_clear(scenario, point, step, clearance_m))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Enclosure, Obstacle, ObstacleMotion, Shape, clearance};
+    use wayfield_random::stream;
+
+    fn boxed_in(side_m: f32) -> Scenario {
+        let obstacle = Obstacle {
+            shape: Shape::Rectangle { width_m: side_m, height_m: side_m },
+            position_m: (0.0, 0.0),
+            rotation_rad: 0.0,
+            motion: ObstacleMotion::Still,
+        };
+        Scenario { obstacles: vec![obstacle], ..Scenario::default() }
+    }
+
+    #[test]
+    fn no_room_is_an_error_not_an_endless_search() {
+        let no_room = boxed_in(3.9);
+        let mut s = stream(1, "starts", 0);
+        let error = draw_start(&no_room, 7, &mut s).expect_err("there is no room");
+        assert_eq!(
+            error.to_string(),
+            "no free space for a start at step 7: fewer or smaller obstacles, or a smaller clearance_m, make room"
+        );
+        let narrow = Scenario { starts: PlaceRule::Random { clearance_m: 2.5 }, ..Scenario::default() };
+        assert!(draw_start(&narrow, 0, &mut s).is_err(), "a clearance beyond the walls");
+    }
+
+    #[test]
+    fn scarce_room_is_found_all_the_same() {
+        // Two slabs leave a corridor in which only a strip of 20 um, along a row of the grid, is clear
+        // enough: the grid finds its points when chance does not.
+        let mut scenario = boxed_in(1.0);
+        let slab = |height_m, y| Obstacle {
+            shape: Shape::Rectangle { width_m: 4.0, height_m },
+            position_m: (0.0, y),
+            rotation_rad: 0.0,
+            motion: ObstacleMotion::Still,
+        };
+        scenario.obstacles = vec![slab(1.6875, -1.15625), slab(1.625, 1.1875)];
+        scenario.targets = PlaceRule::Random { clearance_m: 0.34374 };
+        let mut s = stream(1, "targets", 0);
+        for _ in 0..100 {
+            let target = draw_target(&scenario, 0, (-1.65, 0.0), &mut s).expect("there is room");
+            assert!(clearance(&scenario, target, 0) >= 0.34374);
+        }
+    }
+
+    #[test]
+    fn places_that_are_named_are_taken_where_they_are_far_enough() {
+        let mut scenario = Scenario {
+            starts: PlaceRule::Fixed { at_m: (-1.5, 0.5), heading_rad: Some(0.25) },
+            targets: PlaceRule::OneOf { places_m: vec![(1.0, 1.0), (-1.4, 0.5), (1.0, -1.0)] },
+            ..Scenario::default()
+        };
+        let mut s = stream(3, "places", 0);
+        let mut counts = [0; 2];
+        for _ in 0..1_000 {
+            let (start, target) = draw_navigation(&scenario, 0, &mut s).expect("two are far enough");
+            assert_eq!(start, (-1.5, 0.5, 0.25));
+            counts[usize::from(target.1 < 0.0)] += 1;
+            assert_eq!(target.0, 1.0, "0.1 m away is too near");
+        }
+        assert!(counts.iter().all(|&n| (420..580).contains(&n)), "each as likely: {counts:?}");
+        assert!(draw_target(&scenario, 0, (1.0, 1.0), &mut s).expect("the other two").0 <= 1.0);
+        scenario.targets = PlaceRule::Fixed { at_m: (-1.4, 0.5), heading_rad: None };
+        let error = draw_navigation(&scenario, 0, &mut s).expect_err("too near the only start");
+        assert_eq!(error.what, "target");
+    }
+
+    #[test]
+    fn a_region_holds_its_places_and_an_l_shaped_room_its_own() {
+        let corners_m = vec![(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0), (2.0, 4.0), (0.0, 4.0)];
+        let scenario = Scenario {
+            enclosure: Enclosure::Polygon { corners_m },
+            starts: PlaceRule::Within { min_m: (0.5, 2.0), max_m: (3.5, 3.5), clearance_m: 0.35 },
+            ..Scenario::default()
+        };
+        let mut s = stream(4, "places", 0);
+        let mut upper = 0;
+        for _ in 0..500 {
+            let (start, target) = draw_navigation(&scenario, 0, &mut s).expect("there is room");
+            assert!((0.5..=1.65).contains(&start.0) && (2.0..3.5).contains(&start.1), "{start:?}");
+            assert!(clearance(&scenario, target, 0) >= 0.35, "{target:?}");
+            upper += u32::from(target.1 > 2.0);
+        }
+        assert!((100..250).contains(&upper), "about a third of the L is its upper arm: {upper}");
+    }
+
+    #[test]
+    fn headings_cover_the_circle_evenly() {
+        let scenario = Scenario::default();
+        let mut s = stream(5, "starts", 0);
+        let mut quarters = [0; 4];
+        for _ in 0..4_000 {
+            let (_, _, heading) = draw_start(&scenario, 0, &mut s).expect("there is room");
+            assert!(heading > -PI && heading <= PI);
+            quarters[(((heading + PI) / (TAU / 4.0)) as usize).min(3)] += 1;
+        }
+        assert!(quarters.iter().all(|&n| (850..1150).contains(&n)), "{quarters:?}");
+    }
+}

@@ -1,0 +1,329 @@
+//! What the checks of a world say, to the letter, where one file each would be too many; and that they take no time.
+
+use std::time::{Duration, Instant};
+
+use wayfield_scenario::{
+    Enclosure, Generator, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Region, Scenario, Shape, Wall,
+    findings,
+};
+
+/// Findings as lines, without a file.
+fn found(scenario: &Scenario) -> Vec<String> {
+    findings(scenario).iter().map(ToString::to_string).collect()
+}
+
+/// What is found in a world with this enclosure.
+fn enclosed(corners_m: &[(f32, f32)]) -> Vec<String> {
+    let enclosure = Enclosure::Polygon { corners_m: corners_m.into() };
+    found(&Scenario { enclosure, ..Scenario::default() })
+}
+
+#[test]
+fn a_polygonal_enclosure_must_be_an_outline() {
+    assert_eq!(
+        enclosed(&[(0.0, 0.0), (1.0, 0.0)]),
+        ["`enclosure.corners_m` has 2 entries: write 3 to 64 of them"]
+    );
+    assert_eq!(
+        enclosed(&[(0.0, 0.0), (1.0, 0.0), (0.0, 501.0)]),
+        ["`enclosure.corners_m[2][1]` is 501: write a number from -500 to 500 (metres)"]
+    );
+    assert_eq!(
+        enclosed(&[(0.0, 0.0), (3.0, 0.0), (3.0, 0.25)]),
+        ["`enclosure.corners_m` reach over 0.25 m along y: move them apart, to 0.5 m at least"]
+    );
+    assert_eq!(
+        enclosed(&[(0.0, 0.0), (3.0, 3.0), (3.0, 3.0), (0.0, 3.0)]),
+        ["`enclosure.corners_m[2]` is where the corner before it is: leave one of them out"]
+    );
+    // An hourglass; sides that only touch; a side that goes back along the one before it.
+    let meet = |second: usize, sides: &str, first: &str| {
+        [format!(
+            "`enclosure.corners_m[{second}]` begins a side ({sides}) that meets the one from {first}: move a corner, \
+             or list them in their order around it"
+        )]
+    };
+    assert_eq!(
+        enclosed(&[(-1.0, -1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0)]),
+        meet(2, "corners_m[2] to corners_m[3]", "corners_m[0] to corners_m[1]")
+    );
+    assert_eq!(
+        enclosed(&[(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (0.0, -2.0), (-2.0, 2.0)]),
+        meet(2, "corners_m[2] to corners_m[3]", "corners_m[0] to corners_m[1]")
+    );
+    assert_eq!(
+        enclosed(&[(0.0, 0.0), (3.0, 0.0), (1.0, 0.0), (1.0, 3.0)]),
+        meet(1, "corners_m[1] to corners_m[2]", "corners_m[0] to corners_m[1]")
+    );
+    // Either way round, and with a corner that points inwards, it is fine.
+    let mut l = vec![(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (0.5, 2.0), (0.5, 1.7), (-2.0, 1.7)];
+    assert_eq!(enclosed(&l), [""; 0]);
+    l.reverse();
+    assert_eq!(enclosed(&l), [""; 0]);
+}
+
+#[test]
+fn more_than_there_may_be_of_walls_and_generators_is_refused() {
+    let wall = |corners| Wall { corners_m: vec![(0.0, 0.0); corners], thickness_m: 0.1 };
+    let generator = |count| Generator {
+        count,
+        shape: RandomShape::Circle { radius_m: (0.1, 0.1) },
+        gap_m: 0.4,
+        within: None,
+    };
+    let found = found(&Scenario {
+        walls: vec![wall(12); 1_001],
+        generators: vec![generator(12); 17],
+        ..Scenario::default()
+    });
+    assert_eq!(
+        found,
+        [
+            "`walls` has 1001 entries: write 0 to 1000 of them",
+            "`walls` have 11011 straight pieces together: write walls of 10000 at most",
+            "`generators` has 17 entries: write 0 to 16 of them",
+            "`generators` ask for 204 obstacles together: write counts whose sum is at most 200",
+        ]
+    );
+}
+
+#[test]
+fn places_that_the_rules_name_must_leave_a_way_to_go() {
+    let fixed = |x, heading_rad| PlaceRule::Fixed { at_m: (x, 0.0), heading_rad };
+    let one_of = |places: &[f32]| PlaceRule::OneOf { places_m: places.iter().map(|&x| (x, 0.0)).collect() };
+    let with = |starts, targets| found(&Scenario { starts, targets, ..Scenario::default() });
+    assert_eq!(with(fixed(0.0, Some(1.5)), fixed(0.5, None)), [""; 0]);
+    assert_eq!(
+        with(fixed(0.0, Some(7.0)), fixed(0.6, Some(1.5))),
+        [
+            "`starts.heading_rad` is 7: write a number from -6.3 to 6.3 (radians: a full turn is 6.2832)",
+            "`targets.heading_rad` has no meaning: a target looks nowhere; leave it out",
+        ]
+    );
+    assert_eq!(
+        with(fixed(0.0, None), fixed(0.25, None)),
+        ["`targets.at_m` lies 0.250 m from the start: put it 0.5 m away at least, or write less for \
+             task.min_target_distance_m"]
+    );
+    assert_eq!(
+        with(one_of(&[0.0, 1.0]), one_of(&[0.75, 1.25, 0.8])),
+        ["`starts.places_m[1]` leaves no target that is 0.5 m away: move it, or write less for \
+             task.min_target_distance_m"]
+    );
+    assert_eq!(
+        with(one_of(&[]), one_of(&[501.0])),
+        [
+            "`starts.places_m` has 0 entries: write 1 to 256 of them",
+            "`targets.places_m[0][0]` is 501: write a number from -500 to 500 (metres)",
+        ]
+    );
+    let within = |min_m, max_m| PlaceRule::Within { min_m, max_m, clearance_m: 0.3 };
+    assert_eq!(with(within((-1.0, -1.0), (-0.5, 1.0)), within((0.5, -1.0), (1.0, 1.0))), [""; 0]);
+    // Of a square of 1 m, what is 0.5 m from its middle is 1 - pi/4 of it, 21 %; of one of 1.04 m, 27 %.
+    assert_eq!(with(within((-0.52, -0.52), (0.52, 0.52)), fixed(0.0, None)), [""; 0]);
+    assert_eq!(
+        with(within((-0.5, -0.5), (0.5, 0.5)), fixed(0.0, None)),
+        [
+            "`targets` lie too near the starts: fewer than one start in 4 leaves a target that is 0.5 m away; move \
+             them, or write less for task.min_target_distance_m"
+        ]
+    );
+    assert_eq!(
+        with(within((1.8, -1.0), (2.0, 1.0)), within((1.0, 0.5), (0.5, 1.0))),
+        [
+            "`targets.max_m[0]` is 0.5, and `min_m[0]` is 1: write the lower left corner as min_m, the upper right one \
+             as max_m"
+        ]
+    );
+    assert_eq!(
+        with(within((1.8, -1.0), (2.0, 1.0)), PlaceRule::default()),
+        [
+            "`starts` finds no free space at step 0: no point of its rectangle is 0.3 m clear; use fewer or smaller \
+             obstacles, or a smaller clearance_m"
+        ]
+    );
+}
+
+#[test]
+fn generators_that_can_fill_the_room_are_told_of() {
+    let generator = |count, within| Generator {
+        count,
+        shape: RandomShape::Circle { radius_m: (0.1, 0.12) },
+        gap_m: 0.3,
+        within,
+    };
+    let told = |what: &str| {
+        [format!(
+            "`generators` can leave no room {what}: write fewer or smaller ones, keep them within a part of the \
+             enclosure, or write a smaller clearance_m"
+        )]
+    };
+    let nowhere = Generator { gap_m: 3.0, ..generator(8, None) };
+    assert_eq!(
+        found(&Scenario { generators: vec![nowhere], ..Scenario::default() }),
+        [
+            "`generators` find no room for anything: write a smaller gap_m, smaller sizes, or a larger `within`"
+        ]
+    );
+    let crowd = Scenario { generators: vec![generator(100, None)], ..Scenario::default() };
+    assert_eq!(found(&Scenario { generators: vec![generator(8, None)], ..crowd.clone() }), [""; 0]);
+    let far = PlaceRule::Random { clearance_m: 0.6 };
+    assert_eq!(found(&Scenario { targets: far.clone(), ..crowd.clone() }), told("for a target"));
+    assert_eq!(found(&Scenario { starts: far, ..crowd }), told("for a start"));
+    // They fill a hall but for its left end.
+    let right = Region { min_m: (-1.0, -0.75), max_m: (3.0, 0.75) };
+    let mut hall = Scenario {
+        enclosure: Enclosure::Rectangle { width_m: 6.0, height_m: 1.5 },
+        generators: vec![generator(60, Some(right))],
+        targets: PlaceRule::Random { clearance_m: 0.5 },
+        ..Scenario::default()
+    };
+    (hall.course.start_m, hall.course.target_m) = ((-2.5, 0.0), (-2.0, 0.0));
+    hall.task.min_target_distance_m = 1.0;
+    assert_eq!(found(&hall), told("for a target that is task.min_target_distance_m away"));
+}
+
+#[test]
+fn what_the_robot_cannot_reach_is_told_with_two_points() {
+    let wall = |corners: &[(f32, f32)]| Wall { corners_m: corners.into(), thickness_m: 0.1 };
+    // A closet in the upper right corner, 1 m x 1 m inside.
+    let closet = wall(&[(0.95, 2.0), (0.95, 0.95), (2.0, 0.95)]);
+    let needs = "it needs a gap of more than 0.26 m, twice the collision range; open a way";
+    let mut scenario = Scenario { walls: vec![closet], ..Scenario::default() };
+    scenario.course.target_m = (1.0, -1.0);
+    let told = found(&scenario);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].starts_with("`targets` may be at (1.5"), "{told:?}");
+    assert!(told[0].contains(", where the robot can't get from ("), "{told:?}");
+    assert!(
+        told[0].ends_with(&format!(": {needs}, fill that place up, or write a rule without it")),
+        "{told:?}"
+    );
+    // Targets elsewhere: the starts are what is left.
+    let elsewhere = PlaceRule::Within { min_m: (-2.0, -2.0), max_m: (2.0, 0.9), clearance_m: 0.35 };
+    scenario.targets = elsewhere.clone();
+    let told = found(&scenario);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].starts_with("`starts` may be at (1.5"), "{told:?}");
+    assert!(told[0].contains(", from where the robot can't get to ("), "{told:?}");
+    scenario.starts = elsewhere;
+    assert_eq!(found(&scenario), [""; 0]);
+    // A fixed start in the closet is what is wrong, wherever targets may be.
+    scenario.starts = PlaceRule::Fixed { at_m: (1.25, 1.25), heading_rad: None };
+    scenario.targets = PlaceRule::default();
+    assert!(
+        found(&scenario)[0].starts_with("`starts` may be at (1.25, 1.25), from where"),
+        "{:?}",
+        found(&scenario)
+    );
+    scenario.targets = PlaceRule::OneOf { places_m: vec![(1.3, 1.8), (1.75, 1.7)] };
+    assert_eq!(found(&scenario), [""; 0], "within the closet it may stay");
+    scenario.course.target_m = (1.5, 1.5);
+    assert_eq!(
+        found(&scenario),
+        [format!("`course.target_m` can't be reached from course.start_m: {needs}, or move one of them")]
+    );
+}
+
+#[test]
+fn a_gap_of_twice_the_collision_range_is_the_least() {
+    // The robot needs 2 x 0.13 m; what moves stands in nobody's way for ever.
+    let wall = |from, to| Wall { corners_m: vec![from, to], thickness_m: 0.02 };
+    for (gap_m, turned, passes) in
+        [(0.25, false, false), (0.25, true, false), (0.262, false, true), (0.262, true, true)]
+    {
+        let half = gap_m / 2.0 + 0.01;
+        let ends = [((0.003, -2.0), (0.003, -half)), ((0.003, half), (0.003, 2.0))];
+        let walls =
+            ends.map(|(from, to)| if turned { wall((from.1, from.0), (to.1, to.0)) } else { wall(from, to) });
+        let in_the_door = Obstacle {
+            shape: Shape::Circle { radius_m: 0.2 },
+            position_m: (0.0, 0.0),
+            rotation_rad: 0.0,
+            motion: ObstacleMotion::BackAndForth { waypoints_m: vec![(0.1, 0.0)], speed_m_s: 0.1 },
+        };
+        let mut scenario =
+            Scenario { walls: walls.into(), obstacles: vec![in_the_door], ..Scenario::default() };
+        scenario.course.start_m = (-1.2, -1.2);
+        assert_eq!(
+            found(&scenario).is_empty(),
+            passes,
+            "{gap_m} m, turned: {turned}: {:?}",
+            found(&scenario)
+        );
+        scenario.obstacles[0].motion = ObstacleMotion::Still;
+        assert_eq!(
+            found(&scenario).len(),
+            2,
+            "with something in the door it is shut: {:?}",
+            found(&scenario)
+        );
+    }
+}
+
+/// Asserts that a text is told of within 20 s, and that what is told of it has `needle`.
+fn assert_told_soon(what: &str, text: &str, needle: &str) {
+    assert!(text.len() <= 1 << 20, "{what}: {} bytes are no file", text.len());
+    let start = Instant::now();
+    let told = Scenario::parse(text, "w.ron").expect_err(what).to_string();
+    assert!(told.contains(needle), "{what}: `{needle}` is not in: {}", &told[..told.len().min(1000)]);
+    assert!(start.elapsed() < Duration::from_secs(20), "{what} took {:?}", start.elapsed());
+}
+
+#[test]
+fn a_hostile_file_takes_neither_long_nor_much() {
+    // As many obstacles as fit, all moving, none of them blocking but the last, which blocks everything.
+    let mut text = String::from("(name: \"a\", obstacles: [");
+    for _ in 0..9_999 {
+        text.push_str("(shape: Rectangle(width_m: 1, height_m: 1), position_m: (0, 0), rotation_rad: 1,");
+        text.push_str("motion:Orbit(centre_m:(0,0),speed_rad_s:1)),");
+    }
+    text.truncate(text.len().min(1_000_000));
+    let text = &text[..=text.rfind("),(").expect("some fit")];
+    let text = format!("{text}, (shape: Rectangle(width_m: 3.99, height_m: 3.99), position_m: (0, 0))])");
+    assert_told_soon("a crowd that moves", &text, "`targets` finds no free space");
+    for text in ["(".repeat(1 << 20), "/*".repeat(1 << 19), "(name:\"".repeat(1 << 17)] {
+        let start = Instant::now();
+        assert!(Scenario::parse(&text, "w.ron").is_err());
+        assert!(start.elapsed() < Duration::from_secs(20), "{} took {:?}", &text[..20], start.elapsed());
+    }
+}
+
+#[test]
+fn nor_do_hostile_outlines() {
+    // Slivers of 32 corners right across a world as large as is looked at, and a wall that parts it.
+    let mut sliver = String::from("(shape:Polygon(corners_m:[");
+    for k in 0..31 {
+        sliver.push_str(&format!("({},{:.3}),", 20 - k, 20.001 - f64::from(k)));
+    }
+    sliver.push_str("(20,20)]),position_m:(0,0)),");
+    let slivers = sliver.repeat(1_000_000 / sliver.len());
+    let text = format!(
+        "(name:\"a\",enclosure:Rectangle(width_m:60,height_m:60),walls:[(corners_m:[(-30,25),(30,25)])],\
+         obstacles:[{slivers}],course:(start_m:(-20,0),target_m:(0,-20)))"
+    );
+    assert_told_soon("slivers", &text, "`targets` may be at");
+    // As many pieces of walls as there may be, up and down over the whole, none of which leaves a way; and patrols that
+    // go so through an enclosure of 64 corners.
+    let zigzag: String =
+        (0..250).map(|k| format!("({}.{},{}),", k % 20, k, if k % 2 == 0 { -25 } else { 25 })).collect();
+    let walls = format!("(corners_m:[{zigzag}]),").repeat(40);
+    let text = format!(
+        "(name:\"a\",enclosure:Rectangle(width_m:60,height_m:60),walls:[{walls}],course:(start_m:(-20,0),target_m:(-20,\
+         -20)))"
+    );
+    assert_told_soon("walls", &text, "`targets` may be at");
+    let mut comb = String::from("(-30,-30),(30,-30),");
+    for k in 0..31 {
+        comb.push_str(&format!("({},30),({}.5,-20),", 30 - k, 29 - k));
+    }
+    let patrol = format!(
+        "(shape:Circle(radius_m:0.4),position_m:(-10,-25),motion:Patrol(speed_m_s:1,waypoints_m:[{zigzag}])),"
+    );
+    let patrols = patrol.repeat(1_000_000 / patrol.len());
+    let text = format!(
+        "(name:\"a\",enclosure:Polygon(corners_m:[{comb}]),obstacles:[{patrols}],course:(start_m:(-20,-28),target_m:(0,\
+         -28)))"
+    );
+    assert_told_soon("a comb", &text, "reaches on its way");
+}

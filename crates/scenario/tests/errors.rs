@@ -1,0 +1,246 @@
+//! Every message about a scenario file, to the letter: file, line, column, what is wrong, how to mend it.
+
+use std::path::Path;
+
+use wayfield_scenario::{Obstacle, ObstacleMotion, Scenario, Shape, findings, parse_ron, to_ron};
+
+const FIXTURES: &str = "tests/fixtures";
+
+/// What is said of a file that must not load. (Tests run in the package's root, so paths are short.)
+fn complaint(path: &str) -> String {
+    Scenario::load(path).expect_err(path).to_string()
+}
+
+/// What is said of a text that must not parse.
+fn complaint_of(text: &str) -> String {
+    Scenario::parse(text, "w.ron").expect_err(text).to_string()
+}
+
+#[test]
+fn each_broken_file_is_explained_as_written_beside_it() {
+    for name in [
+        "typo",
+        "broken",
+        "latin-1",
+        "numbers",
+        "fit",
+        "furniture",
+        "speeds",
+        "outside",
+        "beyond",
+        "no-room",
+        "too-near",
+        "places",
+        "unreachable",
+    ] {
+        let told = complaint(&format!("{FIXTURES}/{name}.ron"));
+        let expected = std::fs::read_to_string(format!("{FIXTURES}/{name}.txt")).unwrap_or_default();
+        assert_eq!(told, expected.trim_end(), "{name}.txt is what {name}.ron should say; it says:\n{told}\n");
+    }
+}
+
+#[test]
+fn a_missing_file_names_its_neighbours() {
+    let near = format!("{FIXTURES}/neighbours");
+    let listed = format!("(files there: {near}/crossing.ron, {near}/doorway.ron)");
+    assert_eq!(
+        complaint(&format!("{near}/dorway.ron")),
+        format!("{near}/dorway.ron: no such file: did you mean `{near}/doorway.ron`? {listed}")
+    );
+    assert_eq!(complaint(&format!("{near}/zzz.ron")), format!("{near}/zzz.ron: no such file {listed}"));
+    assert_eq!(complaint(&near), format!("{near}: this is a folder: name a file in it {listed}"));
+    assert_eq!(
+        complaint(&format!("{near}/doorway.ron/x.ron")),
+        format!("{near}/doorway.ron/x.ron: can't be read: Not a directory (os error 20)")
+    );
+    let told = complaint("scenario-1.ron");
+    assert!(
+        told.starts_with(
+            "scenario-1.ron: no such file: did you mean `scenarios/scenario-1.ron`? (files there: "
+        ),
+        "where nothing is near, the shipped files are: {told}"
+    );
+}
+
+#[test]
+fn a_file_over_a_mebibyte_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("large.ron");
+    std::fs::write(&path, " ".repeat((1 << 20) + 1)).expect("it can be written");
+    let told = complaint(path.to_str().expect("a plain path"));
+    assert_eq!(told, format!("{}: larger than 1 MiB: that is no file of this kind", path.display()));
+}
+
+#[test]
+fn mistakes_of_form_are_explained_where_they_are() {
+    let fields = "`name`, `about`, `enclosure`, `walls`, `obstacles`, `generators`, `robot`, `lidar`, `task`, \
+         `starts`, `targets`, `course`";
+    let root = format!("1:13: unknown field `zzz` in the file: the fields are {fields}");
+    for (text, told) in [
+        (r#"(name: "a", zzz: 1)"#, root.as_str()),
+        (
+            r#"(name: "a", lidar: (beems: 3))"#,
+            "1:21: unknown field `beems` in `lidar`: did you mean `beams`? the fields are `beams`, \
+             `field_of_view_rad`, `max_range_m`, `noise_std_m`, `dropout`, `latency_steps`",
+        ),
+        (
+            "(name: \"a\",\n obstacles: [(shape: Circl(radius_m: 1), position_m: (0, 0))])",
+            "2:22: unknown choice `Circl` for `obstacles[0].shape`: did you mean `Circle`? the choices are `Circle`, \
+             `Rectangle`, `Polygon`, `Capsule`",
+        ),
+        (
+            "(name: \"a\",\n obstacles: [(shape: Circle(radius_m: 1), position_m: (0, 0), motion: Wander())])",
+            "2:71: unknown choice `Wander` for `obstacles[0].motion`: the choices are `Still`, `Orbit`, `Patrol`, \
+             `BackAndForth`, `RandomWalk`",
+        ),
+        (
+            r#"(name: "a", enclosure: Circle(radius_m: 2))"#,
+            "1:24: unknown choice `Circle` for `enclosure`: the choices are `Rectangle`, `Polygon`",
+        ),
+        (
+            r#"(name: "a", targets: Fix(at_m: (0, 0)))"#,
+            "1:22: unknown choice `Fix` for `targets`: did you mean `Fixed`? the choices are `Random`, `Within`, \
+             `Fixed`, `OneOf`",
+        ),
+        (
+            r#"(name: "a", generators: [(count: 2, shape: Capsule(length_m: (1, 2)))])"#,
+            "1:44: unknown choice `Capsule` for `generators[0].shape`: the choices are `Circle`, `Rectangle`",
+        ),
+        (
+            r#"(name: "a", generators: [(count: 2, shape: Circle(radius_m: 0.1))])"#,
+            "1:61: `generators[0].shape.radius_m` must be written with parentheses: (...)",
+        ),
+        (
+            r#"(name: "a", walls: [(corners_m: [0, 1])])"#,
+            "1:34: `walls[0].corners_m[0]` must be written with parentheses: (...)",
+        ),
+        (
+            r#"(name: "a", walls: [(thickness_m: 1)])"#,
+            "1:21: `walls[0]` lacks the field `corners_m`: add `corners_m: ...`",
+        ),
+        ("(about: \"a\",\n)", "1:1: the file lacks the field `name`: add `name: ...`"),
+        (
+            r#"(name: "a", obstacles: [(shape: Circle(), position_m: (0, 0))])"#,
+            "1:33: `obstacles[0].shape` lacks the field `radius_m`: add `radius_m: ...`",
+        ),
+        (
+            r#"(name: "a", lidar: (dropout: 1, dropout: 0))"#,
+            "1:33: `dropout` is written twice in `lidar`: keep one",
+        ),
+        (r#"(name: "a", lidar: (beams: "x"))"#, "1:28: `lidar.beams` must be a whole number"),
+        (
+            r#"(name: "a", lidar: (beams: 2.5))"#,
+            "1:28: `lidar.beams` must be a whole number, without a fraction",
+        ),
+        (
+            r#"(name: "a", lidar: (beams: -2))"#,
+            "1:29: `lidar.beams` must be a whole number in range: this one is negative or too large",
+        ),
+        (r#"(name: "a", lidar: (dropout: "x"))"#, "1:30: `lidar.dropout` must be a number"),
+        ("(name: a)", "1:8: `name` must be text in double quotes: \"...\""),
+        (r#"(name: "a", obstacles: (1))"#, "1:24: `obstacles` must be a list in square brackets: [...]"),
+        (
+            r#"(name: "a", course: (start_m: [0, 0]))"#,
+            "1:31: `course.start_m` must be written with parentheses: (...)",
+        ),
+        (r#"(name: "a", starts: Random)"#, "1:27: `starts` must be written with parentheses: (...)"),
+        (r#"(name: "a", course: (start_m: (0)))"#, "1:33: `course.start_m` must be a tuple of size 2"),
+        (
+            r#"(name: "a", course: (start_m: (0, 0, 0)))"#,
+            "1:38: `course.start_m` must end before this: a `)` is missing, or it has too many parts",
+        ),
+        (r#"(name: "a" lidar: ())"#, "1:12: a comma or a closing bracket is missing before this"),
+        (
+            r#"(name: "a", obstacles: [}"#,
+            "1:25: this closes no open bracket, or a value is missing before it",
+        ),
+        (
+            r#"(name: "a", lidar = ())"#,
+            "1:19: a `:` between a field's name and its value is missing before this",
+        ),
+        (r#"(name: "a", lidar: (3))"#, "1:21: a field's name is missing here: write `name: value`"),
+        (r#"(name: "a") x"#, "1:13: the file's value ends before this: remove what follows"),
+        (r#"(name: "a", "#, "1:13: the file ends in the middle: a closing bracket is missing"),
+        ("", "1:1: the file must be written in parentheses: (...)"),
+        ("Scenrio(name: \"a\")", "1:1: this must be `Scenario(...)` or only `(...)`, not `Scenrio`"),
+        ("/* (name", "1:3: this comment has no end: close it with `*/`"),
+        ("(name: \"abc", "1:8: this text has no closing quote: add one"),
+        (r#"(name: "a\q")"#, "1:12: this is not RON: Unknown escape character"),
+    ] {
+        assert_eq!(complaint_of(text), format!("w.ron:{told}"), "for {text}");
+    }
+}
+
+#[test]
+fn other_files_of_the_project_are_explained_alike() {
+    fn told<T: serde::de::DeserializeOwned + std::fmt::Debug>(text: &str) -> String {
+        parse_ron::<T>(text, "p.ron").expect_err(text).to_string()
+    }
+    assert_eq!(told::<bool>("1"), "p.ron:1:1: the file must be true or false");
+    assert_eq!(told::<Vec<u8>>("[1, 2"), "p.ron:1:6: a comma or a closing bracket is missing before this");
+    assert_eq!(
+        told::<std::num::NonZeroU8>("0"),
+        "p.ron:1:2: the file must be a nonzero u8, not the unsigned integer `0`"
+    );
+    let deep = "[".repeat(1 << 20);
+    assert_eq!(
+        told::<ron::Value>(&deep),
+        "p.ron:1:34: brackets are nested too deep here: nothing in this file needs so many"
+    );
+    assert_eq!(parse_ron::<Option<u8>>("7", "p.ron"), Ok(Some(7)), "Some(...) need not be written");
+}
+
+#[test]
+fn texts_too_long_and_crowds_too_large_are_refused() {
+    let circle = Obstacle {
+        shape: Shape::Circle { radius_m: -1.0 },
+        position_m: (0.0, 0.0),
+        rotation_rad: 0.0,
+        motion: ObstacleMotion::Still,
+    };
+    let scenario = Scenario {
+        name: "n".repeat(101),
+        about: "a".repeat(2_001),
+        obstacles: vec![circle; 10_001],
+        ..Scenario::default()
+    };
+    let found: Vec<_> = findings(&scenario).iter().take(4).map(ToString::to_string).collect();
+    assert_eq!(
+        found,
+        [
+            "`name` must have 1 to 100 characters on one line",
+            "`about` is too long: write at most 2000 characters",
+            "`obstacles` has 10001 entries: write 0 to 10000 of them",
+            "`obstacles[0].shape.radius_m` is -1: write a number from 0.001 to 1000 (metres)",
+        ]
+    );
+    let crowd = Scenario { obstacles: scenario.obstacles[..150].to_vec(), ..Scenario::default() };
+    let text = to_ron(&crowd).expect("it can be written");
+    let told = complaint_of(&text);
+    assert_eq!(told.lines().count(), 101);
+    assert!(told.ends_with("w.ron: and 50 more like these: mend some and look again"), "{told}");
+}
+
+#[test]
+fn no_number_of_a_file_may_be_nan_or_infinite() {
+    for (name, expected) in [("everything.ron", 98), ("everything-else.ron", 6)] {
+        let text = std::fs::read_to_string(Path::new(FIXTURES).join(name)).expect("the fixture is there");
+        Scenario::parse(&text, name).expect("as it is, it is fine");
+        let mut numbers = 0;
+        let mut at = 0;
+        while let Some(start) = text[at..].find(|c: char| c.is_ascii_digit() || c == '-').map(|k| at + k) {
+            at = text[start..]
+                .find(|c: char| !(c.is_ascii_digit() || "-.".contains(c)))
+                .map_or(text.len(), |k| start + k);
+            for bad in ["NaN", "inf", "-inf", "-0.7e30", "1e30"] {
+                let broken = format!("{}{bad}{}", &text[..start], &text[at..]);
+                assert!(
+                    Scenario::parse(&broken, "w.ron").is_err(),
+                    "{bad} passes at byte {start}:\n{broken}"
+                );
+            }
+            numbers += 1;
+        }
+        assert_eq!(numbers, expected, "each number of {name} was tried");
+    }
+}

@@ -1,0 +1,84 @@
+//! The shipped scenarios load, say what the paper says, and survive a round trip through RON.
+
+use std::path::{Path, PathBuf};
+
+use wayfield_scenario::{
+    Enclosure, Obstacle, ObstacleMotion, PlaceRule, Scenario, Shape, parse_ron, pose_at, to_ron,
+};
+
+fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join("scenarios").join(name)
+}
+
+fn load(name: &str) -> Scenario {
+    Scenario::load(shipped(name)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn every_shipped_scenario_loads() {
+    let entries = std::fs::read_dir(shipped("")).expect("the folder is there");
+    let files: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    assert!(files.len() >= 3);
+    for file in files {
+        Scenario::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+#[test]
+fn the_defaults_are_the_papers_numbers() {
+    let scenario: Scenario = parse_ron("(name: \"x\")", "x.ron").expect("a name is enough");
+    assert_eq!(
+        scenario,
+        Scenario { name: "x".into(), ..Scenario::default() },
+        "files and code share their defaults"
+    );
+    assert_eq!(scenario.enclosure, Enclosure::Rectangle { width_m: 4.0, height_m: 4.0 });
+    let motions: Vec<_> = scenario.robot.motions.iter().map(|m| (m.v_m_s, m.w_rad_s)).collect();
+    let (v0, w0) = (0.15, 0.75);
+    assert_eq!(motions, [(v0, 2.0 * w0), (v0, w0), (v0, 0.0), (v0, -w0), (v0, -2.0 * w0)], "equation (9)");
+    assert_eq!(scenario.robot.actuator_lag_s, 0.0, "the paper's robot does at once what it is told");
+    assert_eq!(scenario.lidar.beams, 24, "equation (8)");
+    assert_eq!(
+        (scenario.lidar.max_range_m, scenario.lidar.noise_std_m, scenario.lidar.dropout),
+        (3.5, 0.0, 0.0)
+    );
+    assert_eq!(scenario.task.goal_radius_m, 0.2, "l_a");
+    assert_eq!(scenario.task.control_period_s, 0.2);
+    assert_eq!((scenario.task.collision_range_m, scenario.task.time_limit_steps), (0.13, 500), "chosen");
+    assert_eq!(scenario.starts, PlaceRule::Random { clearance_m: 0.35 });
+    assert_eq!(scenario.targets, scenario.starts);
+    assert_eq!(
+        (scenario.course.start_m, scenario.course.target_m),
+        ((0.0, 0.0), (1.2, 1.2)),
+        "tables 3 to 7"
+    );
+}
+
+#[test]
+fn the_file_with_every_field_spells_the_defaults() {
+    let empty = load("empty.ron");
+    assert_eq!(empty, Scenario { about: empty.about.clone(), ..Scenario::default() });
+}
+
+#[test]
+fn scenario_2_is_scenario_1_turning() {
+    let (one, two) = (load("scenario-1.ron"), load("scenario-2.ron"));
+    let stilled = |o: &Obstacle| Obstacle { motion: ObstacleMotion::Still, ..o.clone() };
+    assert_eq!(one.obstacles, two.obstacles.iter().map(stilled).collect::<Vec<_>>());
+    assert!(one.obstacles.iter().all(|o| o.shape == Shape::Circle { radius_m: 0.15 }));
+    let corners: Vec<_> = one.obstacles.iter().map(|o| o.position_m).collect();
+    assert_eq!(corners, [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)]);
+    // pi/2 at 0.15 rad/s takes 10.472 s, 52.36 steps: after 52 the first is just short of where the second
+    // was.
+    let (x, y, _) = pose_at(&two.obstacles[0], 52, two.task.control_period_s);
+    assert!((x + 0.593).abs() < 2e-3 && (y - 0.6065).abs() < 2e-3, "({x}, {y})");
+}
+
+#[test]
+fn a_scenario_survives_being_written_and_read() {
+    for name in ["empty.ron", "scenario-1.ron", "scenario-2.ron"] {
+        let scenario = load(name);
+        let text = to_ron(&scenario).expect("it can be written");
+        assert_eq!(Scenario::parse(&text, name).expect("and read"), scenario, "{name}");
+    }
+}

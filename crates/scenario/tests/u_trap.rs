@@ -1,0 +1,81 @@
+//! A potential field alone is caught in the U-trap, whatever its weights, and gets through Scenario I: what u-trap.ron and
+//! docs/worlds.md say.
+
+use std::path::Path;
+
+use wayfield_scenario::{Motion, Scenario, clearance};
+
+fn shipped(name: &str) -> Scenario {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join("scenarios").join(name);
+    Scenario::load(path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// How a drive ended.
+#[derive(Debug, PartialEq)]
+enum End {
+    Reached,
+    Collided,
+    TimedOut,
+}
+
+/// Khatib's field: a pull to the target, and a push within a distance of every surface.
+struct Field {
+    push: f32,
+    within_m: f32,
+}
+
+impl Field {
+    /// What the robot rolls down: one for each metre to the target, and push / 2 (1 / d - 1 / within)^2.
+    fn height(&self, scenario: &Scenario, (x, y): (f32, f32)) -> f32 {
+        let target = scenario.course.target_m;
+        let nearest = clearance(scenario, (x, y), 0).max(0.01);
+        let pushed = (1.0 / nearest - 1.0 / self.within_m).max(0.0);
+        (x - target.0).hypot(y - target.1) + self.push / 2.0 * pushed * pushed
+    }
+
+    /// The direction in which it falls, in rad.
+    fn downhill(&self, scenario: &Scenario, (x, y): (f32, f32)) -> f32 {
+        let by = 0.01;
+        let slope =
+            |dx, dy| self.height(scenario, (x - dx, y - dy)) - self.height(scenario, (x + dx, y + dy));
+        slope(0.0, by).atan2(slope(by, 0.0))
+    }
+
+    /// The timed course: at each step the motion that turns the robot downhill best.
+    fn drives(&self, scenario: &Scenario) -> End {
+        let (course, task) = (&scenario.course, &scenario.task);
+        let ((mut x, mut y), mut heading) = (course.start_m, course.heading_rad);
+        for _ in 0..task.time_limit_steps {
+            let downhill = self.downhill(scenario, (x, y));
+            let off = |motion: &&Motion| {
+                let turned = downhill - heading - motion.w_rad_s * task.control_period_s;
+                turned.sin().atan2(turned.cos()).abs()
+            };
+            let motions = scenario.robot.motions.iter();
+            let motion = motions.min_by(|a, b| off(a).total_cmp(&off(b))).expect("it has motions");
+            let turn = motion.w_rad_s * task.control_period_s;
+            let way = motion.v_m_s * task.control_period_s;
+            (x, y) = (x + way * (heading + turn / 2.0).cos(), y + way * (heading + turn / 2.0).sin());
+            heading += turn;
+            if (x - course.target_m.0).hypot(y - course.target_m.1) < task.goal_radius_m {
+                return End::Reached;
+            }
+            if clearance(scenario, (x, y), 0) < task.collision_range_m {
+                return End::Collided;
+            }
+        }
+        End::TimedOut
+    }
+}
+
+#[test]
+fn a_potential_field_alone_is_caught_in_the_u() {
+    let (open, trap) = (shipped("scenario-1.ron"), shipped("u-trap.ron"));
+    for push in [0.05, 0.1, 0.2, 0.4] {
+        for within_m in [0.4, 0.5, 0.6, 0.7, 0.8] {
+            let field = Field { push, within_m };
+            assert_eq!(field.drives(&open), End::Reached, "Scenario I: push {push} within {within_m} m");
+            assert_eq!(field.drives(&trap), End::TimedOut, "the U: push {push} within {within_m} m");
+        }
+    }
+}

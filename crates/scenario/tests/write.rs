@@ -1,0 +1,774 @@
+//! Scenarios written as text: the canonical form, and small diffs against the text they were read from.
+
+use std::path::{Path, PathBuf};
+
+use proptest::collection::vec;
+use proptest::option;
+use proptest::prelude::*;
+use wayfield_scenario::{
+    Course, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Region,
+    Robot, Scenario, Shape, TaskRules, Wall, parse_ron, to_text,
+};
+
+fn read(text: &str) -> Scenario {
+    parse_ron(text, "x.ron").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn shipped() -> Vec<(PathBuf, String)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join("scenarios");
+    let entries = std::fs::read_dir(folder).expect("the folder is there");
+    let files = entries.map(|entry| entry.expect("an entry").path());
+    files
+        .filter(|file| file.is_file())
+        .map(|file| (file.clone(), std::fs::read_to_string(file).expect("text")))
+        .collect()
+}
+
+fn file(name: &str) -> String {
+    let (_, text) =
+        shipped().into_iter().find(|(path, _)| path.ends_with(name)).expect("a shipped file of this name");
+    text
+}
+
+/// `text` after `change`, written like it was.
+fn edited(text: &str, change: impl FnOnce(&mut Scenario)) -> String {
+    let mut scenario = read(text);
+    change(&mut scenario);
+    let written = to_text(&scenario, Some(text));
+    assert_eq!(read(&written), scenario, "{written}");
+    written
+}
+
+/// The lines that only one of two texts has: those of `before` with a `-`, those of `after` with a `+`.
+fn diff(before: &str, after: &str) -> String {
+    let (a, b): (Vec<_>, Vec<_>) = (before.split('\n').collect(), after.split('\n').collect());
+    let shorter = a.len().min(b.len());
+    let front = (0..shorter).take_while(|&k| a[k] == b[k]).count();
+    let back = (0..shorter - front).take_while(|&k| a[a.len() - 1 - k] == b[b.len() - 1 - k]).count();
+    let lines = |sign: &str, lines: &[&str]| lines.iter().map(|l| format!("{sign}{l}\n")).collect::<String>();
+    lines("-", &a[front..a.len() - back]) + &lines("+", &b[front..b.len() - back])
+}
+
+fn circle(x: f32, y: f32) -> Obstacle {
+    Obstacle {
+        shape: Shape::Circle { radius_m: 0.15 },
+        position_m: (x, y),
+        rotation_rad: 0.0,
+        motion: ObstacleMotion::Still,
+    }
+}
+
+/// A world in which nothing has its default.
+fn everything() -> Scenario {
+    let moving = |shape, motion| Obstacle { shape, position_m: (1.0, -2.5), rotation_rad: 0.1, motion };
+    Scenario {
+        name: "All of it".into(),
+        about: "Said \"so\", with a \\ and a line's end\nin it.".into(),
+        enclosure: Enclosure::Polygon { corners_m: vec![(-3.0, -3.0), (3.0, -3.0), (0.0, 1e-7)] },
+        walls: vec![
+            Wall { corners_m: vec![(0.0, 0.0), (1.0, 0.0)], thickness_m: 0.1 },
+            Wall { corners_m: (0..8).map(|k| (k as f32, 0.25)).collect(), thickness_m: 0.3 },
+        ],
+        obstacles: vec![
+            circle(0.6, 0.6),
+            moving(Shape::Rectangle { width_m: 1.0, height_m: 0.5 }, ObstacleMotion::Still),
+            moving(
+                Shape::Polygon { corners_m: vec![(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] },
+                ObstacleMotion::Orbit { centre_m: (0.0, 0.5), speed_rad_s: -0.15 },
+            ),
+            moving(
+                Shape::Capsule { length_m: 0.3, radius_m: 0.1 },
+                ObstacleMotion::Patrol { waypoints_m: vec![(1.0, 1.0), (2.0, 1.0)], speed_m_s: 0.1 },
+            ),
+            Obstacle {
+                motion: ObstacleMotion::BackAndForth { waypoints_m: vec![(1.0, 1.0)], speed_m_s: 0.1 },
+                ..circle(0.0, 0.0)
+            },
+            Obstacle {
+                motion: ObstacleMotion::RandomWalk { reach_m: 0.8, speed_m_s: 0.1, seed: 0 },
+                ..circle(0.0, 0.0)
+            },
+            Obstacle {
+                motion: ObstacleMotion::RandomWalk { reach_m: 0.8, speed_m_s: 0.1, seed: 7 },
+                ..circle(-0.0, 3e20)
+            },
+        ],
+        generators: vec![
+            Generator {
+                count: 6,
+                shape: RandomShape::Circle { radius_m: (0.1, 0.25) },
+                gap_m: 0.4,
+                within: None,
+            },
+            Generator {
+                count: 4,
+                shape: RandomShape::Rectangle { width_m: (0.2, 0.6), height_m: (0.2, 0.4) },
+                gap_m: 0.45,
+                within: Some(Region { min_m: (-1.6, -1.6), max_m: (1.6, 1.6) }),
+            },
+        ],
+        robot: Robot {
+            radius_m: 0.12,
+            motions: vec![Motion { v_m_s: 0.2, w_rad_s: 0.0 }, Motion { v_m_s: 0.0, w_rad_s: -1.0 }],
+            actuator_lag_s: 0.5,
+        },
+        lidar: Lidar {
+            beams: 36,
+            field_of_view_rad: 4.712,
+            max_range_m: 10.0,
+            noise_std_m: 0.01,
+            dropout: 0.02,
+            latency_steps: 2,
+        },
+        task: TaskRules {
+            goal_radius_m: 0.3,
+            collision_range_m: 0.15,
+            time_limit_steps: 1000,
+            control_period_s: 0.1,
+            min_target_distance_m: 0.6,
+        },
+        starts: PlaceRule::Within { min_m: (-1.0, -1.0), max_m: (1.0, 1.0), clearance_m: 0.35 },
+        targets: PlaceRule::Fixed { at_m: (1.0, 1.0), heading_rad: Some(1.5) },
+        course: Course { start_m: (0.0, 1.0), heading_rad: 0.785, target_m: (1.2, -1.2) },
+    }
+}
+
+const EVERYTHING: &str = r#"(
+    name: "All of it",
+    about: "Said \"so\", with a \\ and a line's end\nin it.",
+
+    enclosure: Polygon(corners_m: [(-3.0, -3.0), (3.0, -3.0), (0.0, 1e-7)]),
+
+    walls: [
+        (corners_m: [(0.0, 0.0), (1.0, 0.0)]),
+        (
+            corners_m: [
+                (0.0, 0.25),
+                (1.0, 0.25),
+                (2.0, 0.25),
+                (3.0, 0.25),
+                (4.0, 0.25),
+                (5.0, 0.25),
+                (6.0, 0.25),
+                (7.0, 0.25),
+            ],
+            thickness_m: 0.3,
+        ),
+    ],
+
+    obstacles: [
+        (shape: Circle(radius_m: 0.15), position_m: (0.6, 0.6)),
+        (shape: Rectangle(width_m: 1.0, height_m: 0.5), position_m: (1.0, -2.5), rotation_rad: 0.1),
+        (
+            shape: Polygon(corners_m: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]),
+            position_m: (1.0, -2.5),
+            rotation_rad: 0.1,
+            motion: Orbit(centre_m: (0.0, 0.5), speed_rad_s: -0.15),
+        ),
+        (
+            shape: Capsule(length_m: 0.3, radius_m: 0.1),
+            position_m: (1.0, -2.5),
+            rotation_rad: 0.1,
+            motion: Patrol(waypoints_m: [(1.0, 1.0), (2.0, 1.0)], speed_m_s: 0.1),
+        ),
+        (
+            shape: Circle(radius_m: 0.15),
+            position_m: (0.0, 0.0),
+            motion: BackAndForth(waypoints_m: [(1.0, 1.0)], speed_m_s: 0.1),
+        ),
+        (
+            shape: Circle(radius_m: 0.15),
+            position_m: (0.0, 0.0),
+            motion: RandomWalk(reach_m: 0.8, speed_m_s: 0.1),
+        ),
+        (
+            shape: Circle(radius_m: 0.15),
+            position_m: (-0.0, 3e20),
+            motion: RandomWalk(reach_m: 0.8, speed_m_s: 0.1, seed: 7),
+        ),
+    ],
+
+    generators: [
+        (count: 6, shape: Circle(radius_m: (0.1, 0.25))),
+        (
+            count: 4,
+            shape: Rectangle(width_m: (0.2, 0.6), height_m: (0.2, 0.4)),
+            gap_m: 0.45,
+            within: (min_m: (-1.6, -1.6), max_m: (1.6, 1.6)),
+        ),
+    ],
+
+    robot: (
+        radius_m: 0.12,
+        motions: [
+            (v_m_s: 0.2, w_rad_s: 0.0),
+            (v_m_s: 0.0, w_rad_s: -1.0),
+        ],
+        actuator_lag_s: 0.5,
+    ),
+
+    lidar: (
+        beams: 36,
+        field_of_view_rad: 4.712,
+        max_range_m: 10.0,
+        noise_std_m: 0.01,
+        dropout: 0.02,
+        latency_steps: 2,
+    ),
+
+    task: (
+        goal_radius_m: 0.3,
+        collision_range_m: 0.15,
+        time_limit_steps: 1000,
+        control_period_s: 0.1,
+        min_target_distance_m: 0.6,
+    ),
+
+    starts: Within(min_m: (-1.0, -1.0), max_m: (1.0, 1.0)),
+    targets: Fixed(at_m: (1.0, 1.0), heading_rad: 1.5),
+
+    course: (start_m: (0.0, 1.0), heading_rad: 0.785, target_m: (1.2, -1.2)),
+)
+"#;
+
+#[test]
+fn the_canonical_form_to_the_letter() {
+    assert_eq!(to_text(&everything(), None), EVERYTHING);
+    assert_eq!(to_text(&Scenario::default(), None), "(\n    name: \"Empty\",\n)\n", "defaults are left out");
+}
+
+#[test]
+fn the_canonical_form_is_a_fixed_point() {
+    let scenario = read(EVERYTHING);
+    assert_eq!(scenario, everything());
+    assert_eq!(to_text(&scenario, None), EVERYTHING);
+    assert_eq!(to_text(&scenario, Some(EVERYTHING)), EVERYTHING);
+    assert!(scenario.obstacles[6].position_m.0.is_sign_negative(), "-0.0 stays what it is");
+}
+
+#[test]
+fn a_long_text_is_broken_at_spaces() {
+    let about = "Twelve letter words, or so.  ".repeat(12) + "\u{2003}and a wide space, \u{7} \u{1F916}";
+    let text = to_text(&Scenario { about: about.clone(), ..Scenario::default() }, None);
+    assert_eq!(read(&text).about, about);
+    assert!(text.lines().all(|line| line.chars().count() <= 110), "{text}");
+    assert_eq!(text.lines().filter(|line| line.ends_with('\\')).count(), 3, "{text}");
+    assert!(text.contains("\\u{7}"), "what can't be seen is escaped: {text}");
+    // `    name: "` and `",` are 13 columns.
+    for (letters, lines) in [(97, 3), (98, 4)] {
+        let name = format!("{} {}", "x".repeat(49), "x".repeat(letters - 50));
+        let text = to_text(&Scenario { name, ..Scenario::default() }, None);
+        assert_eq!(text.lines().count(), lines, "{text}");
+    }
+    // A word that has no space to break at stays whole.
+    let about = "x".repeat(300);
+    assert_eq!(read(&to_text(&Scenario { about: about.clone(), ..Scenario::default() }, None)).about, about);
+}
+
+#[test]
+fn every_shipped_file_is_written_as_it_is() {
+    for (path, text) in shipped() {
+        assert_eq!(to_text(&read(&text), Some(&text)), text, "{}", path.display());
+        let canonical = to_text(&read(&text), None);
+        assert_eq!(read(&canonical), read(&text), "{}", path.display());
+    }
+}
+
+#[test]
+fn what_is_no_scenario_is_no_model() {
+    for broken in ["", "(", "(name: 3)", "(name: \"x\") // and no more\n)"] {
+        assert_eq!(to_text(&everything(), Some(broken)), EVERYTHING, "{broken:?}");
+    }
+}
+
+#[test]
+fn moving_one_obstacle_changes_one_line() {
+    let text = file("scenario-1.ron");
+    assert_eq!(
+        diff(&text, &edited(&text, |scenario| scenario.obstacles[1].position_m = (-0.75, 0.6))),
+        "-        (shape: Circle(radius_m: 0.15), position_m: (-0.6, 0.6)),\n\
+         +        (shape: Circle(radius_m: 0.15), position_m: (-0.75, 0.6)),\n"
+    );
+    let text = file("scenario-2.ron");
+    assert_eq!(
+        diff(&text, &edited(&text, |scenario| scenario.obstacles[3].position_m = (0.7, -0.6))),
+        "-            position_m: (0.6, -0.6),\n+            position_m: (0.7, -0.6),\n"
+    );
+}
+
+#[test]
+fn an_obstacle_less_an_obstacle_more() {
+    let text = file("scenario-1.ron");
+    assert_eq!(
+        diff(&text, &edited(&text, |scenario| drop(scenario.obstacles.remove(2)))),
+        "-        (shape: Circle(radius_m: 0.15), position_m: (-0.6, -0.6)),\n"
+    );
+    let more = edited(&text, |scenario| scenario.obstacles.push(circle(1.0, 1.5)));
+    assert_eq!(diff(&text, &more), "+        (shape: Circle(radius_m: 0.15), position_m: (1.0, 1.5)),\n");
+    let between = edited(&text, |scenario| scenario.obstacles.insert(1, circle(1.0, 1.5)));
+    assert_eq!(diff(&text, &between), "+        (shape: Circle(radius_m: 0.15), position_m: (1.0, 1.5)),\n");
+    assert_eq!(edited(&between, |scenario| drop(scenario.obstacles.remove(1))), text);
+    // The last one takes nothing with it but itself; its field has a comment, so it stays.
+    let none = edited(&text, |scenario| scenario.obstacles.clear());
+    assert!(none.contains("(The first one bars the timed course.)\n    obstacles: [],\n)"), "{none}");
+}
+
+#[test]
+fn one_number_of_the_lidar_leaves_all_else() {
+    let text = file("empty.ron");
+    let (before, after) = ("max_range_m: 3.5,", "max_range_m: 4.25,");
+    assert_eq!(text.matches(before).count(), 1);
+    assert_eq!(edited(&text, |scenario| scenario.lidar.max_range_m = 4.25), text.replace(before, after));
+    // Inside hand-made lines with comments behind them.
+    assert_eq!(
+        diff(&text, &edited(&text, |scenario| scenario.task.time_limit_steps = 800)),
+        "-        time_limit_steps: 500,      // the episode is cut off here\n\
+         +        time_limit_steps: 800,      // the episode is cut off here\n"
+    );
+}
+
+#[test]
+fn a_field_that_was_not_written_goes_where_the_schema_has_it() {
+    let text = file("scenario-1.ron");
+    let wall = Wall { corners_m: vec![(0.0, 0.0), (1.0, 0.0)], thickness_m: 0.1 };
+    let walled = edited(&text, |scenario| scenario.walls.push(wall));
+    assert_eq!(
+        diff(&text, &walled),
+        "+    walls: [\n+        (corners_m: [(0.0, 0.0), (1.0, 0.0)]),\n+    ],\n+\n",
+        "{walled}"
+    );
+    assert!(walled.contains("round.\",\n\n    walls: [\n"), "behind `about`: {walled}");
+    assert_eq!(edited(&walled, |scenario| scenario.walls.clear()), text, "and goes without a trace");
+
+    let limited = edited(&text, |scenario| scenario.task.time_limit_steps = 800);
+    assert_eq!(diff(&text, &limited), "+\n+    task: (time_limit_steps: 800),\n");
+    let turned = edited(&text, |scenario| scenario.obstacles[0].rotation_rad = 0.5);
+    assert_eq!(
+        diff(&text, &turned),
+        "-        (shape: Circle(radius_m: 0.15), position_m: (0.6, 0.6)),\n\
+         +        (shape: Circle(radius_m: 0.15), position_m: (0.6, 0.6), rotation_rad: 0.5),\n"
+    );
+}
+
+#[test]
+fn defaults_that_are_spelled_out_stay_and_comments_stay_aligned() {
+    let text = file("empty.ron");
+    assert_eq!(
+        diff(&text, &edited(&text, |scenario| scenario.robot.motions[0].w_rad_s = 2.0)),
+        "-            (v_m_s: 0.15, w_rad_s: 1.5),\n+            (v_m_s: 0.15, w_rad_s: 2.0),\n"
+    );
+    let (before, after) = ("course: (start_m: (0.0, 0.0),", "course: (start_m: (1.0, 0.0),");
+    assert_eq!(edited(&text, |scenario| scenario.course.start_m.0 = 1.0), text.replace(before, after));
+    let (before, after) = ("6.2831855, // all", "3.0,       // all");
+    assert_eq!(edited(&text, |scenario| scenario.lidar.field_of_view_rad = 3.0), text.replace(before, after));
+    let tabbed = text.replace("0.0,             // standard", "0.0,\t\t\t\t\t\t\t\t\t\t\t\t\t// standard");
+    assert_ne!(tabbed, text);
+    let changed = edited(&tabbed, |scenario| scenario.lidar.beams = 36);
+    assert_eq!(changed, tabbed.replace("beams: 24", "beams: 36"), "tabs of a line that has not changed stay");
+    let (before, after) = ("0.0,             // standard", "0.0125,          // standard");
+    assert_eq!(edited(&text, |scenario| scenario.lidar.noise_std_m = 0.0125), text.replace(before, after));
+}
+
+/// A file that nobody would write, to see that nothing of it is lost.
+const ODD: &str = "// Head (with a bracket)\n#![enable(implicit_some)] /* so */\nScenario(\n\
+  \tlidar: ( beams : 30 /* not ( 24 */ , dropout:0.1),// why: \"it\" rains\n\
+  \tname: r#\"An \"odd\" one\"#, /* a /* nested */ one */ obstacles: [ // three\n\
+  \t\t// The first.\n\t\t// It is round.\n\t\t(shape: Circle(radius_m: 15e-2), position_m: (0, 0.50)), // one\n\
+  \n\t\t// A row:\n\n\t\t// The second.\n\
+  \t\t(position_m: (1., 1.), /* here */ shape: Circle(radius_m: 0.15)), // two\n\n\
+  \t\t(shape: Circle(radius_m: 0.2), position_m: (-1.0, 1.0)) // three, without a comma\n\
+  \t\t// the end\n\t],\n\
+  \tstarts: OneOf(places_m: [(0.0, 0.0), /* b */ (1.0, 1.0) /* c */, (2.0, 2.0)]),\n\
+  \ttargets: Fixed(at_m: (1.0, 1.0), heading_rad: Some(1.0)) /* last */\n) // done\n/* really */";
+
+#[test]
+fn odd_comments_stay() {
+    let same = |change: &dyn Fn(&mut Scenario), from: &str, to: &str| {
+        assert_eq!(ODD.matches(from).count(), 1, "{from}");
+        assert_eq!(edited(ODD, change), ODD.replace(from, to));
+    };
+    assert_eq!(to_text(&read(ODD), Some(ODD)), ODD);
+    same(&|s| s.lidar.beams = 31, "30", "31");
+    same(&|s| s.lidar.dropout = 0.0, "dropout:0.1", "dropout:0.0");
+    same(&|s| s.name = "Odd".into(), "r#\"An \"odd\" one\"#", "\"Odd\"");
+    same(&|s| s.obstacles[0].position_m.1 = 0.75, "0.50", "0.75");
+    same(&|s| s.obstacles[1].position_m.0 = 2.0, "(1., 1.)", "(2.0, 1.)");
+    same(&|s| s.obstacles[1].rotation_rad = 0.5, ")), // two", "), rotation_rad: 0.5), // two");
+    same(&|s| s.obstacles[2].shape = Shape::Circle { radius_m: 0.3 }, "0.2)", "0.3)");
+    same(&|s| s.lidar.noise_std_m = 0.1, "/* not ( 24 */ ,", "/* not ( 24 */ , noise_std_m: 0.1,");
+    same(
+        &|s| s.targets = PlaceRule::Fixed { at_m: (1.0, 1.0), heading_rad: Some(2.0) },
+        "Some(1.0)",
+        "Some(2.0)",
+    );
+    same(
+        &|s| s.targets = PlaceRule::OneOf { places_m: vec![(3.0, 3.0)] },
+        "Fixed(at_m: (1.0, 1.0), heading_rad: Some(1.0))",
+        "OneOf(places_m: [(3.0, 3.0)])",
+    );
+    same(&|s| s.course.heading_rad = 0.5, " /* last */\n)", ", /* last */\n\tcourse: (heading_rad: 0.5),\n)");
+}
+
+#[test]
+fn what_goes_takes_its_comments_and_leaves_others() {
+    let place = |text: &str, keep: &[usize]| {
+        edited(text, |scenario| {
+            let places = [(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)];
+            scenario.starts = PlaceRule::OneOf { places_m: keep.iter().map(|&k| places[k]).collect() };
+        })
+    };
+    for (keep, places) in [
+        (&[1, 2][..], "[/* b */ (1.0, 1.0) /* c */, (2.0, 2.0)]"),
+        (&[0, 2], "[(0.0, 0.0), (2.0, 2.0)]"),
+        (&[0, 1], "[(0.0, 0.0), /* b */ (1.0, 1.0) /* c */]"),
+        (&[2], "[(2.0, 2.0)]"),
+    ] {
+        let text = place(ODD, keep);
+        assert!(text.contains(&format!("OneOf(places_m: {places}),")), "{places} in {text}");
+    }
+    let without = |k: usize| edited(ODD, |scenario| drop(scenario.obstacles.remove(k)));
+    assert!(without(0).contains("[ // three\n\t\t// A row:\n\n\t\t// The second.\n"), "{}", without(0));
+    assert!(
+        without(1).contains("// one\n\n\t\t// A row:\n\n\t\t(shape: Circle(radius_m: 0.2)"),
+        "{}",
+        without(1)
+    );
+    assert!(without(2).contains("// two\n\t\t// the end\n\t],"), "{}", without(2));
+    let more = edited(ODD, |scenario| scenario.obstacles.push(circle(9.0, 9.0)));
+    let line = "\t\t(shape: Circle(radius_m: 0.15), position_m: (9.0, 9.0)),\n";
+    assert!(
+        more.contains(&format!("(-1.0, 1.0)), // three, without a comma\n{line}\t\t// the end\n")),
+        "{more}"
+    );
+    let none = edited(ODD, |scenario| scenario.obstacles.clear());
+    assert!(none.contains("[ // three\n\n\t\t// A row:\n\n\t\t// the end\n\t],"), "{none}");
+}
+
+#[test]
+fn a_list_keeps_its_layout() {
+    const ROWS: &str = "[\n  (0.0, 0.0), (1.0, 0.0), // row\n  (2.0, 0.0), (3.0, 0.0),\n]";
+    const PARTS: &str = "[\n  (0.0, 0.0),\n\n  (1.0, 0.0),\n  (2.0, 0.0)\n]";
+    for (list, places, expected) in [
+        (ROWS, &[1_u8, 2, 3][..], "[\n  (1.0, 0.0), // row\n  (2.0, 0.0), (3.0, 0.0),\n]"),
+        (ROWS, &[0, 2, 3], "[\n  (0.0, 0.0),\n  (2.0, 0.0), (3.0, 0.0),\n]"),
+        (ROWS, &[0, 1, 3], "[\n  (0.0, 0.0), (1.0, 0.0), // row\n  (3.0, 0.0),\n]"),
+        (
+            ROWS,
+            &[9, 0, 1, 2, 3],
+            "[\n  (9.0, 0.0),\n  (0.0, 0.0), (1.0, 0.0), // row\n  (2.0, 0.0), (3.0, 0.0),\n]",
+        ),
+        (
+            ROWS,
+            &[0, 9, 1, 2, 3],
+            "[\n  (0.0, 0.0), (9.0, 0.0), (1.0, 0.0), // row\n  (2.0, 0.0), (3.0, 0.0),\n]",
+        ),
+        (ROWS, &[], "[]"),
+        (PARTS, &[0, 2], "[\n  (0.0, 0.0),\n\n  (2.0, 0.0)\n]"),
+        (PARTS, &[1, 2], "[\n  (1.0, 0.0),\n  (2.0, 0.0)\n]"),
+        (PARTS, &[0, 1, 2, 3], "[\n  (0.0, 0.0),\n\n  (1.0, 0.0),\n  (2.0, 0.0),\n  (3.0, 0.0),\n]"),
+        ("[(0, 0),(1, 0),(2, 0)]", &[0, 1, 9], "[(0, 0),(1, 0),(9.0, 0)]"),
+        ("[(0, 0),(1, 0),(2, 0)]", &[9, 0, 1, 2], "[(9.0, 0.0), (0, 0),(1, 0),(2, 0)]"),
+        ("[(0, 0), (1, 0),]", &[0, 1, 2], "[(0, 0), (1, 0), (2.0, 0.0),]"),
+        ("[(0, 0), (1, 0), ]", &[0], "[(0, 0), ]"),
+        ("[(0, 0), /* of\n1 */ (1, 0)]", &[1], "[/* of\n1 */ (1, 0)]"),
+        ("[\n  (0, 0), /* of\n1 */\n  (1, 0),\n]", &[1], "[\n /* of\n1 */\n  (1, 0),\n]"),
+        ("[ /* none */ ]", &[1], "[(1.0, 0.0), /* none */ ]"),
+        ("[\n  // none\n]", &[1], "[\n    (1.0, 0.0),\n  // none\n]"),
+    ] {
+        let file = |list: &str| format!("(name: \"x\", starts: OneOf(places_m: {list}))");
+        let written = edited(&file(list), |scenario| {
+            let places_m = places.iter().map(|&k| (f32::from(k), 0.0)).collect();
+            scenario.starts = PlaceRule::OneOf { places_m };
+        });
+        assert_eq!(written, file(expected), "{list} with {places:?}");
+    }
+}
+
+#[test]
+fn fields_of_the_whole_are_kept_apart() {
+    let text =
+        "(\n    name: \"x\",\n\n    lidar: (beams: 30),\n    starts: Random(clearance_m: 0.5), // far\n)\n";
+    let change = |scenario: &mut Scenario| scenario.task.time_limit_steps = 800;
+    assert_eq!(diff(text, &edited(text, change)), "+\n+    task: (time_limit_steps: 800),\n+\n");
+    let dense = text.replace("\n\n", "\n");
+    assert_eq!(diff(&dense, &edited(&dense, change)), "+    task: (time_limit_steps: 800),\n");
+    // A value that is the default again stays where it was written.
+    let change = |scenario: &mut Scenario| scenario.lidar.beams = 24;
+    assert_eq!(edited(text, change), text.replace("30", "24"));
+}
+
+#[test]
+fn elements_are_known_again_when_others_come_and_go() {
+    let text = "(name: \"x\", obstacles: [\n    // a\n    (shape: Circle(radius_m: 0.1), position_m: (0.0, 0.0)),\n\
+        \x20   // b\n    (shape: Circle(radius_m: 0.2), position_m: (1.0, 0.0)),\n\
+        \x20   // c\n    (shape: Circle(radius_m: 0.3), position_m: (2.0, 0.0)),\n])\n";
+    // The first goes, the third moves, a new one stands at the end.
+    let written = edited(text, |scenario| {
+        scenario.obstacles.remove(0);
+        scenario.obstacles[1].position_m = (2.5, 0.0);
+        scenario.obstacles.push(circle(9.0, 9.0));
+    });
+    assert_eq!(
+        written,
+        "(name: \"x\", obstacles: [\n    // b\n    (shape: Circle(radius_m: 0.2), position_m: (1.0, 0.0)),\n\
+        \x20   // c\n    (shape: Circle(radius_m: 0.3), position_m: (2.5, 0.0)),\n\
+        \x20   (shape: Circle(radius_m: 0.15), position_m: (9.0, 9.0)),\n])\n"
+    );
+    // One that has moved is known by its shape.
+    let written = edited(text, |scenario| {
+        scenario.obstacles.drain(..2);
+        scenario.obstacles[0].position_m = (2.5, 0.0);
+    });
+    assert_eq!(
+        written,
+        "(name: \"x\", obstacles: [\n    // c\n    (shape: Circle(radius_m: 0.3), position_m: (2.5, 0.0)),\n])\n"
+    );
+}
+
+#[test]
+fn a_file_keeps_its_line_ends() {
+    let text = file("scenario-1.ron").replace('\n', "\r\n");
+    assert_eq!(to_text(&read(&text), Some(&text)), text);
+    let written = edited(&text, |scenario| {
+        scenario.obstacles[2].position_m = (-0.5, -0.5);
+        scenario.obstacles.push(circle(1.0, 1.5));
+        scenario.walls = everything().walls;
+        scenario.about = "word ".repeat(40);
+        scenario.lidar.beams = 36;
+    });
+    assert_eq!(written.matches('\n').count(), written.matches("\r\n").count(), "{written:?}");
+    assert!(written.len() > text.len());
+    let bare = file("scenario-1.ron");
+    let bare = bare.trim_end();
+    assert_eq!(to_text(&read(bare), Some(bare)), bare);
+    assert!(edited(bare, |scenario| scenario.lidar.beams = 36).ends_with("    lidar: (beams: 36),\n)"));
+}
+
+#[test]
+fn a_world_of_ten_thousand_keeps_its_lines() {
+    let scenario = Scenario {
+        obstacles: (0..10_000_u16).map(|k| circle(f32::from(k), 0.5)).collect(),
+        ..Scenario::default()
+    };
+    let text = to_text(&scenario, None);
+    let line = "        (shape: Circle(radius_m: 0.15), position_m: (7000.0, 0.5)),\n";
+    assert_eq!(edited(&text, |scenario| drop(scenario.obstacles.remove(7000))), text.replace(line, ""));
+    // So much at once that elements are told apart by their order only.
+    edited(&text, |scenario| {
+        scenario.obstacles.retain(|obstacle| obstacle.position_m.0 % 3.0 != 0.0);
+        scenario.obstacles.iter_mut().for_each(|obstacle| obstacle.position_m.1 = 0.75);
+    });
+}
+
+#[test]
+fn where_the_old_words_do_not_serve_nothing_is_lost() {
+    // ron takes `r#beams` for `beams`; the writer doesn't see it, and would write a second one.
+    let text = "// mine\n(name: \"x\", lidar: (r#beams: 30))\n";
+    assert_eq!(to_text(&read(text), Some(text)), text);
+    let written = edited(text, |scenario| scenario.lidar.beams = 31);
+    assert_eq!(written, "(\n    name: \"x\",\n\n    lidar: (beams: 31),\n)\n");
+}
+
+fn number() -> impl Strategy<Value = f32> {
+    prop_oneof![any::<f32>(), (-40_i16..40).prop_map(|k| f32::from(k) / 20.0), Just(-0.0), Just(f32::NAN)]
+}
+
+fn point() -> impl Strategy<Value = (f32, f32)> {
+    (number(), number())
+}
+
+fn points() -> impl Strategy<Value = Vec<(f32, f32)>> {
+    vec(point(), 0..9)
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        number().prop_map(|radius_m| Shape::Circle { radius_m }),
+        point().prop_map(|(width_m, height_m)| Shape::Rectangle { width_m, height_m }),
+        points().prop_map(|corners_m| Shape::Polygon { corners_m }),
+        point().prop_map(|(length_m, radius_m)| Shape::Capsule { length_m, radius_m }),
+    ]
+}
+
+fn motion() -> impl Strategy<Value = ObstacleMotion> {
+    prop_oneof![
+        Just(ObstacleMotion::Still),
+        (point(), number())
+            .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s }),
+        (points(), number())
+            .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
+        (points(), number())
+            .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }),
+        (number(), number(), 0_u32..3).prop_map(|(reach_m, speed_m_s, seed)| ObstacleMotion::RandomWalk {
+            reach_m,
+            speed_m_s,
+            seed
+        }),
+    ]
+}
+
+fn obstacle() -> impl Strategy<Value = Obstacle> {
+    // Few different ones, so that two lists share some.
+    let few = (0_u8..5).prop_map(|k| circle(f32::from(k), 0.0));
+    let any = (shape(), point(), number(), motion()).prop_map(|(shape, position_m, rotation_rad, motion)| {
+        Obstacle { shape, position_m, rotation_rad, motion }
+    });
+    prop_oneof![3 => few, 1 => any]
+}
+
+fn generator() -> impl Strategy<Value = Generator> {
+    let shape = prop_oneof![
+        point().prop_map(|radius_m| RandomShape::Circle { radius_m }),
+        (point(), point()).prop_map(|(width_m, height_m)| RandomShape::Rectangle { width_m, height_m }),
+    ];
+    let within = option::of((point(), point()).prop_map(|(min_m, max_m)| Region { min_m, max_m }));
+    (any::<u32>(), shape, prop_oneof![Just(0.4), number()], within)
+        .prop_map(|(count, shape, gap_m, within)| Generator { count, shape, gap_m, within })
+}
+
+fn places() -> impl Strategy<Value = PlaceRule> {
+    let clearance = || prop_oneof![Just(0.35), number()];
+    prop_oneof![
+        clearance().prop_map(|clearance_m| PlaceRule::Random { clearance_m }),
+        (point(), point(), clearance()).prop_map(|(min_m, max_m, clearance_m)| PlaceRule::Within {
+            min_m,
+            max_m,
+            clearance_m
+        }),
+        (point(), option::of(number()))
+            .prop_map(|(at_m, heading_rad)| PlaceRule::Fixed { at_m, heading_rad }),
+        points().prop_map(|places_m| PlaceRule::OneOf { places_m }),
+    ]
+}
+
+fn robot() -> impl Strategy<Value = Robot> {
+    let motion = point().prop_map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s });
+    prop_oneof![
+        Just(Robot::default()),
+        (number(), vec(motion, 0..4), number()).prop_map(|(radius_m, motions, actuator_lag_s)| Robot {
+            radius_m,
+            motions,
+            actuator_lag_s
+        }),
+    ]
+}
+
+fn lidar() -> impl Strategy<Value = Lidar> {
+    prop_oneof![
+        Just(Lidar::default()),
+        (0_usize..50).prop_map(|beams| Lidar { beams, ..Lidar::default() }),
+        (number(), number(), 0_u32..3).prop_map(|(max_range_m, dropout, latency_steps)| Lidar {
+            max_range_m,
+            dropout,
+            latency_steps,
+            ..Lidar::default()
+        }),
+    ]
+}
+
+fn scenario() -> impl Strategy<Value = Scenario> {
+    let enclosure = prop_oneof![
+        point().prop_map(|(width_m, height_m)| Enclosure::Rectangle { width_m, height_m }),
+        points().prop_map(|corners_m| Enclosure::Polygon { corners_m }),
+    ];
+    let wall = (points(), prop_oneof![Just(0.1), number()])
+        .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m });
+    let task = (number(), any::<u32>()).prop_map(|(control_period_s, time_limit_steps)| TaskRules {
+        control_period_s,
+        time_limit_steps,
+        ..TaskRules::default()
+    });
+    let course = prop_oneof![
+        Just(Course::default()),
+        point().prop_map(|target_m| Course { target_m, ..Course::default() })
+    ];
+    let lists = (vec(wall, 0..3), vec(obstacle(), 0..7), vec(generator(), 0..3));
+    let texts = (any::<String>(), prop_oneof![Just(String::new()), "[ a\n]{0,300}", any::<String>()]);
+    (texts, enclosure, lists, robot(), lidar(), task, (places(), places()), course).prop_map(
+        |(
+            (name, about),
+            enclosure,
+            (walls, obstacles, generators),
+            robot,
+            lidar,
+            task,
+            (starts, targets),
+            course,
+        )| {
+            Scenario {
+                name,
+                about,
+                enclosure,
+                walls,
+                obstacles,
+                generators,
+                robot,
+                lidar,
+                task,
+                starts,
+                targets,
+                course,
+            }
+        },
+    )
+}
+
+/// All of a scenario's numbers, so that 0.0 and -0.0 differ and NaN is NaN.
+fn spelled(scenario: &Scenario) -> String {
+    format!("{scenario:?}")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_scenario_reads_back_to_the_bit(scenario in scenario(), other in scenario()) {
+        let text = to_text(&scenario, None);
+        prop_assert_eq!(spelled(&read(&text)), spelled(&scenario), "{}", text);
+        prop_assert_eq!(to_text(&read(&text), None), text.clone());
+
+        // With marks all over another scenario's text, which make it more than canonical.
+        let marked = to_text(&other, None).replace("(\n", "( // in\n").replace("lidar: (", "lidar: ( /* l */");
+        let marked = format!("// head\n{} // end", marked.trim_end());
+        prop_assert_eq!(to_text(&read(&marked), Some(&marked)), marked.clone());
+        let written = to_text(&scenario, Some(&marked));
+        prop_assert_eq!(spelled(&read(&written)), spelled(&scenario), "{}\nlike {}", written, marked);
+        let served = written.starts_with("// head\n( // in\n") && written.ends_with(") // end");
+        prop_assert!(served, "the model served: {}", written);
+        prop_assert_eq!(to_text(&scenario, Some(&written)), written.clone());
+        // And back.
+        let back = to_text(&other, Some(&written));
+        prop_assert_eq!(spelled(&read(&back)), spelled(&other), "{}", back);
+        prop_assert!(back.starts_with("// head\n( // in\n"), "the model served: {}", back);
+    }
+
+    #[test]
+    fn comments_anywhere_are_no_hindrance(
+        scenario in scenario(),
+        other in scenario(),
+        seeds in vec(0_usize..40, 1..60),
+    ) {
+        let plain = Scenario { name: "x".into(), about: String::new(), ..other };
+        let like = strewn(&to_text(&plain, None), &seeds);
+        prop_assert_eq!(spelled(&read(&like)), spelled(&plain), "{}", like);
+        let written = to_text(&scenario, Some(&like));
+        prop_assert_eq!(spelled(&read(&written)), spelled(&scenario), "{}\nlike {}", written, like);
+        prop_assert!(written.starts_with("// head\n"), "the model served: {}\nlike {}", written, like);
+    }
+}
+
+/// `text`, whose strings have no brackets, with comments and line ends behind some of its brackets, commas and colons.
+fn strewn(text: &str, seeds: &[usize]) -> String {
+    const TRIVIA: [&str; 8] =
+        ["// c )\n", " /* a, ( */ ", "\n", "\n\n\n", "/* a\n\n b */", " // d\n\n// e\n", "/*/**/*/", " "];
+    let mut seeds = seeds.iter().cycle();
+    let mut strewn = String::from("// head\n");
+    for c in text.chars() {
+        strewn.push(c);
+        if matches!(c, '(' | ')' | '[' | ']' | ',' | ':') {
+            let seed = seeds.next().copied().unwrap_or_default();
+            strewn += TRIVIA.get(seed).copied().unwrap_or_default();
+        }
+    }
+    strewn
+}
