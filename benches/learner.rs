@@ -10,7 +10,7 @@ use wayfield::learning::{
     Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
     Schedule, TargetUpdate,
 };
-use wayfield::random::{below, normal, stream};
+use wayfield::random::{normal, stream, uniform_index};
 
 const INPUTS: usize = 28;
 const ACTIONS: usize = 5;
@@ -32,7 +32,7 @@ fn config(dueling: bool, batch_size: usize) -> LearningConfig {
         batch_size,
         replay: ReplayConfig {
             capacity: 100_000,
-            warmup_steps: 20_000,
+            learning_starts: 20_000,
             sampling: Sampling::Prioritized {
                 alpha: 0.6,
                 beta: Schedule::Constant(0.4),
@@ -40,7 +40,7 @@ fn config(dueling: bool, batch_size: usize) -> LearningConfig {
                 epsilon: 1e-3,
             },
         },
-        train_interval: 1,
+        train_freq: 1,
         gradient_steps: 1,
         target_update: TargetUpdate::Hard { every: 2000 },
         exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
@@ -60,19 +60,19 @@ impl Bench {
         let mut noise = stream(1, "bench", 0);
         let observations = (0..1000).map(|_| (0..INPUTS).map(|_| normal(&mut noise)).collect()).collect();
         let mut bench = Self { learner, observations, step: 0 };
-        while bench.learner.due() == 0 {
-            bench.remember();
+        while bench.learner.pending_updates() == 0 {
+            bench.store();
         }
         bench
     }
 
-    fn remember(&mut self) {
+    fn store(&mut self) {
         let mut noise = stream(2, "bench", self.step as u64);
         let n = self.observations.len();
-        self.learner.remember(&Experience {
-            arena: 0,
+        self.learner.store(&Experience {
+            env_index: 0,
             observation: &self.observations[self.step % n],
-            action: below(&mut noise, ACTIONS),
+            action: uniform_index(&mut noise, ACTIONS),
             reward: normal(&mut noise),
             next_observation: &self.observations[(self.step + 1) % n],
             terminated: self.step.is_multiple_of(100),
@@ -91,7 +91,7 @@ impl Bench {
 fn gradient_step(bencher: Bencher, (batch_size, dueling): (usize, bool)) {
     let mut bench = Bench::new(&config(dueling, batch_size));
     bencher.counter(ItemsCount::new(1_usize)).bench_local(|| {
-        bench.remember();
+        bench.store();
         bench.learner.train().expect("it does not diverge")
     });
 }

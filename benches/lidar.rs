@@ -29,8 +29,8 @@ const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
 #[divan::bench(args = ["still", "moving"])]
 fn wayfield_scan(bencher: Bencher, obstacles: &str) {
     let mut lab = stepped(obstacles);
-    let beams = lidar::Beams::of(&Lidar { beams: BEAMS, ..Lidar::default() });
-    lab.look(0, |bodies, _, colliders| {
+    let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
+    lab.with_physics(0, |bodies, _, colliders| {
         let mut ranges_m = Vec::new();
         bencher.counter(ItemsCount::new(BEAMS)).bench_local(|| {
             let (colliders, pose) = (&colliders.colliders, black_box(&POSE));
@@ -43,7 +43,7 @@ fn wayfield_scan(bencher: Bencher, obstacles: &str) {
 #[divan::bench(args = ["still", "moving"])]
 fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     let mut lab = stepped(obstacles);
-    let beams = lidar::Beams::of(&Lidar { beams: BEAMS, ..Lidar::default() });
+    let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
     let world = lab.app.world_mut();
     let mut arenas =
         world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
@@ -69,7 +69,8 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
 
 /// One arena after a step, so that rapier's own pipeline is up to date.
 fn stepped(obstacles: &str) -> Lab {
-    let scenario: Scenario = if obstacles == "still" { common::four_cylinders() } else { common::moving() };
+    let scenario: Scenario =
+        if obstacles == "still" { common::four_cylinders() } else { common::moving_obstacles() };
     let mut lab = Lab::new(&scenario, 1, 1);
     lab.step(&[2]);
     lab

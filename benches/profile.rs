@@ -3,12 +3,12 @@
 //! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, means over control
 //! steps that see episodes at all ages, per number of arenas: without gradient steps, and last the default preset as it
 //! trains. Between two sets a system reads the clock, which costs some 40 ns: it shows at one arena only. `Decide` begins
-//! with the schedule, `Restart` ends with the look at the faults.
+//! with the schedule, `Reset` ends with the look at the faults.
 
 #[path = "support/allocator.rs"]
 mod allocator;
-#[path = "support/world.rs"]
-mod world;
+#[path = "support/training_app.rs"]
+mod training_app;
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -22,17 +22,17 @@ const SETS: [ControlSet; 8] = [
     ControlSet::Actuate,
     ControlSet::Simulate,
     ControlSet::Sense,
-    ControlSet::Judge,
-    ControlSet::Remember,
+    ControlSet::Reward,
+    ControlSet::Store,
     ControlSet::Learn,
-    ControlSet::Restart,
+    ControlSet::Reset,
 ];
 const ARENAS: [usize; 6] = [1, 16, 64, 256, 512, 1024];
 /// Control steps before anything is measured: longer than an episode may last.
 const WARM_UP: usize = 600;
 /// Measured without gradient steps: so many env steps, and at least so many control steps.
 const ENV_STEPS: usize = 200_000;
-const FEWEST_STEPS: usize = 600;
+const MIN_STEPS: usize = 600;
 /// Control steps measured with gradient steps.
 const LEARNING_STEPS: usize = 5_000;
 
@@ -52,13 +52,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> {
-    let mut app = world::training(arenas, learning)?;
+    let mut app = training_app::training(arenas, learning)?;
     app.init_resource::<Ends>();
     for pair in SETS.windows(2) {
         app.add_systems(ControlStep, tick.after(pair[0].clone()).before(pair[1].clone()));
     }
     let world = app.world_mut();
-    let steps = if learning { LEARNING_STEPS } else { (ENV_STEPS / arenas).max(FEWEST_STEPS) };
+    let steps = if learning { LEARNING_STEPS } else { (ENV_STEPS / arenas).max(MIN_STEPS) };
     let mut spent = [Duration::ZERO; SETS.len() + 1];
     for step in 0..WARM_UP + steps {
         world.resource_mut::<Ends>().0.clear();

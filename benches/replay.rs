@@ -10,7 +10,7 @@ use wayfield::learning::n_step::Transition;
 use wayfield::learning::replay::{Batch, ReplayBuffer};
 use wayfield::learning::sum_tree::SumTree;
 use wayfield::learning::{ReplayConfig, Sampling, Schedule};
-use wayfield::random::{below, stream, unit};
+use wayfield::random::{stream, uniform_01, uniform_index};
 
 const CAPACITY: usize = 1_000_000;
 
@@ -21,7 +21,7 @@ fn main() {
 fn full_tree() -> SumTree {
     let mut tree = SumTree::new(CAPACITY);
     let mut noise = stream(1, "bench", 0);
-    tree.set_all((0..CAPACITY).map(|_| f64::from(unit(&mut noise)) + 0.01));
+    tree.set_all((0..CAPACITY).map(|_| f64::from(uniform_01(&mut noise)) + 0.01));
     tree
 }
 
@@ -29,14 +29,16 @@ fn full_tree() -> SumTree {
 fn sum_tree_set(bencher: Bencher) {
     let mut tree = full_tree();
     let mut noise = stream(2, "bench", 0);
-    bencher.bench_local(|| tree.set(below(&mut noise, CAPACITY), f64::from(unit(&mut noise)) + 0.01));
+    bencher.bench_local(|| {
+        tree.set(uniform_index(&mut noise, CAPACITY), f64::from(uniform_01(&mut noise)) + 0.01)
+    });
 }
 
 #[divan::bench]
 fn sum_tree_find(bencher: Bencher) {
     let tree = full_tree();
     let mut noise = stream(2, "bench", 0);
-    bencher.bench_local(|| tree.find(tree.total() * f64::from(unit(&mut noise))));
+    bencher.bench_local(|| tree.find(tree.total() * f64::from(uniform_01(&mut noise))));
 }
 
 /// Draws a batch of 64 from a full buffer, and (prioritized) gives it new priorities.
@@ -48,7 +50,7 @@ fn sample_64(bencher: Bencher, prioritized: bool) {
     } else {
         Sampling::Uniform
     };
-    let config = ReplayConfig { capacity: CAPACITY, warmup_steps: 0, sampling };
+    let config = ReplayConfig { capacity: CAPACITY, learning_starts: 0, sampling };
     let mut replay = ReplayBuffer::new(&config, 28, 2);
     let mut state = replay.push_state(&[0.0; 28]);
     for i in 0..CAPACITY {
@@ -68,7 +70,7 @@ fn sample_64(bencher: Bencher, prioritized: bool) {
     let mut batch = Batch::default();
     bencher.counter(ItemsCount::new(64_usize)).bench_local(|| {
         replay.sample(64, 0, &mut noise, &mut batch);
-        let errors: Vec<f32> = batch.slots.iter().map(|_| unit(&mut noise)).collect();
+        let errors: Vec<f32> = batch.slots.iter().map(|_| uniform_01(&mut noise)).collect();
         replay.update_priorities(&batch.slots, &errors);
     });
 }

@@ -8,8 +8,8 @@
 mod allocator;
 #[path = "support/process.rs"]
 mod process;
-#[path = "support/world.rs"]
-mod world;
+#[path = "support/training_app.rs"]
+mod training_app;
 
 use std::error::Error;
 use std::process::{Command, Stdio};
@@ -17,7 +17,7 @@ use std::time::Instant;
 
 use plotters::prelude::*;
 use process::status_kb;
-use wayfield::agent::Trainer;
+use wayfield::agent::ActiveLearner;
 use wayfield::learning::{Experience, Learner, LearningConfig};
 use wayfield::run::{shipped, simulation};
 
@@ -75,7 +75,7 @@ fn config() -> Result<LearningConfig, Box<dyn Error>> {
 /// `ENV_STEPS` steps of Scenario I in `arenas` arenas, without gradient steps.
 fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let before = status_kb("VmRSS:") as f64;
-    let mut app = world::training(arenas, false)?;
+    let mut app = training_app::training(arenas, false)?;
     for _ in 0..(2_000 / arenas).max(4) {
         simulation::step(app.world_mut())?;
     }
@@ -86,7 +86,7 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
         simulation::step(app.world_mut())?;
     }
     let us = began.elapsed().as_secs_f64() * 1e6 / (steps * arenas) as f64;
-    assert!(app.world().resource::<Trainer>().0.gradient_steps() == 0, "only env steps are measured");
+    assert!(app.world().resource::<ActiveLearner>().0.gradient_steps() == 0, "only env steps are measured");
     Ok((us, held))
 }
 
@@ -94,8 +94,8 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
 fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let mut config = config()?;
     config.replay.capacity = transitions;
-    config.replay.warmup_steps = transitions as u64;
-    config.train_interval = transitions as u64;
+    config.replay.learning_starts = transitions as u64;
+    config.train_freq = transitions as u64;
     config.gradient_steps = GRADIENT_STEPS;
     let before = status_kb("VmRSS:") as f64;
     let mut learner = Learner::new(&config, 28, 5, 1, 1)?;
@@ -104,8 +104,8 @@ fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let mut observation = row();
     for step in 0..transitions {
         let next_observation = row();
-        learner.remember(&Experience {
-            arena: 0,
+        learner.store(&Experience {
+            env_index: 0,
             observation: &observation,
             action: step % 5,
             reward: observation[0],

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --no-default-features --bench skill -- [SEEDS] [PRESET:SCENARIO ...]`, by default 2 seeds of
 //! `fast:scenario-1 fast:scenario-2 per_d3qn:scenario-1`. Every seed is a whole run as `--train` makes it, with 500
-//! navigations in each evaluation; its best policy is then put to 500 that it has never seen. Wall time is counted from
+//! episodes in each evaluation; its best policy is then put to 500 that it has never seen. Wall time is counted from
 //! the run's begin, with evaluations; env steps do not depend on the machine. CPU time is that of the same run again,
 //! stopped when it first reached 96 %: both threads, evaluations too.
 
@@ -16,15 +16,15 @@ mod runs;
 use std::error::Error;
 use std::sync::Arc;
 
-use runs::{NAVIGATIONS, Ran, or_never, spread};
+use runs::{EVAL_EPISODES, FinishedRun, median_and_worst, or_infinity};
 use wayfield::learning::Policy;
-use wayfield::run::evaluate::{Evaluation, Evaluator, against_optimum};
-use wayfield::run::records::EvaluationRow;
-use wayfield::task::Places;
+use wayfield::run::evaluate::{Evaluation, Evaluator, compare_with_optimum};
+use wayfield::run::metric_rows::EvaluationRow;
+use wayfield::task::EpisodeSetup;
 
 /// What one seed came to.
-struct Outcome {
-    run: Ran,
+struct SeedResult {
+    run: FinishedRun,
     cpu_to_96_s: f64,
     success_rate: f64,
     time_ratio: f64,
@@ -47,9 +47,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             pair.split_once(':').ok_or("give PRESET:SCENARIO, such as fast:scenario-1")?;
         let outcomes =
             (0..seeds).map(|seed| outcome(preset, scenario, seed)).collect::<Result<Vec<_>, _>>()?;
-        let over = |digits, of: &dyn Fn(&Outcome) -> f64| spread(outcomes.iter().map(of).collect(), digits);
+        let over = |digits, of: &dyn Fn(&SeedResult) -> f64| {
+            median_and_worst(outcomes.iter().map(of).collect(), digits)
+        };
         let at = |digits, rate, of: fn(&EvaluationRow) -> f64| {
-            over(digits, &|o: &Outcome| or_never(o.run.reached(rate), of))
+            over(digits, &|o: &SeedResult| or_infinity(o.run.reached(rate), of))
         };
         println!(
             "| {preset}, {scenario} | {} | {} | {} | {} | {} | {} | {} | {} |",
@@ -67,22 +69,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn outcome(preset: &str, scenario: &str, seed: u64) -> Result<Outcome, Box<dyn Error>> {
+fn outcome(preset: &str, scenario: &str, seed: u64) -> Result<SeedResult, Box<dyn Error>> {
     let config = runs::config(preset, scenario, seed)?;
-    let run = Ran::new(config.clone(), None)?;
+    let run = FinishedRun::new(config.clone(), None)?;
     let cpu_to_96_s = match run.reached(0.96) {
         Some(row) => {
             let before = process::cpu_s();
-            Ran::new(runs::until(config.clone(), row.env_steps), None)?;
+            FinishedRun::new(runs::with_env_steps(config.clone(), row.env_steps), None)?;
             process::cpu_s() - before
         }
         None => f64::INFINITY,
     };
     let world = Arc::new(config.scenario);
     let policy = Policy::from_bytes(&run.best)?;
-    let navigations =
-        Evaluator::new(&world, NAVIGATIONS).run(&policy, 1000 + seed, NAVIGATIONS, Places::Drawn)?;
-    let evaluation = Evaluation::of(&navigations, 100, &world.task, 1000 + seed);
-    let time_ratio = against_optimum(&world, &navigations).map_or(f64::INFINITY, |a| a.time_ratio);
-    Ok(Outcome { run, cpu_to_96_s, success_rate: evaluation.success_rate, time_ratio })
+    let episodes = Evaluator::new(&world, EVAL_EPISODES).run(
+        &policy,
+        1000 + seed,
+        EVAL_EPISODES,
+        EpisodeSetup::Random,
+    )?;
+    let evaluation = Evaluation::from_episodes(&episodes, 100, &world.task, 1000 + seed);
+    let time_ratio = compare_with_optimum(&world, &episodes).map_or(f64::INFINITY, |a| a.time_ratio);
+    Ok(SeedResult { run, cpu_to_96_s, success_rate: evaluation.success_rate, time_ratio })
 }

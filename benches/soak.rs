@@ -20,7 +20,7 @@ use process::{cpu_s, status_kb};
 use wayfield::learning::LearningConfig;
 use wayfield::run::folder::RunConfig;
 use wayfield::run::preset::Budget;
-use wayfield::run::train::{CHECKPOINT_EVERY, Job, train};
+use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 
 /// The last tenth may be slower than the first by this share.
 const SLOWER: f64 = 0.05;
@@ -81,7 +81,7 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
     let samples = Arc::new(Mutex::new(vec![Sample::now(began, 0, 0)]));
     let listener = {
         let samples = Arc::clone(&samples);
-        Box::new(move |status: &wayfield::run::progress::Status| {
+        Box::new(move |status: &wayfield::run::progress::Progress| {
             let mut samples = samples.lock().expect("nobody panics while holding it");
             let last = samples.last().map_or(0, |sample| sample.env_steps);
             if status.env_steps >= last + (env_steps / 1000).max(1) {
@@ -90,7 +90,7 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
         })
     };
     let job = Job::New { config: Box::new(config), policy: None, out: Some(out.clone()) };
-    let (_, summary) = train(job, CHECKPOINT_EVERY, &AtomicBool::new(false), began, Some(listener))?;
+    let (_, summary) = train(job, CHECKPOINT_INTERVAL, &AtomicBool::new(false), began, Some(listener))?;
     let samples = samples.lock().expect("nobody panics while holding it");
     let mut good = report(&samples);
     let rows =
@@ -101,18 +101,18 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
     Ok(good)
 }
 
-#[cfg(feature = "window")]
+#[cfg(feature = "gui")]
 mod window {
     use std::time::Duration;
 
     use bevy::prelude::*;
-    use wayfield::agent::Trainer;
-    use wayfield::app::Shown;
-    use wayfield::app::desk::Overlays;
-    use wayfield::app::orders::{Order, Pace, Saved};
-    use wayfield::app::session::{First, Session};
-    use wayfield::app::status::Weight;
-    use wayfield::app::window::{Opening, app};
+    use wayfield::agent::ActiveLearner;
+    use wayfield::app::Snapshot;
+    use wayfield::app::app_snapshot::Severity;
+    use wayfield::app::commands::{Command, Pace, SaveKind};
+    use wayfield::app::session::{Session, StartOptions};
+    use wayfield::app::view_state::Overlays;
+    use wayfield::app::window::{WindowOptions, app};
 
     use super::*;
 
@@ -128,7 +128,7 @@ mod window {
         saves_to: std::path::PathBuf,
         /// When the run was asked to be saved.
         saved: Option<Instant>,
-        complaints: Vec<String>,
+        error_notices: Vec<String>,
     }
 
     /// What the app knew at its end.
@@ -139,17 +139,21 @@ mod window {
         samples: Vec<Sample>,
         /// Control steps, env steps, episodes, gradient steps.
         counts: [u64; 4],
-        complaints: Vec<String>,
+        error_notices: Vec<String>,
     }
 
     /// An hour of training in the window, with what most people look at drawn over the world.
     pub fn soak(minutes: u64) -> Result<bool, Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
-        let first = First { pace: Pace::Full, ..First::default() };
+        let first = StartOptions { pace: Pace::Full, ..StartOptions::default() };
         let preset = wayfield::run::shipped::preset(&first.preset)?;
         let overlays = Overlays { beams: true, path: true, trails: true, value: true, ..Default::default() };
-        let opening =
-            Opening { first, overlays: Some(overlays), size: Some((1000.0, 640.0)), ..Opening::default() };
+        let opening = WindowOptions {
+            first,
+            overlays: Some(overlays),
+            size: Some((1000.0, 640.0)),
+            ..WindowOptions::default()
+        };
         let end = End::default();
         let saves_to = folder.path().join("run");
         let began = Instant::now();
@@ -162,7 +166,7 @@ mod window {
                 samples: Vec::new(),
                 saves_to: saves_to.clone(),
                 saved: None,
-                complaints: Vec::new(),
+                error_notices: Vec::new(),
             })
             .add_systems(Last, watch)
             .run();
@@ -172,22 +176,22 @@ mod window {
         let [steps, env_steps, episodes, gradient_steps] = known.counts;
         good &= agrees("env steps, of so many control steps", env_steps, steps * preset.arenas as u64);
         good &= agrees("gradient steps", gradient_steps, due(&preset.learning, env_steps));
-        for complaint in &known.complaints {
+        for complaint in &known.error_notices {
             println!("told the user: {complaint}");
         }
         let rows = std::fs::read_to_string(saves_to.join("episodes.csv"))?.lines().count() as u64 - 1;
         good &= agrees("episodes, and the rows of the curves", episodes, rows);
-        Ok(good && known.complaints.is_empty())
+        Ok(good && known.error_notices.is_empty())
     }
 
     /// A sample a minute; when the time is over, the run is saved, and the window closed a few frames later.
     fn watch(
         mut soak: ResMut<Soak>,
-        shown: Res<Shown>,
+        shown: Res<Snapshot>,
         session: Option<Res<Session>>,
-        trainer: Option<Res<Trainer>>,
+        trainer: Option<Res<ActiveLearner>>,
         end: Res<End>,
-        mut orders: MessageWriter<Order>,
+        mut commands: MessageWriter<Command>,
         mut exit: MessageWriter<AppExit>,
     ) {
         let (Some(session), Some(trainer), Some((_, status))) = (session, trainer, &shown.now) else {
@@ -203,9 +207,9 @@ mod window {
             soak.samples.push(sample);
         }
         // (Only the last few stand at any time.)
-        for notice in session.notices().into_iter().filter(|notice| notice.weight == Weight::Failed) {
-            if !soak.complaints.contains(&notice.text) {
-                soak.complaints.push(notice.text);
+        for notice in session.notices().into_iter().filter(|notice| notice.severity == Severity::Error) {
+            if !soak.error_notices.contains(&notice.text) {
+                soak.error_notices.push(notice.text);
             }
         }
         if soak.began.elapsed() < soak.lasts {
@@ -213,8 +217,8 @@ mod window {
         }
         let Some(since) = soak.saved else {
             soak.saved = Some(Instant::now());
-            orders.write(Order::Pause(true));
-            orders.write(Order::Save(Saved::Run, soak.saves_to.clone()));
+            commands.write(Command::Pause(true));
+            commands.write(Command::Save(SaveKind::Run, soak.saves_to.clone()));
             return;
         };
         if soak.saves_to.join("checkpoint").exists() || since.elapsed() > PATIENCE {
@@ -227,14 +231,14 @@ mod window {
                     learner.episodes(),
                     learner.gradient_steps(),
                 ],
-                complaints: std::mem::take(&mut soak.complaints),
+                error_notices: std::mem::take(&mut soak.error_notices),
             });
             exit.write(AppExit::Success);
         }
     }
 }
 
-#[cfg(not(feature = "window"))]
+#[cfg(not(feature = "gui"))]
 mod window {
     pub fn soak(_: u64) -> Result<bool, Box<dyn super::Error>> {
         Err("this build opens no window: run without --no-default-features".into())
@@ -286,7 +290,7 @@ fn agrees(what: &str, found: u64, expected: u64) -> bool {
 
 /// Gradient steps that are due after `env_steps`: those of every interval's end once warm-up is over.
 fn due(learning: &LearningConfig, env_steps: u64) -> u64 {
-    let interval = learning.train_interval;
-    let first = learning.replay.warmup_steps.max(1).div_ceil(interval);
+    let interval = learning.train_freq;
+    let first = learning.replay.learning_starts.max(1).div_ceil(interval);
     (env_steps / interval + 1).saturating_sub(first) * u64::from(learning.gradient_steps)
 }

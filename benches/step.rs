@@ -16,12 +16,12 @@ use bevy::prelude::*;
 use common::Lab;
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use wayfield::agent::{Acting, AgentPlugin, GreedyPolicy};
+use wayfield::agent::{ActionSelection, AgentPlugin, GreedyPolicy};
 use wayfield::control_step::{ControlStep, ControlStepPlugin};
 use wayfield::learning::{NetworkShape, Policy, QNetwork};
 use wayfield::random;
 use wayfield::scenario::Scenario;
-use wayfield::sim::{self, WorldPlugin};
+use wayfield::sim::{self, SimPlugin};
 use wayfield::task::{Encoding, EpisodeEnded, RewardConfig, TaskMode, TaskPlugin, observation};
 
 fn main() {
@@ -37,7 +37,7 @@ fn still_obstacles(bencher: Bencher, arenas: usize) {
 
 #[divan::bench(args = ARENAS)]
 fn moving_obstacles(bencher: Bencher, arenas: usize) {
-    control_step(bencher, &common::moving(), arenas);
+    control_step(bencher, &common::moving_obstacles(), arenas);
 }
 
 /// The network is Table 1's (28-64-64, dueling) with its first weights: it drives badly, at the same cost.
@@ -60,15 +60,15 @@ fn everything_in(bencher: Bencher, arenas: usize) {
             reward: RewardConfig::default(),
             mode: TaskMode::Continuing,
         },
-        WorldPlugin,
-        AgentPlugin { acting: Acting::Greedy, seed: 1, arenas },
+        SimPlugin,
+        AgentPlugin { action_selection: ActionSelection::Greedy, seed: 1, arenas },
     ));
     app.insert_resource(GreedyPolicy(Policy { network, metadata: BTreeMap::new() }));
     app.finish();
     app.cleanup();
     app.update();
     let world = app.world_mut();
-    sim::populate(world, &scenario, arenas, 1);
+    sim::spawn_arenas(world, &scenario, arenas, 1);
     for _ in 0..200 {
         world.run_schedule(ControlStep);
     }
@@ -80,13 +80,13 @@ fn everything_in(bencher: Bencher, arenas: usize) {
 
 fn control_step(bencher: Bencher, scenario: &Scenario, arenas: usize) {
     let mut lab = Lab::new(scenario, arenas, 1);
-    let mut drivers = common::drivers(arenas);
+    let mut action_streams = common::action_streams(arenas);
     // Into the middle of things: episodes at all ages.
     for _ in 0..200 {
-        lab.step(&common::random_actions(&mut drivers));
+        lab.step(&common::random_actions(&mut action_streams));
     }
     bencher.counter(ItemsCount::new(arenas)).bench_local(|| {
-        lab.step(&common::random_actions(&mut drivers));
-        lab.ended().len()
+        lab.step(&common::random_actions(&mut action_streams));
+        lab.take_ended_episodes().len()
     });
 }

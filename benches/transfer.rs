@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --no-default-features --bench transfer -- [SEEDS]`, by default 3. Each seed runs 20,000 env steps in Scenario I
 //! (about what it takes to drive there; they are not counted), then twice 50,000 in Scenario II: from scratch, and from the
-//! best policy; all with the default preset. There 500 navigations every 1,000 env steps tell when a rate is first
+//! best policy; all with the default preset. There 500 episodes every 1,000 env steps tell when a rate is first
 //! reached, and the mean share of failures up to 20,000 and up to 50,000 (the area above the learning curve). Env steps do not
 //! depend on the machine; seconds do, and hold the evaluations.
 
@@ -13,7 +13,7 @@ mod runs;
 
 use std::error::Error;
 
-use runs::{Ran, or_never, spread};
+use runs::{FinishedRun, median_and_worst, or_infinity};
 
 /// Env steps in Scenario I (docs/performance.md compares with others).
 const BEFORE: u64 = 20_000;
@@ -35,11 +35,11 @@ const UP_TO: [u64; 2] = [20_000, ENV_STEPS];
 struct Measure {
     name: String,
     decimals: usize,
-    of: Box<dyn Fn(&Ran) -> f64>,
+    of: Box<dyn Fn(&FinishedRun) -> f64>,
 }
 
 impl Measure {
-    fn new(name: String, decimals: usize, of: impl Fn(&Ran) -> f64 + 'static) -> Self {
+    fn new(name: String, decimals: usize, of: impl Fn(&FinishedRun) -> f64 + 'static) -> Self {
         Self { name, decimals, of: Box::new(of) }
     }
 }
@@ -47,10 +47,10 @@ impl Measure {
 fn measures() -> Vec<Measure> {
     let sooner = RATES.map(|rate| {
         let name = format!("env steps to {:.0} %", 100.0 * rate);
-        Measure::new(name, 0, move |run| or_never(run.reached(rate), |row| row.env_steps as f64))
+        Measure::new(name, 0, move |run| or_infinity(run.reached(rate), |row| row.env_steps as f64))
     });
     let seconds = Measure::new(format!("s to {:.0} %", 100.0 * TIMED), 2, |run| {
-        or_never(run.reached(TIMED), |row| row.wall_s)
+        or_infinity(run.reached(TIMED), |row| row.wall_s)
     });
     let failures = UP_TO.map(|env_steps| {
         Measure::new(format!("mean failures in % up to {env_steps}"), 1, move |run| failures(run, env_steps))
@@ -68,11 +68,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     // By measure: every seed's figures, from scratch and with transfer.
     let mut figures = vec![Vec::new(); measures.len()];
     for seed in 0..seeds {
-        let simple = Ran::new(runs::until(runs::config(PRESET, "scenario-1", seed)?, BEFORE), None)?;
-        let mut config = runs::until(runs::config(PRESET, "scenario-2", seed)?, ENV_STEPS);
+        let simple =
+            FinishedRun::new(runs::with_env_steps(runs::config(PRESET, "scenario-1", seed)?, BEFORE), None)?;
+        let mut config = runs::with_env_steps(runs::config(PRESET, "scenario-2", seed)?, ENV_STEPS);
         config.preset.evaluation.every_env_steps = EVERY;
-        let scratch = Ran::new(config.clone(), None)?;
-        let transfer = Ran::new(config, Some((&simple.best, EPSILON)))?;
+        let scratch = FinishedRun::new(config.clone(), None)?;
+        let transfer = FinishedRun::new(config, Some((&simple.best, EPSILON)))?;
         let mut row = vec![simple.summary.best_success_rate.unwrap_or(0.0).to_string()];
         for (measure, figures) in measures.iter().zip(&mut figures) {
             let pair = [&scratch, &transfer].map(|run| (measure.of)(run));
@@ -82,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("| {seed} | {} |", row.join(" | "));
     }
     let spreads = measures.iter().zip(&figures).flat_map(|(measure, figures)| {
-        [0, 1].map(|run| spread(figures.iter().map(|pair| pair[run]).collect(), measure.decimals))
+        [0, 1].map(|run| median_and_worst(figures.iter().map(|pair| pair[run]).collect(), measure.decimals))
     });
     println!("| median (worst) | | {} |\n", spreads.collect::<Vec<_>>().join(" | "));
     for (measure, figures) in measures.iter().zip(&figures) {
@@ -93,7 +94,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The mean share of failures, in %, in the evaluations up to `env_steps`.
-fn failures(run: &Ran, env_steps: u64) -> f64 {
+fn failures(run: &FinishedRun, env_steps: u64) -> f64 {
     // (A run's env steps come in whole control steps.)
     let rows = run.evaluations.iter().filter(|row| row.env_steps < env_steps + EVERY / 2);
     let (count, sum) = rows.fold((0, 0.0), |(count, sum), row| (count + 1, sum + 1.0 - row.success_rate));

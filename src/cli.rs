@@ -12,27 +12,27 @@ use std::time::{Duration, Instant};
 
 use clap::{ArgGroup, Parser};
 
-#[cfg(feature = "window")]
+#[cfg(feature = "gui")]
 use crate::app::{
-    desk::{Look, Overlays},
-    orders::Pace,
-    session::{First, journal},
-    window::{self, Opening, Picture},
+    commands::Pace,
+    session::{StartOptions, journal},
+    view_state::{Overlays, ThemeChoice},
+    window::{self, ScreenshotRequest, WindowOptions},
 };
 use crate::learning::Policy;
-use crate::planner::not_modelled;
-use crate::reproduce::{Experiment, Request, reproduce};
-use crate::run::check_files::{self, Checked};
+use crate::planner::unsupported_reason;
+use crate::reproduce::{Experiment, ReproduceOptions, reproduce};
+use crate::run::check_files::{self, CheckedFile};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
 use crate::run::folder::{RunConfig, Transfer};
+use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::policy_card;
-use crate::run::preset::{Budget, MOST_STEPS};
-use crate::run::progress::say as tell;
-use crate::run::records::{Milestone, Summary};
-use crate::run::train::{CHECKPOINT_EVERY, Job, train};
-use crate::run::{RunError, picture, shipped};
+use crate::run::preset::{Budget, MAX_STEPS};
+use crate::run::progress::print_stderr;
+use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
+use crate::run::{RunError, scenario_image, shipped};
 use crate::scenario::Scenario;
-use crate::task::Places;
+use crate::task::EpisodeSetup;
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -58,7 +58,7 @@ struct Arguments {
     #[arg(long, help_heading = "What to do")]
     train: bool,
 
-    /// Test a policy greedily: success over rounds of navigations it has never seen
+    /// Test a policy greedily: success over rounds of episodes it has never seen
     #[arg(long, value_name = "POLICY", help_heading = "What to do")]
     eval: Option<PathBuf>,
 
@@ -69,13 +69,13 @@ struct Arguments {
     /// Say whether scenarios, presets and experiments can be used, files or whole folders of them, and what is wrong with them
     #[arg(long, value_name = "PATH", help_heading = "What to do", num_args = 1..,
         conflicts_with_all = ["scenario", "seed", "preset", "episodes", "steps", "arenas", "out", "init", "epsilon", "resume",
-            "checkpoint_every", "rounds", "navigations", "course", "optimum", "only", "seeds", "quick", "experiment", "jobs"])]
+            "checkpoint_every", "rounds", "course", "optimum", "only", "seeds", "quick", "experiment", "jobs"])]
     check: Vec<PathBuf>,
 
     /// Draw the world from above, as an SVG or PNG file
     #[arg(long, value_name = "FILE", help_heading = "What to do",
         conflicts_with_all = ["seed", "preset", "episodes", "steps", "arenas", "out", "init", "epsilon", "resume", "json",
-            "checkpoint_every", "rounds", "navigations", "course", "optimum", "only", "seeds", "quick", "experiment", "jobs"])]
+            "checkpoint_every", "rounds", "course", "optimum", "only", "seeds", "quick", "experiment", "jobs"])]
     draw: Option<PathBuf>,
 
     /// The world: a RON file, or a shipped one by name (scenario-1, scenario-2, empty, corridor, doorway,
@@ -102,8 +102,8 @@ struct Arguments {
     )]
     preset: Option<String>,
 
-    /// Train until N episodes have ended [default: the preset's budget]
-    #[arg(long, value_name = "N", help_heading = "Training", requires = "train", conflicts_with_all = ["eval", "reproduce", "steps"],
+    /// Train until N episodes have ended [default: the preset's budget]; test over N episodes in a round [default: 100]
+    #[arg(long, value_name = "N", help_heading = "Training and testing", conflicts_with_all = ["reproduce", "steps"],
         value_parser = budget, allow_negative_numbers = true)]
     episodes: Option<u64>,
 
@@ -151,27 +151,27 @@ struct Arguments {
     checkpoint_every: Option<Duration>,
 
     /// Open a policy, a run's folder, a scenario or a preset in the window
-    #[cfg(feature = "window")]
+    #[cfg(feature = "gui")]
     #[arg(long, value_name = "PATH", help_heading = "Window", conflicts_with = "mode")]
     open: Option<PathBuf>,
 
     /// Open the world in the editor
-    #[cfg(feature = "window")]
+    #[cfg(feature = "gui")]
     #[arg(long, help_heading = "Window", conflicts_with_all = ["mode", "replay"])]
     edit: bool,
 
     /// How many times real time it goes at first, or `full`: as quickly as it goes [default: 5]
-    #[cfg(feature = "window")]
+    #[cfg(feature = "gui")]
     #[arg(long, value_name = "X", help_heading = "Window", conflicts_with = "mode", value_parser = pace)]
     pace: Option<Pace>,
 
     /// Light or dark [default: as remembered, at first as the system has it]
-    #[cfg(feature = "window")]
-    #[arg(long, value_name = "LOOK", help_heading = "Window", conflicts_with = "mode", value_enum)]
-    look: Option<LookArgument>,
+    #[cfg(feature = "gui")]
+    #[arg(long, value_name = "THEME", help_heading = "Window", conflicts_with = "mode", value_enum)]
+    theme: Option<ThemeArgument>,
 
     /// What to draw over the world: beams, path, trails, potential, value, q-values, grid; `none` for nothing
-    #[cfg(feature = "window")]
+    #[cfg(feature = "gui")]
     #[arg(
         long,
         value_name = "NAMES",
@@ -180,39 +180,34 @@ struct Arguments {
         value_delimiter = ',',
         value_enum
     )]
-    show: Vec<ShowArgument>,
+    show: Vec<OverlayArgument>,
 
     /// The window's width and height in points, such as 1280x800
-    #[cfg(feature = "window")]
+    #[cfg(feature = "gui")]
     #[arg(long, value_name = "WxH", help_heading = "Window", conflicts_with = "mode", value_parser = size)]
     size: Option<(f32, f32)>,
 
     /// Train again what was trained and saved in the window, changes by hand included, and see whether it comes out the same
-    #[cfg(feature = "window")]
+    #[cfg(feature = "gui")]
     #[arg(long, value_name = "DIR", help_heading = "Window", conflicts_with_all = ["mode", "scenario", "preset", "seed"])]
     replay: Option<PathBuf>,
 
     /// Write a picture of the window to a PNG file, and end
-    #[cfg(feature = "window")]
+    #[cfg(feature = "gui")]
     #[arg(long, value_name = "FILE", help_heading = "Window", conflicts_with = "mode")]
     screenshot: Option<PathBuf>,
 
     /// The picture is taken after N control steps
-    #[cfg(feature = "window")]
+    #[cfg(feature = "gui")]
     #[arg(long, value_name = "N", help_heading = "Window", requires = "screenshot", default_value_t = 0)]
-    after: u64,
+    screenshot_after: u64,
 
-    /// Rounds of navigations
+    /// Rounds of episodes
     #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with_all = ["train", "reproduce"], default_value_t = 5,
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     rounds: u32,
 
-    /// Navigations in a round
-    #[arg(long, value_name = "N", help_heading = "Testing", requires = "eval", conflicts_with_all = ["train", "reproduce"], default_value_t = 100,
-        value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    navigations: u32,
-
-    /// Also drive the timed course, 5 rounds of 5: from (0, 0) to (1.2, 1.2)
+    /// Also drive the benchmark route, 5 rounds of 5: from (0, 0) to (1.2, 1.2)
     #[arg(long, help_heading = "Testing", requires = "eval", conflicts_with_all = ["train", "reproduce"])]
     course: bool,
 
@@ -264,28 +259,28 @@ pub fn main(began: Instant) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            tell(&format!("error: {error}"));
+            print_stderr(&format!("error: {error}"));
             ExitCode::from(error.exit_status())
         }
     }
 }
 
-#[cfg(not(feature = "window"))]
+#[cfg(not(feature = "gui"))]
 fn window_command(_: Arguments) -> Result<(), RunError> {
-    Err(RunError::Unusable(
+    Err(RunError::InvalidInput(
         "this build opens no window: train with `wayfield --train`, test with `wayfield --eval POLICY`; \
          `wayfield --help` lists everything"
             .into(),
     ))
 }
 
-#[cfg(feature = "window")]
+#[cfg(feature = "gui")]
 fn window_command(arguments: Arguments) -> Result<(), RunError> {
     if let Some(folder) = &arguments.replay {
         return replay_command(folder);
     }
-    let usual = First::default();
-    let first = First {
+    let usual = StartOptions::default();
+    let first = StartOptions {
         scenario: arguments.scenario.unwrap_or(usual.scenario),
         preset: arguments.preset.unwrap_or(usual.preset),
         seed: arguments.seed.unwrap_or(usual.seed),
@@ -298,59 +293,63 @@ fn window_command(arguments: Arguments) -> Result<(), RunError> {
     // (But a broken scenario is waited for: the window takes it as soon as it is mended.)
     match shipped::scenario(&first.scenario) {
         Err(error) if Path::new(&first.scenario).is_file() && arguments.screenshot.is_none() => {
-            tell(&error.to_string());
+            print_stderr(&error.to_string());
         }
         found => drop(found?),
     }
     shipped::preset(&first.preset)?;
-    let shows = |what: ShowArgument| arguments.show.contains(&what);
+    let shows = |what: OverlayArgument| arguments.show.contains(&what);
     let asked = !arguments.show.is_empty();
-    window::run(Opening {
+    window::run(WindowOptions {
         first,
-        picture: arguments.screenshot.map(|file| Picture { file, after_steps: arguments.after }),
-        look: arguments.look.map(|look| match look {
-            LookArgument::Light => Look::Light,
-            LookArgument::Dark => Look::Dark,
+        screenshot: arguments
+            .screenshot
+            .map(|file| ScreenshotRequest { file, after_steps: arguments.screenshot_after }),
+        theme: arguments.theme.map(|theme| match theme {
+            ThemeArgument::Light => ThemeChoice::Light,
+            ThemeArgument::Dark => ThemeChoice::Dark,
         }),
         overlays: asked.then(|| Overlays {
-            beams: shows(ShowArgument::Beams),
-            path: shows(ShowArgument::Path),
-            trails: shows(ShowArgument::Trails),
-            potential: shows(ShowArgument::Potential),
-            value: shows(ShowArgument::Value),
-            q_values: shows(ShowArgument::QValues),
+            beams: shows(OverlayArgument::Beams),
+            path: shows(OverlayArgument::Path),
+            trails: shows(OverlayArgument::Trails),
+            potential: shows(OverlayArgument::Potential),
+            value: shows(OverlayArgument::Value),
+            q_values: shows(OverlayArgument::QValues),
         }),
-        grid: asked.then(|| shows(ShowArgument::Grid)),
+        grid: asked.then(|| shows(OverlayArgument::Grid)),
         size: arguments.size,
     })
 }
 
-#[cfg(feature = "window")]
+#[cfg(feature = "gui")]
 fn replay_command(folder: &Path) -> Result<(), RunError> {
     let replayed = journal::verify(folder)?;
-    let (steps, deeds) = (replayed.steps, replayed.deeds);
-    if replayed.same {
-        return say(&format!("{steps} control steps, {deeds} changes by hand: the same to the bit\n"));
+    let (steps, interventions) = (replayed.steps, replayed.interventions);
+    if replayed.bit_identical {
+        return print_stdout(&format!(
+            "{steps} control steps, {interventions} changes by hand: the same to the bit\n"
+        ));
     }
     Err(RunError::Failed(format!(
-        "{}: {steps} control steps and {deeds} changes by hand came out otherwise than in its checkpoint: it was made by \
+        "{}: {steps} control steps and {interventions} changes by hand came out otherwise than in its checkpoint: it was made by \
          another version, on another kind of CPU, or changed since",
         folder.display()
     )))
 }
 
-/// What `--look` takes.
-#[cfg(feature = "window")]
+/// What `--theme` takes.
+#[cfg(feature = "gui")]
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum LookArgument {
+enum ThemeArgument {
     Light,
     Dark,
 }
 
 /// What `--show` takes.
-#[cfg(feature = "window")]
+#[cfg(feature = "gui")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum ShowArgument {
+enum OverlayArgument {
     Beams,
     Path,
     Trails,
@@ -361,12 +360,12 @@ enum ShowArgument {
     None,
 }
 
-#[cfg(feature = "window")]
+#[cfg(feature = "gui")]
 fn pace(text: &str) -> Result<Pace, String> {
     text.parse()
 }
 
-#[cfg(feature = "window")]
+#[cfg(feature = "gui")]
 fn size(text: &str) -> Result<(f32, f32), String> {
     let sides: Option<(u16, u16)> =
         text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
@@ -382,7 +381,7 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         (None, Some(n)) => Some(Budget::EnvSteps(n)),
         (None, None) => None,
     };
-    let every = arguments.checkpoint_every.unwrap_or(CHECKPOINT_EVERY);
+    let every = arguments.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
     let job = match arguments.resume {
         Some(folder) => Job::Resume { folder, budget },
         None => {
@@ -393,17 +392,17 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
             preset.budget = budget.unwrap_or(preset.budget);
             preset.arenas = arguments.arenas.unwrap_or(preset.arenas);
             if let Some(arenas) = arguments.arenas.filter(|n| !(1..=4096).contains(n)) {
-                return Err(RunError::Unusable(format!("--arenas is {arenas}; give 1 to 4096")));
+                return Err(RunError::InvalidInput(format!("--arenas is {arenas}; give 1 to 4096")));
             }
-            if let Some(finding) = preset.findings().first() {
-                return Err(RunError::Unusable(format!("{preset_from}: {finding}")));
+            if let Some(finding) = preset.diagnostics().first() {
+                return Err(RunError::InvalidInput(format!("{preset_from}: {finding}")));
             }
             if let Some(epsilon) = arguments.epsilon.filter(|x| !(0.0..=1.0).contains(x)) {
-                return Err(RunError::Unusable(format!("--epsilon is {epsilon}; give 0 to 1")));
+                return Err(RunError::InvalidInput(format!("--epsilon is {epsilon}; give 0 to 1")));
             }
-            let warmup = preset.learning.replay.warmup_steps;
+            let warmup = preset.learning.replay.learning_starts;
             if matches!(preset.budget, Budget::EnvSteps(n) if n <= warmup) {
-                tell(&format!(
+                print_stderr(&format!(
                     "warning: nothing will be learnt: the budget ends before the preset's warm-up of {warmup} env \
                      steps"
                 ));
@@ -417,7 +416,7 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         }
     };
     let (folder, summary) = train(job, every, stop_on_signal(), began, None)?;
-    if arguments.json { print_json(&summary) } else { say(&summary_text(&folder, &summary)) }
+    if arguments.json { print_json(&summary) } else { print_stdout(&summary_text(&folder, &summary)) }
 }
 
 /// A flag that Ctrl-C and SIGTERM set; a second one ends the process at once.
@@ -427,10 +426,10 @@ fn stop_on_signal() -> &'static AtomicBool {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        tell("stopping: saving a checkpoint (once more ends at once, without one)");
+        print_stderr("stopping: saving a checkpoint (once more ends at once, without one)");
     };
     if let Err(error) = ctrlc::set_handler(handler) {
-        tell(&format!("warning: Ctrl-C will not save a checkpoint: {error}"));
+        print_stderr(&format!("warning: Ctrl-C will not save a checkpoint: {error}"));
     }
     &STOP
 }
@@ -485,19 +484,19 @@ struct ClaimReport {
 }
 
 fn reproduce_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
-    let request = Request {
+    let request = ReproduceOptions {
         experiments: arguments.experiment,
         only: arguments.only,
         seeds: arguments.seeds,
         quick: arguments.quick,
         out: arguments.out,
-        at_a_time: arguments.jobs.map(usize::from),
+        jobs: arguments.jobs.map(usize::from),
     };
     let done = reproduce(&request, stop_on_signal(), began)?;
-    let claims = done.claims.into_iter().map(|verdict| ClaimReport {
-        claim: verdict.claim,
-        outcome: verdict.outcome.word(),
-        because: verdict.sentence,
+    let claims = done.claims.into_iter().map(|claim_result| ClaimReport {
+        claim: claim_result.claim,
+        outcome: claim_result.outcome.word(),
+        because: claim_result.sentence,
     });
     let report = ReproductionReport {
         report: done.folder.join("report.html").display().to_string(),
@@ -505,7 +504,7 @@ fn reproduce_command(arguments: Arguments, began: Instant) -> Result<(), RunErro
         wall_s: done.wall_s,
         claims: claims.collect(),
     };
-    if arguments.json { print_json(&report) } else { say(&reproduction_text(&report)) }
+    if arguments.json { print_json(&report) } else { print_stdout(&reproduction_text(&report)) }
 }
 
 fn reproduction_text(report: &ReproductionReport) -> String {
@@ -522,8 +521,8 @@ fn reproduction_text(report: &ReproductionReport) -> String {
 /// A picture of the world.
 fn draw_command(arguments: &Arguments, file: &Path) -> Result<(), RunError> {
     let scenario = shipped::scenario(arguments.scenario.as_deref().unwrap_or("scenario-1"))?;
-    picture::draw(&scenario, file)?;
-    say(&format!("{}\n", file.display()))
+    scenario_image::draw(&scenario, file)?;
+    print_stdout(&format!("{}\n", file.display()))
 }
 
 /// What `--check --json` prints.
@@ -543,7 +542,7 @@ struct ProblemReport {
 }
 
 impl CheckReport {
-    fn of(checked: &[Checked]) -> Self {
+    fn of(checked: &[CheckedFile]) -> Self {
         let errors = checked.iter().filter_map(|file| file.error.as_ref());
         let problems = errors.flat_map(|error| {
             error.problems().iter().map(|problem| ProblemReport {
@@ -572,14 +571,14 @@ fn check_command(arguments: &Arguments) -> Result<(), RunError> {
     } else {
         for file in &checked {
             match &file.error {
-                None => say(&format!("{}: ok\n", file.path.display()))?,
-                Some(error) => tell(&error.to_string()),
+                None => print_stdout(&format!("{}: ok\n", file.path.display()))?,
+                Some(error) => print_stderr(&error.to_string()),
             }
         }
     }
     match checked.iter().filter(|file| file.error.is_some()).count() {
         0 => Ok(()),
-        bad => Err(RunError::Unusable(format!("of {} checked, {bad} can't be used", checked.len()))),
+        bad => Err(RunError::InvalidInput(format!("of {} checked, {bad} can't be used", checked.len()))),
     }
 }
 
@@ -605,7 +604,7 @@ struct CourseReport {
 
 #[derive(serde::Serialize)]
 struct OptimumReport {
-    optimum_navigations: usize,
+    optimum_episodes: usize,
     optimum_mean_time_s: Option<f64>,
     time_ratio: Option<f64>,
 }
@@ -615,22 +614,23 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     let scenario = Arc::new(shipped::scenario(scenario_from)?);
     let policy = read_policy(path, &scenario)?;
     if let Some(other) = policy.metadata.get("scenario").filter(|name| **name != scenario.name) {
-        tell(&format!("note: this policy was trained in {other} and is tested in {}", scenario.name));
+        print_stderr(&format!("note: this policy was trained in {other} and is tested in {}", scenario.name));
     }
     let seed = arguments.seed.unwrap_or(0);
     let period = scenario.task.control_period_s;
-    let round = arguments.navigations as usize;
-    let count = arguments.rounds as usize * round;
-    if count > MOST_NAVIGATIONS {
-        let why = format!("{count} navigations are asked for; give --rounds and --navigations for at most");
-        return Err(RunError::Unusable(format!("{why} {MOST_NAVIGATIONS} in all")));
+    let episodes = arguments.episodes.unwrap_or(100);
+    let count = u64::from(arguments.rounds).saturating_mul(episodes);
+    if count > MAX_EVAL_EPISODES {
+        let why = format!("{count} episodes are asked for; give --rounds and --episodes for at most");
+        return Err(RunError::InvalidInput(format!("{why} {MAX_EVAL_EPISODES} in all")));
     }
+    let (round, count) = (episodes as usize, count as usize);
 
-    let navigations = Evaluator::new(&scenario, count).run(&policy, seed, count, Places::Drawn)?;
-    let evaluation = Evaluation::of(&navigations, round, &scenario.task, seed);
+    let episodes = Evaluator::new(&scenario, count).run(&policy, seed, count, EpisodeSetup::Random)?;
+    let evaluation = Evaluation::from_episodes(&episodes, round, &scenario.task, seed);
     let course = if arguments.course {
-        let driven = Evaluator::new(&scenario, 25).run(&policy, seed, 25, Places::Course)?;
-        let of = Evaluation::of(&driven, 5, &scenario.task, seed);
+        let driven = Evaluator::new(&scenario, 25).run(&policy, seed, 25, EpisodeSetup::BenchmarkRoute)?;
+        let of = Evaluation::from_episodes(&driven, 5, &scenario.task, seed);
         Some(CourseReport {
             course_success_rate: of.success_rate,
             course_time_s: of.mean_time_s,
@@ -640,14 +640,14 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
         None
     };
     if arguments.optimum
-        && let Some(what) = not_modelled(&scenario)
+        && let Some(what) = unsupported_reason(&scenario)
     {
-        tell(&format!("note: no least times in {}: the planner does not know {what}", scenario.name));
+        print_stderr(&format!("note: no least times in {}: the planner does not know {what}", scenario.name));
     }
     let optimum = arguments.optimum.then(|| {
-        let against = evaluate::against_optimum(&scenario, &navigations);
+        let against = evaluate::compare_with_optimum(&scenario, &episodes);
         OptimumReport {
-            optimum_navigations: against.map_or(0, |a| a.navigations),
+            optimum_episodes: against.map_or(0, |a| a.episodes),
             optimum_mean_time_s: against.map(|a| a.optimum_mean_time_s),
             time_ratio: against.map(|a| a.time_ratio),
         }
@@ -662,7 +662,7 @@ fn eval_command(arguments: &Arguments, path: &Path) -> Result<(), RunError> {
     if arguments.json {
         return print_json(&report);
     }
-    say(&evaluation_text(&report))
+    print_stdout(&evaluation_text(&report))
 }
 
 fn evaluation_text(report: &EvaluationReport) -> String {
@@ -671,14 +671,14 @@ fn evaluation_text(report: &EvaluationReport) -> String {
     let rounds: Vec<String> = e.rounds.iter().map(|r| format!("{:.0}", 100.0 * r)).collect();
     let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.3} s"));
     let mut text = format!(
-        "{} in {}, {} navigations, seed {}\n\
+        "{} in {}, {} episodes, seed {}\n\
          success         {:.1} %  (rounds: {})\n\
          collision       {:.1} %\n\
          out of time     {:.1} %\n\
          mean time       {}\n",
         report.policy,
         report.scenario,
-        e.navigations,
+        e.episodes,
         e.seed,
         100.0 * e.success_rate,
         rounds.join(" "),
@@ -698,9 +698,9 @@ fn evaluation_text(report: &EvaluationReport) -> String {
     if let Some(optimum) = &report.optimum {
         let _ = writeln!(
             text,
-            "least time      {} over {} of these navigations; the policy takes {} times that",
+            "least time      {} over {} of these episodes; the policy takes {} times that",
             seconds(optimum.optimum_mean_time_s),
-            optimum.optimum_navigations,
+            optimum.optimum_episodes,
             optimum.time_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}"))
         );
     }
@@ -709,11 +709,11 @@ fn evaluation_text(report: &EvaluationReport) -> String {
 
 fn print_json(value: &impl serde::Serialize) -> Result<(), RunError> {
     let text = serde_json::to_string(value).map_err(|error| RunError::Failed(error.to_string()))?;
-    say(&format!("{text}\n"))
+    print_stdout(&format!("{text}\n"))
 }
 
 /// Results, to stdout. Whoever closes it early has seen enough.
-fn say(text: &str) -> Result<(), RunError> {
+fn print_stdout(text: &str) -> Result<(), RunError> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -723,20 +723,20 @@ fn say(text: &str) -> Result<(), RunError> {
     }
 }
 
-/// The most navigations of one `--eval`.
-const MOST_NAVIGATIONS: usize = 1_000_000;
+/// The most episodes of one `--eval`.
+const MAX_EVAL_EPISODES: u64 = 1_000_000;
 
 /// The policy in the file at `path`, which must be able to drive in `scenario`.
 fn read_policy(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
     let policy = policy_card::read(path)?;
-    evaluate::fits(&policy, scenario).map_err(|error| RunError::unusable(path, error))?;
+    evaluate::check_compatible(&policy, scenario).map_err(|error| RunError::invalid_input(path, error))?;
     Ok(policy)
 }
 
 /// A number of episodes or env steps, as typed.
 fn budget(text: &str) -> Result<u64, String> {
-    let typed = text.parse().ok().filter(|n| (1..=MOST_STEPS).contains(n));
-    typed.ok_or_else(|| format!("give a whole number, 1 to {MOST_STEPS}"))
+    let typed = text.parse().ok().filter(|n| (1..=MAX_STEPS).contains(n));
+    typed.ok_or_else(|| format!("give a whole number, 1 to {MAX_STEPS}"))
 }
 
 /// A time in seconds, as typed.

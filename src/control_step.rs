@@ -7,13 +7,13 @@
 //! | set | responsible for | filled by |
 //! |---|---|---|
 //! | `Decide` | observations -> actions | [`AgentPlugin`](crate::agent::AgentPlugin) |
-//! | `Actuate` | actions -> velocities of robots and obstacles | [`WorldPlugin`](crate::sim::WorldPlugin) |
-//! | `Simulate` | one step of rapier | [`WorldPlugin`](crate::sim::WorldPlugin) |
-//! | `Sense` | poses, LIDAR scans -> next observations | `WorldPlugin`, [`TaskPlugin`](crate::task::TaskPlugin) |
-//! | `Judge` | reward, collision, target, time limit | [`TaskPlugin`](crate::task::TaskPlugin) |
-//! | `Remember` | transitions -> replay buffer | [`TrainingPlugin`](crate::agent::TrainingPlugin) |
+//! | `Actuate` | actions -> velocities of robots and obstacles | [`SimPlugin`](crate::sim::WorldPlugin) |
+//! | `Simulate` | one step of rapier | [`SimPlugin`](crate::sim::WorldPlugin) |
+//! | `Sense` | poses, LIDAR scans -> next observations | `SimPlugin`, [`TaskPlugin`](crate::task::TaskPlugin) |
+//! | `Reward` | reward, collision, target, time limit | [`TaskPlugin`](crate::task::TaskPlugin) |
+//! | `Store` | transitions -> replay buffer | [`TrainingPlugin`](crate::agent::TrainingPlugin) |
 //! | `Learn` | gradient steps | [`TrainingPlugin`](crate::agent::TrainingPlugin) |
-//! | `Restart` | new targets, new episodes, `EpisodeEnded` | [`TaskPlugin`](crate::task::TaskPlugin) |
+//! | `Reset` | new goals, new episodes, `EpisodeEnded` | [`TaskPlugin`](crate::task::TaskPlugin) |
 
 use bevy::ecs::schedule::{
     IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
@@ -37,13 +37,13 @@ pub enum ControlSet {
     /// The LIDAR is cast and the next observations are written.
     Sense,
     /// Reward, terminated, truncated.
-    Judge,
+    Reward,
     /// Transitions are stored.
-    Remember,
+    Store,
     /// Gradient steps.
     Learn,
-    /// Ended episodes are published and begun anew, reached targets are redrawn.
-    Restart,
+    /// Ended episodes are published and begun anew, reached goals are redrawn.
+    Reset,
 }
 
 /// Within [`ControlSet::Sense`]: the systems that write poses and scans. Observations are written after them.
@@ -53,12 +53,12 @@ pub struct ScanWritten;
 /// The schedule that gives every arena marked for it a new start or target, and a fresh observation.
 /// [`ControlStep`] runs it last, when there is such an arena.
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Begin;
+pub struct Reset;
 
-/// The sets of [`Begin`], in the order in which they run.
+/// The sets of [`Reset`], in the order in which they run.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
-pub enum BeginSet {
-    /// Starts and targets are drawn.
+pub enum ResetSet {
+    /// Starts and goals are drawn.
     Draw,
     /// Bodies are put where they belong.
     Place,
@@ -76,13 +76,12 @@ pub struct ControlStepPlugin;
 
 impl Plugin for ControlStepPlugin {
     fn build(&self, app: &mut App) {
-        use {BeginSet as B, ControlSet as C};
+        use {ControlSet as C, ResetSet as B};
         let mut step = strict(Schedule::new(ControlStep));
         step.configure_sets(
-            (C::Decide, C::Actuate, C::Simulate, C::Sense, C::Judge, C::Remember, C::Learn, C::Restart)
-                .chain(),
+            (C::Decide, C::Actuate, C::Simulate, C::Sense, C::Reward, C::Store, C::Learn, C::Reset).chain(),
         );
-        let mut begin = strict(Schedule::new(Begin));
+        let mut begin = strict(Schedule::new(Reset));
         begin.configure_sets((B::Draw, B::Place, B::Sense, B::Observe).chain());
         app.add_schedule(step).add_schedule(begin);
     }

@@ -16,7 +16,7 @@
 //! | [`report`] | figures, tables, statistics, pages: drawn and written, not computed here |
 //! | [`run`] | what a user does without a window: train, evaluate, resume |
 //! | [`reproduce`] | the paper's figures and tables: many runs, one report |
-//! | `app` | the window: watch it learn, and take a hand in it (with the feature `window`) |
+//! | `app` | the window: watch it learn, and take a hand in it (with the feature `gui`) |
 //! | [`cli`] | the command line |
 //!
 //! The browser's build leaves out `cli`, `reproduce` and what only they use; in its place `app` has a door of its own.
@@ -28,7 +28,7 @@ pub use wayfield_report as report;
 pub use wayfield_scenario as scenario;
 
 pub mod agent;
-#[cfg(feature = "window")]
+#[cfg(feature = "gui")]
 pub mod app;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;

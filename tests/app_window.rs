@@ -1,6 +1,6 @@
 //! The real window: the binary is started on a display of its own (Xvfb, with Mesa's software GPU), trains, and takes its
 //! own picture, which must show what it ought to. And what it says where no window can be.
-#![cfg(all(feature = "window", target_os = "linux"))]
+#![cfg(all(feature = "gui", target_os = "linux"))]
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -93,19 +93,21 @@ fn count(picture: &RgbImage, (x0, y0, x1, y1): (f32, f32, f32, f32), colour: [u8
 
 #[test]
 fn the_window_opens_trains_and_shows_robot_target_and_curves() {
-    let picture = picture(&["--seed", "3", "--pace", "full", "--after", "300", "--look", "light"]);
+    let picture =
+        picture(&["--seed", "3", "--pace", "full", "--screenshot-after", "300", "--theme", "light"]);
     assert_eq!(picture.dimensions(), (1280, 800));
     let (world, plots) = ((0.20, 0.08, 0.72, 1.0), (0.73, 0.08, 1.0, 1.0));
     let (accent, good, solid) = ([0x00, 0x72, 0xb2], [0x00, 0x8a, 0x64], [0x8a, 0x94, 0x9e]);
     assert!(count(&picture, world, accent) > 200, "the robot is there");
-    assert!(count(&picture, world, good) > 100, "its target is there");
+    assert!(count(&picture, world, good) > 100, "its goal is there");
     assert!(count(&picture, world, solid) > 3_000, "four cylinders and the walls are there");
     assert!(count(&picture, plots, accent) > 200, "the curves have begun");
 }
 
 #[test]
 fn all_arenas_are_shown_side_by_side_in_the_dark_too() {
-    let picture = picture(&["--pace", "full", "--after", "60", "--look", "dark", "--show", "grid,path"]);
+    let picture =
+        picture(&["--pace", "full", "--screenshot-after", "60", "--theme", "dark", "--show", "grid,path"]);
     let (accent, paper) = ([0x56, 0xb4, 0xe9], [0x0f, 0x13, 0x17]);
     let world = (0.20, 0.08, 0.72, 1.0);
     assert!(count(&picture, world, accent) > 400, "sixteen robots are there");
@@ -133,8 +135,8 @@ fn what_cannot_be_used_is_said_before_a_window_opens() {
         (vec!["--preset", "fsat"], "did you mean `fast`?"),
         (vec!["--pace", "quick"], "give 0.01 to 100, or full"),
         (vec!["--size", "10x10"], "800x500"),
-        (vec!["--look", "red"], "light"),
-        (vec!["--after", "5"], "--screenshot"),
+        (vec!["--theme", "red"], "light"),
+        (vec!["--screenshot-after", "5"], "--screenshot"),
         (vec!["--train", "--screenshot", "a.png"], "cannot be used with"),
     ] {
         let output = wayfield(None, home.path(), &arguments);
@@ -175,7 +177,7 @@ fn an_obstacle_dragged_in_the_editor_and_saved_is_found_in_the_file() {
     let before = "// My own.\n(\n    name: \"Mine\",\n    obstacles: [\n        \
                   (shape: Circle(radius_m: 0.3), position_m: (0.0, 0.6)), // here\n    ],\n)\n";
     std::fs::write(&file, before).expect("it is written");
-    let arguments = ["--scenario", "mine.ron", "--edit", "--look", "light", "--size", "1280x800"];
+    let arguments = ["--scenario", "mine.ron", "--edit", "--theme", "light", "--size", "1280x800"];
     let mut app = command(Some(&display.name), home.path(), &arguments).spawn().expect("the binary starts");
     // It remembers what one looks at as soon as it is there, and after.
     assert!(until(20, || home.path().join("wayfield/preferences.ron").exists()), "the window is there");
@@ -199,13 +201,13 @@ fn an_obstacle_dragged_in_the_editor_and_saved_is_found_in_the_file() {
 fn what_one_looked_at_is_remembered() {
     let display = Display::new();
     let home = tempfile::tempdir().expect("a folder");
-    let arguments = ["--look", "dark", "--show", "grid", "--size", "900x600"];
+    let arguments = ["--theme", "dark", "--show", "grid", "--size", "900x600"];
     let mut app = command(Some(&display.name), home.path(), &arguments).spawn().expect("the binary starts");
     let file = home.path().join("wayfield/preferences.ron");
     until(60, || file.exists());
     let _ = app.kill();
     let _ = app.wait();
     let remembered = std::fs::read_to_string(&file).expect("it was written within a minute");
-    assert!(remembered.contains("look: Dark") && remembered.contains("grid: true"), "{remembered}");
+    assert!(remembered.contains("theme: Dark") && remembered.contains("grid: true"), "{remembered}");
     assert!(remembered.contains("size: (900.0, 600.0)"), "{remembered}");
 }

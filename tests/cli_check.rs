@@ -4,59 +4,59 @@ mod cli_support;
 
 use std::fs;
 
-use cli_support::{Desk, Done, FAST, SCENARIO_1, edited};
+use cli_support::{CommandOutput, FAST, SCENARIO_1, Workspace, edited};
 use serde_json::json;
 
 /// Worlds and presets in a folder and its folders, all good; and what is not looked at.
-fn desk() -> Desk {
-    let desk = Desk::new();
+fn workspace() -> Workspace {
+    let workspace = Workspace::new();
     for folder in ["files", "files/b", "files/.hidden", "empty"] {
-        fs::create_dir(desk.path(folder)).unwrap();
+        fs::create_dir(workspace.path(folder)).unwrap();
     }
-    desk.write("files/c.ron", SCENARIO_1);
-    desk.write("files/a.ron", FAST);
-    desk.write("files/b/world.ron", SCENARIO_1);
+    workspace.write("files/c.ron", SCENARIO_1);
+    workspace.write("files/a.ron", FAST);
+    workspace.write("files/b/world.ron", SCENARIO_1);
     for other in ["files/.hidden/x.ron", "files/.x.ron", "files/notes.txt", "files/ron"] {
-        desk.write(other, "this is no RON");
+        workspace.write(other, "this is no RON");
     }
-    desk
+    workspace
 }
 
 /// Asserts that a check failed, and that it said just this.
-fn assert_failed(done: &Done, stdout: &str, stderr: &str) {
+fn assert_failed(done: &CommandOutput, stdout: &str, stderr: &str) {
     assert_eq!((done.stdout.as_str(), done.stderr.as_str()), (stdout, stderr));
     assert_eq!(done.status, Some(2));
 }
 
 #[test]
 fn every_file_of_a_folder_is_looked_at_in_the_order_of_names() {
-    let desk = desk();
-    let before = desk.everything();
-    let done = desk.succeed("--check files");
+    let workspace = workspace();
+    let before = workspace.all_files();
+    let done = workspace.run_ok("--check files");
     assert_eq!(
         (done.stdout.as_str(), done.stderr.as_str()),
         ("files/a.ron: ok\nfiles/b/world.ron: ok\nfiles/c.ron: ok\n", "")
     );
-    assert_eq!(desk.succeed("--check files/").stdout, done.stdout, "with a slash it is the same folder");
-    let done = desk.succeed("--check files/c.ron files/b files/a.ron");
+    assert_eq!(workspace.run_ok("--check files/").stdout, done.stdout, "with a slash it is the same folder");
+    let done = workspace.run_ok("--check files/c.ron files/b files/a.ron");
     assert_eq!(
         done.stdout, "files/c.ron: ok\nfiles/b/world.ron: ok\nfiles/a.ron: ok\n",
         "in the order given"
     );
-    assert_eq!(desk.everything(), before, "nothing is left behind");
+    assert_eq!(workspace.all_files(), before, "nothing is left behind");
 }
 
 #[test]
 fn all_that_is_wrong_is_told_of_every_file() {
-    let desk = desk();
+    let workspace = workspace();
     let outside = [
         ("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)"),
         ("radius_m: 0.15), position_m: (-0.6, -0.6)", "radius_m: 0.15), position_m: (-0.6, -1.9)"),
     ];
-    desk.write("files/c.ron", edited(SCENARIO_1, &outside));
-    desk.write("files/b/preset.ron", edited(FAST, &[("n_step: 2", "nstep: 2")]));
-    desk.write("files/b/world.ron", edited(SCENARIO_1, &[("    obstacles: [", "    obstacels: [")]));
-    let done = desk.run("--check files");
+    workspace.write("files/c.ron", edited(SCENARIO_1, &outside));
+    workspace.write("files/b/preset.ron", edited(FAST, &[("n_step: 2", "nstep: 2")]));
+    workspace.write("files/b/world.ron", edited(SCENARIO_1, &[("    obstacles: [", "    obstacels: [")]));
+    let done = workspace.run("--check files");
     assert_eq!(done.status, Some(2), "{}", done.stderr);
     assert_eq!(done.stdout, "files/a.ron: ok\n");
     let lines: Vec<&str> = done.stderr.lines().collect();
@@ -72,30 +72,30 @@ fn all_that_is_wrong_is_told_of_every_file() {
         assert!(line.starts_with(start), "{line}\nis not\n{start}");
     }
     // Mended one after the other, as one does.
-    desk.write("files/c.ron", SCENARIO_1);
-    desk.write("files/b/preset.ron", FAST);
-    assert_eq!(desk.run("--check files").status, Some(2));
-    desk.write("files/b/world.ron", SCENARIO_1);
-    assert_eq!(desk.succeed("--check files").stdout.lines().count(), 4);
+    workspace.write("files/c.ron", SCENARIO_1);
+    workspace.write("files/b/preset.ron", FAST);
+    assert_eq!(workspace.run("--check files").status, Some(2));
+    workspace.write("files/b/world.ron", SCENARIO_1);
+    assert_eq!(workspace.run_ok("--check files").stdout.lines().count(), 4);
 }
 
 #[test]
 fn a_path_that_leads_to_no_file_is_told_of() {
-    let desk = desk();
+    let workspace = workspace();
     assert_failed(
-        &desk.run("--check empty"),
+        &workspace.run("--check empty"),
         "",
         "empty: there is no .ron file in this folder: name a scenario, a preset, or a folder that has some\n\
          error: of 1 checked, 1 can't be used\n",
     );
     assert_failed(
-        &desk.run("--check files/b files/d.ron"),
+        &workspace.run("--check files/b files/d.ron"),
         "files/b/world.ron: ok\n",
         "files/d.ron: no such file (files there: files/.x.ron, files/a.ron, files/c.ron)\n\
          error: of 2 checked, 1 can't be used\n",
     );
     assert_failed(
-        &desk.run("--check files/notes.txt"),
+        &workspace.run("--check files/notes.txt"),
         "",
         "files/notes.txt:1:1: this must be `Scenario(...)` or only `(...)`, not `this`\n\
          error: of 1 checked, 1 can't be used\n",
@@ -104,12 +104,12 @@ fn a_path_that_leads_to_no_file_is_told_of() {
 
 #[test]
 fn json_has_the_files_and_the_problems() {
-    let desk = desk();
+    let workspace = workspace();
     let all = ["files/a.ron", "files/b/world.ron", "files/c.ron"];
-    assert_eq!(desk.succeed("--check files --json").json(), json!({ "files": all, "problems": [] }));
+    assert_eq!(workspace.run_ok("--check files --json").json(), json!({ "files": all, "problems": [] }));
     let outside = [("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)")];
-    desk.write("files/c.ron", edited(SCENARIO_1, &outside));
-    let done = desk.run("--check files empty --json");
+    workspace.write("files/c.ron", edited(SCENARIO_1, &outside));
+    let done = workspace.run("--check files empty --json");
     assert_eq!(done.status, Some(2));
     assert_eq!(done.stderr, "error: of 4 checked, 2 can't be used\n");
     assert_eq!(
@@ -138,14 +138,14 @@ fn json_has_the_files_and_the_problems() {
 
 #[test]
 fn what_is_shipped_passes() {
-    let done = Desk::new()
-        .succeed(&format!("--check {root}/scenarios {root}/assets", root = env!("CARGO_MANIFEST_DIR")));
+    let done = Workspace::new()
+        .run_ok(&format!("--check {root}/scenarios {root}/assets", root = env!("CARGO_MANIFEST_DIR")));
     assert!(done.stdout.lines().count() >= 24 && done.stdout.lines().all(|line| line.ends_with(": ok")));
 }
 
 #[test]
 fn a_check_does_nothing_else() {
-    let desk = desk();
+    let workspace = workspace();
     for (arguments, needle) in [
         ("--check", "a value is required"),
         ("--check files --train", "--train"),
@@ -155,9 +155,9 @@ fn a_check_does_nothing_else() {
         ("--check files --seed 3", "--seed"),
         ("--reproduce --check files", "--check"),
     ] {
-        let done = desk.run(arguments);
+        let done = workspace.run(arguments);
         assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);
         assert!(done.stderr.contains(needle), "{arguments}: {}", done.stderr);
     }
-    assert!(desk.succeed("--help").stdout.contains("--check <PATH>..."));
+    assert!(workspace.run_ok("--help").stdout.contains("--check <PATH>..."));
 }

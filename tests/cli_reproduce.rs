@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cli_support::{Desk, end, quick_fast, quick_per, signal, wait_until};
+use cli_support::{Workspace, quick_fast, quick_per, signal, wait_for_output, wait_until};
 
 /// A small experiment of a user's own: two arms, one of them with two stages, a preset beside the file, a figure of each
 /// kind and a table of each kind.
@@ -15,11 +15,11 @@ const OWN: &str = r#"(
     title: "A user's own",
     about: "Does < it > work?",
     seeds: 2,
-    test: (rounds: 2, navigations: 3, seed: 7),
+    test: (rounds: 2, episodes: 3, seed: 7),
     arms: [
         (
             name: "plain",
-            stages: [(scenario: "scenario-1", preset: "per.ron", budget: Episodes(24), change: (double: false))],
+            stages: [(scenario: "scenario-1", preset: "per.ron", budget: Episodes(24), overrides: (double: false))],
         ),
         (
             name: "moved on",
@@ -33,20 +33,20 @@ const OWN: &str = r#"(
         (
             name: "curves",
             title: "Curves",
-            draw: Curves(series: [Return, Targets], smoothing: 5),
+            draw: LearningCurves(series: [Return, Goals], smoothing: 5),
             claims: [
-                (says: "Moving on helps", measure: Return, better: "moved on", than: "plain", after: 24),
+                (statement: "Moving on helps", measure: Return, better: "moved on", than: "plain", after: 24),
             ],
         ),
-        (name: "dots", title: "Dots", draw: Dots(measures: [Success, EpisodesTo(1.0)], after: 20)),
-        (name: "course", title: "Course", draw: Course(after: 24)),
+        (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, EpisodesTo(1.0)], after: 20)),
+        (name: "course", title: "Course", draw: BenchmarkRoute(after: 24)),
     ],
     tables: [
         (
             name: "times",
-            also: ["clock"],
+            aliases: ["clock"],
             title: "Times",
-            show: Seeds(measure: CourseTime, after: 24, paper: [("plain", 13.155)]),
+            show: Seeds(measure: BenchmarkRouteTime, after: 24, paper: [("plain", 13.155)]),
         ),
         (name: "rounds", title: "Rounds", show: Rounds(after: 24, paper: [("plain", [83.0, 86.0])])),
         (name: "all", title: "All", show: Measures(measures: [Success, MeanTime, TimeRatio], after: 24)),
@@ -59,17 +59,17 @@ const OWN: &str = r#"(
 )
 "#;
 
-fn desk() -> Desk {
-    let desk = Desk::new();
-    fs::create_dir(desk.path("mine")).unwrap();
-    desk.write("mine/own.ron", OWN);
-    desk.write("mine/per.ron", quick_per());
-    desk
+fn workspace() -> Workspace {
+    let workspace = Workspace::new();
+    fs::create_dir(workspace.path("mine")).unwrap();
+    workspace.write("mine/own.ron", OWN);
+    workspace.write("mine/per.ron", quick_per());
+    workspace
 }
 
 /// The report's own files below `folder`, with their bytes: what a reader gets.
-fn report(desk: &Desk, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
-    let root = desk.path(folder);
+fn report(workspace: &Workspace, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
+    let root = workspace.path(folder);
     let mut files = BTreeMap::new();
     for sub in ["figures", "tables"] {
         for entry in fs::read_dir(root.join(sub)).unwrap() {
@@ -91,13 +91,13 @@ fn written(root: &Path) -> BTreeMap<PathBuf, std::time::SystemTime> {
 
 #[test]
 fn an_experiment_of_ones_own_becomes_a_report_once() {
-    let desk = desk();
-    let done = desk.succeed("--reproduce --experiment mine/own.ron --out one --jobs 1");
+    let workspace = workspace();
+    let done = workspace.run_ok("--reproduce --experiment mine/own.ron --out one --jobs 1");
     assert!(done.stdout.contains("Moving on helps"), "{}", done.stdout);
     assert!(done.stdout.contains("one/report.html (6 runs"), "{}", done.stdout);
     assert!(done.stderr.contains("100%  6 of 6 runs"), "{}", done.stderr);
 
-    let one = report(&desk, "one");
+    let one = report(&workspace, "one");
     let names: Vec<String> = one.keys().map(|path| path.display().to_string()).collect();
     let expected = [
         "figures/course.png",
@@ -116,7 +116,7 @@ fn an_experiment_of_ones_own_becomes_a_report_once() {
         "tables/which.md",
     ];
     assert_eq!(names, expected);
-    let html = desk.text("one/report.html");
+    let html = workspace.text("one/report.html");
     for said in
         ["A user&#39;s own", "Does &lt; it &gt; work?", "Moving on helps", "Seed 2", "per.ron", "13.155"]
     {
@@ -125,11 +125,11 @@ fn an_experiment_of_ones_own_becomes_a_report_once() {
             "{said} is not in the page"
         );
     }
-    let markdown = desk.text("one/README.md");
+    let markdown = workspace.text("one/README.md");
     assert!(markdown.contains("figures/curves.svg") && markdown.contains("Moving on helps"), "{markdown}");
 
     let rounds: Vec<_> =
-        csv::Reader::from_path(desk.path("one/tables/rounds.csv")).unwrap().into_records().collect();
+        csv::Reader::from_path(workspace.path("one/tables/rounds.csv")).unwrap().into_records().collect();
     assert_eq!(rounds.len(), 5, "two arms with two seeds, and the paper's rounds of one");
     assert_eq!(
         rounds[0].as_ref().unwrap().iter().next_back(),
@@ -138,70 +138,71 @@ fn an_experiment_of_ones_own_becomes_a_report_once() {
     );
 
     // The times of the first arm are those that its policies drive, told in whole control steps.
-    let times = csv::Reader::from_path(desk.path("one/tables/times.csv")).unwrap().records().count();
+    let times = csv::Reader::from_path(workspace.path("one/tables/times.csv")).unwrap().records().count();
     assert_eq!(times, 2, "a row an arm");
 
     // Again, with other jobs and into another folder: the same, to the byte.
-    desk.succeed("--reproduce --experiment mine/own.ron --out two --jobs 3");
-    let two = report(&desk, "two");
+    workspace.run_ok("--reproduce --experiment mine/own.ron --out two --jobs 3");
+    let two = report(&workspace, "two");
     for (path, bytes) in &one {
         assert!(two[path] == *bytes, "{} depends on the number of jobs", path.display());
     }
 
     // Again into the same folder: nothing is trained anew, and the report is the same.
-    let before = written(&desk.path("one"));
-    desk.succeed("--reproduce --experiment mine/own.ron --out one");
-    assert_eq!(written(&desk.path("one")), before, "no run was repeated");
-    assert!(report(&desk, "one") == one);
+    let before = written(&workspace.path("one"));
+    workspace.run_ok("--reproduce --experiment mine/own.ron --out one");
+    assert_eq!(written(&workspace.path("one")), before, "no run was repeated");
+    assert!(report(&workspace, "one") == one);
 
     // Part of it, and with fewer seeds: those runs are there already.
-    let json = desk.succeed("--reproduce --experiment mine/own.ron --out one --only clock --seeds 1 --json");
+    let json =
+        workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --seeds 1 --json");
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     assert_eq!((json["runs"].as_u64(), json["claims"].as_array().unwrap().len()), (Some(3), 0));
-    assert_eq!(written(&desk.path("one")), before, "no run was repeated");
+    assert_eq!(written(&workspace.path("one")), before, "no run was repeated");
 }
 
 #[test]
 fn work_that_was_stopped_goes_on_from_there() {
-    let desk = desk();
+    let workspace = workspace();
     // Long enough to be stopped in the middle.
     let longer = OWN.replace("Episodes(24)", "Episodes(300)").replace("Episodes(12)", "Episodes(150)");
-    desk.write("mine/own.ron", longer);
+    workspace.write("mine/own.ron", longer);
     let arguments = "--reproduce --experiment mine/own.ron --jobs 1 --out";
-    desk.succeed(&format!("{arguments} straight"));
+    workspace.run_ok(&format!("{arguments} straight"));
 
-    let mut child = desk.start(&format!("{arguments} stopped"));
+    let mut child = workspace.start(&format!("{arguments} stopped"));
     wait_until(&mut child, "a run is under way", || {
-        fs::read_dir(desk.path("stopped/runs"))
+        fs::read_dir(workspace.path("stopped/runs"))
             .is_ok_and(|mut runs| runs.any(|run| run.unwrap().path().join("checkpoint/latest.bin").exists()))
     });
     signal(&child, "TERM");
-    let done = end(child);
+    let done = wait_for_output(child);
     assert_eq!(done.status, Some(1), "{}", done.stderr);
     assert!(done.stderr.contains("of 6 runs; the same command goes on from there"), "{}", done.stderr);
-    assert!(!desk.path("stopped/report.html").exists(), "no report of half the work");
+    assert!(!workspace.path("stopped/report.html").exists(), "no report of half the work");
 
     // From its checkpoint; and a run whose checkpoint is no more is made again.
     let arguments_killed = format!("{arguments} stopped");
-    let mut child = desk.start(&arguments_killed);
-    wait_until(&mut child, "a run is done", || !written(&desk.path("stopped")).is_empty());
+    let mut child = workspace.start(&arguments_killed);
+    wait_until(&mut child, "a run is done", || !written(&workspace.path("stopped")).is_empty());
     signal(&child, "KILL");
-    end(child);
-    for run in fs::read_dir(desk.path("stopped/runs")).unwrap() {
+    wait_for_output(child);
+    for run in fs::read_dir(workspace.path("stopped/runs")).unwrap() {
         let checkpoint = run.unwrap().path().join("checkpoint");
         for kept in ["latest.bin", "previous.bin", "older.bin"] {
             let _ = fs::remove_file(checkpoint.join(kept));
         }
     }
-    desk.succeed(&format!("{arguments} stopped"));
-    assert!(report(&desk, "stopped") == report(&desk, "straight"), "as if nothing had happened");
+    workspace.run_ok(&format!("{arguments} stopped"));
+    assert!(report(&workspace, "stopped") == report(&workspace, "straight"), "as if nothing had happened");
 }
 
 #[test]
 fn what_cannot_be_reproduced_is_refused_with_the_mend() {
-    let desk = desk();
+    let workspace = workspace();
     let refused = |arguments: &str, needles: &[&str]| {
-        let done = desk.run(arguments);
+        let done = workspace.run(arguments);
         assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);
         for needle in needles {
             assert!(done.stderr.contains(needle), "{arguments}: no `{needle}` in {}", done.stderr);
@@ -218,18 +219,18 @@ fn what_cannot_be_reproduced_is_refused_with_the_mend() {
     refused("--eval mine/own.ron --quick", &["--quick"]);
     // A folder of the user's is left alone.
     refused("--reproduce --experiment mine/own.ron --out mine", &["mine", "holds no reproduction", "--out"]);
-    assert_eq!(fs::read_dir(desk.path("mine")).unwrap().count(), 2);
+    assert_eq!(fs::read_dir(workspace.path("mine")).unwrap().count(), 2);
 
     // The place that is named is that of the change, or where it is first used.
     let broken = |name: &str, (from, to): (&str, &str), needles: &[&str]| {
         let at = OWN.find(from).unwrap_or_else(|| panic!("{from} is in the file"));
         let line = 1 + OWN[..at].matches('\n').count();
-        desk.write(name, OWN.replacen(from, to, 1).replace("per.ron", "mine/per.ron"));
+        workspace.write(name, OWN.replacen(from, to, 1).replace("per.ron", "mine/per.ron"));
         let needles: Vec<String> =
             needles.iter().map(|needle| needle.replace("LINE", &line.to_string())).collect();
         let needles: Vec<&str> = needles.iter().map(String::as_str).collect();
         refused(&format!("--reproduce --experiment {name} --out no"), &needles);
-        assert!(!desk.path("no").exists(), "{name}: nothing is left behind");
+        assert!(!workspace.path("no").exists(), "{name}: nothing is left behind");
     };
     broken("a.ron", ("seeds: 2", "seeds: 0"), &["a.ron:LINE:", "seeds", "give 1 to 1000"]);
     broken("b.ron", ("smoothing: 5", "smoothnig: 5"), &["b.ron:LINE:", "did you mean `smoothing`?"]);
@@ -254,43 +255,43 @@ fn what_cannot_be_reproduced_is_refused_with_the_mend() {
         ("after: [8, 12]", "after: [8, 13]"),
         &["k.ron:LINE:", "is 13, but arm \"moved on\" has 12 episodes"],
     );
-    desk.write("settings.ron", OWN.replace("per.ron", "mine/per.ron"));
+    workspace.write("settings.ron", OWN.replace("per.ron", "mine/per.ron"));
     refused("--reproduce --experiment settings.ron --out no", &["settings.ron", "rename the file"]);
 }
 
 #[test]
 fn an_arm_may_be_tested_by_its_best_policy() {
-    let desk = desk();
-    desk.write("fast.ron", quick_fast());
-    desk.write(
+    let workspace = workspace();
+    workspace.write("fast.ron", quick_fast());
+    workspace.write(
         "best.ron",
         r#"(
             title: "Best",
             seeds: 1,
-            test: (rounds: 1, navigations: 4),
+            test: (rounds: 1, episodes: 4),
             arms: [(name: "fast", stages: [(scenario: "empty", preset: "fast.ron", budget: EnvSteps(3000))], policy: Best)],
             tables: [(name: "t", title: "T", show: Seeds(measure: Success, after: 1))],
         )"#,
     );
-    let done = desk.succeed("--reproduce --experiment best.ron --out best");
+    let done = workspace.run_ok("--reproduce --experiment best.ron --out best");
     assert!(done.stdout.contains("(1 runs"), "{}", done.stdout);
-    assert!(desk.text("best/tables/t.md").contains("fast"));
+    assert!(workspace.text("best/tables/t.md").contains("fast"));
 }
 
 /// The gate's own: everything that the paper lists, roughly, from the shipped experiments.
 #[test]
 fn a_rough_report_of_everything() {
-    let desk = Desk::new();
-    desk.succeed("--reproduce --quick");
-    let html = desk.text("runs/reproduce-quick/report.html");
+    let workspace = Workspace::new();
+    workspace.run_ok("--reproduce --quick");
+    let html = workspace.text("runs/reproduce-quick/report.html");
     assert!(html.contains("rough report"), "it says that it is rough");
     for name in ["fig8", "fig9", "fig10", "ablation", "course"] {
-        let png = desk.read(&format!("runs/reproduce-quick/figures/{name}.png"));
+        let png = workspace.read(&format!("runs/reproduce-quick/figures/{name}.png"));
         assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}.png is a picture");
-        assert!(desk.text(&format!("runs/reproduce-quick/figures/{name}.svg")).contains("</svg>"));
+        assert!(workspace.text(&format!("runs/reproduce-quick/figures/{name}.svg")).contains("</svg>"));
     }
     for name in ["table2", "table3-4", "table5", "table6-7", "conditions", "transfer-in-ii", "best-success"] {
-        let path = desk.path(&format!("runs/reproduce-quick/tables/{name}.csv"));
+        let path = workspace.path(&format!("runs/reproduce-quick/tables/{name}.csv"));
         assert!(csv::Reader::from_path(path).unwrap().records().count() >= 2, "{name}.csv has rows");
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use wayfield::learning::{NetworkConfig, NetworkShape, Policy, QNetwork};
 use wayfield::run::evaluate::Evaluator;
 use wayfield::run::shipped;
-use wayfield::task::{EpisodeEnd, Places};
+use wayfield::task::{EpisodeEnd, EpisodeSetup};
 use wayfield::{random, scenario::Scenario};
 
 /// A network whose weights are `seed`'s: it drives somewhere.
@@ -24,26 +24,26 @@ fn a_trace_is_the_first_navigation_of_the_evaluation() {
         let mut alone = Evaluator::new(&scenario, 1);
         let mut ends = Vec::new();
         for seed in 0..12 {
-            for places in [Places::Drawn, Places::Course] {
+            for places in [EpisodeSetup::Random, EpisodeSetup::BenchmarkRoute] {
                 let policy = policy(&scenario, seed);
                 let driven = evaluator.run(&policy, seed, 3, places).expect("drives");
-                let (navigation, poses) = evaluator.trace(&policy, seed, places).expect("drives");
-                assert_eq!(navigation, driven[0]);
-                assert_eq!(alone.trace(&policy, seed, places), Ok((navigation, poses.clone())));
+                let (episode, poses) = evaluator.trace(&policy, seed, places).expect("drives");
+                assert_eq!(episode, driven[0]);
+                assert_eq!(alone.trace(&policy, seed, places), Ok((episode, poses.clone())));
                 assert_eq!(
                     evaluator.run(&policy, seed, 3, places),
                     Ok(driven),
                     "a trace leaves nothing behind"
                 );
-                assert_eq!(poses.len(), navigation.steps as usize + 1);
-                assert_eq!(poses[0], navigation.start);
+                assert_eq!(poses.len(), episode.steps as usize + 1);
+                assert_eq!(poses[0], episode.start);
                 for pair in poses.windows(2) {
                     let way = libm::hypotf(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
                     assert!(way < 0.0301, "{way} m in a step");
                 }
-                let arrived = poses[poses.len() - 1].distance_m(&navigation.target) < 0.2;
-                assert_eq!(arrived, navigation.end == EpisodeEnd::Reached);
-                ends.push(navigation.end);
+                let arrived = poses[poses.len() - 1].distance_m(&episode.goal) < 0.2;
+                assert_eq!(arrived, episode.end == EpisodeEnd::Reached);
+                ends.push(episode.end);
             }
         }
         assert!(ends.contains(&EpisodeEnd::Collided), "{name}: {ends:?}");

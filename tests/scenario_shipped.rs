@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::ecs::message::Messages;
-use wayfield::agent::Trainer;
+use wayfield::agent::ActiveLearner;
 use wayfield::learning::Learner;
-use wayfield::run::{picture, shipped, simulation};
-use wayfield::scenario::{Enclosure, ObstacleMotion, PlaceRule, Scenario, Shape, clearance, findings};
+use wayfield::run::{scenario_image, shipped, simulation};
+use wayfield::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario, Shape, clearance, diagnostics};
 use wayfield::task::{EpisodeEnded, observation};
 
 fn project(path: &str) -> PathBuf {
@@ -28,7 +28,7 @@ fn every_file_of_the_folder_is_shipped_under_its_name_and_has_no_findings() {
         "each loads, none is left out"
     );
     for (name, scenario) in shipped::scenarios() {
-        assert!(findings(&scenario).is_empty(), "{name}: {:?}", findings(&scenario));
+        assert!(diagnostics(&scenario).is_empty(), "{name}: {:?}", diagnostics(&scenario));
         let text = std::fs::read_to_string(project(&format!("scenarios/{name}.ron"))).expect("it is there");
         assert_eq!(shipped::scenario_text(name), Some(text.as_str()), "{name}");
         assert_eq!(Scenario::load(project(&format!("scenarios/{name}.ron"))), Ok(scenario.clone()));
@@ -89,19 +89,19 @@ fn the_shipped_worlds_show_every_part_of_the_format() {
             };
             see(shape, true);
             match obstacle.motion {
-                ObstacleMotion::Still => {}
+                ObstacleMotion::Static => {}
                 ObstacleMotion::Orbit { .. } => see("an orbit", true),
                 ObstacleMotion::Patrol { .. } => see("a patrol", true),
                 ObstacleMotion::BackAndForth { .. } => see("back and forth", true),
                 ObstacleMotion::RandomWalk { .. } => see("a random walk", true),
             }
         }
-        for rule in [&world.starts, &world.targets] {
+        for rule in [&world.starts, &world.goals] {
             let rule = match rule {
-                PlaceRule::Random { .. } => "places anywhere",
-                PlaceRule::Within { .. } => "places within a region",
-                PlaceRule::Fixed { .. } => "a fixed place",
-                PlaceRule::OneOf { .. } => "one of several places",
+                PlacementRule::Random { .. } => "places anywhere",
+                PlacementRule::Within { .. } => "places within a region",
+                PlacementRule::Fixed { .. } => "a fixed place",
+                PlacementRule::OneOf { .. } => "one of several places",
             };
             see(rule, true);
         }
@@ -109,10 +109,10 @@ fn the_shipped_worlds_show_every_part_of_the_format() {
     assert!(unseen.is_empty(), "no file of scenarios/ shows {unseen:?}");
 }
 
-/// Whether the robot gets from the course's start to its target around all that stands still, on a grid of 5 cm.
+/// Whether the robot gets from the benchmark route's start to its goal around all that stands still, on a grid of 5 cm.
 fn course_is_open(world: &Scenario) -> bool {
     let mut world = world.clone();
-    world.obstacles.retain(|obstacle| obstacle.motion == ObstacleMotion::Still);
+    world.obstacles.retain(|obstacle| obstacle.motion == ObstacleMotion::Static);
     let side = 0.05_f32;
     let (low, high) = world.enclosure.bounds_m();
     let columns = ((high.0 - low.0) / side) as usize + 1;
@@ -121,11 +121,11 @@ fn course_is_open(world: &Scenario) -> bool {
     let cell =
         |(x, y): (f32, f32)| (((x - low.0) / side).round() as usize, ((y - low.1) / side).round() as usize);
     let free = |column, row| clearance(&world, place(column, row), 0) > world.task.collision_range_m;
-    let (start, target) = (cell(world.course.start_m), cell(world.course.target_m));
+    let (start, goal) = (cell(world.benchmark_route.start_m), cell(world.benchmark_route.goal_m));
     let mut seen = vec![false; columns * rows];
     let mut open = VecDeque::from([start]);
     while let Some((column, row)) = open.pop_front() {
-        if (column, row) == target {
+        if (column, row) == goal {
             return true;
         }
         if column >= columns || row >= rows || seen[row * columns + column] || !free(column, row) {
@@ -142,8 +142,11 @@ fn course_is_open(world: &Scenario) -> bool {
 #[test]
 fn the_ends_of_each_course_are_connected() {
     for (name, scenario) in shipped::scenarios() {
-        for layout in 0..20 {
-            assert!(course_is_open(&scenario.furnished(layout)), "{name}, layout {layout}");
+        for layout_seed in 0..20 {
+            assert!(
+                course_is_open(&scenario.with_generated_obstacles(layout_seed)),
+                "{name}, layout {layout_seed}"
+            );
             if scenario.generators.is_empty() {
                 break;
             }
@@ -163,7 +166,7 @@ fn the_gallery_shows_every_world_as_it_is() {
         assert!(page.contains(&format!("worlds/{name}.png")), "docs/worlds.md shows {name}");
         assert!(page.contains(&format!("scenarios/{name}.ron")), "docs/worlds.md names {name}");
         let drawn = folder.path().join(format!("{name}.png"));
-        picture::draw(&scenario, &drawn).expect("is drawn");
+        scenario_image::draw(&scenario, &drawn).expect("is drawn");
         let kept = project(&format!("docs/worlds/{name}.png"));
         let read = |path: &Path| image::open(path).unwrap_or_else(|e| panic!("{draw_it}: {e}")).to_rgb8();
         let (drawn, kept) = (read(&drawn), read(&kept));
@@ -183,13 +186,13 @@ fn every_world_trains_a_little() {
         let actions = scenario.robot.motions.len();
         let learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, 7).expect("it is sound");
         let first = learner.network().parameters().to_vec();
-        let mut app = simulation::training(&scenario, &preset, 7, learner);
+        let mut app = simulation::training_app(&scenario, &preset, 7, learner);
         let mut ended = 0;
         for step in 0..600 {
             simulation::step(app.world_mut()).unwrap_or_else(|error| panic!("{name}, step {step}: {error}"));
             ended += app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().count();
         }
-        let learner = &app.world().resource::<Trainer>().0;
+        let learner = &app.world().resource::<ActiveLearner>().0;
         let weights = learner.network().parameters();
         assert!(weights.iter().all(|weight| weight.is_finite()), "{name}");
         assert_ne!(weights, first, "{name}: it has learnt something");

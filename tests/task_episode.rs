@@ -4,17 +4,15 @@ mod common;
 
 use common::{Lab, bits};
 use wayfield::scenario::Scenario;
-use wayfield::task::{
-    EpisodeEnd, EpisodeEnded, Pose, RewardConfig, RewardKind, RewardTerms, Target, TaskMode,
-};
+use wayfield::task::{EpisodeEnd, EpisodeEnded, Goal, Pose, RewardConfig, RewardKind, RewardTerms, TaskMode};
 
-/// The robot in the middle of an empty enclosure, looking along x; the target `ahead_m` before it.
+/// The robot in the middle of an empty enclosure, looking along x; the goal `ahead_m` before it.
 fn facing(scenario: &Scenario, ahead_m: f32, reward: RewardConfig, mode: TaskMode) -> Lab {
     let mut lab = Lab::with(scenario, 1, 4, reward, mode);
     let potential = lab.app.world().resource::<RewardConfig>().potential(ahead_m, 1.0);
     lab.edit(0, |state| {
         state.pose = Pose::default();
-        state.target = Target { x_m: ahead_m, y_m: 0.0 };
+        state.goal = Goal { x_m: ahead_m, y_m: 0.0 };
         state.episode.potential = potential;
     });
     lab
@@ -36,29 +34,26 @@ fn a_reached_target_pays_250_is_redrawn_and_the_episode_goes_on() {
         RewardTerms { reached: 250.0, ..RewardTerms::default() },
         "r+ and nothing else"
     );
-    assert!(lab.ended().is_empty(), "the episode goes on");
-    assert_eq!((after.episode.steps, after.episode.targets), (2, 1));
+    assert!(lab.take_ended_episodes().is_empty(), "the episode goes on");
+    assert_eq!((after.episode.steps, after.episode.goals), (2, 1));
     assert!(
         (after.pose.x_m - 0.06).abs() < 1e-6 && after.pose.y_m == 0.0,
         "the robot has driven on, not jumped"
     );
     assert_eq!(after.clock.0, before.clock.0 + 1);
-    assert_ne!(after.target, before.target, "only the target is redrawn");
+    assert_ne!(after.goal, before.goal, "only the goal is redrawn");
 
-    // The step after the redraw pays the fall of the new target's potential, in f64 by hand.
+    // The step after the redraw pays the fall of the new goal's potential, in f64 by hand.
     let distance =
-        |pose: &Pose| f64::from(after.target.x_m - pose.x_m).hypot(f64::from(after.target.y_m - pose.y_m));
+        |pose: &Pose| f64::from(after.goal.x_m - pose.x_m).hypot(f64::from(after.goal.y_m - pose.y_m));
     let u_before = 50.0 * distance(&after.pose).powi(2);
-    assert!(
-        (f64::from(after.episode.potential.attraction) - u_before).abs() < 1e-3,
-        "U is of the new target"
-    );
+    assert!((f64::from(after.episode.potential.attraction) - u_before).abs() < 1e-3, "U is of the new goal");
     lab.step(&[2]);
     let u_after = 50.0 * distance(&lab.state(0).pose).powi(2);
     let terms = lab.outcomes()[0].reward;
     assert!(
         (f64::from(terms.total()) - (u_before - u_after)).abs() < 1e-3 && terms.reached == 0.0,
-        "no jump: {terms:?}, the new target's potential fell by {}",
+        "no jump: {terms:?}, the new goal's potential fell by {}",
         u_before - u_after
     );
 }
@@ -70,7 +65,7 @@ fn a_collision_costs_200_and_ends_the_episode() {
     lab.step(&[2]);
     lab.edit(0, |state| {
         state.pose = Pose { x_m: 1.82, y_m: 0.0, heading_rad: 0.0 };
-        state.target = Target { x_m: -1.0, y_m: 1.0 };
+        state.goal = Goal { x_m: -1.0, y_m: 1.0 };
     });
     let mut sum = lab.outcomes()[0].reward;
     lab.step(&[2]);
@@ -85,10 +80,14 @@ fn a_collision_costs_200_and_ends_the_episode() {
         RewardTerms { collided: -200.0, ..RewardTerms::default() },
         "r- and nothing else"
     );
-    let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::Collided, steps: 3, targets: 1, rewards: sum };
-    assert_eq!(lab.ended(), vec![ended], "published with its steps, targets and the sum of its rewards");
+    let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::Collided, steps: 3, goals: 1, rewards: sum };
+    assert_eq!(
+        lab.take_ended_episodes(),
+        vec![ended],
+        "published with its steps, goals and the sum of its rewards"
+    );
     let fresh = lab.state(0);
-    assert_eq!((fresh.episode.steps, fresh.episode.targets), (0, 0), "a new episode has begun");
+    assert_eq!((fresh.episode.steps, fresh.episode.goals), (0, 0), "a new episode has begun");
     assert_eq!(fresh.episode.rewards, RewardTerms::default());
     assert!(fresh.scan.nearest_m > 0.13 && !fresh.scan.touching, "clear of everything");
 }
@@ -96,48 +95,48 @@ fn a_collision_costs_200_and_ends_the_episode() {
 #[test]
 fn the_time_limit_cuts_an_episode_off_without_terminating_it() {
     let mut scenario = Scenario::default();
-    scenario.task.time_limit_steps = 20;
+    scenario.task.max_episode_steps = 20;
     let mut lab = facing(&scenario, 1.9, RewardConfig::default(), TaskMode::Continuing);
     let mut sum = RewardTerms::default();
     for step in 1..=20 {
-        assert!(lab.ended().is_empty(), "step {step}");
+        assert!(lab.take_ended_episodes().is_empty(), "step {step}");
         lab.step(&[0]);
         let outcome = lab.outcomes()[0];
         assert_eq!(outcome.truncated(), step == 20, "step {step} of 20");
         assert!(!outcome.terminated(), "a time limit is no end of the process");
         sum += outcome.reward;
     }
-    let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::TimedOut, steps: 20, targets: 0, rewards: sum };
-    assert_eq!(lab.ended(), vec![ended]);
+    let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::TimedOut, steps: 20, goals: 0, rewards: sum };
+    assert_eq!(lab.take_ended_episodes(), vec![ended]);
     assert_eq!(lab.state(0).episode.steps, 0, "and a new one has begun");
 }
 
 /// 400 steps of 16 arenas: every step's reward against eqs. (3) to (7) in f64, every episode's against its steps'.
 fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
     let mut scenario = scenario.clone();
-    scenario.task.time_limit_steps = 90;
+    scenario.task.max_episode_steps = 90;
     let arenas = 16;
     let mut lab = Lab::with(&scenario, arenas, 9, reward.clone(), TaskMode::Continuing);
-    let mut drivers = common::drivers(arenas);
+    let mut action_streams = common::action_streams(arenas);
     let mut sums = vec![(RewardTerms::default(), 0, 0); arenas];
     let mut seen = Vec::new();
-    let potential = |pose: &Pose, target: &Target, nearest_m: f32| {
-        let d_g = f64::from(pose.x_m - target.x_m).hypot(f64::from(pose.y_m - target.y_m));
+    let potential = |pose: &Pose, goal: &Goal, nearest_m: f32| {
+        let d_g = f64::from(pose.x_m - goal.x_m).hypot(f64::from(pose.y_m - goal.y_m));
         let near = (1.0 - f64::from(nearest_m) / f64::from(reward.l_r_m)).max(0.0);
         (0.5 * f64::from(reward.mu) * d_g * d_g, 0.5 * f64::from(reward.sigma) * near * near)
     };
     let mut repelled = 0;
     for step in 0..400 {
         let before = lab.states();
-        let actions = common::steer(&lab, &mut drivers);
+        let actions = common::steer_to_goal(&lab, &mut action_streams);
         lab.step(&actions);
         let after = lab.states();
         for arena in 0..arenas {
             let outcome = lab.outcomes()[arena];
-            let (sum, steps, targets) = &mut sums[arena];
+            let (sum, steps, goals) = &mut sums[arena];
             *sum += outcome.reward;
             *steps += 1;
-            *targets += u32::from(outcome.reached);
+            *goals += u32::from(outcome.reached);
             if outcome.collided {
                 assert_eq!(outcome.reward.total(), -200.0);
             } else if outcome.reached {
@@ -145,9 +144,8 @@ fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
             } else if reward.kind == RewardKind::Traditional {
                 assert_eq!(outcome.reward, RewardTerms::default(), "eq. (3) gives nothing on the way");
             } else if !outcome.timed_out {
-                let from =
-                    potential(&before[arena].pose, &before[arena].target, before[arena].scan.nearest_m);
-                let to = potential(&after[arena].pose, &after[arena].target, after[arena].scan.nearest_m);
+                let from = potential(&before[arena].pose, &before[arena].goal, before[arena].scan.nearest_m);
+                let to = potential(&after[arena].pose, &after[arena].goal, after[arena].scan.nearest_m);
                 let terms = outcome.reward;
                 assert!(
                     (f64::from(terms.attraction) - (from.0 - to.0)).abs() < 1e-3
@@ -162,12 +160,12 @@ fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
                 );
             }
         }
-        for episode in lab.ended() {
-            let (rewards, steps, targets) = std::mem::take(&mut sums[episode.arena]);
+        for episode in lab.take_ended_episodes() {
+            let (rewards, steps, goals) = std::mem::take(&mut sums[episode.arena]);
             assert_eq!(
-                (episode.rewards, episode.steps, episode.targets),
-                (rewards, steps, targets),
-                "an episode's rewards, steps and targets are those of its steps, to the bit"
+                (episode.rewards, episode.steps, episode.goals),
+                (rewards, steps, goals),
+                "an episode's rewards, steps and goals are those of its steps, to the bit"
             );
             assert_eq!(lab.outcomes()[episode.arena].collided, episode.end == EpisodeEnd::Collided);
             seen.push(episode);
@@ -175,7 +173,7 @@ fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
     }
     assert!(seen.iter().any(|episode| episode.end == EpisodeEnd::Collided));
     assert!(seen.iter().any(|episode| episode.end == EpisodeEnd::TimedOut));
-    assert!(seen.iter().any(|episode| episode.targets > 1));
+    assert!(seen.iter().any(|episode| episode.goals > 1));
     assert!(
         reward.kind == RewardKind::Traditional || repelled > 100,
         "some steps are near obstacles: {repelled}"
@@ -186,7 +184,7 @@ fn rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
 fn optimized_rewards_are_eq_7_step_by_step_and_add_up() {
     rewards_add_up(&common::four_cylinders(), &RewardConfig::default());
     rewards_add_up(
-        &common::moving(),
+        &common::moving_obstacles(),
         &RewardConfig { mu: 70.0, sigma: 140.0, l_r_m: 0.5, ..RewardConfig::default() },
     );
 }
@@ -194,18 +192,18 @@ fn optimized_rewards_are_eq_7_step_by_step_and_add_up() {
 #[test]
 fn traditional_rewards_are_eq_3_step_by_step_and_add_up() {
     let reward = RewardConfig { kind: RewardKind::Traditional, ..RewardConfig::default() };
-    rewards_add_up(&common::moving(), &reward);
+    rewards_add_up(&common::moving_obstacles(), &reward);
 }
 
 #[test]
-fn the_judge_sees_the_lidars_nearest_range() {
-    let scenario = common::moving();
+fn collisions_are_judged_by_the_nearest_range() {
+    let scenario = common::moving_obstacles();
     let mut lab = Lab::new(&scenario, 16, 12);
-    let mut drivers = common::drivers(16);
+    let mut action_streams = common::action_streams(16);
     let mut collisions = 0;
     for _ in 0..300 {
         let before = lab.states();
-        let actions = common::random_actions(&mut drivers);
+        let actions = common::random_actions(&mut action_streams);
         lab.step(&actions);
         for (arena, after) in lab.states().iter().enumerate() {
             let outcome = lab.outcomes()[arena];
@@ -224,37 +222,37 @@ fn the_judge_sees_the_lidars_nearest_range() {
 
 #[test]
 fn after_a_single_navigation_the_arena_is_parked_and_nothing_of_it_changes() {
-    let mut scenario = common::moving();
-    scenario.task.time_limit_steps = 60;
+    let mut scenario = common::moving_obstacles();
+    scenario.task.max_episode_steps = 60;
     (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.02, 0.02);
     let arenas = 24;
-    let mut lab = Lab::with(&scenario, arenas, 17, RewardConfig::default(), TaskMode::SingleNavigation);
-    let mut drivers = common::drivers(arenas);
-    let mut parked = vec![None; arenas];
+    let mut lab = Lab::with(&scenario, arenas, 17, RewardConfig::default(), TaskMode::SingleGoal);
+    let mut action_streams = common::action_streams(arenas);
+    let mut inactive = vec![None; arenas];
     let mut ends = Vec::new();
     for step in 1..=80 {
-        let actions = common::steer(&lab, &mut drivers);
+        let actions = common::steer_to_goal(&lab, &mut action_streams);
         lab.step(&actions);
         let now: Vec<_> = (0..arenas)
             .map(|arena| {
-                let bodies = lab.look(arena, |bodies, set, _| {
+                let bodies = lab.with_physics(arena, |bodies, set, _| {
                     let all = bodies.obstacles.iter().flatten().chain([&bodies.robot]);
                     all.map(|&body| *set.bodies[body].position()).collect::<Vec<_>>()
                 });
                 (lab.state(arena), bits(&lab.row(arena)), bodies)
             })
             .collect();
-        for episode in lab.ended() {
-            assert!(parked[episode.arena].is_none(), "a navigation ends once");
-            assert!(!lab.outcomes()[episode.arena].parked, "the step that ends it still counts");
-            assert!(now[episode.arena].0.episode.parked);
-            parked[episode.arena] = Some((step, now[episode.arena].clone()));
+        for episode in lab.take_ended_episodes() {
+            assert!(inactive[episode.arena].is_none(), "a navigation ends once");
+            assert!(!lab.outcomes()[episode.arena].inactive, "the step that ends it still counts");
+            assert!(now[episode.arena].0.episode.inactive);
+            inactive[episode.arena] = Some((step, now[episode.arena].clone()));
             ends.push(episode.end);
         }
-        for (arena, then) in parked.iter().enumerate() {
+        for (arena, then) in inactive.iter().enumerate() {
             match then {
                 Some((since, then)) if *since < step => {
-                    assert!(lab.outcomes()[arena].parked, "arena {arena} is parked since step {since}");
+                    assert!(lab.outcomes()[arena].inactive, "arena {arena} is parked since step {since}");
                     assert_eq!(lab.outcomes()[arena].reward.total(), 0.0);
                     assert_eq!(
                         now[arena].0, then.0,

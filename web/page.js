@@ -41,32 +41,32 @@ canvas.addEventListener('webglcontextlost', () =>
 let program;
 
 /// Hands a file of the user's to the program.
-async function handIn(file) {
+async function openUserFile(file) {
     if (document.body.dataset.state !== 'started') return;
     // No policy is longer; the program says what is wrong with the rest, also of what cannot be read.
     const most = 2 ** 27 + 1;
     const bytes = await file.slice(0, most).arrayBuffer().catch(() => new ArrayBuffer(0));
-    program.hand_in(file.name, new Uint8Array(bytes));
+    program.receive_file(file.name, new Uint8Array(bytes));
 }
 
 byId('file').addEventListener('change', (event) => {
-    for (const file of event.target.files) handIn(file);
+    for (const file of event.target.files) openUserFile(file);
     // The same file may be chosen again.
     event.target.value = '';
 });
 addEventListener('dragover', (event) => event.preventDefault());
 addEventListener('drop', (event) => {
     event.preventDefault();
-    for (const file of event.dataTransfer?.files ?? []) handIn(file);
+    for (const file of event.dataTransfer?.files ?? []) openUserFile(file);
 });
 
 /// A text as letters that an address may hold, and back.
-async function packed(text) {
+async function compress(text) {
     const bytes = await through(new TextEncoder().encode(text), new CompressionStream('deflate-raw'));
     return btoa(Array.from(new Uint8Array(bytes), (byte) => String.fromCharCode(byte)).join(''))
         .replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '');
 }
-async function unpacked(letters) {
+async function decompress(letters) {
     const bytes = Uint8Array.from(atob(letters.replaceAll('-', '+').replaceAll('_', '/')), (c) => c.charCodeAt(0));
     // No world is longer; the program says what is wrong with it.
     const most = 2 ** 20 + 1;
@@ -86,7 +86,7 @@ async function through(bytes, transform, most = Infinity) {
 }
 
 /// The world that the address holds, if it holds one.
-let enclosedWorld;
+let embeddedScenario;
 
 /// How often the address was changed: one that takes its time gives way to a later one.
 let turn = 0;
@@ -98,7 +98,7 @@ function changeAddress(address) {
 let failure = false;
 
 globalThis.wayfieldPage = {
-    asked: (key) => new URLSearchParams(location.search).get(key) ?? undefined,
+    query_parameter: (key) => new URLSearchParams(location.search).get(key) ?? undefined,
     started() {
         cover.hidden = true;
         document.body.dataset.state = 'started';
@@ -109,7 +109,7 @@ globalThis.wayfieldPage = {
         console.error(text);
         stop('The program has stopped: it met an error of its own. What was learnt here is lost.', text);
     },
-    choose: () => byId('file').click(),
+    open_file_picker: () => byId('file').click(),
     save(name, bytes) {
         // The program's memory may move or change: a copy.
         const url = URL.createObjectURL(new Blob([bytes.slice()], { type: 'application/octet-stream' }));
@@ -123,28 +123,28 @@ globalThis.wayfieldPage = {
         const standing = JSON.parse(json);
         document.body.dataset.standing = json;
         const rate = standing.success_rate === null ? 'not tested yet'
-            : `${(100 * standing.success_rate).toFixed(1)} % of the test's navigations succeed`;
+            : `${(100 * standing.success_rate).toFixed(1)} % of the test's episodes succeed`;
         byId('standing').textContent =
             `${standing.scenario}, ${standing.preset}: ${standing.episodes} episodes, ${rate}.`
             + (standing.notice === null ? '' : ` ${standing.notice}`);
     },
-    enclosed: () => enclosedWorld,
-    async address(scenario, preset, seed, world) {
+    embedded_scenario: () => embeddedScenario,
+    async set_share_link(scenario, preset, seed, world) {
         const query = new URLSearchParams(location.search);
         for (const [key, value] of Object.entries({ scenario, preset, seed })) query.set(key, value);
         if (world === undefined) return changeAddress(`?${query}`);
-        wayfieldPage.no_address();
+        wayfieldPage.clear_share_link();
         const mine = turn;
         // After the #, what a browser sends to nobody. Where it cannot be packed, there is no link.
-        const letters = await packed(world).catch(() => undefined);
+        const letters = await compress(world).catch(() => undefined);
         if (mine === turn && letters !== undefined) changeAddress(`?${query}#world=${letters}`);
     },
-    no_address: () => changeAddress(location.pathname),
-    remember(text) {
+    clear_share_link: () => changeAddress(location.pathname),
+    save_preferences(text) {
         // Where nothing may be kept, nothing is.
         try { localStorage.setItem(KEPT, text); } catch {}
     },
-    remembered() {
+    load_preferences() {
         try { return localStorage.getItem(KEPT) ?? undefined; } catch { return undefined; }
     },
 };
@@ -183,7 +183,7 @@ async function begin() {
             + ' by a graphics driver that it does not trust; another browser may have it.');
     }
     const letters = new URLSearchParams(location.hash.slice(1)).get('world');
-    if (letters !== null) enclosedWorld = await unpacked(letters).catch(() => 'not a world: the address is damaged');
+    if (letters !== null) embeddedScenario = await decompress(letters).catch(() => 'not a world: the address is damaged');
     try {
         // Which build it is, so that no cache puts parts of two together.
         const { bytes, mark } = await fetch('build.json', { cache: 'no-cache' }).then((response) => response.json());

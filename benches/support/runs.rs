@@ -1,4 +1,4 @@
-//! Whole runs, as `--train` makes them, looked at more closely: evaluations have 500 navigations.
+//! Whole runs, as `--train` makes them, looked at more closely: evaluations have 500 episodes.
 #![allow(dead_code)] // Each bench needs a part of it.
 
 use std::error::Error;
@@ -7,29 +7,29 @@ use std::time::Instant;
 
 use wayfield::learning::Policy;
 use wayfield::run::folder::{RunConfig, Transfer};
+use wayfield::run::metric_rows::{EvaluationRow, Summary};
 use wayfield::run::preset::Budget;
-use wayfield::run::records::{EvaluationRow, Summary};
-use wayfield::run::train::{CHECKPOINT_EVERY, Job, train};
+use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 
 /// Navigations of each evaluation on the way.
-pub const NAVIGATIONS: usize = 500;
+pub const EVAL_EPISODES: usize = 500;
 
 /// A shipped preset in a shipped scenario.
 pub fn config(preset: &str, scenario: &str, seed: u64) -> Result<RunConfig, Box<dyn Error>> {
     let mut config = RunConfig::resolve(scenario, preset, seed)?;
-    config.preset.evaluation.navigations = NAVIGATIONS;
+    config.preset.evaluation.episodes = EVAL_EPISODES;
     Ok(config)
 }
 
 /// What is left of a run.
-pub struct Ran {
+pub struct FinishedRun {
     pub summary: Summary,
     pub evaluations: Vec<EvaluationRow>,
     /// The best policy's file.
     pub best: Vec<u8>,
 }
 
-impl Ran {
+impl FinishedRun {
     /// Runs `config`, from a policy's file with an epsilon if they are given.
     pub fn new(mut config: RunConfig, policy: Option<(&[u8], f32)>) -> Result<Self, Box<dyn Error>> {
         let scratch = tempfile::tempdir()?;
@@ -41,7 +41,8 @@ impl Ran {
             None => None,
         };
         let job = Job::New { config: Box::new(config), policy, out: Some(scratch.path().join("run")) };
-        let (folder, summary) = train(job, CHECKPOINT_EVERY, &AtomicBool::new(false), Instant::now(), None)?;
+        let (folder, summary) =
+            train(job, CHECKPOINT_INTERVAL, &AtomicBool::new(false), Instant::now(), None)?;
         let mut rows = csv::Reader::from_path(folder.join("evaluations.csv"))?;
         let evaluations = rows.deserialize().collect::<Result<_, _>>()?;
         let best = std::fs::read(folder.join("policy.safetensors"))?;
@@ -55,18 +56,18 @@ impl Ran {
 }
 
 /// What is said of a row that there may be none of: infinite, if so.
-pub fn or_never(row: Option<&EvaluationRow>, of: impl Fn(&EvaluationRow) -> f64) -> f64 {
+pub fn or_infinity(row: Option<&EvaluationRow>, of: impl Fn(&EvaluationRow) -> f64) -> f64 {
     row.map_or(f64::INFINITY, of)
 }
 
 /// `config` until that many env steps.
-pub fn until(mut config: RunConfig, env_steps: u64) -> RunConfig {
+pub fn with_env_steps(mut config: RunConfig, env_steps: u64) -> RunConfig {
     config.preset.budget = Budget::EnvSteps(env_steps);
     config
 }
 
 /// The median, and in brackets the largest.
-pub fn spread(mut values: Vec<f64>, digits: usize) -> String {
+pub fn median_and_worst(mut values: Vec<f64>, digits: usize) -> String {
     values.sort_by(f64::total_cmp);
     let n = values.len();
     let median = if n == 0 { f64::NAN } else { (values[(n - 1) / 2] + values[n / 2]) / 2.0 };

@@ -2,9 +2,9 @@
 //! Any bytes as a checkpoint.
 
 #[allow(dead_code, reason = "each target is one of these")]
-#[path = "../../tests/support/strangers.rs"]
-mod strangers;
+#[path = "../../tests/support/untrusted_input.rs"]
+mod untrusted_input;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    strangers::checkpoint(bytes);
+    untrusted_input::checkpoint(bytes);
 });

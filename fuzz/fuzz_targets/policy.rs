@@ -2,9 +2,9 @@
 //! Any bytes as a policy.
 
 #[allow(dead_code, reason = "each target is one of these")]
-#[path = "../../tests/support/strangers.rs"]
-mod strangers;
+#[path = "../../tests/support/untrusted_input.rs"]
+mod untrusted_input;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    strangers::policy(bytes);
+    untrusted_input::policy(bytes);
 });

@@ -5,7 +5,7 @@
 
 use bevy::prelude::*;
 
-use super::Trainer;
+use super::ActiveLearner;
 use crate::learning::Policy;
 use crate::learning::exploration::{epsilon_greedy, greedy};
 use crate::random::{self, Stream};
@@ -13,34 +13,34 @@ use crate::task::{Actions, Observations};
 
 /// How actions are chosen.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Acting {
-    /// Epsilon-greedily with the network in training ([`Trainer`]).
-    Exploring,
+pub enum ActionSelection {
+    /// Epsilon-greedily with the network in training ([`ActiveLearner`]).
+    EpsilonGreedy,
     /// Greedily with a fixed policy ([`GreedyPolicy`]).
     Greedy,
-    /// Each arena by a driver of its own ([`Drivers`]); nothing is remembered or learnt.
-    Driven,
+    /// Each arena by a driver of its own ([`ActionSources`]); nothing is remembered or learnt.
+    PerArena,
 }
 
-/// The policy that [`Acting::Greedy`] follows.
+/// The policy that [`ActionSelection::Greedy`] follows.
 #[derive(Resource)]
 pub struct GreedyPolicy(pub Policy);
 
-/// Who drives, where [`Acting::Driven`] is followed.
+/// Who drives, where [`ActionSelection::PerArena`] is followed.
 #[derive(Resource, Default)]
-pub struct Drivers {
+pub struct ActionSources {
     /// The driver of each arena, by number.
-    pub arenas: Vec<Driver>,
+    pub arenas: Vec<ActionSource>,
     /// From how many motions they choose.
-    pub motions: usize,
+    pub num_actions: usize,
 }
 
 /// Who drives an arena.
-pub enum Driver {
+pub enum ActionSource {
     /// A policy, greedily.
     Policy(Policy),
     /// A hand, which holds this motion.
-    Hand(usize),
+    Manual(usize),
 }
 
 /// What was decided, and the streams by which arenas explore.
@@ -68,18 +68,18 @@ impl Decisions {
 
 /// `Decide`: epsilon-greedy or greedy, for all arenas at once.
 pub(super) fn decide(
-    acting: Res<Acting>,
-    trainer: Option<Res<Trainer>>,
+    action_selection: Res<ActionSelection>,
+    trainer: Option<Res<ActiveLearner>>,
     policy: Option<Res<GreedyPolicy>>,
-    drivers: Option<Res<Drivers>>,
+    drivers: Option<Res<ActionSources>>,
     observations: Res<Observations>,
     mut decisions: ResMut<Decisions>,
     mut actions: ResMut<Actions>,
 ) {
     let decisions = &mut *decisions;
     let arenas = actions.0.len();
-    match (*acting, trainer, policy, drivers) {
-        (Acting::Exploring, Some(trainer), ..) => {
+    match (*action_selection, trainer, policy, drivers) {
+        (ActionSelection::EpsilonGreedy, Some(trainer), ..) => {
             let learner = &trainer.0;
             learner.q_values(&observations.current, arenas, &mut decisions.q_values);
             let (epsilon, width) = (learner.epsilon(), decisions.q_values.len() / arenas);
@@ -88,7 +88,7 @@ pub(super) fn decide(
                     epsilon_greedy(row, epsilon, &mut decisions.streams[arena]);
             }
         }
-        (Acting::Greedy, _, Some(policy), _) => {
+        (ActionSelection::Greedy, _, Some(policy), _) => {
             policy.0.network.q_values(&observations.current, arenas, &mut decisions.q_values);
             let width = decisions.q_values.len() / arenas;
             for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunks_exact(width)) {
@@ -96,21 +96,21 @@ pub(super) fn decide(
             }
             decisions.explored.fill(false);
         }
-        (Acting::Driven, _, _, Some(drivers)) => {
+        (ActionSelection::PerArena, _, _, Some(drivers)) => {
             let mut row = Vec::new();
             decisions.q_values.clear();
             decisions.explored.fill(false);
             for (arena, driver) in drivers.arenas.iter().enumerate().take(arenas) {
                 match driver {
-                    Driver::Policy(policy) => {
+                    ActionSource::Policy(policy) => {
                         policy.network.q_values(observations.row(arena), 1, &mut row);
                         actions.0[arena] = greedy(&row);
                     }
-                    Driver::Hand(motion) => {
+                    ActionSource::Manual(motion) => {
                         // A hand values nothing in numbers; its row keeps the others in their places.
                         row.clear();
-                        row.resize(drivers.motions, f32::NAN);
-                        actions.0[arena] = (*motion).min(drivers.motions.saturating_sub(1));
+                        row.resize(drivers.num_actions, f32::NAN);
+                        actions.0[arena] = (*motion).min(drivers.num_actions.saturating_sub(1));
                     }
                 }
                 decisions.q_values.extend_from_slice(&row);

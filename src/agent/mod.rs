@@ -5,23 +5,23 @@
 //! | plugin | responsible for |
 //! |---|---|
 //! | [`AgentPlugin`] | `Decide`: observations -> actions, exploring or greedy (`decide.rs`) |
-//! | [`TrainingPlugin`] | `Remember` and `Learn`: transitions -> replay buffer -> gradient steps (`train.rs`) |
+//! | [`TrainingPlugin`] | `Store` and `Learn`: transitions -> replay buffer -> gradient steps (`train.rs`) |
 
 mod decide;
 mod train;
 
 use bevy::prelude::*;
 
-pub use decide::{Acting, Decisions, Driver, Drivers, GreedyPolicy};
-pub use train::{Trainer, TrainingFault, TrainingStats, TrainingWarning};
+pub use decide::{ActionSelection, ActionSource, ActionSources, Decisions, GreedyPolicy};
+pub use train::{ActiveLearner, TrainingFault, TrainingStats, TrainingWarning};
 
 use crate::control_step::{ControlSet, ControlStep};
-use crate::task::numbers_are_sound;
+use crate::task::step_is_finite;
 
 /// Responsible for choosing each arena's motion.
 pub struct AgentPlugin {
-    /// Exploring with the learner, or greedy with a fixed policy.
-    pub acting: Acting,
+    /// How actions are selected.
+    pub action_selection: ActionSelection,
     /// The run's seed: arena k explores by its own stream of it.
     pub seed: u64,
     /// How many arenas there are.
@@ -30,7 +30,7 @@ pub struct AgentPlugin {
 
 impl Plugin for AgentPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(self.acting)
+        app.insert_resource(self.action_selection)
             .insert_resource(Decisions::new(self.seed, self.arenas))
             .add_systems(ControlStep, decide::decide.in_set(ControlSet::Decide));
     }
@@ -38,7 +38,7 @@ impl Plugin for AgentPlugin {
 
 /// Responsible for remembering transitions and learning from them.
 ///
-/// Insert the learner as [`Trainer`] before the first step.
+/// Insert the learner as [`ActiveLearner`] before the first step.
 pub struct TrainingPlugin;
 
 impl Plugin for TrainingPlugin {
@@ -48,8 +48,8 @@ impl Plugin for TrainingPlugin {
             .init_resource::<TrainingWarning>()
             .add_systems(
                 ControlStep,
-                (train::remember.in_set(ControlSet::Remember), train::learn.in_set(ControlSet::Learn))
-                    .run_if(resource_equals(Acting::Exploring).and_then(numbers_are_sound)),
+                (train::store.in_set(ControlSet::Store), train::learn.in_set(ControlSet::Learn))
+                    .run_if(resource_equals(ActionSelection::EpsilonGreedy).and_then(step_is_finite)),
             );
     }
 }

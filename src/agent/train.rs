@@ -1,34 +1,34 @@
-//! `Remember` and `Learn`: transitions go into the replay buffer, gradient steps come out of it.
+//! `Store` and `Learn`: transitions go into the replay buffer, gradient steps come out of it.
 //!
-//! In: observations, actions and outcomes of the step. Out: the learner in [`Trainer`], what its gradient steps
+//! In: observations, actions and outcomes of the step. Out: the learner in [`ActiveLearner`], what its gradient steps
 //! looked like ([`TrainingStats`]), [`TrainingFault`] if a number went wrong, and [`TrainingWarning`] if one is about to.
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::learning::{Diverged, Experience, Learner, Overestimate};
-use crate::task::{Actions, Observations, Outcomes, TaskMode};
+use crate::learning::{DivergenceError, Experience, Learner, Overestimate};
+use crate::task::{Actions, Observations, StepOutcomes, TaskMode};
 
 /// The learner in training.
 #[derive(Resource)]
-pub struct Trainer(pub Learner);
+pub struct ActiveLearner(pub Learner);
 
 /// Set when a loss or weight is no longer a number: the caller of the step must look, and stop.
 #[derive(Resource, Default)]
-pub struct TrainingFault(pub Option<Diverged>);
+pub struct TrainingFault(pub Option<DivergenceError>);
 
 /// Set when Q-values are beyond what any return can be: the caller of the step should tell the user.
 #[derive(Resource, Default)]
 pub struct TrainingWarning {
     first: Option<Overestimate>,
-    told: bool,
+    reported: bool,
 }
 
 impl TrainingWarning {
     /// The first such warning of the training, once.
-    pub fn news(&mut self) -> Option<Overestimate> {
-        let news = self.first.clone().filter(|_| !self.told);
-        self.told |= news.is_some();
+    pub fn take_new(&mut self) -> Option<Overestimate> {
+        let news = self.first.clone().filter(|_| !self.reported);
+        self.reported |= news.is_some();
         news
     }
 }
@@ -55,24 +55,24 @@ impl TrainingStats {
     }
 }
 
-/// `Remember`: one experience an arena.
-pub(super) fn remember(
+/// `Store`: one experience per environment.
+pub(super) fn store(
     mode: Res<TaskMode>,
     observations: Res<Observations>,
     actions: Res<Actions>,
-    outcomes: Res<Outcomes>,
-    mut trainer: ResMut<Trainer>,
+    outcomes: Res<StepOutcomes>,
+    mut trainer: ResMut<ActiveLearner>,
 ) {
-    for (arena, outcome) in outcomes.0.iter().enumerate() {
-        if outcome.parked {
+    for (env_index, outcome) in outcomes.0.iter().enumerate() {
+        if outcome.inactive {
             continue;
         }
-        trainer.0.remember(&Experience {
-            arena,
-            observation: observations.row(arena),
-            action: actions.0[arena],
+        trainer.0.store(&Experience {
+            env_index,
+            observation: observations.row(env_index),
+            action: actions.0[env_index],
             reward: outcome.reward.total(),
-            next_observation: observations.next_row(arena),
+            next_observation: observations.next_row(env_index),
             terminated: outcome.terminated(),
             truncated: outcome.truncated(),
         });
@@ -84,7 +84,7 @@ pub(super) fn remember(
 
 /// `Learn`: the gradient steps that are due.
 pub(super) fn learn(
-    mut trainer: ResMut<Trainer>,
+    mut trainer: ResMut<ActiveLearner>,
     mut stats: ResMut<TrainingStats>,
     mut fault: ResMut<TrainingFault>,
     mut warning: ResMut<TrainingWarning>,

@@ -13,20 +13,20 @@ use bevy::time::Real;
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-use super::OnDesk;
-use super::orders::{Mode, Order, Pace};
-use super::session::{First, Session};
-use super::window::{self, Opening};
-use crate::agent::Trainer;
+use super::CurrentViewState;
+use super::commands::{Command, Pace, SessionMode};
+use super::session::{Session, StartOptions};
+use super::window::{self, WindowOptions};
+use crate::agent::ActiveLearner;
 use crate::run::folder::RunConfig;
 use crate::run::{self, shipped};
-use crate::scenario::{shelf, to_ron};
+use crate::scenario::{to_ron, virtual_files};
 
 #[wasm_bindgen]
 extern "C" {
     /// The value of `key` in the page's address.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn asked(key: &str) -> Option<String>;
+    fn query_parameter(key: &str) -> Option<String>;
     /// The app runs: the page needs to show nothing of its own.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn started();
@@ -35,7 +35,7 @@ extern "C" {
     fn failed(text: &str);
     /// Asks the user for a file.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn choose();
+    fn open_file_picker();
     /// Saves a file where the browser keeps such.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn save(name: &str, bytes: &[u8]);
@@ -45,111 +45,117 @@ extern "C" {
     /// The page's address becomes one that begins the same training; `world` is the scenario's text, if it is not one that
     /// is shipped.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn address(scenario: &str, preset: &str, seed: &str, world: Option<String>);
+    fn set_share_link(scenario: &str, preset: &str, seed: &str, world: Option<String>);
     /// The page's address becomes one that asks for nothing.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn no_address();
+    fn clear_share_link();
     /// The text of a scenario that the address itself holds.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn enclosed() -> Option<String>;
+    fn embedded_scenario() -> Option<String>;
     /// Keeps a text from one visit to the next.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    pub(super) fn remember(text: &str);
+    pub(super) fn save_preferences(text: &str);
     /// What was kept.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    pub(super) fn remembered() -> Option<String>;
+    pub(super) fn load_preferences() -> Option<String>;
 }
 
 /// Files that the page took from the user and nobody has opened yet.
-static INBOX: Mutex<Vec<shelf::Book>> = Mutex::new(Vec::new());
+static INBOX: Mutex<Vec<virtual_files::VirtualFile>> = Mutex::new(Vec::new());
 
 /// The page hands in a file of the user's.
 #[wasm_bindgen]
-pub fn hand_in(name: String, bytes: Vec<u8>) {
+pub fn receive_file(name: String, bytes: Vec<u8>) {
     INBOX.lock().unwrap_or_else(PoisonError::into_inner).push((name, bytes));
 }
 
 /// Begins what the page's address asks for, and returns; the browser calls from then on.
 pub fn run() {
     std::panic::set_hook(Box::new(|panic| failed(&panic.to_string())));
-    let usual = First::default();
-    let mut not_understood = Vec::new();
-    let seed = take("seed", "give a whole number from 0 on", &mut not_understood);
-    let pace = take("pace", "give 0.01 to 100 times real time, or full", &mut not_understood);
-    let mut scenario = asked("scenario").unwrap_or(usual.scenario);
-    if let Some(text) = enclosed() {
+    let usual = StartOptions::default();
+    let mut invalid_options = Vec::new();
+    let seed = parse_query("seed", "give a whole number from 0 on", &mut invalid_options);
+    let pace = parse_query("pace", "give 0.01 to 100 times real time, or full", &mut invalid_options);
+    let mut scenario = query_parameter("scenario").unwrap_or(usual.scenario);
+    if let Some(text) = embedded_scenario() {
         scenario = if shipped::is_scenario(&scenario) { "world.ron".into() } else { scenario };
-        shelf::hand_in(scenario.clone(), text.into_bytes());
+        virtual_files::add_upload(scenario.clone(), text.into_bytes());
     }
-    let first = First {
+    let first = StartOptions {
         scenario,
-        preset: asked("preset").unwrap_or(usual.preset),
+        preset: query_parameter("preset").unwrap_or(usual.preset),
         seed: seed.unwrap_or(usual.seed),
         pace: pace.unwrap_or(usual.pace),
-        paused: asked("paused").is_some(),
+        paused: query_parameter("paused").is_some(),
         open: None,
-        edit: asked("edit").is_some(),
-        not_understood,
+        edit: query_parameter("edit").is_some(),
+        invalid_options,
     };
-    if let Err(error) = window::run(Opening { first, ..Opening::default() }) {
+    if let Err(error) = window::run(WindowOptions { first, ..WindowOptions::default() }) {
         failed(&error.to_string());
     }
 }
 
 /// What the page's address says of `key`; what cannot be read is told, with the mend.
-fn take<T: FromStr>(key: &str, mend: &str, not_understood: &mut Vec<String>) -> Option<T> {
-    let text = asked(key)?;
+fn parse_query<T: FromStr>(key: &str, mend: &str, invalid_options: &mut Vec<String>) -> Option<T> {
+    let text = query_parameter(key)?;
     let value = text.parse().ok();
     if value.is_none() {
-        not_understood.push(format!("{key}={text} in the page's address: {mend}"));
+        invalid_options.push(format!("{key}={text} in the page's address: {mend}"));
     }
     value
 }
 
 /// Needed in place of the system's dialogs' state: there is none.
 #[derive(Resource, Default)]
-pub struct Dialogs;
+pub struct FileDialogs;
 
 /// Opens what was handed in, saves what was handed out, and answers the orders that ask for a dialog.
-pub(super) fn answer(
-    mut messages: ResMut<Messages<Order>>,
-    mut seen: Local<bevy::ecs::message::MessageCursor<Order>>,
+pub(super) fn run_file_dialogs(
+    mut messages: ResMut<Messages<Command>>,
+    mut seen: Local<bevy::ecs::message::MessageCursor<Command>>,
     session: Option<Res<Session>>,
-    desk: Res<OnDesk>,
+    view_state: Res<CurrentViewState>,
 ) {
     let mut answers = Vec::new();
-    for order in seen.read(&messages) {
-        match order {
-            Order::OpenDialog | Order::EditOpen(None) => choose(),
-            Order::SaveWorld { scenario, like, path: None } => {
-                let path = world_file(&scenario.name);
-                answers.push(Order::SaveWorld {
+    for command in seen.read(&messages) {
+        match command {
+            Command::OpenDialog | Command::OpenInEditor(None) => open_file_picker(),
+            Command::SaveScenario { scenario, like, path: None } => {
+                let path = scenario_file_name(&scenario.name);
+                answers.push(Command::SaveScenario {
                     scenario: scenario.clone(),
                     like: like.clone(),
                     path: Some(path),
                 });
             }
-            Order::SaveDialog(what) => {
+            Command::SaveDialog(what) => {
                 answers.extend(
-                    session.iter().map(|session| Order::Save(*what, session.proposed_name(*what).into())),
+                    session
+                        .iter()
+                        .map(|session| Command::Save(*what, session.suggested_file_name(*what).into())),
                 );
             }
             _ => {}
         }
     }
     for (name, bytes) in std::mem::take(&mut *INBOX.lock().unwrap_or_else(PoisonError::into_inner)) {
-        shelf::hand_in(name.clone(), bytes);
-        let edits = desk.0.editor.is_some() && name.ends_with(".ron");
-        answers.push(if edits { Order::EditOpen(Some(name.into())) } else { Order::Open(name.into()) });
+        virtual_files::add_upload(name.clone(), bytes);
+        let edits = view_state.0.editor.is_some() && name.ends_with(".ron");
+        answers.push(if edits {
+            Command::OpenInEditor(Some(name.into()))
+        } else {
+            Command::Open(name.into())
+        });
     }
     messages.write_batch(answers);
-    for (name, bytes) in shelf::take_out() {
+    for (name, bytes) in virtual_files::take_downloads() {
         save(&name, &bytes);
     }
 }
 
 /// A file's name for a world that is called `name`.
-fn world_file(name: &str) -> PathBuf {
+fn scenario_file_name(name: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let stem: String = name.chars().map(plain).collect();
     format!("{}.ron", stem.trim_matches('-')).into()
@@ -157,15 +163,15 @@ fn world_file(name: &str) -> PathBuf {
 
 /// The page's address becomes a link to what goes on: whoever follows it begins the same training. A world of the user's
 /// own goes with it. There is no link to a preset of the user's own, nor to what began from a policy.
-fn tell_address(begun: &RunConfig) {
+fn update_share_link(begun: &RunConfig) {
     let RunConfig { scenario_from, preset_from, seed, scenario, transfer, .. } = begun;
     let as_shipped = shipped::is_scenario(scenario_from)
         && shipped::scenario(scenario_from).is_ok_and(|shipped| shipped == *scenario);
     let world = if as_shipped { None } else { to_ron(scenario).ok() };
     if shipped::is_preset(preset_from) && transfer.is_none() && (as_shipped || world.is_some()) {
-        address(scenario_from, preset_from, &seed.to_string(), world);
+        set_share_link(scenario_from, preset_from, &seed.to_string(), world);
     } else {
-        no_address();
+        clear_share_link();
     }
 }
 
@@ -185,11 +191,11 @@ pub(super) struct Report {
     scenario: String,
     preset: String,
     seed: u64,
-    mode: Mode,
+    mode: SessionMode,
     pace: Option<Pace>,
     paused: bool,
     /// The world is another than its file has it.
-    world_changed: bool,
+    scenario_modified: bool,
     episodes: u64,
     env_steps: u64,
     gradient_steps: u64,
@@ -206,9 +212,9 @@ pub(super) struct Report {
 }
 
 /// Tells the page how the training stands.
-pub(super) fn tell(
+pub(super) fn report_to_page(
     session: Option<Res<Session>>,
-    trainer: Option<Res<Trainer>>,
+    trainer: Option<Res<ActiveLearner>>,
     time: Res<Time<Real>>,
     mut told: Local<Report>,
     mut told_s: Local<f64>,
@@ -229,7 +235,7 @@ pub(super) fn tell(
     *told_s = now_s;
     let config = &session.config;
     if linked.as_ref() != Some(&session.journal.begun) {
-        tell_address(&session.journal.begun);
+        update_share_link(&session.journal.begun);
         *linked = Some(session.journal.begun.clone());
     }
     told.scenario.clone_from(&config.scenario_from);
@@ -238,13 +244,13 @@ pub(super) fn tell(
     told.mode = session.mode;
     told.pace = Some(session.pacer.pace);
     told.paused = session.pacer.paused;
-    told.world_changed = session.world_changed();
+    told.scenario_modified = session.scenario_modified();
     told.episodes = trainer.0.episodes();
     told.env_steps = trainer.0.env_steps();
     told.gradient_steps = trainer.0.gradient_steps();
-    told.success_rate = session.standing.last_success_rate;
-    told.best_success_rate = session.standing.best.as_ref().map(|best| best.success_rate);
-    told.frames_per_s = session.speed.per_s().2;
+    told.success_rate = session.trainer_state.last_success_rate;
+    told.best_success_rate = session.trainer_state.best.as_ref().map(|best| best.success_rate);
+    told.frames_per_s = session.throughput.per_s().2;
     told.notice = session.notices().pop().map(|notice| notice.text);
     if let Ok(json) = serde_json::to_string(&*told) {
         report(&json);

@@ -13,10 +13,10 @@ use bevy::time::Real;
 use bevy::window::PrimaryWindow;
 use serde::{Deserialize, Serialize};
 
-use super::OnDesk;
-use super::desk::Desk;
+use super::CurrentViewState;
+use super::view_state::ViewState;
 #[cfg(not(target_arch = "wasm32"))]
-use crate::run::folder::write_whole;
+use crate::run::folder::write_atomic;
 #[cfg(target_arch = "wasm32")]
 use crate::scenario::parse_ron;
 #[cfg(not(target_arch = "wasm32"))]
@@ -31,14 +31,14 @@ const EVERY_S: f64 = 2.0;
 #[serde(default)]
 pub struct Preferences {
     /// What the user has chosen to look at.
-    pub desk: Desk,
+    pub view_state: ViewState,
     /// The window's size, in points.
     pub size: (f32, f32),
 }
 
 impl Default for Preferences {
     fn default() -> Self {
-        Self { desk: Desk::default(), size: (1280.0, 800.0) }
+        Self { view_state: ViewState::default(), size: (1280.0, 800.0) }
     }
 }
 
@@ -57,21 +57,21 @@ fn read() -> Option<Preferences> {
 
 #[cfg(target_arch = "wasm32")]
 fn read() -> Option<Preferences> {
-    super::browser::remembered().and_then(|text| parse_ron(&text, "preferences.ron").ok())
+    super::browser::load_preferences().and_then(|text| parse_ron(&text, "preferences.ron").ok())
 }
 
 #[cfg(not(target_arch = "wasm32"))]
 fn write(text: &str) {
     let Some(file) = file() else { return };
     let written = file.parent().map(std::fs::create_dir_all).transpose().is_ok()
-        && write_whole(&file, |file| file.write_all(text.as_bytes())).is_ok();
+        && write_atomic(&file, |file| file.write_all(text.as_bytes())).is_ok();
     if !written {
         debug!("{} could not be written", file.display());
     }
 }
 
 #[cfg(target_arch = "wasm32")]
-use super::browser::remember as write;
+use super::browser::save_preferences as write;
 
 /// What was remembered, or the default.
 #[must_use]
@@ -86,7 +86,7 @@ pub fn load() -> Preferences {
 
 /// Remembers what has changed.
 pub(super) fn keep(
-    desk: Res<OnDesk>,
+    view_state: Res<CurrentViewState>,
     windows: Query<&Window, With<PrimaryWindow>>,
     time: Res<Time<Real>>,
     mut remembered: ResMut<Preferences>,
@@ -100,12 +100,12 @@ pub(super) fn keep(
     }
     *kept_s = now_s;
     let size = windows.single().map_or(remembered.size, |window| (window.width(), window.height()));
-    let mut now = Preferences { desk: desk.0.clone(), size };
+    let mut now = Preferences { view_state: view_state.0.clone(), size };
     // Where one looked is not what one likes.
-    now.desk.followed = remembered.desk.followed;
-    now.desk.camera = remembered.desk.camera;
-    now.desk.help_open = remembered.desk.help_open;
-    now.desk.editor = None;
+    now.view_state.followed = remembered.view_state.followed;
+    now.view_state.camera = remembered.view_state.camera;
+    now.view_state.help_open = remembered.view_state.help_open;
+    now.view_state.editor = None;
     if now == *remembered {
         return;
     }

@@ -1,6 +1,6 @@
 //! The window: Bevy's renderer and egui around the studio, and pictures of it.
 //!
-//! In: what to begin with. Out: the app that runs until the window is closed; with [`Picture`], until it is taken. The
+//! In: what to begin with. Out: the app that runs until the window is closed; with [`ScreenshotRequest`], until it is taken. The
 //! screen is drawn once a frame from the scene; what it asks for goes out as orders.
 
 use std::path::PathBuf;
@@ -20,20 +20,20 @@ use bevy_egui::{
 };
 
 #[cfg(target_arch = "wasm32")]
-use super::browser as files;
-use super::desk::Look;
+use super::browser as file_dialogs;
+use super::commands::Command;
 #[cfg(not(target_arch = "wasm32"))]
-use super::files;
-use super::orders::Order;
+use super::file_dialogs;
 use super::preferences::{self, Preferences};
-use super::screen::{self, View, theme};
-use super::session::{Curves, First, Session};
-use super::{OnDesk, Shown, StudioPlugin, blending};
+use super::screen::{self, ScreenInput, theme};
+use super::session::{Session, StartOptions, TrainingHistory};
+use super::view_state::ThemeChoice;
+use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
 use crate::run::RunError;
 
 /// A picture of the window, after which the app ends.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
+pub struct ScreenshotRequest {
     /// The PNG file.
     pub file: PathBuf,
     /// It is taken after so many control steps of the training.
@@ -42,15 +42,15 @@ pub struct Picture {
 
 /// What the window is opened with.
 #[derive(Clone, Debug, Default)]
-pub struct Opening {
+pub struct WindowOptions {
     /// What to begin with.
-    pub first: First,
+    pub first: StartOptions,
     /// A picture to be taken, if any.
-    pub picture: Option<Picture>,
+    pub screenshot: Option<ScreenshotRequest>,
     /// Light or dark, if not as remembered.
-    pub look: Option<Look>,
+    pub theme: Option<ThemeChoice>,
     /// Drawn over the world, if not as remembered.
-    pub overlays: Option<super::desk::Overlays>,
+    pub overlays: Option<super::view_state::Overlays>,
     /// All arenas as a grid, if not as remembered.
     pub grid: Option<bool>,
     /// Its size in points, if not as remembered.
@@ -61,7 +61,7 @@ pub struct Opening {
 ///
 /// # Errors
 /// There is no display; the picture could not be written.
-pub fn run(opening: Opening) -> Result<(), RunError> {
+pub fn run(opening: WindowOptions) -> Result<(), RunError> {
     let _held = display()?;
     match app(opening).run() {
         AppExit::Success => Ok(()),
@@ -70,7 +70,7 @@ pub fn run(opening: Opening) -> Result<(), RunError> {
 }
 
 /// The window's app, to which more may be added before it runs. It panics if there is no display ([`run`] asks first).
-pub fn app(opening: Opening) -> App {
+pub fn app(opening: WindowOptions) -> App {
     let mut app = App::new();
     app.add_plugins(WindowedPlugin(opening));
     app
@@ -81,7 +81,7 @@ pub fn app(opening: Opening) -> App {
 #[cfg(all(unix, not(target_os = "macos")))]
 fn display() -> Result<impl Sized, RunError> {
     x11rb::connect(None).map_err(|error| {
-        RunError::Unusable(format!(
+        RunError::InvalidInput(format!(
             "no display to open a window on ({error}): train without one by `wayfield --train`, or set DISPLAY"
         ))
     })
@@ -93,22 +93,22 @@ fn display() -> Result<impl Sized, RunError> {
     Ok(())
 }
 
-struct WindowedPlugin(Opening);
+struct WindowedPlugin(WindowOptions);
 
 impl Plugin for WindowedPlugin {
     fn build(&self, app: &mut App) {
         let opening = &self.0;
         let mut preferences = preferences::load();
         // A picture shows what was asked for, not what somebody happened to look at last.
-        if opening.picture.is_some() {
+        if opening.screenshot.is_some() {
             preferences = Preferences::default();
         }
         let (width, height) = opening.size.unwrap_or(preferences.size);
-        let desk = &mut preferences.desk;
-        desk.look = opening.look.unwrap_or(desk.look);
-        desk.overlays = opening.overlays.unwrap_or(desk.overlays);
-        desk.grid = opening.grid.unwrap_or(desk.grid);
-        desk.editor_opens = opening.first.edit;
+        let view_state = &mut preferences.view_state;
+        view_state.theme = opening.theme.unwrap_or(view_state.theme);
+        view_state.overlays = opening.overlays.unwrap_or(view_state.overlays);
+        view_state.grid = opening.grid.unwrap_or(view_state.grid);
+        view_state.open_editor = opening.first.edit;
         let window = Window {
             title: "wayfield".into(),
             name: Some("wayfield".into()),
@@ -144,22 +144,22 @@ impl Plugin for WindowedPlugin {
         .add_plugins(EguiPlugin::default())
         // bevy_egui 0.42 leaves this open: a new glyph would then be seen a frame late.
         .configure_sets(PostUpdate, EguiPostUpdateSet::PostProcessOutput.before(AssetEventSystems))
-        .insert_resource(OnDesk(preferences.desk.clone()))
-        .add_plugins(StudioPlugin { first: opening.first.clone() })
+        .insert_resource(CurrentViewState(preferences.view_state.clone()))
+        .add_plugins(AppCorePlugin { first: opening.first.clone() })
         .insert_resource(ClearColor(Color::BLACK))
         .insert_resource(WinitSettings::game())
         .add_systems(Startup, blending::spawn_camera)
         .add_systems(EguiPrimaryContextPass, draw)
         .add_systems(
             PreUpdate,
-            (take_dropped_files, files::answer.run_if(resource_exists::<Session>)).chain(),
+            (take_dropped_files, file_dialogs::run_file_dialogs.run_if(resource_exists::<Session>)).chain(),
         )
         .add_systems(
             PreUpdate,
             mend_input.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass),
         )
         .add_systems(Update, rest_while_paused);
-        match &opening.picture {
+        match &opening.screenshot {
             #[cfg(not(target_arch = "wasm32"))]
             Some(picture) => {
                 app.insert_resource(picture.clone()).add_systems(Last, take_picture);
@@ -168,19 +168,19 @@ impl Plugin for WindowedPlugin {
                 app.insert_resource(preferences).add_systems(Last, preferences::keep);
             }
         }
-        app.init_resource::<files::Dialogs>();
+        app.init_resource::<file_dialogs::FileDialogs>();
         #[cfg(target_arch = "wasm32")]
-        app.add_systems(Last, super::browser::tell);
+        app.add_systems(Last, super::browser::report_to_page);
     }
 }
 
 /// Draws the screen, and sends what it asks for.
 fn draw(
     mut contexts: EguiContexts,
-    shown: Res<Shown>,
-    curves: Res<Curves>,
-    mut desk: ResMut<OnDesk>,
-    mut orders: MessageWriter<Order>,
+    shown: Res<Snapshot>,
+    curves: Res<TrainingHistory>,
+    mut view_state: ResMut<CurrentViewState>,
+    mut commands: MessageWriter<Command>,
     mut dressed: Local<bool>,
 ) -> Result {
     let context = contexts.ctx_mut()?;
@@ -193,9 +193,9 @@ fn draw(
     let place = egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.content_rect());
     let mut ui = egui::Ui::new(context.clone(), "window".into(), place);
     let mut asked = Vec::new();
-    let view = View { scene, status, history: &curves.0 };
-    screen::show(&mut ui, &view, &mut desk.0, &mut asked);
-    orders.write_batch(asked);
+    let view = ScreenInput { scene, status, history: &curves.0 };
+    screen::screen_ui(&mut ui, &view, &mut view_state.0, &mut asked);
+    commands.write_batch(asked);
     Ok(())
 }
 
@@ -222,8 +222,8 @@ fn mend_input(
 
 /// While time stands still, the window is drawn when something happens to it, and once a second.
 fn rest_while_paused(session: Option<Res<Session>>, mut settings: ResMut<WinitSettings>) {
-    let rests = session.is_some_and(|session| session.rests());
-    let mode = if rests { UpdateMode::reactive(Duration::from_secs(1)) } else { UpdateMode::Continuous };
+    let is_idle = session.is_some_and(|session| session.is_idle());
+    let mode = if is_idle { UpdateMode::reactive(Duration::from_secs(1)) } else { UpdateMode::Continuous };
     if settings.focused_mode != mode {
         settings.focused_mode = mode;
         settings.unfocused_mode = mode;
@@ -232,14 +232,19 @@ fn rest_while_paused(session: Option<Res<Session>>, mut settings: ResMut<WinitSe
 
 /// A file that is dropped on the window is opened.
 fn take_dropped_files(
-    desk: Res<OnDesk>,
+    view_state: Res<CurrentViewState>,
     mut dropped: MessageReader<FileDragAndDrop>,
-    mut orders: MessageWriter<Order>,
+    mut commands: MessageWriter<Command>,
 ) {
     for event in dropped.read() {
         if let FileDragAndDrop::DroppedFile { path_buf: path, .. } = event {
-            let edits = desk.0.editor.is_some() && path.extension().is_some_and(|ending| ending == "ron");
-            orders.write(if edits { Order::EditOpen(Some(path.clone())) } else { Order::Open(path.clone()) });
+            let edits =
+                view_state.0.editor.is_some() && path.extension().is_some_and(|ending| ending == "ron");
+            commands.write(if edits {
+                Command::OpenInEditor(Some(path.clone()))
+            } else {
+                Command::Open(path.clone())
+            });
         }
     }
 }
@@ -248,7 +253,7 @@ fn take_dropped_files(
 #[cfg(not(target_arch = "wasm32"))]
 fn take_picture(
     mut commands: Commands,
-    picture: Res<Picture>,
+    picture: Res<ScreenshotRequest>,
     session: Option<ResMut<Session>>,
     windows: Query<Entity, With<PrimaryWindow>>,
     under_way: Query<(), With<Screenshot>>,
@@ -257,17 +262,17 @@ fn take_picture(
     // Drawn often enough for the layout to have settled, and for glyphs and colours to have reached the GPU.
     const SETTLED: u32 = 8;
     // So many pictures of nothing are thrown away: shaders are made beside, and until they are there nothing is drawn.
-    const MOST_EMPTY: u32 = 1_000;
+    const MAX_EMPTY: u32 = 1_000;
     let Some(mut session) = session else { return };
     if !under_way.is_empty() || session.journal.steps < picture.after_steps || windows.is_empty() {
         return;
     }
-    session.pacer.held = true;
+    session.pacer.on_hold = true;
     *frames += 1;
     if *frames < SETTLED {
         return;
     }
-    let (file, last) = (picture.file.clone(), *frames >= SETTLED + MOST_EMPTY);
+    let (file, last) = (picture.file.clone(), *frames >= SETTLED + MAX_EMPTY);
     commands.spawn(Screenshot::primary_window()).observe(
         move |captured: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
             let written = match captured.image.clone().try_into_dynamic().map(|image| image.to_rgb8()) {
@@ -283,7 +288,7 @@ fn take_picture(
             exit.write(match written {
                 Ok(()) => AppExit::Success,
                 Err(error) => {
-                    crate::run::progress::say(&format!("error: {}: {error}", file.display()));
+                    crate::run::progress::print_stderr(&format!("error: {}: {error}", file.display()));
                     AppExit::error()
                 }
             });

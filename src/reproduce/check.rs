@@ -5,34 +5,34 @@
 
 use std::collections::BTreeSet;
 
-use super::experiment::{Arm, Claim, Draw, Experiment, Show, Tested};
+use super::experiment::{Arm, Claim, Experiment, FigureKind, TableKind, TestedPolicy};
 use super::measure::Measure;
-use crate::run::preset::{Budget, MOST_STEPS};
-use crate::scenario::{Finding, nearest};
+use crate::run::preset::{Budget, MAX_STEPS};
+use crate::scenario::{Diagnostic, closest_name};
 
 /// The most entries that a list of arms, conditions, figures, tables or claims has, or one of numbers or names in them.
-const MOST_ENTRIES: usize = 200;
+const MAX_ENTRIES: usize = 200;
 /// The most panels of a figure and columns of a table.
-const MOST_SERIES: usize = 10;
-const MOST_MEASURES: usize = 20;
+const MAX_SERIES: usize = 10;
+const MAX_MEASURES: usize = 20;
 /// The most stages of an arm.
-const MOST_STAGES: usize = 20;
+const MAX_STAGES: usize = 20;
 /// The most trainings of an experiment: a plan of more takes long to make, and for ever to carry out.
-const MOST_TRAININGS: u64 = 10_000;
+const MAX_TRAININGS: u64 = 10_000;
 /// The most characters that a name, a heading or a path has, and a text.
-const MOST_IN_NAME: usize = 200;
-const MOST_IN_PATH: usize = 4096;
-const MOST_IN_TEXT: usize = 20_000;
+const MAX_NAME_CHARS: usize = 200;
+const MAX_PATH_CHARS: usize = 4096;
+const MAX_TEXT_CHARS: usize = 20_000;
 /// The largest number that may be written to be shown.
-const LARGEST: f64 = 1e9;
+const MAX_VALUE: f64 = 1e9;
 
 /// Everything in `experiment` that cannot be meant. What it names is looked at only where there is no more of it than
 /// there may be.
-pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
-    let mut check = Check { arms: &experiment.arms, findings: Vec::new() };
+pub(super) fn diagnostics(experiment: &Experiment) -> Vec<Diagnostic> {
+    let mut check = Check { arms: &experiment.arms, diagnostics: Vec::new() };
     check.sizes(experiment);
-    if !check.findings.is_empty() {
-        return check.findings;
+    if !check.diagnostics.is_empty() {
+        return check.diagnostics;
     }
     check.header(experiment);
     check.arms();
@@ -42,17 +42,17 @@ pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
         let at = format!("figures[{i}]");
         check.file_name(&format!("{at}.name"), &figure.name);
         match &figure.draw {
-            Draw::Curves { series, smoothing, .. } => {
+            FigureKind::LearningCurves { series, smoothing, .. } => {
                 if series.is_empty() {
                     check.found(&format!("{at}.draw.series"), "names nothing to draw; give [Return]".into());
                 }
                 check.range(&format!("{at}.draw.smoothing"), *smoothing as u64, 1, 10_000);
             }
-            Draw::Dots { measures, after } => {
+            FigureKind::DotPlot { measures, after } => {
                 check.measures(&format!("{at}.draw.measures"), measures);
                 check.after(&format!("{at}.draw.after"), *after);
             }
-            Draw::Course { after } => check.after(&format!("{at}.draw.after"), *after),
+            FigureKind::BenchmarkRoute { after } => check.after(&format!("{at}.draw.after"), *after),
         }
         check.claims(&at, &figure.claims);
     }
@@ -60,24 +60,24 @@ pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
         let at = format!("tables[{i}]");
         check.file_name(&format!("{at}.name"), &table.name);
         match &table.show {
-            Show::Seeds { measure, after, paper } => {
+            TableKind::Seeds { measure, after, paper } => {
                 check.measures(&format!("{at}.show.measure"), &[*measure]);
                 check.after(&format!("{at}.show.after"), *after);
                 for (name, _) in paper {
                     check.arm(&format!("{at}.show.paper"), name);
                 }
             }
-            Show::Rounds { after, paper } => {
+            TableKind::Rounds { after, paper } => {
                 check.after(&format!("{at}.show.after"), *after);
                 for (name, _) in paper {
                     check.arm(&format!("{at}.show.paper"), name);
                 }
             }
-            Show::Measures { measures, after } => {
+            TableKind::Measures { measures, after } => {
                 check.measures(&format!("{at}.show.measures"), measures);
                 check.after(&format!("{at}.show.after"), *after);
             }
-            Show::Contrast { measures, better, than, after, of_last_stage } => {
+            TableKind::Contrast { measures, better, than, after, of_last_stage } => {
                 check.measures(&format!("{at}.show.measures"), measures);
                 check.arm(&format!("{at}.show.better"), better);
                 check.arm(&format!("{at}.show.than"), than);
@@ -93,7 +93,7 @@ pub(super) fn findings(experiment: &Experiment) -> Vec<Finding> {
     }
     let items = experiment.figures.iter().map(|f| f.name.as_str());
     check.names("figures", items.chain(experiment.tables.iter().map(|t| t.name.as_str())));
-    check.findings
+    check.diagnostics
 }
 
 /// The sum of counts, if all are known.
@@ -103,61 +103,65 @@ fn total(mut counts: impl Iterator<Item = Option<u64>>) -> Option<u64> {
 
 struct Check<'a> {
     arms: &'a [Arm],
-    findings: Vec<Finding>,
+    diagnostics: Vec<Diagnostic>,
 }
 
 impl Check<'_> {
     /// How many there are of everything, and how long texts are.
     fn sizes(&mut self, experiment: &Experiment) {
         let Experiment { title, about, arms, conditions, figures, tables, .. } = experiment;
-        self.text("title", title, MOST_IN_NAME);
-        self.text("about", about, MOST_IN_TEXT);
-        self.count("arms", arms.len(), MOST_ENTRIES);
-        for (i, arm) in arms.iter().enumerate().take(MOST_ENTRIES) {
-            self.text(&format!("arms[{i}].name"), &arm.name, MOST_IN_NAME);
-            self.count(&format!("arms[{i}].stages"), arm.stages.len(), MOST_STAGES);
-            for (k, stage) in arm.stages.iter().enumerate().take(MOST_STAGES) {
+        self.text("title", title, MAX_NAME_CHARS);
+        self.text("about", about, MAX_TEXT_CHARS);
+        self.count("arms", arms.len(), MAX_ENTRIES);
+        for (i, arm) in arms.iter().enumerate().take(MAX_ENTRIES) {
+            self.text(&format!("arms[{i}].name"), &arm.name, MAX_NAME_CHARS);
+            self.count(&format!("arms[{i}].stages"), arm.stages.len(), MAX_STAGES);
+            for (k, stage) in arm.stages.iter().enumerate().take(MAX_STAGES) {
                 let at = format!("arms[{i}].stages[{k}]");
-                self.text(&format!("{at}.scenario"), &stage.scenario, MOST_IN_PATH);
-                self.text(&format!("{at}.preset"), &stage.preset, MOST_IN_PATH);
-                let other = stage.change.scenario.as_deref().unwrap_or_default();
-                self.text(&format!("{at}.change.scenario"), other, MOST_IN_PATH);
+                self.text(&format!("{at}.scenario"), &stage.scenario, MAX_PATH_CHARS);
+                self.text(&format!("{at}.preset"), &stage.preset, MAX_PATH_CHARS);
+                let other = stage.overrides.scenario.as_deref().unwrap_or_default();
+                self.text(&format!("{at}.overrides.scenario"), other, MAX_PATH_CHARS);
             }
         }
-        self.count("conditions", conditions.len(), MOST_ENTRIES);
-        for (i, condition) in conditions.iter().enumerate().take(MOST_ENTRIES) {
-            self.text(&format!("conditions[{i}].name"), &condition.name, MOST_IN_NAME);
-            let other = condition.change.scenario.as_deref().unwrap_or_default();
-            self.text(&format!("conditions[{i}].change.scenario"), other, MOST_IN_PATH);
+        self.count("conditions", conditions.len(), MAX_ENTRIES);
+        for (i, condition) in conditions.iter().enumerate().take(MAX_ENTRIES) {
+            self.text(&format!("conditions[{i}].name"), &condition.name, MAX_NAME_CHARS);
+            let other = condition.overrides.scenario.as_deref().unwrap_or_default();
+            self.text(&format!("conditions[{i}].overrides.scenario"), other, MAX_PATH_CHARS);
         }
-        self.count("figures", figures.len(), MOST_ENTRIES);
-        for (i, figure) in figures.iter().enumerate().take(MOST_ENTRIES) {
+        self.count("figures", figures.len(), MAX_ENTRIES);
+        for (i, figure) in figures.iter().enumerate().take(MAX_ENTRIES) {
             let at = format!("figures[{i}]");
-            self.text(&format!("{at}.title"), &figure.title, MOST_IN_NAME);
-            self.text(&format!("{at}.caption"), &figure.caption, MOST_IN_TEXT);
+            self.text(&format!("{at}.title"), &figure.title, MAX_NAME_CHARS);
+            self.text(&format!("{at}.caption"), &figure.caption, MAX_TEXT_CHARS);
             self.claim_sizes(&at, &figure.claims);
             match &figure.draw {
-                Draw::Curves { series, levels, .. } => {
-                    self.count(&format!("{at}.draw.series"), series.len(), MOST_SERIES);
-                    self.count(&format!("{at}.draw.levels"), levels.len(), MOST_ENTRIES);
-                    for (k, level) in levels.iter().enumerate().take(MOST_ENTRIES) {
-                        self.number(&format!("{at}.draw.levels[{k}].value"), level.value);
-                        self.text(&format!("{at}.draw.levels[{k}].label"), &level.label, MOST_IN_NAME);
+                FigureKind::LearningCurves { series, reference_lines, .. } => {
+                    self.count(&format!("{at}.draw.series"), series.len(), MAX_SERIES);
+                    self.count(&format!("{at}.draw.reference_lines"), reference_lines.len(), MAX_ENTRIES);
+                    for (k, level) in reference_lines.iter().enumerate().take(MAX_ENTRIES) {
+                        self.number(&format!("{at}.draw.reference_lines[{k}].value"), level.value);
+                        self.text(
+                            &format!("{at}.draw.reference_lines[{k}].label"),
+                            &level.label,
+                            MAX_NAME_CHARS,
+                        );
                     }
                 }
-                Draw::Dots { measures, .. } => {
-                    self.count(&format!("{at}.draw.measures"), measures.len(), MOST_MEASURES);
+                FigureKind::DotPlot { measures, .. } => {
+                    self.count(&format!("{at}.draw.measures"), measures.len(), MAX_MEASURES);
                 }
-                Draw::Course { .. } => {}
+                FigureKind::BenchmarkRoute { .. } => {}
             }
         }
-        self.count("tables", tables.len(), MOST_ENTRIES);
-        for (i, table) in tables.iter().enumerate().take(MOST_ENTRIES) {
+        self.count("tables", tables.len(), MAX_ENTRIES);
+        for (i, table) in tables.iter().enumerate().take(MAX_ENTRIES) {
             let at = format!("tables[{i}]");
-            self.text(&format!("{at}.title"), &table.title, MOST_IN_NAME);
-            self.count(&format!("{at}.also"), table.also.len(), MOST_ENTRIES);
-            for (k, name) in table.also.iter().enumerate().take(MOST_ENTRIES) {
-                self.text(&format!("{at}.also[{k}]"), name, MOST_IN_NAME);
+            self.text(&format!("{at}.title"), &table.title, MAX_NAME_CHARS);
+            self.count(&format!("{at}.aliases"), table.aliases.len(), MAX_ENTRIES);
+            for (k, name) in table.aliases.iter().enumerate().take(MAX_ENTRIES) {
+                self.text(&format!("{at}.aliases[{k}]"), name, MAX_NAME_CHARS);
             }
             self.claim_sizes(&at, &table.claims);
             self.table_sizes(&format!("{at}.show"), &table.show);
@@ -165,47 +169,47 @@ impl Check<'_> {
         let stages: u64 = arms.iter().map(|arm| arm.stages.len() as u64).sum();
         let conditions = conditions.len().max(1) as u64;
         let trainings = experiment.seeds.saturating_mul(stages).saturating_mul(conditions);
-        if trainings > MOST_TRAININGS && experiment.seeds <= 1000 {
+        if trainings > MAX_TRAININGS && experiment.seeds <= 1000 {
             let message = format!(
                 "are {}: with so many arms and conditions that makes {trainings} trainings; give fewer, for \
-                 {MOST_TRAININGS} at most",
+                 {MAX_TRAININGS} at most",
                 experiment.seeds
             );
             self.found("seeds", message);
         }
     }
 
-    fn table_sizes(&mut self, at: &str, show: &Show) {
+    fn table_sizes(&mut self, at: &str, show: &TableKind) {
         match show {
-            Show::Seeds { paper, .. } => {
-                self.count(&format!("{at}.paper"), paper.len(), MOST_ENTRIES);
-                for (k, (_, value)) in paper.iter().enumerate().take(MOST_ENTRIES) {
+            TableKind::Seeds { paper, .. } => {
+                self.count(&format!("{at}.paper"), paper.len(), MAX_ENTRIES);
+                for (k, (_, value)) in paper.iter().enumerate().take(MAX_ENTRIES) {
                     self.number(&format!("{at}.paper[{k}][1]"), *value);
                 }
             }
-            Show::Rounds { paper, .. } => {
-                self.count(&format!("{at}.paper"), paper.len(), MOST_ENTRIES);
-                for (k, (_, rounds)) in paper.iter().enumerate().take(MOST_ENTRIES) {
+            TableKind::Rounds { paper, .. } => {
+                self.count(&format!("{at}.paper"), paper.len(), MAX_ENTRIES);
+                for (k, (_, rounds)) in paper.iter().enumerate().take(MAX_ENTRIES) {
                     self.count(&format!("{at}.paper[{k}][1]"), rounds.len(), 1000);
                     for (j, value) in rounds.iter().enumerate().take(1000) {
                         self.number(&format!("{at}.paper[{k}][1][{j}]"), *value);
                     }
                 }
             }
-            Show::Measures { measures, .. } => {
-                self.count(&format!("{at}.measures"), measures.len(), MOST_MEASURES);
+            TableKind::Measures { measures, .. } => {
+                self.count(&format!("{at}.measures"), measures.len(), MAX_MEASURES);
             }
-            Show::Contrast { measures, after, .. } => {
-                self.count(&format!("{at}.measures"), measures.len(), MOST_MEASURES);
-                self.count(&format!("{at}.after"), after.len(), MOST_ENTRIES);
+            TableKind::Contrast { measures, after, .. } => {
+                self.count(&format!("{at}.measures"), measures.len(), MAX_MEASURES);
+                self.count(&format!("{at}.after"), after.len(), MAX_ENTRIES);
             }
         }
     }
 
     fn claim_sizes(&mut self, at: &str, claims: &[Claim]) {
-        self.count(&format!("{at}.claims"), claims.len(), MOST_ENTRIES);
-        for (k, claim) in claims.iter().enumerate().take(MOST_ENTRIES) {
-            self.text(&format!("{at}.claims[{k}].says"), &claim.says, MOST_IN_TEXT);
+        self.count(&format!("{at}.claims"), claims.len(), MAX_ENTRIES);
+        for (k, claim) in claims.iter().enumerate().take(MAX_ENTRIES) {
+            self.text(&format!("{at}.claims[{k}].statement"), &claim.statement, MAX_TEXT_CHARS);
         }
     }
 
@@ -223,13 +227,13 @@ impl Check<'_> {
     }
 
     fn number(&mut self, path: &str, value: f64) {
-        if !(-LARGEST..=LARGEST).contains(&value) {
-            self.found(path, format!("is {value}; give a number from {} to {LARGEST}", -LARGEST));
+        if !(-MAX_VALUE..=MAX_VALUE).contains(&value) {
+            self.found(path, format!("is {value}; give a number from {} to {MAX_VALUE}", -MAX_VALUE));
         }
     }
 
     fn found(&mut self, path: &str, message: String) {
-        self.findings.push(Finding { path: path.into(), message });
+        self.diagnostics.push(Diagnostic { path: path.into(), message });
     }
 
     fn range(&mut self, path: &str, value: u64, least: u64, most: u64) {
@@ -244,10 +248,10 @@ impl Check<'_> {
         }
         self.range("seeds", experiment.seeds, 1, 1000);
         self.range("test.rounds", experiment.test.rounds as u64, 1, 1000);
-        self.range("test.navigations", experiment.test.navigations as u64, 1, 10_000);
+        self.range("test.episodes", experiment.test.episodes as u64, 1, 10_000);
         if let Some(rule) = &experiment.evaluation {
             self.range("evaluation.every_env_steps", rule.every_env_steps, 1, u64::MAX);
-            self.range("evaluation.navigations", rule.navigations as u64, 1, 100_000);
+            self.range("evaluation.episodes", rule.episodes as u64, 1, 100_000);
         }
         if experiment.figures.is_empty() && experiment.tables.is_empty() {
             self.found("tables", "nothing is to be shown; give at least one figure or table".into());
@@ -266,7 +270,7 @@ impl Check<'_> {
             for (k, stage) in arm.stages.iter().enumerate() {
                 let at = format!("arms[{i}].stages[{k}]");
                 if let Some(Budget::Episodes(n) | Budget::EnvSteps(n)) = stage.budget {
-                    self.range(&format!("{at}.budget"), n, 1, MOST_STEPS);
+                    self.range(&format!("{at}.budget"), n, 1, MAX_STEPS);
                 }
                 match stage.epsilon {
                     Some(x) if !(0.0..=1.0).contains(&x) => {
@@ -308,7 +312,7 @@ impl Check<'_> {
             return;
         }
         let names = || self.arms.iter().map(|arm| arm.name.as_str());
-        let mend = match nearest(name, names()) {
+        let mend = match closest_name(name, names()) {
             Some(near) => format!("did you mean \"{near}\"?"),
             None => format!("the arms are: {}", names().collect::<Vec<_>>().join(", ")),
         };
@@ -319,8 +323,8 @@ impl Check<'_> {
         if measures.is_empty() {
             self.found(path, "names nothing to measure; give [Success]".into());
         }
-        for problem in measures.iter().filter_map(|measure| measure.problem()) {
-            self.found(path, problem);
+        for invalid_reason in measures.iter().filter_map(|measure| measure.invalid_reason()) {
+            self.found(path, invalid_reason);
         }
     }
 
@@ -330,8 +334,8 @@ impl Check<'_> {
 
     /// Every arm tested as it stands must get so far.
     fn after_of(&mut self, path: &str, after: u64, of_last_stage: bool) {
-        self.range(path, after, 1, MOST_STEPS);
-        for arm in self.arms.iter().filter(|arm| arm.policy == Tested::AsItStands) {
+        self.range(path, after, 1, MAX_STEPS);
+        for arm in self.arms.iter().filter(|arm| arm.policy == TestedPolicy::AtEpisode) {
             // Budgets left to the preset are looked at when it is loaded.
             let first = if of_last_stage { arm.stages.len().saturating_sub(1) } else { 0 };
             let budgets = arm.stages[first..].iter().map(|stage| match stage.budget {
@@ -340,7 +344,7 @@ impl Check<'_> {
             });
             if let Some(total) = total(budgets).filter(|&total| total < after) {
                 let name = &arm.name;
-                self.findings.push(Finding {
+                self.diagnostics.push(Diagnostic {
                     path: path.into(),
                     message: format!("is {after}, but arm \"{name}\" has {total} episodes"),
                 });
@@ -383,7 +387,7 @@ mod tests {
             ("tables", |e| e.tables = vec![e.tables[0].clone(); 201]),
             ("tables[0].claims", |e| {
                 let claim = Claim {
-                    says: String::new(),
+                    statement: String::new(),
                     measure: Measure::Success,
                     better: "nobody".into(),
                     than: "nobody".into(),
@@ -400,13 +404,13 @@ mod tests {
             ("seeds", |e| e.seeds = u64::MAX),
             ("tables[0].show.paper[0][1]", |e| {
                 let paper = vec![("nobody".into(), f64::NAN)];
-                e.tables[0].show = Show::Seeds { measure: Measure::Success, after: 1, paper };
+                e.tables[0].show = TableKind::Seeds { measure: Measure::Success, after: 1, paper };
             }),
         ];
         for (path, breakage) in breakages {
             let mut broken = sound.clone();
             breakage(&mut broken);
-            let found = findings(&broken);
+            let found = diagnostics(&broken);
             assert!(found.iter().any(|finding| finding.path == *path), "{path}: {found:?}");
             assert!(found.len() < 10, "{path}: and little else: {found:?}");
         }

@@ -3,14 +3,14 @@
 //! In: results. Out: a [`Page`]: claims on top, a section for each experiment, the exact settings, where it all comes
 //! from.
 
+use super::claim_result::claim_result;
 use super::experiment::Claim;
 use super::figures;
-use super::plan::{Plan, Selected};
+use super::plan::{RunPlan, SelectedExperiment};
 use super::results::Results;
-use super::select::stem;
-use super::verdict::verdict;
-use super::{Request, tables};
-use crate::report::page::{Item, Page, Section, Setting, Verdict};
+use super::select::experiment_name;
+use super::{ReproduceOptions, tables};
+use crate::report::page::{ClaimResult, Item, Page, Section, Setting};
 use crate::report::table::number;
 use crate::run::RunError;
 use crate::run::preset::Budget;
@@ -26,25 +26,25 @@ const PAPER: &str = "Li, Yue, Shangguan, Jin: Navigation of Mobile Robots Based 
 /// Results are missing; a drawing failed.
 pub fn page(
     results: &Results<'_>,
-    selected: &[Selected],
-    plan: &Plan,
-    request: &Request,
-    at_a_time: usize,
+    selected: &[SelectedExperiment],
+    plan: &RunPlan,
+    request: &ReproduceOptions,
+    jobs: usize,
     wall_s: f64,
 ) -> Result<Page, RunError> {
     let sections = (0..selected.len())
         .map(|index| section(results, index, &selected[index]))
         .collect::<Result<Vec<_>, _>>()?;
     // A claim that a figure and a table both show counts once.
-    let mut claims: Vec<Verdict> = Vec::new();
-    for verdict in sections.iter().flat_map(|section| &section.items).flat_map(verdicts) {
-        if !claims.contains(verdict) {
-            claims.push(verdict.clone());
+    let mut claims: Vec<ClaimResult> = Vec::new();
+    for claim_result in sections.iter().flat_map(|section| &section.items).flat_map(claim_results) {
+        if !claims.contains(claim_result) {
+            claims.push(claim_result.clone());
         }
     }
     let runs = plan.trainings.len();
     let made = format!(
-        "made by wayfield {} from {runs} trainings, tested on starts and targets that none of them has seen. Every \
+        "made by wayfield {} from {runs} trainings, tested on starts and goals that none of them has seen. Every \
          number below comes from these runs; each verdict is computed, not written. The paper's own figures are marked as such.",
         env!("CARGO_PKG_VERSION")
     );
@@ -66,21 +66,21 @@ pub fn page(
         claims,
         sections,
         settings: settings(selected, plan)?,
-        provenance: provenance(results, plan, at_a_time, wall_s),
+        provenance: provenance(results, plan, jobs, wall_s),
     })
 }
 
-fn verdicts(item: &Item) -> &[Verdict] {
+fn claim_results(item: &Item) -> &[ClaimResult] {
     match item {
-        Item::Figure { verdicts, .. } | Item::Table { verdicts, .. } => verdicts,
+        Item::Figure { claim_results, .. } | Item::Table { claim_results, .. } => claim_results,
         Item::Text(_) => &[],
     }
 }
 
-fn section(results: &Results<'_>, index: usize, selected: &Selected) -> Result<Section, RunError> {
+fn section(results: &Results<'_>, index: usize, selected: &SelectedExperiment) -> Result<Section, RunError> {
     let experiment = &selected.source.experiment;
-    let id = stem(&selected.source.from);
-    let judge = |claims: &[Claim]| -> Result<Vec<Verdict>, RunError> {
+    let id = experiment_name(&selected.source.from);
+    let judge = |claims: &[Claim]| -> Result<Vec<ClaimResult>, RunError> {
         claims.iter().map(|claim| judged(results, index, claim, &id)).collect()
     };
     let mut items = Vec::new();
@@ -89,27 +89,27 @@ fn section(results: &Results<'_>, index: usize, selected: &Selected) -> Result<S
             name: figure.name.clone(),
             svg: figures::draw(results, index, figure)?,
             caption: format!("{}. {}", figure.title, figure.caption).trim().to_string(),
-            verdicts: judge(&figure.claims)?,
+            claim_results: judge(&figure.claims)?,
         });
     }
     for table in selected.tables.iter().map(|&i| &experiment.tables[i]) {
         items.push(Item::Table {
             table: tables::make(results, index, table)?,
-            verdicts: judge(&table.claims)?,
+            claim_results: judge(&table.claims)?,
         });
     }
     Ok(Section { id: id.clone(), heading: experiment.title.clone(), about: experiment.about.clone(), items })
 }
 
 /// The verdict on a claim, under the first condition.
-fn judged(results: &Results<'_>, index: usize, claim: &Claim, anchor: &str) -> Result<Verdict, RunError> {
+fn judged(results: &Results<'_>, index: usize, claim: &Claim, anchor: &str) -> Result<ClaimResult, RunError> {
     let when = (claim.after, claim.of_last_stage);
-    let values = |arm: &str| results.values_of(index, 0, arm, claim.measure, when);
-    Ok(verdict(claim, &values(&claim.better)?, &values(&claim.than)?, anchor))
+    let values = |arm: &str| results.values_by_arm_name(index, 0, arm, claim.measure, when);
+    Ok(claim_result(claim, &values(&claim.better)?, &values(&claim.than)?, anchor))
 }
 
 /// The experiments as they were carried out, and every scenario and preset with all that was resolved.
-fn settings(selected: &[Selected], plan: &Plan) -> Result<Vec<Setting>, RunError> {
+fn settings(selected: &[SelectedExperiment], plan: &RunPlan) -> Result<Vec<Setting>, RunError> {
     let ron = |error: ron::Error| RunError::Failed(error.to_string());
     let mut settings = Vec::new();
     for selected in selected {
@@ -128,13 +128,13 @@ fn settings(selected: &[Selected], plan: &Plan) -> Result<Vec<Setting>, RunError
 }
 
 /// Which arms, under which conditions, a training belongs to.
-fn used_by(index: usize, selected: &[Selected], plan: &Plan) -> String {
+fn used_by(index: usize, selected: &[SelectedExperiment], plan: &RunPlan) -> String {
     let mut uses = Vec::new();
-    for ((experiment, condition, arm, _), chain) in &plan.chains {
+    for ((experiment, condition, arm, _), chain) in &plan.arm_runs {
         let Some(stage) = chain.stages.iter().position(|&(training, _)| training == index) else { continue };
         let source = &selected[*experiment].source;
         let of = &source.experiment;
-        let mut name = format!("{} / {}", stem(&source.from), of.arms[*arm].name);
+        let mut name = format!("{} / {}", experiment_name(&source.from), of.arms[*arm].name);
         if let Some(condition) = of.conditions.get(*condition) {
             name += &format!(" / {}", condition.name);
         }
@@ -146,7 +146,7 @@ fn used_by(index: usize, selected: &[Selected], plan: &Plan) -> String {
     uses.join("; ")
 }
 
-fn provenance(results: &Results<'_>, plan: &Plan, at_a_time: usize, wall_s: f64) -> Vec<(String, String)> {
+fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f64) -> Vec<(String, String)> {
     let seeds = plan.trainings.iter().map(|training| training.config.seed).max().unwrap_or(0);
     let episodes: u64 = plan
         .trainings
@@ -174,9 +174,9 @@ fn provenance(results: &Results<'_>, plan: &Plan, at_a_time: usize, wall_s: f64)
         (
             "Time",
             format!(
-                "{:.1} minutes, {at_a_time} runs at a time (the runs' own times add up to {:.1} minutes)",
+                "{:.1} minutes, {jobs} runs at a time (the runs' own times add up to {:.1} minutes)",
                 wall_s / 60.0,
-                results.minutes()
+                results.total_wall_minutes()
             ),
         ),
     ]

@@ -10,10 +10,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::change::Change;
 use super::measure::Measure;
-use crate::run::preset::{Budget, EvaluationRule};
-use crate::scenario::{FileError, Finding, parse_ron, read_text};
+use super::overrides::Override;
+use crate::run::preset::{Budget, EvaluationConfig};
+use crate::scenario::{Diagnostic, FileError, parse_ron, read_text};
 
 /// One experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,7 +30,7 @@ pub struct Experiment {
     /// How often policies are evaluated during training, if not as the presets say. It changes nothing of what is
     /// learnt.
     #[serde(default)]
-    pub evaluation: Option<EvaluationRule>,
+    pub evaluation: Option<EvaluationConfig>,
     /// The test after training.
     #[serde(default)]
     pub test: TestRule,
@@ -51,21 +51,21 @@ fn default_seeds() -> u64 {
     5
 }
 
-/// The test of a policy after training: the paper's 5 rounds of 100 navigations, and its course.
+/// The test of a policy after training: the paper's 5 rounds of 100 episodes, and its course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TestRule {
     /// Rounds, 1 to 1,000.
     pub rounds: usize,
     /// Navigations in each, 1 to 10,000.
-    pub navigations: usize,
-    /// The seed of their starts and targets: the same ones for every policy.
+    pub episodes: usize,
+    /// The seed of their starts and goals: the same ones for every policy.
     pub seed: u64,
 }
 
 impl Default for TestRule {
     fn default() -> Self {
-        Self { rounds: 5, navigations: 100, seed: 1000 }
+        Self { rounds: 5, episodes: 100, seed: 1000 }
     }
 }
 
@@ -79,16 +79,16 @@ pub struct Arm {
     pub stages: Vec<Stage>,
     /// Which policy is tested.
     #[serde(default)]
-    pub policy: Tested,
+    pub policy: TestedPolicy,
 }
 
 /// Which policy of an arm is tested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Tested {
+pub enum TestedPolicy {
     /// The policy as it stands after so many episodes, as in the paper.
     #[default]
-    AsItStands,
-    /// When the last stage is over, the best of it by its own evaluations (which use other starts and targets than the
+    AtEpisode,
+    /// When the last stage is over, the best of it by its own evaluations (which use other starts and goals than the
     /// test), whatever number of episodes a figure or table names.
     Best,
 }
@@ -110,7 +110,7 @@ pub struct Stage {
     pub epsilon: Option<f32>,
     /// What is changed in scenario and preset.
     #[serde(default)]
-    pub change: Change,
+    pub overrides: Override,
 }
 
 /// Something that is changed in all arms alike.
@@ -121,7 +121,7 @@ pub struct Condition {
     pub name: String,
     /// The change, in every stage.
     #[serde(default)]
-    pub change: Change,
+    pub overrides: Override,
 }
 
 /// A picture.
@@ -136,7 +136,7 @@ pub struct FigureSpec {
     #[serde(default)]
     pub caption: String,
     /// What is drawn.
-    pub draw: Draw,
+    pub draw: FigureKind,
     /// What it is to bear out.
     #[serde(default)]
     pub claims: Vec<Claim>,
@@ -145,27 +145,27 @@ pub struct FigureSpec {
 /// What a figure shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Draw {
+pub enum FigureKind {
     /// Learning curves over episodes, one panel for each series: mean over the seeds with a 95 % band.
-    Curves {
+    LearningCurves {
         /// One panel each.
-        series: Vec<Series>,
+        series: Vec<EpisodeSeries>,
         /// Episodes in the moving mean, 1 to 10,000.
         #[serde(default = "default_smoothing")]
         smoothing: usize,
         /// Horizontal lines: the paper's figures.
         #[serde(default)]
-        levels: Vec<LevelSpec>,
+        reference_lines: Vec<ReferenceLineSpec>,
     },
     /// A dot for each seed, and their mean with its 95 % interval: a row an arm (and condition), a column a measure.
-    Dots {
+    DotPlot {
         /// One column each.
         measures: Vec<Measure>,
         /// After so many episodes over all stages.
         after: u64,
     },
-    /// The timed course from above: the planner's way, and each arm's drive (seed 1).
-    Course {
+    /// The benchmark route from above: the planner's way, and each arm's drive (seed 1).
+    BenchmarkRoute {
         /// After so many episodes over all stages.
         after: u64,
     },
@@ -177,19 +177,19 @@ fn default_smoothing() -> usize {
 
 /// What is counted in each episode of training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Series {
+pub enum EpisodeSeries {
     /// The undiscounted sum of rewards.
     Return,
-    /// Targets reached.
-    Targets,
+    /// Goals reached.
+    Goals,
 }
 
 /// A horizontal line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct LevelSpec {
+pub struct ReferenceLineSpec {
     /// In this panel.
-    pub series: Series,
+    pub series: EpisodeSeries,
     /// At this height.
     pub value: f64,
     /// What it is.
@@ -204,11 +204,11 @@ pub struct TableSpec {
     pub name: String,
     /// Other names under which `--only` finds it.
     #[serde(default)]
-    pub also: Vec<String>,
+    pub aliases: Vec<String>,
     /// Its heading.
     pub title: String,
     /// What is in it.
-    pub show: Show,
+    pub show: TableKind,
     /// What it is to bear out.
     #[serde(default)]
     pub claims: Vec<Claim>,
@@ -217,7 +217,7 @@ pub struct TableSpec {
 /// What a table shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Show {
+pub enum TableKind {
     /// A row an arm: every seed's value, their mean with its 95 % interval, the paper's, the difference.
     Seeds {
         /// What is measured.
@@ -264,7 +264,7 @@ pub enum Show {
 #[serde(deny_unknown_fields)]
 pub struct Claim {
     /// In words.
-    pub says: String,
+    pub statement: String,
     /// By this measure.
     pub measure: Measure,
     /// The arm that is claimed to be ahead.
@@ -295,13 +295,17 @@ impl Experiment {
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
         let experiment: Self = parse_ron(text, path)?;
-        let findings = experiment.findings();
-        if findings.is_empty() { Ok(experiment) } else { Err(FileError::in_fields(path, text, &findings)) }
+        let diagnostics = experiment.diagnostics();
+        if diagnostics.is_empty() {
+            Ok(experiment)
+        } else {
+            Err(FileError::from_diagnostics(path, text, &diagnostics))
+        }
     }
 
     /// Everything in it that cannot be meant.
     #[must_use]
-    pub fn findings(&self) -> Vec<Finding> {
-        super::check::findings(self)
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        super::check::diagnostics(self)
     }
 }

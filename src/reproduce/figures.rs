@@ -2,19 +2,22 @@
 //!
 //! In: what a figure is to show, and the results. Out: its picture as SVG.
 
-use super::experiment::{Draw, FigureSpec, LevelSpec, Series};
+use super::claim_result::raw_values;
+use super::experiment::{EpisodeSeries, FigureKind, FigureSpec, ReferenceLineSpec};
 use super::measure::Measure;
+use super::policy_test::read_policy;
 use super::results::Results;
-use super::trial::read_policy;
-use super::verdict::plain;
-use crate::planner::{Resolution, least_time};
+use crate::planner::{Resolution, plan_path};
 use crate::report::DrawError;
-use crate::report::chart::{Curves, DotCell, DotColumn, Dots, Level, Line, Map, Panel, Path, Point, XMark};
+use crate::report::chart::{
+    BandPoint, ChartPanel, CurveLine, DotCell, DotColumn, DotPlot, EventMarker, LearningCurves,
+    MapTrajectory, ReferenceLine, ScenarioMap,
+};
 use crate::report::statistics::{Estimate, band, moving_mean};
 use crate::run::RunError;
 use crate::run::evaluate::Evaluator;
-use crate::run::picture;
-use crate::task::{Places, Pose};
+use crate::run::scenario_image;
+use crate::task::{EpisodeSetup, Pose};
 
 /// Draws a figure of experiment `index`.
 ///
@@ -23,13 +26,15 @@ use crate::task::{Places, Pose};
 pub fn draw(results: &Results<'_>, index: usize, figure: &FigureSpec) -> Result<String, RunError> {
     let failed = |error: DrawError| RunError::Failed(format!("figure {}: {error}", figure.name));
     match &figure.draw {
-        Draw::Curves { series, smoothing, levels } => {
-            curves(results, index, &figure.title, series, *smoothing, levels).svg().map_err(failed)
+        FigureKind::LearningCurves { series, smoothing, reference_lines } => {
+            curves(results, index, &figure.title, series, *smoothing, reference_lines).svg().map_err(failed)
         }
-        Draw::Dots { measures, after } => {
+        FigureKind::DotPlot { measures, after } => {
             dots(results, index, &figure.title, measures, *after)?.svg().map_err(failed)
         }
-        Draw::Course { after } => course(results, index, &figure.title, *after)?.svg().map_err(failed),
+        FigureKind::BenchmarkRoute { after } => {
+            benchmark_route(results, index, &figure.title, *after)?.svg().map_err(failed)
+        }
     }
 }
 
@@ -56,60 +61,60 @@ fn curves(
     results: &Results<'_>,
     index: usize,
     title: &str,
-    series: &[Series],
+    series: &[EpisodeSeries],
     smoothing: usize,
-    levels: &[LevelSpec],
-) -> Curves {
+    reference_lines: &[ReferenceLineSpec],
+) -> LearningCurves {
     let experiment = results.experiment(index);
-    let line = |series: Series, colour: usize, (condition, arm): (usize, usize)| {
+    let line = |series: EpisodeSeries, colour: usize, (condition, arm): (usize, usize)| {
         let runs = results.curves(index, condition, arm, series);
         let smoothed: Vec<Vec<f64>> = runs.iter().map(|run| moving_mean(run, smoothing)).collect();
-        let point = |(i, e): (usize, &Estimate)| Point {
+        let point = |(i, e): (usize, &Estimate)| BandPoint {
             x: (i + 1) as f64,
             mean: e.mean,
             low: e.low(),
             high: e.high(),
         };
-        Line {
+        CurveLine {
             name: row_name(results, index, condition, arm),
             colour,
             points: band(&smoothed).iter().enumerate().map(point).collect(),
             raw: band(&runs).iter().enumerate().map(|(i, e)| ((i + 1) as f64, e.mean)).collect(),
         }
     };
-    let panel = |&series: &Series| {
-        let (heading, y_from) = match series {
-            Series::Return => ("Return per episode", None),
-            Series::Targets => ("Targets reached per episode", Some(0.0)),
+    let panel = |&series: &EpisodeSeries| {
+        let (heading, include_y) = match series {
+            EpisodeSeries::Return => ("Return per episode", None),
+            EpisodeSeries::Goals => ("Goals reached per episode", Some(0.0)),
         };
         let lines = rows(results, index).into_iter().enumerate();
-        Panel {
+        ChartPanel {
             heading: heading.into(),
             y_unit: String::new(),
             lines: lines.map(|(colour, row)| line(series, colour, row)).collect(),
-            levels: levels
+            reference_lines: reference_lines
                 .iter()
                 .filter(|level| level.series == series)
-                .map(|level| Level { value: level.value, label: level.label.clone() })
+                .map(|level| ReferenceLine { value: level.value, label: level.label.clone() })
                 .collect(),
-            y_from,
+            include_y,
         }
     };
     // Where an arm goes on in another world.
-    let mut marks: Vec<XMark> = Vec::new();
+    let mut marks: Vec<EventMarker> = Vec::new();
     for (condition, arm) in rows(results, index) {
         let mut episodes = 0;
-        for pair in results.chain(index, condition, arm, 1).stages.windows(2) {
+        for pair in results.arm_run(index, condition, arm, 1).stages.windows(2) {
             episodes += pair[0].1.unwrap_or(0);
             let x = episodes as f64;
             if !marks.iter().any(|mark| mark.x == x) {
                 let world = &results.training(pair[1].0).config.scenario.name;
                 let label = format!("{} goes on in {world}", experiment.arms[arm].name);
-                marks.push(XMark { x, label });
+                marks.push(EventMarker { x, label });
             }
         }
     }
-    Curves {
+    LearningCurves {
         title: title.into(),
         x_label: "episodes".into(),
         panels: series.iter().map(panel).collect(),
@@ -123,15 +128,15 @@ fn dots(
     title: &str,
     measures: &[Measure],
     after: u64,
-) -> Result<Dots, RunError> {
+) -> Result<DotPlot, RunError> {
     let rows = rows(results, index);
     let column = |&measure: &Measure| {
         let cell = |&(condition, arm): &(usize, usize)| {
             let values = results.values(index, condition, arm, measure, after)?;
             Ok(DotCell {
-                estimate: Estimate::of(&plain(&values)),
-                censored: values.iter().any(|value| value.at_least),
-                values: plain(&values),
+                estimate: Estimate::from_values(&raw_values(&values)),
+                censored: values.iter().any(|value| value.is_lower_bound),
+                values: raw_values(&values),
                 paper: None,
             })
         };
@@ -142,15 +147,20 @@ fn dots(
             cells: rows.iter().map(cell).collect::<Result<_, RunError>>()?,
         })
     };
-    Ok(Dots {
+    Ok(DotPlot {
         title: title.into(),
         rows: rows.iter().map(|&(condition, arm)| row_name(results, index, condition, arm)).collect(),
         columns: measures.iter().map(column).collect::<Result<_, RunError>>()?,
     })
 }
 
-fn course(results: &Results<'_>, index: usize, title: &str, after: u64) -> Result<Map, RunError> {
-    let mut paths = Vec::new();
+fn benchmark_route(
+    results: &Results<'_>,
+    index: usize,
+    title: &str,
+    after: u64,
+) -> Result<ScenarioMap, RunError> {
+    let mut trajectories = Vec::new();
     let mut world = None;
     let points = |poses: &[Pose]| poses.iter().map(|p| (f64::from(p.x_m), f64::from(p.y_m))).collect();
     for (colour, (condition, arm)) in (1..).zip(rows(results, index)) {
@@ -159,22 +169,22 @@ fn course(results: &Results<'_>, index: usize, title: &str, after: u64) -> Resul
         let policy = read_policy(&results.policy_file(training, which))?;
         let rule = results.experiment(index).test;
         let mut evaluator = Evaluator::new(&std::sync::Arc::new(scenario.clone()), 1);
-        let (drive, poses) = evaluator.trace(&policy, rule.seed, Places::Course)?;
+        let (drive, poses) = evaluator.trace(&policy, rule.seed, EpisodeSetup::BenchmarkRoute)?;
         let time_s = f64::from(drive.steps) * f64::from(scenario.task.control_period_s);
         let name = row_name(results, index, condition, arm);
         let name = if drive.succeeded() { format!("{name} {time_s:.1} s") } else { format!("{name} failed") };
-        paths.push(Path { name, colour, points: points(&poses) });
-        world.get_or_insert((scenario, drive.layout, drive.clock.0));
+        trajectories.push(MapTrajectory { name, colour, points: points(&poses) });
+        world.get_or_insert((scenario, drive.layout_seed, drive.clock.0));
     }
-    let (scenario, layout, clock) =
-        world.ok_or_else(|| RunError::Failed("a figure of a course needs at least one arm".into()))?;
-    let course = &scenario.course;
-    let start = (course.start_m.0, course.start_m.1, course.heading_rad);
-    let furnished = scenario.furnished(layout);
-    if let Some(plan) = least_time(&furnished, start, course.target_m, clock, Resolution::default()) {
+    let (scenario, layout_seed, clock) = world
+        .ok_or_else(|| RunError::Failed("a figure of a benchmark route needs at least one arm".into()))?;
+    let benchmark_route = &scenario.benchmark_route;
+    let start = (benchmark_route.start_m.0, benchmark_route.start_m.1, benchmark_route.heading_rad);
+    let generated = scenario.with_generated_obstacles(layout_seed);
+    if let Some(plan) = plan_path(&generated, start, benchmark_route.goal_m, clock, Resolution::default()) {
         let name = format!("the planner {:.1} s", plan.time_s);
         let points = plan.poses.iter().map(|pose| (f64::from(pose.0), f64::from(pose.1))).collect();
-        paths.insert(0, Path { name, colour: 0, points });
+        trajectories.insert(0, MapTrajectory { name, colour: 0, points });
     }
-    Ok(Map { title: title.into(), paths, ..picture::map(scenario, layout, clock) })
+    Ok(ScenarioMap { title: title.into(), trajectories, ..scenario_image::map(scenario, layout_seed, clock) })
 }

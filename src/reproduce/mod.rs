@@ -7,22 +7,25 @@
 //!
 //! | step | file | what becomes of what |
 //! |---|---|---|
-//! | ask | `experiment.rs` (`check.rs`, `change.rs`, `measure.rs`) | a RON file becomes arms, stages, figures, tables, claims |
+//! | ask | `experiment.rs` (`check.rs`, `overrides.rs`, `measure.rs`) | a RON file becomes arms, stages, figures, tables, claims |
 //! | choose | `select.rs`, `quick.rs` | what the user wants of them, and how roughly |
 //! | plan | `plan.rs` | experiments become trainings, each once |
-//! | carry out | `carry_out.rs`, `trial.rs`, `progress.rs` | trainings become run folders with trials, several at a time |
-//! | measure | `results.rs`, `yardstick.rs` | records and trials become numbers, beside the planner's |
-//! | judge | `verdict.rs` | numbers become verdicts on the paper's claims |
+//! | carry out | `execute.rs`, `policy_test.rs`, `progress.rs` | trainings become run folders with trials, several at a time |
+//! | measure | `results.rs`, `optimal_times.rs` | records and trials become numbers, beside the planner's |
+//! | judge | `claim_result.rs` | numbers become verdicts on the paper's claims |
 //! | show | `figures.rs`, `tables.rs`, `compose.rs` | numbers become pictures, tables and a page |
 
-mod carry_out;
-pub mod change;
 mod check;
+pub mod claim_result;
 mod compose;
+mod execute;
 pub mod experiment;
 mod figures;
 pub mod measure;
+mod optimal_times;
+pub mod overrides;
 pub mod plan;
+pub mod policy_test;
 mod progress;
 mod quick;
 mod results;
@@ -30,9 +33,6 @@ mod select;
 mod tables;
 #[cfg(test)]
 mod tests;
-pub mod trial;
-pub mod verdict;
-mod yardstick;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::page::{Item, Page, Verdict};
+use crate::report::page::{ClaimResult, Item, Page};
 use crate::report::{markdown, page, raster};
 use crate::run::RunError;
 use crate::run::lock::Lock;
@@ -53,7 +53,7 @@ const PNG_SCALE: f32 = 2.0;
 
 /// What is to be reproduced.
 #[derive(Clone, Debug, Default)]
-pub struct Request {
+pub struct ReproduceOptions {
     /// The user's own experiments; none for those that come with the program.
     pub experiments: Vec<PathBuf>,
     /// Names of figures, tables or experiments; none for all.
@@ -65,16 +65,16 @@ pub struct Request {
     /// The folder, if not the default one.
     pub out: Option<PathBuf>,
     /// How many runs at a time; none for as many as there are cores.
-    pub at_a_time: Option<usize>,
+    pub jobs: Option<usize>,
 }
 
 /// What came of it.
 #[derive(Debug)]
-pub struct Reproduced {
+pub struct Reproduction {
     /// The folder of the report.
     pub folder: PathBuf,
     /// The claims, and what became of each.
-    pub claims: Vec<Verdict>,
+    pub claims: Vec<ClaimResult>,
     /// Trainings that the report rests on.
     pub runs: usize,
     /// Wall time of all processes that worked on it, in s.
@@ -94,32 +94,32 @@ struct Spent {
 /// Files that cannot be used or written; a run that failed; or `stop` was set: what is done so far is kept, and the same
 /// request goes on from there.
 pub fn reproduce(
-    request: &Request,
+    request: &ReproduceOptions,
     stop: &'static AtomicBool,
     began: Instant,
-) -> Result<Reproduced, RunError> {
+) -> Result<Reproduction, RunError> {
     let selected = select::select(request)?;
-    let plan = plan::Plan::new(&selected)?;
+    let plan = plan::RunPlan::new(&selected)?;
     let folder = request.out.clone().unwrap_or_else(|| {
         Path::new("runs").join(if request.quick { "reproduce-quick" } else { "reproduce" })
     });
     let before = ready(&folder)?;
-    let _lock = Lock::take(&folder, &folder.join("lock"))?;
+    let _lock = Lock::acquire(&folder, &folder.join("lock"))?;
     let runs = folder.join("runs");
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let at_a_time = request.at_a_time.unwrap_or_else(cores);
+    let jobs = request.jobs.unwrap_or_else(cores);
 
-    let done = carry_out::carry_out(&plan, &runs, at_a_time, stop);
+    let done = execute::execute(&plan, &runs, jobs, stop);
     let spent = spend(&folder, before, began)?;
     done?;
 
-    crate::run::progress::say("planning least times, drawing the report");
-    let yardstick = yardstick::Yardstick::new(folder.join("optimum"));
-    let results = results::Results::read(&plan, &selected, &runs, yardstick)?;
-    let page = compose::page(&results, &selected, &plan, request, at_a_time, spent.wall_s)?;
+    crate::run::progress::print_stderr("planning least times, drawing the report");
+    let optimal_times = optimal_times::OptimalTimesCache::new(folder.join("optimum"));
+    let results = results::Results::read(&plan, &selected, &runs, optimal_times)?;
+    let page = compose::page(&results, &selected, &plan, request, jobs, spent.wall_s)?;
     write(&folder, &page)?;
     let spent = spend(&folder, before, began)?;
-    Ok(Reproduced { folder, claims: page.claims, runs: plan.trainings.len(), wall_s: spent.wall_s })
+    Ok(Reproduction { folder, claims: page.claims, runs: plan.trainings.len(), wall_s: spent.wall_s })
 }
 
 /// Makes the folder, or takes up one that an earlier reproduction made; gives what was spent on it.
@@ -128,10 +128,10 @@ fn ready(folder: &Path) -> Result<Spent, RunError> {
     let foreign = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) && !note.exists();
     if foreign {
         let why = "is not empty and holds no reproduction: give --out another folder";
-        return Err(RunError::unusable(folder, why));
+        return Err(RunError::invalid_input(folder, why));
     }
     let unwritable = |error: std::io::Error| {
-        RunError::unusable(folder, format!("can't be written ({error}): give --out another folder"))
+        RunError::invalid_input(folder, format!("can't be written ({error}): give --out another folder"))
     };
     fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
     let spent = fs::read_to_string(&note).unwrap_or_default();

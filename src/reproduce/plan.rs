@@ -1,6 +1,6 @@
 //! The plan: which trainings the experiments need, each once.
 //!
-//! In: experiments, and which of their figures and tables are wanted. Out: [`Plan`]: a list of trainings, each before
+//! In: experiments, and which of their figures and tables are wanted. Out: [`RunPlan`]: a list of trainings, each before
 //! those that start from its weights, and for each arm, condition and seed the trainings that it consists of.
 //!
 //! Arms of different experiments often are the same training, or one is the beginning of the other (figure 8's DQN is
@@ -10,7 +10,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::experiment::{Arm, Claim, Draw, Experiment, Show, Stage, TestRule, Tested};
+use super::experiment::{Arm, Claim, Experiment, FigureKind, Stage, TableKind, TestRule, TestedPolicy};
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::preset::Budget;
 use crate::run::{RunError, shipped};
@@ -18,7 +18,7 @@ use crate::scenario::{self, FileError, to_ron};
 
 /// An experiment, and where it comes from.
 #[derive(Clone, Debug)]
-pub struct Source {
+pub struct ExperimentSource {
     /// Its file, or its path in the project for a shipped one.
     pub from: String,
     /// The experiment.
@@ -27,9 +27,9 @@ pub struct Source {
 
 /// An experiment, and which of its figures and tables are wanted.
 #[derive(Clone, Debug)]
-pub struct Selected {
+pub struct SelectedExperiment {
     /// The experiment and where it comes from.
-    pub source: Source,
+    pub source: ExperimentSource,
     /// Indices of the wanted figures.
     pub figures: Vec<usize>,
     /// Indices of the wanted tables.
@@ -46,14 +46,14 @@ pub struct Training {
     /// The training whose weights it starts from.
     pub origin: Option<usize>,
     /// What is tested.
-    pub tests: BTreeSet<(Which, TestRule)>,
+    pub tests: BTreeSet<(PolicyId, TestRule)>,
 }
 
 /// Which policy of a training is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Which {
+pub enum PolicyId {
     /// As it stands after so many episodes of the training.
-    After(u64),
+    AfterEpisodes(u64),
     /// The best by the training's own evaluations.
     Best,
 }
@@ -67,15 +67,15 @@ struct Mark {
 
 /// An arm under a condition with a seed: its trainings, one for each stage that is needed.
 #[derive(Clone, Debug)]
-pub struct Chain {
-    /// Index into [`Plan::trainings`], and how many of its episodes belong to the stage (none: all of it).
+pub struct ArmRun {
+    /// Index into [`RunPlan::trainings`], and how many of its episodes belong to the stage (none: all of it).
     pub stages: Vec<(usize, Option<u64>)>,
 }
 
-impl Chain {
+impl ArmRun {
     /// The episodes of all stages but the last.
     #[must_use]
-    pub fn before_last(&self) -> u64 {
+    pub fn episodes_before_last_stage(&self) -> u64 {
         let earlier = self.stages.split_last().map_or(&[][..], |(_, earlier)| earlier);
         earlier.iter().filter_map(|(_, length)| *length).sum()
     }
@@ -83,7 +83,7 @@ impl Chain {
     /// The stage in which the arm has had `after` episodes in all, as an index into `stages`, and how many of the
     /// stage's own those are. None if it never has so many, or a stage before is not counted in episodes.
     #[must_use]
-    pub fn at(&self, after: u64) -> Option<(usize, u64)> {
+    pub fn stage_at(&self, after: u64) -> Option<(usize, u64)> {
         let mut before = 0;
         for (index, (_, length)) in self.stages.iter().enumerate() {
             let length = (*length)?;
@@ -98,19 +98,19 @@ impl Chain {
 
 /// What there is to do.
 #[derive(Debug, Default)]
-pub struct Plan {
+pub struct RunPlan {
     /// Every training once, each before those that start from it.
     pub trainings: Vec<Training>,
     /// By experiment, condition, arm (indices) and seed (from 1).
-    pub chains: BTreeMap<(usize, usize, usize, u64), Chain>,
+    pub arm_runs: BTreeMap<(usize, usize, usize, u64), ArmRun>,
 }
 
-impl Plan {
+impl RunPlan {
     /// The plan for `selected`.
     ///
     /// # Errors
     /// A scenario or preset cannot be used.
-    pub fn new(selected: &[Selected]) -> Result<Self, RunError> {
+    pub fn new(selected: &[SelectedExperiment]) -> Result<Self, RunError> {
         let mut plan = Self::default();
         for (index, selected) in selected.iter().enumerate() {
             let experiment = &selected.source.experiment;
@@ -119,9 +119,9 @@ impl Plan {
             for condition in 0..experiment.conditions.len().max(1) {
                 for (arm_index, arm) in experiment.arms.iter().enumerate() {
                     for seed in 1..=experiment.seeds {
-                        let chain = plan.chain(&selected.source, condition, arm, seed, needed)?;
+                        let chain = plan.arm_run(&selected.source, condition, arm, seed, needed)?;
                         plan.tests(&chain, arm, &marks, experiment.test, &selected.source)?;
-                        plan.chains.insert((index, condition, arm_index, seed), chain);
+                        plan.arm_runs.insert((index, condition, arm_index, seed), chain);
                     }
                 }
             }
@@ -130,21 +130,21 @@ impl Plan {
     }
 
     /// The trainings of an arm, up to `needed` episodes if not all are.
-    fn chain(
+    fn arm_run(
         &mut self,
-        source: &Source,
+        source: &ExperimentSource,
         condition: usize,
         arm: &Arm,
         seed: u64,
         needed: Option<u64>,
-    ) -> Result<Chain, RunError> {
-        let mut chain = Chain { stages: Vec::new() };
+    ) -> Result<ArmRun, RunError> {
+        let mut chain = ArmRun { stages: Vec::new() };
         let mut before = 0;
         for stage in &arm.stages {
             let mut config = config(source, condition, stage, seed)?;
             let mut length = None;
             if let Budget::Episodes(n) = config.preset.budget {
-                let wanted = match needed.filter(|_| arm.policy == Tested::AsItStands) {
+                let wanted = match needed.filter(|_| arm.policy == TestedPolicy::AtEpisode) {
                     Some(needed) => n.min(needed.saturating_sub(before)),
                     None => n,
                 };
@@ -168,7 +168,7 @@ impl Plan {
         mut config: RunConfig,
         origin: Option<(usize, Option<u64>)>,
         epsilon: Option<f32>,
-        tested: Tested,
+        tested: TestedPolicy,
     ) -> Result<usize, RunError> {
         let mut from = None;
         if let Some((training, length)) = origin {
@@ -176,7 +176,7 @@ impl Plan {
             let file = match length {
                 Some(episodes) => {
                     keep(&mut earlier.config, episodes);
-                    crate::run::folder::RunFolder::policy_after(episodes)
+                    crate::run::folder::RunFolder::policy_after_file(episodes)
                 }
                 None => "policy-last.safetensors".into(),
             };
@@ -198,22 +198,22 @@ impl Plan {
     /// Notes what is tested of an arm.
     fn tests(
         &mut self,
-        chain: &Chain,
+        chain: &ArmRun,
         arm: &Arm,
         marks: &BTreeSet<Mark>,
         rule: TestRule,
-        source: &Source,
+        source: &ExperimentSource,
     ) -> Result<(), RunError> {
-        if arm.policy == Tested::Best {
+        if arm.policy == TestedPolicy::Best {
             if let Some((training, _)) = chain.stages.last().filter(|_| !marks.is_empty()) {
-                self.trainings[*training].tests.insert((Which::Best, rule));
+                self.trainings[*training].tests.insert((PolicyId::Best, rule));
             }
             return Ok(());
         }
         for &Mark { after, of_last_stage } in marks {
-            let mark = if of_last_stage { chain.before_last() + after } else { after };
-            let Some((stage, episodes)) = chain.at(mark) else {
-                return Err(RunError::Unusable(format!(
+            let mark = if of_last_stage { chain.episodes_before_last_stage() + after } else { after };
+            let Some((stage, episodes)) = chain.stage_at(mark) else {
+                return Err(RunError::InvalidInput(format!(
                     "{}: a figure or table looks at arm \"{}\" after {mark} episodes, but its stages are not all counted \
                      in episodes or are not so long: give them `budget: Episodes(...)`, or the arm `policy: Best`",
                     source.from, arm.name
@@ -221,23 +221,23 @@ impl Plan {
             };
             let training = &mut self.trainings[chain.stages[stage].0];
             keep(&mut training.config, episodes);
-            training.tests.insert((Which::After(episodes), rule));
+            training.tests.insert((PolicyId::AfterEpisodes(episodes), rule));
         }
         Ok(())
     }
 }
 
-impl Selected {
+impl SelectedExperiment {
     /// How many episodes of an arm are needed; None for all.
     fn needed_episodes(&self) -> Option<u64> {
-        let curves = self.picked_figures().any(|figure| matches!(figure, Draw::Curves { .. }));
+        let curves = self.picked_figures().any(|figure| matches!(figure, FigureKind::LearningCurves { .. }));
         let marks = self.marks();
         // The last stage begins when all before it are over.
         let of_last_stage = marks.iter().any(|mark| mark.of_last_stage);
         if curves || of_last_stage { None } else { marks.last().map(|mark| mark.after) }
     }
 
-    fn picked_figures(&self) -> impl Iterator<Item = &Draw> {
+    fn picked_figures(&self) -> impl Iterator<Item = &FigureKind> {
         self.figures.iter().map(|&i| &self.source.experiment.figures[i].draw)
     }
 
@@ -249,8 +249,8 @@ impl Selected {
         let of_claim = |claim: &Claim| Mark { after: claim.after, of_last_stage: claim.of_last_stage };
         for figure in self.figures.iter().map(|&i| &experiment.figures[i]) {
             match &figure.draw {
-                Draw::Curves { .. } => {}
-                Draw::Dots { after, .. } | Draw::Course { after } => {
+                FigureKind::LearningCurves { .. } => {}
+                FigureKind::DotPlot { after, .. } | FigureKind::BenchmarkRoute { after } => {
                     marks.insert(over_all(*after));
                 }
             }
@@ -258,10 +258,12 @@ impl Selected {
         }
         for table in self.tables.iter().map(|&i| &experiment.tables[i]) {
             match &table.show {
-                Show::Seeds { after, .. } | Show::Rounds { after, .. } | Show::Measures { after, .. } => {
+                TableKind::Seeds { after, .. }
+                | TableKind::Rounds { after, .. }
+                | TableKind::Measures { after, .. } => {
                     marks.insert(over_all(*after));
                 }
-                Show::Contrast { after, of_last_stage, .. } => {
+                TableKind::Contrast { after, of_last_stage, .. } => {
                     marks.extend(after.iter().map(|&after| Mark { after, of_last_stage: *of_last_stage }));
                 }
             }
@@ -272,14 +274,19 @@ impl Selected {
 }
 
 fn keep(config: &mut RunConfig, episodes: u64) {
-    if !config.keep_after_episodes.contains(&episodes) {
-        config.keep_after_episodes.push(episodes);
-        config.keep_after_episodes.sort_unstable();
+    if !config.save_policy_after_episodes.contains(&episodes) {
+        config.save_policy_after_episodes.push(episodes);
+        config.save_policy_after_episodes.sort_unstable();
     }
 }
 
 /// All that a run of `stage` is told, its origin aside.
-fn config(source: &Source, condition: usize, stage: &Stage, seed: u64) -> Result<RunConfig, RunError> {
+fn config(
+    source: &ExperimentSource,
+    condition: usize,
+    stage: &Stage,
+    seed: u64,
+) -> Result<RunConfig, RunError> {
     let experiment = &source.experiment;
     let beside = |name: &str| beside(&source.from, name);
     // An experiment from a stranger must not have a pipe or a device read, which may never end.
@@ -287,11 +294,11 @@ fn config(source: &Source, condition: usize, stage: &Stage, seed: u64) -> Result
         let path = beside(name);
         let path = Path::new(&path);
         (path.exists() && !path.is_file() && !path.is_dir())
-            .then(|| RunError::unusable(path, format!("{} names it, but it is no file", source.from)))
+            .then(|| RunError::invalid_input(path, format!("{} names it, but it is no file", source.from)))
     };
-    let condition = experiment.conditions.get(condition).map(|condition| &condition.change);
+    let condition = experiment.conditions.get(condition).map(|condition| &condition.overrides);
     let scenario_from =
-        condition.and_then(|change| change.scenario.as_ref()).or(stage.change.scenario.as_ref());
+        condition.and_then(|change| change.scenario.as_ref()).or(stage.overrides.scenario.as_ref());
     let scenario_from = scenario_from.unwrap_or(&stage.scenario).clone();
     if let Some(error) = [&scenario_from, &stage.preset].into_iter().find_map(|name| read_for_ever(name)) {
         return Err(error);
@@ -300,14 +307,14 @@ fn config(source: &Source, condition: usize, stage: &Stage, seed: u64) -> Result
     let mut preset = shipped::preset(&beside(&stage.preset))?;
     preset.budget = stage.budget.unwrap_or(preset.budget);
     preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
-    stage.change.apply(&mut scenario, &mut preset);
+    stage.overrides.apply(&mut scenario, &mut preset);
     if let Some(condition) = condition {
         condition.apply(&mut scenario, &mut preset);
     }
-    let findings = scenario::findings(&scenario).into_iter().chain(preset.findings());
-    if let Some(finding) = findings.into_iter().next() {
+    let diagnostics = scenario::diagnostics(&scenario).into_iter().chain(preset.diagnostics());
+    if let Some(finding) = diagnostics.into_iter().next() {
         let changed = format!("what is changed in {scenario_from} or {}", stage.preset);
-        return Err(FileError::whole(Path::new(&source.from), format!("{changed}: {finding}")).into());
+        return Err(FileError::for_file(Path::new(&source.from), format!("{changed}: {finding}")).into());
     }
     Ok(RunConfig {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -315,7 +322,7 @@ fn config(source: &Source, condition: usize, stage: &Stage, seed: u64) -> Result
         scenario_from,
         preset_from: stage.preset.clone(),
         transfer: None,
-        keep_after_episodes: Vec::new(),
+        save_policy_after_episodes: Vec::new(),
         scenario,
         preset,
     })
@@ -329,10 +336,10 @@ fn beside(experiment: &str, name: &str) -> String {
 
 /// A name for the run of `config`: the same for the same configuration. A longer run of so many episodes is the same
 /// run, unless the best policy of all of it is what is tested.
-fn name(config: &RunConfig, tested: Tested) -> Result<String, RunError> {
+fn name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
     let mut identity = config.clone();
-    identity.keep_after_episodes.clear();
-    if tested == Tested::AsItStands && matches!(identity.preset.budget, Budget::Episodes(_)) {
+    identity.save_policy_after_episodes.clear();
+    if tested == TestedPolicy::AtEpisode && matches!(identity.preset.budget, Budget::Episodes(_)) {
         identity.preset.budget = Budget::Episodes(1);
     }
     let text = to_ron(&identity).map_err(|error| RunError::Failed(error.to_string()))?;

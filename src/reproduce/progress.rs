@@ -1,6 +1,6 @@
 //! How the whole work is getting on, said on stderr.
 //!
-//! In: what each run says of itself ([`Board::listener`]), and that it is done. Out: on a terminal one bar for all;
+//! In: what each run says of itself ([`OverallProgress::listener`]), and that it is done. Out: on a terminal one bar for all;
 //! elsewhere a plain line every few seconds.
 
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use indicatif::{HumanDuration, ProgressBar};
 
 use super::plan::Training;
 use crate::run::preset::Budget;
-use crate::run::progress::{Listener, Status, bar, say};
+use crate::run::progress::{Progress, ProgressListener, bar, print_stderr};
 
 /// Time between two plain lines.
 const NEXT_LINE: Duration = Duration::from_secs(10);
@@ -19,7 +19,7 @@ const NEXT_LINE: Duration = Duration::from_secs(10);
 const PARTS: u64 = 10_000;
 
 /// Shows how far all runs together are.
-pub struct Board {
+pub struct OverallProgress {
     inner: Mutex<Inner>,
 }
 
@@ -38,7 +38,7 @@ struct Inner {
     bar: Option<ProgressBar>,
 }
 
-impl Board {
+impl OverallProgress {
     /// A board for `trainings`.
     #[must_use]
     pub fn new(trainings: &[Training]) -> Arc<Self> {
@@ -61,13 +61,13 @@ impl Board {
     }
 
     /// Run `index` is under way; gives whom it may tell.
-    pub fn listener(self: &Arc<Self>, index: usize, training: &Training) -> Listener {
+    pub fn listener(self: &Arc<Self>, index: usize, training: &Training) -> ProgressListener {
         let config = &training.config;
         let name = format!("{} in {}, seed {}", config.preset_name(), config.scenario.name, config.seed);
         self.lock().under_way.insert(index, name);
         let board = self.clone();
         let training = training.clone();
-        Box::new(move |status: &Status| {
+        Box::new(move |status: &Progress| {
             let budget = training.config.preset.budget;
             let so_far = match budget {
                 Budget::Episodes(_) => Budget::Episodes(status.episodes),
@@ -129,7 +129,7 @@ impl Inner {
                 bar.set_position((share * PARTS as f64) as u64);
                 bar.tick();
             }
-            None => say(format!("{advance}  {}", under_way.join("; ")).trim_end()),
+            None => print_stderr(format!("{advance}  {}", under_way.join("; ")).trim_end()),
         }
     }
 }
@@ -141,11 +141,11 @@ fn gradient_steps(training: &Training, budget: Budget) -> f64 {
         // The first episodes end soon, in a collision; in the end nearly all last for the time limit.
         Budget::Episodes(n) => {
             let n = n as f64;
-            f64::from(training.config.scenario.task.time_limit_steps) * n * n / (n + 200.0)
+            f64::from(training.config.scenario.task.max_episode_steps) * n * n / (n + 200.0)
         }
         Budget::EnvSteps(n) => n as f64,
     };
-    let per_step = f64::from(learning.gradient_steps) / learning.train_interval as f64;
+    let per_step = f64::from(learning.gradient_steps) / learning.train_freq as f64;
     // An env step without learning costs a tenth of a gradient step in one arena, a thirtieth in sixteen.
     env_steps * (per_step + 0.1) + 1.0
 }

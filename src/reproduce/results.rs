@@ -1,19 +1,19 @@
 //! What came of it: the number of any measure for any arm, condition and seed.
 //!
-//! In: a plan that was carried out, and its folder. Out: [`Value`]s and learning curves, read from the records of
+//! In: a plan that was carried out, and its folder. Out: [`MeasuredValue`]s and learning curves, read from the records of
 //! training and the trials.
 
 use std::path::{Path, PathBuf};
 
-use super::experiment::{Experiment, Series, TestRule, Tested};
+use super::experiment::{EpisodeSeries, Experiment, TestRule, TestedPolicy};
 use super::measure::Measure;
-use super::plan::{Chain, Plan, Selected, Training, Which};
-use super::trial::{self, Trial};
-use super::yardstick::Yardstick;
+use super::optimal_times::OptimalTimesCache;
+use super::plan::{ArmRun, PolicyId, RunPlan, SelectedExperiment, Training};
+use super::policy_test::{self, PolicyTestResult};
 use crate::report::statistics::moving_mean;
 use crate::run::RunError;
-use crate::run::evaluate::{period_s, to_microsecond};
-use crate::run::records::{EpisodeRow, Summary};
+use crate::run::evaluate::{period_s, round_to_microsecond};
+use crate::run::metric_rows::{EpisodeRow, Summary};
 
 /// Episodes in the means that tell how far training is.
 const WINDOW: usize = 100;
@@ -22,16 +22,16 @@ const LEVEL_WINDOW: usize = 50;
 
 /// A number measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Value {
+pub struct MeasuredValue {
     /// The number, in the measure's unit.
     pub value: f64,
     /// The run ended before the level was reached, or every drive failed: the true number is more than this.
-    pub at_least: bool,
+    pub is_lower_bound: bool,
 }
 
-impl Value {
+impl MeasuredValue {
     fn exact(value: f64) -> Self {
-        Self { value, at_least: false }
+        Self { value, is_lower_bound: false }
     }
 }
 
@@ -40,31 +40,31 @@ impl Value {
 struct Records {
     env_steps: Vec<u64>,
     returns: Vec<f64>,
-    targets: Vec<f64>,
+    goals: Vec<f64>,
 }
 
 impl Records {
     /// A series up to where the policy `which` was taken; of the best policy all of it.
-    fn until(&self, series: Series, which: Which) -> &[f64] {
+    fn until(&self, series: EpisodeSeries, which: PolicyId) -> &[f64] {
         let all = match series {
-            Series::Return => &self.returns,
-            Series::Targets => &self.targets,
+            EpisodeSeries::Return => &self.returns,
+            EpisodeSeries::Goals => &self.goals,
         };
         match which {
-            Which::After(episodes) => &all[..(episodes as usize).min(all.len())],
-            Which::Best => all,
+            PolicyId::AfterEpisodes(episodes) => &all[..(episodes as usize).min(all.len())],
+            PolicyId::Best => all,
         }
     }
 }
 
 /// All that came of a plan.
 pub struct Results<'a> {
-    plan: &'a Plan,
-    selected: &'a [Selected],
+    plan: &'a RunPlan,
+    selected: &'a [SelectedExperiment],
     runs: PathBuf,
-    yardsticks: Yardstick,
+    optimal_times_cache: OptimalTimesCache,
     records: Vec<Records>,
-    trials: Vec<Vec<Trial>>,
+    trials: Vec<Vec<PolicyTestResult>>,
 }
 
 impl<'a> Results<'a> {
@@ -73,15 +73,19 @@ impl<'a> Results<'a> {
     /// # Errors
     /// A record cannot be read.
     pub fn read(
-        plan: &'a Plan,
-        selected: &'a [Selected],
+        plan: &'a RunPlan,
+        selected: &'a [SelectedExperiment],
         runs: &Path,
-        yardsticks: Yardstick,
+        optimal_times_cache: OptimalTimesCache,
     ) -> Result<Self, RunError> {
         let read = |training: &Training| records(&runs.join(&training.name).join("episodes.csv"));
         let records = plan.trainings.iter().map(read).collect::<Result<_, _>>()?;
-        let trials = plan.trainings.iter().map(|training| trial::noted(&runs.join(&training.name))).collect();
-        Ok(Self { plan, selected, runs: runs.into(), yardsticks, records, trials })
+        let trials = plan
+            .trainings
+            .iter()
+            .map(|training| policy_test::read_results(&runs.join(&training.name)))
+            .collect();
+        Ok(Self { plan, selected, runs: runs.into(), optimal_times_cache, records, trials })
     }
 
     /// Experiment `index`.
@@ -92,8 +96,8 @@ impl<'a> Results<'a> {
 
     /// The trainings of an arm (by index) under a condition with a seed.
     #[must_use]
-    pub fn chain(&self, experiment: usize, condition: usize, arm: usize, seed: u64) -> &'a Chain {
-        &self.plan.chains[&(experiment, condition, arm, seed)]
+    pub fn arm_run(&self, experiment: usize, condition: usize, arm: usize, seed: u64) -> &'a ArmRun {
+        &self.plan.arm_runs[&(experiment, condition, arm, seed)]
     }
 
     /// [`values`](Self::values) of the arm called `name`; `after` counts over all its stages, or, `of_last_stage`, in
@@ -101,17 +105,21 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// As those of [`values`](Self::values).
-    pub fn values_of(
+    pub fn values_by_arm_name(
         &self,
         experiment: usize,
         condition: usize,
         name: &str,
         measure: Measure,
         (after, of_last_stage): (u64, bool),
-    ) -> Result<Vec<Value>, RunError> {
+    ) -> Result<Vec<MeasuredValue>, RunError> {
         // That there is an arm of that name was checked when the experiment was read.
         let arm = self.experiment(experiment).arms.iter().position(|arm| arm.name == name).unwrap_or(0);
-        let before = if of_last_stage { self.chain(experiment, condition, arm, 1).before_last() } else { 0 };
+        let before = if of_last_stage {
+            self.arm_run(experiment, condition, arm, 1).episodes_before_last_stage()
+        } else {
+            0
+        };
         self.values(experiment, condition, arm, measure, before + after)
     }
 
@@ -126,7 +134,7 @@ impl<'a> Results<'a> {
         arm: usize,
         measure: Measure,
         after: u64,
-    ) -> Result<Vec<Value>, RunError> {
+    ) -> Result<Vec<MeasuredValue>, RunError> {
         let seeds = 1..=self.experiment(experiment).seeds;
         seeds.map(|seed| self.value(experiment, condition, arm, seed, measure, after)).collect()
     }
@@ -139,36 +147,37 @@ impl<'a> Results<'a> {
         seed: u64,
         measure: Measure,
         after: u64,
-    ) -> Result<Value, RunError> {
+    ) -> Result<MeasuredValue, RunError> {
         let (training, which) = self.policy(experiment, condition, arm, seed, after);
         Ok(match measure {
             Measure::Success
-            | Measure::CourseTime
+            | Measure::BenchmarkRouteTime
             | Measure::MeanTime
             | Measure::TimeRatio
             | Measure::BoundRatio => {
                 self.tested(training, which, self.experiment(experiment).test, measure)?
             }
-            Measure::Return | Measure::Targets => {
-                let series = if measure == Measure::Return { Series::Return } else { Series::Targets };
+            Measure::Return | Measure::Goals => {
+                let series =
+                    if measure == Measure::Return { EpisodeSeries::Return } else { EpisodeSeries::Goals };
                 let all = self.records[training].until(series, which);
                 let last = &all[all.len().saturating_sub(WINDOW)..];
-                Value::exact(last.iter().sum::<f64>() / last.len().max(1) as f64)
+                MeasuredValue::exact(last.iter().sum::<f64>() / last.len().max(1) as f64)
             }
             Measure::EpisodesTo(level) | Measure::StepsTo(level) => {
                 let records = &self.records[training];
-                let targets = records.until(Series::Targets, which);
-                let window = LEVEL_WINDOW.min(targets.len());
-                let reached = moving_mean(targets, window)
+                let goals = records.until(EpisodeSeries::Goals, which);
+                let window = LEVEL_WINDOW.min(goals.len());
+                let reached = moving_mean(goals, window)
                     .iter()
                     .enumerate()
                     .position(|(i, &mean)| i + 1 >= window && mean >= level);
-                let episode = reached.unwrap_or(targets.len().saturating_sub(1));
+                let episode = reached.unwrap_or(goals.len().saturating_sub(1));
                 let value = match measure {
                     Measure::StepsTo(_) => records.env_steps.get(episode).map_or(0.0, |&n| n as f64 / 1e3),
                     _ => (episode + 1) as f64,
                 };
-                Value { value, at_least: reached.is_none() }
+                MeasuredValue { value, is_lower_bound: reached.is_none() }
             }
         })
     }
@@ -194,26 +203,26 @@ impl<'a> Results<'a> {
     fn tested(
         &self,
         training: usize,
-        which: Which,
+        which: PolicyId,
         rule: TestRule,
         measure: Measure,
-    ) -> Result<Value, RunError> {
+    ) -> Result<MeasuredValue, RunError> {
         let trial = self.trial(training, which, rule)?;
         let task = &self.plan.trainings[training].config.scenario.task;
-        let (period_s, limit) = (period_s(task.control_period_s), task.time_limit_steps);
+        let (period_s, limit) = (period_s(task.control_period_s), task.max_episode_steps);
         let mean_s = |steps: &[Option<u32>]| {
             let sum: u64 = steps.iter().map(|steps| u64::from(steps.unwrap_or(limit))).sum();
-            to_microsecond(sum as f64 / steps.len() as f64 * period_s)
+            round_to_microsecond(sum as f64 / steps.len() as f64 * period_s)
         };
         Ok(match measure {
-            Measure::CourseTime => Value {
-                value: mean_s(&trial.course_steps),
-                at_least: trial.course_steps.iter().all(Option::is_none),
+            Measure::BenchmarkRouteTime => MeasuredValue {
+                value: mean_s(&trial.benchmark_route_steps),
+                is_lower_bound: trial.benchmark_route_steps.iter().all(Option::is_none),
             },
-            Measure::MeanTime => Value::exact(mean_s(&trial.steps)),
+            Measure::MeanTime => MeasuredValue::exact(mean_s(&trial.steps)),
             Measure::TimeRatio | Measure::BoundRatio => {
-                let measured = self.yardstick(training, which, rule)?;
-                let pairs = trial.steps.iter().zip(&measured.navigations);
+                let measured = self.optimal_times(training, which, rule)?;
+                let pairs = trial.steps.iter().zip(&measured.episodes);
                 let both = pairs.filter_map(|(driven, least)| {
                     let plan_steps = least.plan_steps?;
                     let to = if measure == Measure::TimeRatio { plan_steps } else { least.lower_steps };
@@ -222,28 +231,28 @@ impl<'a> Results<'a> {
                 let (driven, least) = both.fold((0_u64, 0_u64), |(driven, least), (d, l)| {
                     (driven + u64::from(d), least + u64::from(l))
                 });
-                Value::exact(if least == 0 { f64::NAN } else { driven as f64 / least as f64 })
+                MeasuredValue::exact(if least == 0 { f64::NAN } else { driven as f64 / least as f64 })
             }
-            _ => Value::exact(100.0 * trial.success_rate()),
+            _ => MeasuredValue::exact(100.0 * trial.success_rate()),
         })
     }
 
     /// The least times of the world that a training's policies are tested in.
     ///
     /// # Errors
-    /// The policy that shows the test's starts and targets cannot be read.
-    pub fn yardstick(
+    /// The policy that shows the test's starts and goals cannot be read.
+    pub fn optimal_times(
         &self,
         training: usize,
-        which: Which,
+        which: PolicyId,
         rule: TestRule,
-    ) -> Result<std::rc::Rc<super::yardstick::Least>, RunError> {
+    ) -> Result<std::rc::Rc<super::optimal_times::OptimalTimes>, RunError> {
         let policy = self.policy_file(training, which);
-        self.yardsticks.of(&self.training(training).config.scenario, rule, &policy)
+        self.optimal_times_cache.for_test(&self.training(training).config.scenario, rule, &policy)
     }
 
-    fn trial(&self, training: usize, which: Which, rule: TestRule) -> Result<&Trial, RunError> {
-        trial::find(&self.trials[training], which, rule).ok_or_else(|| {
+    fn trial(&self, training: usize, which: PolicyId, rule: TestRule) -> Result<&PolicyTestResult, RunError> {
+        policy_test::find(&self.trials[training], which, rule).ok_or_else(|| {
             RunError::failed(&self.policy_file(training, which), "holds a policy that was not tested")
         })
     }
@@ -257,22 +266,22 @@ impl<'a> Results<'a> {
         arm: usize,
         seed: u64,
         after: u64,
-    ) -> (usize, Which) {
-        let chain = self.chain(experiment, condition, arm, seed);
+    ) -> (usize, PolicyId) {
+        let chain = self.arm_run(experiment, condition, arm, seed);
         let last = chain.stages.len() - 1;
         match self.experiment(experiment).arms[arm].policy {
-            Tested::Best => (chain.stages[last].0, Which::Best),
-            Tested::AsItStands => {
-                let (stage, episodes) = chain.at(after).unwrap_or((last, after));
-                (chain.stages[stage].0, Which::After(episodes))
+            TestedPolicy::Best => (chain.stages[last].0, PolicyId::Best),
+            TestedPolicy::AtEpisode => {
+                let (stage, episodes) = chain.stage_at(after).unwrap_or((last, after));
+                (chain.stages[stage].0, PolicyId::AfterEpisodes(episodes))
             }
         }
     }
 
     /// Where a policy's file is.
     #[must_use]
-    pub fn policy_file(&self, training: usize, which: Which) -> PathBuf {
-        self.runs.join(&self.plan.trainings[training].name).join(trial::file(which))
+    pub fn policy_file(&self, training: usize, which: PolicyId) -> PathBuf {
+        self.runs.join(&self.plan.trainings[training].name).join(policy_test::policy_file(which))
     }
 
     /// The training at `index`.
@@ -283,13 +292,19 @@ impl<'a> Results<'a> {
 
     /// A series over the episodes of all stages of an arm, one curve for each seed.
     #[must_use]
-    pub fn curves(&self, experiment: usize, condition: usize, arm: usize, series: Series) -> Vec<Vec<f64>> {
+    pub fn curves(
+        &self,
+        experiment: usize,
+        condition: usize,
+        arm: usize,
+        series: EpisodeSeries,
+    ) -> Vec<Vec<f64>> {
         let seeds = 1..=self.experiment(experiment).seeds;
         seeds
             .map(|seed| {
-                let chain = self.chain(experiment, condition, arm, seed);
+                let chain = self.arm_run(experiment, condition, arm, seed);
                 let stages = chain.stages.iter().flat_map(|&(training, length)| {
-                    let whole = length.map_or(Which::Best, Which::After);
+                    let whole = length.map_or(PolicyId::Best, PolicyId::AfterEpisodes);
                     self.records[training].until(series, whole).iter().copied()
                 });
                 stages.collect()
@@ -299,7 +314,7 @@ impl<'a> Results<'a> {
 
     /// Wall time of all trainings together, in minutes.
     #[must_use]
-    pub fn minutes(&self) -> f64 {
+    pub fn total_wall_minutes(&self) -> f64 {
         let wall_s = |training: &Training| {
             Summary::read(&self.runs.join(&training.name)).map(|summary| summary.wall_s)
         };
@@ -315,12 +330,12 @@ impl<'a> Results<'a> {
 
 fn records(path: &Path) -> Result<Records, RunError> {
     let mut reader = csv::Reader::from_path(path).map_err(|error| RunError::failed(path, error))?;
-    let mut records = Records { env_steps: Vec::new(), returns: Vec::new(), targets: Vec::new() };
+    let mut records = Records { env_steps: Vec::new(), returns: Vec::new(), goals: Vec::new() };
     for row in reader.deserialize::<EpisodeRow>() {
         let row = row.map_err(|error| RunError::failed(path, error))?;
         records.env_steps.push(row.env_steps);
         records.returns.push(row.total_return);
-        records.targets.push(f64::from(row.targets));
+        records.goals.push(f64::from(row.goals));
     }
     Ok(records)
 }

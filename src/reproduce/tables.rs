@@ -2,13 +2,13 @@
 //!
 //! In: what a table is to show, and the results. Out: a [`Table`], with notes on how its numbers came about.
 
-use super::experiment::{Experiment, Show, TableSpec, Tested};
+use super::claim_result::{compare, raw_values};
+use super::experiment::{Experiment, TableKind, TableSpec, TestedPolicy};
 use super::figures::{row_name, rows};
 use super::measure::Measure;
-use super::results::{Results, Value};
-use super::trial::COURSE_DRIVES;
-use super::verdict::{compare, plain};
-use crate::planner::Bounds;
+use super::policy_test::BENCHMARK_ROUTE_EPISODES;
+use super::results::{MeasuredValue, Results};
+use crate::planner::StepBounds;
 use crate::report::statistics::Estimate;
 use crate::report::table::{Cell, Column, ColumnKind, Table, number};
 use crate::run::RunError;
@@ -20,10 +20,10 @@ use crate::run::evaluate::period_s;
 /// Results are missing.
 pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Table, RunError> {
     let (columns, rows, mut notes) = match &spec.show {
-        Show::Seeds { measure, after, paper } => seeds(results, index, *measure, *after, paper)?,
-        Show::Rounds { after, paper } => rounds(results, index, *after, paper)?,
-        Show::Measures { measures, after } => measures_of(results, index, measures, *after)?,
-        Show::Contrast { measures, better, than, after, of_last_stage } => {
+        TableKind::Seeds { measure, after, paper } => seeds(results, index, *measure, *after, paper)?,
+        TableKind::Rounds { after, paper } => rounds(results, index, *after, paper)?,
+        TableKind::Measures { measures, after } => measures_of(results, index, measures, *after)?,
+        TableKind::Contrast { measures, better, than, after, of_last_stage } => {
             contrast(results, index, measures, (better, than), after, *of_last_stage)?
         }
     };
@@ -58,7 +58,7 @@ fn seeds(
         columns.push(numbers("Paper", unit));
         columns.push(numbers("Difference", unit));
     }
-    let timed = matches!(measure, Measure::CourseTime | Measure::MeanTime);
+    let timed = matches!(measure, Measure::BenchmarkRouteTime | Measure::MeanTime);
     if timed {
         columns.push(numbers("Mean / least", ""));
         if !paper.is_empty() {
@@ -69,7 +69,7 @@ fn seeds(
     let mut notes: Vec<String> = Vec::new();
     for (condition, arm) in rows(results, index) {
         let values = results.values(index, condition, arm, measure, after)?;
-        let mean = Estimate::of(&plain(&values));
+        let mean = Estimate::from_values(&raw_values(&values));
         let mut row = vec![Cell::Text(row_name(results, index, condition, arm))];
         row.extend(values.iter().map(|value| cell(value, digits)));
         row.push(estimate(mean, digits));
@@ -132,7 +132,9 @@ fn rounds(
             None => Cell::Empty,
         };
         row.extend((0..experiment.test.rounds).map(cell));
-        row.push(Estimate::of(rounds).map_or(Cell::Empty, |e| Cell::Number { value: e.mean, digits: 1 }));
+        row.push(
+            Estimate::from_values(rounds).map_or(Cell::Empty, |e| Cell::Number { value: e.mean, digits: 1 }),
+        );
         row
     };
     let mut table_rows = Vec::new();
@@ -149,7 +151,7 @@ fn rounds(
     Ok((columns, table_rows, Vec::new()))
 }
 
-/// Mean least time, and mean proven lower bound, in s, of the course or of the test's navigations.
+/// Mean least time, and mean proven lower bound, in s, of the benchmark route or of the test's episodes.
 fn least(
     results: &Results<'_>,
     index: usize,
@@ -158,11 +160,14 @@ fn least(
     after: u64,
 ) -> Result<Option<(f64, f64)>, RunError> {
     let (training, which) = results.policy(index, condition, arm, 1, after);
-    let least = results.yardstick(training, which, results.experiment(index).test)?;
-    let bounds = if measure == Measure::CourseTime { &least.course } else { &least.navigations };
+    let least = results.optimal_times(training, which, results.experiment(index).test)?;
+    let bounds =
+        if measure == Measure::BenchmarkRouteTime { &least.benchmark_route } else { &least.episodes };
     let period_s = period_s(results.training(training).config.scenario.task.control_period_s);
-    let known: Option<Vec<(u32, u32)>> =
-        bounds.iter().map(|&Bounds { lower_steps, plan_steps }| Some((plan_steps?, lower_steps))).collect();
+    let known: Option<Vec<(u32, u32)>> = bounds
+        .iter()
+        .map(|&StepBounds { lower_steps, plan_steps }| Some((plan_steps?, lower_steps)))
+        .collect();
     Ok(known.filter(|known| !known.is_empty()).map(|known| {
         let mean = |of: fn(&(u32, u32)) -> u32| {
             known.iter().map(|pair| f64::from(of(pair))).sum::<f64>() / known.len() as f64 * period_s
@@ -220,7 +225,8 @@ fn contrast(
                 row.push(Cell::Number { value: after as f64, digits: 0 });
             }
             for &measure in measures {
-                let values = |arm| results.values_of(index, condition, arm, measure, (after, of_last_stage));
+                let values =
+                    |arm| results.values_by_arm_name(index, condition, arm, measure, (after, of_last_stage));
                 let (one, other) = (values(better)?, values(than)?);
                 let compared = compare(measure, &one, &other);
                 row.extend([mean(&one, measure), mean(&other, measure)]);
@@ -229,7 +235,7 @@ fn contrast(
                     half_width: difference.half_width,
                     digits: measure.digits(),
                 }));
-                row.push(Cell::Verdict(compared.outcome));
+                row.push(Cell::ClaimResult(compared.outcome));
             }
             table_rows.push(row);
         }
@@ -242,10 +248,10 @@ fn contrast(
     Ok((columns, table_rows, vec![note]))
 }
 
-fn cell(value: &Value, digits: usize) -> Cell {
+fn cell(value: &MeasuredValue, digits: usize) -> Cell {
     match *value {
-        Value { value, at_least: true } => Cell::AtLeast { value, digits },
-        Value { value, at_least: false } => Cell::Number { value, digits },
+        MeasuredValue { value, is_lower_bound: true } => Cell::AtLeast { value, digits },
+        MeasuredValue { value, is_lower_bound: false } => Cell::Number { value, digits },
     }
 }
 
@@ -254,11 +260,13 @@ fn estimate(estimate: Option<Estimate>, digits: usize) -> Cell {
 }
 
 /// The mean over the seeds with its interval; a lower bound where some never got there.
-fn mean(values: &[Value], measure: Measure) -> Cell {
+fn mean(values: &[MeasuredValue], measure: Measure) -> Cell {
     let digits = measure.digits();
-    let mean = Estimate::of(&plain(values));
+    let mean = Estimate::from_values(&raw_values(values));
     match mean {
-        Some(mean) if values.iter().any(|value| value.at_least) => Cell::AtLeast { value: mean.mean, digits },
+        Some(mean) if values.iter().any(|value| value.is_lower_bound) => {
+            Cell::AtLeast { value: mean.mean, digits }
+        }
         mean => estimate(mean, digits),
     }
 }
@@ -271,50 +279,52 @@ fn decimals(value: f64) -> usize {
 /// What one must know to read the numbers.
 fn notes_on(experiment: &Experiment, spec: &TableSpec) -> Vec<String> {
     let measures: &[Measure] = match &spec.show {
-        Show::Seeds { measure, .. } => std::slice::from_ref(measure),
-        Show::Rounds { .. } => &[Measure::Success],
-        Show::Measures { measures, .. } | Show::Contrast { measures, .. } => measures,
+        TableKind::Seeds { measure, .. } => std::slice::from_ref(measure),
+        TableKind::Rounds { .. } => &[Measure::Success],
+        TableKind::Measures { measures, .. } | TableKind::Contrast { measures, .. } => measures,
     };
     let mut notes = Vec::new();
     let after = match &spec.show {
-        Show::Seeds { after, .. } | Show::Rounds { after, .. } | Show::Measures { after, .. } => Some(after),
-        Show::Contrast { .. } => None,
+        TableKind::Seeds { after, .. }
+        | TableKind::Rounds { after, .. }
+        | TableKind::Measures { after, .. } => Some(after),
+        TableKind::Contrast { .. } => None,
     };
-    let as_it_stands = experiment.arms.iter().any(|arm| arm.policy == Tested::AsItStands);
+    let as_it_stands = experiment.arms.iter().any(|arm| arm.policy == TestedPolicy::AtEpisode);
     let mut when = match after.filter(|_| as_it_stands) {
         Some(after) => format!("Tested after {} episodes, greedily", number(*after as f64, 0)),
         None => "Tested greedily".into(),
     };
     let seeds = experiment.seeds;
     when += &format!(", over {seeds} seed{}", if seeds == 1 { "" } else { "s" });
-    if !matches!(spec.show, Show::Rounds { .. }) {
+    if !matches!(spec.show, TableKind::Rounds { .. }) {
         when += "; ± is the 95 % interval of the mean over the seeds (Student's t)";
     }
-    let of_paper = matches!(&spec.show, Show::Seeds { paper, .. } if !paper.is_empty());
+    let of_paper = matches!(&spec.show, TableKind::Seeds { paper, .. } if !paper.is_empty());
     when += if of_paper { ", the paper's figure taken as exact." } else { "." };
     notes.push(when);
-    for arm in experiment.arms.iter().filter(|arm| arm.policy == Tested::Best) {
+    for arm in experiment.arms.iter().filter(|arm| arm.policy == TestedPolicy::Best) {
         notes.push(format!("{}: the best policy of its training, by evaluations of its own.", arm.name));
     }
     let test = &experiment.test;
     if measures.contains(&Measure::Success) {
         notes.push(format!(
-            "Success: each seed's policy drives {} rounds of {} navigations that it has never seen.",
-            test.rounds, test.navigations
+            "Success: each seed's policy drives {} rounds of {} episodes that it has never seen.",
+            test.rounds, test.episodes
         ));
     }
-    if measures.contains(&Measure::CourseTime) {
+    if measures.contains(&Measure::BenchmarkRouteTime) {
         notes.push(format!(
-            "Course: mean of {COURSE_DRIVES} drives of each seed's policy; a drive that fails counts as the time limit. \
+            "Course: mean of {BENCHMARK_ROUTE_EPISODES} drives of each seed's policy; a drive that fails counts as the time limit. \
              Where nothing moves and nothing is noisy, all drives of a policy are the same."
         ));
     }
     if measures.contains(&Measure::MeanTime) {
-        notes.push("Mean time: over all test navigations; one that fails counts as the time limit.".into());
+        notes.push("Mean time: over all test episodes; one that fails counts as the time limit.".into());
     }
     if measures.contains(&Measure::TimeRatio) {
         notes.push(
-            "Time / least: total time of the successful test navigations over the planner's for the same ones. Of a policy \
+            "Time / least: total time of the successful test episodes over the planner's for the same ones. Of a policy \
              that often fails those are the easy ones."
                 .into(),
         );
@@ -322,10 +332,8 @@ fn notes_on(experiment: &Experiment, spec: &TableSpec) -> Vec<String> {
     if measures.contains(&Measure::BoundRatio) {
         notes.push("Time / bound: the same over the proven lower bounds.".into());
     }
-    if measures.iter().any(|m| matches!(m, Measure::Return | Measure::Targets)) {
-        notes.push(
-            "Return, targets: mean of the last 100 episodes of training, while still exploring.".into(),
-        );
+    if measures.iter().any(|m| matches!(m, Measure::Return | Measure::Goals)) {
+        notes.push("Return, goals: mean of the last 100 episodes of training, while still exploring.".into());
     }
     if measures.iter().any(|m| matches!(m, Measure::EpisodesTo(_) | Measure::StepsTo(_))) {
         notes.push(

@@ -3,42 +3,47 @@
 
 use std::path::{Path, PathBuf};
 
-use super::experiment::{Experiment, Show, TestRule};
+use super::experiment::{Experiment, TableKind, TestRule};
 use super::measure::Measure;
-use super::plan::{Plan, Selected, Which};
-use super::results::{Results, Value};
+use super::optimal_times::OptimalTimesCache;
+use super::plan::{PolicyId, RunPlan, SelectedExperiment};
+use super::policy_test::{self, PolicyTestResult};
+use super::results::{MeasuredValue, Results};
 use super::select::select;
-use super::trial::{self, Trial};
-use super::yardstick::Yardstick;
-use super::{Request, plan};
+use super::{ReproduceOptions, plan};
 use crate::run::folder::RunFolder;
+use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::preset::Budget;
-use crate::run::records::{EpisodeRow, EvaluationRow};
 
-fn only(names: &[&str]) -> Request {
-    Request { only: names.iter().map(|&name| name.into()).collect(), ..Request::default() }
+fn only(names: &[&str]) -> ReproduceOptions {
+    ReproduceOptions { only: names.iter().map(|&name| name.into()).collect(), ..ReproduceOptions::default() }
 }
 
-fn planned(request: &Request) -> (Vec<Selected>, Plan) {
+fn planned(request: &ReproduceOptions) -> (Vec<SelectedExperiment>, RunPlan) {
     let selected = select(request).expect("it can be selected");
-    let plan = Plan::new(&selected).expect("it can be planned");
+    let plan = RunPlan::new(&selected).expect("it can be planned");
     (selected, plan)
 }
 
-fn budgets(plan: &Plan, seed: u64) -> Vec<(String, Budget)> {
+fn budgets(plan: &RunPlan, seed: u64) -> Vec<(String, Budget)> {
     let of_seed = plan.trainings.iter().filter(|training| training.config.seed == seed);
     of_seed.map(|training| (training.config.preset_name(), training.config.preset.budget)).collect()
 }
 
 #[test]
 fn everything_shipped_can_be_planned_also_roughly() {
-    let (all, plan) = planned(&Request::default());
+    let (all, plan) = planned(&ReproduceOptions::default());
     assert_eq!(all.len(), 8);
-    let (rough, rough_plan) = planned(&Request { quick: true, ..Request::default() });
+    let (rough, rough_plan) = planned(&ReproduceOptions { quick: true, ..ReproduceOptions::default() });
     assert_eq!(plan.trainings.len() / 5, rough_plan.trainings.len() / 2, "as many trainings a seed");
     for selected in rough {
         let experiment = &selected.source.experiment;
-        assert!(experiment.findings().is_empty(), "{}: {:?}", selected.source.from, experiment.findings());
+        assert!(
+            experiment.diagnostics().is_empty(),
+            "{}: {:?}",
+            selected.source.from,
+            experiment.diagnostics()
+        );
         assert_eq!(experiment.seeds, 2);
     }
     for (index, training) in plan.trainings.iter().enumerate() {
@@ -64,7 +69,7 @@ fn a_training_that_several_need_is_made_once() {
         plan.trainings.iter().find(|t| t.config.transfer.is_some()).expect("one is transferred");
     let origin = &plan.trainings[transferred.origin.expect("from another")];
     assert_eq!(origin.config.scenario.name, "Scenario I");
-    assert!(origin.config.keep_after_episodes.contains(&1000), "the policy it starts from is kept");
+    assert!(origin.config.save_policy_after_episodes.contains(&1000), "the policy it starts from is kept");
     let mut names: Vec<&str> = plan.trainings.iter().map(|training| training.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
@@ -83,25 +88,25 @@ fn no_more_is_trained_than_what_is_asked_for_needs() {
     let (selected, _) = planned(&only(&["table7"]));
     let table = selected[0].tables.iter().map(|&i| &selected[0].source.experiment.tables[i].name);
     assert_eq!(table.collect::<Vec<_>>(), ["table6-7"], "a table is found by each of its numbers");
-    let (_, plan) = planned(&Request { seeds: Some(2), ..only(&["fig8"]) });
+    let (_, plan) = planned(&ReproduceOptions { seeds: Some(2), ..only(&["fig8"]) });
     assert_eq!(plan.trainings.len(), 4);
 }
 
 #[test]
 fn episodes_are_counted_over_the_stages() {
     let stages = vec![(0, Some(1000)), (1, Some(800))];
-    let chain = plan::Chain { stages };
-    assert_eq!(chain.at(400), Some((0, 400)));
-    assert_eq!(chain.at(1000), Some((0, 1000)), "the end of a stage is still its own");
-    assert_eq!(chain.at(1001), Some((1, 1)));
-    assert_eq!(chain.at(1800), Some((1, 800)));
-    assert_eq!(chain.at(1801), None);
+    let chain = plan::ArmRun { stages };
+    assert_eq!(chain.stage_at(400), Some((0, 400)));
+    assert_eq!(chain.stage_at(1000), Some((0, 1000)), "the end of a stage is still its own");
+    assert_eq!(chain.stage_at(1001), Some((1, 1)));
+    assert_eq!(chain.stage_at(1800), Some((1, 800)));
+    assert_eq!(chain.stage_at(1801), None);
 }
 
 const TWO_STAGES: &str = r#"(
     title: "t",
     seeds: 1,
-    test: (rounds: 1, navigations: 4, seed: 5),
+    test: (rounds: 1, episodes: 4, seed: 5),
     arms: [
         (
             name: "a",
@@ -114,19 +119,18 @@ const TWO_STAGES: &str = r#"(
     tables: [(name: "t", title: "t", show: Seeds(measure: Success, after: 300))],
 )"#;
 
-/// Writes what a run of `training` would leave: targets per episode, and every episode 10 steps.
-fn pretend(folder: &Path, training: &plan::Training, targets: &[u32], trials: &[Trial]) {
+/// Writes what a run of `training` would leave: goals per episode, and every episode 10 steps.
+fn pretend(folder: &Path, training: &plan::Training, goals: &[u32], trials: &[PolicyTestResult]) {
     let folder = RunFolder::create(Some(folder.join(&training.name)), &training.config).expect("a folder");
     let mut episodes = folder.csv::<EpisodeRow>("episodes.csv", 0).expect("a file");
     folder.csv::<EvaluationRow>("evaluations.csv", 0).expect("a file");
-    for (i, &targets) in (1..).zip(targets) {
-        let total_return = 100.0 * f64::from(targets);
-        let row =
-            EpisodeRow { episode: i, env_steps: 10 * i, targets, total_return, ..EpisodeRow::default() };
+    for (i, &goals) in (1..).zip(goals) {
+        let total_return = 100.0 * f64::from(goals);
+        let row = EpisodeRow { episode: i, env_steps: 10 * i, goals, total_return, ..EpisodeRow::default() };
         episodes.serialize(row).expect("a row");
     }
     episodes.flush().expect("written");
-    trial::note(&folder, trials).expect("written");
+    policy_test::write_results(&folder, trials).expect("written");
 }
 
 #[test]
@@ -134,45 +138,46 @@ fn numbers_are_read_from_the_records_as_the_measures_say() {
     let folder = tempfile::tempdir().expect("a folder");
     let file: PathBuf = folder.path().join("two.ron");
     std::fs::write(&file, TWO_STAGES).expect("written");
-    let (selected, plan) = planned(&Request { experiments: vec![file], ..Request::default() });
+    let (selected, plan) =
+        planned(&ReproduceOptions { experiments: vec![file], ..ReproduceOptions::default() });
     assert_eq!(plan.trainings.len(), 2);
 
-    // First stage: no targets at all. Second: none in 100 episodes, then 4 in each of another 100.
+    // First stage: no goals at all. Second: none in 100 episodes, then 4 in each of another 100.
     let second: Vec<u32> = (0..200).map(|i| if i < 100 { 0 } else { 4 }).collect();
-    let trial = Trial {
-        policy: trial::file(Which::After(200)),
-        rule: TestRule { rounds: 1, navigations: 4, seed: 5 },
+    let trial = PolicyTestResult {
+        policy: policy_test::policy_file(PolicyId::AfterEpisodes(200)),
+        rule: TestRule { rounds: 1, episodes: 4, seed: 5 },
         steps: vec![Some(50), None, Some(70), Some(60)],
         collisions: 1,
-        course_steps: vec![Some(60); trial::COURSE_DRIVES],
+        benchmark_route_steps: vec![Some(60); policy_test::BENCHMARK_ROUTE_EPISODES],
     };
     pretend(folder.path(), &plan.trainings[0], &[0; 100], &[]);
     pretend(folder.path(), &plan.trainings[1], &second, &[trial]);
-    let yardstick = Yardstick::new(folder.path().join("optimum"));
-    let results = Results::read(&plan, &selected, folder.path(), yardstick).expect("they are there");
+    let optimal_times = OptimalTimesCache::new(folder.path().join("optimum"));
+    let results = Results::read(&plan, &selected, folder.path(), optimal_times).expect("they are there");
     let value = |measure, after| {
         let values = results.values(0, 0, 0, measure, after).expect("it is known");
         assert_eq!(values.len(), 1);
         values[0]
     };
-    let exactly = |value| Value { value, at_least: false };
+    let exactly = |value| MeasuredValue { value, is_lower_bound: false };
     assert_eq!(value(Measure::Success, 300), exactly(75.0), "3 of 4");
     // (50 + 500 + 70 + 60) / 4 = 170 steps of 0.2 s: a failure counts as the time limit of 500 steps.
     assert_eq!(value(Measure::MeanTime, 300), exactly(34.0));
-    assert_eq!(value(Measure::CourseTime, 300), exactly(12.0), "60 steps");
+    assert_eq!(value(Measure::BenchmarkRouteTime, 300), exactly(12.0), "60 steps");
     // The last 100 episodes.
-    assert_eq!(value(Measure::Targets, 300), exactly(4.0));
+    assert_eq!(value(Measure::Goals, 300), exactly(4.0));
     assert_eq!(value(Measure::Return, 300), exactly(400.0));
-    assert_eq!(value(Measure::Targets, 200), exactly(0.0), "after the first 100 of the second stage");
+    assert_eq!(value(Measure::Goals, 200), exactly(0.0), "after the first 100 of the second stage");
     // The mean of 50 episodes is 4 n / 50 after n of the good ones: 2 from the 25th on, the 125th of the stage.
     assert_eq!(value(Measure::EpisodesTo(2.0), 300), exactly(125.0));
     assert_eq!(value(Measure::StepsTo(2.0), 300), exactly(1.25), "thousands of steps");
-    let never = Value { value: 200.0, at_least: true };
+    let never = MeasuredValue { value: 200.0, is_lower_bound: true };
     assert_eq!(value(Measure::EpisodesTo(4.5), 300), never, "all of the stage's episodes, and more");
 
     assert_eq!(results.rounds(0, 0, 0, 1, 300).expect("it is known"), [75.0], "one round");
 
-    let curve = &results.curves(0, 0, 0, super::experiment::Series::Targets)[0];
+    let curve = &results.curves(0, 0, 0, super::experiment::EpisodeSeries::Goals)[0];
     assert_eq!((curve.len(), curve[99], curve[299]), (300, 0.0, 4.0), "one stage behind the other");
 }
 
@@ -180,23 +185,23 @@ fn numbers_are_read_from_the_records_as_the_measures_say() {
 fn a_change_is_made_in_every_field_it_names() {
     let text = TWO_STAGES.replace(
         "budget: Episodes(200))",
-        "budget: Episodes(200), change: (lidar_noise_std_m: 0.05, actuator_lag_s: 0.3, collision_range_m: 0.15,
-            time_limit_steps: 300, reward: Traditional, l_r_m: 0.5, observation: Raw, double: true, dueling: true,
+        "budget: Episodes(200), overrides: (lidar_noise_std_m: 0.05, actuator_lag_s: 0.3, collision_range_m: 0.15,
+            max_episode_steps: 300, reward: Traditional, l_r_m: 0.5, observation: Raw, double: true, dueling: true,
             sampling: Prioritized(alpha: 0.6, beta: Constant(0.4), importance_weights: true, epsilon: 0.01),
             alpha: 0.7))",
     );
     let experiment = Experiment::parse(&text, "two.ron").expect("it is one");
-    let change = &experiment.arms[0].stages[1].change;
+    let change = &experiment.arms[0].stages[1].overrides;
     let mut scenario = crate::run::shipped::scenario("scenario-2").expect("shipped");
     let mut preset = crate::run::shipped::preset("dqn").expect("shipped");
-    let faster = super::change::Change { orbit_speed_rad_s: Some(0.3), ..change.clone() };
+    let faster = super::overrides::Override { orbit_speed_rad_s: Some(0.3), ..change.clone() };
     faster.apply(&mut scenario, &mut preset);
     let text = crate::scenario::to_ron(&(scenario, preset)).expect("RON");
     for said in [
         "noise_std_m: 0.05",
         "actuator_lag_s: 0.3",
         "collision_range_m: 0.15",
-        "time_limit_steps: 300",
+        "max_episode_steps: 300",
         "kind: Traditional",
         "l_r_m: 0.5",
         "observation: Raw",
@@ -208,5 +213,5 @@ fn a_change_is_made_in_every_field_it_names() {
         assert_eq!(text.matches(said).count(), 1, "{said} in {text}");
     }
     assert_eq!(text.matches("speed_rad_s: 0.3").count(), 4, "all four cylinders");
-    assert!(matches!(experiment.tables[0].show, Show::Seeds { after: 300, .. }));
+    assert!(matches!(experiment.tables[0].show, TableKind::Seeds { after: 300, .. }));
 }

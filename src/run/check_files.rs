@@ -13,7 +13,7 @@ const OF_PRESETS: [&str; 3] = ["arenas", "budget", "learning"];
 
 /// A file that was looked at (or a folder in which there is none).
 #[derive(Clone, Debug)]
-pub struct Checked {
+pub struct CheckedFile {
     /// Where it is, as it was named.
     pub path: PathBuf,
     /// All that is wrong with it.
@@ -23,11 +23,11 @@ pub struct Checked {
 /// Looks at every file of `paths`, in their order. Of a folder these are all whose names end in `.ron`, in the order of
 /// their names, those in its folders too; what is hidden (`.name`) is left out.
 #[must_use]
-pub fn check(paths: &[PathBuf]) -> Vec<Checked> {
+pub fn check(paths: &[PathBuf]) -> Vec<CheckedFile> {
     let mut checked = Vec::new();
     for path in paths {
         if !path.is_dir() {
-            checked.push(Checked { path: path.clone(), error: wrong_with(path) });
+            checked.push(CheckedFile { path: path.clone(), error: wrong_with(path) });
             continue;
         }
         let before = checked.len();
@@ -35,19 +35,19 @@ pub fn check(paths: &[PathBuf]) -> Vec<Checked> {
         if checked.len() == before {
             let message =
                 "there is no .ron file in this folder: name a scenario, a preset, or a folder that has some";
-            let error = Some(FileError::whole(path, message));
-            checked.push(Checked { path: path.clone(), error });
+            let error = Some(FileError::for_file(path, message));
+            checked.push(CheckedFile { path: path.clone(), error });
         }
     }
     checked
 }
 
-fn check_folder(folder: &Path, checked: &mut Vec<Checked>) {
+fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
     let entries = match entries(folder) {
         Ok(entries) => entries,
         Err(error) => {
-            let error = Some(FileError::whole(folder, format!("this folder can't be read: {error}")));
-            checked.push(Checked { path: folder.into(), error });
+            let error = Some(FileError::for_file(folder, format!("this folder can't be read: {error}")));
+            checked.push(CheckedFile { path: folder.into(), error });
             return;
         }
     };
@@ -56,7 +56,7 @@ fn check_folder(folder: &Path, checked: &mut Vec<Checked>) {
             check_folder(&path, checked);
         } else if path.extension().is_some_and(|ending| ending == "ron") {
             let error = wrong_with(&path);
-            checked.push(Checked { path, error });
+            checked.push(CheckedFile { path, error });
         }
     }
 }

@@ -12,24 +12,24 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use bevy::prelude::*;
 use serde::Serialize;
 
-use super::preset::{MOST_BODIES, bodies_in};
+use super::preset::{MAX_BODIES, bodies_per_arena};
 use super::{RunError, policy_card, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;
-use crate::planner::{self, Bounds, Resolution};
+use crate::planner::{self, Resolution, StepBounds};
 use crate::random;
 use crate::scenario::{Scenario, TaskRules};
 use crate::sim;
 use crate::task::{
-    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, Places, Pose, Streams, Target, observation,
+    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, Goal, Pose, Streams, observation,
 };
 
-/// The most navigations that are driven side by side; in a browser fewer, whose world is built within a frame.
+/// The most episodes that are driven side by side; in a browser fewer, whose world is built within a frame.
 const SIDE_BY_SIDE: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
 
 /// How one navigation went.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Navigation {
+pub struct EpisodeResult {
     /// How it ended.
     pub end: EpisodeEnd,
     /// Control steps until then.
@@ -37,14 +37,14 @@ pub struct Navigation {
     /// Where it started.
     pub start: Pose,
     /// Where it was to go.
-    pub target: Target,
+    pub goal: Goal,
     /// The obstacles' clock at its start.
     pub clock: Clock,
     /// The layout's number, where the scenario has generators.
-    pub layout: u64,
+    pub layout_seed: u64,
 }
 
-impl Navigation {
+impl EpisodeResult {
     /// Whether the target was reached.
     #[must_use]
     pub fn succeeded(&self) -> bool {
@@ -52,10 +52,10 @@ impl Navigation {
     }
 }
 
-/// How a set of navigations went.
+/// How a set of episodes went.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
-    /// Share of navigations that succeeded, 0 to 1.
+    /// Share of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
     /// The same round by round (tables 2 and 5).
     pub rounds: Vec<f64>,
@@ -68,84 +68,89 @@ pub struct Evaluation {
     /// Mean simulated time of all, in s, where one that failed counts as the whole time limit: by it the best policy
     /// of a run is chosen.
     pub mean_cost_s: f64,
-    /// How many navigations.
-    pub navigations: usize,
-    /// The seed of their starts and targets.
+    /// How many episodes.
+    pub episodes: usize,
+    /// The seed of their starts and goals.
     pub seed: u64,
 }
 
 impl Evaluation {
-    /// The rates and means of `navigations`, in rounds of `round` each.
+    /// The rates and means of `episodes`, in rounds of `round` each.
     #[must_use]
-    pub fn of(navigations: &[Navigation], round: usize, rules: &TaskRules, seed: u64) -> Self {
+    pub fn from_episodes(episodes: &[EpisodeResult], round: usize, rules: &TaskRules, seed: u64) -> Self {
         let rate =
-            |of: &[Navigation], end| of.iter().filter(|n| n.end == end).count() as f64 / of.len() as f64;
+            |of: &[EpisodeResult], end| of.iter().filter(|n| n.end == end).count() as f64 / of.len() as f64;
         Self {
-            success_rate: rate(navigations, EpisodeEnd::Reached),
-            rounds: navigations.chunks(round).map(|chunk| rate(chunk, EpisodeEnd::Reached)).collect(),
-            collision_rate: rate(navigations, EpisodeEnd::Collided),
-            timeout_rate: rate(navigations, EpisodeEnd::TimedOut),
-            mean_time_s: mean_time_s(navigations, rules.control_period_s),
-            mean_cost_s: mean_cost_s(navigations, rules),
-            navigations: navigations.len(),
+            success_rate: rate(episodes, EpisodeEnd::Reached),
+            rounds: episodes.chunks(round).map(|chunk| rate(chunk, EpisodeEnd::Reached)).collect(),
+            collision_rate: rate(episodes, EpisodeEnd::Collided),
+            timeout_rate: rate(episodes, EpisodeEnd::TimedOut),
+            mean_time_s: mean_time_s(episodes, rules.control_period_s),
+            mean_cost_s: mean_cost_s(episodes, rules),
+            episodes: episodes.len(),
             seed,
         }
     }
 }
 
 /// The simulated time of each successful navigation, in s.
-pub fn times_s(navigations: &[Navigation], control_period_s: f32) -> impl Iterator<Item = f64> {
-    navigations
+pub fn times_s(episodes: &[EpisodeResult], control_period_s: f32) -> impl Iterator<Item = f64> {
+    episodes
         .iter()
         .filter(|n| n.succeeded())
-        .map(move |n| to_microsecond(f64::from(n.steps) * period_s(control_period_s)))
+        .map(move |n| round_to_microsecond(f64::from(n.steps) * period_s(control_period_s)))
 }
 
-fn mean_time_s(navigations: &[Navigation], control_period_s: f32) -> Option<f64> {
-    let (count, sum) =
-        times_s(navigations, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
-    (count > 0).then(|| to_microsecond(sum / f64::from(count)))
+fn mean_time_s(episodes: &[EpisodeResult], control_period_s: f32) -> Option<f64> {
+    let (count, sum) = times_s(episodes, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
+    (count > 0).then(|| round_to_microsecond(sum / f64::from(count)))
 }
 
-fn mean_cost_s(navigations: &[Navigation], rules: &TaskRules) -> f64 {
-    let steps = |n: &Navigation| if n.succeeded() { n.steps } else { rules.time_limit_steps };
-    let sum: u64 = navigations.iter().map(|n| u64::from(steps(n))).sum();
-    to_microsecond(sum as f64 / navigations.len() as f64 * period_s(rules.control_period_s))
+fn mean_cost_s(episodes: &[EpisodeResult], rules: &TaskRules) -> f64 {
+    let steps = |n: &EpisodeResult| if n.succeeded() { n.steps } else { rules.max_episode_steps };
+    let sum: u64 = episodes.iter().map(|n| u64::from(steps(n))).sum();
+    round_to_microsecond(sum as f64 / episodes.len() as f64 * period_s(rules.control_period_s))
 }
 
 /// The control period in s without its f32 rounding showing (0.2 is meant, not 0.200000003).
 #[must_use]
 pub fn period_s(control_period_s: f32) -> f64 {
-    to_microsecond(f64::from(control_period_s))
+    round_to_microsecond(f64::from(control_period_s))
 }
 
 /// Rounded to a microsecond: sums of a period's decimals do not come out even.
 #[must_use]
-pub fn to_microsecond(seconds: f64) -> f64 {
+pub fn round_to_microsecond(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
 /// What is known of the least time of each navigation, however it went: the planner's bounds, with full knowledge of
-/// the world ([`planner::bounds`]), at its default resolution. In order; the same on any number of `threads` (0: one a
+/// the world ([`planner::step_bounds`]), at its default resolution. In order; the same on any number of `threads` (0: one a
 /// core).
 #[must_use]
-pub fn bounds(scenario: &Scenario, navigations: &[Navigation], threads: usize) -> Vec<Bounds> {
-    let of = |n: &Navigation| {
+pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<StepBounds> {
+    let of = |n: &EpisodeResult| {
         let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let target = (n.target.x_m, n.target.y_m);
+        let goal = (n.goal.x_m, n.goal.y_m);
         if scenario.generators.is_empty() {
-            return planner::bounds(scenario, start, target, n.clock.0, Resolution::default());
+            return planner::step_bounds(scenario, start, goal, n.clock.0, Resolution::default());
         }
-        planner::bounds(&scenario.furnished(n.layout), start, target, n.clock.0, Resolution::default())
+        planner::step_bounds(
+            &scenario.with_generated_obstacles(n.layout_seed),
+            start,
+            goal,
+            n.clock.0,
+            Resolution::default(),
+        )
     };
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = if threads == 0 { cores() } else { threads }.min(navigations.len());
+    let threads = if threads == 0 { cores() } else { threads }.min(episodes.len());
     // Some take a hundred times as long as others, so each thread takes whichever is next.
     let next = AtomicUsize::new(0);
     let work = || {
         let left = || {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            navigations.get(index).map(|navigation| (index, of(navigation)))
+            episodes.get(index).map(|episode| (index, of(episode)))
         };
         std::iter::from_fn(left).collect::<Vec<_>>()
     };
@@ -160,11 +165,11 @@ pub fn bounds(scenario: &Scenario, navigations: &[Navigation], threads: usize) -
     found.into_iter().map(|(_, bounds)| bounds).collect()
 }
 
-/// How the successful navigations compare with the least possible times.
+/// How the successful episodes compare with the least possible times.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AgainstOptimum {
+pub struct OptimumComparison {
     /// How many were compared: those that succeeded and for which the planner found a way.
-    pub navigations: usize,
+    pub episodes: usize,
     /// Mean time of the planner's ways, in s.
     pub optimum_mean_time_s: f64,
     /// Mean time of the policy over that: 1 is the optimum, if the planner found it.
@@ -174,21 +179,25 @@ pub struct AgainstOptimum {
     pub lower_bound_ratio: f64,
 }
 
-impl AgainstOptimum {
-    /// Compares `navigations` with their `bounds`, one for each ([`bounds`]). None if there is nothing to compare.
+impl OptimumComparison {
+    /// Compares `episodes` with their `bounds`, one for each ([`bounds`]). None if there is nothing to compare.
     #[must_use]
-    pub fn of(navigations: &[Navigation], bounds: &[Bounds], rules: &TaskRules) -> Option<Self> {
+    pub fn from_episodes(
+        episodes: &[EpisodeResult],
+        bounds: &[StepBounds],
+        rules: &TaskRules,
+    ) -> Option<Self> {
         let (mut count, mut driven, mut planned, mut proven) = (0_usize, 0_u64, 0_u64, 0_u64);
-        for (navigation, bounds) in navigations.iter().zip(bounds).filter(|(n, _)| n.succeeded()) {
+        for (episode, bounds) in episodes.iter().zip(bounds).filter(|(n, _)| n.succeeded()) {
             let Some(plan_steps) = bounds.plan_steps else { continue };
             count += 1;
-            driven += u64::from(navigation.steps);
+            driven += u64::from(episode.steps);
             planned += u64::from(plan_steps);
             proven += u64::from(bounds.lower_steps);
         }
         (count > 0).then(|| Self {
-            navigations: count,
-            optimum_mean_time_s: to_microsecond(
+            episodes: count,
+            optimum_mean_time_s: round_to_microsecond(
                 planned as f64 / count as f64 * period_s(rules.control_period_s),
             ),
             time_ratio: driven as f64 / planned as f64,
@@ -198,19 +207,19 @@ impl AgainstOptimum {
 }
 
 /// Plans every successful navigation anew with full knowledge of the world ([`bounds`]), on all cores. None if there
-/// is nothing to compare, or the planner does not model the scenario ([`planner::is_modelled`]: a lag of the drive).
+/// is nothing to compare, or the planner does not model the scenario ([`planner::is_supported`]: a lag of the drive).
 #[must_use]
-pub fn against_optimum(scenario: &Scenario, navigations: &[Navigation]) -> Option<AgainstOptimum> {
-    let succeeded: Vec<Navigation> = navigations.iter().filter(|n| n.succeeded()).copied().collect();
-    AgainstOptimum::of(&succeeded, &bounds(scenario, &succeeded, 0), &scenario.task)
+pub fn compare_with_optimum(scenario: &Scenario, episodes: &[EpisodeResult]) -> Option<OptimumComparison> {
+    let succeeded: Vec<EpisodeResult> = episodes.iter().filter(|n| n.succeeded()).copied().collect();
+    OptimumComparison::from_episodes(&succeeded, &bounds(scenario, &succeeded, 0), &scenario.task)
 }
 
 /// Navigations that are being driven.
-pub struct Drive {
+pub struct EvaluationRun {
     seed: u64,
     count: usize,
     /// Those that are done.
-    pub navigations: Vec<Navigation>,
+    pub episodes: Vec<EpisodeResult>,
     /// How those under way began.
     begun: Vec<ArenaState>,
     /// How, and after how many steps, those under way ended.
@@ -225,17 +234,17 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// An evaluator for up to `navigations` navigations at a time.
+    /// An evaluator for up to `episodes` episodes at a time.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, navigations: usize) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, episodes: usize) -> Self {
         // (No result depends on how many are driven at once: fewer, where each has thousands of bodies.)
-        let arenas = navigations.min(SIDE_BY_SIDE).min(MOST_BODIES / bodies_in(scenario)).max(1);
+        let arenas = episodes.min(SIDE_BY_SIDE).min(MAX_BODIES / bodies_per_arena(scenario)).max(1);
         // Its world alone: that may go from thread to thread, an app may not.
-        let world = std::mem::take(simulation::navigating(scenario, arenas).world_mut());
+        let world = std::mem::take(simulation::evaluation_app(scenario, arenas).world_mut());
         Self { world, scenario: scenario.clone(), arenas }
     }
 
-    /// Drives `count` navigations with `policy`, which sees what its card says ([`policy_card::encoding`]); `places`
+    /// Drives `count` episodes with `policy`, which sees what its card says ([`policy_card::encoding`]); `places`
     /// says where from and to. Where navigation j starts and goes to depends on the scenario, `seed` and j alone.
     ///
     /// # Errors
@@ -245,11 +254,11 @@ impl Evaluator {
         policy: &Policy,
         seed: u64,
         count: usize,
-        places: Places,
-    ) -> Result<Vec<Navigation>, RunError> {
+        places: EpisodeSetup,
+    ) -> Result<Vec<EpisodeResult>, RunError> {
         let mut drive = self.start(policy, seed, count, places)?;
-        while !self.go_on(&mut drive)? {}
-        Ok(drive.navigations)
+        while !self.step(&mut drive)? {}
+        Ok(drive.episodes)
     }
 
     /// Begins what [`Evaluator::run`] does, to be gone on with step by step.
@@ -261,25 +270,33 @@ impl Evaluator {
         policy: &Policy,
         seed: u64,
         count: usize,
-        places: Places,
-    ) -> Result<Drive, RunError> {
+        places: EpisodeSetup,
+    ) -> Result<EvaluationRun, RunError> {
         self.follow(policy, places)?;
-        Ok(Drive { seed, count, navigations: Vec::with_capacity(count), begun: Vec::new(), ends: Vec::new() })
+        Ok(EvaluationRun {
+            seed,
+            count,
+            episodes: Vec::with_capacity(count),
+            begun: Vec::new(),
+            ends: Vec::new(),
+        })
     }
 
     /// One control step of `drive`, which must be the one that was started last; gives whether all is driven.
     ///
     /// # Errors
     /// No place was found for a start.
-    pub fn go_on(&mut self, drive: &mut Drive) -> Result<bool, RunError> {
-        if drive.navigations.len() >= drive.count {
+    pub fn step(&mut self, drive: &mut EvaluationRun) -> Result<bool, RunError> {
+        if drive.episodes.len() >= drive.count {
             return Ok(true);
         }
         let world = &mut self.world;
         if drive.ends.is_empty() {
-            let (seed, first) = (drive.seed, drive.navigations.len());
+            let (seed, first) = (drive.seed, drive.episodes.len());
             let batch = self.arenas.min(drive.count - first);
-            sim::rewind(world, |arena| (arena < batch).then(|| fresh(seed, (first + arena) as u64)));
+            sim::reset_arenas(world, |arena| {
+                (arena < batch).then(|| episode_streams(seed, (first + arena) as u64))
+            });
             drive.begun = sim::snapshot(world);
             drive.ends = vec![None; batch];
         }
@@ -290,16 +307,16 @@ impl Evaluator {
         // The time limit ends every navigation.
         if drive.ends.iter().all(Option::is_some) {
             let driven = drive.ends.drain(..).flatten().zip(drive.begun.drain(..));
-            drive.navigations.extend(driven.map(|((end, steps), state)| Navigation {
+            drive.episodes.extend(driven.map(|((end, steps), state)| EpisodeResult {
                 end,
                 steps,
                 start: state.pose,
-                target: state.target,
+                goal: state.goal,
                 clock: state.clock,
-                layout: state.layout,
+                layout_seed: state.layout_seed,
             }));
         }
-        Ok(drive.navigations.len() >= drive.count)
+        Ok(drive.episodes.len() >= drive.count)
     }
 
     /// Drives navigation 0 of [`Evaluator::run`] alone: how it went, and the robot's pose after 0, 1, ... steps.
@@ -310,11 +327,11 @@ impl Evaluator {
         &mut self,
         policy: &Policy,
         seed: u64,
-        places: Places,
-    ) -> Result<(Navigation, Vec<Pose>), RunError> {
+        places: EpisodeSetup,
+    ) -> Result<(EpisodeResult, Vec<Pose>), RunError> {
         self.follow(policy, places)?;
         let world = &mut self.world;
-        sim::rewind(world, |arena| (arena == 0).then(|| fresh(seed, 0)));
+        sim::reset_arenas(world, |arena| (arena == 0).then(|| episode_streams(seed, 0)));
         let begun = sim::snapshot(world).swap_remove(0);
         let mut robots = world.query::<(&Arena, &Pose)>();
         let mut poses = vec![begun.pose];
@@ -325,15 +342,15 @@ impl Evaluator {
             poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
             let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
             if let Some(EpisodeEnded { end, steps, .. }) = ended {
-                let ArenaState { pose: start, target, clock, layout, .. } = begun;
-                return Ok((Navigation { end, steps, start, target, clock, layout }, poses));
+                let ArenaState { pose: start, goal, clock, layout_seed, .. } = begun;
+                return Ok((EpisodeResult { end, steps, start, goal, clock, layout_seed }, poses));
             }
         }
     }
 
     /// From now on `policy` drives, from and to where `places` says.
-    fn follow(&mut self, policy: &Policy, places: Places) -> Result<(), RunError> {
-        fits(policy, &self.scenario)?;
+    fn follow(&mut self, policy: &Policy, places: EpisodeSetup) -> Result<(), RunError> {
+        check_compatible(policy, &self.scenario)?;
         let world = &mut self.world;
         world.insert_resource(policy_card::encoding(policy)?);
         world.insert_resource(GreedyPolicy(policy.clone()));
@@ -344,8 +361,8 @@ impl Evaluator {
 
 /// The streams of navigation `index` of the test with `seed`, and the obstacles' clock at its start.
 #[must_use]
-pub fn fresh(seed: u64, index: u64) -> (Streams, Clock) {
-    let clock = random::below(&mut random::stream(seed, "navigation: clock", index), 100_000);
+pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
+    let clock = random::uniform_index(&mut random::stream(seed, "navigation: clock", index), 100_000);
     let streams = Streams {
         places: random::stream(seed, "navigation: places", index),
         sensor: random::stream(seed, "navigation: sensor", index),
@@ -357,7 +374,7 @@ pub fn fresh(seed: u64, index: u64) -> (Streams, Clock) {
 ///
 /// # Errors
 /// It cannot; what differs.
-pub fn fits(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
+pub fn check_compatible(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
     policy_card::encoding(policy)?;
     let shape = policy.network.shape();
     let inputs = observation::width(scenario.lidar.beams);
@@ -365,7 +382,7 @@ pub fn fits(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
     if (shape.inputs, shape.actions) == (inputs, actions) {
         return Ok(());
     }
-    Err(RunError::Unusable(format!(
+    Err(RunError::InvalidInput(format!(
         "the policy takes {} numbers and chooses among {} motions, but scenario \"{}\" gives {inputs} numbers \
          ({} beams and 4) and has {actions} motions: use the scenario it was trained in, or one with as many beams \
          and motions",

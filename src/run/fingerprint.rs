@@ -8,7 +8,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::folder::RunConfig;
-use super::{RunError, simulation, start};
+use super::{RunError, learner_setup, simulation};
 use crate::learning::Exploration;
 use crate::sim;
 
@@ -17,7 +17,7 @@ use crate::sim;
 pub struct Fingerprint {
     /// Of the weights that it begins with.
     pub weights: u32,
-    /// Of every arena's state after each control step: poses, targets, ranges, rewards, the random streams.
+    /// Of every arena's state after each control step: poses, goals, ranges, rewards, the random streams.
     pub world: u32,
 }
 
@@ -40,13 +40,13 @@ pub fn fingerprint(
 ) -> Result<Fingerprint, RunError> {
     let mut config = RunConfig::resolve(scenario, preset, seed)?;
     config.preset.learning.exploration = Exploration::Linear { start: 1.0, end: 1.0, env_steps: 1 };
-    config.preset.learning.replay.warmup_steps = u64::MAX;
-    let learner = start::learner(&config, None)?;
+    config.preset.learning.replay.learning_starts = u64::MAX;
+    let learner = learner_setup::create_learner(&config, None)?;
     let policy = learner.policy();
     let weights: Vec<u8> =
         policy.network.parameters().iter().flat_map(|weight| weight.to_le_bytes()).collect();
     let scenario = Arc::new(config.scenario);
-    let mut app = simulation::training(&scenario, &config.preset, seed, learner);
+    let mut app = simulation::training_app(&scenario, &config.preset, seed, learner);
     let mut checksum = 0;
     for _ in 0..control_steps {
         simulation::step(app.world_mut())?;

@@ -3,7 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `config.ron` | all that was resolved: scenario, preset, seed, version |
-//! | `episodes.csv`, `evaluations.csv` | a row each ([`records`](super::records)) |
+//! | `episodes.csv`, `evaluations.csv` | a row each ([`metric_rows`](super::metric_rows)) |
 //! | `events.out.tfevents.*` | the same for TensorBoard |
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last |
 //! | `policy-init.safetensors` | the policy that training started from, if it did from one |
@@ -25,10 +25,10 @@ use super::RunError;
 use super::lock::Lock;
 use super::preset::Preset;
 use super::shipped;
-use crate::scenario::{FileError, Scenario, read_long_ron, read_long_text, to_ron};
+use crate::scenario::{FileError, Scenario, read_ron_with_limit, read_text_with_limit, to_ron};
 
 /// The most bytes that `config.ron` may have. (A scenario of a mebibyte takes more when it is written in full.)
-const MOST_CONFIG_BYTES: u64 = 1 << 24;
+const MAX_CONFIG_BYTES: u64 = 1 << 24;
 /// How the names end of what is read and written in a run's folder.
 const OURS: [&str; 5] = ["ron", "csv", "json", "safetensors", "bin"];
 
@@ -48,9 +48,9 @@ pub struct RunConfig {
     #[serde(default)]
     pub transfer: Option<Transfer>,
     /// After how many ended episodes the policy is kept as it stands then, in a file of its own
-    /// ([`RunFolder::policy_after`]), beside the best and the last.
+    /// ([`RunFolder::policy_after_file`]), beside the best and the last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub keep_after_episodes: Vec<u64>,
+    pub save_policy_after_episodes: Vec<u64>,
     /// The world.
     pub scenario: Scenario,
     /// How to learn, command-line changes included.
@@ -69,7 +69,7 @@ impl RunConfig {
             scenario_from: scenario_from.into(),
             preset_from: preset_from.into(),
             transfer: None,
-            keep_after_episodes: Vec::new(),
+            save_policy_after_episodes: Vec::new(),
             scenario: shipped::scenario(scenario_from)?,
             preset: shipped::preset(preset_from)?,
         })
@@ -117,7 +117,7 @@ pub struct Transfer {
 }
 
 /// The file that keeps the policy which training started from.
-pub const INIT: &str = "policy-init.safetensors";
+pub const INITIAL_POLICY_FILE: &str = "policy-init.safetensors";
 
 /// How temporary files are called: those of a process that was killed are swept away by the next.
 const TEMPORARY: &str = ".writing-";
@@ -144,13 +144,16 @@ impl RunFolder {
         };
         folder.check_vacant()?;
         fs::create_dir_all(folder.path.join("checkpoint")).map_err(|error| {
-            RunError::unusable(&folder.path, format!("can't be written ({error}): give --out another folder"))
+            RunError::invalid_input(
+                &folder.path,
+                format!("can't be written ({error}): give --out another folder"),
+            )
         })?;
-        let folder = folder.taken()?;
+        let folder = folder.locked()?;
         // Somebody may have been quicker.
         folder.check_vacant()?;
         folder.write_config(config).map_err(|error| match error {
-            RunError::Failed(text) | RunError::Unusable(text) => RunError::Unusable(text),
+            RunError::Failed(text) | RunError::InvalidInput(text) => RunError::InvalidInput(text),
         })?;
         Ok(folder)
     }
@@ -167,14 +170,14 @@ impl RunFolder {
     fn check_vacant(&self) -> Result<(), RunError> {
         if self.config().exists() {
             let why = "holds a run already: go on with it by --resume, or give --out another folder";
-            return Err(RunError::unusable(&self.path, why));
+            return Err(RunError::invalid_input(&self.path, why));
         }
         let ours = |entry: io::Result<fs::DirEntry>| {
             entry.is_ok_and(|entry| entry.file_name() == "checkpoint" || is_temporary(&entry))
         };
         if fs::read_dir(&self.path).is_ok_and(|mut entries| !entries.all(ours)) {
             let why = "is not empty: give --out a new or an empty folder";
-            return Err(RunError::unusable(&self.path, why));
+            return Err(RunError::invalid_input(&self.path, why));
         }
         Ok(())
     }
@@ -183,10 +186,10 @@ impl RunFolder {
     ///
     /// # Errors
     /// Another process has it, or it cannot be written.
-    pub fn taken(self) -> Result<Self, RunError> {
+    pub fn locked(self) -> Result<Self, RunError> {
         #[cfg(not(target_arch = "wasm32"))]
         {
-            let lock = Arc::new(Lock::take(&self.path, &self.path.join("checkpoint/lock"))?);
+            let lock = Arc::new(Lock::acquire(&self.path, &self.path.join("checkpoint/lock"))?);
             for folder in [self.path.clone(), self.path.join("checkpoint")] {
                 for entry in fs::read_dir(folder).into_iter().flatten().flatten().filter(is_temporary) {
                     // What cannot be swept away does no harm.
@@ -199,7 +202,7 @@ impl RunFolder {
         Ok(self)
     }
 
-    /// The folder of a run that was begun, and its configuration; to be read only, unless it is [`taken`](Self::taken).
+    /// The folder of a run that was begun, and its configuration; to be read only, unless it is [`locked`](Self::locked).
     ///
     /// # Errors
     /// It is not there, or its `config.ron` cannot be used.
@@ -207,17 +210,24 @@ impl RunFolder {
         let folder = Self::new(path.into());
         if !folder.config().exists() {
             let why = "is no run's folder (it has no config.ron): give --resume the folder of a run";
-            return Err(RunError::unusable(path, why));
+            return Err(RunError::invalid_input(path, why));
         }
         folder.holds_files_of_its_own()?;
-        let config: RunConfig = read_long_ron(folder.config(), MOST_CONFIG_BYTES)?;
-        let findings: Vec<_> =
-            config.preset.findings().into_iter().chain(crate::scenario::findings(&config.scenario)).collect();
-        if !findings.is_empty() {
-            let text = read_long_text(folder.config(), MOST_CONFIG_BYTES)?;
-            return Err(FileError::in_fields(&folder.config(), &text, &findings).into());
+        let config: RunConfig = read_ron_with_limit(folder.config(), MAX_CONFIG_BYTES)?;
+        let diagnostics: Vec<_> = config
+            .preset
+            .diagnostics()
+            .into_iter()
+            .chain(crate::scenario::diagnostics(&config.scenario))
+            .collect();
+        if !diagnostics.is_empty() {
+            let text = read_text_with_limit(folder.config(), MAX_CONFIG_BYTES)?;
+            return Err(FileError::from_diagnostics(&folder.config(), &text, &diagnostics).into());
         }
-        config.preset.fits(&config.scenario).map_err(|error| RunError::unusable(&folder.config(), error))?;
+        config
+            .preset
+            .check_memory(&config.scenario)
+            .map_err(|error| RunError::invalid_input(&folder.config(), error))?;
         Ok((folder, config))
     }
 
@@ -237,7 +247,7 @@ impl RunFolder {
                 let own = entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_dir());
                 if ours && !own {
                     let why = "is a link or a pipe: a run's folder must hold the file itself";
-                    return Err(RunError::unusable(&path, why));
+                    return Err(RunError::invalid_input(&path, why));
                 }
             }
         }
@@ -259,7 +269,7 @@ impl RunFolder {
     /// It cannot be written.
     pub fn write(&self, name: &str, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> Result<(), RunError> {
         let path = self.path.join(name);
-        write_whole(&path, write)
+        write_atomic(&path, write)
             .map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
     }
 
@@ -296,13 +306,13 @@ impl RunFolder {
             }
             Ok(file)
         };
-        let file = open().map_err(|error| RunError::unusable(&path, error))?;
+        let file = open().map_err(|error| RunError::invalid_input(&path, error))?;
         Ok(csv::WriterBuilder::new().has_headers(false).from_writer(file))
     }
 
     /// The name of the file that keeps the policy as it stood after `episodes`.
     #[must_use]
-    pub fn policy_after(episodes: u64) -> String {
+    pub fn policy_after_file(episodes: u64) -> String {
         format!("policy-after-{episodes}-episodes.safetensors")
     }
 
@@ -322,7 +332,7 @@ impl RunFolder {
 /// # Errors
 /// It cannot be written.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn write_whole(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
+pub fn write_atomic(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
     let in_folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut temporary = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(in_folder)?;
     let mut writer = io::BufWriter::new(temporary.as_file_mut());
@@ -348,10 +358,10 @@ fn is_temporary(entry: &fs::DirEntry) -> bool {
 /// # Errors
 /// Those of `write`.
 #[cfg(target_arch = "wasm32")]
-pub fn write_whole(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
+pub fn write_atomic(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
     let mut bytes = Vec::new();
     write(&mut bytes)?;
-    crate::scenario::shelf::hand_out(path, bytes);
+    crate::scenario::virtual_files::add_download(path, bytes);
     Ok(())
 }
 
@@ -402,7 +412,7 @@ fn default_path(config: &RunConfig) -> Result<PathBuf, RunError> {
             }
             Err(error) => {
                 let why = format!("can't be written ({error}): give --out another folder");
-                return Err(RunError::unusable(&path, why));
+                return Err(RunError::invalid_input(&path, why));
             }
         }
     }

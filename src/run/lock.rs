@@ -17,10 +17,13 @@ impl Lock {
     ///
     /// # Errors
     /// Another process has it, or the file cannot be made.
-    pub fn take(folder: &Path, file: &Path) -> Result<Self, RunError> {
+    pub fn acquire(folder: &Path, file: &Path) -> Result<Self, RunError> {
         let lock =
             OpenOptions::new().create(true).truncate(false).write(true).open(file).map_err(|error| {
-                RunError::unusable(folder, format!("can't be written ({error}): give --out another folder"))
+                RunError::invalid_input(
+                    folder,
+                    format!("can't be written ({error}): give --out another folder"),
+                )
             })?;
         match lock.try_lock() {
             // A file system without locks: better unlocked than not at all.
@@ -28,7 +31,7 @@ impl Lock {
             Err(TryLockError::WouldBlock) => {
                 let why =
                     "another wayfield is at work in it: wait until that has ended, or use another folder";
-                Err(RunError::unusable(folder, why))
+                Err(RunError::invalid_input(folder, why))
             }
         }
     }

@@ -8,43 +8,43 @@
 //! | `check_files.rs` | whether scenarios and presets can be used, without using them |
 //! | `shipped.rs` | the scenarios, presets and policies that come with the program, by name |
 //! | `simulation.rs` | the headless app: the rooms' plugins put together |
-//! | `start.rs` | what a training starts with |
+//! | `learner_setup.rs` | what a training starts with |
 //! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
-//! | `follow.rs` | what is noted of a training as it goes on: rows, the best policy |
-//! | `evaluate.rs` | success over rounds of navigations, and the timed course |
-//! | `examiner.rs` | evaluation during training, on a thread of its own (in a browser, in slices) |
+//! | `metrics.rs` | what is noted of a training as it goes on: rows, the best policy |
+//! | `evaluate.rs` | success over rounds of episodes, and the benchmark route |
+//! | `background_evaluator.rs` | evaluation during training, on a thread of its own (in a browser, in slices) |
 //! | `optimum/` | the least time that any policy could need |
 //! | `folder.rs` | a run's folder: what is written where, whole or not at all |
 //! | `lock.rs` | one process at a time in a folder |
-//! | `records.rs`, `recorder.rs` | the rows of `episodes.csv` and `evaluations.csv`, and who writes them |
+//! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and who writes them |
 //! | `policy_card.rs` | what the user of a policy needs to know |
 //! | `checkpoint.rs` | everything that a run needs to go on to the bit |
 //! | `fingerprint.rs` | whether two builds simulate alike to the bit |
-//! | `picture.rs` | a world from above, as an SVG or PNG |
+//! | `scenario_image.rs` | a world from above, as an SVG or PNG |
 //! | `tensorboard.rs`, `progress.rs` | the same rows for TensorBoard, and for whoever waits |
 
+pub mod background_evaluator;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod check_files;
 pub mod checkpoint;
 pub mod evaluate;
-pub mod examiner;
 pub mod fingerprint;
 pub mod folder;
-pub mod follow;
+pub mod learner_setup;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
+pub mod metric_rows;
+pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
-pub mod picture;
+pub mod metrics_writer;
 pub mod policy_card;
 pub mod preset;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod progress;
 #[cfg(not(target_arch = "wasm32"))]
-pub mod recorder;
-pub mod records;
+pub mod scenario_image;
 pub mod shipped;
 pub mod simulation;
-pub mod start;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod tensorboard;
 #[cfg(not(target_arch = "wasm32"))]
@@ -55,7 +55,7 @@ pub mod train;
 pub enum RunError {
     /// Arguments or files that cannot be used: nothing was begun. Exit status 2.
     #[error("{0}")]
-    Unusable(String),
+    InvalidInput(String),
     /// The work itself failed. Exit status 1.
     #[error("{0}")]
     Failed(String),
@@ -66,14 +66,14 @@ impl RunError {
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Unusable(_) => 2,
+            Self::InvalidInput(_) => 2,
             Self::Failed(_) => 1,
         }
     }
 
     /// A file that cannot be used, and why.
-    pub(crate) fn unusable(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
-        Self::Unusable(format!("{}: {why}", path.display()))
+    pub(crate) fn invalid_input(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
+        Self::InvalidInput(format!("{}: {why}", path.display()))
     }
 
     /// A file that could not be written while at work, and why.
@@ -84,6 +84,6 @@ impl RunError {
 
 impl From<crate::scenario::FileError> for RunError {
     fn from(error: crate::scenario::FileError) -> Self {
-        Self::Unusable(error.to_string())
+        Self::InvalidInput(error.to_string())
     }
 }

@@ -19,27 +19,27 @@ use crate::task::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 pub const ENCODING: &str = "encoding";
 
 /// The most bytes that a policy's file may have: 2^24 parameters and a header.
-const LARGEST: u64 = 1 << 27;
+const MAX_POLICY_BYTES: u64 = 1 << 27;
 
 /// The policy in the file at `path`.
 ///
 /// # Errors
 /// It cannot be read, or is none.
 pub fn read(path: &Path) -> Result<Policy, RunError> {
-    let unusable =
-        |why: String| RunError::unusable(path, format!("{why}: give the policy.safetensors of a run"));
+    let invalid_input =
+        |why: String| RunError::invalid_input(path, format!("{why}: give the policy.safetensors of a run"));
     if path.is_dir() {
-        return Err(RunError::unusable(path, "is a folder: give the policy.safetensors in it"));
+        return Err(RunError::invalid_input(path, "is a folder: give the policy.safetensors in it"));
     }
-    let bytes =
-        read_bytes(path, LARGEST + 1).map_err(|error| unusable(format!("can't be read ({error})")))?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(RunError::unusable(
+    let bytes = read_bytes(path, MAX_POLICY_BYTES + 1)
+        .map_err(|error| invalid_input(format!("can't be read ({error})")))?;
+    if bytes.len() as u64 > MAX_POLICY_BYTES {
+        return Err(RunError::invalid_input(
             path,
-            format!("is longer than {LARGEST} bytes: no policy is that large"),
+            format!("is longer than {MAX_POLICY_BYTES} bytes: no policy is that large"),
         ));
     }
-    Policy::from_bytes(&bytes).map_err(|error| unusable(error.to_string()))
+    Policy::from_bytes(&bytes).map_err(|error| invalid_input(error.to_string()))
 }
 
 /// In which units `policy` must be shown its observations.
@@ -50,7 +50,7 @@ pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
     match policy.metadata.get(ENCODING).map(String::as_str) {
         None | Some("scaled") => Ok(Encoding::Scaled),
         Some("raw") => Ok(Encoding::Raw),
-        Some(other) => Err(RunError::Unusable(format!(
+        Some(other) => Err(RunError::InvalidInput(format!(
             "the policy's observations are encoded as \"{other}\", which this wayfield does not know (it knows scaled \
              and raw): use a newer wayfield"
         ))),

@@ -1,6 +1,6 @@
 //! How a run is getting on, said on stderr.
 //!
-//! In: a [`Status`] as often as one likes, and lines worth saying. Out: on a terminal a bar that stays at the
+//! In: a [`Progress`] as often as one likes, and lines worth saying. Out: on a terminal a bar that stays at the
 //! foot of the screen; elsewhere (a file, a pipe, a CI log) a plain line every few seconds. stdout, which is for
 //! results, is never touched; and a stderr that is closed does not stop the run.
 
@@ -21,7 +21,7 @@ const RATE_WINDOW: Duration = Duration::from_secs(5);
 
 /// What ends the run, as its total (a resumed run counts what was there before).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Goal {
+pub enum ProgressTotal {
     /// So many ended episodes.
     Episodes(u64),
     /// So many environment steps, over all arenas.
@@ -30,7 +30,7 @@ pub enum Goal {
 
 /// How far a run is. Counts are totals since the run began, a resumed part included.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Status {
+pub struct Progress {
     /// Ended episodes.
     pub episodes: u64,
     /// Environment steps, over all arenas.
@@ -46,47 +46,47 @@ pub struct Status {
 }
 
 /// Who is told how a run is getting on, every tenth of a second, where no bar of its own is wanted.
-pub type Listener = Box<dyn FnMut(&Status)>;
+pub type ProgressListener = Box<dyn FnMut(&Progress)>;
 
 /// Shows a run's progress on stderr.
-pub struct Progress {
-    goal: Goal,
+pub struct ProgressReporter {
+    budget: ProgressTotal,
     started: Instant,
     due: Duration,
-    last: Status,
+    last: Progress,
     rates: Rates,
     face: Face,
 }
 
 enum Face {
     Quiet,
-    Told(Listener),
+    Told(ProgressListener),
     Bar(ProgressBar),
     Lines,
 }
 
-impl Progress {
+impl ProgressReporter {
     /// Starts the clock. With `quiet` nothing is shown but [warnings](Self::warn).
     #[must_use]
-    pub fn new(goal: Goal, quiet: bool) -> Self {
-        Self::with(goal, if quiet { Face::Quiet } else { Face::for_stderr(goal) })
+    pub fn new(budget: ProgressTotal, quiet: bool) -> Self {
+        Self::with(budget, if quiet { Face::Quiet } else { Face::for_stderr(budget) })
     }
 
     /// Tells `listener` instead of anybody at stderr, who hears [warnings](Self::warn) only.
     #[must_use]
-    pub fn told(listener: Listener) -> Self {
+    pub fn with_listener(listener: ProgressListener) -> Self {
         // The goal is the bar's, and there is none.
-        Self::with(Goal::Episodes(0), Face::Told(listener))
+        Self::with(ProgressTotal::Episodes(0), Face::Told(listener))
     }
 
-    fn with(goal: Goal, face: Face) -> Self {
+    fn with(budget: ProgressTotal, face: Face) -> Self {
         let due = if matches!(face, Face::Lines) { FIRST_LINE } else { Duration::ZERO };
         let rates = Rates::default();
-        Self { goal, started: Instant::now(), due, last: Status::default(), rates, face }
+        Self { budget, started: Instant::now(), due, last: Progress::default(), rates, face }
     }
 
     /// Takes note of how far the run is, and shows it when that is due. Else it costs one look at the clock.
-    pub fn update(&mut self, status: &Status) {
+    pub fn update(&mut self, status: &Progress) {
         self.last = *status;
         let now = self.started.elapsed();
         if self.rates.samples.is_empty() {
@@ -102,7 +102,7 @@ impl Progress {
         match &self.face {
             Face::Quiet | Face::Told(_) => {}
             Face::Bar(bar) => bar.println(text),
-            Face::Lines => say(text),
+            Face::Lines => print_stderr(text),
         }
     }
 
@@ -111,7 +111,7 @@ impl Progress {
         let text = format!("warning: {text}");
         match &self.face {
             Face::Bar(bar) => bar.println(text),
-            Face::Quiet | Face::Told(_) | Face::Lines => say(&text),
+            Face::Quiet | Face::Told(_) | Face::Lines => print_stderr(&text),
         }
     }
 
@@ -122,15 +122,15 @@ impl Progress {
             Face::Quiet | Face::Told(_) => {}
             Face::Bar(bar) => {
                 bar.abandon();
-                say(text);
+                print_stderr(text);
             }
-            Face::Lines => say(text),
+            Face::Lines => print_stderr(text),
         }
     }
 
     fn show(&mut self, now: Duration) {
         self.rates.note(now, &self.last);
-        let view = View { elapsed: now, goal: self.goal, status: &self.last, rates: &self.rates };
+        let view = View { elapsed: now, budget: self.budget, status: &self.last, rates: &self.rates };
         match &mut self.face {
             Face::Quiet => self.due = Duration::MAX,
             Face::Told(listener) => {
@@ -141,12 +141,12 @@ impl Progress {
                 self.due = now + REDRAW;
                 bar.set_prefix(view.advance());
                 bar.set_message(view.learning());
-                bar.set_position(self.goal.done(&self.last));
+                bar.set_position(self.budget.done(&self.last));
                 bar.tick();
             }
             Face::Lines => {
                 self.due = now + NEXT_LINE;
-                say(&format!("{}  {}", view.advance(), view.learning()));
+                print_stderr(&format!("{}  {}", view.advance(), view.learning()));
             }
         }
     }
@@ -154,8 +154,8 @@ impl Progress {
 
 impl Face {
     /// A bar if stderr is a terminal that can draw one, else lines.
-    fn for_stderr(goal: Goal) -> Self {
-        bar(goal.total()).map_or(Self::Lines, Self::Bar)
+    fn for_stderr(budget: ProgressTotal) -> Self {
+        bar(budget.total()).map_or(Self::Lines, Self::Bar)
     }
 }
 
@@ -176,14 +176,14 @@ pub fn bar(total: u64) -> Option<ProgressBar> {
 /// Two rows, so that all fits into 80 columns: how far the run is, and how learning goes.
 const TEMPLATE: &str = "{wide_bar:.cyan/dim} {prefix}\n{wide_msg}";
 
-impl Goal {
+impl ProgressTotal {
     fn total(self) -> u64 {
         match self {
             Self::Episodes(n) | Self::EnvSteps(n) => n,
         }
     }
 
-    fn done(self, status: &Status) -> u64 {
+    fn done(self, status: &Progress) -> u64 {
         match self {
             Self::Episodes(_) => status.episodes,
             Self::EnvSteps(_) => status.env_steps,
@@ -192,19 +192,19 @@ impl Goal {
 }
 
 /// Writes to stderr. That it may be closed is no reason to stop a run, and there is nowhere left to say so.
-pub fn say(text: &str) {
+pub fn print_stderr(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
 /// Samples of the last few seconds, for rates.
 #[derive(Debug, Default)]
 struct Rates {
-    samples: VecDeque<(Duration, Status)>,
+    samples: VecDeque<(Duration, Progress)>,
 }
 
 impl Rates {
     /// Notes the status at `now`, and forgets samples that the window no longer needs (it keeps one at its edge).
-    fn note(&mut self, now: Duration, status: &Status) {
+    fn note(&mut self, now: Duration, status: &Progress) {
         self.samples.push_back((now, *status));
         while self.samples.get(1).is_some_and(|second| now.saturating_sub(second.0) >= RATE_WINDOW) {
             self.samples.pop_front();
@@ -212,7 +212,7 @@ impl Rates {
     }
 
     /// How fast `count` grows, per second; none before there is anything to tell it from.
-    fn of(&self, count: impl Fn(&Status) -> u64) -> Option<f64> {
+    fn of(&self, count: impl Fn(&Progress) -> u64) -> Option<f64> {
         let ((t0, first), (t1, last)) = self.samples.front().zip(self.samples.back())?;
         let seconds = t1.saturating_sub(*t0).as_secs_f64();
         (seconds > 0.0).then(|| count(last).saturating_sub(count(first)) as f64 / seconds)
@@ -222,20 +222,20 @@ impl Rates {
 /// What is to be said at one moment.
 struct View<'a> {
     elapsed: Duration,
-    goal: Goal,
-    status: &'a Status,
+    budget: ProgressTotal,
+    status: &'a Progress,
     rates: &'a Rates,
 }
 
 impl View<'_> {
     /// How far the run is: ` 41%  412/1000 episodes  1:23, 1:58 left`.
     fn advance(&self) -> String {
-        let (done, total) = (self.goal.done(self.status), self.goal.total());
+        let (done, total) = (self.budget.done(self.status), self.budget.total());
         // Rounded down, so that 100% means the end; a goal of nothing is reached at once.
         let percent = (u128::from(done) * 100).checked_div(u128::from(total)).unwrap_or(100).min(100);
-        let unit = match self.goal {
-            Goal::Episodes(_) => "episodes",
-            Goal::EnvSteps(_) => "steps",
+        let unit = match self.budget {
+            ProgressTotal::Episodes(_) => "episodes",
+            ProgressTotal::EnvSteps(_) => "steps",
         };
         let mut text =
             format!("{percent:>3}%  {}/{} {unit}  {}", count(done), count(total), clock(self.elapsed));
@@ -248,9 +248,9 @@ impl View<'_> {
     /// How learning goes, in at most 80 columns; measures that do not exist yet are left out.
     fn learning(&self) -> String {
         let status = self.status;
-        let other = match self.goal {
-            Goal::Episodes(_) => format!("{} steps", count(status.env_steps)),
-            Goal::EnvSteps(_) => format!("{} episodes", count(status.episodes)),
+        let other = match self.budget {
+            ProgressTotal::Episodes(_) => format!("{} steps", count(status.env_steps)),
+            ProgressTotal::EnvSteps(_) => format!("{} episodes", count(status.episodes)),
         };
         let per_second = |rate: Option<f64>, unit| rate.map(|r| format!("{} {unit}/s", short(r)));
         [
@@ -269,8 +269,8 @@ impl View<'_> {
 
     /// The time the rest takes at the present rate; none while nothing moves.
     fn left(&self) -> Option<Duration> {
-        let rate = self.rates.of(|status| self.goal.done(status)).filter(|&rate| rate > 0.0)?;
-        let rest = self.goal.total().saturating_sub(self.goal.done(self.status));
+        let rate = self.rates.of(|status| self.budget.done(status)).filter(|&rate| rate > 0.0)?;
+        let rest = self.budget.total().saturating_sub(self.budget.done(self.status));
         Duration::try_from_secs_f64(rest as f64 / rate).ok()
     }
 }
@@ -322,8 +322,8 @@ fn clock(time: Duration) -> String {
 mod tests {
     use super::*;
 
-    fn status(env_steps: u64) -> Status {
-        Status {
+    fn status(env_steps: u64) -> Progress {
+        Progress {
             episodes: env_steps / 100,
             env_steps,
             gradient_steps: env_steps / 20,
@@ -396,8 +396,12 @@ mod tests {
         rates.note(seconds(80.0), &status(1_000_000));
         rates.note(seconds(83.0), &status(1_204_747));
         let status = status(1_204_747);
-        let view =
-            View { elapsed: seconds(83.0), goal: Goal::EnvSteps(2_000_000), status: &status, rates: &rates };
+        let view = View {
+            elapsed: seconds(83.0),
+            budget: ProgressTotal::EnvSteps(2_000_000),
+            status: &status,
+            rates: &rates,
+        };
         assert_eq!(view.advance(), " 60%  1.20M/2.00M steps  1:23, 0:11 left");
         assert_eq!(
             view.learning(),
@@ -405,7 +409,7 @@ mod tests {
         );
         assert!(view.learning().chars().count() <= 80);
 
-        let view = View { goal: Goal::Episodes(30_000), ..view };
+        let view = View { budget: ProgressTotal::Episodes(30_000), ..view };
         assert_eq!(view.advance(), " 40%  12.0k/30.0k episodes  1:23, 0:26 left");
         assert!(
             view.learning().starts_with("1.20M steps  68.2k steps/s"),
@@ -415,19 +419,28 @@ mod tests {
 
     #[test]
     fn what_is_not_known_is_left_out() {
-        let (status, rates) = (Status { epsilon: 1.0, ..Status::default() }, Rates::default());
-        let view = View { elapsed: seconds(0.0), goal: Goal::Episodes(1000), status: &status, rates: &rates };
+        let (status, rates) = (Progress { epsilon: 1.0, ..Progress::default() }, Rates::default());
+        let view = View {
+            elapsed: seconds(0.0),
+            budget: ProgressTotal::Episodes(1000),
+            status: &status,
+            rates: &rates,
+        };
         assert_eq!(view.advance(), "  0%  0/1000 episodes  0:00");
         assert_eq!(view.learning(), "0 steps  ε 1.00");
-        let view = View { goal: Goal::Episodes(0), ..view };
+        let view = View { budget: ProgressTotal::Episodes(0), ..view };
         assert_eq!(view.advance(), "100%  0/0 episodes  0:00", "nothing to do is done");
     }
 
     #[test]
     fn a_goal_nearly_reached_is_not_called_reached() {
         let (status, rates) = (status(199_999), Rates::default());
-        let view =
-            View { elapsed: seconds(1.0), goal: Goal::EnvSteps(200_000), status: &status, rates: &rates };
+        let view = View {
+            elapsed: seconds(1.0),
+            budget: ProgressTotal::EnvSteps(200_000),
+            status: &status,
+            rates: &rates,
+        };
         assert!(view.advance().starts_with(" 99%"), "{}", view.advance());
     }
 

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use super::preset::Preset;
 use crate::learning::Policy;
-use crate::scenario::{FileError, Scenario, is_there, nearest};
+use crate::scenario::{FileError, Scenario, closest_name, path_exists};
 
 /// A file of the project, compiled in.
 struct Shipped {
@@ -71,7 +71,7 @@ pub fn scenario_text(name: &str) -> Option<&'static str> {
 }
 
 /// Whether `scenario` is the paper's Scenario I as it is shipped.
-pub fn is_papers_first(scenario: &Scenario) -> bool {
+pub fn is_paper_scenario_1(scenario: &Scenario) -> bool {
     static FIRST: LazyLock<Option<Scenario>> = LazyLock::new(|| scenarios().next().map(|(_, first)| first));
     FIRST.as_ref() == Some(scenario)
 }
@@ -113,7 +113,7 @@ pub fn preset(wanted: &str) -> Result<Preset, FileError> {
 fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
     // (A folder that happens to be called `hall` is no scenario.)
     let path = Path::new(wanted);
-    if is_there(path) && !path.is_dir() {
+    if path_exists(path) && !path.is_dir() {
         return None;
     }
     files.iter().find(|file| file.name == wanted || file.path == wanted)
@@ -121,24 +121,24 @@ fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
 
 /// For a name that is neither a file nor shipped: the error also says what is shipped.
 fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
-    if is_there(Path::new(wanted)) {
+    if path_exists(Path::new(wanted)) {
         return error;
     }
     let names: Vec<&str> = files.iter().map(|file| file.name).collect();
     if wanted.contains(['/', '\\', '.']) {
         let shipped = names.join(", ");
-        return FileError::whole(
+        return FileError::for_file(
             error.path(),
             format!("{}; shipped by name: {shipped}", error.problems()[0].message),
         );
     }
-    let fix = match nearest(wanted, names.iter().copied()) {
+    let fix = match closest_name(wanted, names.iter().copied()) {
         Some(name) => format!("did you mean `{name}`?"),
         None => "give a file's path or a shipped name.".into(),
     };
     let message =
         format!("no such file, and nothing of that name is shipped: {fix} Shipped: {}", names.join(", "));
-    FileError::whole(Path::new(wanted), message)
+    FileError::for_file(Path::new(wanted), message)
 }
 
 #[cfg(test)]
@@ -147,7 +147,7 @@ mod tests {
     use std::sync::Arc;
 
     use crate::run::evaluate::{Evaluation, Evaluator};
-    use crate::task::Places;
+    use crate::task::EpisodeSetup;
 
     #[test]
     fn everything_shipped_loads_by_name() {
@@ -169,11 +169,11 @@ mod tests {
         for (name, policy) in policies() {
             let scenario = Arc::new(scenario(name).expect("shipped"));
             assert_eq!(policy.metadata.get("scenario"), Some(&scenario.name), "{name}");
-            let navigations = 500;
-            let driven = Evaluator::new(&scenario, navigations)
-                .run(policy, 5, navigations, Places::Drawn)
+            let episodes = 500;
+            let driven = Evaluator::new(&scenario, episodes)
+                .run(policy, 5, episodes, EpisodeSetup::Random)
                 .expect("it fits its scenario");
-            let rate = Evaluation::of(&driven, navigations, &scenario.task, 5).success_rate;
+            let rate = Evaluation::from_episodes(&driven, episodes, &scenario.task, 5).success_rate;
             assert!(rate >= 0.98, "{name}: {rate}");
         }
     }

@@ -10,21 +10,21 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
-use super::checkpoint::{self, Loaded, Standing};
-use super::examiner::{Examination, Examiner};
-use super::folder::{INIT, RunConfig, RunFolder, header};
-use super::follow;
+use super::background_evaluator::{BackgroundEvaluator, EvalResult};
+use super::checkpoint::{self, LoadedCheckpoint, TrainerState};
+use super::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder, header};
+use super::learner_setup::create_learner;
+use super::metric_rows::{EpisodeRow, Summary};
+use super::metrics;
+use super::metrics_writer::MetricsWriter;
 use super::preset::Budget;
-use super::progress::{Goal, Listener, Progress, Status};
-use super::recorder::Recorder;
-use super::records::{EpisodeRow, Summary};
-use super::start::learner;
+use super::progress::{Progress, ProgressListener, ProgressReporter, ProgressTotal};
 use super::{RunError, policy_card, simulation};
-use crate::agent::{Trainer, TrainingWarning};
+use crate::agent::{ActiveLearner, TrainingWarning};
 use crate::learning::{Learner, Policy};
 
 /// A checkpoint is written this often, beside those at the start and the end, unless another interval is asked for.
-pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
+pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
 /// What to run.
 pub enum Job {
@@ -57,7 +57,7 @@ pub fn train(
     every: Duration,
     stop: &AtomicBool,
     began: Instant,
-    listener: Option<Listener>,
+    listener: Option<ProgressListener>,
 ) -> Result<(PathBuf, Summary), RunError> {
     let mut run = match job {
         Job::New { config, policy, out } => Run::begin(*config, policy, out, began, listener)?,
@@ -66,8 +66,8 @@ pub fn train(
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.config.description()));
     let result = run.steps(every, stop);
     // Whatever ended it: what is under way is waited for, and rows that were written stay written.
-    let examined = run.await_examinations();
-    let flushed = run.recorder.flush();
+    let examined = run.await_evaluations();
+    let flushed = run.metrics_writer.flush();
     result.map_err(|error| {
         let kept = run.folder.path().join("checkpoint");
         RunError::Failed(format!("{error} (the last checkpoint is kept in {})", kept.display()))
@@ -81,11 +81,11 @@ pub fn train(
 struct Run {
     config: RunConfig,
     app: App,
-    examiner: Examiner,
+    evaluator: BackgroundEvaluator,
     folder: RunFolder,
-    recorder: Recorder,
-    progress: Progress,
-    standing: Standing,
+    metrics_writer: MetricsWriter,
+    progress: ProgressReporter,
+    trainer_state: TrainerState,
     began: Instant,
     /// Wall time of earlier processes, in s.
     earlier_s: f64,
@@ -98,10 +98,10 @@ impl Run {
         policy: Option<Policy>,
         out: Option<PathBuf>,
         began: Instant,
-        listener: Option<Listener>,
+        listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
         // (Before the folder is made: what cannot be begun leaves none.)
-        let learner = learner(&config, policy.as_ref())?;
+        let learner = create_learner(&config, policy.as_ref())?;
         let folder = RunFolder::create(out, &config)?;
         Self::from_nothing(config, policy, folder, learner, began, listener)
     }
@@ -112,15 +112,17 @@ impl Run {
         folder: RunFolder,
         learner: Learner,
         began: Instant,
-        listener: Option<Listener>,
+        listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
-        let standing =
-            Standing { next_evaluation: config.preset.evaluation.every_env_steps, ..Standing::default() };
+        let trainer_state = TrainerState {
+            next_evaluation: config.preset.evaluation.every_env_steps,
+            ..TrainerState::default()
+        };
         if let Some(policy) = &policy {
-            let bytes = follow::bytes(policy)?;
-            folder.write(INIT, |file| std::io::Write::write_all(file, &bytes))?;
+            let bytes = metrics::policy_bytes(policy)?;
+            folder.write(INITIAL_POLICY_FILE, |file| std::io::Write::write_all(file, &bytes))?;
         }
-        let mut run = Self::open(config, folder, learner, standing, began, listener)?;
+        let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
         run.save()?;
         Ok(run)
     }
@@ -129,26 +131,30 @@ impl Run {
         path: &Path,
         budget: Option<Budget>,
         began: Instant,
-        listener: Option<Listener>,
+        listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
         let (folder, mut config) = RunFolder::open(path)?;
-        let folder = folder.taken()?;
+        let folder = folder.locked()?;
         if !checkpoint::exists(path) && !has_rows(path) {
             // It was killed before its first checkpoint, and so before its first step.
             config.preset.budget = budget.unwrap_or(config.preset.budget);
-            let policy = config.transfer.as_ref().map(|_| policy_card::read(&path.join(INIT))).transpose()?;
-            let learner = learner(&config, policy.as_ref())?;
+            let policy = config
+                .transfer
+                .as_ref()
+                .map(|_| policy_card::read(&path.join(INITIAL_POLICY_FILE)))
+                .transpose()?;
+            let learner = create_learner(&config, policy.as_ref())?;
             folder.write_config(&config)?;
             return Self::from_nothing(config, policy, folder, learner, began, listener);
         }
-        let Loaded { standing, learner, passed_over } = checkpoint::load(&folder, &config)?;
+        let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
         let budget = budget.unwrap_or(config.preset.budget);
         if remaining(budget, &learner) == 0 {
             let done = match budget {
                 Budget::Episodes(_) => format!("{} episodes", learner.episodes()),
                 Budget::EnvSteps(_) => format!("{} env steps", learner.env_steps()),
             };
-            return Err(RunError::unusable(
+            return Err(RunError::invalid_input(
                 path,
                 format!(
                     "this run has had {done} already: to go on, give --episodes or --steps more than that \
@@ -156,19 +162,19 @@ impl Run {
                 ),
             ));
         }
-        checkpoint::set_aside(&passed_over)?;
+        checkpoint::mark_damaged(&skipped)?;
         if budget != config.preset.budget {
             config.preset.budget = budget;
             folder.write_config(&config)?;
         }
         let env_steps = learner.env_steps();
-        let mut run = Self::open(config, folder, learner, standing, began, listener)?;
-        for (_, error) in passed_over {
+        let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
+        for (_, error) in skipped {
             run.progress
                 .warn(&format!("{error}; going on from the checkpoint before it, {env_steps} env steps"));
         }
-        checkpoint::restore(run.app.world_mut(), &run.standing);
-        if let Some(best) = &run.standing.best {
+        checkpoint::restore(run.app.world_mut(), &run.trainer_state);
+        if let Some(best) = &run.trainer_state.best {
             run.write_policy("policy.safetensors", &best.bytes)?;
         }
         Ok(run)
@@ -178,27 +184,32 @@ impl Run {
         config: RunConfig,
         folder: RunFolder,
         learner: Learner,
-        standing: Standing,
+        trainer_state: TrainerState,
         began: Instant,
-        listener: Option<Listener>,
+        listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
         let scenario = Arc::new(config.scenario.clone());
         let preset = &config.preset;
-        let goal = match preset.budget {
-            Budget::Episodes(n) => Goal::Episodes(n),
-            Budget::EnvSteps(n) => Goal::EnvSteps(n),
+        let budget = match preset.budget {
+            Budget::Episodes(n) => ProgressTotal::Episodes(n),
+            Budget::EnvSteps(n) => ProgressTotal::EnvSteps(n),
         };
         Ok(Self {
-            app: simulation::training(&scenario, preset, config.seed, learner),
-            examiner: Examiner::new(
+            app: simulation::training_app(&scenario, preset, config.seed, learner),
+            evaluator: BackgroundEvaluator::new(
                 &scenario,
-                preset.evaluation.navigations,
-                follow::evaluation_seed(config.seed),
+                preset.evaluation.episodes,
+                metrics::evaluation_seed(config.seed),
             ),
-            recorder: Recorder::open(&folder, standing.episodes_bytes, standing.evaluations_bytes)?,
-            progress: listener.map_or_else(|| Progress::new(goal, false), Progress::told),
-            earlier_s: standing.wall_s,
-            standing,
+            metrics_writer: MetricsWriter::open(
+                &folder,
+                trainer_state.episodes_bytes,
+                trainer_state.evaluations_bytes,
+            )?,
+            progress: listener
+                .map_or_else(|| ProgressReporter::new(budget, false), ProgressReporter::with_listener),
+            earlier_s: trainer_state.wall_s,
+            trainer_state,
             began,
             saved: Instant::now(),
             folder,
@@ -207,12 +218,12 @@ impl Run {
     }
 
     fn learner(&self) -> &Learner {
-        &self.app.world().resource::<Trainer>().0
+        &self.app.world().resource::<ActiveLearner>().0
     }
 
     /// The present policy, with its card.
     fn policy(&self) -> Policy {
-        follow::policy(&self.config, self.app.world())
+        metrics::policy(&self.config, self.app.world())
     }
 
     fn wall_s(&self) -> f64 {
@@ -224,17 +235,17 @@ impl Run {
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let episodes_before = self.learner().episodes();
             simulation::step(self.app.world_mut())?;
-            if let Some(warning) = self.app.world_mut().resource_mut::<TrainingWarning>().news() {
+            if let Some(warning) = self.app.world_mut().resource_mut::<TrainingWarning>().take_new() {
                 self.progress.warn(&format!("{}: {warning}", self.folder.path().display()));
             }
             self.record_episodes()?;
             self.keep_policy(episodes_before)?;
-            if self.learner().env_steps() >= self.standing.next_evaluation {
-                self.standing.next_evaluation += self.config.preset.evaluation.every_env_steps;
-                self.hand_in()?;
+            if self.learner().env_steps() >= self.trainer_state.next_evaluation {
+                self.trainer_state.next_evaluation += self.config.preset.evaluation.every_env_steps;
+                self.submit()?;
             }
-            while let Some(examination) = self.examiner.take(false)? {
-                self.examined(examination)?;
+            while let Some(eval_result) = self.evaluator.poll(false)? {
+                self.examined(eval_result)?;
             }
             if self.saved.elapsed() >= every {
                 self.save()?;
@@ -245,15 +256,15 @@ impl Run {
     }
 
     fn show_progress(&mut self) {
-        let returns = &self.standing.recent_returns;
+        let returns = &self.trainer_state.recent_returns;
         let mean_return = (!returns.is_empty()).then(|| returns.iter().sum::<f64>() / returns.len() as f64);
-        let learner = &self.app.world().resource::<Trainer>().0;
-        self.progress.update(&Status {
+        let learner = &self.app.world().resource::<ActiveLearner>().0;
+        self.progress.update(&Progress {
             episodes: learner.episodes(),
             env_steps: learner.env_steps(),
             gradient_steps: learner.gradient_steps(),
             mean_return,
-            success_rate: self.standing.last_success_rate,
+            success_rate: self.trainer_state.last_success_rate,
             epsilon: learner.epsilon(),
         });
     }
@@ -261,8 +272,8 @@ impl Run {
     /// A row for every episode that the last step ended.
     fn record_episodes(&mut self) -> Result<(), RunError> {
         let wall_s = self.wall_s();
-        for row in follow::ended_episodes(self.app.world_mut(), &mut self.standing, wall_s) {
-            self.recorder.episode(&row)?;
+        for row in metrics::take_episode_rows(self.app.world_mut(), &mut self.trainer_state, wall_s) {
+            self.metrics_writer.episode(&row)?;
         }
         Ok(())
     }
@@ -271,34 +282,34 @@ impl Run {
     /// `config.ron` asks for it.
     fn keep_policy(&self, episodes_before: u64) -> Result<(), RunError> {
         let episodes = self.learner().episodes();
-        let asked = &self.config.keep_after_episodes;
+        let asked = &self.config.save_policy_after_episodes;
         for after in asked.iter().filter(|after| (episodes_before + 1..=episodes).contains(after)) {
             let policy = self.policy();
-            self.write_policy(&RunFolder::policy_after(*after), &follow::bytes(&policy)?)?;
+            self.write_policy(&RunFolder::policy_after_file(*after), &metrics::policy_bytes(&policy)?)?;
         }
         Ok(())
     }
 
     /// Hands the present policy to the examiner, once he is done with those before.
-    fn hand_in(&mut self) -> Result<(), RunError> {
-        self.await_examinations()?;
-        let candidate = follow::candidate(&self.config, self.app.world());
-        self.standing.evaluated_at = Some(candidate.env_steps);
-        self.examiner.hand_in(candidate)
+    fn submit(&mut self) -> Result<(), RunError> {
+        self.await_evaluations()?;
+        let candidate = metrics::candidate(&self.config, self.app.world());
+        self.trainer_state.evaluated_at = Some(candidate.env_steps);
+        self.evaluator.submit(candidate)
     }
 
-    fn await_examinations(&mut self) -> Result<(), RunError> {
-        while let Some(examination) = self.examiner.take(true)? {
-            self.examined(examination)?;
+    fn await_evaluations(&mut self) -> Result<(), RunError> {
+        while let Some(eval_result) = self.evaluator.poll(true)? {
+            self.examined(eval_result)?;
         }
         Ok(())
     }
 
     /// Writes an examination down, and keeps the policy if it is the best.
-    fn examined(&mut self, examination: Examination) -> Result<(), RunError> {
-        let wall_s = self.earlier_s + examination.done.duration_since(self.began).as_secs_f64();
-        let noted = follow::examined(&self.config, &mut self.standing, examination, wall_s)?;
-        self.recorder.evaluation(&noted.row)?;
+    fn examined(&mut self, eval_result: EvalResult) -> Result<(), RunError> {
+        let wall_s = self.earlier_s + eval_result.done.duration_since(self.began).as_secs_f64();
+        let noted = metrics::record_evaluation(&self.config, &mut self.trainer_state, eval_result, wall_s)?;
+        self.metrics_writer.evaluation(&noted.row)?;
         for rate in noted.first {
             self.progress.line(&format!(
                 "{:.0} % reached after {} env steps, {wall_s:.1} s",
@@ -306,7 +317,7 @@ impl Run {
                 noted.row.env_steps
             ));
         }
-        if let Some(best) = self.standing.best.as_ref().filter(|_| noted.is_best) {
+        if let Some(best) = self.trainer_state.best.as_ref().filter(|_| noted.is_best) {
             self.write_policy("policy.safetensors", &best.bytes)?;
         }
         Ok(())
@@ -318,10 +329,11 @@ impl Run {
 
     /// A checkpoint of this moment.
     fn save(&mut self) -> Result<(), RunError> {
-        self.await_examinations()?;
-        (self.standing.episodes_bytes, self.standing.evaluations_bytes) = self.recorder.flush()?;
-        self.standing.wall_s = self.wall_s();
-        checkpoint::save(&self.folder, self.app.world_mut(), &mut self.standing)?;
+        self.await_evaluations()?;
+        (self.trainer_state.episodes_bytes, self.trainer_state.evaluations_bytes) =
+            self.metrics_writer.flush()?;
+        self.trainer_state.wall_s = self.wall_s();
+        checkpoint::save(&self.folder, self.app.world_mut(), &mut self.trainer_state)?;
         self.saved = Instant::now();
         Ok(())
     }
@@ -333,14 +345,14 @@ impl Run {
     fn end(&mut self) -> Result<Summary, RunError> {
         self.save()?;
         let finished = remaining(self.config.preset.budget, self.learner()) == 0;
-        if self.standing.evaluated_at != Some(self.learner().env_steps()) {
-            self.hand_in()?;
-            self.await_examinations()?;
+        if self.trainer_state.evaluated_at != Some(self.learner().env_steps()) {
+            self.submit()?;
+            self.await_evaluations()?;
         }
-        self.recorder.flush()?;
-        self.write_policy("policy-last.safetensors", &follow::bytes(&self.policy())?)?;
+        self.metrics_writer.flush()?;
+        self.write_policy("policy-last.safetensors", &metrics::policy_bytes(&self.policy())?)?;
 
-        let best = self.standing.best.as_ref();
+        let best = self.trainer_state.best.as_ref();
         let learner = self.learner();
         let summary = Summary {
             version: self.config.version.clone(),
@@ -355,12 +367,12 @@ impl Run {
             wall_s: self.wall_s(),
             best_success_rate: best.map(|b| b.success_rate),
             best_mean_time_s: best.and_then(|b| b.mean_time_s),
-            last_success_rate: self.standing.last_success_rate,
-            first_96: self.standing.first_96,
-            first_99: self.standing.first_99,
+            last_success_rate: self.trainer_state.last_success_rate,
+            first_96: self.trainer_state.first_96,
+            first_99: self.trainer_state.first_99,
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
-        self.recorder.draw(&self.config.description())?;
+        self.metrics_writer.draw(&self.config.description())?;
         // Last: where there is a summary, everything is there.
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
         let how = if finished { "done" } else { "stopped; go on with --resume" };

@@ -8,36 +8,36 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 
-use super::lidar::Beams;
+use super::lidar::BeamDirections;
 use super::physics::{self, Bodies};
 use super::{obstacles, robot};
-use crate::control_step::Begin;
+use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaState, Clock, CurrentScenario, Drive, Encoding, Episode, Observations, Outcome,
-    Outcomes, Pose, Restart, Room, Scan, Streams, Target, TaskFault, observation,
+    Actions, Arena, ArenaLayout, ArenaState, Clock, CurrentScenario, Encoding, Episode, Goal, Observations,
+    PendingReset, Pose, Scan, StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
 };
 
 /// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
 /// episode in each.
-pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed: u64) {
+pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed: u64) {
     physics::despawn_all(world);
     world.insert_resource(CurrentScenario(scenario.clone()));
-    world.insert_resource(Beams::of(&scenario.lidar));
+    world.insert_resource(BeamDirections::from_lidar(&scenario.lidar));
     world.resource_mut::<Observations>().resize(arenas, observation::width(scenario.lidar.beams));
     world.resource_mut::<Actions>().0 = vec![0; arenas];
-    world.resource_mut::<Outcomes>().0 = vec![Outcome::default(); arenas];
+    world.resource_mut::<StepOutcomes>().0 = vec![StepOutcome::default(); arenas];
     for index in 0..arenas {
         let arena = world
             .spawn((
                 Arena(index),
-                Room { layout: 0, scenario: scenario.clone() },
+                ArenaLayout { layout_seed: 0, scenario: scenario.clone() },
                 Pose::default(),
-                Drive::default(),
+                Twist::default(),
                 Scan::default(),
-                Target::default(),
+                Goal::default(),
                 Clock::default(),
-                Episode { restart: Restart::Everything, ..Episode::default() },
+                Episode { pending_reset: PendingReset::Full, ..Episode::default() },
                 Streams::new(seed, index as u64),
                 physics::context(scenario.task.control_period_s),
             ))
@@ -45,39 +45,39 @@ pub fn populate(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed
         physics::spawn_bodies(world, scenario, arena);
     }
     physics::make_bodies(world);
-    world.run_schedule(Begin);
+    world.run_schedule(Reset);
 }
 
 /// Begins anew in every arena, with the streams and the clock that `fresh` gives for its number; where it gives none,
 /// the arena is parked.
-pub fn rewind(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(Streams, Clock)>) {
+pub fn reset_arenas(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(Streams, Clock)>) {
     let mut arenas = world.query::<(&Arena, &mut Streams, &mut Clock, &mut Episode)>();
     for (arena, mut streams, mut clock, mut episode) in arenas.iter_mut(world) {
         *episode = match fresh(arena.0) {
             Some(begin) => {
                 (*streams, *clock) = begin;
-                Episode { restart: Restart::Everything, ..Episode::default() }
+                Episode { pending_reset: PendingReset::Full, ..Episode::default() }
             }
-            None => Episode { parked: true, ..Episode::default() },
+            None => Episode { inactive: true, ..Episode::default() },
         };
     }
-    world.run_schedule(Begin);
+    world.run_schedule(Reset);
 }
 
 /// The state of every arena, by number.
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     let mut arenas =
-        world.query::<(&Arena, &Room, &Pose, &Drive, &Scan, &Target, &Clock, &Episode, &Streams)>();
+        world.query::<(&Arena, &ArenaLayout, &Pose, &Twist, &Scan, &Goal, &Clock, &Episode, &Streams)>();
     let mut states: Vec<(usize, ArenaState)> = arenas
         .iter(world)
-        .map(|(arena, room, pose, drive, scan, target, clock, episode, streams)| {
+        .map(|(arena, room, pose, twist, scan, goal, clock, episode, streams)| {
             let state = ArenaState {
                 pose: *pose,
-                drive: *drive,
+                twist: *twist,
                 scan: scan.clone(),
-                target: *target,
+                goal: *goal,
                 clock: *clock,
-                layout: room.layout,
+                layout_seed: room.layout_seed,
                 episode: episode.clone(),
                 streams: streams.clone(),
             };
@@ -100,48 +100,57 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         &mut Bodies,
         &mut RapierRigidBodySet,
         &mut RapierContextColliders,
-        (&mut Room, &mut Pose, &mut Drive, &mut Scan, &mut Target, &mut Clock, &mut Episode, &mut Streams),
+        (
+            &mut ArenaLayout,
+            &mut Pose,
+            &mut Twist,
+            &mut Scan,
+            &mut Goal,
+            &mut Clock,
+            &mut Episode,
+            &mut Streams,
+        ),
     )>();
     for (arena, mut bodies, mut set, mut colliders, components) in arenas.iter_mut(world) {
         let Some(state) = states.get(arena.0) else { continue };
-        let (mut room, mut pose, mut drive, mut scan, mut target, mut clock, mut episode, mut streams) =
+        let (mut room, mut pose, mut twist, mut scan, mut goal, mut clock, mut episode, mut streams) =
             components;
-        *room = Room::new(&scenario, state.layout);
+        *room = ArenaLayout::new(&scenario, state.layout_seed);
         *pose = state.pose;
-        *drive = state.drive;
+        *twist = state.twist;
         *scan = state.scan.clone();
-        *target = state.target;
+        *goal = state.goal;
         *clock = state.clock;
         *episode = state.episode.clone();
         *streams = state.streams.clone();
         robot::place_body(&mut set, &bodies, &pose);
-        obstacles::furnish(&scenario, &room, &mut bodies, &mut colliders);
+        obstacles::place_generated_obstacles(&scenario, &room, &mut bodies, &mut colliders);
         obstacles::place_bodies(&room, *clock, &bodies, &mut set, &mut colliders);
-        observation::encode(encoding, &scan, &pose, &target, &mut rows.current[arena.0 * width..][..width]);
+        observation::encode(encoding, &scan, &pose, &goal, &mut rows.current[arena.0 * width..][..width]);
     }
     world.insert_resource(rows);
 }
 
 /// Puts `scenario` under the arenas as they stand: the same episodes go on in the changed world, which their robots
 /// sense at once. The number of beams must be the same.
-pub fn rebuild(world: &mut World, scenario: &Arc<Scenario>) {
+pub fn change_scenario(world: &mut World, scenario: &Arc<Scenario>) {
     let states = snapshot(world);
     let (fault, actions) = (world.resource::<TaskFault>().clone(), world.resource::<Actions>().clone());
-    populate(world, scenario, states.len(), 0);
+    spawn_arenas(world, scenario, states.len(), 0);
     world.insert_resource(fault);
     world.insert_resource(actions);
     restore(world, &states);
     sense_anew(world, |_| true);
 }
 
-/// Begins anew in every arena, in another world: streams and clocks go on, layouts, starts and targets are drawn there.
+/// Begins anew in every arena, in another world: streams and clocks go on, layouts, starts and goals are drawn there.
 /// The number of beams and that of the robot's motions must be the same.
-pub fn replace(world: &mut World, scenario: &Arc<Scenario>) {
+pub fn reset_with_scenario(world: &mut World, scenario: &Arc<Scenario>) {
     let (states, fault) = (snapshot(world), world.resource::<TaskFault>().clone());
-    populate(world, scenario, states.len(), 0);
+    spawn_arenas(world, scenario, states.len(), 0);
     // What was drawn for a moment is gone.
     world.insert_resource(fault);
-    rewind(world, |arena| states.get(arena).map(|state| (state.streams.clone(), state.clock)));
+    reset_arenas(world, |arena| states.get(arena).map(|state| (state.streams.clone(), state.clock)));
 }
 
 /// Puts the robot of `arena` at `to_m`, its heading as it is; the episode goes on from there.
@@ -154,10 +163,10 @@ pub fn move_robot(world: &mut World, arena: usize, to_m: (f32, f32)) {
 }
 
 /// Puts the target of `arena` at `to_m`; the episode goes on.
-pub fn move_target(world: &mut World, arena: usize, to_m: (f32, f32)) {
-    let mut arenas = world.query::<(&Arena, &mut Target)>();
-    for (_, mut target) in arenas.iter_mut(world).filter(|(other, _)| other.0 == arena) {
-        (target.x_m, target.y_m) = to_m;
+pub fn move_goal(world: &mut World, arena: usize, to_m: (f32, f32)) {
+    let mut arenas = world.query::<(&Arena, &mut Goal)>();
+    for (_, mut goal) in arenas.iter_mut(world).filter(|(other, _)| other.0 == arena) {
+        (goal.x_m, goal.y_m) = to_m;
     }
     sense_anew(world, |other| other == arena);
 }
@@ -166,7 +175,7 @@ pub fn move_target(world: &mut World, arena: usize, to_m: (f32, f32)) {
 fn sense_anew(world: &mut World, meant: impl Fn(usize) -> bool) {
     let mut arenas = world.query::<(&Arena, &mut Episode)>();
     for (_, mut episode) in arenas.iter_mut(world).filter(|(arena, _)| meant(arena.0)) {
-        episode.restart = Restart::Moved;
+        episode.pending_reset = PendingReset::Refresh;
     }
-    world.run_schedule(Begin);
+    world.run_schedule(Reset);
 }

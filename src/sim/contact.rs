@@ -11,21 +11,21 @@
 use bevy::prelude::*;
 use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, TypedShape};
 
-use super::lidar::within;
+use super::lidar::polygon_contains;
 use super::physics::Bodies;
-use crate::scenario::polygon::{from_segment, sides};
+use crate::scenario::polygon::{distance_to_segment, sides};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 use crate::task::Clock;
 
 /// Bodies nearer than this, in m, touch: rapier rests a body a hair off what stops it.
-const TOUCH_M: f32 = 0.0005;
+const CONTACT_MARGIN_M: f32 = 0.0005;
 /// So deep, in m, rapier may leave a robot in what has stopped it.
-const DEEP_M: f32 = 0.001;
+const MAX_PENETRATION_M: f32 = 0.001;
 /// The least that is gone at once, in m: so much earlier or later is a touch told.
-const FINE_M: f32 = 0.0001;
+const MIN_ADVANCE_M: f32 = 0.0001;
 
 /// A step of one arena that rapier has just made.
-pub(super) struct Step<'a> {
+pub(super) struct ContactQuery<'a> {
     pub scenario: &'a Scenario,
     pub colliders: &'a ColliderSet,
     pub bodies: &'a Bodies,
@@ -35,21 +35,21 @@ pub(super) struct Step<'a> {
     pub from: Vec2,
 }
 
-impl Step<'_> {
+impl ContactQuery<'_> {
     /// The part of the step, 0 to 1, after which the robot first touches something, if it goes straight to `to`.
-    pub(super) fn first_touch(&self, to: Vec2) -> Option<f32> {
-        self.first_within(to, self.scenario.robot.radius_m + TOUCH_M)
+    pub(super) fn first_contact(&self, to: Vec2) -> Option<f32> {
+        self.first_within(to, self.scenario.robot.radius_m + CONTACT_MARGIN_M)
     }
 
     /// Whether `end`, where rapier has put a robot that was to go to `to`, is where it may rest: at something, in nothing,
     /// past nothing, and no farther away than it was to go.
-    pub(super) fn rests_at(&self, end: Vec2, to: Vec2) -> bool {
+    pub(super) fn is_resting_contact(&self, end: Vec2, to: Vec2) -> bool {
         let radius_m = self.scenario.robot.radius_m;
-        let touches = |solid: &Collider| distance(solid, end) <= radius_m + TOUCH_M;
+        let touches = |solid: &Collider| distance(solid, end) <= radius_m + CONTACT_MARGIN_M;
         let mut solids = self.bodies.solids.iter().filter_map(|&solid| self.colliders.get(solid));
         (end - self.from).length() <= (to - self.from).length() * (1.0 + 1e-6) + 1e-6
             && solids.any(touches)
-            && self.first_within(end, radius_m - DEEP_M).is_none()
+            && self.first_within(end, radius_m - MAX_PENETRATION_M).is_none()
     }
 
     /// The part of the step after which something is first within `reach_m` of the robot's middle.
@@ -63,7 +63,7 @@ impl Step<'_> {
             if distance(solid, to) - reach_m > most_m {
                 return None;
             }
-            let way = obstacle.map_or(Way::None, |obstacle| self.way(obstacle));
+            let way = obstacle.map_or(ObstacleTrajectory::None, |obstacle| self.way(obstacle));
             let mut part = 0.0;
             loop {
                 let at = way.as_seen(self.from.lerp(to, part), 1.0 - part);
@@ -74,7 +74,7 @@ impl Step<'_> {
                 if part >= 1.0 {
                     return None;
                 }
-                part = (part + (gap_m.max(FINE_M) / most_m).max(f32::EPSILON)).min(1.0);
+                part = (part + (gap_m.max(MIN_ADVANCE_M) / most_m).max(f32::EPSILON)).min(1.0);
             }
         });
         first.reduce(f32::min)
@@ -83,41 +83,45 @@ impl Step<'_> {
     /// The farthest that any point of an obstacle goes in a step, in m.
     fn most_m(&self, obstacle: &Obstacle) -> f32 {
         let speed_m_s = match obstacle.motion {
-            ObstacleMotion::Still => 0.0,
+            ObstacleMotion::Static => 0.0,
             ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
                 let arm_m = (Vec2::from(obstacle.position_m) - Vec2::from(centre_m)).length();
                 // (A disc that turns comes no nearer by it.)
                 let turns = !matches!(obstacle.shape, Shape::Circle { .. });
-                speed_rad_s * (arm_m + if turns { obstacle.shape.reach_m() } else { 0.0 })
+                speed_rad_s * (arm_m + if turns { obstacle.shape.bounding_radius_m() } else { 0.0 })
             }
             ObstacleMotion::Patrol { speed_m_s, .. }
             | ObstacleMotion::BackAndForth { speed_m_s, .. }
             | ObstacleMotion::RandomWalk { speed_m_s, .. } => speed_m_s,
         };
         // (And the rounding of its coordinates.)
-        if speed_m_s == 0.0 { 0.0 } else { speed_m_s.abs() * self.scenario.task.control_period_s + FINE_M }
+        if speed_m_s == 0.0 {
+            0.0
+        } else {
+            speed_m_s.abs() * self.scenario.task.control_period_s + MIN_ADVANCE_M
+        }
     }
 
-    fn way(&self, obstacle: &Obstacle) -> Way {
+    fn way(&self, obstacle: &Obstacle) -> ObstacleTrajectory {
         let period_s = self.scenario.task.control_period_s;
         match obstacle.motion {
-            ObstacleMotion::Still => Way::None,
+            ObstacleMotion::Static => ObstacleTrajectory::None,
             ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-                Way::Round { centre: centre_m.into(), angle_rad: speed_rad_s * period_s }
+                ObstacleTrajectory::Round { centre: centre_m.into(), angle_rad: speed_rad_s * period_s }
             }
             _ => {
                 let at = |step| {
                     let (x, y, _) = pose_at(obstacle, step, period_s);
                     Vec2::new(x, y)
                 };
-                Way::Straight(at(self.clock.0) - at(self.clock.0.saturating_sub(1)))
+                ObstacleTrajectory::Straight(at(self.clock.0) - at(self.clock.0.saturating_sub(1)))
             }
         }
     }
 }
 
 /// How an obstacle has come in this step to where it stands now.
-enum Way {
+enum ObstacleTrajectory {
     None,
     /// Evenly, so far, in m.
     Straight(Vec2),
@@ -128,7 +132,7 @@ enum Way {
     },
 }
 
-impl Way {
+impl ObstacleTrajectory {
     /// What was at `at` when a part `left` of the step was to come, seen as if the obstacle had been where it is now.
     fn as_seen(&self, at: Vec2, left: f32) -> Vec2 {
         match *self {
@@ -147,9 +151,9 @@ fn distance(solid: &Collider, at: Vec2) -> f32 {
     let at = solid.position().inverse_transform_point(at);
     match solid.shape().as_typed_shape() {
         // By its sides: parry's own comes nearer step by step, and from afar ends millimetres off.
-        TypedShape::ConvexPolygon(polygon) if within(polygon, at) => 0.0,
+        TypedShape::ConvexPolygon(polygon) if polygon_contains(polygon, at) => 0.0,
         TypedShape::ConvexPolygon(polygon) => sides(polygon.points())
-            .map(|(from, to)| from_segment(from.into(), to.into(), at.into()))
+            .map(|(from, to)| distance_to_segment(from.into(), to.into(), at.into()))
             .fold(f32::INFINITY, f32::min),
         _ => solid.shape().distance_to_local_point(at, true),
     }

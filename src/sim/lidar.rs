@@ -2,7 +2,7 @@
 //!
 //! In: rapier's colliders and the robot's pose. Out: [`Scan`], in m. Beams are cast arena by arena against the few
 //! shapes there, each through parry's own ray cast, in the shape's own frame. A scan is taken after every physics
-//! step and after every restart, from where the robot is then, so it is never stale.
+//! step and after every reset, from where the robot is then, so it is never stale.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
@@ -19,12 +19,12 @@ use crate::task::{CurrentScenario, Episode, Pose, Scan, Streams};
 
 /// The beams' directions in the robot's own frame: unit vectors, in the sensor's order.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct Beams(pub Vec<Vec2>);
+pub struct BeamDirections(pub Vec<Vec2>);
 
-impl Beams {
+impl BeamDirections {
     /// The beams of `lidar`.
     #[must_use]
-    pub fn of(lidar: &Lidar) -> Self {
+    pub fn from_lidar(lidar: &Lidar) -> Self {
         let way = |beam| {
             let (sin, cos) = libm::sincos(lidar.beam_angle_rad(beam));
             Vec2::new(cos as f32, sin as f32)
@@ -36,7 +36,7 @@ impl Beams {
 /// Casts `beams` from `pose` against `solids`; `ranges_m` receives one distance a beam, `max_range_m` where nothing
 /// is met, 0 where the beam starts inside a shape.
 ///
-/// Which beams are worth a cast is settled by `Window`, which changes no bit of the result.
+/// Which beams are worth a cast is settled by `BeamRange`, which changes no bit of the result.
 pub fn cast(
     colliders: &ColliderSet,
     solids: &[ColliderHandle],
@@ -55,7 +55,7 @@ pub fn cast(
         let placed = collider.position();
         let local_origin = placed.inverse_transform_point(origin);
         let local_heading = placed.inverse_transform_vector(heading);
-        let window = Window::onto(shape, local_origin, local_heading);
+        let window = BeamRange::onto(shape, local_origin, local_heading);
         let shape = shape.as_typed_shape();
         for (beam, range) in beams.iter().zip(ranges_m.iter_mut()) {
             if window.may_show(*beam, *range) {
@@ -77,7 +77,7 @@ fn meets(shape: &TypedShape, ray: &Ray, most_m: f32) -> Option<f32> {
         TypedShape::Cuboid(cuboid) => cuboid.cast_local_ray(ray, most_m, true),
         TypedShape::Segment(side) => to_side(side.a, side.b, ray, most_m),
         TypedShape::ConvexPolygon(polygon) => {
-            if within(polygon, ray.origin) {
+            if polygon_contains(polygon, ray.origin) {
                 return Some(0.0);
             }
             sides(polygon.points())
@@ -97,7 +97,7 @@ fn meets(shape: &TypedShape, ray: &Ray, most_m: f32) -> Option<f32> {
 }
 
 /// Whether a point lies in a polygon, in its own frame.
-pub(super) fn within(polygon: &ConvexPolygon, point: Vec2) -> bool {
+pub(super) fn polygon_contains(polygon: &ConvexPolygon, point: Vec2) -> bool {
     let inside = |(corner, normal): (&Vec2, &Vec2)| normal.dot(point - *corner) <= 0.0;
     polygon.points().iter().zip(polygon.normals()).all(inside)
 }
@@ -120,7 +120,7 @@ fn to_side(from: Vec2, to: Vec2, ray: &Ray, most_m: f32) -> Option<f32> {
 /// A beam that meets the shape passes through its bounding circle, and gets across the line that stands square on the
 /// shortest way to the shape at its end (all of the shape lies beyond it). Both are asked with a margin far above
 /// the rounding errors of parry's cast, so a beam that is turned away would have met nothing.
-struct Window {
+struct BeamRange {
     /// From the robot to the bounding circle's centre, in m.
     centre: Vec2,
     /// The circle's radius, with the margin, in m, squared.
@@ -131,7 +131,7 @@ struct Window {
     margin_m: f32,
 }
 
-impl Window {
+impl BeamRange {
     /// A grazing cast may be off by the root of f32's rounding error, 0.0003 of the lengths in it.
     const MARGIN: f32 = 0.003;
 
@@ -160,12 +160,12 @@ impl Window {
 
 /// Makes a clean scan what the sensor reports: each beam is lost with the probability `dropout` (it then reads the
 /// maximum range), else off by a normal error with the standard deviation `noise_std_m`, within [0, maximum].
-pub fn disturb(lidar: &Lidar, stream: &mut Stream, ranges_m: &mut [f32]) {
+pub fn add_noise(lidar: &Lidar, stream: &mut Stream, ranges_m: &mut [f32]) {
     if lidar.is_exact() {
         return;
     }
     for range in ranges_m {
-        let lost = random::unit(stream) < lidar.dropout;
+        let lost = random::uniform_01(stream) < lidar.dropout;
         let error = lidar.noise_std_m * random::normal(stream);
         *range = if lost { lidar.max_range_m } else { (*range + error).clamp(0.0, lidar.max_range_m) };
     }
@@ -174,26 +174,26 @@ pub fn disturb(lidar: &Lidar, stream: &mut Stream, ranges_m: &mut [f32]) {
 /// `Sense`: every arena's scan after the physics step.
 pub(super) fn scan(
     scenario: Res<CurrentScenario>,
-    beams: Res<Beams>,
+    beams: Res<BeamDirections>,
     mut arenas: Query<(&Bodies, &RapierContextColliders, &Pose, &Episode, &mut Streams, &mut Scan)>,
 ) {
     for (bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
-        if !episode.parked {
+        if !episode.inactive {
             take(&scenario.0.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
         }
     }
 }
 
-/// `Begin`: the scan of robots that have just been placed.
-pub(super) fn scan_restarted(
+/// `Reset`: the scan of robots that have just been placed.
+pub(super) fn scan_after_reset(
     scenario: Res<CurrentScenario>,
-    beams: Res<Beams>,
+    beams: Res<BeamDirections>,
     mut arenas: Query<(&Bodies, &RapierContextColliders, &Pose, &Episode, &mut Streams, &mut Scan)>,
 ) {
     for (bodies, colliders, pose, episode, mut streams, mut scan) in &mut arenas {
-        if episode.restart.moves_robot() {
+        if episode.pending_reset.moves_robot() {
             scan.touching = false;
-            scan.late.clear();
+            scan.delayed.clear();
             take(&scenario.0.lidar, &beams, bodies, colliders, pose, &mut streams, &mut scan);
         }
     }
@@ -201,7 +201,7 @@ pub(super) fn scan_restarted(
 
 fn take(
     lidar: &Lidar,
-    beams: &Beams,
+    beams: &BeamDirections,
     bodies: &Bodies,
     colliders: &RapierContextColliders,
     pose: &Pose,
@@ -210,8 +210,8 @@ fn take(
 ) {
     cast(&colliders.colliders, &bodies.solids, pose, &beams.0, lidar.max_range_m, &mut scan.ranges_m);
     scan.nearest_m = scan.ranges_m.iter().copied().fold(lidar.max_range_m, f32::min);
-    disturb(lidar, &mut streams.sensor, &mut scan.ranges_m);
-    scan.from = *pose;
+    add_noise(lidar, &mut streams.sensor, &mut scan.ranges_m);
+    scan.sensor_pose = *pose;
     if lidar.latency_steps > 0 {
         delay(lidar.latency_steps as usize, scan);
     }
@@ -219,13 +219,13 @@ fn take(
 
 /// Keeps the fresh scan back, and reports the one of `steps` steps ago, or the first of the episode until there is one.
 fn delay(steps: usize, scan: &mut Scan) {
-    let fresh = (scan.from, scan.ranges_m.clone());
-    scan.late.push_back(fresh);
-    while scan.late.len() > steps + 1 {
-        scan.late.pop_front();
+    let fresh = (scan.sensor_pose, scan.ranges_m.clone());
+    scan.delayed.push_back(fresh);
+    while scan.delayed.len() > steps + 1 {
+        scan.delayed.pop_front();
     }
-    if let Some((from, ranges_m)) = scan.late.front() {
-        scan.from = *from;
+    if let Some((from, ranges_m)) = scan.delayed.front() {
+        scan.sensor_pose = *from;
         scan.ranges_m.clone_from(ranges_m);
     }
 }

@@ -1,6 +1,6 @@
 //! The world alive: arenas, bodies, motion and LIDAR in the ECS.
 //!
-//! In: a scenario, a number of arenas, a seed ([`populate`]); then actions, step by step. Out: poses and scans.
+//! In: a scenario, a number of arenas, a seed ([`spawn_arenas`]); then actions, step by step. Out: poses and scans.
 //!
 //! | file | duty |
 //! |---|---|
@@ -22,20 +22,23 @@ mod robot;
 
 use bevy::prelude::*;
 
-pub use arena::{move_robot, move_target, populate, rebuild, replace, restore, rewind, snapshot};
+pub use arena::{
+    change_scenario, move_goal, move_robot, reset_arenas, reset_with_scenario, restore, snapshot,
+    spawn_arenas,
+};
 pub use physics::Bodies;
 pub use probe::Probe;
-pub use robot::{Lag, chord_velocity, turned};
+pub use robot::{ActuatorLag, chord_velocity, integrate_heading};
 
-use crate::control_step::{Begin, BeginSet, ControlSet, ControlStep, ScanWritten};
+use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, ScanWritten};
 
-/// Responsible for bodies, motion and sensing. Arenas come with [`populate`].
-pub struct WorldPlugin;
+/// Responsible for bodies, motion and sensing. Arenas come with [`spawn_arenas`].
+pub struct SimPlugin;
 
-impl Plugin for WorldPlugin {
+impl Plugin for SimPlugin {
     fn build(&self, app: &mut App) {
         physics::build(app);
-        app.init_resource::<lidar::Beams>()
+        app.init_resource::<lidar::BeamDirections>()
             .add_systems(
                 ControlStep,
                 (
@@ -44,10 +47,10 @@ impl Plugin for WorldPlugin {
                 ),
             )
             .add_systems(
-                Begin,
+                Reset,
                 (
-                    (obstacles::place, robot::place).chain().in_set(BeginSet::Place),
-                    lidar::scan_restarted.in_set(BeginSet::Sense),
+                    (obstacles::place, robot::place).chain().in_set(ResetSet::Place),
+                    lidar::scan_after_reset.in_set(ResetSet::Sense),
                 ),
             );
     }

@@ -1,7 +1,7 @@
 //! Obstacles: where a moving one is, is a function of the arena's step count alone; generated ones are put up anew when an
 //! episode begins.
 //!
-//! In: the arena's [`Clock`] and its [`Room`]. Out: the next position of its kinematic bodies, which neither drift nor get
+//! In: the arena's [`Clock`] and its [`ArenaLayout`]. Out: the next position of its kinematic bodies, which neither drift nor get
 //! pushed; and generated obstacles in their new shapes and places.
 
 use bevy::prelude::*;
@@ -10,7 +10,7 @@ use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation, Vector};
 
 use super::physics::{self, Bodies};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
-use crate::task::{Clock, CurrentScenario, Episode, Restart, Room};
+use crate::task::{ArenaLayout, Clock, CurrentScenario, Episode, PendingReset};
 
 /// `Actuate`: the clock advances, and every moving obstacle is told where it will be after this step.
 pub(super) fn advance(
@@ -18,7 +18,7 @@ pub(super) fn advance(
     mut arenas: Query<(&mut Clock, &Bodies, &Episode, &mut RapierRigidBodySet)>,
 ) {
     for (mut clock, bodies, episode, mut set) in &mut arenas {
-        if episode.parked {
+        if episode.inactive {
             continue;
         }
         clock.0 += 1;
@@ -36,7 +36,7 @@ pub(super) fn place(
     scenario: Res<CurrentScenario>,
     mut arenas: Query<(
         &Clock,
-        &Room,
+        &ArenaLayout,
         &mut Bodies,
         &Episode,
         &mut RapierRigidBodySet,
@@ -44,19 +44,19 @@ pub(super) fn place(
     )>,
 ) {
     for (clock, room, mut bodies, episode, mut set, mut colliders) in &mut arenas {
-        if episode.restart.begins_episode() {
-            furnish(&scenario.0, room, &mut bodies, &mut colliders);
+        if episode.pending_reset.begins_episode() {
+            place_generated_obstacles(&scenario.0, room, &mut bodies, &mut colliders);
         }
-        if episode.restart == Restart::Everything {
+        if episode.pending_reset == PendingReset::Full {
             place_bodies(room, *clock, &bodies, &mut set, &mut colliders);
         }
     }
 }
 
 /// Gives the colliders for what `scenario` generates the shapes and places that `room` has; the others are taken away.
-pub(super) fn furnish(
+pub(super) fn place_generated_obstacles(
     scenario: &Scenario,
-    room: &Room,
+    room: &ArenaLayout,
     bodies: &mut Bodies,
     colliders: &mut RapierContextColliders,
 ) {
@@ -80,7 +80,7 @@ pub(super) fn furnish(
 
 /// Puts the moving obstacles, and the colliders that the LIDAR sees, where the clock says.
 pub(super) fn place_bodies(
-    room: &Room,
+    room: &ArenaLayout,
     clock: Clock,
     bodies: &Bodies,
     set: &mut RapierRigidBodySet,
@@ -100,7 +100,7 @@ pub(super) fn place_bodies(
 }
 
 fn moving(scenario: &Scenario) -> impl Iterator<Item = (usize, &Obstacle)> {
-    scenario.obstacles.iter().enumerate().filter(|(_, obstacle)| obstacle.motion != ObstacleMotion::Still)
+    scenario.obstacles.iter().enumerate().filter(|(_, obstacle)| obstacle.motion != ObstacleMotion::Static)
 }
 
 fn body_pose(scenario: &Scenario, obstacle: &Obstacle, clock: Clock) -> BodyPose {

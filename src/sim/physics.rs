@@ -1,4 +1,4 @@
-//! Everything of bevy_rapier stands here: its plugin, how bodies are made, and the step of its contexts.
+//! All of bevy_rapier stands here: its plugin, how bodies are made, and the step of its contexts.
 //!
 //! Every arena is a physics context of its own, so arenas cannot meet, and arena k moves the same bits whatever the
 //! number of arenas. In: a scenario's shapes. Out: [`Bodies`], the handles by which the other files of this room
@@ -146,18 +146,18 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
         let (x, y, rotation) = pose_at(obstacle, 0, period_s);
         let mut parts =
             world.spawn((Part::Obstacle(index), link, collider(&obstacle.shape), at(x, y, rotation)));
-        if obstacle.motion != ObstacleMotion::Still {
+        if obstacle.motion != ObstacleMotion::Static {
             parts.insert(RigidBody::KinematicPositionBased);
         }
     }
-    let inner = scenario.walls.iter().flat_map(|wall| wall.pieces());
+    let inner = scenario.walls.iter().flat_map(|wall| wall.segments());
     let inner = inner.map(|Obstacle { shape, position_m: (x, y), rotation_rad, .. }| {
         (collider(&shape), at(x, y, rotation_rad))
     });
     for (index, (collider, at)) in around(&scenario.enclosure).into_iter().chain(inner).enumerate() {
         world.spawn((Part::Wall(index), link, collider, at));
     }
-    for index in 0..scenario.most_obstacles() - scenario.obstacles.len() {
+    for index in 0..scenario.max_obstacles() - scenario.obstacles.len() {
         // Shaped and placed, or disabled, when an episode begins. (Not here: all that has no body is then made in order.)
         world.spawn((Part::Generated(index), link, Collider::ball(1.0), at(0.0, 0.0, 0.0)));
     }

@@ -6,7 +6,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::RapierContextColliders;
 
-use super::lidar::{Beams, cast};
+use super::lidar::{BeamDirections, cast};
 use super::physics::Bodies;
 use crate::task::{Arena, CurrentScenario, Pose, Scan};
 
@@ -14,7 +14,7 @@ use crate::task::{Arena, CurrentScenario, Pose, Scan};
 #[derive(SystemParam)]
 pub struct Probe<'w, 's> {
     scenario: Res<'w, CurrentScenario>,
-    beams: Res<'w, Beams>,
+    beams: Res<'w, BeamDirections>,
     arenas: Query<'w, 's, (&'static Arena, &'static Bodies, &'static RapierContextColliders)>,
 }
 

@@ -1,10 +1,10 @@
 //! The robot: a differential drive.
 //!
-//! In: the chosen motion (v, w) of eq. (9). Out: the body's velocity before the physics step, its pose and [`Drive`]
+//! In: the chosen motion (v, w) of eq. (9). Out: the body's velocity before the physics step, its pose and [`Twist`]
 //! after it.
 //!
 //! What is driven in a step is the mean of the actual (v, w) over it: the chosen motion itself, or what the scenario's
-//! [`Lag`] makes of it. With a lag that is a simplification, for v and w change within the step and the true path is
+//! [`ActuatorLag`] makes of it. With a lag that is a simplification, for v and w change within the step and the true path is
 //! no arc; its turn and its length (what is reversed taken off) are kept, so the heading after the step is exact.
 //!
 //! Driving with constant v and w for a time t describes an arc. Its chord has the length v t sinc(w t / 2) and points
@@ -16,10 +16,10 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
 
-use super::contact::Step;
+use super::contact::ContactQuery;
 use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
-use crate::task::{Actions, Arena, Clock, CurrentScenario, Drive, Episode, Pose, Scan, wrap_angle};
+use crate::task::{Actions, Arena, Clock, CurrentScenario, Episode, Pose, Scan, Twist, wrap_angle};
 
 /// What rounding may add to coordinates, and to a metre's way.
 const ROUNDING: f32 = 1e-6;
@@ -35,7 +35,7 @@ pub fn chord_velocity(heading_rad: f32, motion: &Motion, seconds: f32) -> Vec2 {
 
 /// The heading after `seconds` of `motion`, in rad, in (-pi, pi].
 #[must_use]
-pub fn turned(heading_rad: f32, motion: &Motion, seconds: f32) -> f32 {
+pub fn integrate_heading(heading_rad: f32, motion: &Motion, seconds: f32) -> f32 {
     wrap_angle(heading_rad + motion.w_rad_s * seconds)
 }
 
@@ -43,14 +43,14 @@ pub fn turned(heading_rad: f32, motion: &Motion, seconds: f32) -> f32 {
 /// difference is left, the rest is made up. Without a lag nothing is left, and the step drives the chosen motion to the
 /// bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lag {
+pub struct ActuatorLag {
     /// Share of the difference at the step's start that is left on average over the step, 0 to 1.
     mean: f32,
     /// Share of it that is left at the step's end, 0 to 1.
     end: f32,
 }
 
-impl Lag {
+impl ActuatorLag {
     /// The lag with time constant `lag_s`, 0 s or more, over steps of `seconds`, more than 0.
     ///
     /// From du/dt = (chosen - u) / lag the difference falls as e^(-t / lag); over T seconds its mean is
@@ -64,18 +64,18 @@ impl Lag {
         Self { mean: -libm::expm1f(-lags) / lags, end: libm::expf(-lags) }
     }
 
-    /// What is driven on average in a step that begins with `drive` while `chosen` is chosen, and what the drive does
+    /// What is driven on average in a step that begins with `twist` while `chosen` is chosen, and what the drive does
     /// at its end.
     #[must_use]
-    pub fn step(&self, drive: &Drive, chosen: &Motion) -> (Motion, Drive) {
+    pub fn step(&self, twist: &Twist, chosen: &Motion) -> (Motion, Twist) {
         // Whatever the drive did, nothing of it is left: not even the sign of a zero.
         let left = |share: f32, actual: f32, chosen: f32| {
             if share == 0.0 { chosen } else { chosen + (actual - chosen) * share }
         };
-        let v = |share| left(share, drive.v_m_s, chosen.v_m_s);
-        let w = |share| left(share, drive.w_rad_s, chosen.w_rad_s);
+        let v = |share| left(share, twist.v_m_s, chosen.v_m_s);
+        let w = |share| left(share, twist.w_rad_s, chosen.w_rad_s);
         let mean = Motion { v_m_s: v(self.mean), w_rad_s: w(self.mean) };
-        (mean, Drive { v_m_s: v(self.end), w_rad_s: w(self.end) })
+        (mean, Twist { v_m_s: v(self.end), w_rad_s: w(self.end) })
     }
 
     /// That of the robot of `scenario` over its control period.
@@ -92,21 +92,21 @@ pub(super) fn actuate(
         &Arena,
         &Bodies,
         &Pose,
-        &Drive,
+        &Twist,
         &Episode,
         &mut RapierRigidBodySet,
         &mut RapierConfiguration,
     )>,
 ) {
-    let lag = Lag::of(&scenario.0);
-    for (arena, bodies, pose, drive, episode, mut set, mut configuration) in &mut arenas {
-        if configuration.physics_pipeline_active == episode.parked {
-            configuration.physics_pipeline_active = !episode.parked;
+    let lag = ActuatorLag::of(&scenario.0);
+    for (arena, bodies, pose, twist, episode, mut set, mut configuration) in &mut arenas {
+        if configuration.physics_pipeline_active == episode.inactive {
+            configuration.physics_pipeline_active = !episode.inactive;
         }
-        if episode.parked {
+        if episode.inactive {
             continue;
         }
-        let (motion, _) = lag.step(drive, &scenario.0.robot.motions[actions.0[arena.0]]);
+        let (motion, _) = lag.step(twist, &scenario.0.robot.motions[actions.0[arena.0]]);
         let velocity = chord_velocity(pose.heading_rad, &motion, scenario.0.task.control_period_s);
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
             body.set_linvel(velocity, true);
@@ -123,7 +123,7 @@ type Stepped = (
     &'static RapierContextColliders,
     &'static mut RapierRigidBodySet,
     &'static mut Pose,
-    &'static mut Drive,
+    &'static mut Twist,
     &'static mut Scan,
 );
 
@@ -133,14 +133,14 @@ type Stepped = (
 /// place to rest at, else where it first touched. One that rapier has only turned aside goes where it was told to.
 pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, mut arenas: Query<Stepped>) {
     let scenario = &*scenario.0;
-    let (lag, period_s) = (Lag::of(scenario), scenario.task.control_period_s);
-    for (arena, bodies, clock, episode, colliders, mut set, mut pose, mut drive, mut scan) in &mut arenas {
-        if episode.parked {
+    let (lag, period_s) = (ActuatorLag::of(scenario), scenario.task.control_period_s);
+    for (arena, bodies, clock, episode, colliders, mut set, mut pose, mut twist, mut scan) in &mut arenas {
+        if episode.inactive {
             continue;
         }
         if let Some(body) = set.bodies.get_mut(bodies.robot) {
-            let (motion, after) = lag.step(&drive, &scenario.robot.motions[actions.0[arena.0]]);
-            *drive = after;
+            let (motion, after) = lag.step(&twist, &scenario.robot.motions[actions.0[arena.0]]);
+            *twist = after;
             let from = Vec2::new(pose.x_m, pose.y_m);
             let due = chord_velocity(pose.heading_rad, &motion, period_s);
             let free = from + due * period_s;
@@ -148,11 +148,12 @@ pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, m
             let turned_aside =
                 (body.translation() - free).length() > ROUNDING * (1.0 + from.length() + free.length());
             let to = if turned_aside { free } else { body.translation() };
-            let step = Step { scenario, colliders: &colliders.colliders, bodies, clock: *clock, from };
-            let touch = step.first_touch(to);
+            let step =
+                ContactQuery { scenario, colliders: &colliders.colliders, bodies, clock: *clock, from };
+            let touch = step.first_contact(to);
             scan.touching = touch.is_some();
             if let Some(part) = touch {
-                if !step.rests_at(body.translation(), to) {
+                if !step.is_resting_contact(body.translation(), to) {
                     body.set_translation(from.lerp(to, part), true);
                 }
                 body.set_linvel(Vec2::ZERO, true);
@@ -164,7 +165,7 @@ pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, m
             *pose = Pose {
                 x_m: position.x,
                 y_m: position.y,
-                heading_rad: turned(pose.heading_rad, &motion, period_s),
+                heading_rad: integrate_heading(pose.heading_rad, &motion, period_s),
             };
         }
     }
@@ -173,7 +174,7 @@ pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, m
 /// `Place`: a restarted robot's body is put where its pose says, at rest.
 pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigidBodySet)>) {
     for (bodies, pose, episode, mut set) in &mut arenas {
-        if !episode.restart.moves_robot() {
+        if !episode.pending_reset.moves_robot() {
             continue;
         }
         place_body(&mut set, bodies, pose);
@@ -199,7 +200,7 @@ mod tests {
         let end = chord_velocity(0.0, &motion, 0.2) * 0.2;
         assert!((end.x - 0.1 * 0.3_f32.sin()).abs() < 1e-7, "x = r sin(w t), got {}", end.x);
         assert!((end.y - 0.1 * (1.0 - 0.3_f32.cos())).abs() < 1e-7, "y = r (1 - cos(w t)), got {}", end.y);
-        assert!((turned(0.0, &motion, 0.2) - 0.3).abs() < 1e-7);
+        assert!((integrate_heading(0.0, &motion, 0.2) - 0.3).abs() < 1e-7);
     }
 
     #[test]

@@ -1,12 +1,12 @@
-//! What goes wrong in a step: no room for a start or target, or a number that is none.
+//! What goes wrong in a step: no room for a start or goal, or a number that is none.
 //!
-//! In: what `Sense` and `Judge` have left. Out: [`TaskFault`], which the caller of the step must look at. A step with a
+//! In: what `Sense` and `Reward` have left. Out: [`TaskFault`], which the caller of the step must look at. A step with a
 //! number that is none is neither remembered nor learnt from, and no episode ends with it.
 
 use bevy::prelude::*;
 
-use super::{Arena, Clock, Drive, Episode, Observations, Outcome, Outcomes, Pose, Scan, Target};
-use crate::scenario::NoFreePlace;
+use super::{Arena, Clock, Episode, Goal, Observations, Pose, Scan, StepOutcome, StepOutcomes, Twist};
+use crate::scenario::NoFreeSpace;
 
 /// Set where a step went wrong: the caller of the step must look, and stop.
 #[derive(Resource, Clone, Debug, Default)]
@@ -15,19 +15,19 @@ pub struct TaskFault(pub Option<Fault>);
 /// Why a step went wrong.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
-    /// No start or target could be found. A world can be mended, and the training go on.
+    /// No start or goal could be found. A world can be mended, and the training go on.
     #[error("arena {arena}, step {step}: {why}")]
-    NoRoom {
+    NoFreeSpace {
         /// In which arena.
         arena: usize,
         /// Its clock, in control steps.
         step: u64,
         /// What was looked for.
-        why: NoFreePlace,
+        why: NoFreeSpace,
     },
     /// A number is NaN or infinite: what comes after it means nothing.
     #[error("arena {arena}, step {step}: {what}")]
-    NotFinite {
+    NonFinite {
         /// In which arena.
         arena: usize,
         /// Its clock, in control steps.
@@ -38,47 +38,46 @@ pub enum Fault {
 }
 
 /// Whether the numbers of this step can be learnt from, and counted.
-pub fn numbers_are_sound(fault: Res<TaskFault>) -> bool {
-    !matches!(fault.0, Some(Fault::NotFinite { .. }))
+pub fn step_is_finite(fault: Res<TaskFault>) -> bool {
+    !matches!(fault.0, Some(Fault::NonFinite { .. }))
 }
 
-/// `Judge`, last: all numbers of the step are finite, or the first that is not is told with its cause.
-pub(super) fn look_for_faults(
+/// `Reward`, last: all numbers of the step are finite, or the first that is not is told with its cause.
+pub(super) fn detect_faults(
     observations: Res<Observations>,
-    outcomes: Res<Outcomes>,
+    outcomes: Res<StepOutcomes>,
     mut fault: ResMut<TaskFault>,
-    arenas: Query<(&Arena, &Clock, &Pose, &Drive, &Scan, &Target, &Episode)>,
+    arenas: Query<(&Arena, &Clock, &Pose, &Twist, &Scan, &Goal, &Episode)>,
 ) {
     let rewards = outcomes.0.iter().map(|outcome| outcome.reward.total());
     if all_finite(&observations.next) && rewards.fold(0.0, |sum, r| sum + 0.0 * r) == 0.0 {
         return;
     }
-    let mut seen: Vec<_> = arenas.iter().filter(|(.., episode)| !episode.parked).collect();
+    let mut seen: Vec<_> = arenas.iter().filter(|(.., episode)| !episode.inactive).collect();
     seen.sort_by_key(|(arena, ..)| arena.0);
-    for (arena, clock, pose, drive, scan, target, episode) in seen {
+    for (arena, clock, pose, twist, scan, goal, episode) in seen {
         let outcome = &outcomes.0[arena.0];
         let row = observations.next_row(arena.0);
-        if let Some(what) =
-            cause(pose, drive, scan, target, row).or_else(|| cause_of_reward(outcome, episode))
+        if let Some(what) = cause(pose, twist, scan, goal, row).or_else(|| cause_of_reward(outcome, episode))
         {
-            fault.0 = Some(Fault::NotFinite { arena: arena.0, step: clock.0, what });
+            fault.0 = Some(Fault::NonFinite { arena: arena.0, step: clock.0, what });
             return;
         }
     }
 }
 
 /// What among that which an observation is made of is not finite, the earliest first.
-fn cause(pose: &Pose, drive: &Drive, scan: &Scan, target: &Target, row: &[f32]) -> Option<String> {
+fn cause(pose: &Pose, twist: &Twist, scan: &Scan, goal: &Goal, row: &[f32]) -> Option<String> {
     let Pose { x_m, y_m, heading_rad } = *pose;
     if !all_finite(&[x_m, y_m, heading_rad]) {
         return Some(format!(
             "the robot's pose is ({x_m} m, {y_m} m, {heading_rad} rad): its motions are {} m/s and {} rad/s; try slower \
              ones, or a shorter control_period_s",
-            drive.v_m_s, drive.w_rad_s
+            twist.v_m_s, twist.w_rad_s
         ));
     }
-    if !all_finite(&[target.x_m, target.y_m]) {
-        return Some(format!("the target lies at ({} m, {} m)", target.x_m, target.y_m));
+    if !all_finite(&[goal.x_m, goal.y_m]) {
+        return Some(format!("the goal lies at ({} m, {} m)", goal.x_m, goal.y_m));
     }
     if let Some(beam) = scan.ranges_m.iter().position(|range| !range.is_finite()) {
         let range = scan.ranges_m[beam];
@@ -88,8 +87,8 @@ fn cause(pose: &Pose, drive: &Drive, scan: &Scan, target: &Target, row: &[f32]) 
     let beams = scan.ranges_m.len();
     let meaning = match column.checked_sub(beams) {
         None => format!("d_{}, a range", column + 1),
-        Some(0) => "phi_0, the target's bearing".into(),
-        Some(1) => "d_g, the target's distance".into(),
+        Some(0) => "phi_0, the goal's bearing".into(),
+        Some(1) => "d_g, the goal's distance".into(),
         Some(2) => "d_o, the smallest range".into(),
         Some(_) => "n, the nearest beam's number".into(),
     };
@@ -97,7 +96,7 @@ fn cause(pose: &Pose, drive: &Drive, scan: &Scan, target: &Target, row: &[f32]) 
 }
 
 /// What the reward is made of, if it is not finite.
-fn cause_of_reward(outcome: &Outcome, episode: &Episode) -> Option<String> {
+fn cause_of_reward(outcome: &StepOutcome, episode: &Episode) -> Option<String> {
     let (terms, potential) = (&outcome.reward, &episode.potential);
     let total = terms.total();
     (!total.is_finite()).then(|| {
@@ -125,11 +124,11 @@ mod tests {
     use crate::task::RewardConfig;
 
     const POSE: Pose = Pose { x_m: 1.0, y_m: 0.0, heading_rad: 0.0 };
-    const TARGET: Target = Target { x_m: 1.0, y_m: -2.0 };
+    const TARGET: Goal = Goal { x_m: 1.0, y_m: -2.0 };
 
-    fn said(pose: Pose, ranges_m: Vec<f32>, target: Target, row: &[f32]) -> Option<String> {
+    fn said(pose: Pose, ranges_m: Vec<f32>, goal: Goal, row: &[f32]) -> Option<String> {
         let scan = Scan { ranges_m, ..Scan::default() };
-        cause(&pose, &Drive { v_m_s: 0.15, w_rad_s: 0.0 }, &scan, &target, row)
+        cause(&pose, &Twist { v_m_s: 0.15, w_rad_s: 0.0 }, &scan, &goal, row)
     }
 
     #[test]
@@ -144,10 +143,10 @@ mod tests {
         );
         let what = said(POSE, vec![3.5, f32::INFINITY], TARGET, &[nan; 6]).expect("it is seen");
         assert!(what.starts_with("the LIDAR's beam 1 reports inf m"), "{what}");
-        let what = said(POSE, vec![3.5; 2], Target { x_m: nan, ..TARGET }, &[nan; 6]).expect("it is seen");
-        assert_eq!(what, "the target lies at (NaN m, -2 m)");
+        let what = said(POSE, vec![3.5; 2], Goal { x_m: nan, ..TARGET }, &[nan; 6]).expect("it is seen");
+        assert_eq!(what, "the goal lies at (NaN m, -2 m)");
         let what = said(POSE, vec![3.5; 2], TARGET, &[1.0, 1.0, 1.0, nan, 1.0, 0.5]).expect("it is seen");
-        assert_eq!(what, "the observation's number 3 (d_g, the target's distance) is NaN");
+        assert_eq!(what, "the observation's number 3 (d_g, the goal's distance) is NaN");
     }
 
     #[test]
@@ -155,14 +154,16 @@ mod tests {
         // 0.5 * 1e38 * 3^2 is more than an f32 can be. (No preset may ask for it.)
         let config = RewardConfig { mu: 1e38, ..RewardConfig::default() };
         let potential = config.potential(3.0, 1.0);
-        let outcome =
-            Outcome { reward: config.reward(false, false, potential, potential), ..Outcome::default() };
+        let outcome = StepOutcome {
+            reward: config.reward(false, false, potential, potential),
+            ..StepOutcome::default()
+        };
         let episode = Episode { potential, ..Episode::default() };
         let what = cause_of_reward(&outcome, &episode).expect("it is seen");
         let expected = "the reward is NaN: 0e0 for reaching, 0e0 for colliding, NaN by attraction and 0e0 by repulsion, \
                         whose potentials are now inf and 0e0";
         assert!(what.starts_with(expected), "{what}");
-        assert_eq!(cause_of_reward(&Outcome::default(), &episode), None);
+        assert_eq!(cause_of_reward(&StepOutcome::default(), &episode), None);
         assert_eq!(config.check().expect_err("so it is refused").0, "mu");
     }
 }

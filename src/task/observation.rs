@@ -1,14 +1,14 @@
 //! Eq. (8): what the policy sees.
 //!
-//! In: a scan, a pose and a target. Out: one row of [`Observations`] per arena, in the paper's order
+//! In: a scan, a pose and a goal. Out: one row of [`Observations`] per arena, in the paper's order
 //! `d_1 ... d_B, phi_0, d_g, d_o, n` (B beams; 28 numbers for 24): as they are ([`Encoding::Raw`]), or each scaled so
 //! that it is of the order of one ([`Encoding::Scaled`]):
 //!
 //! | columns | meaning | scaled by |
 //! |---|---|---|
 //! | 0 .. B-1 | LIDAR ranges d_1 ... d_B, in m | / [`RANGE_SCALE_M`] (3.5 m) |
-//! | B | phi_0, angle from the heading to the target, in rad | / pi |
-//! | B+1 | d_g, distance to the target, in m | / [`DISTANCE_SCALE_M`] (4 m) |
+//! | B | phi_0, angle from the heading to the goal, in rad | / pi |
+//! | B+1 | d_g, distance to the goal, in m | / [`DISTANCE_SCALE_M`] (4 m) |
 //! | B+2 | d_o, the smallest reported range, in m | / [`RANGE_SCALE_M`] |
 //! | B+3 | n, the index of that beam, 0 .. B-1 | / B |
 //!
@@ -17,11 +17,11 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Arena, CurrentScenario, Episode, Pose, Restart, Scan, Target};
+use super::{Arena, CurrentScenario, Episode, Goal, PendingReset, Pose, Scan};
 
 /// LIDAR ranges are divided by this, in m.
 pub const RANGE_SCALE_M: f32 = 3.5;
-/// The target's distance is divided by this, in m.
+/// The goal's distance is divided by this, in m.
 pub const DISTANCE_SCALE_M: f32 = 4.0;
 
 /// In which units the numbers of eq. (8) enter the network. A policy drives only by the encoding it was trained with.
@@ -35,7 +35,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// What ranges, the bearing, the target's distance and the index of a beam among `beams` are divided by.
+    /// What ranges, the bearing, the goal's distance and the index of a beam among `beams` are divided by.
     fn divisors(self, beams: usize) -> [f32; 4] {
         match self {
             Self::Scaled => [RANGE_SCALE_M, core::f32::consts::PI, DISTANCE_SCALE_M, beams as f32],
@@ -51,7 +51,7 @@ pub const fn width(beams: usize) -> usize {
 }
 
 /// Writes eq. (8) in `encoding` into `row`, which must be [`width`]`(scan.ranges_m.len())` long.
-pub fn encode(encoding: Encoding, scan: &Scan, pose: &Pose, target: &Target, row: &mut [f32]) {
+pub fn encode(encoding: Encoding, scan: &Scan, pose: &Pose, goal: &Goal, row: &mut [f32]) {
     let beams = scan.ranges_m.len();
     let [of_range, of_bearing, of_distance, of_index] = encoding.divisors(beams);
     let (mut nearest, mut index) = (f32::INFINITY, 0);
@@ -61,8 +61,8 @@ pub fn encode(encoding: Encoding, scan: &Scan, pose: &Pose, target: &Target, row
             (nearest, index) = (range, i);
         }
     }
-    row[beams] = pose.bearing_rad(target) / of_bearing;
-    row[beams + 1] = pose.distance_m(target) / of_distance;
+    row[beams] = pose.bearing_rad(goal) / of_bearing;
+    row[beams + 1] = pose.distance_m(goal) / of_distance;
     row[beams + 2] = nearest / of_range;
     row[beams + 3] = index as f32 / of_index;
 }
@@ -103,35 +103,35 @@ impl Observations {
 pub(super) fn observe_next(
     encoding: Res<Encoding>,
     mut observations: ResMut<Observations>,
-    arenas: Query<(&Arena, &Scan, &Pose, &Target)>,
+    arenas: Query<(&Arena, &Scan, &Pose, &Goal)>,
 ) {
     let width = observations.width;
     // Parked arenas too: `current` and `next` change places after every step.
-    for (arena, scan, pose, target) in &arenas {
-        encode(*encoding, scan, pose, target, &mut observations.next[arena.0 * width..][..width]);
+    for (arena, scan, pose, goal) in &arenas {
+        encode(*encoding, scan, pose, goal, &mut observations.next[arena.0 * width..][..width]);
     }
 }
 
-/// `Restart`: what the step led to is what the next one starts from.
+/// `Reset`: what the step led to is what the next one starts from.
 pub(super) fn advance(mut observations: ResMut<Observations>) {
     let observations = &mut *observations;
     std::mem::swap(&mut observations.current, &mut observations.next);
 }
 
-/// `Begin`: the first observation after a new target or start; the potential is that of the new target.
+/// `Reset`: the first observation after a new goal or start; the potential is that of the new goal.
 pub(super) fn observe_first(
     encoding: Res<Encoding>,
     mut observations: ResMut<Observations>,
     reward: Res<super::RewardConfig>,
     scenario: Res<CurrentScenario>,
-    mut arenas: Query<(&Arena, &Scan, &Pose, &Target, &mut Episode)>,
+    mut arenas: Query<(&Arena, &Scan, &Pose, &Goal, &mut Episode)>,
 ) {
     let width = observations.width;
     debug_assert_eq!(width, self::width(scenario.0.lidar.beams));
-    for (arena, scan, pose, target, mut episode) in &mut arenas {
-        if episode.restart != Restart::No {
-            encode(*encoding, scan, pose, target, &mut observations.current[arena.0 * width..][..width]);
-            episode.potential = reward.potential(pose.distance_m(target), scan.nearest_m);
+    for (arena, scan, pose, goal, mut episode) in &mut arenas {
+        if episode.pending_reset != PendingReset::None {
+            encode(*encoding, scan, pose, goal, &mut observations.current[arena.0 * width..][..width]);
+            episode.potential = reward.potential(pose.distance_m(goal), scan.nearest_m);
         }
     }
 }
@@ -140,15 +140,15 @@ pub(super) fn observe_first(
 mod tests {
     use super::*;
 
-    /// Beam 6 of 24 meets something 0.7 m away; the target is 2 m away, 90 degrees to the right.
+    /// Beam 6 of 24 meets something 0.7 m away; the goal is 2 m away, 90 degrees to the right.
     fn row(encoding: Encoding) -> Vec<f32> {
         let mut ranges_m = vec![3.5; 24];
         ranges_m[6] = 0.7;
         let scan = Scan { ranges_m, nearest_m: 0.7, ..Scan::default() };
         let pose = Pose { x_m: 1.0, y_m: 0.0, heading_rad: 0.0 };
-        let target = Target { x_m: 1.0, y_m: -2.0 };
+        let goal = Goal { x_m: 1.0, y_m: -2.0 };
         let mut row = vec![f32::NAN; width(24)];
-        encode(encoding, &scan, &pose, &target, &mut row);
+        encode(encoding, &scan, &pose, &goal, &mut row);
         row
     }
 
@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(row.len(), 28, "28 numbers with 24 beams");
         assert_eq!(row[0], 1.0, "a free beam is 3.5 m / 3.5 m");
         assert!((row[6] - 0.2).abs() < 1e-7, "beam 6 is 0.7 m / 3.5 m");
-        assert!((row[24] + 0.5).abs() < 1e-6, "the target lies 90 degrees to the right: -1/2 of pi");
+        assert!((row[24] + 0.5).abs() < 1e-6, "the goal lies 90 degrees to the right: -1/2 of pi");
         assert_eq!(row[25], 0.5, "2 m / 4 m");
         assert!((row[26] - 0.2).abs() < 1e-7, "the smallest range again");
         assert_eq!(row[27], 0.25, "and its beam's number: 6 / 24");

@@ -15,7 +15,7 @@ pub enum RewardKind {
 }
 
 /// The largest parameter: potentials over a kilometre are still numbers with it, and sums of rewards are.
-const LARGEST: f32 = 1e9;
+const MAX_PARAMETER: f32 = 1e9;
 
 /// The reward's parameters (Table 1).
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ const LARGEST: f32 = 1e9;
 pub struct RewardConfig {
     /// Eq. (3) or eq. (7).
     pub kind: RewardKind,
-    /// r+, for reaching the target.
+    /// r+, for reaching the goal.
     pub reached: f32,
     /// r-, for a collision.
     pub collided: f32,
@@ -68,11 +68,11 @@ impl Potential {
 /// A reward, or a sum of rewards, split in what it was given for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RewardTerms {
-    /// r+ for reached targets.
+    /// r+ for reached goals.
     pub reached: f32,
     /// r- for collisions.
     pub collided: f32,
-    /// The fall of the attraction, U_a at t-1 less U_a at t: what came of driving towards the target.
+    /// The fall of the attraction, U_a at t-1 less U_a at t: what came of driving towards the goal.
     pub attraction: f32,
     /// The fall of the repulsion, U_r at t-1 less U_r at t: what came of keeping clear.
     pub repulsion: f32,
@@ -98,7 +98,7 @@ impl core::ops::AddAssign for RewardTerms {
 impl RewardConfig {
     /// Eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, the latter only within l_r.
     ///
-    /// `d_g` is the distance to the target and `d_o` that to the nearest obstacle by LIDAR, both in m.
+    /// `d_g` is the distance to the goal and `d_o` that to the nearest obstacle by LIDAR, both in m.
     #[must_use]
     pub fn potential(&self, d_g: f32, d_o: f32) -> Potential {
         let attraction = 0.5 * self.mu * d_g * d_g;
@@ -112,7 +112,7 @@ impl RewardConfig {
     }
 
     /// Eq. (3) or eq. (7). `before` and `after` are the potentials U_{t-1} and U_t. Where a step both collides and
-    /// reaches the target, it counts as a collision.
+    /// reaches the goal, it counts as a collision.
     #[must_use]
     pub fn reward(&self, reached: bool, collided: bool, before: Potential, after: Potential) -> RewardTerms {
         let mut terms = RewardTerms::default();
@@ -135,8 +135,11 @@ impl RewardConfig {
         let finite = [("reached", self.reached), ("collided", self.collided)];
         let gains = [("mu", self.mu), ("sigma", self.sigma)];
         for (field, value) in finite.into_iter().chain(gains) {
-            if !value.is_finite() || value.abs() > LARGEST {
-                return Err((field, format!("is {value:e}; give a number of at most {LARGEST:e} in size")));
+            if !value.is_finite() || value.abs() > MAX_PARAMETER {
+                return Err((
+                    field,
+                    format!("is {value:e}; give a number of at most {MAX_PARAMETER:e} in size"),
+                ));
             }
         }
         for (field, value) in gains {

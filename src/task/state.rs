@@ -1,6 +1,6 @@
 //! The state of one arena, as the task sees it: components on the arena's entity.
 //!
-//! In: `world/` writes [`Pose`], [`Drive`] and [`Scan`], `begin.rs` writes [`Target`] and [`Episode`]. Out: everything else
+//! In: `world/` writes [`Pose`], [`Twist`] and [`Scan`], `reset.rs` writes [`Goal`] and [`Episode`]. Out: everything else
 //! reads them. Positions are in the arena's own frame, whose origin is the enclosure's centre.
 
 use std::collections::VecDeque;
@@ -19,21 +19,21 @@ pub struct Arena(pub usize);
 
 /// The world as it stands in this arena: the scenario, with the layout of this episode where it has generators.
 #[derive(Component, Clone, Debug)]
-pub struct Room {
+pub struct ArenaLayout {
     /// The layout's number; 0 where there are no generators.
-    pub layout: u64,
-    /// The scenario with that layout ([`Scenario::furnished`]).
+    pub layout_seed: u64,
+    /// The scenario with that layout ([`Scenario::with_generated_obstacles`]).
     pub scenario: Arc<Scenario>,
 }
 
-impl Room {
-    /// The world of `scenario` with layout number `layout`, which only generators ask for.
+impl ArenaLayout {
+    /// The world of `scenario` with layout number `layout_seed`, which only generators ask for.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, layout: u64) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, layout_seed: u64) -> Self {
         if scenario.generators.is_empty() {
-            return Self { layout: 0, scenario: scenario.clone() };
+            return Self { layout_seed: 0, scenario: scenario.clone() };
         }
-        Self { layout, scenario: Arc::new(scenario.furnished(layout)) }
+        Self { layout_seed, scenario: Arc::new(scenario.with_generated_obstacles(layout_seed)) }
     }
 }
 
@@ -49,24 +49,24 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Distance to a target's centre, in m: d_g of eq. (8).
+    /// Distance to a goal's centre, in m: d_g of eq. (8).
     #[must_use]
-    pub fn distance_m(&self, target: &Target) -> f32 {
-        libm::hypotf(target.x_m - self.x_m, target.y_m - self.y_m)
+    pub fn distance_m(&self, goal: &Goal) -> f32 {
+        libm::hypotf(goal.x_m - self.x_m, goal.y_m - self.y_m)
     }
 
-    /// Angle from the heading to the line to a target, in rad, in (-pi, pi], counterclockwise positive: phi_0 of
+    /// Angle from the heading to the line to a goal, in rad, in (-pi, pi], counterclockwise positive: phi_0 of
     /// eq. (8).
     #[must_use]
-    pub fn bearing_rad(&self, target: &Target) -> f32 {
-        wrap_angle(libm::atan2f(target.y_m - self.y_m, target.x_m - self.x_m) - self.heading_rad)
+    pub fn bearing_rad(&self, goal: &Goal) -> f32 {
+        wrap_angle(libm::atan2f(goal.y_m - self.y_m, goal.x_m - self.x_m) - self.heading_rad)
     }
 }
 
 /// How fast the robot actually goes at this moment: what its drive has made of the motions chosen so far. At rest when
 /// an episode begins. Wheels know nothing of contacts: one that stops the body leaves this as it is.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Drive {
+pub struct Twist {
     /// Speed along the heading, in m/s.
     pub v_m_s: f32,
     /// Turning speed, left positive, in rad/s.
@@ -97,18 +97,18 @@ pub struct Scan {
     /// dropout and latency included.
     pub ranges_m: Vec<f32>,
     /// From where that was seen: the robot's pose, `latency_steps` steps ago.
-    pub from: Pose,
+    pub sensor_pose: Pose,
     /// The smallest range without noise and dropout, in m: d_o, by which collisions and rewards are judged.
     pub nearest_m: f32,
     /// Whether the robot's body touches another.
     pub touching: bool,
     /// Scans that the policy has yet to see, oldest first, where the sensor has a latency: poses and ranges.
-    pub late: VecDeque<(Pose, Vec<f32>)>,
+    pub delayed: VecDeque<(Pose, Vec<f32>)>,
 }
 
 /// The point that the robot is to reach, in m.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Target {
+pub struct Goal {
     /// Along x, in m.
     pub x_m: f32,
     /// Along y, in m.
@@ -121,33 +121,33 @@ pub struct Clock(pub u64);
 
 /// What an arena is owed before the next step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Restart {
+pub enum PendingReset {
     /// Nothing: the episode goes on.
     #[default]
-    No,
-    /// A new target; robot and episode go on.
-    Target,
-    /// A new start and a new target; the episode goes on. So it is after a target where no other is far enough.
-    Place,
-    /// A new episode: robot and target are placed anew.
+    None,
+    /// A new goal; robot and episode go on.
+    Goal,
+    /// A new start and a new goal; the episode goes on. So it is after a goal where no other is far enough.
+    StartAndGoal,
+    /// A new episode: robot and goal are placed anew.
     Episode,
     /// As `Episode`, with the obstacles put where the clock says (a fresh arena, or a rewound clock).
-    Everything,
+    Full,
     /// Nothing is drawn: a hand has moved something, and robot, scan and observation follow. The episode goes on.
-    Moved,
+    Refresh,
 }
 
-impl Restart {
+impl PendingReset {
     /// Whether the robot is somewhere else afterwards, or may be.
     #[must_use]
     pub fn moves_robot(self) -> bool {
-        matches!(self, Self::Place | Self::Episode | Self::Everything | Self::Moved)
+        matches!(self, Self::StartAndGoal | Self::Episode | Self::Full | Self::Refresh)
     }
 
     /// Whether a new episode begins.
     #[must_use]
     pub fn begins_episode(self) -> bool {
-        matches!(self, Self::Episode | Self::Everything)
+        matches!(self, Self::Episode | Self::Full)
     }
 }
 
@@ -157,21 +157,21 @@ pub struct Episode {
     /// Control steps taken in it.
     pub steps: u32,
     /// Targets reached in it.
-    pub targets: u32,
+    pub goals: u32,
     /// The rewards so far, term by term.
     pub rewards: RewardTerms,
-    /// The potential of eq. (4) after the last step, for the present target.
+    /// The potential of eq. (4) after the last step, for the present goal.
     pub potential: Potential,
     /// What is due before the next step.
-    pub restart: Restart,
+    pub pending_reset: PendingReset,
     /// The arena stands still: its single navigation has ended.
-    pub parked: bool,
+    pub inactive: bool,
 }
 
 /// The random streams of an arena: they depend on the seed and the arena's number alone.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Streams {
-    /// Starts and targets.
+    /// Starts and goals.
     pub places: Stream,
     /// LIDAR noise and dropout.
     pub sensor: Stream,
@@ -191,15 +191,15 @@ pub struct ArenaState {
     /// The robot's pose.
     pub pose: Pose,
     /// How fast it goes.
-    pub drive: Drive,
+    pub twist: Twist,
     /// The last scan.
     pub scan: Scan,
-    /// The present target.
-    pub target: Target,
+    /// The present goal.
+    pub goal: Goal,
     /// The obstacles' clock.
     pub clock: Clock,
-    /// The layout's number ([`Room`]).
-    pub layout: u64,
+    /// The layout's number ([`ArenaLayout`]).
+    pub layout_seed: u64,
     /// The running episode.
     pub episode: Episode,
     /// The streams where they stand.
@@ -207,15 +207,15 @@ pub struct ArenaState {
 }
 
 /// The farthest from an arena's origin that anything in it may be, in m: twice as far as any wall.
-const FARTHEST_M: f32 = 1_000.0;
-/// The most that a heading is off the x axis, in rad: that of a course may be a full turn.
-const MOST_TURNED_RAD: f32 = 7.0;
+const MAX_COORDINATE_M: f32 = 1_000.0;
+/// The most that a heading is off the x axis, in rad: that of a benchmark route may be a full turn.
+const MAX_HEADING_RAD: f32 = 7.0;
 /// The fastest that a drive goes, in m/s and rad/s: what a scenario allows, with a little room for rounding.
-const FASTEST: (f32, f32) = (5.01, 20.01);
+const MAX_TWIST: (f32, f32) = (5.01, 20.01);
 /// The longest that an episode may last, in control steps, and the farthest that a beam reaches, in m: what a scenario
 /// allows at most. (Who has a training in a window may have changed its own limits since.)
-const MOST_STEPS: u32 = 1_000_000;
-const MOST_RANGE_M: f32 = 1_000.0;
+const MAX_EPISODE_STEPS: u32 = 1_000_000;
+const MAX_RANGE_M: f32 = 1_000.0;
 
 impl ArenaState {
     /// Whether an arena of `scenario`, in training, can be so: what is read from a file can be anything.
@@ -223,30 +223,33 @@ impl ArenaState {
     /// # Errors
     /// What cannot be.
     pub fn check(&self, scenario: &Scenario) -> Result<(), &'static str> {
-        let Self { pose, drive, scan, target, clock, layout: _, episode, streams } = self;
+        let Self { pose, twist, scan, goal, clock, layout_seed: _, episode, streams } = self;
         let beams = scenario.lidar.beams;
         let within = |value: f32, most: f32| value.abs() <= most;
         let is_pose = |pose: &Pose| {
-            within(pose.x_m, FARTHEST_M)
-                && within(pose.y_m, FARTHEST_M)
-                && within(pose.heading_rad, MOST_TURNED_RAD)
+            within(pose.x_m, MAX_COORDINATE_M)
+                && within(pose.y_m, MAX_COORDINATE_M)
+                && within(pose.heading_rad, MAX_HEADING_RAD)
         };
-        let is_range = |range: &f32| (0.0..=MOST_RANGE_M).contains(range);
+        let is_range = |range: &f32| (0.0..=MAX_RANGE_M).contains(range);
         let are_ranges = |ranges: &[f32]| ranges.len() == beams && ranges.iter().all(is_range);
-        let Episode { steps, targets, rewards, potential, restart, parked } = episode;
+        let Episode { steps, goals, rewards, potential, pending_reset, inactive } = episode;
         for (what, sane) in [
             ("the robot's pose", is_pose(pose)),
-            ("how fast the robot goes", within(drive.v_m_s, FASTEST.0) && within(drive.w_rad_s, FASTEST.1)),
-            ("a scan", are_ranges(&scan.ranges_m) && is_range(&scan.nearest_m) && is_pose(&scan.from)),
-            ("the number of late scans", scan.late.len() <= scenario.lidar.latency_steps as usize + 1),
-            ("a late scan", scan.late.iter().all(|(from, ranges)| is_pose(from) && are_ranges(ranges))),
-            ("the target's place", within(target.x_m, FARTHEST_M) && within(target.y_m, FARTHEST_M)),
+            (
+                "how fast the robot goes",
+                within(twist.v_m_s, MAX_TWIST.0) && within(twist.w_rad_s, MAX_TWIST.1),
+            ),
+            ("a scan", are_ranges(&scan.ranges_m) && is_range(&scan.nearest_m) && is_pose(&scan.sensor_pose)),
+            ("the number of late scans", scan.delayed.len() <= scenario.lidar.latency_steps as usize + 1),
+            ("a late scan", scan.delayed.iter().all(|(from, ranges)| is_pose(from) && are_ranges(ranges))),
+            ("the goal's place", within(goal.x_m, MAX_COORDINATE_M) && within(goal.y_m, MAX_COORDINATE_M)),
             ("the clock", clock.0 < 1 << 62),
-            ("the episode's length", *steps <= MOST_STEPS && targets <= steps),
+            ("the episode's length", *steps <= MAX_EPISODE_STEPS && goals <= steps),
             ("the episode's rewards", rewards.total().is_finite()),
             ("the potential", potential.total().is_finite()),
-            ("what is due", *restart == Restart::No && !parked),
-            ("a stream", random::is_sound(&streams.places) && random::is_sound(&streams.sensor)),
+            ("what is due", *pending_reset == PendingReset::None && !inactive),
+            ("a stream", random::is_valid(&streams.places) && random::is_valid(&streams.sensor)),
         ] {
             if !sane {
                 return Err(what);
@@ -271,18 +274,18 @@ mod tests {
         let ranges = vec![1.0; scenario.lidar.beams];
         let sound = ArenaState {
             pose: Pose { x_m: 1.0, y_m: -1.0, heading_rad: 3.0 },
-            drive: Drive { v_m_s: 0.15, w_rad_s: -1.5 },
+            twist: Twist { v_m_s: 0.15, w_rad_s: -1.5 },
             scan: Scan {
                 ranges_m: ranges.clone(),
-                from: Pose::default(),
+                sensor_pose: Pose::default(),
                 nearest_m: 0.5,
                 touching: false,
-                late: VecDeque::from([(Pose::default(), ranges.clone()), (Pose::default(), ranges)]),
+                delayed: VecDeque::from([(Pose::default(), ranges.clone()), (Pose::default(), ranges)]),
             },
-            target: Target { x_m: 0.5, y_m: 0.5 },
+            goal: Goal { x_m: 0.5, y_m: 0.5 },
             clock: Clock(1_000),
-            layout: u64::MAX,
-            episode: Episode { steps: 7, targets: 1, ..Episode::default() },
+            layout_seed: u64::MAX,
+            episode: Episode { steps: 7, goals: 1, ..Episode::default() },
             streams: Streams::new(1, 0),
         };
         assert_eq!(sound.check(&scenario), Ok(()));
@@ -290,20 +293,20 @@ mod tests {
             ("the robot's pose", |s| s.pose.x_m = f32::NAN),
             ("the robot's pose", |s| s.pose.y_m = 1e9),
             ("the robot's pose", |s| s.pose.heading_rad = f32::INFINITY),
-            ("how fast the robot goes", |s| s.drive.v_m_s = f32::NAN),
+            ("how fast the robot goes", |s| s.twist.v_m_s = f32::NAN),
             ("a scan", |s| s.scan.ranges_m.truncate(3)),
             ("a scan", |s| s.scan.ranges_m[2] = -1.0),
             ("a scan", |s| s.scan.nearest_m = f32::NAN),
-            ("the number of late scans", |s| s.scan.late.push_back((Pose::default(), vec![1.0; 24]))),
-            ("a late scan", |s| s.scan.late[1].1.push(1.0)),
-            ("the target's place", |s| s.target.y_m = f32::NEG_INFINITY),
+            ("the number of late scans", |s| s.scan.delayed.push_back((Pose::default(), vec![1.0; 24]))),
+            ("a late scan", |s| s.scan.delayed[1].1.push(1.0)),
+            ("the goal's place", |s| s.goal.y_m = f32::NEG_INFINITY),
             ("the clock", |s| s.clock = Clock(u64::MAX)),
             ("the episode's length", |s| s.episode.steps = u32::MAX),
-            ("the episode's length", |s| s.episode.targets = 8),
+            ("the episode's length", |s| s.episode.goals = 8),
             ("the episode's rewards", |s| s.episode.rewards.attraction = f32::NAN),
             ("the potential", |s| s.episode.potential.repulsion = f32::INFINITY),
-            ("what is due", |s| s.episode.restart = Restart::Everything),
-            ("what is due", |s| s.episode.parked = true),
+            ("what is due", |s| s.episode.pending_reset = PendingReset::Full),
+            ("what is due", |s| s.episode.inactive = true),
         ];
         for (what, breakage) in breakages {
             let mut state = sound.clone();
@@ -314,13 +317,13 @@ mod tests {
 
     #[test]
     fn bearing_is_the_angle_from_the_heading_to_the_target() {
-        let target = Target { x_m: 0.0, y_m: 2.0 };
+        let goal = Goal { x_m: 0.0, y_m: 2.0 };
         let east = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
-        assert_eq!(east.distance_m(&target), 2.0);
-        assert!((east.bearing_rad(&target) - PI / 2.0).abs() < 1e-6, "the target lies to the left");
+        assert_eq!(east.distance_m(&goal), 2.0);
+        assert!((east.bearing_rad(&goal) - PI / 2.0).abs() < 1e-6, "the goal lies to the left");
         let south_west = Pose { heading_rad: -3.0 * PI / 4.0, ..east };
         // From -135 degrees to 90 degrees the short way is clockwise: -135 degrees.
-        assert!((south_west.bearing_rad(&target) + 3.0 * PI / 4.0).abs() < 1e-5);
+        assert!((south_west.bearing_rad(&goal) + 3.0 * PI / 4.0).abs() < 1e-5);
     }
 
     #[test]

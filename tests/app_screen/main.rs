@@ -1,16 +1,16 @@
-//! The screen asks for what is pressed, and for nothing else. `setup.rs`: the panel on the left; `room.rs`: what has room
-//! in which window; `hand.rs`: what is dragged in the world; `narrow.rs`: a phone's window.
+//! The screen asks for what is pressed, and for nothing else. `setup.rs`: the panel on the left; `layout.rs`: what has room
+//! in which window; `dragging.rs`: what is dragged in the world; `narrow.rs`: a phone's window.
 
-#![cfg(feature = "window")]
+#![cfg(feature = "gui")]
 
-#[path = "../support/fake.rs"]
-mod fake;
+#[path = "../support/screen_fixture.rs"]
+mod screen_fixture;
 
+mod dragging;
 mod editor;
 mod editor_canvas;
-mod hand;
+mod layout;
 mod narrow;
-mod room;
 mod setup;
 
 use std::path::Path;
@@ -18,21 +18,22 @@ use std::path::Path;
 use egui::{Key, Modifiers, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use fake::Fake;
-use wayfield::app::desk::{Camera, Look};
-use wayfield::app::orders::{Mode, Order, Pace};
-use wayfield::app::status::Weight;
+use screen_fixture::ScreenFixture;
+use wayfield::app::app_snapshot::Severity;
+use wayfield::app::commands::{Command, Pace, SessionMode};
+use wayfield::app::view_state::{ThemeChoice, ViewCamera};
 
-type Window = Harness<'static, Fake>;
+type Window = Harness<'static, ScreenFixture>;
 
 /// A window of the usual size, drawn often enough to be at rest.
-fn window(fake: Fake) -> Window {
-    window_of(fake, [1280.0, 860.0])
+fn window(screen_fixture: ScreenFixture) -> Window {
+    window_with_size(screen_fixture, [1280.0, 860.0])
 }
 
-fn window_of(fake: Fake, size: [f32; 2]) -> Window {
+fn window_with_size(screen_fixture: ScreenFixture, size: [f32; 2]) -> Window {
     let build = Harness::builder().with_size(size).with_max_steps(40);
-    let mut window = build.build_ui_state(|ui, fake: &mut Fake| fake.draw(ui), fake);
+    let mut window = build
+        .build_ui_state(|ui, screen_fixture: &mut ScreenFixture| screen_fixture.draw(ui), screen_fixture);
     settle(&mut window);
     window
 }
@@ -42,23 +43,23 @@ fn settle(window: &mut Window) {
 }
 
 /// What was ordered since the last time.
-fn ordered(window: &mut Window) -> Vec<Order> {
+fn sent_commands(window: &mut Window) -> Vec<Command> {
     settle(window);
-    std::mem::take(&mut window.state_mut().orders)
+    std::mem::take(&mut window.state_mut().commands)
 }
 
-fn click(window: &mut Window, label: &str) -> Vec<Order> {
+fn click(window: &mut Window, label: &str) -> Vec<Command> {
     window.get_by_label(label).click();
-    ordered(window)
+    sent_commands(window)
 }
 
-fn press(window: &mut Window, key: Key) -> Vec<Order> {
+fn press(window: &mut Window, key: Key) -> Vec<Command> {
     window.key_press(key);
-    ordered(window)
+    sent_commands(window)
 }
 
 /// Where the bar's controls stand, as many as there are.
-fn controls_in_the_bar(window: &Window) -> Vec<Rect> {
+fn toolbar_control_rects(window: &Window) -> Vec<Rect> {
     let words = [
         "Setup panel",
         "Run",
@@ -78,7 +79,7 @@ fn controls_in_the_bar(window: &Window) -> Vec<Rect> {
 }
 
 /// Asserts that `rects` lie in a window of this width, and none over another.
-fn assert_apart(rects: &[Rect], width: f32) {
+fn assert_no_overlap(rects: &[Rect], width: f32) {
     for (k, a) in rects.iter().enumerate() {
         assert!(a.min.x >= 0.0 && a.max.x <= width, "{a:?} is outside at {width}");
         for b in &rects[k + 1..] {
@@ -87,15 +88,15 @@ fn assert_apart(rects: &[Rect], width: f32) {
     }
 }
 
-fn released(pos: egui::Pos2) -> egui::Event {
+fn release_event(pos: egui::Pos2) -> egui::Event {
     let (button, modifiers) = (egui::PointerButton::Primary, Modifiers::NONE);
     egui::Event::PointerButton { pos, button, pressed: false, modifiers }
 }
 
 #[test]
 fn looking_orders_nothing() {
-    let mut window = window(Fake::default().with_notices());
-    assert_eq!(ordered(&mut window), []);
+    let mut window = window(ScreenFixture::default().with_notices());
+    assert_eq!(sent_commands(&mut window), []);
     for label in
         ["Setup panel", "Plots panel", "Plots panel", "Setup panel", "All arenas", "One arena", "Fit", "Help"]
     {
@@ -108,23 +109,23 @@ fn looking_orders_nothing() {
 
 #[test]
 fn time_is_in_the_users_hand() {
-    let mut window = window(Fake::default());
-    assert_eq!(click(&mut window, "Pause"), [Order::Pause(true)]);
-    assert_eq!(press(&mut window, Key::Space), [Order::Pause(true)]);
+    let mut window = window(ScreenFixture::default());
+    assert_eq!(click(&mut window, "Pause"), [Command::Pause(true)]);
+    assert_eq!(press(&mut window, Key::Space), [Command::Pause(true)]);
     window.state_mut().status.paused = true;
     settle(&mut window);
-    assert_eq!(click(&mut window, "Run"), [Order::Pause(false)]);
-    assert_eq!(press(&mut window, Key::Space), [Order::Pause(false)]);
-    assert_eq!(click(&mut window, "Step"), [Order::Step]);
-    assert_eq!(press(&mut window, Key::Period), [Order::Step]);
-    assert_eq!(click(&mut window, "100×"), [Order::SetPace(Pace::Times(100.0))]);
-    assert_eq!(click(&mut window, "Full"), [Order::SetPace(Pace::Full)]);
-    assert_eq!(press(&mut window, Key::Num2), [Order::SetPace(Pace::Times(5.0))]);
+    assert_eq!(click(&mut window, "Run"), [Command::Pause(false)]);
+    assert_eq!(press(&mut window, Key::Space), [Command::Pause(false)]);
+    assert_eq!(click(&mut window, "Step"), [Command::Step]);
+    assert_eq!(press(&mut window, Key::Period), [Command::Step]);
+    assert_eq!(click(&mut window, "100×"), [Command::SetPace(Pace::Times(100.0))]);
+    assert_eq!(click(&mut window, "Full"), [Command::SetPace(Pace::Full)]);
+    assert_eq!(press(&mut window, Key::Num2), [Command::SetPace(Pace::Times(5.0))]);
 }
 
 #[test]
 fn a_key_held_down_counts_once_but_for_the_step() {
-    let mut window = window(Fake::default());
+    let mut window = window(ScreenFixture::default());
     let held = |key| egui::Event::Key {
         key,
         physical_key: None,
@@ -138,41 +139,41 @@ fn a_key_held_down_counts_once_but_for_the_step() {
             window.step();
         }
         window.key_up(key);
-        assert_eq!(ordered(&mut window).len(), times, "{key:?}");
+        assert_eq!(sent_commands(&mut window).len(), times, "{key:?}");
     }
 }
 
 #[test]
 fn a_first_time_user_is_called_to_start() {
-    let mut window = window(Fake::fresh());
-    assert_eq!(click(&mut window, "Start learning"), [Order::Pause(false)]);
+    let mut window = window(ScreenFixture::untrained());
+    assert_eq!(click(&mut window, "Start learning"), [Command::Pause(false)]);
     window.state_mut().status.paused = false;
     settle(&mut window);
     assert!(window.query_by_label("Start learning").is_none(), "the call goes when learning does");
-    let mut fake = Fake::fresh();
-    fake.status.transfer_from = Some("best.safetensors".into());
-    let window = self::window(fake);
+    let mut screen_fixture = ScreenFixture::untrained();
+    screen_fixture.status.transfer_from = Some("best.safetensors".into());
+    let window = self::window(screen_fixture);
     assert!(window.query_by_label("Start learning").is_none(), "it knows something already");
 }
 
 #[test]
 fn the_mode_is_chosen_and_compare_asks_for_a_second_policy() {
-    let mut window = window(Fake::default());
+    let mut window = window(ScreenFixture::default());
     window.state_mut().status.expert = None;
-    assert_eq!(click(&mut window, "Test"), [Order::SetMode(Mode::Test)]);
-    assert_eq!(click(&mut window, "Drive"), [Order::SetMode(Mode::Drive)]);
-    assert_eq!(click(&mut window, "Compare"), [Order::OpenDialog]);
-    window.state_mut().status.opened = Some("best".into());
+    assert_eq!(click(&mut window, "Test"), [Command::SetMode(SessionMode::Test)]);
+    assert_eq!(click(&mut window, "Drive"), [Command::SetMode(SessionMode::Drive)]);
+    assert_eq!(click(&mut window, "Compare"), [Command::OpenDialog]);
+    window.state_mut().status.opened_policy = Some("best".into());
     settle(&mut window);
-    assert_eq!(click(&mut window, "Compare"), [Order::SetMode(Mode::Compare)]);
+    assert_eq!(click(&mut window, "Compare"), [Command::SetMode(SessionMode::Compare)]);
 }
 
 #[test]
 fn while_training_rests_it_is_said_and_there_is_nothing_to_choose_between() {
-    let mut window = window(Fake::default().driven_alone());
+    let mut window = window(ScreenFixture::default().with_single_policy());
     assert!(window.query_by_label("Training rests meanwhile.").is_some());
     assert!(window.query_by_label("All arenas").is_none() && window.query_by_label("Fit").is_some());
-    window.state_mut().status.mode = Mode::Train;
+    window.state_mut().status.mode = SessionMode::Train;
     settle(&mut window);
     assert!(window.query_by_label("Training rests meanwhile.").is_none());
     assert!(window.query_by_label("All arenas").is_some());
@@ -180,98 +181,102 @@ fn while_training_rests_it_is_said_and_there_is_nothing_to_choose_between() {
 
 #[test]
 fn when_time_stands_still_the_bar_says_how_much_has_passed() {
-    let mut fake = Fake::default();
-    fake.status.paused = true;
+    let mut screen_fixture = ScreenFixture::default();
+    screen_fixture.status.paused = true;
     for (simulated_s, words) in
         [(42.0, "42 s"), (200.0, "3 min"), (7_812.0, "2.2 h"), (7.2e6, "2,000 h"), (f64::NAN, "0 s")]
     {
-        fake.status.simulated_s = simulated_s;
+        screen_fixture.status.simulated_s = simulated_s;
         let label = format!("{words} simulated paused");
-        let window = self::window(fake);
+        let window = self::window(screen_fixture);
         assert!(window.query_by_label(&label).is_some(), "{label}");
-        fake = Fake::default();
-        fake.status.paused = true;
+        screen_fixture = ScreenFixture::default();
+        screen_fixture.status.paused = true;
     }
 }
 
 #[test]
 fn arrows_steer_in_drive_mode_alone_and_are_said_once() {
-    let mut window = window(Fake::default());
+    let mut window = window(ScreenFixture::default());
     assert_eq!(press(&mut window, Key::ArrowLeft), []);
-    window.state_mut().status.mode = Mode::Drive;
-    assert_eq!(ordered(&mut window), [Order::Steer(2)], "straight on to begin with");
+    window.state_mut().status.mode = SessionMode::Drive;
+    assert_eq!(sent_commands(&mut window), [Command::Steer(2)], "straight on to begin with");
     window.key_down(Key::ArrowLeft);
-    assert_eq!(ordered(&mut window), [Order::Steer(0)], "a sharp turn, ordered once however long it is held");
+    assert_eq!(
+        sent_commands(&mut window),
+        [Command::Steer(0)],
+        "a sharp turn, ordered once however long it is held"
+    );
     window.key_down(Key::ArrowUp);
-    assert_eq!(ordered(&mut window), [Order::Steer(1)]);
+    assert_eq!(sent_commands(&mut window), [Command::Steer(1)]);
     window.key_up(Key::ArrowLeft);
-    assert_eq!(ordered(&mut window), [Order::Steer(2)]);
+    assert_eq!(sent_commands(&mut window), [Command::Steer(2)]);
     window.key_down(Key::ArrowRight);
-    assert_eq!(ordered(&mut window), [Order::Steer(3)]);
+    assert_eq!(sent_commands(&mut window), [Command::Steer(3)]);
     window.key_up(Key::ArrowUp);
-    assert_eq!(ordered(&mut window), [Order::Steer(4)]);
+    assert_eq!(sent_commands(&mut window), [Command::Steer(4)]);
 }
 
 #[test]
 fn keys_and_switches_change_the_desk_alike() {
-    let mut window = window(Fake::default());
-    assert!(!window.state().desk.overlays.trails);
+    let mut window = window(ScreenFixture::default());
+    assert!(!window.state().view_state.overlays.trails);
     click(&mut window, "Trails");
-    assert!(window.state().desk.overlays.trails);
+    assert!(window.state().view_state.overlays.trails);
     press(&mut window, Key::T);
-    assert!(!window.state().desk.overlays.trails);
+    assert!(!window.state().view_state.overlays.trails);
     press(&mut window, Key::G);
-    assert!(window.state().desk.grid);
+    assert!(window.state().view_state.grid);
     click(&mut window, "One arena");
-    assert!(!window.state().desk.grid);
+    assert!(!window.state().view_state.grid);
     press(&mut window, Key::Tab);
     press(&mut window, Key::Tab);
-    assert_eq!(window.state().desk.followed, 2);
-    window.state_mut().desk.camera.zoom = 3.0;
+    assert_eq!(window.state().view_state.followed, 2);
+    window.state_mut().view_state.camera.zoom = 3.0;
     click(&mut window, "Fit");
-    assert_eq!(window.state().desk.camera, Camera::default());
-    window.state_mut().desk.look = Look::Dark;
+    assert_eq!(window.state().view_state.camera, ViewCamera::default());
+    window.state_mut().view_state.theme = ThemeChoice::Dark;
     settle(&mut window);
     press(&mut window, Key::L);
-    assert_eq!(window.state().desk.look, Look::Light);
+    assert_eq!(window.state().view_state.theme, ThemeChoice::Light);
     click(&mut window, "Dark");
-    assert_eq!(window.state().desk.look, Look::Dark);
+    assert_eq!(window.state().view_state.theme, ThemeChoice::Dark);
 }
 
 #[test]
 fn help_opens_lists_the_keys_and_closes() {
-    let mut window = window(Fake::default());
+    let mut window = window(ScreenFixture::default());
     click(&mut window, "Help");
     assert!(window.query_by_label("Follow the next arena").is_some());
     press(&mut window, Key::Escape);
-    assert!(!window.state().desk.help_open);
+    assert!(!window.state().view_state.help_open);
     window.key_press_modifiers(Modifiers::SHIFT, Key::Questionmark);
     settle(&mut window);
-    assert!(window.state().desk.help_open);
+    assert!(window.state().view_state.help_open);
 }
 
 #[test]
 fn a_notice_stands_until_it_is_read() {
-    let mut window = window(Fake::default().with_notices());
+    let mut window = window(ScreenFixture::default().with_notices());
     let text = window.state().status.notices[1].text.clone();
-    assert_eq!(window.state().status.notices[1].weight, Weight::Failed);
+    assert_eq!(window.state().status.notices[1].severity, Severity::Error);
     assert!(window.query_by_label(&text).is_some(), "all its lines are there");
     for index in 0..2 {
         window.get_all_by_label("Dismiss").nth(index).expect("each can be closed").click();
-        assert_eq!(ordered(&mut window), [Order::Dismiss(index)]);
+        assert_eq!(sent_commands(&mut window), [Command::DismissNotice(index)]);
     }
 }
 
 #[test]
 fn an_unknown_scenario_and_odd_numbers_are_drawn_without_a_panic() {
-    let mut fake = Fake::default();
-    let s = &mut fake.status;
+    let mut screen_fixture = ScreenFixture::default();
+    let s = &mut screen_fixture.status;
     s.scenario_from = Path::new("elsewhere").join("mine.ron").display().to_string();
-    (s.pace, s.success_rate, s.env_steps_per_s, s.times_real) =
+    (s.pace, s.success_rate, s.env_steps_per_s, s.real_time_factor) =
         (Pace::Times(3.5), Some(f64::NAN), f64::INFINITY, f64::NAN);
     (s.simulated_s, s.frames_per_s) = (-1.0, 0.0);
-    fake.desk.followed = 99;
-    let mut window = window(fake);
-    assert_eq!(ordered(&mut window), []);
-    assert_eq!(window.state().desk.followed, 7);
+    screen_fixture.view_state.followed = 99;
+    let mut window = window(screen_fixture);
+    assert_eq!(sent_commands(&mut window), []);
+    assert_eq!(window.state().view_state.followed, 7);
 }

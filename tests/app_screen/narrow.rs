@@ -2,11 +2,11 @@
 
 use egui_kittest::kittest::Queryable;
 
-use super::{Window, assert_apart, click, controls_in_the_bar, window_of};
-use crate::fake::Fake;
+use super::{Window, assert_no_overlap, click, toolbar_control_rects, window_with_size};
+use crate::screen_fixture::ScreenFixture;
 
 fn narrow(width: f32) -> Window {
-    window_of(Fake::default(), [width, 844.0])
+    window_with_size(ScreenFixture::default(), [width, 844.0])
 }
 
 /// Whether the setup is shown, and whether the plots are.
@@ -52,22 +52,22 @@ fn nothing_overlaps_in_the_two_rows() {
         [(340.0, 0, 10), (360.0, 0, 11), (375.0, 0, 11), (390.0, 1, 12), (600.0, 3, 14), (699.0, 4, 15)]
     {
         let window = narrow(width);
-        let mut rects = controls_in_the_bar(&window);
+        let mut rects = toolbar_control_rects(&window);
         let before = rects.len();
         for caption in ["success rate ", "env steps ", "episodes ", "real time ", "fps "] {
             rects.extend(window.query_all_by_label_contains(caption).map(|n| n.rect()));
         }
         assert!(rects.len() >= least && rects.len() >= before + figures, "{} at {width}", rects.len());
-        assert_apart(&rects, width);
+        assert_no_overlap(&rects, width);
     }
 }
 
 #[test]
 fn the_plots_header_drops_what_has_no_room() {
     for (plots_width, dropped) in [(240.0, true), (310.0, false)] {
-        let mut fake = Fake::default();
-        fake.desk.plots_width = Some(plots_width);
-        let window = window_of(fake, [800.0, 844.0]);
+        let mut screen_fixture = ScreenFixture::default();
+        screen_fixture.view_state.plots_width = Some(plots_width);
+        let window = window_with_size(screen_fixture, [800.0, 844.0]);
         assert_eq!(window.query_by_label("by env steps").is_none(), dropped, "{plots_width}");
         let [title, button] = ["Learning", "CSV"].map(|label| window.get_by_label(label).rect());
         assert!(!title.intersects(button), "{title} and {button}");

@@ -15,19 +15,19 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// A folder of its own, in which the binary is run and which is gone afterwards.
-pub struct Desk {
+pub struct Workspace {
     folder: TempDir,
 }
 
 /// A command that has ended.
 #[derive(Debug)]
-pub struct Done {
+pub struct CommandOutput {
     pub status: Option<i32>,
     pub stdout: String,
     pub stderr: String,
 }
 
-impl Desk {
+impl Workspace {
     pub fn new() -> Self {
         Self { folder: tempfile::tempdir().unwrap() }
     }
@@ -62,9 +62,9 @@ impl Desk {
     }
 
     /// Runs the binary to its end.
-    pub fn run(&self, arguments: &str) -> Done {
+    pub fn run(&self, arguments: &str) -> CommandOutput {
         let output = self.command(arguments).output().unwrap();
-        Done {
+        CommandOutput {
             status: output.status.code(),
             stdout: String::from_utf8(output.stdout).unwrap(),
             stderr: String::from_utf8(output.stderr).unwrap(),
@@ -72,19 +72,19 @@ impl Desk {
     }
 
     /// Runs the binary to its end, which must be a success.
-    pub fn succeed(&self, arguments: &str) -> Done {
+    pub fn run_ok(&self, arguments: &str) -> CommandOutput {
         let done = self.run(arguments);
         assert_eq!(done.status, Some(0), "wayfield {arguments}\n{}", done.stderr);
         done
     }
 
-    /// Starts the binary; what it says is collected by [`end`].
+    /// Starts the binary; what it says is collected by [`wait_for_output`].
     pub fn start(&self, arguments: &str) -> Child {
         self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
     /// Every file below the desk, with its bytes.
-    pub fn everything(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
+    pub fn all_files(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
         fn walk(folder: &Path, into: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {
             for entry in fs::read_dir(folder).unwrap() {
                 let path = entry.unwrap().path();
@@ -122,10 +122,10 @@ impl Desk {
     }
 
     /// Everything in the run's folder that must not differ between two runs of the same seed.
-    pub fn substance(&self, run: &str) -> Substance {
+    pub fn run_contents(&self, run: &str) -> RunContents {
         let mut summary = self.json(&format!("{run}/summary.json"));
         forget_wall_time(&mut summary);
-        Substance {
+        RunContents {
             best: self.read(&format!("{run}/policy.safetensors")),
             last: self.read(&format!("{run}/policy-last.safetensors")),
             episodes: self.lines_without_wall_time(&format!("{run}/episodes.csv")),
@@ -137,7 +137,7 @@ impl Desk {
 
     /// Asserts that two runs are the same, naming the first thing that differs.
     pub fn assert_same_run(&self, one: &str, other: &str) {
-        let (a, b) = (self.substance(one), self.substance(other));
+        let (a, b) = (self.run_contents(one), self.run_contents(other));
         for (name, a, b) in
             [("episodes.csv", &a.episodes, &b.episodes), ("evaluations.csv", &a.evaluations, &b.evaluations)]
         {
@@ -156,7 +156,7 @@ impl Desk {
 
 /// What a run is, wall time aside.
 #[derive(Debug, PartialEq)]
-pub struct Substance {
+pub struct RunContents {
     pub best: Vec<u8>,
     pub last: Vec<u8>,
     pub episodes: Vec<String>,
@@ -172,7 +172,7 @@ fn forget_wall_time(value: &mut Value) {
     }
 }
 
-impl Done {
+impl CommandOutput {
     /// The one JSON object that stdout must be.
     pub fn json(&self) -> Value {
         let value: Value = serde_json::from_str(&self.stdout)
@@ -183,9 +183,9 @@ impl Done {
 }
 
 /// Waits for a started command.
-pub fn end(child: Child) -> Done {
+pub fn wait_for_output(child: Child) -> CommandOutput {
     let output = child.wait_with_output().unwrap();
-    Done {
+    CommandOutput {
         status: output.status.code(),
         stdout: String::from_utf8(output.stdout).unwrap(),
         stderr: String::from_utf8(output.stderr).unwrap(),
@@ -229,7 +229,7 @@ pub fn quick_per() -> String {
     edited(
         PER_D3QN,
         &[
-            ("every_env_steps: 20000, navigations: 200", "every_env_steps: 1500, navigations: 20"),
+            ("every_env_steps: 20000, episodes: 200", "every_env_steps: 1500, episodes: 20"),
             ("hidden: [64, 64]", "hidden: [16]"),
             ("batch_size: 64", "batch_size: 16"),
             ("capacity: 1000000", "capacity: 2000"),
@@ -244,7 +244,7 @@ pub fn quick_fast() -> String {
     edited(
         FAST,
         &[
-            ("every_env_steps: 5000, navigations: 200", "every_env_steps: 1500, navigations: 20"),
+            ("every_env_steps: 5000, episodes: 200", "every_env_steps: 1500, episodes: 20"),
             ("hidden: [64, 64]", "hidden: [16]"),
             ("batch_size: 64", "batch_size: 32"),
             ("capacity: 400000", "capacity: 3000"),
@@ -258,14 +258,14 @@ pub fn raw(preset: &str) -> String {
 }
 
 /// A scenario with shorter episodes.
-pub fn brisk(scenario: &str) -> String {
-    edited(scenario, &[("    obstacles: [", "    task: (time_limit_steps: 120),\n\n    obstacles: [")])
+pub fn with_short_episodes(scenario: &str) -> String {
+    edited(scenario, &[("    obstacles: [", "    task: (max_episode_steps: 120),\n\n    obstacles: [")])
 }
 
 /// A scenario with shorter episodes and a LIDAR that errs.
 pub fn noisy(scenario: &str) -> String {
     edited(
-        &brisk(scenario),
+        &with_short_episodes(scenario),
         &[("    obstacles: [", "    lidar: (noise_std_m: 0.02, dropout: 0.05),\n\n    obstacles: [")],
     )
 }

@@ -35,7 +35,7 @@ pub fn range(scenario: &Scenario, step: u64, origin: (f64, f64), angle_rad: f64,
 
 /// [`range`], and how far it moves when the beam is shifted sideways by 10 um: where a beam grazes a surface or a
 /// corner, the rounding of f32 decides whether it hits.
-pub fn range_within(
+pub fn range_bounds(
     scenario: &Scenario,
     step: u64,
     origin: (f64, f64),
@@ -78,7 +78,7 @@ type Pair = (f64, f64);
 
 /// Obstacles, and the pieces of inner walls.
 fn all(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
-    scenario.obstacles.iter().cloned().chain(scenario.walls.iter().flat_map(|wall| wall.pieces()))
+    scenario.obstacles.iter().cloned().chain(scenario.walls.iter().flat_map(|wall| wall.segments()))
 }
 
 fn sides(corners: &[(f32, f32)]) -> impl Iterator<Item = (Pair, Pair)> {

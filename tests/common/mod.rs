@@ -15,10 +15,10 @@ use bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
 use wayfield::control_step::{ControlStep, ControlStepPlugin};
 use wayfield::random::{self, Stream};
 use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
-use wayfield::sim::{self, Bodies, WorldPlugin, lidar};
+use wayfield::sim::{self, Bodies, SimPlugin, lidar};
 use wayfield::task::{
-    Actions, Arena, ArenaState, Encoding, EpisodeEnded, Observations, Outcome, Outcomes, Pose, RewardConfig,
-    TaskMode, TaskPlugin, observation,
+    Actions, Arena, ArenaState, Encoding, EpisodeEnded, Observations, Pose, RewardConfig, StepOutcome,
+    StepOutcomes, TaskMode, TaskPlugin, observation,
 };
 
 /// World and task in one headless app.
@@ -36,14 +36,14 @@ impl Lab {
     pub fn with(scenario: &Scenario, arenas: usize, seed: u64, reward: RewardConfig, mode: TaskMode) -> Self {
         let mut app = empty_app(reward, mode);
         let scenario = Arc::new(scenario.clone());
-        sim::populate(app.world_mut(), &scenario, arenas, seed);
+        sim::spawn_arenas(app.world_mut(), &scenario, arenas, seed);
         Self { app, scenario }
     }
 
     /// Replaces the arenas, as hot reloading does.
-    pub fn populate(&mut self, scenario: &Scenario, arenas: usize, seed: u64) {
+    pub fn spawn_arenas(&mut self, scenario: &Scenario, arenas: usize, seed: u64) {
         self.scenario = Arc::new(scenario.clone());
-        sim::populate(self.app.world_mut(), &self.scenario, arenas, seed);
+        sim::spawn_arenas(self.app.world_mut(), &self.scenario, arenas, seed);
     }
 
     /// One control step; arena k takes `actions[k]`.
@@ -53,7 +53,7 @@ impl Lab {
     }
 
     /// The episodes that have ended since this was last asked.
-    pub fn ended(&mut self) -> Vec<EpisodeEnded> {
+    pub fn take_ended_episodes(&mut self) -> Vec<EpisodeEnded> {
         self.app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().collect()
     }
 
@@ -66,15 +66,15 @@ impl Lab {
         self.states().swap_remove(arena)
     }
 
-    /// Changes the state of one arena by hand: puts its robot or its target elsewhere.
+    /// Changes the state of one arena by hand: puts its robot or its goal elsewhere.
     pub fn edit(&mut self, arena: usize, change: impl FnOnce(&mut ArenaState)) {
         let mut states = self.states();
         change(&mut states[arena]);
         sim::restore(self.app.world_mut(), &states);
     }
 
-    pub fn outcomes(&self) -> &[Outcome] {
-        &self.app.world().resource::<Outcomes>().0
+    pub fn outcomes(&self) -> &[StepOutcome] {
+        &self.app.world().resource::<StepOutcomes>().0
     }
 
     /// What the policy of `arena` sees now.
@@ -84,9 +84,9 @@ impl Lab {
 
     /// A scan from `pose` in `arena`, cast anew against the colliders as they are now.
     pub fn cast(&mut self, arena: usize, pose: &Pose) -> Vec<f32> {
-        let beams = lidar::Beams::of(&self.scenario.lidar);
+        let beams = lidar::BeamDirections::from_lidar(&self.scenario.lidar);
         let max_range_m = self.scenario.lidar.max_range_m;
-        self.look(arena, |bodies, _, colliders| {
+        self.with_physics(arena, |bodies, _, colliders| {
             let mut ranges_m = Vec::new();
             lidar::cast(&colliders.colliders, &bodies.solids, pose, &beams.0, max_range_m, &mut ranges_m);
             ranges_m
@@ -94,7 +94,7 @@ impl Lab {
     }
 
     /// Lets `ask` look at rapier's bodies and colliders of `arena`.
-    pub fn look<T>(
+    pub fn with_physics<T>(
         &mut self,
         arena: usize,
         ask: impl FnOnce(&Bodies, &RapierRigidBodySet, &RapierContextColliders) -> T,
@@ -106,16 +106,16 @@ impl Lab {
         ask(bodies, set, colliders)
     }
 
-    /// Every arena's observation is eq. (8) of its present scan, pose and target.
+    /// Every arena's observation is eq. (8) of its present scan, pose and goal.
     pub fn assert_observations_current(&mut self, when: &str) {
         let encoding = *self.app.world().resource::<Encoding>();
         for (arena, state) in self.states().iter().enumerate() {
             let mut fresh = vec![f32::NAN; observation::width(state.scan.ranges_m.len())];
-            observation::encode(encoding, &state.scan, &state.pose, &state.target, &mut fresh);
+            observation::encode(encoding, &state.scan, &state.pose, &state.goal, &mut fresh);
             assert_eq!(
                 bits(&self.row(arena)),
                 bits(&fresh),
-                "{when}, arena {arena}: the observation is eq. (8) of the present scan, pose and target"
+                "{when}, arena {arena}: the observation is eq. (8) of the present scan, pose and goal"
             );
         }
     }
@@ -128,7 +128,7 @@ pub fn empty_app(reward: RewardConfig, mode: TaskMode) -> App {
         MinimalPlugins,
         ControlStepPlugin,
         TaskPlugin { observation: Encoding::default(), reward, mode },
-        WorldPlugin,
+        SimPlugin,
     ));
     app.finish();
     app.cleanup();
@@ -141,19 +141,19 @@ pub fn bits(numbers: &[f32]) -> Vec<u32> {
 }
 
 /// For each arena a stream of its own, from which its actions are drawn.
-pub fn drivers(arenas: usize) -> Vec<Stream> {
+pub fn action_streams(arenas: usize) -> Vec<Stream> {
     (0..arenas as u64).map(|k| random::stream(99, "actions", k)).collect()
 }
 
-pub fn random_actions(drivers: &mut [Stream]) -> Vec<usize> {
-    drivers.iter_mut().map(|driver| random::below(driver, 5)).collect()
+pub fn random_actions(action_streams: &mut [Stream]) -> Vec<usize> {
+    action_streams.iter_mut().map(|driver| random::uniform_index(driver, 5)).collect()
 }
 
-/// The motion that turns most towards the target; one in four is random, so that some robots hit something.
-pub fn steer(lab: &Lab, drivers: &mut [Stream]) -> Vec<usize> {
+/// The motion that turns most towards the goal; one in four is random, so that some robots hit something.
+pub fn steer_to_goal(lab: &Lab, action_streams: &mut [Stream]) -> Vec<usize> {
     let beams = lab.scenario.lidar.beams;
     let steered = |(arena, driver): (usize, &mut Stream)| {
-        let chance = random::below(driver, 20);
+        let chance = random::uniform_index(driver, 20);
         let bearing_rad = lab.row(arena)[beams] * PI;
         match bearing_rad {
             _ if chance < 5 => chance,
@@ -164,11 +164,11 @@ pub fn steer(lab: &Lab, drivers: &mut [Stream]) -> Vec<usize> {
             _ => 4,
         }
     };
-    drivers.iter_mut().enumerate().map(steered).collect()
+    action_streams.iter_mut().enumerate().map(steered).collect()
 }
 
 pub fn still(shape: Shape, position_m: (f32, f32), rotation_rad: f32) -> Obstacle {
-    Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Still }
+    Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static }
 }
 
 /// As the paper's Scenario I: four cylinders that stand still.
@@ -179,7 +179,7 @@ pub fn four_cylinders() -> Scenario {
 }
 
 /// Cylinders that revolve, a turned box that revolves, a box on patrol, and a turned box that stands still.
-pub fn moving() -> Scenario {
+pub fn moving_obstacles() -> Scenario {
     let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s };
     let cylinder = |position_m| Obstacle {
         motion: orbit(0.1),

@@ -67,7 +67,7 @@ test('it loads below any path, asks nobody else, and learns to drive', async (t)
     await picture(page, 'learnt');
     // What who cannot see the canvas is told.
     const told = await page.textContent('#standing');
-    assert.match(told, /scenario-1, fast: \d+ episodes, [\d.]+ % of the test's navigations succeed/);
+    assert.match(told, /scenario-1, fast: \d+ episodes, [\d.]+ % of the test's episodes succeed/);
     for (const url of page.asked) assert.ok(url.startsWith(host.address) || url === 'data:,', `it asked for ${url}`);
     noComplaints(page);
     await page.context().close();
@@ -226,7 +226,7 @@ test('an obstacle is dragged with the mouse, and the world saved as it stands th
         await page.waitForTimeout(300);
     }
     await page.mouse.up();
-    await until(page, (now) => now.world_changed);
+    await until(page, (now) => now.scenario_modified);
     await picture(page, 'dragged');
     const moved = await saveAt(SAVE_WORLD_ONCE_CHANGED);
     const differ = before.split('\n').filter((line, k) => line !== moved.split('\n')[k]);
@@ -256,7 +256,7 @@ test('a world is edited, saved with its comments, and what was learnt goes on in
     await click(page, ...ADD_CIRCLE);
     const then = await standing(page);
     await click(page, ...GO_ON_HERE);
-    const now = await until(page, (now) => now.world_changed && !now.paused && now.env_steps > then.env_steps);
+    const now = await until(page, (now) => now.scenario_modified && !now.paused && now.env_steps > then.env_steps);
     assert.equal(now.scenario, 'empty.ron', 'as it was saved');
     await picture(page, 'goes-on-in-the-edited-world');
     noComplaints(page);

@@ -14,15 +14,15 @@ use std::io::{self, Read, Write};
 use serde::{Deserialize, Serialize};
 
 use super::config::{ConfigError, LearningConfig};
-use super::learner::{Chain, Learner, Progress};
+use super::learner::{Counters, Learner, Trajectory};
 use super::optimizer::OptimizerState;
-use super::replay::{Priorities, ReplayBuffer, StateId, Stored};
+use super::replay::{Priorities, ReplayBuffer, StateId, StoredTransition};
 
 const MAGIC: &[u8; 8] = b"wayfield";
 const VERSION: u32 = 1;
 
 /// The most bytes a head may have: networks are bounded to 2^24 parameters, of which there are four arrays.
-const LONGEST_HEAD: u64 = 1 << 29;
+const MAX_HEADER_BYTES: u64 = 1 << 29;
 
 /// Why a checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -42,13 +42,13 @@ pub enum CheckpointError {
     },
     /// Saved by a learner that learns otherwise.
     #[error("the checkpoint was made with another `{field}`; resume with the config it was made with")]
-    OtherConfig {
+    ConfigMismatch {
         /// What differs.
         field: &'static str,
     },
     /// What the file says cannot be.
     #[error("the checkpoint is damaged: {0}")]
-    Damaged(&'static str),
+    Corrupt(&'static str),
     /// The config itself makes no sense.
     #[error(transparent)]
     Config(#[from] ConfigError),
@@ -56,15 +56,15 @@ pub enum CheckpointError {
 
 /// All but the replay buffer's arrays.
 #[derive(Serialize, Deserialize)]
-struct Head {
+struct Header {
     config: LearningConfig,
     inputs: usize,
     actions: usize,
-    progress: Progress,
+    counters: Counters,
     online: Vec<f32>,
     target: Vec<f32>,
     optimizer: OptimizerState,
-    chains: Vec<Chain>,
+    trajectories: Vec<Trajectory>,
     states: u64,
     first_transition: u64,
     transitions: u64,
@@ -79,15 +79,15 @@ impl Learner {
     /// The writer's.
     pub fn save(&self, writer: impl Write) -> Result<(), CheckpointError> {
         let replay = &self.replay;
-        let head = Head {
+        let head = Header {
             config: self.config.clone(),
             inputs: self.online.shape().inputs,
             actions: self.online.shape().actions,
-            progress: self.progress.clone(),
+            counters: self.counters.clone(),
             online: self.online.parameters().to_vec(),
             target: self.target.parameters().to_vec(),
             optimizer: self.optimizer.clone(),
-            chains: self.chains.clone(),
+            trajectories: self.trajectories.clone(),
             states: replay.states.pushed,
             first_transition: replay.head,
             transitions: replay.tail,
@@ -95,7 +95,7 @@ impl Learner {
         };
         let head = postcard::to_allocvec(&head).map_err(io::Error::other)?;
 
-        let mut out = Summed { inner: writer, crc: 0 };
+        let mut out = ChecksummedStream { inner: writer, crc: 0 };
         out.write_all(MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
         out.write_all(&(head.len() as u64).to_le_bytes())?;
@@ -119,11 +119,11 @@ impl Learner {
         config: &LearningConfig,
         inputs: usize,
         actions: usize,
-        arenas: usize,
+        num_envs: usize,
         reader: impl Read,
     ) -> Result<Self, CheckpointError> {
-        let mut learner = Self::new(config, inputs, actions, arenas, 0)?;
-        let mut file = Summed { inner: reader, crc: 0 };
+        let mut learner = Self::new(config, inputs, actions, num_envs, 0)?;
+        let mut file = ChecksummedStream { inner: reader, crc: 0 };
         if &file.array::<8>()? != MAGIC {
             return Err(CheckpointError::NotCheckpoint);
         }
@@ -132,31 +132,31 @@ impl Learner {
             return Err(CheckpointError::Version { found });
         }
         let length = u64::from_le_bytes(file.array()?);
-        if length > LONGEST_HEAD {
-            return Err(CheckpointError::Damaged("its head is too long"));
+        if length > MAX_HEADER_BYTES {
+            return Err(CheckpointError::Corrupt("its head is too long"));
         }
         let mut bytes = Vec::new();
         (&mut file).take(length).read_to_end(&mut bytes)?;
-        let head: Head = postcard::from_bytes(&bytes).map_err(|_| CheckpointError::Damaged("its head"))?;
+        let head: Header = postcard::from_bytes(&bytes).map_err(|_| CheckpointError::Corrupt("its head"))?;
         head.check(&learner)?;
 
         learner.replay.read(&head, inputs, actions, &mut file)?;
         let (crc, stored) = (file.crc, u32::from_le_bytes(file.array()?));
         if crc != stored {
-            return Err(CheckpointError::Damaged("its checksum does not agree"));
+            return Err(CheckpointError::Corrupt("its checksum does not agree"));
         }
         learner.online.update(|weights| weights.copy_from_slice(&head.online));
         learner.target.update(|weights| weights.copy_from_slice(&head.target));
         learner.optimizer = head.optimizer;
-        learner.chains = head.chains;
-        learner.progress = head.progress;
+        learner.trajectories = head.trajectories;
+        learner.counters = head.counters;
         learner.largest_reward =
             learner.replay.transitions.iter().fold(0.0, |largest, t| largest.max(t.reward.abs()));
         Ok(learner)
     }
 }
 
-impl Head {
+impl Header {
     /// Agrees with a fresh learner of the config asked for, in all lengths.
     fn check(&self, learner: &Learner) -> Result<(), CheckpointError> {
         let shape = learner.online.shape();
@@ -164,30 +164,31 @@ impl Head {
             ("learning", self.config == learner.config),
             ("observation", self.inputs == shape.inputs),
             ("actions", self.actions == shape.actions),
-            ("arenas", self.chains.len() == learner.chains.len()),
+            ("arenas", self.trajectories.len() == learner.trajectories.len()),
         ] {
             if !same {
-                return Err(CheckpointError::OtherConfig { field });
+                return Err(CheckpointError::ConfigMismatch { field });
             }
         }
         let parameters = learner.online.parameters().len();
         let kept = self.transitions.checked_sub(self.first_transition);
         let kept = kept.filter(|&n| n <= learner.replay.capacity() as u64);
-        let pending = |chain: &Chain| {
-            let n_step = chain.n_step.pending();
+        let pending = |trajectory: &Trajectory| {
+            let n_step = trajectory.n_step.pending();
             let was_seen = |id: StateId| id.0 < self.states;
             n_step.len() < self.config.n_step
-                && chain.last.is_none_or(was_seen)
+                && trajectory.last.is_none_or(was_seen)
                 && n_step.iter().all(|p| {
                     usize::from(p.action) < self.actions && was_seen(p.state) && p.reward.is_finite()
                 })
         };
         let finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
-        let Progress { env_steps, episodes, gradient_steps, owed, epsilon_start, sampling } = &self.progress;
+        let Counters { env_steps, episodes, gradient_steps, pending_updates, epsilon_start, sampling } =
+            &self.counters;
         // What the env steps brought at most, of which as many are there to be drawn; and something must be.
-        let remembered = kept.unwrap_or_default().max(learner.chains.len() as u64);
-        let most_owed = remembered * u64::from(self.config.gradient_steps);
-        let can_be_paid = *owed == 0 || kept.is_some_and(|n| n > 0);
+        let remembered = kept.unwrap_or_default().max(learner.trajectories.len() as u64);
+        let max_pending_updates = remembered * u64::from(self.config.gradient_steps);
+        let can_be_paid = *pending_updates == 0 || kept.is_some_and(|n| n > 0);
         let counts =
             [self.states, self.transitions, *env_steps, *episodes, *gradient_steps, self.optimizer.steps];
         let OptimizerState { first, second, steps: _ } = &self.optimizer;
@@ -198,14 +199,14 @@ impl Head {
             ("a moment cannot be", finite(first) && second.iter().all(|m| m.is_finite() && *m >= 0.0)),
             ("its transitions' count", kept.is_some()),
             ("its counters", counts.iter().all(|&count| count < 1 << 62)),
-            ("its gradient steps owed", u64::from(*owed) <= most_owed && can_be_paid),
+            ("its gradient steps owed", u64::from(*pending_updates) <= max_pending_updates && can_be_paid),
             ("its epsilon", epsilon_start.is_none_or(|epsilon| (0.0..=1.0).contains(&epsilon))),
-            ("its stream", wayfield_random::is_sound(sampling)),
+            ("its stream", wayfield_random::is_valid(sampling)),
             ("its priorities", is_priority(self.largest_priority)),
-            ("its chains", self.chains.iter().all(pending)),
+            ("its chains", self.trajectories.iter().all(pending)),
         ] {
             if !sane {
-                return Err(CheckpointError::Damaged(what));
+                return Err(CheckpointError::Corrupt(what));
             }
         }
         Ok(())
@@ -216,10 +217,10 @@ impl ReplayBuffer {
     /// Reads the arrays into an empty buffer.
     fn read(
         &mut self,
-        head: &Head,
+        head: &Header,
         inputs: usize,
         actions: usize,
-        file: &mut Summed<impl Read>,
+        file: &mut ChecksummedStream<impl Read>,
     ) -> Result<(), CheckpointError> {
         self.states.pushed = head.states;
         (self.head, self.tail) = (head.first_transition, head.transitions);
@@ -231,15 +232,15 @@ impl ReplayBuffer {
             }
         })?;
         let slots = self.tail.min(self.capacity() as u64) as usize;
-        read_array(file, slots, |bytes| self.transitions.push(Stored::from_bytes(bytes)))?;
+        read_array(file, slots, |bytes| self.transitions.push(StoredTransition::from_bytes(bytes)))?;
         if !self.states.values[..used * inputs].iter().all(|value| value.is_finite()) {
-            return Err(CheckpointError::Damaged("an observation is not finite"));
+            return Err(CheckpointError::Corrupt("an observation is not finite"));
         }
         if self.transitions.iter().any(|t| !t.exists(used, actions)) {
-            return Err(CheckpointError::Damaged("a transition refers to nothing"));
+            return Err(CheckpointError::Corrupt("a transition refers to nothing"));
         }
-        if !self.transitions.iter().all(Stored::is_sound) {
-            return Err(CheckpointError::Damaged("a transition's reward or discount cannot be"));
+        if !self.transitions.iter().all(StoredTransition::is_valid) {
+            return Err(CheckpointError::Corrupt("a transition's reward or discount cannot be"));
         }
         let mut leaves = Vec::new();
         read_array(file, slots, |bytes| leaves.push(f64::from_le_bytes(bytes)))?;
@@ -247,18 +248,18 @@ impl ReplayBuffer {
         // matter.
         for number in self.head..self.tail {
             let slot = self.slot(number);
-            let Stored { state, next, .. } = self.transitions[slot];
+            let StoredTransition { state, next, .. } = self.transitions[slot];
             for state in [state, next] {
-                self.states.last_user[state as usize] = number + 1;
+                self.states.last_reference[state as usize] = number + 1;
             }
             if !is_priority(leaves[slot]) {
-                return Err(CheckpointError::Damaged("a priority is not above 0"));
+                return Err(CheckpointError::Corrupt("a priority is not above 0"));
             }
         }
         // What is gone must never be drawn.
         let mut gone = (self.tail - slots as u64..self.head).map(|number| self.slot(number));
         if self.priorities.is_some() && gone.any(|slot| leaves[slot] != 0.0) {
-            return Err(CheckpointError::Damaged("a priority of a transition that is gone is not 0"));
+            return Err(CheckpointError::Corrupt("a priority of a transition that is gone is not 0"));
         }
         if let Some(Priorities { tree, largest }) = &mut self.priorities {
             tree.set_all(leaves.into_iter());
@@ -273,9 +274,9 @@ fn is_priority(priority: f64) -> bool {
     priority > 0.0 && priority <= f64::from(f32::MAX)
 }
 
-impl Stored {
+impl StoredTransition {
     /// Whether its numbers are such as [`ReplayBuffer::push`] stores.
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         self.reward.is_finite() && (0.0..=1.0).contains(&self.discount) && self.flags < 4
     }
 
@@ -345,12 +346,12 @@ fn read_array<const N: usize>(
 const PIECE: usize = 1 << 16;
 
 /// A reader or writer that keeps the CRC-32C of all that has passed.
-struct Summed<T> {
+struct ChecksummedStream<T> {
     inner: T,
     crc: u32,
 }
 
-impl<T: Write> Write for Summed<T> {
+impl<T: Write> Write for ChecksummedStream<T> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let n = self.inner.write(bytes)?;
         self.crc = crc32c::crc32c_append(self.crc, &bytes[..n]);
@@ -362,7 +363,7 @@ impl<T: Write> Write for Summed<T> {
     }
 }
 
-impl<T: Read> Read for Summed<T> {
+impl<T: Read> Read for ChecksummedStream<T> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let n = self.inner.read(bytes)?;
         self.crc = crc32c::crc32c_append(self.crc, &bytes[..n]);
@@ -370,7 +371,7 @@ impl<T: Read> Read for Summed<T> {
     }
 }
 
-impl<T: Read> Summed<T> {
+impl<T: Read> ChecksummedStream<T> {
     fn array<const N: usize>(&mut self) -> io::Result<[u8; N]> {
         let mut bytes = [0; N];
         self.read_exact(&mut bytes)?;
@@ -383,7 +384,7 @@ mod tests {
     use super::*;
     use crate::config::{NetworkConfig, Optimizer, ReplayConfig, Sampling, Schedule};
     use crate::learner::Experience;
-    use crate::n_step::{End, Pending};
+    use crate::n_step::{PendingStep, StepEnd};
     use wayfield_random::Stream;
 
     /// A learner whose rings have gone round, and the config it was made with.
@@ -395,13 +396,13 @@ mod tests {
             n_step: 3,
             batch_size: 2,
             optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
-            replay: ReplayConfig { capacity: 8, warmup_steps: 0, sampling },
+            replay: ReplayConfig { capacity: 8, learning_starts: 0, sampling },
             ..LearningConfig::default()
         };
         let mut learner = Learner::new(&config, 2, 2, 1, 1).expect("it makes sense");
         for step in 0..30 {
-            learner.remember(&Experience {
-                arena: 0,
+            learner.store(&Experience {
+                env_index: 0,
                 observation: &[step as f32, 0.0],
                 action: step % 2,
                 reward: 1.0,
@@ -427,7 +428,7 @@ mod tests {
     fn numbers_that_no_learner_has_are_refused_whatever_the_checksum_says() {
         let (config, sound) = learner();
         let mut again = restored(&config, &sound).expect("it is sound");
-        assert_eq!(again.progress, sound.progress);
+        assert_eq!(again.counters, sound.counters);
         again.train().expect("it goes on");
         let breakages: &[Breakage] = &[
             ("a weight is not finite", |l| l.online.update(|weights| weights[3] = f32::NAN)),
@@ -436,23 +437,23 @@ mod tests {
             ("a moment cannot be", |l| l.optimizer.first[1] = f32::NAN),
             ("a moment cannot be", |l| l.optimizer.second[1] = -1.0),
             ("its counters", |l| l.optimizer.steps = u64::MAX),
-            ("its counters", |l| l.progress.env_steps = u64::MAX),
-            ("its counters", |l| l.progress.episodes = u64::MAX),
-            ("its gradient steps owed", |l| l.progress.owed = u32::MAX),
-            ("its epsilon", |l| l.progress.epsilon_start = Some(f32::NAN)),
+            ("its counters", |l| l.counters.env_steps = u64::MAX),
+            ("its counters", |l| l.counters.episodes = u64::MAX),
+            ("its gradient steps owed", |l| l.counters.pending_updates = u32::MAX),
+            ("its epsilon", |l| l.counters.epsilon_start = Some(f32::NAN)),
             ("its stream", |l| {
                 let zero = postcard::to_allocvec(&0_u128).expect("a number");
-                l.progress.sampling = postcard::from_bytes::<Stream>(&zero).expect("a state");
+                l.counters.sampling = postcard::from_bytes::<Stream>(&zero).expect("a state");
             }),
             ("its priorities", |l| {
                 if let Some(priorities) = &mut l.replay.priorities {
                     priorities.largest = 1e300;
                 }
             }),
-            ("its chains", |l| l.chains[0].last = Some(StateId(1 << 40))),
+            ("its chains", |l| l.trajectories[0].last = Some(StateId(1 << 40))),
             ("its chains", |l| {
-                let step = Pending { state: StateId(1 << 40), action: 0, reward: 0.0 };
-                l.chains[0].n_step.push(step, StateId(0), End::Open, (9, 0.9), |_| ());
+                let step = PendingStep { state: StateId(1 << 40), action: 0, reward: 0.0 };
+                l.trajectories[0].n_step.push(step, StateId(0), StepEnd::Ongoing, (9, 0.9), |_| ());
             }),
             ("an observation is not finite", |l| l.replay.states.values[3] = f32::NAN),
             ("a transition refers to nothing", |l| l.replay.transitions[2].next = u32::MAX),
@@ -469,7 +470,7 @@ mod tests {
             let mut broken = sound.clone();
             breakage(&mut broken);
             match restored(&config, &broken) {
-                Err(CheckpointError::Damaged(why)) => assert_eq!(why, *what),
+                Err(CheckpointError::Corrupt(why)) => assert_eq!(why, *what),
                 other => panic!("{what}: {:?}", other.map(|_| ())),
             }
         }

@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 
 /// The largest `reward_scale`: rewards as large as they may be are still numbers after it, and so are their sums.
-const LARGEST_SCALE: f32 = 1e20;
+const MAX_REWARD_SCALE: f32 = 1e20;
 
 /// Every choice of the learning algorithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ pub struct LearningConfig {
     /// The replay buffer.
     pub replay: ReplayConfig,
     /// Env steps (of all arenas together) between two trainings, at least 1. The paper: 1.
-    pub train_interval: u64,
+    pub train_freq: u64,
     /// Gradient steps of one training, 1 to 10000. The paper: 1.
     pub gradient_steps: u32,
     /// How the target network follows the online network.
@@ -116,7 +116,7 @@ pub struct ReplayConfig {
     /// Transitions kept, `batch_size` to 2^24. Table 1: 1,000,000.
     pub capacity: usize,
     /// Env steps before the first training.
-    pub warmup_steps: u64,
+    pub learning_starts: u64,
     /// How batches are drawn.
     pub sampling: Sampling,
 }
@@ -207,7 +207,7 @@ impl Default for LearningConfig {
             batch_size: 64,
             replay: ReplayConfig {
                 capacity: 1_000_000,
-                warmup_steps: 0,
+                learning_starts: 0,
                 sampling: Sampling::Prioritized {
                     alpha: 1.0,
                     beta: Schedule::Constant(0.0),
@@ -215,7 +215,7 @@ impl Default for LearningConfig {
                     epsilon: 0.01,
                 },
             },
-            train_interval: 1,
+            train_freq: 1,
             gradient_steps: 1,
             target_update: TargetUpdate::Hard { every: 2000 },
             exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
@@ -258,7 +258,7 @@ impl LearningConfig {
         within("gamma", self.gamma, 0.0..=1.0)?;
         within("n_step", self.n_step, 1..=100)?;
         above_zero("reward_scale", self.reward_scale)?;
-        within("reward_scale", self.reward_scale, 0.0..=LARGEST_SCALE)?;
+        within("reward_scale", self.reward_scale, 0.0..=MAX_REWARD_SCALE)?;
         if let Loss::Huber { delta } = self.loss {
             above_zero("loss.delta", delta)?;
         }
@@ -276,7 +276,7 @@ impl LearningConfig {
         self.learning_rate.check("learning_rate", 0.0..=10.0)?;
         within("batch_size", self.batch_size, 1..=65536)?;
         self.replay.check(self.batch_size)?;
-        within("train_interval", self.train_interval, 1..=u64::MAX)?;
+        within("train_freq", self.train_freq, 1..=u64::MAX)?;
         within("gradient_steps", self.gradient_steps, 1..=10_000)?;
         match self.target_update {
             TargetUpdate::Hard { every } => within("target_update.every", every, 1..=u64::MAX)?,
@@ -428,7 +428,7 @@ mod tests {
                     epsilon: 1e-3,
                 };
             }),
-            ("train_interval", |c| c.train_interval = 0),
+            ("train_freq", |c| c.train_freq = 0),
             ("gradient_steps", |c| c.gradient_steps = 0),
             ("target_update.every", |c| c.target_update = TargetUpdate::Hard { every: 0 }),
             ("target_update.tau", |c| c.target_update = TargetUpdate::Soft { tau: 0.0 }),

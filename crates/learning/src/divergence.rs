@@ -1,7 +1,7 @@
 //! Learning that blows up: numbers that are none, told with their cause; and, before it comes to that, Q-values that no
 //! return can reach.
 //!
-//! In: what a gradient step has computed. Out: [`Diverged`], after which the learner is of no more use; or
+//! In: what a gradient step has computed. Out: [`DivergenceError`], after which the learner is of no more use; or
 //! [`Overestimate`], a warning: learning goes on.
 
 use super::config::{LearningConfig, Loss, TargetUpdate};
@@ -12,7 +12,7 @@ use super::network::QNetwork;
 #[error(
     "learning diverged at gradient step {gradient_step} (env step {env_step}): {what}; try {advice} in a new run"
 )]
-pub struct Diverged {
+pub struct DivergenceError {
     /// The gradient step, counted from 1.
     pub gradient_step: u64,
     /// Env steps taken by then, of all arenas together.
@@ -62,7 +62,7 @@ pub(super) fn advice(config: &LearningConfig) -> String {
 }
 
 /// What a loss that is not finite was made of: rewards, values of next states, Q-values of the states.
-pub(super) fn cause_of_loss(rewards: &[f32], next_q: &[f32], q: &[f32], td_errors: &[f32]) -> String {
+pub(super) fn non_finite_loss_cause(rewards: &[f32], next_q: &[f32], q: &[f32], td_errors: &[f32]) -> String {
     for (what, values) in [
         ("a remembered reward is", rewards),
         ("the target network says of a next state that its Q-value is", next_q),
@@ -77,7 +77,7 @@ pub(super) fn cause_of_loss(rewards: &[f32], next_q: &[f32], q: &[f32], td_error
 }
 
 /// Which weight is not finite, and by what step it became so.
-pub(super) fn cause_of_weight(network: &QNetwork, gradient: &[f32], learning_rate: f32) -> String {
+pub(super) fn non_finite_weight_cause(network: &QNetwork, gradient: &[f32], learning_rate: f32) -> String {
     let weights = network.parameters();
     let Some(at) = weights.iter().position(|weight| !weight.is_finite()) else {
         return "a weight is not finite".into();
@@ -98,12 +98,12 @@ mod tests {
     #[test]
     fn the_earliest_number_that_is_none_is_the_cause_of_the_loss() {
         let (nan, inf) = (f32::NAN, f32::INFINITY);
-        let said = cause_of_loss(&[1.0, inf], &[nan], &[nan], &[nan]);
+        let said = non_finite_loss_cause(&[1.0, inf], &[nan], &[nan], &[nan]);
         assert_eq!(said, "the loss is not finite, since a remembered reward is inf");
-        let said = cause_of_loss(&[1.0], &[0.0, nan], &[nan], &[nan]);
+        let said = non_finite_loss_cause(&[1.0], &[0.0, nan], &[nan], &[nan]);
         assert!(said.ends_with("the target network says of a next state that its Q-value is NaN"), "{said}");
-        assert!(cause_of_loss(&[1.0], &[0.0], &[-inf], &[nan]).ends_with("a Q-value is -inf"));
-        let said = cause_of_loss(&[1.0], &[0.0], &[1.0], &[3.0, -2e30]);
+        assert!(non_finite_loss_cause(&[1.0], &[0.0], &[-inf], &[nan]).ends_with("a Q-value is -inf"));
+        let said = non_finite_loss_cause(&[1.0], &[0.0], &[1.0], &[3.0, -2e30]);
         assert_eq!(said, "the loss is not finite, with TD errors of up to 2e30");
     }
 

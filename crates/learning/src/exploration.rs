@@ -3,7 +3,7 @@
 //! In: the exploration's schedule, env steps, episodes, a row of Q-values. Out: epsilon, an action.
 
 use super::config::{Exploration, Schedule};
-use wayfield_random::{Stream, below, unit};
+use wayfield_random::{Stream, uniform_01, uniform_index};
 
 impl Exploration {
     /// Epsilon, the chance of a random action (0 to 1), after `env_steps` and `episodes`.
@@ -43,14 +43,14 @@ pub fn greedy(q_row: &[f32]) -> usize {
 /// Both draws (whether, which) are made either way, so that the stream's place does not depend on the
 /// outcome. `q_row` holds one Q-value per action and must not be empty.
 pub fn epsilon_greedy(q_row: &[f32], epsilon: f32, stream: &mut Stream) -> (usize, bool) {
-    let explored = unit(stream) < epsilon;
-    let random = below(stream, q_row.len());
+    let explored = uniform_01(stream) < epsilon;
+    let random = uniform_index(stream, q_row.len());
     (if explored { random } else { greedy(q_row) }, explored)
 }
 
 #[cfg(test)]
 mod tests {
-    use wayfield_random::word;
+    use wayfield_random::random_u64;
 
     use super::*;
     use wayfield_random::stream;
@@ -110,6 +110,6 @@ mod tests {
             assert!(!epsilon_greedy(&[0.0; 5], 0.0, &mut never).1, "epsilon 0 never explores");
             assert!(epsilon_greedy(&[0.0; 5], 1.0, &mut always).1, "epsilon 1 always does");
         }
-        assert_eq!(word(&mut never), word(&mut always));
+        assert_eq!(random_u64(&mut never), random_u64(&mut always));
     }
 }

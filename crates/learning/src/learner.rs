@@ -5,9 +5,11 @@
 //! (prioritized) replay.
 
 use super::config::{ConfigError, LearningConfig, TargetUpdate, within};
-use super::divergence::{Diverged, Overestimate, advice, cause_of_loss, cause_of_weight};
+use super::divergence::{
+    DivergenceError, Overestimate, advice, non_finite_loss_cause, non_finite_weight_cause,
+};
 use super::exploration::greedy;
-use super::n_step::{End, NStep, Pending};
+use super::n_step::{NStepAccumulator, PendingStep, StepEnd};
 use super::network::{Gradient, NetworkShape, QNetwork, Regression};
 use super::optimizer::OptimizerState;
 use super::policy::{Policy, PolicyError};
@@ -16,16 +18,16 @@ use serde::{Deserialize, Serialize};
 use wayfield_random::{Stream, stream};
 
 /// The most numbers in all observations of a replay buffer: 8 GB of them, 1 GB where addresses have 32 bits.
-pub const MOST_NUMBERS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
+pub const MAX_STORED_FLOATS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
 
 /// So many gradient steps with Q-values beyond any return are no passing fit.
-const LASTING: u32 = 50;
+const MIN_OVERESTIMATE_STEPS: u32 = 50;
 
 /// One env step of one arena.
 #[derive(Debug, Clone, Copy)]
 pub struct Experience<'a> {
     /// Which arena, 0 up to the learner's number of arenas.
-    pub arena: usize,
+    pub env_index: usize,
     /// What was observed.
     pub observation: &'a [f32],
     /// The index of the action taken.
@@ -42,7 +44,7 @@ pub struct Experience<'a> {
 
 /// Means over the gradient steps of one training.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct LearnStats {
+pub struct UpdateStats {
     /// How many there were.
     pub gradient_steps: u32,
     /// The loss, weighted as it was descended.
@@ -57,20 +59,20 @@ pub struct LearnStats {
 
 /// What is followed of one arena.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct Chain {
+pub(super) struct Trajectory {
     /// The next state of the last step, if the chain goes on from there.
     pub(super) last: Option<StateId>,
-    pub(super) n_step: NStep,
+    pub(super) n_step: NStepAccumulator,
 }
 
 /// What is counted, and where the random numbers are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Progress {
+pub(super) struct Counters {
     pub(super) env_steps: u64,
     pub(super) episodes: u64,
     pub(super) gradient_steps: u64,
-    /// Gradient steps owed.
-    pub(super) owed: u32,
+    /// Outstanding gradient steps.
+    pub(super) pending_updates: u32,
     /// What replaces the schedule's start of epsilon, after a transfer.
     pub(super) epsilon_start: Option<f32>,
     /// The replay buffer's draws.
@@ -85,13 +87,13 @@ pub struct Learner {
     pub(super) target: QNetwork,
     pub(super) optimizer: OptimizerState,
     pub(super) replay: ReplayBuffer,
-    pub(super) chains: Vec<Chain>,
-    pub(super) progress: Progress,
+    pub(super) trajectories: Vec<Trajectory>,
+    pub(super) counters: Counters,
     /// The largest |scaled reward| of an env step so far; after a checkpoint is read, of a return over n steps among the
     /// transitions kept.
     pub(super) largest_reward: f32,
     /// Gradient steps whose Q-values were beyond any return, less those whose were not, from zero on.
-    beyond: u32,
+    steps_over_bound: u32,
     scratch: Scratch,
 }
 
@@ -106,7 +108,7 @@ struct Scratch {
 }
 
 impl Learner {
-    /// A learner for observations of `inputs` numbers, `actions` actions and `arenas` arenas, whose weights
+    /// A learner for observations of `inputs` numbers, `actions` actions and `num_envs` parallel environments, whose weights
     /// and draws are those of `seed`.
     ///
     /// # Errors
@@ -115,30 +117,30 @@ impl Learner {
         config: &LearningConfig,
         inputs: usize,
         actions: usize,
-        arenas: usize,
+        num_envs: usize,
         seed: u64,
     ) -> Result<Self, ConfigError> {
         config.check()?;
-        within("arenas", arenas, 1..=65536)?;
+        within("arenas", num_envs, 1..=65536)?;
         let shape = NetworkShape::new(&config.network, inputs, actions)?;
-        within("replay.capacity", config.replay.capacity, 1..=MOST_NUMBERS / inputs)?;
+        within("replay.capacity", config.replay.capacity, 1..=MAX_STORED_FLOATS / inputs)?;
         let online = QNetwork::new(shape, &mut stream(seed, "learning: weights", 0))?;
         Ok(Self {
             config: config.clone(),
             target: online.clone(),
             optimizer: OptimizerState::new(&config.optimizer, online.parameters().len()),
-            replay: ReplayBuffer::new(&config.replay, inputs, arenas * (config.n_step + 1)),
-            chains: vec![Chain::default(); arenas],
-            progress: Progress {
+            replay: ReplayBuffer::new(&config.replay, inputs, num_envs * (config.n_step + 1)),
+            trajectories: vec![Trajectory::default(); num_envs],
+            counters: Counters {
                 env_steps: 0,
                 episodes: 0,
                 gradient_steps: 0,
-                owed: 0,
+                pending_updates: 0,
                 epsilon_start: None,
                 sampling: stream(seed, "learning: sampling", 0),
             },
             largest_reward: 0.0,
-            beyond: 0,
+            steps_over_bound: 0,
             scratch: Scratch::default(),
             online,
         })
@@ -153,71 +155,80 @@ impl Learner {
     /// the last `next_observation` and not stored again.
     ///
     /// # Panics
-    /// `arena`, `action` or an observation's length is not what the learner was made for.
-    pub fn remember(&mut self, e: &Experience<'_>) {
+    /// `env_index`, `action` or an observation's length is not what the learner was made for.
+    pub fn store(&mut self, e: &Experience<'_>) {
         assert!(e.action < self.online.shape().actions, "action {} does not exist", e.action);
-        let Self { chains, replay, config, largest_reward, .. } = self;
-        let chain = &mut chains[e.arena];
-        let state = match chain.last {
+        let Self { trajectories, replay, config, largest_reward, .. } = self;
+        let trajectory = &mut trajectories[e.env_index];
+        let state = match trajectory.last {
             Some(id) if replay.holds(id) => id,
             _ => replay.push_state(e.observation),
         };
         let (next, end) = match (e.terminated, e.truncated) {
-            (true, _) => (state, End::Terminated),
-            (false, true) => (replay.push_state(e.next_observation), End::Truncated),
-            (false, false) => (replay.push_state(e.next_observation), End::Open),
+            (true, _) => (state, StepEnd::Terminated),
+            (false, true) => (replay.push_state(e.next_observation), StepEnd::Truncated),
+            (false, false) => (replay.push_state(e.next_observation), StepEnd::Ongoing),
         };
-        chain.last = (end == End::Open).then_some(next);
+        trajectory.last = (end == StepEnd::Ongoing).then_some(next);
         let reward = e.reward * config.reward_scale;
         *largest_reward = largest_reward.max(reward.abs());
-        let step = Pending { state, action: e.action as u8, reward };
-        chain.n_step.push(step, next, end, (config.n_step, config.gamma), |t| replay.push(&t));
+        let step = PendingStep { state, action: e.action as u8, reward };
+        trajectory.n_step.push(step, next, end, (config.n_step, config.gamma), |t| replay.push(&t));
 
-        let progress = &mut self.progress;
-        progress.env_steps += 1;
-        let warm = progress.env_steps >= config.replay.warmup_steps && replay.len() >= config.batch_size;
-        if warm && progress.env_steps.is_multiple_of(config.train_interval) {
-            progress.owed = progress.owed.saturating_add(config.gradient_steps);
+        let counters = &mut self.counters;
+        counters.env_steps += 1;
+        let warm = counters.env_steps >= config.replay.learning_starts && replay.len() >= config.batch_size;
+        if warm && counters.env_steps.is_multiple_of(config.train_freq) {
+            counters.pending_updates = counters.pending_updates.saturating_add(config.gradient_steps);
         }
     }
 
-    /// Gradient steps owed: `gradient_steps` for every `train_interval` env steps since the last training,
+    /// Outstanding gradient steps: `gradient_steps` for every `train_freq` env steps since the last training,
     /// once warm-up is over and the replay buffer can fill a batch.
     #[must_use]
-    pub fn due(&self) -> u32 {
-        self.progress.owed
+    pub fn pending_updates(&self) -> u32 {
+        self.counters.pending_updates
     }
 
-    /// Takes the gradient steps that are owed. `None` if there are none.
+    /// Takes the outstanding gradient steps. `None` if there are none.
     ///
     /// # Errors
     /// The loss or a weight is no longer finite; the learner is of no more use then.
-    pub fn train(&mut self) -> Result<Option<LearnStats>, Diverged> {
-        let owed = std::mem::take(&mut self.progress.owed);
-        if owed == 0 {
+    pub fn train(&mut self) -> Result<Option<UpdateStats>, DivergenceError> {
+        let pending_updates = std::mem::take(&mut self.counters.pending_updates);
+        if pending_updates == 0 {
             return Ok(None);
         }
-        let mut sum = LearnStats { gradient_steps: owed, ..LearnStats::default() };
-        for _ in 0..owed {
+        let mut sum = UpdateStats { gradient_steps: pending_updates, ..UpdateStats::default() };
+        for _ in 0..pending_updates {
             let step = self.gradient_step()?;
             sum.loss += step.loss;
             sum.td_error += step.td_error;
             sum.q += step.q;
             sum.overestimate = sum.overestimate.or(step.overestimate);
         }
-        let n = owed as f32;
-        Ok(Some(LearnStats { loss: sum.loss / n, td_error: sum.td_error / n, q: sum.q / n, ..sum }))
+        let n = pending_updates as f32;
+        Ok(Some(UpdateStats { loss: sum.loss / n, td_error: sum.td_error / n, q: sum.q / n, ..sum }))
     }
 
-    fn gradient_step(&mut self) -> Result<LearnStats, Diverged> {
+    fn gradient_step(&mut self) -> Result<UpdateStats, DivergenceError> {
         let Self {
-            config, online, target, optimizer, replay, progress, largest_reward, beyond, scratch, ..
+            config,
+            online,
+            target,
+            optimizer,
+            replay,
+            counters,
+            largest_reward,
+            steps_over_bound,
+            scratch,
+            ..
         } = self;
         let Scratch { batch, gradient, online_q, target_q, targets } = scratch;
         let n = config.batch_size;
-        progress.gradient_steps += 1;
+        counters.gradient_steps += 1;
 
-        replay.sample(n, progress.env_steps, &mut progress.sampling, batch);
+        replay.sample(n, counters.env_steps, &mut counters.sampling, batch);
         target.q_values(&batch.next_states, n, target_q);
         if config.double {
             online.q_values(&batch.next_states, n, online_q);
@@ -227,71 +238,76 @@ impl Learner {
 
         let on = Regression { actions: &batch.actions, targets, weights: &batch.weights, loss: config.loss };
         online.gradient(&batch.states, on, gradient);
-        let (gradient_step, env_step) = (progress.gradient_steps, progress.env_steps);
-        let diverged = |what| Diverged { gradient_step, env_step, what, advice: advice(config) };
+        let (gradient_step, env_step) = (counters.gradient_steps, counters.env_steps);
+        let diverged = |what| DivergenceError { gradient_step, env_step, what, advice: advice(config) };
         if !gradient.loss.is_finite() {
-            let what = cause_of_loss(&batch.rewards, target_q, &gradient.q, &gradient.td_errors);
+            let what = non_finite_loss_cause(&batch.rewards, target_q, &gradient.q, &gradient.td_errors);
             return Err(diverged(what));
         }
-        let learning_rate = config.learning_rate.at(progress.env_steps);
+        let learning_rate = config.learning_rate.at(counters.env_steps);
         online.update(|weights| optimizer.step(&config.optimizer, learning_rate, weights, &gradient.values));
         if !all_finite(online.parameters()) {
-            return Err(diverged(cause_of_weight(online, &gradient.values, learning_rate)));
+            return Err(diverged(non_finite_weight_cause(online, &gradient.values, learning_rate)));
         }
         if !all_finite(&optimizer.second) {
             return Err(diverged("the square of a gradient is not finite".into()));
         }
         replay.update_priorities(&batch.slots, &gradient.td_errors);
-        follow(config.target_update, progress.gradient_steps, online, target);
+        follow(config.target_update, counters.gradient_steps, online, target);
 
         let mean = |values: &[f32]| values.iter().sum::<f32>() / n as f32;
         let mean_size = |values: &[f32]| values.iter().map(|value| value.abs()).sum::<f32>() / n as f32;
         let (q, largest_reward) = (mean_size(&gradient.q), *largest_reward);
         let largest_return = largest_reward / (1.0 - config.gamma);
         // (Before the first reward that is one, nothing is known of any return.)
-        let is_beyond = largest_reward > 0.0 && q > largest_return;
-        *beyond = if is_beyond { beyond.saturating_add(1) } else { beyond.saturating_sub(1) };
-        let overestimate = (is_beyond && *beyond >= LASTING).then(|| Overestimate {
-            gradient_step,
-            env_step,
-            q,
-            largest_reward,
-            largest_return,
-            advice: advice(config),
-        });
+        let is_over_bound = largest_reward > 0.0 && q > largest_return;
+        *steps_over_bound = if is_over_bound {
+            steps_over_bound.saturating_add(1)
+        } else {
+            steps_over_bound.saturating_sub(1)
+        };
+        let overestimate =
+            (is_over_bound && *steps_over_bound >= MIN_OVERESTIMATE_STEPS).then(|| Overestimate {
+                gradient_step,
+                env_step,
+                q,
+                largest_reward,
+                largest_return,
+                advice: advice(config),
+            });
         let td_error = mean_size(&gradient.td_errors);
         let (loss, q) = (gradient.loss, mean(&gradient.q));
-        Ok(LearnStats { gradient_steps: 1, loss, td_error, q, overestimate })
+        Ok(UpdateStats { gradient_steps: 1, loss, td_error, q, overestimate })
     }
 
     /// Counts an episode, for the schedule of epsilon.
     pub fn episode_ended(&mut self) {
-        self.progress.episodes += 1;
+        self.counters.episodes += 1;
     }
 
     /// The chance of a random action now, 0 to 1.
     #[must_use]
     pub fn epsilon(&self) -> f32 {
-        let Progress { env_steps, episodes, epsilon_start, .. } = self.progress;
+        let Counters { env_steps, episodes, epsilon_start, .. } = self.counters;
         self.config.exploration.epsilon(env_steps, episodes, epsilon_start)
     }
 
     /// Env steps remembered, of all arenas together.
     #[must_use]
     pub fn env_steps(&self) -> u64 {
-        self.progress.env_steps
+        self.counters.env_steps
     }
 
     /// Episodes ended.
     #[must_use]
     pub fn episodes(&self) -> u64 {
-        self.progress.episodes
+        self.counters.episodes
     }
 
     /// Gradient steps taken.
     #[must_use]
     pub fn gradient_steps(&self) -> u64 {
-        self.progress.gradient_steps
+        self.counters.gradient_steps
     }
 
     /// How it was told to learn.
@@ -324,22 +340,22 @@ impl Learner {
     ///
     /// # Errors
     /// The policy's network has another shape, a weight of it is not finite, or `epsilon` is out of range.
-    pub fn start_from(&mut self, policy: &Policy, epsilon: Option<f32>) -> Result<(), PolicyError> {
+    pub fn load_weights(&mut self, policy: &Policy, epsilon: Option<f32>) -> Result<(), PolicyError> {
         let (expected, found) = (self.online.shape(), policy.network.shape());
         if expected != found {
-            return Err(PolicyError::OtherNetwork {
+            return Err(PolicyError::NetworkMismatch {
                 expected: expected.to_string(),
                 found: found.to_string(),
             });
         }
         policy.check_finite()?;
         if let Some(epsilon) = epsilon.filter(|e| !(0.0..=1.0).contains(e)) {
-            return Err(PolicyError::Epsilon(epsilon));
+            return Err(PolicyError::InvalidEpsilon(epsilon));
         }
         self.online = policy.network.clone();
         self.target = policy.network.clone();
         self.optimizer = OptimizerState::new(&self.config.optimizer, self.online.parameters().len());
-        self.progress.epsilon_start = epsilon;
+        self.counters.epsilon_start = epsilon;
         Ok(())
     }
 
@@ -351,11 +367,11 @@ impl Learner {
 
     /// The arenas were reset from outside: their next observations do not follow from the last. Steps still
     /// awaiting their n-step return are closed as if truncated.
-    pub fn break_chains(&mut self) {
-        let Self { chains, replay, config, .. } = self;
-        for chain in chains {
-            if let Some(last) = chain.last.take() {
-                chain.n_step.flush(last, End::Truncated, config.gamma, |t| replay.push(&t));
+    pub fn truncate_trajectories(&mut self) {
+        let Self { trajectories, replay, config, .. } = self;
+        for trajectory in trajectories {
+            if let Some(last) = trajectory.last.take() {
+                trajectory.n_step.flush(last, StepEnd::Truncated, config.gamma, |t| replay.push(&t));
             }
         }
     }
@@ -425,7 +441,7 @@ mod tests {
     #[test]
     fn q_values_are_beyond_any_return_from_the_largest_reward_over_one_less_gamma_on() {
         let mut config = LearningConfig { gamma: 0.9, batch_size: 1, ..LearningConfig::default() };
-        (config.replay.warmup_steps, config.train_interval, config.gradient_steps) = (1, 1, 1);
+        (config.replay.learning_starts, config.train_freq, config.gradient_steps) = (1, 1, 1);
         (config.reward_scale, config.learning_rate) = (0.5, Schedule::Constant(1e-6));
         let mut learner = Learner::new(&config, 1, 2, 1, 0).expect("a sound config");
         // All Q-values are 10.5: rewards of up to 2, scaled 1, make returns of up to 1 / (1 - 0.9) = 10.
@@ -434,7 +450,7 @@ mod tests {
         let bias = bias.expect("the paper's network is dueling").range.start;
         learner.online.update(|weights| weights[bias] = 10.5);
         let step = |reward| Experience {
-            arena: 0,
+            env_index: 0,
             observation: &[0.0],
             action: 0,
             reward,
@@ -445,7 +461,7 @@ mod tests {
         let mut after = |reward, times: u64| {
             let mut last = None;
             for _ in 0..times {
-                learner.remember(&step(reward));
+                learner.store(&step(reward));
                 last = learner.train().expect("all finite").expect("a gradient step was due").overestimate;
             }
             last
@@ -463,13 +479,13 @@ mod tests {
     #[test]
     fn a_gradient_whose_square_is_no_number_stops_the_learner_before_it_is_saved() {
         let mut config = LearningConfig { batch_size: 1, ..LearningConfig::default() };
-        (config.replay.warmup_steps, config.train_interval, config.gradient_steps) = (1, 1, 1);
+        (config.replay.learning_starts, config.train_freq, config.gradient_steps) = (1, 1, 1);
         let mut learner = Learner::new(&config, 1, 2, 1, 0).expect("a sound config");
         // The error is some 4e18, of which the square is still a number; that of its gradient, through inputs of 100, is none.
         let (observation, next_observation) = (&[100.0], &[0.0]);
         let reward = 4e18;
-        learner.remember(&Experience {
-            arena: 0,
+        learner.store(&Experience {
+            env_index: 0,
             observation,
             action: 0,
             reward,

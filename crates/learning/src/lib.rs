@@ -24,15 +24,15 @@ pub mod config;
 pub mod divergence;
 pub mod exploration;
 pub mod learner;
+#[cfg(any(test, target_arch = "wasm32"))]
+mod matmul;
 pub mod n_step;
 pub mod network;
 mod ops;
 pub mod optimizer;
 pub mod policy;
-#[cfg(any(test, target_arch = "wasm32"))]
-mod products;
 pub mod replay;
-mod states;
+mod state_ring;
 pub mod sum_tree;
 
 pub use checkpoint::CheckpointError;
@@ -40,8 +40,8 @@ pub use config::{
     ConfigError, Exploration, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
     Schedule, TargetUpdate,
 };
-pub use divergence::{Diverged, Overestimate};
+pub use divergence::{DivergenceError, Overestimate};
 pub use exploration::{epsilon_greedy, greedy};
-pub use learner::{Experience, LearnStats, Learner, MOST_NUMBERS};
+pub use learner::{Experience, Learner, MAX_STORED_FLOATS, UpdateStats};
 pub use network::{NetworkShape, QNetwork};
 pub use policy::{Policy, PolicyError};

@@ -12,7 +12,7 @@ use super::replay::StateId;
 
 /// One step that is still waiting for its return.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Pending {
+pub struct PendingStep {
     /// Where it was taken.
     pub state: StateId,
     /// What was done.
@@ -42,9 +42,9 @@ pub struct Transition {
 
 /// How a step ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum StepEnd {
     /// It did not: the episode goes on.
-    Open,
+    Ongoing,
     /// The return ended; nothing to bootstrap from.
     Terminated,
     /// The chain was cut; bootstrap from the last observation.
@@ -53,22 +53,22 @@ pub enum End {
 
 /// The last n steps of one arena.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct NStep {
-    pending: VecDeque<Pending>,
+pub struct NStepAccumulator {
+    pending: VecDeque<PendingStep>,
 }
 
-impl NStep {
+impl NStepAccumulator {
     /// Adds a step that led to `next`, and hands every transition thereby complete to `emit`, oldest first.
     pub fn push(
         &mut self,
-        step: Pending,
+        step: PendingStep,
         next: StateId,
-        end: End,
+        end: StepEnd,
         (n, gamma): (usize, f32),
         mut emit: impl FnMut(Transition),
     ) {
         self.pending.push_back(step);
-        if end != End::Open {
+        if end != StepEnd::Ongoing {
             self.flush(next, end, gamma, emit);
         } else if self.pending.len() >= n {
             emit(self.pop(next, end, gamma));
@@ -76,33 +76,33 @@ impl NStep {
     }
 
     /// Hands out all that is pending, with `next` as the last state known.
-    pub fn flush(&mut self, next: StateId, end: End, gamma: f32, mut emit: impl FnMut(Transition)) {
+    pub fn flush(&mut self, next: StateId, end: StepEnd, gamma: f32, mut emit: impl FnMut(Transition)) {
         while !self.pending.is_empty() {
             emit(self.pop(next, end, gamma));
         }
     }
 
     /// The oldest pending step as a transition over all that is pending.
-    fn pop(&mut self, next: StateId, end: End, gamma: f32) -> Transition {
+    fn pop(&mut self, next: StateId, end: StepEnd, gamma: f32) -> Transition {
         // Horner's rule, from the last reward back: R = r_0 + gamma (r_1 + gamma (r_2 + ...)).
         let reward = self.pending.iter().rev().fold(0.0, |sum, step| step.reward + gamma * sum);
         let discount = self.pending.iter().fold(1.0, |product, _| product * gamma);
-        let Pending { state, action, .. } = self.pending[0];
+        let PendingStep { state, action, .. } = self.pending[0];
         self.pending.pop_front();
         Transition {
             state,
             action,
             reward,
-            discount: if end == End::Terminated { 0.0 } else { discount },
+            discount: if end == StepEnd::Terminated { 0.0 } else { discount },
             next,
-            terminated: end == End::Terminated,
-            truncated: end == End::Truncated,
+            terminated: end == StepEnd::Terminated,
+            truncated: end == StepEnd::Truncated,
         }
     }
 
     /// The steps still waiting, oldest first.
     #[must_use]
-    pub fn pending(&self) -> &VecDeque<Pending> {
+    pub fn pending(&self) -> &VecDeque<PendingStep> {
         &self.pending
     }
 }
@@ -112,11 +112,11 @@ mod tests {
     use super::*;
 
     /// Feeds rewards 1, 2, 3, ... with state i before step i, the last step ending as `end`.
-    fn run(n: usize, steps: u64, end: End) -> Vec<Transition> {
-        let (mut accumulator, mut out) = (NStep::default(), Vec::new());
+    fn run(n: usize, steps: u64, end: StepEnd) -> Vec<Transition> {
+        let (mut accumulator, mut out) = (NStepAccumulator::default(), Vec::new());
         for i in 0..steps {
-            let step = Pending { state: StateId(i), action: i as u8, reward: (i + 1) as f32 };
-            let end = if i + 1 == steps { end } else { End::Open };
+            let step = PendingStep { state: StateId(i), action: i as u8, reward: (i + 1) as f32 };
+            let end = if i + 1 == steps { end } else { StepEnd::Ongoing };
             accumulator.push(step, StateId(i + 1), end, (n, 0.5), |t| out.push(t));
         }
         out
@@ -128,25 +128,28 @@ mod tests {
 
     #[test]
     fn one_step_returns_are_the_rewards() {
-        assert_eq!(brief(&run(1, 3, End::Open)), [(0, 1.0, 0.5, 1), (1, 2.0, 0.5, 2), (2, 3.0, 0.5, 3)]);
+        assert_eq!(
+            brief(&run(1, 3, StepEnd::Ongoing)),
+            [(0, 1.0, 0.5, 1), (1, 2.0, 0.5, 2), (2, 3.0, 0.5, 3)]
+        );
     }
 
     #[test]
     fn three_step_returns_wait_for_three_rewards() {
         // gamma 0.5: 1 + 0.5 x 2 + 0.25 x 3 = 2.75, then 2 + 1.5 + 1 = 4.5; discount 0.125.
-        assert_eq!(brief(&run(3, 4, End::Open)), [(0, 2.75, 0.125, 3), (1, 4.5, 0.125, 4)]);
+        assert_eq!(brief(&run(3, 4, StepEnd::Ongoing)), [(0, 2.75, 0.125, 3), (1, 4.5, 0.125, 4)]);
     }
 
     #[test]
     fn termination_closes_all_that_is_pending_without_bootstrap() {
-        let transitions = run(3, 3, End::Terminated);
+        let transitions = run(3, 3, StepEnd::Terminated);
         assert_eq!(brief(&transitions), [(0, 2.75, 0.0, 3), (1, 3.5, 0.0, 3), (2, 3.0, 0.0, 3)]);
         assert!(transitions.iter().all(|t| t.terminated && !t.truncated));
     }
 
     #[test]
     fn truncation_bootstraps_from_the_last_state_over_fewer_steps() {
-        let transitions = run(3, 3, End::Truncated);
+        let transitions = run(3, 3, StepEnd::Truncated);
         assert_eq!(brief(&transitions), [(0, 2.75, 0.125, 3), (1, 3.5, 0.25, 3), (2, 3.0, 0.5, 3)]);
         assert!(transitions.iter().all(|t| t.truncated && !t.terminated));
     }

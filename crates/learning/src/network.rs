@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 use super::config::{ConfigError, NetworkConfig, check_hidden, within};
 pub use super::ops::Regression;
 use super::ops::{Dense, Rows, dueling, rows, td_loss, values};
-use wayfield_random::{Stream, between};
+use wayfield_random::{Stream, uniform};
 
 /// The most parameters a network may have: 64 MB of them.
-const MOST_PARAMETERS: usize = 1 << 24;
+const MAX_PARAMETERS: usize = 1 << 24;
 
 /// Rows of one forward pass. Larger batches go in pieces of this many: the products then stay below the size
 /// at which gemm would hand work to other threads, which costs more than it gains here.
@@ -66,7 +66,7 @@ impl NetworkShape {
         within("network.inputs", self.inputs, 1..=4096)?;
         within("network.actions", self.actions, 1..=255)?;
         check_hidden(&self.hidden)?;
-        within("network.parameters", self.parameter_count(), 1..=MOST_PARAMETERS)
+        within("network.parameters", self.parameter_count(), 1..=MAX_PARAMETERS)
     }
 
     /// Inputs and outputs of each layer, the head last; a dueling head's outputs are V, then the As.
@@ -154,7 +154,7 @@ impl QNetwork {
         let mut parameters = Vec::with_capacity(shape.parameter_count());
         for (inputs, outputs) in shape.layers() {
             let bound = 1.0 / (inputs as f32).sqrt();
-            parameters.extend((0..(inputs + 1) * outputs).map(|_| between(stream, -bound, bound)));
+            parameters.extend((0..(inputs + 1) * outputs).map(|_| uniform(stream, -bound, bound)));
         }
         Self::from_parameters(shape, parameters)
     }
@@ -371,7 +371,7 @@ mod tests {
         let network =
             QNetwork::new(shape(&[16, 16], 3, true), &mut stream(1, "test", 0)).expect("a sound shape");
         let mut noise = stream(2, "test", 0);
-        let observations: Vec<f32> = (0..2 * 300).map(|_| between(&mut noise, -1.0, 1.0)).collect();
+        let observations: Vec<f32> = (0..2 * 300).map(|_| uniform(&mut noise, -1.0, 1.0)).collect();
         let (mut all, mut one) = (vec![7.0; 5], Vec::new());
         network.q_values(&observations, 300, &mut all);
         assert_eq!(all.len(), 900, "an output vector of another length is resized");

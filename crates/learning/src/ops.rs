@@ -9,7 +9,7 @@ use dfdx::prelude::*;
 
 use super::config::Loss;
 #[cfg(target_arch = "wasm32")]
-use super::products::{Left, multiply, transposed};
+use super::matmul::{LeftMatrix, multiply, transposed};
 
 /// A batch of rows, with or without a tape.
 pub(super) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
@@ -48,7 +48,7 @@ fn times(a: &Rows, b: &Rows, out: &mut [f32]) {
 fn times_transposed(a: &Rows, b: &Rows) -> Rows {
     let ((m, k), (n, _)) = (*a.shape(), *b.shape());
     let mut out = vec![0.0; m * n];
-    let left = Left { values: &values(a), strides: (k, 1) };
+    let left = LeftMatrix { values: &values(a), strides: (k, 1) };
     multiply(left, &transposed(&values(b), n, k), (m, k, n), &mut out);
     rows(a.device(), out, m, n)
 }
@@ -56,13 +56,13 @@ fn times_transposed(a: &Rows, b: &Rows) -> Rows {
 #[cfg(target_arch = "wasm32")]
 fn transposed_times(a: &Rows, b: &Rows, out: &mut [f32]) {
     let ((k, m), (_, n)) = (*a.shape(), *b.shape());
-    multiply(Left { values: &values(a), strides: (1, m) }, &values(b), (m, k, n), out);
+    multiply(LeftMatrix { values: &values(a), strides: (1, m) }, &values(b), (m, k, n), out);
 }
 
 #[cfg(target_arch = "wasm32")]
 fn times(a: &Rows, b: &Rows, out: &mut [f32]) {
     let ((m, k), (_, n)) = (*a.shape(), *b.shape());
-    multiply(Left { values: &values(a), strides: (k, 1) }, &values(b), (m, k, n), out);
+    multiply(LeftMatrix { values: &values(a), strides: (k, 1) }, &values(b), (m, k, n), out);
 }
 
 /// A fully connected layer: `weight` is outputs x inputs (as in PyTorch), `bias` has one value per output.

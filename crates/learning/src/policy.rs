@@ -53,10 +53,10 @@ pub enum PolicyError {
     },
     /// The network's sizes are absurd.
     #[error("the policy's network cannot be: {0}")]
-    Shape(String),
+    InvalidShape(String),
     /// A tensor is not there.
     #[error("the policy lacks the tensor `{name}` (f32, {expected:?})")]
-    Missing {
+    MissingTensor {
         /// The tensor.
         name: String,
         /// The shape it should have.
@@ -64,7 +64,7 @@ pub enum PolicyError {
     },
     /// A tensor has another type or shape.
     #[error("the policy's tensor `{name}` is {found}, expected {expected}")]
-    Misshapen {
+    TensorMismatch {
         /// The tensor.
         name: String,
         /// Type and shape it should have.
@@ -86,7 +86,7 @@ pub enum PolicyError {
     #[error(
         "the policy's network is {found}, but the preset's is {expected}; train with the policy's own shape"
     )]
-    OtherNetwork {
+    NetworkMismatch {
         /// The learner's.
         expected: String,
         /// The policy's.
@@ -94,7 +94,7 @@ pub enum PolicyError {
     },
     /// Epsilon is no probability.
     #[error("epsilon {0} is out of range; give 0 to 1")]
-    Epsilon(f32),
+    InvalidEpsilon(f32),
 }
 
 impl Policy {
@@ -135,16 +135,16 @@ impl Policy {
     /// Whatever is wrong with the file, see [`PolicyError`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PolicyError> {
         let Header { network: shape, metadata, .. } = header(bytes)?;
-        shape.check().map_err(|e| PolicyError::Shape(e.to_string()))?;
+        shape.check().map_err(|e| PolicyError::InvalidShape(e.to_string()))?;
         let tensors = SafeTensors::deserialize(bytes).map_err(not_safetensors)?;
         let mut parameters = Vec::new();
         for view in shape.parameters() {
-            let tensor = tensors.tensor(&view.name).map_err(|_| PolicyError::Missing {
+            let tensor = tensors.tensor(&view.name).map_err(|_| PolicyError::MissingTensor {
                 name: view.name.clone(),
                 expected: view.shape.clone(),
             })?;
             if tensor.dtype() != Dtype::F32 || tensor.shape() != view.shape {
-                return Err(PolicyError::Misshapen {
+                return Err(PolicyError::TensorMismatch {
                     name: view.name,
                     expected: format!("F32 {:?}", view.shape),
                     found: format!("{:?} {:?}", tensor.dtype(), tensor.shape()),
@@ -154,8 +154,8 @@ impl Policy {
             parameters.extend(tensor.data().as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)));
             finite(&view.name, &parameters[start..])?;
         }
-        let network =
-            QNetwork::from_parameters(shape, parameters).map_err(|e| PolicyError::Shape(e.to_string()))?;
+        let network = QNetwork::from_parameters(shape, parameters)
+            .map_err(|e| PolicyError::InvalidShape(e.to_string()))?;
         Ok(Self { network, metadata })
     }
 }

@@ -9,14 +9,14 @@
 
 use super::config::{ReplayConfig, Sampling};
 use super::n_step::Transition;
-pub use super::states::StateId;
-use super::states::StateRing;
+pub use super::state_ring::StateId;
+use super::state_ring::StateRing;
 use super::sum_tree::SumTree;
-use wayfield_random::{Stream, below};
+use wayfield_random::{Stream, uniform_index};
 
 /// A transition as it is kept: states by their slot.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Stored {
+pub(super) struct StoredTransition {
     pub(super) state: u32,
     pub(super) next: u32,
     pub(super) reward: f32,
@@ -41,7 +41,7 @@ pub struct ReplayBuffer {
     sampling: Sampling,
     capacity: usize,
     pub(super) states: StateRing,
-    pub(super) transitions: Vec<Stored>,
+    pub(super) transitions: Vec<StoredTransition>,
     pub(super) priorities: Option<Priorities>,
     /// The number of the oldest transition kept; slots are numbers modulo the capacity.
     pub(super) head: u64,
@@ -120,7 +120,7 @@ impl ReplayBuffer {
     /// Stores an observation of `inputs` numbers. Transitions that refer to the one it replaces go first, and
     /// with them all older ones.
     pub fn push_state(&mut self, observation: &[f32]) -> StateId {
-        let users = self.states.users_of_next();
+        let users = self.states.last_reference_to_oldest();
         while self.head < users {
             self.drop_oldest();
         }
@@ -138,7 +138,7 @@ impl ReplayBuffer {
             self.drop_oldest();
         }
         let slots = [self.states.slot(transition.state), self.states.slot(next)];
-        let stored = Stored {
+        let stored = StoredTransition {
             state: slots[0] as u32,
             next: slots[1] as u32,
             reward: transition.reward,
@@ -154,7 +154,7 @@ impl ReplayBuffer {
         }
         self.tail += 1;
         for slot in slots {
-            self.states.last_user[slot] = self.tail;
+            self.states.last_reference[slot] = self.tail;
         }
         if let Some(Priorities { tree, largest }) = &mut self.priorities {
             tree.set(slot, *largest);
@@ -195,12 +195,12 @@ impl ReplayBuffer {
             }
             _ => {
                 let len = self.len();
-                batch.slots.extend((0..n).map(|_| self.slot(self.head + below(stream, len) as u64)));
+                batch.slots.extend((0..n).map(|_| self.slot(self.head + uniform_index(stream, len) as u64)));
             }
         }
         batch.weights.resize(n, 1.0);
         for &slot in &batch.slots {
-            let Stored { state, next, reward, discount, action, .. } = self.transitions[slot];
+            let StoredTransition { state, next, reward, discount, action, .. } = self.transitions[slot];
             batch.states.extend_from_slice(self.states.row(state as usize));
             batch.next_states.extend_from_slice(self.states.row(next as usize));
             batch.actions.push(action);
@@ -241,7 +241,7 @@ impl Batch {
 
 /// A draw from [0, 1) in steps of 2^-53: fine enough to reach every one of 10^6 transitions.
 fn fine(stream: &mut Stream) -> f64 {
-    (wayfield_random::word(stream) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+    (wayfield_random::random_u64(stream) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
 }
 
 /// base^exponent for a base of at least 0 (0 counts as the least normal number) and a moderate exponent: some

@@ -109,7 +109,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use wayfield_random::{stream, unit};
+    use wayfield_random::{stream, uniform_01};
 
     /// The plain way: walk the weights until the point is used up.
     fn find_plainly(weights: &[f64], mut point: f64) -> usize {
@@ -182,7 +182,7 @@ mod tests {
         let (mut counts, draws) = ([0.0; 6], 100_000);
         let mut random = stream(5, "test", 0);
         for _ in 0..draws {
-            counts[tree.find(tree.total() * f64::from(unit(&mut random)))] += 1.0;
+            counts[tree.find(tree.total() * f64::from(uniform_01(&mut random)))] += 1.0;
         }
         assert_eq!(counts[1], 0.0, "weight 0 is never drawn");
         // Pearson's chi-square with 4 degrees of freedom exceeds 18.5 in one of a thousand fair samplers.

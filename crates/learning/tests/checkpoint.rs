@@ -5,11 +5,11 @@ use wayfield_learning::{
     CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer,
     ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
 };
-use wayfield_random::{Stream, normal, stream, unit};
+use wayfield_random::{Stream, normal, stream, uniform_01};
 
 const INPUTS: usize = 4;
 const ACTIONS: usize = 3;
-const ARENAS: usize = 3;
+const NUM_ENVS: usize = 3;
 
 fn config(sampling: Sampling, n_step: usize) -> LearningConfig {
     LearningConfig {
@@ -23,8 +23,8 @@ fn config(sampling: Sampling, n_step: usize) -> LearningConfig {
         },
         learning_rate: Schedule::Linear { from: 1e-3, to: 1e-4, env_steps: 2000 },
         // Smaller than the run is long: the rings go round.
-        replay: ReplayConfig { capacity: 150, warmup_steps: 50, sampling },
-        train_interval: 4,
+        replay: ReplayConfig { capacity: 150, learning_starts: 50, sampling },
+        train_freq: 4,
         gradient_steps: 2,
         target_update: if n_step == 1 {
             TargetUpdate::Hard { every: 7 }
@@ -44,28 +44,29 @@ fn configs() -> [LearningConfig; 3] {
 
 /// A world of noise in which the actions depend on the Q-values, so that any difference soon shows.
 #[derive(Clone)]
-struct World {
-    observations: [[f32; INPUTS]; ARENAS],
+struct NoiseEnv {
+    observations: [[f32; INPUTS]; NUM_ENVS],
     random: Stream,
 }
 
-impl World {
+impl NoiseEnv {
     fn new() -> Self {
-        Self { observations: [[0.5; INPUTS]; ARENAS], random: stream(9, "test", 0) }
+        Self { observations: [[0.5; INPUTS]; NUM_ENVS], random: stream(9, "test", 0) }
     }
 
     fn run(&mut self, learner: &mut Learner, rounds: usize) {
         let mut q = Vec::new();
         for _ in 0..rounds {
-            for arena in 0..ARENAS {
-                let observation = self.observations[arena];
+            for env_index in 0..NUM_ENVS {
+                let observation = self.observations[env_index];
                 learner.q_values(&observation, 1, &mut q);
                 let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut self.random);
                 let next = std::array::from_fn(|_| normal(&mut self.random) + action as f32);
                 // So many short chains that the state ring, too, forces transitions out.
-                let (terminated, truncated) = (unit(&mut self.random) < 0.1, unit(&mut self.random) < 0.4);
-                learner.remember(&Experience {
-                    arena,
+                let (terminated, truncated) =
+                    (uniform_01(&mut self.random) < 0.1, uniform_01(&mut self.random) < 0.4);
+                learner.store(&Experience {
+                    env_index,
                     observation: &observation,
                     action,
                     reward: next[0],
@@ -73,10 +74,10 @@ impl World {
                     terminated,
                     truncated,
                 });
-                self.observations[arena] = next;
+                self.observations[env_index] = next;
                 if terminated || truncated {
                     learner.episode_ended();
-                    self.observations[arena] = [normal(&mut self.random); INPUTS];
+                    self.observations[env_index] = [normal(&mut self.random); INPUTS];
                 }
             }
             learner.train().expect("it does not diverge");
@@ -91,15 +92,15 @@ fn saved(learner: &Learner) -> Vec<u8> {
 }
 
 fn restored(config: &LearningConfig, bytes: &[u8]) -> Result<Learner, CheckpointError> {
-    Learner::restore(config, INPUTS, ACTIONS, ARENAS, bytes)
+    Learner::restore(config, INPUTS, ACTIONS, NUM_ENVS, bytes)
 }
 
 #[test]
 fn a_restored_learner_goes_on_to_the_bit() {
     for (number, config) in configs().iter().enumerate() {
         for rounds in [0, 3, 40, 200] {
-            let mut world = World::new();
-            let mut one = Learner::new(config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+            let mut world = NoiseEnv::new();
+            let mut one = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
             world.run(&mut one, rounds);
             let bytes = saved(&one);
             let mut two = restored(config, &bytes).expect("it was just saved");
@@ -118,8 +119,8 @@ fn a_restored_learner_goes_on_to_the_bit() {
 fn one_seed_gives_the_same_bits_and_another_seed_others() {
     for config in &configs() {
         let run = |seed| {
-            let mut learner = Learner::new(config, INPUTS, ACTIONS, ARENAS, seed).expect("a sound config");
-            World::new().run(&mut learner, 200);
+            let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, seed).expect("a sound config");
+            NoiseEnv::new().run(&mut learner, 200);
             saved(&learner)
         };
         assert_eq!(run(5), run(5));
@@ -130,9 +131,9 @@ fn one_seed_gives_the_same_bits_and_another_seed_others() {
 #[test]
 fn a_transfers_epsilon_survives_the_checkpoint() {
     let config = &configs()[0];
-    let mut learner = Learner::new(config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
-    let policy = Learner::new(config, INPUTS, ACTIONS, ARENAS, 6).expect("a sound config").policy();
-    learner.start_from(&policy, Some(0.5)).expect("the same shape");
+    let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
+    let policy = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 6).expect("a sound config").policy();
+    learner.load_weights(&policy, Some(0.5)).expect("the same shape");
     assert_eq!(learner.network(), &policy.network, "it starts from the policy's weights");
     assert_eq!(learner.target_network(), &policy.network);
     assert_eq!(learner.epsilon(), 0.5);
@@ -142,8 +143,8 @@ fn a_transfers_epsilon_survives_the_checkpoint() {
 #[test]
 fn a_broken_file_is_an_error_never_a_panic() {
     let config = &configs()[2];
-    let mut learner = Learner::new(config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
-    World::new().run(&mut learner, 60);
+    let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
+    NoiseEnv::new().run(&mut learner, 60);
     let bytes = saved(&learner);
     for length in (0..bytes.len()).step_by(7) {
         assert!(restored(config, &bytes[..length]).is_err(), "cut to {length} of {} bytes", bytes.len());
@@ -162,22 +163,22 @@ fn a_broken_file_is_an_error_never_a_panic() {
 #[test]
 fn a_checkpoint_wants_the_config_it_was_made_with() {
     let [uniform, prioritized, _] = configs();
-    let learner = Learner::new(&uniform, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+    let learner = Learner::new(&uniform, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
     let bytes = saved(&learner);
     let error = restored(&prioritized, &bytes).expect_err("another sampling");
-    assert!(matches!(error, CheckpointError::OtherConfig { field: "learning" }), "{error}");
+    assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
     let error =
-        Learner::restore(&uniform, INPUTS, ACTIONS, ARENAS + 1, bytes.as_slice()).expect_err("more arenas");
-    assert!(matches!(error, CheckpointError::OtherConfig { field: "arenas" }), "{error}");
+        Learner::restore(&uniform, INPUTS, ACTIONS, NUM_ENVS + 1, bytes.as_slice()).expect_err("more arenas");
+    assert!(matches!(error, CheckpointError::ConfigMismatch { field: "arenas" }), "{error}");
 }
 
 #[test]
 fn a_learner_that_has_not_paid_its_gradient_steps_yet_is_saved_and_read() {
     for config in configs() {
-        let mut learner = Learner::new(&config, INPUTS, ACTIONS, ARENAS, 5).expect("a sound config");
+        let mut learner = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
         for step in 0..90 {
-            learner.remember(&Experience {
-                arena: 0,
+            learner.store(&Experience {
+                env_index: 0,
                 observation: &[step as f32; INPUTS],
                 action: 0,
                 reward: 1.0,
@@ -187,11 +188,11 @@ fn a_learner_that_has_not_paid_its_gradient_steps_yet_is_saved_and_read() {
             });
         }
         // Every fourth from step 52 on: ten trainings of two.
-        assert_eq!(learner.due(), 20);
+        assert_eq!(learner.pending_updates(), 20);
         let mut bytes = Vec::new();
         learner.save(&mut bytes).expect("memory can be written");
-        let mut again =
-            Learner::restore(&config, INPUTS, ACTIONS, ARENAS, &bytes[..]).expect("what is written is read");
+        let mut again = Learner::restore(&config, INPUTS, ACTIONS, NUM_ENVS, &bytes[..])
+            .expect("what is written is read");
         assert_eq!(again.train().expect("finite"), learner.train().expect("finite"));
     }
 }

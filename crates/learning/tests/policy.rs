@@ -88,7 +88,7 @@ fn every_tampering_has_its_own_clear_error() {
     let mut parts = Parts::new();
     parts.tensors.retain(|t| t.0 != "value.bias");
     let error = parts.error();
-    assert_eq!(error, PolicyError::Missing { name: "value.bias".into(), expected: vec![1] });
+    assert_eq!(error, PolicyError::MissingTensor { name: "value.bias".into(), expected: vec![1] });
     assert!(error.to_string().contains("value.bias"), "{error}");
 
     let mut parts = Parts::new();
@@ -118,12 +118,12 @@ fn a_small_file_that_claims_a_giant_network_takes_no_giant_memory() {
     for hidden in ["[4096,4096,4096,4096,4096]", "[18446744073709551615]", "[1000000000,1000000000]", "[0]"] {
         let mut parts = Parts::new();
         parts.header = parts.header.replace("[5,4]", hidden);
-        assert!(matches!(parts.error(), PolicyError::Shape(_)), "{hidden}: {}", parts.error());
+        assert!(matches!(parts.error(), PolicyError::InvalidShape(_)), "{hidden}: {}", parts.error());
     }
     let mut parts = Parts::new();
     parts.header = parts.header.replace("[5,4]", "[4096,2048]");
     assert!(
-        matches!(parts.error(), PolicyError::Misshapen { .. }),
+        matches!(parts.error(), PolicyError::TensorMismatch { .. }),
         "within the limits, but not what is there"
     );
 }
@@ -131,10 +131,10 @@ fn a_small_file_that_claims_a_giant_network_takes_no_giant_memory() {
 #[test]
 fn a_transfer_wants_the_same_network() {
     let mut learner = learner(&[5], true);
-    let error = learner.start_from(&policy(), None).expect_err("another network").to_string();
+    let error = learner.load_weights(&policy(), None).expect_err("another network").to_string();
     assert!(error.contains("6-5-4-dueling 3") && error.contains("6-5-dueling 3"), "both are named: {error}");
     let same = learner.policy();
-    assert_eq!(learner.start_from(&same, Some(1.5)), Err(PolicyError::Epsilon(1.5)));
+    assert_eq!(learner.load_weights(&same, Some(1.5)), Err(PolicyError::InvalidEpsilon(1.5)));
 }
 
 proptest! {

@@ -13,7 +13,7 @@ use wayfield_random::{Stream, stream};
 const PENDING: usize = 3;
 
 fn buffer(capacity: usize, sampling: Sampling) -> ReplayBuffer {
-    ReplayBuffer::new(&ReplayConfig { capacity, warmup_steps: 0, sampling }, 1, PENDING)
+    ReplayBuffer::new(&ReplayConfig { capacity, learning_starts: 0, sampling }, 1, PENDING)
 }
 
 fn prioritized(alpha: f32, beta: f32) -> Sampling {
@@ -22,7 +22,7 @@ fn prioritized(alpha: f32, beta: f32) -> Sampling {
 }
 
 /// A transition that tells in its reward and discount which observations it belongs to.
-fn told(state: (StateId, f32), next: (StateId, f32)) -> Transition {
+fn tagged_transition(state: (StateId, f32), next: (StateId, f32)) -> Transition {
     Transition {
         state: state.0,
         action: 0,
@@ -84,7 +84,7 @@ proptest! {
                 Op::Transition(a, b) => {
                     let before = |age: usize| states.len().checked_sub(1 + age);
                     let (Some(a), Some(b)) = (before(a), before(b)) else { continue };
-                    replay.push(&told(states[a], states[b]));
+                    replay.push(&tagged_transition(states[a], states[b]));
                     if a.min(b) + room >= states.len() {
                         if kept.len() == capacity {
                             kept.pop_front();
@@ -118,7 +118,7 @@ proptest! {
             n_step,
             gamma: 1.0,
             batch_size: 8,
-            replay: ReplayConfig { capacity: 8, warmup_steps: 1_000_000, sampling: Sampling::Uniform },
+            replay: ReplayConfig { capacity: 8, learning_starts: 1_000_000, sampling: Sampling::Uniform },
             ..LearningConfig::default()
         };
         let mut learner = Learner::new(&config, 1, 2, 3, 0).expect("a sound config");
@@ -127,11 +127,11 @@ proptest! {
         // power.
         let mut at = [0.0_f32; 3];
         let scale = [1.0, 1000.0, 1_000_000.0];
-        for (arena, end) in steps {
-            let (observation, next) = (at[arena], at[arena] + scale[arena]);
+        for (env_index, end) in steps {
+            let (observation, next) = (at[env_index], at[env_index] + scale[env_index]);
             let (terminated, truncated) = (end == 0 && !always_truncated, end == 1 || always_truncated);
-            learner.remember(&Experience {
-                arena,
+            learner.store(&Experience {
+                env_index,
                 observation: &[observation],
                 action: 0,
                 reward: 1.0,
@@ -139,7 +139,7 @@ proptest! {
                 terminated,
                 truncated,
             });
-            at[arena] = if terminated || truncated { 0.0 } else { next };
+            at[env_index] = if terminated || truncated { 0.0 } else { next };
             if learner.replay().is_empty() {
                 continue;
             }
@@ -163,7 +163,7 @@ fn a_full_buffer_of_long_episodes_keeps_its_whole_capacity() {
         for step in 0..10 {
             let value = (episode * 10 + step) as f32;
             let next = (replay.push_state(&[value]), value);
-            replay.push(&told(state, next));
+            replay.push(&tagged_transition(state, next));
             state = next;
         }
     }
@@ -175,7 +175,7 @@ fn four(sampling: Sampling) -> ReplayBuffer {
     let mut replay = buffer(6, sampling);
     for i in 0..4 {
         let state = (replay.push_state(&[i as f32]), i as f32);
-        replay.push(&told(state, state));
+        replay.push(&tagged_transition(state, state));
     }
     replay
 }
@@ -191,7 +191,7 @@ fn priorities_are_powers_of_td_errors_and_newcomers_get_the_largest() {
     }
     replay.update_priorities(&[2], &[0.0]);
     let state = (replay.push_state(&[4.0]), 4.0);
-    replay.push(&told(state, state));
+    replay.push(&tagged_transition(state, state));
     assert!((replay.priority(4) - 2.0).abs() < 1e-6, "the largest so far, not the largest now");
 }
 

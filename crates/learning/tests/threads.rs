@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use wayfield_learning::{Experience, Learner, LearningConfig, NetworkConfig, ReplayConfig};
-use wayfield_random::{below, normal, stream};
+use wayfield_random::{normal, stream, uniform_index};
 
 /// Run as a process of its own, since the thread pool is made once per process.
 #[test]
@@ -20,10 +20,10 @@ fn fingerprint() {
     let mut noise = stream(1, "test", 0);
     for step in 0..540 {
         let observation: Vec<f32> = (0..28).map(|_| normal(&mut noise)).collect();
-        learner.remember(&Experience {
-            arena: 0,
+        learner.store(&Experience {
+            env_index: 0,
             observation: &observation,
-            action: below(&mut noise, 5),
+            action: uniform_index(&mut noise, 5),
             reward: normal(&mut noise),
             next_observation: &observation,
             terminated: false,

@@ -6,7 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::MARGIN_M;
-use super::world::{Goal, Solid, State, distance, standing};
+use super::configuration_space::{GoalRegion, InflatedObstacle, State, distance, static_obstacles};
 use wayfield_scenario::{Obstacle, Scenario, polygon, pose_at};
 
 /// Corners of the polygon in a circle.
@@ -14,11 +14,11 @@ const CIRCLE_CORNERS: usize = 32;
 /// Points along the arc at the corner of a grown box.
 const BOX_CORNER_POINTS: usize = 3;
 /// At most so many corners of polygons: obstacles far from the straight line are left out first.
-const MOST_CORNERS: usize = 400;
+const MAX_CORNERS: usize = 400;
 
 /// The lower bounds on the way to the target.
-pub(super) struct Bound {
-    pub(super) goal: Goal,
+pub(super) struct LowerBound {
+    pub(super) goal_region: GoalRegion,
     /// The most that one step advances, in m: along the arc, so no less than the chord.
     pub(super) stride: f64,
     /// The tightest turn, in m, where every motion drives forward.
@@ -26,18 +26,18 @@ pub(super) struct Bound {
     pub(super) geodesic: Geodesic,
 }
 
-impl Bound {
-    pub(super) fn new(scenario: &Scenario, start: (f32, f32, f32), target: (f32, f32)) -> Self {
+impl LowerBound {
+    pub(super) fn new(scenario: &Scenario, start: (f32, f32, f32), goal: (f32, f32)) -> Self {
         let period = f64::from(scenario.task.control_period_s);
         let motions = &scenario.robot.motions;
         let stride = motions.iter().map(|m| f64::from(m.v_m_s).abs() * period).fold(0.0, f64::max);
         // Standing still is 0 / 0: `min` passes it over. Turning on the spot gives 0, driving backward less.
         let radii = motions.iter().map(|m| f64::from(m.v_m_s) / f64::from(m.w_rad_s).abs());
         let turning_radius = radii.fold(f64::INFINITY, f64::min);
-        let goal = Goal::new(scenario, target, MARGIN_M);
-        let geodesic = Geodesic::new(scenario, (start.0.into(), start.1.into()), &goal, stride);
+        let goal_region = GoalRegion::new(scenario, goal, MARGIN_M);
+        let geodesic = Geodesic::new(scenario, (start.0.into(), start.1.into()), &goal_region, stride);
         Self {
-            goal,
+            goal_region,
             stride,
             turning_radius: Some(turning_radius).filter(|radius| radius.is_finite() && *radius > 0.0),
             geodesic,
@@ -47,19 +47,19 @@ impl Bound {
     /// At least so many steps, a fraction included, from a state that is allowed; infinite where there is no way.
     pub(super) fn steps(&self, state: &State) -> f64 {
         let way = self.geodesic.length((state.x, state.y)).max(self.turning_length(state));
-        ((way - self.goal.radius) / self.stride).max(0.0)
+        ((way - self.goal_region.radius) / self.stride).max(0.0)
     }
 
     /// The length of the shortest path that bends no tighter than the turning radius, in m, or 0 where that would
     /// prove nothing.
     pub(super) fn turning_length(&self, state: &State) -> f64 {
         let Some(r) = self.turning_radius else { return 0.0 };
-        let (dx, dy) = (self.goal.x - state.x, self.goal.y - state.y);
+        let (dx, dy) = (self.goal_region.x - state.x, self.goal_region.y - state.y);
         let (sin, cos) = libm::sincos(state.heading);
         // Mirrored so that the target lies to the left, and the left circle is the nearer one, at (0, r).
         let (ahead, left) = (dx * cos + dy * sin, (dy * cos - dx * sin).abs());
         let square = ahead * ahead + (left - r) * (left - r);
-        let clear = r + self.goal.radius;
+        let clear = r + self.goal_region.radius;
         if square < clear * clear {
             return 0.0;
         }
@@ -72,12 +72,12 @@ impl Bound {
 }
 
 /// `steps`, a lower bound, rounded up to whole steps; at least one.
-pub(super) fn whole(steps: f64) -> u32 {
+pub(super) fn ceil_steps(steps: f64) -> u32 {
     ((steps - 1e-9).ceil() as u32).max(1)
 }
 
 /// A convex thing that bars the view.
-pub(super) enum Screen {
+pub(super) enum Occluder {
     Disc {
         centre: (f64, f64),
         radius: f64,
@@ -86,9 +86,9 @@ pub(super) enum Screen {
     Polygon(Vec<(f64, f64, f64)>),
 }
 
-impl Screen {
+impl Occluder {
     /// Whether the segment passes through the inside.
-    fn bars(&self, from: (f64, f64), to: (f64, f64)) -> bool {
+    fn blocks(&self, from: (f64, f64), to: (f64, f64)) -> bool {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         match self {
             Self::Disc { centre, radius } => {
@@ -125,63 +125,61 @@ impl Screen {
 
 /// The shortest ways to the target round the obstacles that stand still, by the corners of polygons inside them.
 pub(super) struct Geodesic {
-    target: (f64, f64),
-    pub(super) screens: Vec<Screen>,
+    goal: (f64, f64),
+    pub(super) occluders: Vec<Occluder>,
     /// Corners with their distance to the target, in m, the nearest first; none that can't reach it.
     pub(super) corners: Vec<((f64, f64), f64)>,
 }
 
 impl Geodesic {
-    fn new(scenario: &Scenario, start: (f64, f64), goal: &Goal, stride: f64) -> Self {
-        let target = (goal.x, goal.y);
+    fn new(scenario: &Scenario, start: (f64, f64), goal_region: &GoalRegion, stride: f64) -> Self {
+        let goal = (goal_region.x, goal_region.y);
         let range = f64::from(scenario.task.collision_range_m) - MARGIN_M;
-        let mut geodesic = Self { target, screens: Vec::new(), corners: Vec::new() };
+        let mut geodesic = Self { goal, occluders: Vec::new(), corners: Vec::new() };
         if range <= stride / 2.0 {
             return geodesic;
         }
         let period = scenario.task.control_period_s;
         let from_line = |o: &Obstacle| {
             let at = (f64::from(o.position_m.0), f64::from(o.position_m.1));
-            distance(start, at) + distance(at, target)
+            distance(start, at) + distance(at, goal)
         };
-        let mut still: Vec<_> = standing(scenario).collect();
+        let mut still: Vec<_> = static_obstacles(scenario).collect();
         still.sort_by(|a, b| from_line(a).total_cmp(&from_line(b)));
         let mut points = Vec::new();
         for obstacle in still {
-            let mut solid = Solid::new(&obstacle.shape, pose_at(&obstacle, 0, period), range);
+            let mut solid = InflatedObstacle::new(&obstacle.shape, pose_at(&obstacle, 0, period), range);
             // Grown by what the whole chord keeps clear of, not only its ends.
             solid.radius = (solid.radius * solid.radius - stride * stride / 4.0).sqrt();
-            let reach = Solid { radius: solid.radius + goal.radius, ..solid };
-            if !reach.is_clear(target.0, target.1) {
+            let reach = InflatedObstacle { radius: solid.radius + goal_region.radius, ..solid };
+            if !reach.is_clear(goal.0, goal.1) {
                 continue;
             }
-            let (screen, outline) = screen(&solid);
-            if points.len() + outline.len() > MOST_CORNERS {
+            let (occluder, outline) = occluder(&solid);
+            if points.len() + outline.len() > MAX_CORNERS {
                 break;
             }
-            geodesic.screens.push(screen);
+            geodesic.occluders.push(occluder);
             points.extend(outline);
         }
         // No way bends outside a rectangle that holds it all: the robot's centre's, and the target besides.
         let (_, (half_width, half_height)) = scenario.enclosure.bounds_m();
         let (reach_x, reach_y) = (f64::from(half_width) - range, f64::from(half_height) - range);
-        let (reach_x, reach_y) = (reach_x.max(goal.x.abs()), reach_y.max(goal.y.abs()));
+        let (reach_x, reach_y) = (reach_x.max(goal_region.x.abs()), reach_y.max(goal_region.y.abs()));
         points.retain(|&(x, y)| x.abs() <= reach_x && y.abs() <= reach_y);
         geodesic.measure(points);
         geodesic
     }
 
     fn sees(&self, from: (f64, f64), to: (f64, f64)) -> bool {
-        !self.screens.iter().any(|screen| screen.bars(from, to))
+        !self.occluders.iter().any(|occluder| occluder.blocks(from, to))
     }
 
     /// Dijkstra's algorithm from the target over the points that see each other.
     fn measure(&mut self, points: Vec<(f64, f64)>) {
         let mut open: Vec<_> = points
             .into_iter()
-            .map(|at| {
-                (at, if self.sees(at, self.target) { distance(at, self.target) } else { f64::INFINITY })
-            })
+            .map(|at| (at, if self.sees(at, self.goal) { distance(at, self.goal) } else { f64::INFINITY }))
             .collect();
         while let Some(next) = (0..open.len()).min_by(|&a, &b| open[a].1.total_cmp(&open[b].1)) {
             let (at, way) = open.swap_remove(next);
@@ -200,8 +198,8 @@ impl Geodesic {
 
     /// The length of the shortest way from a point to the target, in m; infinite where there is none.
     fn length(&self, from: (f64, f64)) -> f64 {
-        if self.sees(from, self.target) {
-            return distance(from, self.target);
+        if self.sees(from, self.goal) {
+            return distance(from, self.goal);
         }
         let mut shortest = f64::INFINITY;
         for &(corner, way) in &self.corners {
@@ -219,7 +217,7 @@ impl Geodesic {
 
 /// A convex polygon inscribed in `solid`, as what bars the view (a little less than all of it, so that the corners
 /// see along the sides) and its corners.
-fn screen(solid: &Solid) -> (Screen, Vec<(f64, f64)>) {
+fn occluder(solid: &InflatedObstacle) -> (Occluder, Vec<(f64, f64)>) {
     let place =
         |x: f64, y: f64| (solid.x + x * solid.cos - y * solid.sin, solid.y + x * solid.sin + y * solid.cos);
     if solid.half_width == 0.0 && solid.half_height == 0.0 {
@@ -228,7 +226,7 @@ fn screen(solid: &Solid) -> (Screen, Vec<(f64, f64)>) {
             place(solid.radius * cos, solid.radius * sin)
         };
         let radius = solid.radius * libm::cos(PI / CIRCLE_CORNERS as f64) - 1e-9;
-        let disc = Screen::Disc { centre: (solid.x, solid.y), radius: radius.max(0.0) };
+        let disc = Occluder::Disc { centre: (solid.x, solid.y), radius: radius.max(0.0) };
         return (disc, (0..CIRCLE_CORNERS).map(corner).collect());
     }
     let corner = |k: usize| {
@@ -245,5 +243,5 @@ fn screen(solid: &Solid) -> (Screen, Vec<(f64, f64)>) {
         let (a, b) = ((q.1 - p.1) / length, (p.0 - q.0) / length);
         (a, b, a * p.0 + b * p.1 - 1e-9)
     });
-    (Screen::Polygon(sides.collect()), corners)
+    (Occluder::Polygon(sides.collect()), corners)
 }

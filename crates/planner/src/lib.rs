@@ -1,6 +1,6 @@
 //! The least number of control steps from a start to a target: the yardstick that policies are measured by.
 //!
-//! In: a [`Scenario`], a start, a target, the clock. Out: a [`Plan`], whose actions can be replayed, and
+//! In: a [`Scenario`], a start, a target, the clock. Out: a [`TimedPath`], whose actions can be replayed, and
 //! [`lower_bound_steps`], which no plan can beat. No Bevy and no physics engine: the robot is a point that must keep
 //! its distance.
 //!
@@ -13,7 +13,7 @@
 //! may cost steps, fewer the smaller the cells. All that guides it, and [`lower_bound_steps`], rests on two proven bounds:
 //! the way round the obstacles that stand still, and the turning. Where both agree the optimum is known.
 //!
-//! **What is not modelled** ([`is_modelled`]): of such a scenario the planner says nothing. A lag of the drive, for both
+//! **What is not modelled** ([`is_supported`]): of such a scenario the planner says nothing. A lag of the drive, for both
 //! the search and the bounds take a motion to be driven from its first moment on; a LIDAR that doesn't see all around, for
 //! the judge lets a robot pass nearer by what it doesn't see; polygons, as enclosures or as obstacles.
 //!
@@ -21,12 +21,12 @@
 //! of the paper's times: docs/optimum.md.
 
 mod bound;
+mod configuration_space;
 mod search;
-mod world;
 
-use bound::Bound;
-use search::{Cells, LOOKAHEAD, Limits, look_ahead, search};
-use world::{Goal, World};
+use bound::LowerBound;
+use configuration_space::{ConfigurationSpace, GoalRegion};
+use search::{LOOKAHEAD_STATES, SearchLimits, StateGrid, search, search_lower_bound};
 
 use serde::{Deserialize, Serialize};
 
@@ -36,11 +36,11 @@ use wayfield_scenario::{Enclosure, Scenario, Shape};
 /// world's f32 arithmetic adds up to in some hundred steps.
 pub const MARGIN_M: f64 = 2e-5;
 /// The first search gives up when it has made so many states.
-const MOST_STATES: usize = 4_000_000;
+const MAX_STATES: usize = 4_000_000;
 
 /// A way to the target.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct TimedPath {
     /// Control steps until the target is reached.
     pub steps: u32,
     /// The same as simulated time, in s.
@@ -54,10 +54,10 @@ pub struct Plan {
 
 /// What is known of the least number of control steps: it is `lower_steps` at least and `plan_steps` at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Bounds {
+pub struct StepBounds {
     /// Proven: see [`lower_bound_steps`].
     pub lower_steps: u32,
-    /// What the planner needs; None where it finds no way (see [`least_time`]).
+    /// What the planner needs; None where it finds no way (see [`plan_path`]).
     pub plan_steps: Option<u32>,
 }
 
@@ -69,31 +69,31 @@ pub struct Resolution {
     /// Their extent in heading, in rad.
     pub heading_rad: f64,
     /// How often all sides are halved. Each search has only to beat the one before, so one more is never worse.
-    pub halvings: u32,
+    pub refinements: u32,
     /// A search with halved cells gives up, and what the coarser ones found stands, when it has made so many states
     /// (48 bytes and about 0.3 us each). Only moving obstacles make it need so many. The first search may make
     /// 4,000,000.
-    pub refining_states: usize,
+    pub max_refinement_states: usize,
 }
 
 impl Default for Resolution {
     /// 0.04 m and 0.16 rad, then 0.02 m and 0.08 rad. (From 0.08 m on cells are too coarse: a step of 0.03 m that
     /// ends in its own cell is lost.)
     fn default() -> Self {
-        Self { cell_m: 0.04, heading_rad: 0.16, halvings: 1, refining_states: 100_000 }
+        Self { cell_m: 0.04, heading_rad: 0.16, refinements: 1, max_refinement_states: 100_000 }
     }
 }
 
-/// Whether plans and bounds hold in `scenario` ([`not_modelled`]).
+/// Whether plans and bounds hold in `scenario` ([`unsupported_reason`]).
 #[must_use]
-pub fn is_modelled(scenario: &Scenario) -> bool {
-    not_modelled(scenario).is_none()
+pub fn is_supported(scenario: &Scenario) -> bool {
+    unsupported_reason(scenario).is_none()
 }
 
 /// What of `scenario` the planner doesn't know, in words, if there is something: a lag of the drive, a LIDAR that doesn't
-/// see all around, polygons. (One with generators is planned in with its layout, [`Scenario::furnished`].)
+/// see all around, polygons. (One with generators is planned in with its layout, [`Scenario::with_generated_obstacles`].)
 #[must_use]
-pub fn not_modelled(scenario: &Scenario) -> Option<String> {
+pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
     let Scenario { robot, lidar, .. } = scenario;
     if robot.actuator_lag_s != 0.0 {
         return Some(format!("a lag of the drive: robot.actuator_lag_s is {}", robot.actuator_lag_s));
@@ -108,91 +108,105 @@ pub fn not_modelled(scenario: &Scenario) -> Option<String> {
     polygon.map(|index| format!("polygons: obstacles[{index}] is one"))
 }
 
-/// The shortest plan found from `start` (x in m, y in m, heading in rad) to `target` (in m) when the obstacles are
+/// The shortest plan found from `start` (x in m, y in m, heading in rad) to `goal` (in m) when the obstacles are
 /// where `clock` steps have brought them. At least one step is taken. None when there is no way within the
 /// scenario's time limit, or none at this resolution and within some million states; and when the scenario is not one
-/// that [`is_modelled`].
+/// that [`is_supported`].
 #[must_use]
-pub fn least_time(
+pub fn plan_path(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    target: (f32, f32),
+    goal: (f32, f32),
     clock: u64,
     resolution: Resolution,
-) -> Option<Plan> {
-    if !is_modelled(scenario) {
+) -> Option<TimedPath> {
+    if !is_supported(scenario) {
         return None;
     }
-    shortest(scenario, start, target, clock, resolution, &Bound::new(scenario, start, target))
+    shortest(scenario, start, goal, clock, resolution, &LowerBound::new(scenario, start, goal))
 }
 
-/// [`lower_bound_steps`] and the steps of [`least_time`] in one, sooner than both apart.
+/// [`lower_bound_steps`] and the steps of [`plan_path`] in one, sooner than both apart.
 #[must_use]
-pub fn bounds(
+pub fn step_bounds(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    target: (f32, f32),
+    goal: (f32, f32),
     clock: u64,
     resolution: Resolution,
-) -> Bounds {
-    if !is_modelled(scenario) {
-        return Bounds { lower_steps: 1, plan_steps: None };
+) -> StepBounds {
+    if !is_supported(scenario) {
+        return StepBounds { lower_steps: 1, plan_steps: None };
     }
-    let bound = Bound::new(scenario, start, target);
-    let plan = shortest(scenario, start, target, clock, resolution, &bound);
+    let bound = LowerBound::new(scenario, start, goal);
+    let plan = shortest(scenario, start, goal, clock, resolution, &bound);
     let plan_steps = plan.map(|plan| plan.steps);
     // More than a plan takes can't be proven.
     let enough = plan_steps.unwrap_or(u32::MAX);
-    Bounds { lower_steps: look_ahead(scenario, start, target, clock, &bound, LOOKAHEAD, enough), plan_steps }
+    StepBounds {
+        lower_steps: search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, enough),
+        plan_steps,
+    }
 }
 
-/// [`least_time`] by bounds that are known already.
+/// [`plan_path`] by bounds that are known already.
 fn shortest(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    target: (f32, f32),
+    goal: (f32, f32),
     clock: u64,
     resolution: Resolution,
-    bound: &Bound,
-) -> Option<Plan> {
-    let mut world = World::new(scenario, clock, MARGIN_M);
-    let goal = Goal::new(scenario, target, -MARGIN_M);
-    let least = look_ahead(scenario, start, target, clock, bound, 64, u32::MAX);
+    bound: &LowerBound,
+) -> Option<TimedPath> {
+    let mut world = ConfigurationSpace::new(scenario, clock, MARGIN_M);
+    let goal_region = GoalRegion::new(scenario, goal, -MARGIN_M);
+    let least = search_lower_bound(scenario, start, goal, clock, bound, 64, u32::MAX);
     let mut best = None;
-    let mut fewer_than = scenario.task.time_limit_steps.saturating_add(1);
-    for halving in 0..=resolution.halvings {
+    let mut step_limit = scenario.task.max_episode_steps.saturating_add(1);
+    for halving in 0..=resolution.refinements {
         let part = 0.5_f64.powi(i32::try_from(halving).unwrap_or(i32::MAX));
-        let mut cells =
-            Cells::new(resolution.cell_m * part, resolution.heading_rad * part, world.anything_moves());
-        let limits = Limits {
-            fewer_than,
-            states: if halving == 0 { MOST_STATES } else { resolution.refining_states },
+        let mut cells = StateGrid::new(
+            resolution.cell_m * part,
+            resolution.heading_rad * part,
+            world.has_moving_obstacles(),
+        );
+        let limits = SearchLimits {
+            step_limit,
+            states: if halving == 0 { MAX_STATES } else { resolution.max_refinement_states },
         };
-        if let Some(actions) = search(&mut world, bound, &goal, start, &mut cells, &limits) {
-            fewer_than = actions.len() as u32;
+        if let Some(actions) = search(&mut world, bound, &goal_region, start, &mut cells, &limits) {
+            step_limit = actions.len() as u32;
             best = Some(actions);
         }
-        if fewer_than <= least {
+        if step_limit <= least {
             break;
         }
     }
     best.map(|actions| {
         let steps = actions.len() as u32;
         let time_s = (f64::from(steps) * f64::from(scenario.task.control_period_s)) as f32;
-        let poses = world.drive(start, &actions).map(|state| state.pose()).collect();
-        Plan { steps, time_s, actions, poses }
+        let poses = world.rollout(start, &actions).map(|state| state.pose()).collect();
+        TimedPath { steps, time_s, actions, poses }
     })
 }
 
 /// A number of steps that no plan undercuts, whatever the resolution: proven in docs/optimum.md, by the
 /// geodesic and the turning bound after every sequence of the first few motions. `u32::MAX` where there is no way. In a
-/// scenario that is not one that [`is_modelled`] all that is known is that it takes a step: 1.
+/// scenario that is not one that [`is_supported`] all that is known is that it takes a step: 1.
 #[must_use]
-pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), target: (f32, f32), clock: u64) -> u32 {
-    if !is_modelled(scenario) {
+pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: (f32, f32), clock: u64) -> u32 {
+    if !is_supported(scenario) {
         return 1;
     }
-    look_ahead(scenario, start, target, clock, &Bound::new(scenario, start, target), LOOKAHEAD, u32::MAX)
+    search_lower_bound(
+        scenario,
+        start,
+        goal,
+        clock,
+        &LowerBound::new(scenario, start, goal),
+        LOOKAHEAD_STATES,
+        u32::MAX,
+    )
 }
 
 #[cfg(test)]

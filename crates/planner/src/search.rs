@@ -8,12 +8,12 @@ use std::f64::consts::TAU;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use super::MARGIN_M;
-use super::bound::{Bound, whole};
-use super::world::{Goal, State, World};
+use super::bound::{LowerBound, ceil_steps};
+use super::configuration_space::{ConfigurationSpace, GoalRegion, State};
 use wayfield_scenario::Scenario;
 
 /// So many states are looked at, without merging any, for the lower bound.
-pub(super) const LOOKAHEAD: usize = 5_000;
+pub(super) const LOOKAHEAD_STATES: usize = 5_000;
 /// Parts of a step that the queue tells apart.
 const PARTS: f64 = 64.0;
 
@@ -46,14 +46,14 @@ fn parts(steps: u32, to_go: f64) -> u32 {
 }
 
 /// The grid that merges states: each cell knows the best bound on a whole way through it.
-pub(super) struct Cells {
+pub(super) struct StateGrid {
     pub(super) per_metre: f64,
     pub(super) per_radian: f64,
     pub(super) by_step: bool,
     best: HashMap<(i32, i32, i32, u32), u32, BuildHasherDefault<CellHasher>>,
 }
 
-impl Cells {
+impl StateGrid {
     pub(super) fn new(cell_m: f64, heading_rad: f64, by_step: bool) -> Self {
         let (per_metre, per_radian) = (1.0 / cell_m.max(1e-6), 1.0 / heading_rad.max(1e-6));
         Self { per_metre, per_radian, by_step, best: HashMap::default() }
@@ -109,30 +109,30 @@ impl Hasher for CellHasher {
 }
 
 /// What a search may not exceed.
-pub(super) struct Limits {
+pub(super) struct SearchLimits {
     /// Only plans with fewer steps are of use.
-    pub(super) fewer_than: u32,
+    pub(super) step_limit: u32,
     /// How many states may be made, about.
     pub(super) states: usize,
 }
 
 /// The actions of the best plan within `limits` that leads through `cells`, if any.
 pub(super) fn search(
-    world: &mut World<'_>,
-    bound: &Bound,
-    goal: &Goal,
+    world: &mut ConfigurationSpace<'_>,
+    bound: &LowerBound,
+    goal_region: &GoalRegion,
     start: (f32, f32, f32),
-    cells: &mut Cells,
-    limits: &Limits,
+    cells: &mut StateGrid,
+    limits: &SearchLimits,
 ) -> Option<Vec<u8>> {
-    let mut fewer_than = limits.fewer_than;
+    let mut step_limit = limits.step_limit;
     let mut nodes = vec![Node { state: State::new(start), steps: 0, parent: 0, action: 0 }];
     let mut queue = Queue::default();
     queue.push(0, 0);
     let mut reached = None;
     while let Some((parts_here, index)) = queue.pop() {
         let Node { state, steps, .. } = nodes[index];
-        if whole(f64::from(parts_here) / PARTS) >= fewer_than || nodes.len() > limits.states {
+        if ceil_steps(f64::from(parts_here) / PARTS) >= step_limit || nodes.len() > limits.states {
             break;
         }
         if index > 0 && cells.is_stale(&state, steps, parts_here) {
@@ -141,22 +141,22 @@ pub(super) fn search(
         let steps = steps + 1;
         world.prepare(steps);
         let facing = libm::sincos(state.heading);
-        for (action, step) in world.moves.iter().enumerate() {
+        for (action, step) in world.motion_primitives.iter().enumerate() {
             let state = state.after(step, facing);
             if !world.is_clear(state.x, state.y, steps) {
                 continue;
             }
             let node = Node { state, steps, parent: index as u32, action: action as u8 };
-            if goal.holds(state.x, state.y) {
-                if steps < fewer_than {
-                    fewer_than = steps;
+            if goal_region.contains(state.x, state.y) {
+                if steps < step_limit {
+                    step_limit = steps;
                     reached = Some(nodes.len());
                     nodes.push(node);
                 }
                 continue;
             }
             let to_go = bound.steps(&state);
-            if steps.saturating_add(whole(to_go)) < fewer_than
+            if steps.saturating_add(ceil_steps(to_go)) < step_limit
                 && cells.admit(&state, steps, parts(steps, to_go))
             {
                 queue.push(parts(steps, to_go), nodes.len());
@@ -165,7 +165,7 @@ pub(super) fn search(
         }
     }
     let mut at = reached?;
-    let mut actions = vec![0; fewer_than as usize];
+    let mut actions = vec![0; step_limit as usize];
     while at > 0 {
         actions[nodes[at].steps as usize - 1] = nodes[at].action;
         at = nodes[at].parent as usize;
@@ -176,37 +176,38 @@ pub(super) fn search(
 /// The least bound, in whole steps, over the ends of every sequence of motions that is looked at, `states` in all:
 /// the most hopeful are gone on from first, and none is left out. The greatest that this has been on the way holds,
 /// and `enough` steps are as many as are asked for.
-pub(super) fn look_ahead(
+pub(super) fn search_lower_bound(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    target: (f32, f32),
+    goal: (f32, f32),
     clock: u64,
-    bound: &Bound,
+    bound: &LowerBound,
     states: usize,
     enough: u32,
 ) -> u32 {
-    let mut world = World::new(scenario, clock, -MARGIN_M);
-    let goal = Goal::new(scenario, target, MARGIN_M);
+    let mut world = ConfigurationSpace::new(scenario, clock, -MARGIN_M);
+    let goal_region = GoalRegion::new(scenario, goal, MARGIN_M);
     let mut nodes = vec![(State::new(start), 0)];
     let mut queue = Queue::default();
     queue.push(0, 0);
     let mut proven = 1;
     while let Some((parts_here, index)) = queue.pop() {
         let (state, steps) = nodes[index];
-        proven = proven.max(whole(f64::from(parts_here) / PARTS));
+        proven = proven.max(ceil_steps(f64::from(parts_here) / PARTS));
         // A target that has been reached is queued with just its steps.
-        if nodes.len() >= states || proven >= enough || (index > 0 && goal.holds(state.x, state.y)) {
+        if nodes.len() >= states || proven >= enough || (index > 0 && goal_region.contains(state.x, state.y))
+        {
             return proven;
         }
         let steps = steps + 1;
         world.prepare(steps);
         let facing = libm::sincos(state.heading);
-        for step in &world.moves {
+        for step in &world.motion_primitives {
             let state = state.after(step, facing);
             if !world.is_clear(state.x, state.y, steps) {
                 continue;
             }
-            let reached = goal.holds(state.x, state.y);
+            let reached = goal_region.contains(state.x, state.y);
             let to_go = if reached { 0.0 } else { bound.steps(&state).max(1.0) };
             if to_go.is_finite() {
                 queue.push(parts(steps, to_go), nodes.len());

@@ -2,11 +2,11 @@
 
 use proptest::prelude::*;
 
-use super::world::State;
+use super::configuration_space::State;
 use super::*;
-use wayfield_random::{between, stream};
+use wayfield_random::{stream, uniform};
 use wayfield_scenario::{Obstacle, ObstacleMotion, Shape};
-use wayfield_scenario::{clearance, draw_start, draw_target};
+use wayfield_scenario::{clearance, draw_goal, draw_start};
 
 fn circle(position_m: (f32, f32), radius_m: f32, motion: ObstacleMotion) -> Obstacle {
     Obstacle { shape: Shape::Circle { radius_m }, position_m, rotation_rad: 0.0, motion }
@@ -14,13 +14,13 @@ fn circle(position_m: (f32, f32), radius_m: f32, motion: ObstacleMotion) -> Obst
 
 fn slab(position_m: (f32, f32), width_m: f32, height_m: f32) -> Obstacle {
     let shape = Shape::Rectangle { width_m, height_m };
-    Obstacle { shape, position_m, rotation_rad: 0.0, motion: ObstacleMotion::Still }
+    Obstacle { shape, position_m, rotation_rad: 0.0, motion: ObstacleMotion::Static }
 }
 
 /// The paper's four cylinders, revolving at `speed_rad_s`.
 fn cylinders(speed_rad_s: f32) -> Scenario {
     let motion = if speed_rad_s == 0.0 {
-        ObstacleMotion::Still
+        ObstacleMotion::Static
     } else {
         ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s }
     };
@@ -37,15 +37,15 @@ fn maze() -> Scenario {
     scenario
 }
 
-fn straight(scenario: &Scenario, to: (f32, f32)) -> Option<Plan> {
-    least_time(scenario, (0.0, 0.0, 0.0), to, 0, Resolution::default())
+fn straight(scenario: &Scenario, to: (f32, f32)) -> Option<TimedPath> {
+    plan_path(scenario, (0.0, 0.0, 0.0), to, 0, Resolution::default())
 }
 
 /// Drives the plan as the world does, in f32: the collision-free step at which it arrives, if it does.
 fn replay(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    target: (f32, f32),
+    goal: (f32, f32),
     clock: u64,
     actions: &[u8],
 ) -> Result<u32, String> {
@@ -63,7 +63,7 @@ fn replay(
         if room < scenario.task.collision_range_m {
             return Err(format!("only {room} m clear after step {steps}"));
         }
-        if libm::hypotf(target.0 - x, target.1 - y) < scenario.task.goal_radius_m {
+        if libm::hypotf(goal.0 - x, goal.1 - y) < scenario.task.goal_radius_m {
             return Ok(steps as u32);
         }
     }
@@ -79,13 +79,13 @@ fn straight_ahead_it_just_drives() {
 }
 
 #[test]
-fn of_a_drive_that_lags_nothing_is_said() {
+fn a_lagging_actuator_is_unsupported() {
     // From rest the robot of the test above is 0.15 m/s x 0.3 s = 0.045 m behind: it needs 35 steps.
     let mut scenario = Scenario::default();
     scenario.robot.actuator_lag_s = 0.3;
     assert_eq!(straight(&scenario, (1.2, 0.0)), None, "a plan of 34 steps would be a lie");
     assert_eq!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), (1.2, 0.0), 0), 1);
-    assert!(!is_modelled(&scenario) && is_modelled(&Scenario::default()));
+    assert!(!is_supported(&scenario) && is_supported(&Scenario::default()));
 }
 
 #[test]
@@ -95,15 +95,15 @@ fn straight_drives_take_the_way_over_the_stride() {
         // From 0.315 m: (d - 0.2) m over 0.03 m is never near a whole number.
         let (d, heading) = (0.115 + 0.2 * f32::from(k), 0.4 * f32::from(k));
         let start = (-0.5 * d * heading.cos(), -0.5 * d * heading.sin(), heading);
-        let target = (-start.0, -start.1);
+        let goal = (-start.0, -start.1);
         let steps = ((f64::from(d) - 0.2) / 0.03).ceil() as u32;
-        let bounds = bounds(&scenario, start, target, 0, Resolution::default());
-        assert_eq!(bounds, Bounds { lower_steps: steps, plan_steps: Some(steps) }, "{d} m");
+        let bounds = step_bounds(&scenario, start, goal, 0, Resolution::default());
+        assert_eq!(bounds, StepBounds { lower_steps: steps, plan_steps: Some(steps) }, "{d} m");
     }
 }
 
 #[test]
-fn a_target_behind_costs_the_turn() {
+fn a_goal_behind_costs_the_turn() {
     // The turning circle's middle is 1 m ahead of the target and 0.1 m aside, so the tangent is 1 m long; the
     // turn is pi + 2 atan(0.1) = 3.3409 rad on a radius of 0.1 m. (0.33409 + 1 - 0.2) m / 0.03 m = 37.8.
     let start = (0.0, 0.0, 0.0);
@@ -112,20 +112,21 @@ fn a_target_behind_costs_the_turn() {
 }
 
 #[test]
-fn on_the_target_it_still_takes_one_step() {
+fn on_the_goal_it_still_takes_one_step() {
     assert_eq!(straight(&Scenario::default(), (0.05, 0.0)).map(|plan| plan.steps), Some(1));
     assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), (0.05, 0.0), 0), 1);
 }
 
 #[test]
-fn the_papers_course_takes_54_steps_and_53_are_proven_too_few() {
-    let (scenario, start, target) = (cylinders(0.0), (0.0, 0.0, 0.0), (1.2, 1.2));
-    assert_eq!(lower_bound_steps(&scenario, start, target, 0), 54);
+fn the_benchmark_route_takes_54_steps_and_53_are_proven_too_few() {
+    let (scenario, start, goal) = (cylinders(0.0), (0.0, 0.0, 0.0), (1.2, 1.2));
+    assert_eq!(lower_bound_steps(&scenario, start, goal, 0), 54);
     for cell_m in [0.04, 0.02, 0.01, 0.005] {
-        let resolution = Resolution { cell_m, heading_rad: 4.0 * cell_m, halvings: 0, ..Default::default() };
-        let plan = least_time(&scenario, start, target, 0, resolution).expect("there is a way");
+        let resolution =
+            Resolution { cell_m, heading_rad: 4.0 * cell_m, refinements: 0, ..Default::default() };
+        let plan = plan_path(&scenario, start, goal, 0, resolution).expect("there is a way");
         assert_eq!(plan.steps, 54, "with cells of {cell_m} m");
-        assert_eq!(replay(&scenario, start, target, 0, &plan.actions), Ok(54));
+        assert_eq!(replay(&scenario, start, goal, 0, &plan.actions), Ok(54));
     }
 }
 
@@ -137,9 +138,9 @@ fn the_way_round_a_slab_is_the_one_worked_by_hand() {
     // from the top. In all 2 (1.11606 + 0.13 * 0.67932) + 0.1 - 0.2 = 2.30874 m, 76.96 steps: 77 at least, and
     // the start's heading is along the tangent.
     let scenario = Scenario { obstacles: vec![slab((0.0, -0.7), 0.1, 2.6)], ..Scenario::default() };
-    let (start, target) = ((-1.0, 0.0, 0.67932), (1.0, 0.0));
-    let plan = least_time(&scenario, start, target, 0, Resolution::default()).expect("there is a way");
-    assert!((76..=77).contains(&lower_bound_steps(&scenario, start, target, 0)));
+    let (start, goal) = ((-1.0, 0.0, 0.67932), (1.0, 0.0));
+    let plan = plan_path(&scenario, start, goal, 0, Resolution::default()).expect("there is a way");
+    assert!((76..=77).contains(&lower_bound_steps(&scenario, start, goal, 0)));
     assert!((77..=78).contains(&plan.steps), "{} steps", plan.steps);
 }
 
@@ -149,9 +150,9 @@ fn no_way_is_none() {
     assert_eq!(straight(&walled, (1.5, 0.0)), None);
     assert_eq!(lower_bound_steps(&walled, (0.0, 0.0, 0.0), (1.5, 0.0), 0), u32::MAX);
     let mut hasty = Scenario::default();
-    hasty.task.time_limit_steps = 33;
+    hasty.task.max_episode_steps = 33;
     assert_eq!(straight(&hasty, (1.2, 0.0)), None, "34 steps are beyond the time limit");
-    hasty.task.time_limit_steps = 34;
+    hasty.task.max_episode_steps = 34;
     assert!(straight(&hasty, (1.2, 0.0)).is_some());
 }
 
@@ -163,7 +164,7 @@ fn moving_obstacles_are_met_where_the_clock_puts_them() {
     let scenario = Scenario { obstacles: vec![circle((0.6, 0.6), 0.15, motion)], ..Scenario::default() };
     let go = |clock| {
         let start = (0.0, 0.0, 0.0);
-        let plan = least_time(&scenario, start, (1.2, 0.0), clock, Resolution::default()).expect("a way");
+        let plan = plan_path(&scenario, start, (1.2, 0.0), clock, Resolution::default()).expect("a way");
         assert_eq!(replay(&scenario, start, (1.2, 0.0), clock, &plan.actions), Ok(plan.steps));
         assert!(lower_bound_steps(&scenario, start, (1.2, 0.0), clock) <= plan.steps);
         plan.steps
@@ -189,16 +190,16 @@ fn driving_backward_standing_still_and_turning_on_the_spot_are_motions_too() {
 }
 
 #[test]
-fn random_navigations_are_within_a_percent_of_the_proven_bound() {
+fn random_episodes_are_within_a_percent_of_the_proven_bound() {
     let scenario = cylinders(0.0);
     let mut draws = stream(1, "optimum", 0);
     let (mut steps, mut least) = (0, 0);
     for _ in 0..100 {
         let start = draw_start(&scenario, 0, &mut draws).expect("room");
-        let target = draw_target(&scenario, 0, (start.0, start.1), &mut draws).expect("room");
-        let plan = least_time(&scenario, start, target, 0, Resolution::default()).expect("a way");
+        let goal = draw_goal(&scenario, 0, (start.0, start.1), &mut draws).expect("room");
+        let plan = plan_path(&scenario, start, goal, 0, Resolution::default()).expect("a way");
         steps += plan.steps;
-        least += lower_bound_steps(&scenario, start, target, 0);
+        least += lower_bound_steps(&scenario, start, goal, 0);
     }
     assert!(least <= steps && f64::from(steps) < 1.01 * f64::from(least), "{steps} to {least}");
 }
@@ -209,19 +210,20 @@ fn a_search_that_knows_only_the_straight_line_finds_nothing_below_the_bounds() {
     for scenario in [Scenario::default(), cylinders(0.0), maze()] {
         for _ in 0..12 {
             let start = draw_start(&scenario, 0, &mut draws).expect("room");
-            let target = draw_target(&scenario, 0, (start.0, start.1), &mut draws).expect("room");
-            let bound = Bound::new(&scenario, start, target);
-            let mut blind = Bound::new(&scenario, start, target);
+            let goal = draw_goal(&scenario, 0, (start.0, start.1), &mut draws).expect("room");
+            let bound = LowerBound::new(&scenario, start, goal);
+            let mut blind = LowerBound::new(&scenario, start, goal);
             blind.turning_radius = None;
-            (blind.geodesic.screens, blind.geodesic.corners) = (Vec::new(), Vec::new());
-            let mut world = World::new(&scenario, 0, 0.0);
-            let goal = Goal::new(&scenario, target, 0.0);
-            let limits = Limits { fewer_than: 500, states: MOST_STATES };
-            let mut cells = Cells::new(0.03, 0.16, false);
-            let plan = search(&mut world, &blind, &goal, start, &mut cells, &limits).expect("a way");
+            (blind.geodesic.occluders, blind.geodesic.corners) = (Vec::new(), Vec::new());
+            let mut world = ConfigurationSpace::new(&scenario, 0, 0.0);
+            let goal_region = GoalRegion::new(&scenario, goal, 0.0);
+            let limits = SearchLimits { step_limit: 500, states: MAX_STATES };
+            let mut cells = StateGrid::new(0.03, 0.16, false);
+            let plan = search(&mut world, &blind, &goal_region, start, &mut cells, &limits).expect("a way");
             let mut state = State::new(start);
             for (steps, &action) in (1..).zip(&plan[..plan.len() - 1]) {
-                state = state.after(&world.moves[usize::from(action)], libm::sincos(state.heading));
+                state =
+                    state.after(&world.motion_primitives[usize::from(action)], libm::sincos(state.heading));
                 let (to_go, left) = (bound.steps(&state), plan.len() - steps);
                 assert!(to_go <= left as f64, "{left} steps were enough, not {to_go}");
             }
@@ -241,23 +243,23 @@ proptest! {
         let scenario = &[Scenario::default(), cylinders(0.0), cylinders(0.15), maze()][world];
         let mut draws = stream(seed, "optimum", 0);
         let start = draw_start(scenario, clock, &mut draws).expect("room");
-        let target = draw_target(scenario, clock, (start.0, start.1), &mut draws).expect("room");
-        let coarse = Resolution { halvings: 0, ..Resolution::default() };
-        let first = least_time(scenario, start, target, clock, coarse).expect("a way");
-        let plan = least_time(scenario, start, target, clock, Resolution::default()).expect("a way");
+        let goal = draw_goal(scenario, clock, (start.0, start.1), &mut draws).expect("room");
+        let coarse = Resolution { refinements: 0, ..Resolution::default() };
+        let first = plan_path(scenario, start, goal, clock, coarse).expect("a way");
+        let plan = plan_path(scenario, start, goal, clock, Resolution::default()).expect("a way");
         prop_assert_eq!(plan.steps as usize, plan.actions.len());
-        prop_assert_eq!(replay(scenario, start, target, clock, &plan.actions), Ok(plan.steps));
+        prop_assert_eq!(replay(scenario, start, goal, clock, &plan.actions), Ok(plan.steps));
         prop_assert!(plan.steps <= first.steps, "a finer search is never worse");
-        let lower_steps = lower_bound_steps(scenario, start, target, clock);
+        let lower_steps = lower_bound_steps(scenario, start, goal, clock);
         prop_assert!(lower_steps <= plan.steps);
-        let both = bounds(scenario, start, target, clock, Resolution::default());
-        prop_assert_eq!(both, Bounds { lower_steps, plan_steps: Some(plan.steps) });
+        let both = step_bounds(scenario, start, goal, clock, Resolution::default());
+        prop_assert_eq!(both, StepBounds { lower_steps, plan_steps: Some(plan.steps) });
         prop_assert_eq!(plan.poses.len(), plan.actions.len() + 1);
         prop_assert_eq!((plan.poses[0].0, plan.poses[0].1), (start.0, start.1));
         for (step, &(x, y, heading)) in (0..).zip(&plan.poses).skip(1) {
             prop_assert!(clearance(scenario, (x, y), clock + step) >= scenario.task.collision_range_m);
             prop_assert!(heading.abs() <= std::f32::consts::PI);
-            let arrived = libm::hypotf(target.0 - x, target.1 - y) < scenario.task.goal_radius_m;
+            let arrived = libm::hypotf(goal.0 - x, goal.1 - y) < scenario.task.goal_radius_m;
             prop_assert_eq!(arrived, step == u64::from(plan.steps));
         }
     }
@@ -268,10 +270,10 @@ proptest! {
         let scenario = &[Scenario::default(), cylinders(0.0), maze()][world];
         let mut draws = stream(seed, "drive", 0);
         let start = draw_start(scenario, 0, &mut draws).expect("room");
-        let free = World::new(scenario, 0, 0.0);
+        let free = ConfigurationSpace::new(scenario, 0, 0.0);
         let mut way = vec![State::new(start)];
         for _ in 0..turns {
-            let step = &free.moves[wayfield_random::below(&mut draws, free.moves.len())];
+            let step = &free.motion_primitives[wayfield_random::uniform_index(&mut draws, free.motion_primitives.len())];
             for _ in 0..held {
                 let last = way[way.len() - 1];
                 let next = last.after(step, libm::sincos(last.heading));
@@ -282,17 +284,17 @@ proptest! {
             }
         }
         let end = way[way.len() - 1];
-        let radius = 0.199 * between(&mut draws, 0.0, 1.0);
-        let angle = between(&mut draws, 0.0, std::f32::consts::TAU);
-        let target = (end.x as f32 + radius * angle.cos(), end.y as f32 + radius * angle.sin());
-        let bound = Bound::new(scenario, start, target);
+        let radius = 0.199 * uniform(&mut draws, 0.0, 1.0);
+        let angle = uniform(&mut draws, 0.0, std::f32::consts::TAU);
+        let goal = (end.x as f32 + radius * angle.cos(), end.y as f32 + radius * angle.sin());
+        let bound = LowerBound::new(scenario, start, goal);
         for (before, state) in way.iter().enumerate() {
             let to_go = bound.steps(state);
             let taken = (way.len() - 1 - before) as f64;
             prop_assert!(to_go <= taken + 1e-9, "{taken} steps from ({}, {}), not {to_go}", state.x, state.y);
         }
         if way.len() > 1 {
-            prop_assert!(lower_bound_steps(scenario, start, target, 0) < way.len() as u32);
+            prop_assert!(lower_bound_steps(scenario, start, goal, 0) < way.len() as u32);
         }
     }
 }

@@ -29,36 +29,36 @@ pub fn stream(seed: u64, name: &str, index: u64) -> Stream {
 /// Whether `stream`, read from a file, can be one of [`stream`]'s: its state is odd, as that of every such generator is.
 /// (From an even one it would soon give the same number for ever.)
 #[must_use]
-pub fn is_sound(stream: &Stream) -> bool {
+pub fn is_valid(stream: &Stream) -> bool {
     // Its state is all that is written of it, least significant bits first.
     postcard::to_allocvec(stream).is_ok_and(|state| state.first().is_some_and(|low| low & 1 == 1))
 }
 
 /// A draw from [0, 1), in steps of 2^-24.
-pub fn unit(stream: &mut Stream) -> f32 {
+pub fn uniform_01(stream: &mut Stream) -> f32 {
     (stream.next_u32() >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
 /// A draw from [low, high), evenly.
-pub fn between(stream: &mut Stream, low: f32, high: f32) -> f32 {
-    low + (high - low) * unit(stream)
+pub fn uniform(stream: &mut Stream, low: f32, high: f32) -> f32 {
+    low + (high - low) * uniform_01(stream)
 }
 
 /// A draw from 0, 1, ..., `count` - 1, evenly. `count` must not be 0.
-pub fn below(stream: &mut Stream, count: usize) -> usize {
+pub fn uniform_index(stream: &mut Stream, count: usize) -> usize {
     stream.random_range(0..count as u64) as usize
 }
 
 /// A draw from all numbers of 64 bits.
-pub fn word(stream: &mut Stream) -> u64 {
+pub fn random_u64(stream: &mut Stream) -> u64 {
     stream.next_u64()
 }
 
 /// A draw from the normal distribution with mean 0 and standard deviation 1 (Box and Muller's method, by
 /// `libm`, so that the bits do not depend on the platform's own logarithm).
 pub fn normal(stream: &mut Stream) -> f32 {
-    let radius = libm::sqrtf(-2.0 * libm::logf(1.0 - unit(stream)));
-    radius * libm::cosf(core::f32::consts::TAU * unit(stream))
+    let radius = libm::sqrtf(-2.0 * libm::logf(1.0 - uniform_01(stream)));
+    radius * libm::cosf(core::f32::consts::TAU * uniform_01(stream))
 }
 
 /// SplitMix64's finalizer: every bit of `x` reaches every bit of the result.
@@ -95,14 +95,14 @@ mod tests {
     fn a_stream_with_an_even_state_is_none_of_ours() {
         for index in 0..100 {
             let mut sound = stream(1, "noise", index);
-            assert!(is_sound(&sound), "at its start");
+            assert!(is_valid(&sound), "at its start");
             sound.next_u64();
-            assert!(is_sound(&sound), "and later");
+            assert!(is_valid(&sound), "and later");
         }
         for even in [0_u128, 2, 1 << 127, u128::MAX - 1] {
             let bytes = postcard::to_allocvec(&even).expect("a number serializes");
             let stream: Stream = postcard::from_bytes(&bytes).expect("and is read as a state");
-            assert!(!is_sound(&stream), "{even}");
+            assert!(!is_valid(&stream), "{even}");
         }
     }
 
@@ -115,7 +115,7 @@ mod tests {
             let x = f64::from(normal(&mut s));
             sum += x;
             squares += x * x;
-            let u = unit(&mut s);
+            let u = uniform_01(&mut s);
             assert!((0.0..1.0).contains(&u));
             units += f64::from(u);
         }
@@ -123,6 +123,6 @@ mod tests {
         assert!((sum / n).abs() < 0.01, "normal draws have mean 0");
         assert!((squares / n - 1.0).abs() < 0.02, "and variance 1");
         assert!((units / n - 0.5).abs() < 0.005, "uniform draws have mean 1/2");
-        assert!((0..1000).all(|_| below(&mut s, 5) < 5));
+        assert!((0..1000).all(|_| uniform_index(&mut s, 5) < 5));
     }
 }

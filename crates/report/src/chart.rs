@@ -1,27 +1,27 @@
 //! The figures of a comparison, one look for all of them.
 //!
-//! In: plain numbers, already averaged: [`Curves`] over episodes, [`Dots`] for single values by row, [`Map`] for
+//! In: plain numbers, already averaged: [`LearningCurves`] over episodes, [`DotPlot`] for single values by row, [`ScenarioMap`] for
 //! a world and the ways through it. Out: each as the text of an SVG file. A value that is no finite number is left
 //! out, and a figure without any says "nothing yet". No figure needs colour to be read.
 
 use plotters::style::text_anchor::HPos;
 
-use super::style::{Area, Drawn, SOFT_INK, TEXT, write};
+use super::style::{Area, DrawResult, SOFT_INK, TEXT, write};
 
-mod curves;
-mod dots;
+mod dot_plot;
+mod learning_curves;
 mod map;
 
-pub use curves::{Curves, Level, Line, Panel, Point, XMark};
-pub use dots::{DotCell, DotColumn, Dots};
-pub use map::{Map, Outline, Path, Solid, SolidKind, Track};
+pub use dot_plot::{DotCell, DotColumn, DotPlot};
+pub use learning_curves::{BandPoint, ChartPanel, CurveLine, EventMarker, LearningCurves, ReferenceLine};
+pub use map::{MapObstacle, MapObstacleKind, MapTrajectory, ScenarioMap, Silhouette, Track};
 
 // Sizes in drawn pixels. A figure is narrow enough for its type to be legible 12 cm wide on paper.
 const WIDTH: i32 = 1280;
 const LEFT: i32 = 128;
 
 /// Says that there is nothing to be shown, between two lines of the grid.
-fn draw_nothing(root: &Area, (left, right): (i32, i32), (upper, lower): (i32, i32)) -> Drawn {
+fn draw_nothing(root: &Area, (left, right): (i32, i32), (upper, lower): (i32, i32)) -> DrawResult {
     let middle = ((left + right) / 2, (upper + lower) / 2);
     write(root, "nothing yet", middle, TEXT, &SOFT_INK, HPos::Center)
 }
@@ -84,11 +84,11 @@ mod tests {
         }
     }
 
-    fn line(name: &str, colour: usize, episodes: u32) -> Line {
+    fn line(name: &str, colour: usize, episodes: u32) -> CurveLine {
         let height = |i: u32| f64::from(i * 7919 % 101) + f64::from(i) / 10.0 + colour as f64;
         let point =
-            |i| Point { x: f64::from(i), mean: height(i), low: height(i) - 40.0, high: height(i) + 40.0 };
-        Line {
+            |i| BandPoint { x: f64::from(i), mean: height(i), low: height(i) - 40.0, high: height(i) + 40.0 };
+        CurveLine {
             name: name.to_owned(),
             colour,
             points: (1..=episodes).map(point).collect(),
@@ -96,39 +96,43 @@ mod tests {
         }
     }
 
-    fn curves(lines: usize, panels: usize, episodes: u32) -> Curves {
-        let panel = Panel {
+    fn curves(lines: usize, panels: usize, episodes: u32) -> LearningCurves {
+        let panel = ChartPanel {
             heading: "Return per episode".to_owned(),
             y_unit: " %".to_owned(),
             lines: (0..lines).map(|i| line("Double DQN", i, episodes)).collect(),
-            levels: vec![Level { value: 96.0, label: "paper: 96 %".to_owned() }],
-            y_from: Some(0.0),
+            reference_lines: vec![ReferenceLine { value: 96.0, label: "paper: 96 %".to_owned() }],
+            include_y: Some(0.0),
         };
-        Curves {
+        LearningCurves {
             title: "a < b & c".to_owned(),
             x_label: "episodes".to_owned(),
             panels: vec![panel; panels],
-            marks: vec![XMark { x: 1000.0, label: "moving obstacles from here".to_owned() }],
+            marks: vec![EventMarker { x: 1000.0, label: "moving obstacles from here".to_owned() }],
         }
     }
 
     #[test]
     fn curves_stay_in_the_picture_whatever_they_show() {
-        let odd = |mean| Point { x: 1.0, mean, low: f64::NAN, high: f64::INFINITY };
+        let odd = |mean| BandPoint { x: 1.0, mean, low: f64::NAN, high: f64::INFINITY };
         let mut strange = curves(1, 1, 1);
         strange.panels[0].lines[0].points = vec![odd(f64::NAN), odd(1e300), odd(-9e11), odd(9e11), odd(2.0)];
         strange.panels[0].lines[0].raw = vec![(f64::NAN, 1.0), (3.0, f64::INFINITY)];
-        strange.panels[0].levels[0].value = f64::NAN;
-        strange.marks.push(XMark { x: f64::INFINITY, label: "never".to_owned() });
+        strange.panels[0].reference_lines[0].value = f64::NAN;
+        strange.marks.push(EventMarker { x: f64::INFINITY, label: "never".to_owned() });
         let mut long = curves(3, 1, 9);
         long.title = "a title that goes on and on ".repeat(8);
         long.panels[0].lines[0].name = "a name that goes on and on ".repeat(8);
         for mark in ["at 2", "soon after, in very many words that do not fit"] {
-            long.marks.push(XMark { x: 2.0 + 400.0 * (mark.len() > 9) as u8 as f64, label: mark.to_owned() });
+            long.marks
+                .push(EventMarker { x: 2.0 + 400.0 * (mark.len() > 9) as u8 as f64, label: mark.to_owned() });
         }
         let cases = [
-            ("none", Curves::default()),
-            ("an empty panel", Curves { panels: vec![Panel::default()], ..Curves::default() }),
+            ("none", LearningCurves::default()),
+            (
+                "an empty panel",
+                LearningCurves { panels: vec![ChartPanel::default()], ..LearningCurves::default() },
+            ),
             ("one episode", curves(1, 1, 1)),
             ("four lines", curves(4, 3, 1500)),
             ("strange", strange),
@@ -139,7 +143,7 @@ mod tests {
             check(name, &svg);
             assert_eq!(svg, figure.svg().expect("is drawn"), "{name}");
         }
-        assert!(Curves::default().svg().expect("is drawn").contains("nothing yet"));
+        assert!(LearningCurves::default().svg().expect("is drawn").contains("nothing yet"));
         assert!(curves(1, 1, 3).svg().expect("is drawn").contains("a &lt; b &amp; c"));
     }
 
@@ -153,17 +157,17 @@ mod tests {
     fn dots_stay_in_the_picture_whatever_they_show() {
         let cell = |values: &[f64]| DotCell {
             values: values.to_vec(),
-            estimate: Estimate::of(values),
+            estimate: Estimate::from_values(values),
             paper: Some(96.0),
             censored: true,
         };
         let column = |cells: &[DotCell]| DotColumn {
-            heading: "Mean time to the target".to_owned(),
+            heading: "Mean time to the goal".to_owned(),
             unit: "thousand env steps".to_owned(),
             limits: Some((0.0, 1e6)),
             cells: cells.to_vec(),
         };
-        let figure = |columns: &[DotColumn]| Dots {
+        let figure = |columns: &[DotColumn]| DotPlot {
             title: "a < b & c".to_owned(),
             rows: ["PER-D3QN", "", "a name that goes on and on and on and on"].map(str::to_owned).to_vec(),
             columns: columns.to_vec(),
@@ -171,7 +175,7 @@ mod tests {
         let plain = column(&[cell(&[90.0, 95.0, 99.0]), DotCell::default(), cell(&[1.0])]);
         let wide = column(&[cell(&[0.0, 1_234_567.0]), cell(&[f64::NAN, 9e11])]);
         let cases = [
-            ("none", Dots::default()),
+            ("none", DotPlot::default()),
             ("no column", figure(&[])),
             ("empty", figure(&[column(&[])])),
             ("plain", figure(&[plain.clone(), plain.clone()])),
@@ -188,20 +192,20 @@ mod tests {
 
     #[test]
     fn maps_stay_in_the_picture_whatever_they_show() {
-        let solid = |kind, outline| Solid { kind, outline };
-        let disc = |x, y, radius| solid(SolidKind::Moving(0.3), Outline::Disc(x, y, radius));
+        let solid = |kind, outline| MapObstacle { kind, outline };
+        let disc = |x, y, radius| solid(MapObstacleKind::Moving(0.3), Silhouette::Disc(x, y, radius));
         let beyond = vec![(1.0, 1.0), (9.0, 1.0), (9.0, 2.0), (1.0, 2.0)];
-        let map = Map {
+        let map = ScenarioMap {
             title: "a < b & c".to_owned(),
             enclosure: vec![(-2.5, -2.5), (2.5, -2.5), (2.5, 2.5), (-2.5, 2.5)],
-            solids: vec![
+            obstacles: vec![
                 disc(0.0, 0.0, 0.5),
                 disc(2.4, 2.4, 1.0),
                 disc(f64::NAN, 0.0, 1.0),
                 disc(0.0, 0.0, 1e300),
-                solid(SolidKind::Wall, Outline::Polygon(beyond.clone())),
-                solid(SolidKind::Redrawn, Outline::Polygon(Vec::new())),
-                solid(SolidKind::Moving(f64::NAN), Outline::Polygon(beyond.clone())),
+                solid(MapObstacleKind::Wall, Silhouette::Polygon(beyond.clone())),
+                solid(MapObstacleKind::Generated, Silhouette::Polygon(Vec::new())),
+                solid(MapObstacleKind::Moving(f64::NAN), Silhouette::Polygon(beyond.clone())),
             ],
             tracks: vec![
                 Track::Lines(beyond),
@@ -210,8 +214,8 @@ mod tests {
                 Track::Ring(0.0, 0.0, f64::NAN),
             ],
             start: (-2.0, -2.0, 0.8),
-            target: (2.0, 2.0, 0.3),
-            paths: vec![Path {
+            goal: (2.0, 2.0, 0.3),
+            trajectories: vec![MapTrajectory {
                 name: "PER-D3QN".to_owned(),
                 colour: 0,
                 points: vec![(-2.0, -2.0), (f64::NAN, 0.0), (70.0, 0.0), (2.0, 2.0)],
@@ -219,27 +223,30 @@ mod tests {
         };
         let within = |x: f64, y: f64| {
             let corners = [(-x, -y), (x, -y), (x, y), (0.0, 0.0), (-x, y)];
-            Map { enclosure: corners.to_vec(), ..map.clone() }
+            ScenarioMap { enclosure: corners.to_vec(), ..map.clone() }
         };
         let cases = [
-            ("none", Map::default()),
+            ("none", ScenarioMap::default()),
             ("not finite", within(f64::INFINITY, 2.5)),
             ("flat", within(2.5, 0.0)),
             ("square", map.clone()),
             ("wide", within(20.0, 2.5)),
             ("tall", within(2.5, 20.0)),
-            ("nowhere", Map { start: (f64::NAN, 0.0, 0.0), target: (0.0, f64::NAN, 1.0), ..map.clone() }),
+            (
+                "nowhere",
+                ScenarioMap { start: (f64::NAN, 0.0, 0.0), goal: (0.0, f64::NAN, 1.0), ..map.clone() },
+            ),
         ];
         for (name, figure) in cases {
-            for draw in [Map::svg, Map::small_svg] {
+            for draw in [ScenarioMap::svg, ScenarioMap::thumbnail_svg] {
                 let svg = draw(&figure).expect("is drawn");
                 check(name, &svg);
                 assert_eq!(svg, draw(&figure).expect("is drawn"), "{name}");
             }
         }
-        let small = map.small_svg().expect("is drawn");
+        let small = map.thumbnail_svg().expect("is drawn");
         assert!(small.contains(r#"width="480" height="360""#) && !small.contains("<text"));
-        assert!(Map::default().svg().expect("is drawn").contains("nothing yet"));
+        assert!(ScenarioMap::default().svg().expect("is drawn").contains("nothing yet"));
         assert!(map.svg().expect("is drawn").contains("a &lt; b &amp; c"));
     }
 }

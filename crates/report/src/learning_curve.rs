@@ -1,7 +1,7 @@
 //! The picture of one run: how the robot's skill grew with its experience.
 //!
 //! In: a point for each episode and each evaluation. Out: an SVG of three panels over one axis of environment
-//! steps: success of the greedy policy, return per episode, targets per episode. Colours are Okabe and Ito's,
+//! steps: success of the greedy policy, return per episode, goals per episode. Colours are Okabe and Ito's,
 //! which colour-blind readers can tell apart; no panel needs colour to be read.
 
 use plotters::coord::types::RangedCoordf64;
@@ -10,8 +10,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
 use super::style::{
-    Area, Axis, BLUE, DrawError, Drawn, GREEN, GRID, HAIRLINE, HEADING, INK, SOFT_INK, STROKE, TEXT, TITLE,
-    VERMILION, picture, thinned, usable, write,
+    Area, Axis, BLUE, DrawError, DrawResult, GREEN, GRID, HAIRLINE, HEADING, INK, SOFT_INK, STROKE, TEXT,
+    TITLE, VERMILION, is_drawable, picture, thinned, write,
 };
 use super::table::number;
 
@@ -22,8 +22,8 @@ pub struct EpisodePoint {
     pub env_steps: u64,
     /// Sum of the episode's rewards, undiscounted.
     pub total_return: f64,
-    /// Targets reached in the episode.
-    pub targets: u32,
+    /// Goals reached in the episode.
+    pub goals: u32,
 }
 
 /// One evaluation of the greedy policy.
@@ -43,7 +43,7 @@ pub struct EvaluationPoint {
 ///
 /// Points may come in any order, and none at all is no error. A value that is no finite number is left out.
 /// Of very many episodes every n-th is drawn as a point; the moving mean is over all of them. The evaluation named as
-/// the best is the latest whose cost is at most `as_good` (1 or more) times the least.
+/// the best is the latest whose cost is at most `cost_tolerance` (1 or more) times the least.
 ///
 /// # Errors
 /// When the drawing library fails; none of the input is known to bring that about.
@@ -51,13 +51,13 @@ pub fn learning_curve_svg(
     title: &str,
     episodes: &[EpisodePoint],
     evaluations: &[EvaluationPoint],
-    as_good: f64,
+    cost_tolerance: f64,
 ) -> Result<String, DrawError> {
     let last = episodes.iter().map(|e| e.env_steps).chain(evaluations.iter().map(|e| e.env_steps)).max();
     let x = thousands(last.unwrap_or(0));
     let success = tidy(evaluations.iter().map(|e| (e.env_steps, e.success_rate.clamp(0.0, 1.0) * 100.0)));
     let returns = tidy(episodes.iter().map(|e| (e.env_steps, e.total_return)));
-    let targets = tidy(episodes.iter().map(|e| (e.env_steps, f64::from(e.targets))));
+    let goals = tidy(episodes.iter().map(|e| (e.env_steps, f64::from(e.goals))));
 
     let panels = [
         Panel {
@@ -65,7 +65,7 @@ pub fn learning_curve_svg(
             colour: GREEN,
             unit: "%",
             y: Axis { range: 0.0..100.0, step: 25.0 },
-            data: Data::Evaluations(success, best(evaluations, as_good)),
+            data: Data::Evaluations(success, best(evaluations, cost_tolerance)),
         },
         Panel {
             heading: "Return per episode",
@@ -75,11 +75,11 @@ pub fn learning_curve_svg(
             data: Data::Episodes(returns),
         },
         Panel {
-            heading: "Targets reached per episode",
+            heading: "Goals reached per episode",
             colour: VERMILION,
             unit: "",
-            y: Axis::around(targets.iter().map(|p| p.1).chain([0.0, 1.0]), 1.0),
-            data: Data::Episodes(targets),
+            y: Axis::around(goals.iter().map(|p| p.1).chain([0.0, 1.0]), 1.0),
+            data: Data::Episodes(goals),
         },
     ];
 
@@ -128,7 +128,7 @@ fn thousands(last: u64) -> Axis {
 
 /// Points in order of their steps, those left out that cannot be drawn.
 fn tidy(points: impl Iterator<Item = (u64, f64)>) -> Curve {
-    let mut points: Vec<_> = points.filter(|p| usable(p.1)).collect();
+    let mut points: Vec<_> = points.filter(|p| is_drawable(p.1)).collect();
     points.sort_by_key(|p| p.0);
     points.into_iter().map(|(steps, value)| (steps as f64 / 1000.0, value)).collect()
 }
@@ -141,22 +141,22 @@ fn moving_mean(curve: &Curve) -> Curve {
         .collect()
 }
 
-/// The best evaluation in words: the latest whose cost is at most `as_good` times the least.
-fn best(evaluations: &[EvaluationPoint], as_good: f64) -> String {
+/// The best evaluation in words: the latest whose cost is at most `cost_tolerance` times the least.
+fn best(evaluations: &[EvaluationPoint], cost_tolerance: f64) -> String {
     let known = || evaluations.iter().filter(|e| e.success_rate.is_finite());
     let least = known().map(|e| e.mean_cost_s).fold(f64::INFINITY, f64::min);
-    let best = known().filter(|e| e.mean_cost_s <= as_good * least).max_by_key(|e| e.env_steps);
+    let best = known().filter(|e| e.mean_cost_s <= cost_tolerance * least).max_by_key(|e| e.env_steps);
     let Some(best) = best else {
         return String::new();
     };
     let steps = number(best.env_steps as f64, 0);
-    let time = best.mean_time_s.map_or(String::new(), |s| format!(", {s:.1} s a target"));
+    let time = best.mean_time_s.map_or(String::new(), |s| format!(", {s:.1} s a goal"));
     // Rounded down: 100% is said only of a policy that never failed.
     let percent = (best.success_rate.clamp(0.0, 1.0) * 1000.0 + 1e-9).floor() / 10.0;
     format!("best: {percent}% at {steps} steps{time}")
 }
 
-fn draw(root: &Area, title: &str, x: &Axis, panels: &[Panel]) -> Drawn {
+fn draw(root: &Area, title: &str, x: &Axis, panels: &[Panel]) -> DrawResult {
     write(root, title, (LEFT, TITLE_HEIGHT / 2 + 8), TITLE, &INK, HPos::Left)?;
     let mut top = TITLE_HEIGHT;
     for panel in panels {
@@ -174,7 +174,7 @@ fn draw(root: &Area, title: &str, x: &Axis, panels: &[Panel]) -> Drawn {
     Ok(())
 }
 
-fn draw_panel(root: &Area, top: i32, x: &Axis, panel: &Panel) -> Drawn {
+fn draw_panel(root: &Area, top: i32, x: &Axis, panel: &Panel) -> DrawResult {
     let (upper, lower, right) = (top + HEADING_HEIGHT, top + PANEL_HEIGHT, WIDTH as i32 - RIGHT);
     let heading = upper - 36;
     write(root, panel.heading, (LEFT, heading), HEADING, &INK, HPos::Left)?;
@@ -235,7 +235,7 @@ fn draw_panel(root: &Area, top: i32, x: &Axis, panel: &Panel) -> Drawn {
 }
 
 /// What points and line stand for, ending at `right` in the heading's row.
-fn draw_key(root: &Area, (right, y): (i32, i32), colour: RGBColor, points_only: bool) -> Drawn {
+fn draw_key(root: &Area, (right, y): (i32, i32), colour: RGBColor, points_only: bool) -> DrawResult {
     let mut left = right - 104;
     if !points_only {
         let mean = format!("mean of {WINDOW}");
@@ -258,7 +258,7 @@ mod tests {
         let one = |i| EpisodePoint {
             env_steps: i * 37,
             total_return: (i * 7919 % 101) as f64 - 60.0,
-            targets: (i % 13) as u32,
+            goals: (i % 13) as u32,
         };
         (1..=n).map(one).collect()
     }
@@ -299,11 +299,11 @@ mod tests {
 
     #[test]
     fn any_run_gives_a_picture_that_holds_all_its_marks() {
-        let odd = |total_return| EpisodePoint { env_steps: 500, total_return, targets: 1 };
+        let odd = |total_return| EpisodePoint { env_steps: 500, total_return, goals: 1 };
         let cases: [(&str, Vec<EpisodePoint>, Vec<EvaluationPoint>); 6] = [
             ("empty", vec![], vec![]),
             ("one of each", episodes(1), vec![evaluation(37, 0.5)]),
-            ("all at step 0", vec![EpisodePoint { env_steps: 0, total_return: 0.0, targets: 0 }], vec![]),
+            ("all at step 0", vec![EpisodePoint { env_steps: 0, total_return: 0.0, goals: 0 }], vec![]),
             ("constant", vec![odd(-7.5); 80], vec![evaluation(10, 1.0), evaluation(20, 1.0)]),
             (
                 "not finite",
@@ -338,7 +338,7 @@ mod tests {
     #[test]
     fn the_best_evaluation_is_said() {
         let evaluations = [evaluation(1000, 0.5), evaluation(12_000, 0.9999), evaluation(13_000, 0.9999)];
-        assert_eq!(best(&evaluations, 1.01), "best: 99.9% at 13,000 steps, 5.0 s a target");
+        assert_eq!(best(&evaluations, 1.01), "best: 99.9% at 13,000 steps, 5.0 s a goal");
         assert!(svg(&[], &evaluations).contains("best: 99.9%"));
         assert_eq!(best(&[], 1.01), "");
     }

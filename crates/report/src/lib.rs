@@ -5,7 +5,7 @@
 //!
 //! | module | what it gives |
 //! |---|---|
-//! | [`learning_curve`] | the picture of one run: success, return and targets over its environment steps |
+//! | [`learning_curve`] | the picture of one run: success, return and goals over its environment steps |
 //! | [`chart`] | the figures of a comparison: curves with bands, rows of dots, maps of a world |
 //! | [`raster`] | a figure as PNG |
 //! | [`statistics`] | means over seeds with their intervals |

@@ -4,7 +4,8 @@
 //! text. What looks like markup in a name or a sentence is escaped and reads as it stands.
 
 use super::page::{
-    CLAIMS, Item, PROVENANCE, Page, SETTINGS, Section, Setting, Verdict, address, encoded, paragraphs, tally,
+    CLAIMS, ClaimResult, Item, PROVENANCE, Page, SETTINGS, Section, Setting, paragraphs, percent_encoded,
+    relative_url, tally,
 };
 use super::table::{Column, ColumnKind, Table};
 
@@ -42,12 +43,12 @@ pub fn markdown(page: &Page) -> String {
     document(&blocks)
 }
 
-fn claims(claims: &[Verdict]) -> Vec<String> {
+fn claims(claims: &[ClaimResult]) -> Vec<String> {
     let Some(tally) = tally(claims) else { return Vec::new() };
     let rows: Vec<_> = claims
         .iter()
         .map(|one| {
-            let claim = format!("[{}](#{})", inline(&one.claim), encoded(&one.anchor));
+            let claim = format!("[{}](#{})", inline(&one.claim), percent_encoded(&one.anchor));
             vec![outcome(one), claim, inline(&one.sentence)]
         })
         .collect();
@@ -63,30 +64,32 @@ fn section(blocks: &mut Vec<String>, section: &Section) {
     for item in &section.items {
         match item {
             Item::Text(text) => blocks.extend(words(text)),
-            Item::Figure { name, caption, verdicts, .. } => {
-                let (svg, png) = (address("figures", name, "svg"), address("figures", name, "png"));
+            Item::Figure { name, caption, claim_results, .. } => {
+                let (svg, png) = (relative_url("figures", name, "svg"), relative_url("figures", name, "png"));
                 blocks.push(format!("![{}]({svg})", inline(name)));
                 blocks.push(format!("{} ([SVG]({svg}), [PNG]({png}))", start(caption)));
-                blocks.extend(findings(verdicts));
+                blocks.extend(findings(claim_results));
             }
-            Item::Table { table, verdicts } => {
-                let (csv, md) = (address("tables", &table.name, "csv"), address("tables", &table.name, "md"));
+            Item::Table { table, claim_results } => {
+                let (csv, md) =
+                    (relative_url("tables", &table.name, "csv"), relative_url("tables", &table.name, "md"));
                 blocks.push(table.to_markdown().trim_end().to_owned());
                 blocks.push(format!("([CSV]({csv}), [Markdown]({md}))"));
-                blocks.extend(findings(verdicts));
+                blocks.extend(findings(claim_results));
             }
         }
     }
 }
 
-fn findings(verdicts: &[Verdict]) -> Option<String> {
-    let line =
-        |one: &Verdict| format!("{}: *{}*\\\n  {}", outcome(one), inline(&one.claim), start(&one.sentence));
-    (!verdicts.is_empty()).then(|| list(verdicts.iter().map(line)))
+fn findings(claim_results: &[ClaimResult]) -> Option<String> {
+    let line = |one: &ClaimResult| {
+        format!("{}: *{}*\\\n  {}", outcome(one), inline(&one.claim), start(&one.sentence))
+    };
+    (!claim_results.is_empty()).then(|| list(claim_results.iter().map(line)))
 }
 
-fn outcome(verdict: &Verdict) -> String {
-    format!("{}\u{a0}{}", verdict.outcome.glyph(), verdict.outcome.word().replace(' ', "\u{a0}"))
+fn outcome(claim_result: &ClaimResult) -> String {
+    format!("{}\u{a0}{}", claim_result.outcome.glyph(), claim_result.outcome.word().replace(' ', "\u{a0}"))
 }
 
 fn setting(setting: &Setting) -> String {

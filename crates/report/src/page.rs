@@ -6,7 +6,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::table::{Cell, Column, ColumnKind, Outcome, Table};
+use super::table::{Cell, Column, ColumnKind, OutcomeCell, Table};
 
 /// A report. All text in it is plain: whatever looks like markup is shown as it stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Page {
     /// Why the report must not be taken at its word, if so: shown before all else.
     pub warning: Option<String>,
     /// The summary: a row for each claim of the paper.
-    pub claims: Vec<Verdict>,
+    pub claims: Vec<ClaimResult>,
     /// The body.
     pub sections: Vec<Section>,
     /// The settings that were used, to the letter.
@@ -54,24 +54,24 @@ pub enum Item {
         /// What it shows.
         caption: String,
         /// What it says of the paper's claims.
-        verdicts: Vec<Verdict>,
+        claim_results: Vec<ClaimResult>,
     },
     /// A table, which also lies in `tables/` as `.csv` and `.md`.
     Table {
         /// The table.
         table: Table,
         /// What it says of the paper's claims.
-        verdicts: Vec<Verdict>,
+        claim_results: Vec<ClaimResult>,
     },
 }
 
 /// What the data say of a claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Verdict {
+pub struct ClaimResult {
     /// The claim.
     pub claim: String,
     /// What became of it.
-    pub outcome: Outcome,
+    pub outcome: OutcomeCell,
     /// The finding behind the outcome, in a sentence of numbers.
     pub sentence: String,
     /// The [`Section::id`] where it is shown.
@@ -145,9 +145,9 @@ pub(super) fn paragraphs(text: &str) -> impl Iterator<Item = String> {
 }
 
 /// How many claims had which outcome, in a sentence; nothing of no claims.
-pub(super) fn tally(claims: &[Verdict]) -> Option<String> {
+pub(super) fn tally(claims: &[ClaimResult]) -> Option<String> {
     let count = |outcome| claims.iter().filter(|claim| claim.outcome == outcome).count();
-    let counts: Vec<_> = [Outcome::Held, Outcome::NotShown, Outcome::Reversed]
+    let counts: Vec<_> = [OutcomeCell::Held, OutcomeCell::NotShown, OutcomeCell::Reversed]
         .into_iter()
         .filter(|&outcome| count(outcome) > 0)
         .map(|outcome| format!("{} {}", count(outcome), outcome.word()))
@@ -157,12 +157,12 @@ pub(super) fn tally(claims: &[Verdict]) -> Option<String> {
 }
 
 /// The address of a file beside the page, as a link writes it.
-pub(super) fn address(folder: &str, name: &str, extension: &str) -> String {
-    format!("{folder}/{}.{extension}", encoded(name))
+pub(super) fn relative_url(folder: &str, name: &str, extension: &str) -> String {
+    format!("{folder}/{}.{extension}", percent_encoded(name))
 }
 
 /// A name as a link writes it.
-pub(super) fn encoded(name: &str) -> String {
+pub(super) fn percent_encoded(name: &str) -> String {
     let mut text = String::new();
     for byte in name.bytes() {
         match byte {
@@ -182,7 +182,7 @@ fn unbroken(text: &str) -> String {
     text.replace(" \u{b1} ", "\u{a0}\u{b1}\u{a0}").replace(" %", "\u{a0}%")
 }
 
-fn claims(claims: &[Verdict]) -> Markup {
+fn claims(claims: &[ClaimResult]) -> Markup {
     let Some(tally) = tally(claims) else { return Markup::default() };
     html! {
         section {
@@ -195,7 +195,7 @@ fn claims(claims: &[Verdict]) -> Markup {
                         tr {
                             td { (outcome(one.outcome)) }
                             td {
-                                a href={ "#" (encoded(&one.anchor)) } { (one.claim) }
+                                a href={ "#" (percent_encoded(&one.anchor)) } { (one.claim) }
                                 p { (unbroken(&one.sentence)) }
                             }
                         }
@@ -211,7 +211,7 @@ fn contents(page: &Page) -> Markup {
         nav aria-label="Contents" {
             h2 { "Contents" }
             ol {
-                @for one in &page.sections { li { a href={ "#" (encoded(&one.id)) } { (one.heading) } } }
+                @for one in &page.sections { li { a href={ "#" (percent_encoded(&one.id)) } { (one.heading) } } }
                 @if !page.settings.is_empty() { li { a href="#settings" { (SETTINGS) } } }
                 @if !page.provenance.is_empty() { li { a href="#provenance" { (PROVENANCE) } } }
             }
@@ -227,15 +227,15 @@ fn section(section: &Section) -> Markup {
             @for item in &section.items {
                 @match item {
                     Item::Text(text) => (words(text)),
-                    Item::Figure { name, svg, caption, verdicts } => (figure(name, svg, caption, verdicts)),
-                    Item::Table { table, verdicts } => (table_block(table, verdicts)),
+                    Item::Figure { name, svg, caption, claim_results } => (figure(name, svg, caption, claim_results)),
+                    Item::Table { table, claim_results } => (table_block(table, claim_results)),
                 }
             }
         }
     }
 }
 
-fn figure(name: &str, svg: &str, caption: &str, verdicts: &[Verdict]) -> Markup {
+fn figure(name: &str, svg: &str, caption: &str, claim_results: &[ClaimResult]) -> Markup {
     // Anything before the picture itself, as an XML declaration, has no place inside a page.
     let svg = svg.find("<svg").map_or("", |start| &svg[start..]);
     let label = format!("caption-{name}");
@@ -245,13 +245,13 @@ fn figure(name: &str, svg: &str, caption: &str, verdicts: &[Verdict]) -> Markup 
             figcaption {
                 p id=(label) { (unbroken(caption)) }
                 (files("figures", name, &[("SVG", "svg"), ("PNG", "png")]))
-                (findings(verdicts))
+                (findings(claim_results))
             }
         }
     }
 }
 
-fn table_block(table: &Table, verdicts: &[Verdict]) -> Markup {
+fn table_block(table: &Table, claim_results: &[ClaimResult]) -> Markup {
     let label = format!("caption-{}", table.name);
     let halves: Vec<_> = (0..table.columns.len()).map(|i| half_length(table, i)).collect();
     html! {
@@ -275,7 +275,7 @@ fn table_block(table: &Table, verdicts: &[Verdict]) -> Markup {
                 ul.notes { @for note in &table.notes { li { (unbroken(note)) } } }
             }
             (files("tables", &table.name, &[("CSV", "csv"), ("Markdown", "md")]))
-            (findings(verdicts))
+            (findings(claim_results))
         }
     }
 }
@@ -305,7 +305,7 @@ fn heading(column: &Column) -> Markup {
 /// A cell of a table. In a column with half widths all cells give them the same room, so that the means align.
 fn cell(cell: &Cell, kind: ColumnKind, half_length: usize, first: bool) -> Markup {
     let content = html! {
-        @if let Cell::Verdict(what) = cell { (outcome(*what)) } @else { (cell.value_text()) }
+        @if let Cell::ClaimResult(what) = cell { (outcome(*what)) } @else { (cell.value_text()) }
         @if half_length > 0 && kind == ColumnKind::Number {
             span.half style={ "min-width:" (half_length + 2) "ch" } {
                 @if let Some(half) = cell.half_width() { " \u{b1} " (half) }
@@ -322,11 +322,11 @@ fn cell(cell: &Cell, kind: ColumnKind, half_length: usize, first: bool) -> Marku
     }
 }
 
-fn outcome(outcome: Outcome) -> Markup {
+fn outcome(outcome: OutcomeCell) -> Markup {
     let class = match outcome {
-        Outcome::Held => "held",
-        Outcome::NotShown => "not-shown",
-        Outcome::Reversed => "reversed",
+        OutcomeCell::Held => "held",
+        OutcomeCell::NotShown => "not-shown",
+        OutcomeCell::Reversed => "reversed",
     };
     html! { span.outcome.(class) { span aria-hidden="true" { (outcome.glyph()) } " " (outcome.word()) } }
 }
@@ -337,21 +337,21 @@ fn files(folder: &str, name: &str, kinds: &[(&str, &str)]) -> Markup {
         p.files {
             @for (i, (label, extension)) in kinds.iter().enumerate() {
                 @if i > 0 { " \u{b7} " }
-                a href=(address(folder, name, extension)) { (label) }
+                a href=(relative_url(folder, name, extension)) { (label) }
             }
         }
     }
 }
 
 /// What a figure or table says of the claims.
-fn findings(verdicts: &[Verdict]) -> Markup {
+fn findings(claim_results: &[ClaimResult]) -> Markup {
     html! {
-        @if !verdicts.is_empty() {
+        @if !claim_results.is_empty() {
             ul.findings {
-                @for verdict in verdicts {
+                @for claim_result in claim_results {
                     li {
-                        (outcome(verdict.outcome)) " " em { (verdict.claim) }
-                        p { (unbroken(&verdict.sentence)) }
+                        (outcome(claim_result.outcome)) " " em { (claim_result.claim) }
+                        p { (unbroken(&claim_result.sentence)) }
                     }
                 }
             }
@@ -388,8 +388,8 @@ pub(super) mod tests {
     use super::super::table::tests::sample as table;
     use super::*;
 
-    fn verdict(outcome: Outcome, anchor: &str) -> Verdict {
-        Verdict {
+    fn claim_result(outcome: OutcomeCell, anchor: &str) -> ClaimResult {
+        ClaimResult {
             claim: "A < B & C".into(),
             outcome,
             sentence: "3.4 \u{b1} 1.2 | <b>more</b>.".into(),
@@ -408,7 +408,7 @@ pub(super) mod tests {
             name: "fig 9".into(),
             svg: svg(),
             caption: "Return <script>alert(1)</script>".into(),
-            verdicts: vec![verdict(Outcome::Held, "fig9")],
+            claim_results: vec![claim_result(OutcomeCell::Held, "fig9")],
         };
         let section = |id: &str, items| Section {
             id: id.into(),
@@ -421,13 +421,13 @@ pub(super) mod tests {
             lead: vec!["# First & <last>.".into()],
             warning: Some("Only 2 seeds <each>.".into()),
             claims: vec![
-                verdict(Outcome::Held, "fig9"),
-                verdict(Outcome::Reversed, "table \"2\""),
-                verdict(Outcome::Held, "fig9"),
+                claim_result(OutcomeCell::Held, "fig9"),
+                claim_result(OutcomeCell::Reversed, "table \"2\""),
+                claim_result(OutcomeCell::Held, "fig9"),
             ],
             sections: vec![
                 section("fig9", vec![Item::Text("Words.".into()), figure]),
-                section("table \"2\"", vec![Item::Table { table: table(), verdicts: vec![] }]),
+                section("table \"2\"", vec![Item::Table { table: table(), claim_results: vec![] }]),
             ],
             settings: vec![Setting { heading: "DQN <1>".into(), ron: "(a: \"<x> & ```\")\n".into() }],
             provenance: vec![("Command".into(), "wayfield <x> && y".into())],
@@ -456,7 +456,7 @@ pub(super) mod tests {
         let ids = values(&html, "id");
         assert!(ids.iter().enumerate().all(|(i, id)| !ids[..i].contains(id)), "{ids:?}");
         for link in values(&html, "href").iter().filter_map(|href| href.strip_prefix('#')) {
-            let leads = |id: &&str| encoded(&id.replace("&quot;", "\"")) == link;
+            let leads = |id: &&str| percent_encoded(&id.replace("&quot;", "\"")) == link;
             assert!(ids.iter().any(leads), "{link} is none of {ids:?}");
         }
         for label in values(&html, "aria-labelledby") {
@@ -491,7 +491,10 @@ pub(super) mod tests {
     #[test]
     fn the_summary_counts() {
         assert_eq!(tally(&sample().claims).as_deref(), Some("3 claims: 2 held, 1 reversed."));
-        assert_eq!(tally(&[verdict(Outcome::NotShown, "")]).as_deref(), Some("1 claim: 1 not shown."));
+        assert_eq!(
+            tally(&[claim_result(OutcomeCell::NotShown, "")]).as_deref(),
+            Some("1 claim: 1 not shown.")
+        );
         assert_eq!(tally(&[]), None);
     }
 

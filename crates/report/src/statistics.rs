@@ -20,7 +20,7 @@ impl Estimate {
     /// The mean of `values` and its interval, by Student's t with n - 1 degrees of freedom.
     ///
     /// None of no values, and none if one of them is no finite number.
-    pub fn of(values: &[f64]) -> Option<Self> {
+    pub fn from_values(values: &[f64]) -> Option<Self> {
         let sample = Sample::of(values)?;
         let half_width = sample.error2().map(|error2| half_width(error2, sample.n - 1.0));
         Some(Self { mean: sample.mean, half_width, n: values.len() })
@@ -74,7 +74,7 @@ pub fn band(curves: &[Vec<f64>]) -> Vec<Estimate> {
     let unknown = Estimate { mean: f64::NAN, half_width: None, n: curves.len() };
     let length = curves.iter().map(Vec::len).min().unwrap_or(0);
     let at = |i: usize| curves.iter().map(|curve| curve[i]).collect::<Vec<_>>();
-    (0..length).map(|i| Estimate::of(&at(i)).unwrap_or(unknown)).collect()
+    (0..length).map(|i| Estimate::from_values(&at(i)).unwrap_or(unknown)).collect()
 }
 
 /// What the formulas need of some values.
@@ -120,7 +120,7 @@ mod tests {
     /// 1.5811 / sqrt 5 = 0.7071; t(0.975, 4) = 2.7764; 2.7764 * 0.7071 = 1.9632.
     #[test]
     fn a_mean_has_students_interval() {
-        let estimate = Estimate::of(&[1.0, 2.0, 3.0, 4.0, 5.0]).expect("five values");
+        let estimate = Estimate::from_values(&[1.0, 2.0, 3.0, 4.0, 5.0]).expect("five values");
         near(estimate.mean, 3.0);
         near(estimate.half_width.expect("five values"), 1.9632);
         near(estimate.low(), 1.0368);
@@ -134,18 +134,18 @@ mod tests {
     fn the_quantiles_are_the_tables() {
         for (n, t) in [(2_u32, 12.7062), (10, 2.2622), (30, 2.0452)] {
             let values: Vec<_> = (0..n).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
-            let half_width = Estimate::of(&values).and_then(|e| e.half_width).expect("many values");
+            let half_width = Estimate::from_values(&values).and_then(|e| e.half_width).expect("many values");
             near(half_width * f64::from(n - 1).sqrt(), t);
         }
     }
 
     #[test]
     fn few_equal_or_unusable_values() {
-        assert_eq!(Estimate::of(&[]), None);
-        assert_eq!(Estimate::of(&[1.0, f64::NAN]), None);
-        let one = Estimate::of(&[7.0]).expect("one value");
+        assert_eq!(Estimate::from_values(&[]), None);
+        assert_eq!(Estimate::from_values(&[1.0, f64::NAN]), None);
+        let one = Estimate::from_values(&[7.0]).expect("one value");
         assert_eq!((one.half_width, one.low(), one.high(), one.n), (None, 7.0, 7.0, 1));
-        assert_eq!(Estimate::of(&[2.0, 2.0, 2.0]).and_then(|e| e.half_width), Some(0.0));
+        assert_eq!(Estimate::from_values(&[2.0, 2.0, 2.0]).and_then(|e| e.half_width), Some(0.0));
     }
 
     /// a: mean 10, squared distances 4 4 16, variance 24 / 2 = 12, over n 12 / 3 = 4.
@@ -187,7 +187,7 @@ mod tests {
         let curves = [vec![1.0, 4.0, 0.0], vec![3.0, 4.0], vec![2.0, f64::NAN]];
         let band = band(&curves);
         assert_eq!(band.len(), 2);
-        assert_eq!(Some(band[0]), Estimate::of(&[1.0, 3.0, 2.0]));
+        assert_eq!(Some(band[0]), Estimate::from_values(&[1.0, 3.0, 2.0]));
         assert!(band[1].mean.is_nan());
         assert!(super::band(&[]).is_empty());
     }

@@ -5,7 +5,7 @@
 //! in grey.
 
 mod axis;
-mod key;
+mod legend;
 mod text;
 
 use std::error::Error;
@@ -14,9 +14,9 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-pub(super) use axis::{Axis, bounds, thinned, usable};
-pub(super) use key::{Entry, Key};
-pub(super) use text::{fitted, text_width, wrapped};
+pub(super) use axis::{Axis, bounds, is_drawable, thinned};
+pub(super) use legend::{Legend, LegendEntry};
+pub(super) use text::{ellipsized, text_width, wrapped};
 
 /// The figure could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -58,14 +58,14 @@ pub(super) fn colour(number: usize) -> RGBColor {
 }
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-pub(super) type Drawn = Result<(), Box<dyn Error>>;
+pub(super) type DrawResult = Result<(), Box<dyn Error>>;
 /// A place on the drawing.
 pub(super) type At = (i32, i32);
 
 /// A white picture of that size in drawn pixels, as SVG, shown at half the size.
 pub(super) fn picture(
     (width, height): (u32, u32),
-    draw: impl FnOnce(&Area) -> Drawn,
+    draw: impl FnOnce(&Area) -> DrawResult,
 ) -> Result<String, DrawError> {
     let mut svg = String::new();
     let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
@@ -78,14 +78,14 @@ pub(super) fn picture(
 }
 
 /// Writes a line of text, centred on `at` in height.
-pub(super) fn write(root: &Area, text: &str, at: At, size: f64, colour: &RGBColor, side: HPos) -> Drawn {
+pub(super) fn write(root: &Area, text: &str, at: At, size: f64, colour: &RGBColor, side: HPos) -> DrawResult {
     let style = (FONT, size).into_text_style(root).color(colour).pos(Pos::new(side, VPos::Center));
     root.draw(&Text::new(text, at, style))?;
     Ok(())
 }
 
 /// Draws a line through places, if there are two.
-pub(super) fn line(root: &Area, points: Vec<At>, style: ShapeStyle) -> Drawn {
+pub(super) fn line(root: &Area, points: Vec<At>, style: ShapeStyle) -> DrawResult {
     if points.len() > 1 {
         root.draw(&PathElement::new(points, style))?;
     }
@@ -93,7 +93,7 @@ pub(super) fn line(root: &Area, points: Vec<At>, style: ShapeStyle) -> Drawn {
 }
 
 /// Fills the area that places enclose, if they are three.
-pub(super) fn area(root: &Area, points: Vec<At>, style: ShapeStyle) -> Drawn {
+pub(super) fn area(root: &Area, points: Vec<At>, style: ShapeStyle) -> DrawResult {
     if points.len() > 2 {
         root.draw(&Polygon::new(points, style))?;
     }
@@ -101,7 +101,7 @@ pub(super) fn area(root: &Area, points: Vec<At>, style: ShapeStyle) -> Drawn {
 }
 
 /// Draws the palette's mark of that number: a filled shape with a white rim.
-pub(super) fn mark(root: &Area, number: usize, (x, y): At) -> Drawn {
+pub(super) fn mark(root: &Area, number: usize, (x, y): At) -> DrawResult {
     let corners: &[(f64, f64)] = match number % PALETTE.len() {
         1 => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
         2 => &[(0.0, -1.25), (1.15, 0.85), (-1.15, 0.85)],
@@ -178,7 +178,7 @@ pub(super) fn spread(heights: &[i32], gap: i32, (low, high): (i32, i32)) -> Vec<
 }
 
 /// Writes a figure's title, in as many lines as it needs; the height it takes is [`title_height`].
-pub(super) fn draw_title(root: &Area, title: &str, (left, width): (i32, i32)) -> Drawn {
+pub(super) fn draw_title(root: &Area, title: &str, (left, width): (i32, i32)) -> DrawResult {
     for (line, text) in (0..).zip(wrapped(title, TITLE, width)) {
         write(root, &text, (left, 52 + line * 50), TITLE, &INK, HPos::Left)?;
     }

@@ -79,12 +79,12 @@ pub enum Cell {
         digits: usize,
     },
     /// What became of a claim.
-    Verdict(Outcome),
+    ClaimResult(OutcomeCell),
 }
 
 /// What became of a claim once it was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Outcome {
+pub enum OutcomeCell {
     /// The data show what was claimed.
     Held,
     /// The data show neither it nor its opposite.
@@ -93,7 +93,7 @@ pub enum Outcome {
     Reversed,
 }
 
-impl Outcome {
+impl OutcomeCell {
     /// The outcome in words.
     pub fn word(self) -> &'static str {
         match self {
@@ -143,7 +143,7 @@ impl Cell {
                 let positive = *value > 0.0 && text.bytes().any(|b| (b'1'..=b'9').contains(&b));
                 if positive { format!("+{text}") } else { text }
             }
-            Self::Verdict(outcome) => format!("{} {}", outcome.glyph(), outcome.word()),
+            Self::ClaimResult(outcome) => format!("{} {}", outcome.glyph(), outcome.word()),
         }
     }
 
@@ -213,7 +213,7 @@ fn value_field(cell: &Cell) -> String {
         | Cell::Estimate { mean: value, digits, .. }
         | Cell::AtLeast { value, digits }
         | Cell::Signed { value, digits, .. } => plain(*value, *digits),
-        Cell::Verdict(outcome) => outcome.word().to_owned(),
+        Cell::ClaimResult(outcome) => outcome.word().to_owned(),
     }
 }
 
@@ -225,20 +225,20 @@ fn half_width_field(cell: &Cell) -> String {
 /// Whether a cell's value is a lower bound only, as a script reads it.
 fn censored_field(cell: &Cell) -> String {
     match cell {
-        Cell::Empty | Cell::Text(_) | Cell::Verdict(_) => String::new(),
+        Cell::Empty | Cell::Text(_) | Cell::ClaimResult(_) => String::new(),
         _ => matches!(cell, Cell::AtLeast { .. }).to_string(),
     }
 }
 
 /// More decimals than these say nothing about an `f64`.
-const MOST_DIGITS: usize = 15;
+const MAX_DIGITS: usize = 15;
 
 /// A number for a script, two decimals finer than `digits`; nothing if it is not finite.
 fn plain(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    let text = format!("{value:.*}", (digits.min(MOST_DIGITS) + 2).min(MOST_DIGITS));
+    let text = format!("{value:.*}", (digits.min(MAX_DIGITS) + 2).min(MAX_DIGITS));
     let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
     if zero { text.trim_start_matches('-').to_owned() } else { text }
 }
@@ -248,7 +248,7 @@ pub fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "\u{2013}".to_owned();
     }
-    let plain = format!("{:.*}", digits.min(MOST_DIGITS), value.abs());
+    let plain = format!("{:.*}", digits.min(MAX_DIGITS), value.abs());
     let whole = plain.find('.').unwrap_or(plain.len());
     let mut text = String::new();
     if value < 0.0 && plain.bytes().any(|b| (b'1'..=b'9').contains(&b)) {
@@ -289,7 +289,7 @@ pub(super) mod tests {
                     Cell::Estimate { mean: 99.44, half_width: Some(0.81), digits: 1 },
                     Cell::Number { value: 1500.0, digits: 0 },
                     Cell::Signed { value: -3.4, half_width: Some(1.2), digits: 1 },
-                    Cell::Verdict(Outcome::Held),
+                    Cell::ClaimResult(OutcomeCell::Held),
                 ],
                 vec![
                     Cell::Text("DQN".into()),
@@ -329,7 +329,7 @@ pub(super) mod tests {
         let estimate = Cell::Estimate { mean: 99.44, half_width: Some(0.81), digits: 1 };
         assert_eq!(estimate.text(), "99.4 \u{b1} 0.8");
         assert_eq!(Cell::AtLeast { value: 1000.0, digits: 0 }.text(), "> 1,000");
-        assert_eq!(Cell::Verdict(Outcome::NotShown).text(), "\u{25cb} not shown");
+        assert_eq!(Cell::ClaimResult(OutcomeCell::NotShown).text(), "\u{25cb} not shown");
         assert_eq!(Cell::Empty.text(), "");
     }
 

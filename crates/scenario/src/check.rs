@@ -1,7 +1,7 @@
 //! Whether a scenario can be meant: every number in its range, everything inside the walls, room for the
-//! task, a way from every start to every target.
+//! task, a way from every start to every goal.
 //!
-//! In: a [`Scenario`] that was read or built. Out: [`Finding`]s, each with the field's path and the mend;
+//! In: a [`Scenario`] that was read or built. Out: [`Diagnostic`]s, each with the field's path and the mend;
 //! none when all is well. The limits also keep a hostile file from taking memory or time: a scenario without
 //! findings is safe to run.
 //!
@@ -9,104 +9,109 @@
 //! |---|---|
 //! | `numbers.rs` | each number against its range, and against those it must fit |
 //! | `obstacles.rs` | the same for walls, obstacles and generators |
-//! | `outlines.rs` | the corners of polygons: that they make an outline |
+//! | `polygons.rs` | the corners of polygons: that they make an outline |
 //! | `speeds.rs` | how far robot and obstacles come in one control step |
-//! | `space.rs` | everything inside the enclosure; room for starts, targets and the course |
+//! | `space.rs` | everything inside the enclosure; room for starts, goals and the benchmark route |
 //! | `extent.rs` | how far an obstacle reaches beyond the enclosure, on its whole way |
-//! | `reach.rs`, `grid.rs` | whether the robot can get from every start to every target |
+//! | `reachability.rs`, `grid.rs` | whether the robot can get from every start to every goal |
 
 mod extent;
 mod grid;
 mod numbers;
 mod obstacles;
-mod outlines;
-mod reach;
+mod polygons;
+mod reachability;
 mod space;
 mod speeds;
 
 use std::fmt;
 use std::ops::RangeInclusive;
 
-use super::file_error::Finding;
+use super::file_error::Diagnostic;
 use super::schema::Scenario;
 
 const METRES: &str = " (metres)";
-const METRES_A_SECOND: &str = " (metres a second)";
+const METRES_PER_SECOND: &str = " (metres a second)";
 const SECONDS: &str = " (seconds)";
 const RADIANS: &str = " (radians: a full turn is 6.2832)";
-const RADIANS_A_SECOND: &str = " (radians a second)";
+const RADIANS_PER_SECOND: &str = " (radians a second)";
 /// A full turn either way, with a little room for rounding.
-const TURN: f32 = 6.3;
+const MAX_ANGLE_RAD: f32 = 6.3;
 
 /// All that is wrong with `scenario`. Whether there is room for the task is asked only when the numbers are
 /// sound, and whether there is a way only when there is room.
 #[must_use]
-pub fn findings(scenario: &Scenario) -> Vec<Finding> {
-    let mut notes = Notes(Vec::new());
-    for check in [numbers::check, space::check, reach::check] {
-        if notes.0.is_empty() {
-            check(scenario, &mut notes);
+pub fn diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
+    let mut diagnostics = Diagnostics(Vec::new());
+    for check in [numbers::check, space::check, reachability::check] {
+        if diagnostics.0.is_empty() {
+            check(scenario, &mut diagnostics);
         }
     }
-    notes.0
+    diagnostics.0
 }
 
 /// What is wrong with the numbers of `scenario`: without such findings it can be drawn and edited, though perhaps not
 /// driven in.
 #[must_use]
-pub fn unsound(scenario: &Scenario) -> Vec<Finding> {
-    let mut notes = Notes(Vec::new());
-    numbers::check(scenario, &mut notes);
-    notes.0
+pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
+    let mut diagnostics = Diagnostics(Vec::new());
+    numbers::check(scenario, &mut diagnostics);
+    diagnostics.0
 }
 
 /// The findings so far.
-struct Notes(Vec<Finding>);
+struct Diagnostics(Vec<Diagnostic>);
 
-impl Notes {
-    fn add(&mut self, path: fmt::Arguments<'_>, message: impl Into<String>) {
-        self.0.push(Finding { path: path.to_string(), message: message.into() });
+impl Diagnostics {
+    fn push(&mut self, path: fmt::Arguments<'_>, message: impl Into<String>) {
+        self.0.push(Diagnostic { path: path.to_string(), message: message.into() });
     }
 
-    /// Notes `value` unless it lies in `range`; NaN lies in none.
-    fn number<T>(&mut self, path: fmt::Arguments<'_>, value: T, range: RangeInclusive<T>, unit: &str)
+    /// Reports `value` unless it lies in `range`; NaN lies in none.
+    fn check_range<T>(&mut self, path: fmt::Arguments<'_>, value: T, range: RangeInclusive<T>, unit: &str)
     where
         T: PartialOrd + fmt::Display,
     {
         if !range.contains(&value) {
             let (low, high) = (range.start(), range.end());
-            self.add(path, format!("is {value}: write a number from {low} to {high}{unit}"));
+            self.push(path, format!("is {value}: write a number from {low} to {high}{unit}"));
         }
     }
 
-    /// Notes coordinates that lie beyond the largest enclosure there is.
-    fn point(&mut self, path: fmt::Arguments<'_>, (x, y): (f32, f32)) {
-        self.number(format_args!("{path}[0]"), x, -500.0..=500.0, METRES);
-        self.number(format_args!("{path}[1]"), y, -500.0..=500.0, METRES);
+    /// Reports coordinates that lie beyond the largest enclosure there is.
+    fn check_point(&mut self, path: fmt::Arguments<'_>, (x, y): (f32, f32)) {
+        self.check_range(format_args!("{path}[0]"), x, -500.0..=500.0, METRES);
+        self.check_range(format_args!("{path}[1]"), y, -500.0..=500.0, METRES);
     }
 
-    /// Notes a list of `count` entries unless it has as many as `range` says.
-    fn count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
+    /// Reports a list of `count` entries unless it has as many as `range` says.
+    fn check_count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
         if !range.contains(&count) {
             let (low, high) = (range.start(), range.end());
-            self.add(path, format!("has {count} entries: write {low} to {high} of them"));
+            self.push(path, format!("has {count} entries: write {low} to {high} of them"));
         }
     }
 
-    /// Notes a list of points unless it has as many as `range` says, and each that lies beyond the largest
+    /// Reports a list of points unless it has as many as `range` says, and each that lies beyond the largest
     /// enclosure.
-    fn points(&mut self, path: fmt::Arguments<'_>, points: &[(f32, f32)], range: RangeInclusive<usize>) {
+    fn check_points(
+        &mut self,
+        path: fmt::Arguments<'_>,
+        points: &[(f32, f32)],
+        range: RangeInclusive<usize>,
+    ) {
         let most = *range.end();
-        self.count(path, points.len(), range);
+        self.check_count(path, points.len(), range);
         for (k, &point) in points.iter().enumerate().take(most) {
-            self.point(format_args!("{path}[{k}]"), point);
+            self.check_point(format_args!("{path}[{k}]"), point);
         }
     }
 
-    /// Notes `value` unless it is greater than `bound`, which is called `what`, or was noted before.
-    fn above(&mut self, path: fmt::Arguments<'_>, value: f32, bound: f32, what: &str) {
+    /// Reports `value` unless it is greater than `bound`, which is called `what`, or was noted before.
+    fn check_above(&mut self, path: fmt::Arguments<'_>, value: f32, bound: f32, what: &str) {
         if value <= bound && !self.0.iter().any(|finding| finding.path == path.to_string()) {
-            self.add(path, format!("is {value}: write more than {what}, {bound} m"));
+            self.push(path, format!("is {value}: write more than {what}, {bound} m"));
         }
     }
 }

@@ -6,21 +6,21 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::outline::Outline;
+use super::source_map::SourceMap;
 
 /// At most so many problems of one file are reported; the rest are counted.
-const MOST_PROBLEMS: usize = 100;
+const MAX_PROBLEMS: usize = 100;
 
 /// Something in a file that reads well but can't be meant: found by a check.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Finding {
+pub struct Diagnostic {
     /// Where: the field's path, such as `obstacles[2].shape.radius_m`.
     pub path: String,
     /// What is wrong and how to mend it; the line starts with the path, so this goes on after it.
     pub message: String,
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "`{}` {}", self.path, self.message)
     }
@@ -28,7 +28,7 @@ impl fmt::Display for Finding {
 
 /// One thing wrong with a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Problem {
+pub struct LocatedDiagnostic {
     /// Line and column, both from 1, the column in characters; none when it has no place in the text.
     pub line_column: Option<(usize, usize)>,
     /// What is wrong and how to mend it.
@@ -39,33 +39,36 @@ pub struct Problem {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileError {
     path: PathBuf,
-    problems: Vec<Problem>,
+    problems: Vec<LocatedDiagnostic>,
 }
 
 impl FileError {
     /// A problem of the file as a whole.
     #[must_use]
-    pub fn whole(path: &Path, message: impl Into<String>) -> Self {
-        Self { path: path.into(), problems: vec![Problem { line_column: None, message: message.into() }] }
+    pub fn for_file(path: &Path, message: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            problems: vec![LocatedDiagnostic { line_column: None, message: message.into() }],
+        }
     }
 
     /// A problem at a byte offset of the file's text.
     #[must_use]
-    pub fn at(path: &Path, text: &str, offset: usize, message: impl Into<String>) -> Self {
+    pub fn at_offset(path: &Path, text: &str, offset: usize, message: impl Into<String>) -> Self {
         let line_column = Some(line_column(text, offset));
-        Self { path: path.into(), problems: vec![Problem { line_column, message: message.into() }] }
+        Self { path: path.into(), problems: vec![LocatedDiagnostic { line_column, message: message.into() }] }
     }
 
     /// What a check found, each placed in the text where the text has its field, or at its beginning where that is left
     /// out. Only the first hundred are
     /// kept.
     #[must_use]
-    pub fn in_fields(path: &Path, text: &str, findings: &[Finding]) -> Self {
-        let outline = Outline::new(text);
-        let mut problems: Vec<_> = findings
+    pub fn from_diagnostics(path: &Path, text: &str, diagnostics: &[Diagnostic]) -> Self {
+        let outline = SourceMap::new(text);
+        let mut problems: Vec<_> = diagnostics
             .iter()
-            .take(MOST_PROBLEMS)
-            .map(|finding| Problem {
+            .take(MAX_PROBLEMS)
+            .map(|finding| LocatedDiagnostic {
                 line_column: outline
                     .offset_of(&finding.path)
                     .or_else(|| outline.start())
@@ -73,9 +76,9 @@ impl FileError {
                 message: finding.to_string(),
             })
             .collect();
-        if let Some(more @ 1..) = findings.len().checked_sub(MOST_PROBLEMS) {
+        if let Some(more @ 1..) = diagnostics.len().checked_sub(MAX_PROBLEMS) {
             let message = format!("and {more} more like these: mend some and look again");
-            problems.push(Problem { line_column: None, message });
+            problems.push(LocatedDiagnostic { line_column: None, message });
         }
         Self { path: path.into(), problems }
     }
@@ -88,7 +91,7 @@ impl FileError {
 
     /// All that is wrong with it, never empty.
     #[must_use]
-    pub fn problems(&self) -> &[Problem] {
+    pub fn problems(&self) -> &[LocatedDiagnostic] {
         &self.problems
     }
 }

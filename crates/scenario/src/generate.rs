@@ -1,4 +1,4 @@
-//! Generated obstacles: a world as it is furnished for one episode.
+//! Generated obstacles: a world as it is laid out for one episode.
 //!
 //! In: a [`Scenario`] with generators, the number of a layout. Out: the same world with their obstacles among the others
 //! and without generators: what stands in one arena for one episode. The same number is the same layout, everywhere.
@@ -6,8 +6,8 @@
 use std::f32::consts::PI;
 
 use super::geometry::{is_clear, length};
-use super::schema::{Generator, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Scenario, Shape};
-use wayfield_random::{Stream, between, stream};
+use super::schema::{Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Scenario, Shape};
+use wayfield_random::{Stream, stream, uniform};
 
 /// So many places are tried for an obstacle before it is left out.
 const TRIES: u32 = 200;
@@ -15,19 +15,19 @@ const TRIES: u32 = 200;
 impl Scenario {
     /// The most obstacles that a layout of it has.
     #[must_use]
-    pub fn most_obstacles(&self) -> usize {
+    pub fn max_obstacles(&self) -> usize {
         self.obstacles.len() + self.generators.iter().map(|generator| generator.count as usize).sum::<usize>()
     }
 
-    /// The world with layout number `layout`: what its generators make comes after its own obstacles, and no generators
+    /// The world with layout number `layout_seed`: what its generators make comes after its own obstacles, and no generators
     /// are left. A generated obstacle keeps its gap from what stands still, from moving obstacles where they are at step
-    /// 0, from the course's ends and from the places that the rules name; where no room is found for it, it is left out.
+    /// 0, from the benchmark route's ends and from the places that the rules name; where no room is found for it, it is left out.
     #[must_use]
-    pub fn furnished(&self, layout: u64) -> Self {
+    pub fn with_generated_obstacles(&self, layout_seed: u64) -> Self {
         let mut room = Self { generators: Vec::new(), ..self.clone() };
         let kept_free = self.named_places();
         for (index, generator) in self.generators.iter().enumerate() {
-            let mut stream = stream(layout, "layout", index as u64);
+            let mut stream = stream(layout_seed, "layout", index as u64);
             for _ in 0..generator.count {
                 room.obstacles.extend(one(&room, generator, &kept_free, &mut stream));
             }
@@ -35,14 +35,14 @@ impl Scenario {
         room
     }
 
-    /// The course's ends and the places that the rules of starts and targets name, in m.
+    /// The benchmark route's ends and the places that the rules of starts and goals name, in m.
     fn named_places(&self) -> Vec<(f32, f32)> {
-        let mut places = vec![self.course.start_m, self.course.target_m];
-        for rule in [&self.starts, &self.targets] {
+        let mut places = vec![self.benchmark_route.start_m, self.benchmark_route.goal_m];
+        for rule in [&self.starts, &self.goals] {
             match rule {
-                PlaceRule::Fixed { at_m, .. } => places.push(*at_m),
-                PlaceRule::OneOf { places_m } => places.extend(places_m),
-                PlaceRule::Random { .. } | PlaceRule::Within { .. } => {}
+                PlacementRule::Fixed { position_m, .. } => places.push(*position_m),
+                PlacementRule::OneOf { positions_m } => places.extend(positions_m),
+                PlacementRule::Random { .. } | PlacementRule::Within { .. } => {}
             }
         }
         places
@@ -56,24 +56,24 @@ fn one(
     kept_free: &[(f32, f32)],
     stream: &mut Stream,
 ) -> Option<Obstacle> {
-    let mut size = |(low, high): (f32, f32)| between(stream, low, high);
+    let mut size = |(low, high): (f32, f32)| uniform(stream, low, high);
     let (shape, turns) = match generator.shape {
         RandomShape::Circle { radius_m } => (Shape::Circle { radius_m: size(radius_m) }, false),
         RandomShape::Rectangle { width_m, height_m } => {
             (Shape::Rectangle { width_m: size(width_m), height_m: size(height_m) }, true)
         }
     };
-    let rotation_rad = if turns { between(stream, -PI, PI) } else { 0.0 };
-    let away = shape.reach_m() + generator.gap_m;
+    let rotation_rad = if turns { uniform(stream, -PI, PI) } else { 0.0 };
+    let away = shape.bounding_radius_m() + generator.gap_m;
     let (low, high) = match generator.within {
         Some(region) => (region.min_m, region.max_m),
         None => room.enclosure.bounds_m(),
     };
     let position_m =
-        (0..TRIES).map(|_| (between(stream, low.0, high.0), between(stream, low.1, high.1))).find(|&at| {
+        (0..TRIES).map(|_| (uniform(stream, low.0, high.0), uniform(stream, low.1, high.1))).find(|&at| {
             is_clear(room, at, 0, away) && kept_free.iter().all(|p| length(p.0 - at.0, p.1 - at.1) >= away)
         })?;
-    Some(Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Still })
+    Some(Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static })
 }
 
 #[cfg(test)]
@@ -100,12 +100,12 @@ mod tests {
     #[test]
     fn a_layout_keeps_its_gaps_sizes_and_regions_and_is_told_by_its_number() {
         let scenario = field();
-        assert_eq!(scenario.most_obstacles(), 7);
-        assert_eq!(scenario.furnished(3), scenario.furnished(3));
-        assert_ne!(scenario.furnished(3), scenario.furnished(4));
+        assert_eq!(scenario.max_obstacles(), 7);
+        assert_eq!(scenario.with_generated_obstacles(3), scenario.with_generated_obstacles(3));
+        assert_ne!(scenario.with_generated_obstacles(3), scenario.with_generated_obstacles(4));
         let mut in_all = 0;
-        for layout in 0..200 {
-            let room = scenario.furnished(layout);
+        for layout_seed in 0..200 {
+            let room = scenario.with_generated_obstacles(layout_seed);
             assert!(room.generators.is_empty());
             in_all += room.obstacles.len();
             for (index, obstacle) in room.obstacles.iter().enumerate() {
@@ -125,10 +125,13 @@ mod tests {
                 others.obstacles.truncate(index);
                 assert!(
                     clearance(&others, (x, y), 0) >= radius + gap - 1e-5,
-                    "layout {layout}: {obstacle:?}"
+                    "layout {layout_seed}: {obstacle:?}"
                 );
                 for end in [(0.0, 0.0), (1.2, 1.2)] {
-                    assert!((x - end.0).hypot(y - end.1) >= radius + gap - 1e-5, "the course stays free");
+                    assert!(
+                        (x - end.0).hypot(y - end.1) >= radius + gap - 1e-5,
+                        "the benchmark route stays free"
+                    );
                 }
             }
         }
@@ -140,7 +143,7 @@ mod tests {
         let mut scenario = field();
         scenario.generators[0].gap_m = 1.0;
         scenario.generators[0].count = 200;
-        let count = scenario.furnished(0).obstacles.len();
+        let count = scenario.with_generated_obstacles(0).obstacles.len();
         assert!((1..20).contains(&count), "{count}");
     }
 }

@@ -11,7 +11,7 @@ use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape,
 /// wall; negative inside an obstacle or a wall or outside the enclosure.
 #[must_use]
 pub fn clearance(scenario: &Scenario, point_m: (f32, f32), step: u64) -> f32 {
-    let to_wall = wall_distance(&scenario.enclosure, point_m);
+    let to_wall = enclosure_distance(&scenario.enclosure, point_m);
     let to_inner = scenario.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
     let period = scenario.task.control_period_s;
     let to_obstacle = scenario.obstacles.iter().map(|o| obstacle_distance(o, point_m, step, period));
@@ -21,17 +21,17 @@ pub fn clearance(scenario: &Scenario, point_m: (f32, f32), step: u64) -> f32 {
 /// Whether `point_m` is at least `clearance_m` from everything: [`clearance`] with an early end.
 pub(super) fn is_clear(scenario: &Scenario, point_m: (f32, f32), step: u64, clearance_m: f32) -> bool {
     let period = scenario.task.control_period_s;
-    wall_distance(&scenario.enclosure, point_m) >= clearance_m
+    enclosure_distance(&scenario.enclosure, point_m) >= clearance_m
         && scenario.walls.iter().all(|wall| inner_wall_distance(wall, point_m) >= clearance_m)
         && scenario.obstacles.iter().all(|o| obstacle_distance(o, point_m, step, period) >= clearance_m)
 }
 
 /// From a point to the nearest wall of the enclosure, in m, negative beyond it.
 #[must_use]
-pub fn wall_distance(enclosure: &Enclosure, (x, y): (f32, f32)) -> f32 {
+pub fn enclosure_distance(enclosure: &Enclosure, (x, y): (f32, f32)) -> f32 {
     match enclosure {
         Enclosure::Rectangle { width_m, height_m } => (width_m / 2.0 - x.abs()).min(height_m / 2.0 - y.abs()),
-        Enclosure::Polygon { corners_m } => polygon::depth(corners_m, (x, y)),
+        Enclosure::Polygon { corners_m } => polygon::signed_distance(corners_m, (x, y)),
     }
 }
 
@@ -70,7 +70,7 @@ pub fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: (f32, f32)) -
             let (x, y) = own();
             from_box((x.abs() - width_m / 2.0, y.abs() - height_m / 2.0))
         }
-        Shape::Polygon { corners_m } => -polygon::depth(corners_m, own()),
+        Shape::Polygon { corners_m } => -polygon::signed_distance(corners_m, own()),
         Shape::Capsule { length_m, radius_m } => {
             let (x, y) = own();
             length((x.abs() - length_m / 2.0).max(0.0), y) - radius_m
@@ -86,7 +86,7 @@ fn from_box((past_x, past_y): (f32, f32)) -> f32 {
 impl Shape {
     /// From its middle to its farthest point, in m.
     #[must_use]
-    pub fn reach_m(&self) -> f32 {
+    pub fn bounding_radius_m(&self) -> f32 {
         match self {
             Self::Circle { radius_m } => *radius_m,
             Self::Rectangle { width_m, height_m } => length(width_m / 2.0, height_m / 2.0),
@@ -97,7 +97,7 @@ impl Shape {
 }
 
 /// The distance from `centre_m` to the farthest point of an obstacle at step 0.
-pub(super) fn reach_from(obstacle: &Obstacle, centre_m: (f32, f32)) -> f32 {
+pub(super) fn max_distance_from(obstacle: &Obstacle, centre_m: (f32, f32)) -> f32 {
     let (dx, dy) = (obstacle.position_m.0 - centre_m.0, obstacle.position_m.1 - centre_m.1);
     let (sin, cos) = libm::sincosf(obstacle.rotation_rad);
     let (x, y) = (dx * cos + dy * sin, dy * cos - dx * sin);
@@ -143,7 +143,7 @@ impl Enclosure {
 
 impl Wall {
     /// Its straight pieces, as boxes that stand still; each reaches half the thickness past its ends.
-    pub fn pieces(&self) -> impl Iterator<Item = Obstacle> {
+    pub fn segments(&self) -> impl Iterator<Item = Obstacle> {
         self.corners_m.windows(2).map(|ends| {
             let (from, to) = (ends[0], ends[1]);
             let (dx, dy) = (to.0 - from.0, to.1 - from.1);
@@ -154,7 +154,7 @@ impl Wall {
                 },
                 position_m: ((from.0 + to.0) / 2.0, (from.1 + to.1) / 2.0),
                 rotation_rad: libm::atan2f(dy, dx),
-                motion: ObstacleMotion::Still,
+                motion: ObstacleMotion::Static,
             }
         })
     }
@@ -240,7 +240,7 @@ mod tests {
             "beside it when upright"
         );
         assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (0.3, 0.0)), -0.25));
-        assert!(near(rod.reach_m(), 1.25) && near(triangle.reach_m(), 4.0));
+        assert!(near(rod.bounding_radius_m(), 1.25) && near(triangle.bounding_radius_m(), 4.0));
     }
 
     #[test]
@@ -255,7 +255,7 @@ mod tests {
             ((2.0, 3.5), 0.4),
         ] {
             assert!(near(inner_wall_distance(&wall, point), expected), "{point:?}");
-            let by_pieces = wall.pieces().map(|piece| obstacle_distance(&piece, point, 0, 0.2));
+            let by_pieces = wall.segments().map(|piece| obstacle_distance(&piece, point, 0, 0.2));
             assert!(near(by_pieces.fold(f32::INFINITY, f32::min), expected), "{point:?} by its pieces");
         }
         let scenario = Scenario { walls: vec![wall], ..Scenario::default() };
@@ -280,19 +280,19 @@ mod tests {
     #[test]
     fn reach_follows_a_shapes_turn() {
         let shape = Shape::Rectangle { width_m: 2.0, height_m: 1.0 };
-        let motion = ObstacleMotion::Still;
+        let motion = ObstacleMotion::Static;
         let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: FRAC_PI_2, motion };
-        assert!(near(reach_from(&o, (0.0, 0.0)), length(3.5, 1.0)));
+        assert!(near(max_distance_from(&o, (0.0, 0.0)), length(3.5, 1.0)));
         let shape = Shape::Polygon { corners_m: vec![(0.0, 0.0), (4.0, 0.0), (0.0, 1.0)] };
         let o = Obstacle {
             shape,
             position_m: (3.0, 0.0),
             rotation_rad: FRAC_PI_2,
-            motion: ObstacleMotion::Still,
+            motion: ObstacleMotion::Static,
         };
-        assert!(near(reach_from(&o, (0.0, 0.0)), 5.0), "its far corner is at (3, 4)");
+        assert!(near(max_distance_from(&o, (0.0, 0.0)), 5.0), "its far corner is at (3, 4)");
         let shape = Shape::Capsule { length_m: 2.0, radius_m: 0.5 };
-        let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Still };
-        assert!(near(reach_from(&o, (0.0, 0.0)), 4.5));
+        let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Static };
+        assert!(near(max_distance_from(&o, (0.0, 0.0)), 4.5));
     }
 }

@@ -1,8 +1,8 @@
 //! What a world is: its schema in RON, its checks, its loader. Spawns nothing, knows no Bevy.
 //!
 //! In: a scenario file (`scenarios/*.ron`). Out: a checked [`Scenario`], the pose of its obstacles at any
-//! step ([`pose_at`]), and random starts and targets that are clear of them ([`draw_start`],
-//! [`draw_target`]). [`read_ron`] also serves every other RON file of the project, so that all report
+//! step ([`pose_at`]), and random starts and goals that are clear of them ([`draw_start`],
+//! [`draw_goal`]). [`read_ron`] also serves every other RON file of the project, so that all report
 //! mistakes alike.
 
 mod check;
@@ -11,23 +11,24 @@ mod generate;
 mod geometry;
 mod load;
 mod motion;
-mod outline;
 mod placement;
 pub mod polygon;
 mod ron_message;
 mod schema;
+mod source_map;
 #[cfg(target_arch = "wasm32")]
-pub mod shelf;
+pub mod virtual_files;
 mod write;
 
-pub use check::findings;
-pub use file_error::{FileError, Finding, Problem};
-pub use geometry::{clearance, inner_wall_distance, shape_distance, wall_distance};
+pub use check::diagnostics;
+pub use file_error::{Diagnostic, FileError, LocatedDiagnostic};
+pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use load::{
-    MOST_BYTES, is_there, parse_ron, read_bytes, read_long_ron, read_long_text, read_ron, read_text, to_ron,
+    MAX_FILE_BYTES, parse_ron, path_exists, read_bytes, read_ron, read_ron_with_limit, read_text,
+    read_text_with_limit, to_ron,
 };
 pub use motion::pose_at;
-pub use placement::{NoFreePlace, draw_navigation, draw_start, draw_target};
-pub use ron_message::nearest;
+pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
+pub use ron_message::closest_name;
 pub use schema::*;
 pub use write::to_text;

@@ -13,15 +13,15 @@ use ron::ser::PrettyConfig;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::check::{findings, unsound};
-use super::file_error::{FileError, Finding};
-use super::ron_message::{explain, nearest};
+use super::check::{diagnostics, value_diagnostics};
+use super::file_error::{Diagnostic, FileError};
+use super::ron_message::{closest_name, explain};
 use super::schema::Scenario;
 
 /// The most bytes a RON file may have.
-pub const MOST_BYTES: u64 = 1 << 20;
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
 /// The most levels of nesting.
-const MOST_LEVELS: usize = 64;
+const MAX_NESTING: usize = 64;
 /// Where the project's own RON files lie, seen from its root.
 const SHIPPED: [&str; 3] = ["scenarios", "assets/presets", "assets/experiments"];
 
@@ -41,7 +41,7 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path.as_ref(), findings)
+        parse_checked(text, path.as_ref(), diagnostics)
     }
 
     /// The scenario in the file at `path`, to be edited: every number is sound, but the parts may not fit together.
@@ -58,18 +58,22 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::load_draft`].
     pub fn parse_draft(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path.as_ref(), unsound)
+        parse_checked(text, path.as_ref(), value_diagnostics)
     }
 }
 
 fn parse_checked(
     text: &str,
     path: &Path,
-    check: fn(&Scenario) -> Vec<Finding>,
+    check: fn(&Scenario) -> Vec<Diagnostic>,
 ) -> Result<Scenario, FileError> {
     let scenario = parse_ron(text, path)?;
-    let findings = check(&scenario);
-    if findings.is_empty() { Ok(scenario) } else { Err(FileError::in_fields(path, text, &findings)) }
+    let diagnostics = check(&scenario);
+    if diagnostics.is_empty() {
+        Ok(scenario)
+    } else {
+        Err(FileError::from_diagnostics(path, text, &diagnostics))
+    }
 }
 
 /// A `T` from the RON file at `path`.
@@ -81,13 +85,16 @@ pub fn read_ron<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, FileEr
     parse_ron(&read_text(path)?, path)
 }
 
-/// A `T` from a RON file of up to `most_bytes` at `path`: for files that the program itself has written.
+/// A `T` from a RON file of up to `max_bytes` at `path`: for files that the program itself has written.
 ///
 /// # Errors
 /// [`FileError`] when the file can't be read or is no RON for a `T`.
-pub fn read_long_ron<T: DeserializeOwned>(path: impl AsRef<Path>, most_bytes: u64) -> Result<T, FileError> {
+pub fn read_ron_with_limit<T: DeserializeOwned>(
+    path: impl AsRef<Path>,
+    max_bytes: u64,
+) -> Result<T, FileError> {
     let path = path.as_ref();
-    parse_any(&read_long_text(path, most_bytes)?, path)
+    parse_any(&read_text_with_limit(path, max_bytes)?, path)
 }
 
 /// A `T` from RON text; `path` is only what errors name.
@@ -95,8 +102,8 @@ pub fn read_long_ron<T: DeserializeOwned>(path: impl AsRef<Path>, most_bytes: u6
 /// # Errors
 /// [`FileError`] when `text` is no RON for a `T`.
 pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T, FileError> {
-    if text.len() as u64 > MOST_BYTES {
-        return Err(too_large(path.as_ref(), MOST_BYTES));
+    if text.len() as u64 > MAX_FILE_BYTES {
+        return Err(too_large(path.as_ref(), MAX_FILE_BYTES));
     }
     parse_any(text, path.as_ref())
 }
@@ -104,7 +111,7 @@ pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Res
 fn parse_any<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, FileError> {
     options().from_str(text).map_err(|error| {
         let (offset, message) = explain(text, &error);
-        FileError::at(path, text, offset, message)
+        FileError::at_offset(path, text, offset, message)
     })
 }
 
@@ -128,12 +135,12 @@ pub fn read_bytes(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
 }
 
 #[cfg(target_arch = "wasm32")]
-pub use super::shelf::read as read_bytes;
+pub use super::virtual_files::read as read_bytes;
 
 /// Whether there is a file or folder at `path`.
-pub fn is_there(path: &Path) -> bool {
+pub fn path_exists(path: &Path) -> bool {
     #[cfg(target_arch = "wasm32")]
-    return super::shelf::holds(path);
+    return super::virtual_files::contains(path);
     #[cfg(not(target_arch = "wasm32"))]
     path.exists()
 }
@@ -143,43 +150,43 @@ pub fn is_there(path: &Path) -> bool {
 /// # Errors
 /// [`FileError`] when it is missing (naming what is there instead), unreadable, over 1 MiB or not UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
-    read_long_text(path, MOST_BYTES)
+    read_text_with_limit(path, MAX_FILE_BYTES)
 }
 
-/// As [`read_text`], but of up to `most_bytes`: for files that the program itself has written.
+/// As [`read_text`], but of up to `max_bytes`: for files that the program itself has written.
 ///
 /// # Errors
 /// As [`read_text`].
-pub fn read_long_text(path: impl AsRef<Path>, most_bytes: u64) -> Result<String, FileError> {
+pub fn read_text_with_limit(path: impl AsRef<Path>, max_bytes: u64) -> Result<String, FileError> {
     let path = path.as_ref();
     let fail = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => missing(path),
-        ErrorKind::IsADirectory => FileError::whole(
+        ErrorKind::IsADirectory => FileError::for_file(
             path,
             format!("this is a folder: name a file in it{}", listing(&ron_files(path))),
         ),
-        _ => FileError::whole(path, format!("can't be read: {error}")),
+        _ => FileError::for_file(path, format!("can't be read: {error}")),
     };
-    let bytes = read_bytes(path, most_bytes + 1).map_err(fail)?;
-    if bytes.len() as u64 > most_bytes {
-        return Err(too_large(path, most_bytes));
+    let bytes = read_bytes(path, max_bytes + 1).map_err(fail)?;
+    if bytes.len() as u64 > max_bytes {
+        return Err(too_large(path, max_bytes));
     }
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(&error.as_bytes()[..good]).into_owned();
-        FileError::at(path, &text, good, "not UTF-8 text from here on: save it as UTF-8")
+        FileError::at_offset(path, &text, good, "not UTF-8 text from here on: save it as UTF-8")
     })
 }
 
 fn options() -> Options {
     let extensions =
         Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
-    Options::default().with_default_extension(extensions).with_recursion_limit(MOST_LEVELS)
+    Options::default().with_default_extension(extensions).with_recursion_limit(MAX_NESTING)
 }
 
-fn too_large(path: &Path, most_bytes: u64) -> FileError {
-    let most = most_bytes >> 20;
-    FileError::whole(path, format!("larger than {most} MiB: that is no file of this kind"))
+fn too_large(path: &Path, max_bytes: u64) -> FileError {
+    let most = max_bytes >> 20;
+    FileError::for_file(path, format!("larger than {most} MiB: that is no file of this kind"))
 }
 
 /// The error for a file that is not there: the nearest name among its neighbours (or the shipped files), and
@@ -192,10 +199,10 @@ fn missing(path: &Path) -> FileError {
     }
     let name = path.file_stem().and_then(OsStr::to_str).unwrap_or_default();
     let names = there.iter().filter_map(|file| file.file_stem()?.to_str());
-    let near = nearest(name, names)
+    let near = closest_name(name, names)
         .and_then(|near| there.iter().find(|file| file.file_stem() == Some(near.as_ref())));
     let hint = near.map(|file| format!(": did you mean `{}`?", file.display())).unwrap_or_default();
-    FileError::whole(path, format!("no such file{hint}{}", listing(&there)))
+    FileError::for_file(path, format!("no such file{hint}{}", listing(&there)))
 }
 
 /// The RON files of a folder in the order of their names; none if it can't be read.

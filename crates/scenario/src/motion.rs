@@ -16,7 +16,7 @@ use wayfield_random::Stream;
 /// position, visits the waypoints in order, returns to its position, and so on; it doesn't turn, and a
 /// negative speed goes the other way round. Back and forth: the same to the last waypoint and back. Random walk: it is
 /// at its position at step 0, and at a random point of the disc about it whenever the longest leg's time has passed;
-/// between, it goes straight and evenly. Numbers that [`findings`](super::findings) would refuse may give
+/// between, it goes straight and evenly. Numbers that [`diagnostics`](super::findings) would refuse may give
 /// NaN, never a panic.
 #[must_use]
 pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f32, f32) {
@@ -25,7 +25,7 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
     // A product of two f32 is exact in f64; only the factor `step` rounds, once.
     let travelled = |speed: f32| f64::from(speed) * f64::from(control_period_s) * step as f64;
     let ((x, y), rotation) = match &obstacle.motion {
-        ObstacleMotion::Still => (position, rotation),
+        ObstacleMotion::Static => (position, rotation),
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let angle = travelled(*speed_rad_s);
             (revolved(position, wide(*centre_m), angle), rotation + angle)
@@ -36,8 +36,8 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
         ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
             (there_and_back(position, waypoints_m, travelled(*speed_m_s)), rotation)
         }
-        ObstacleMotion::RandomWalk { reach_m, speed_m_s, seed } => {
-            (wandered(position, f64::from(*reach_m), *seed, travelled(*speed_m_s)), rotation)
+        ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed } => {
+            (wandered(position, f64::from(*radius_m), *seed, travelled(*speed_m_s)), rotation)
         }
     };
     (x as f32, y as f32, wrapped(rotation) as f32)
@@ -127,7 +127,7 @@ fn wandered(middle: (f64, f64), reach: f64, seed: u32, distance: f64) -> (f64, f
 
 /// A point of the disc of radius 1, evenly: the first of the square that lies in it.
 fn in_disc(stream: &mut Stream) -> (f64, f64) {
-    let mut coordinate = || f64::from(wayfield_random::between(stream, -1.0, 1.0));
+    let mut coordinate = || f64::from(wayfield_random::uniform(stream, -1.0, 1.0));
     loop {
         let (x, y) = (coordinate(), coordinate());
         if x * x + y * y <= 1.0 {
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn a_random_walk_stays_in_reach_never_hurries_and_is_told_by_its_seed() {
         let walk =
-            |seed| obstacle((1.0, -1.0), ObstacleMotion::RandomWalk { reach_m: 0.5, speed_m_s: 0.2, seed });
+            |seed| obstacle((1.0, -1.0), ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.2, seed });
         let (one, other) = (walk(1), walk(2));
         assert_eq!(pose_at(&one, 0, 0.2), (1.0, -1.0, 0.0));
         let (mut apart, mut corners) = (0.0_f32, std::collections::BTreeSet::new());

@@ -1,20 +1,20 @@
-//! Starts and targets by the scenario's rules; random ones keep clear of the walls and of the obstacles where they are
+//! Starts and goals by the scenario's rules; random ones keep clear of the walls and of the obstacles where they are
 //! at that step.
 //!
-//! In: a [`Scenario`], the step, a [`Stream`]. Out: a start or a target. Called at every reset: nothing
+//! In: a [`Scenario`], the step, a [`Stream`]. Out: a start or a goal. Called at every reset: nothing
 //! allocates.
 
 use std::f32::consts::{PI, TAU};
 
 use super::geometry::{is_clear, length};
-use super::schema::{PlaceRule, Scenario};
-use wayfield_random::{Stream, below, between, unit};
+use super::schema::{PlacementRule, Scenario};
+use wayfield_random::{Stream, uniform, uniform_01, uniform_index};
 
 /// Random tries before the grid is walked.
 const TRIES: u32 = 1_000;
 /// Grid points along each side of the enclosure.
 const GRID: usize = 64;
-/// So many starts are tried for one that leaves room for a target.
+/// So many starts are tried for one that leaves room for a goal.
 const STARTS: u32 = 50;
 
 /// A place (x, y in m).
@@ -26,26 +26,26 @@ type Place = (f32, f32);
 #[error(
     "no free space for a {what} at step {step}: fewer or smaller obstacles, or a smaller clearance_m, make room"
 )]
-pub struct NoFreePlace {
-    /// "start" or "target".
+pub struct NoFreeSpace {
+    /// "start" or "goal".
     pub what: &'static str,
     /// The step at which there was no room.
     pub step: u64,
 }
 
-/// A start as [`draw_start`] and a target as [`draw_target`] gives them, far enough apart.
+/// A start as [`draw_start`] and a goal as [`draw_goal`] gives them, far enough apart.
 ///
 /// # Errors
-/// [`NoFreePlace`] when the obstacles, where they are at `step`, leave no room.
-pub fn draw_navigation(
+/// [`NoFreeSpace`] when the obstacles, where they are at `step`, leave no room.
+pub fn draw_start_and_goal(
     scenario: &Scenario,
     step: u64,
     stream: &mut Stream,
-) -> Result<((f32, f32, f32), Place), NoFreePlace> {
-    let mut drawn = Err(NoFreePlace { what: "target", step });
+) -> Result<((f32, f32, f32), Place), NoFreeSpace> {
+    let mut drawn = Err(NoFreeSpace { what: "goal", step });
     for _ in 0..STARTS {
         let start = draw_start(scenario, step, stream)?;
-        drawn = draw_target(scenario, step, (start.0, start.1), stream).map(|target| (start, target));
+        drawn = draw_goal(scenario, step, (start.0, start.1), stream).map(|goal| (start, goal));
         if drawn.is_ok() {
             break;
         }
@@ -57,58 +57,58 @@ pub fn draw_navigation(
 /// the rule gives it.
 ///
 /// # Errors
-/// [`NoFreePlace`] when the obstacles, where they are at `step`, leave no room.
+/// [`NoFreeSpace`] when the obstacles, where they are at `step`, leave no room.
 pub fn draw_start(
     scenario: &Scenario,
     step: u64,
     stream: &mut Stream,
-) -> Result<(f32, f32, f32), NoFreePlace> {
+) -> Result<(f32, f32, f32), NoFreeSpace> {
     let rule = &scenario.starts;
-    let (x, y) = draw(scenario, rule, step, stream, |_| true).ok_or(NoFreePlace { what: "start", step })?;
+    let (x, y) = draw(scenario, rule, step, stream, |_| true).ok_or(NoFreeSpace { what: "start", step })?;
     let heading = match rule {
-        PlaceRule::Fixed { heading_rad: Some(heading), .. } => *heading,
-        _ => PI - TAU * unit(stream),
+        PlacementRule::Fixed { heading_rad: Some(heading), .. } => *heading,
+        _ => PI - TAU * uniform_01(stream),
     };
     Ok((x, y, heading))
 }
 
-/// A target (x, y in m) by the rule `targets`, at least `task.min_target_distance_m` from `robot_m`.
+/// A goal (x, y in m) by the rule `goals`, at least `task.min_goal_distance_m` from `robot_m`.
 ///
 /// # Errors
-/// [`NoFreePlace`] when the obstacles, where they are at `step`, leave no room, or the rule has no place so far away.
-pub fn draw_target(
+/// [`NoFreeSpace`] when the obstacles, where they are at `step`, leave no room, or the rule has no place so far away.
+pub fn draw_goal(
     scenario: &Scenario,
     step: u64,
     robot_m: Place,
     stream: &mut Stream,
-) -> Result<Place, NoFreePlace> {
-    let far = |(x, y): Place| length(x - robot_m.0, y - robot_m.1) >= scenario.task.min_target_distance_m;
-    draw(scenario, &scenario.targets, step, stream, far).ok_or(NoFreePlace { what: "target", step })
+) -> Result<Place, NoFreeSpace> {
+    let far = |(x, y): Place| length(x - robot_m.0, y - robot_m.1) >= scenario.task.min_goal_distance_m;
+    draw(scenario, &scenario.goals, step, stream, far).ok_or(NoFreeSpace { what: "goal", step })
 }
 
 /// A point by `rule` that `fits`: by rejection, and where room is scarce the first that fits on the grid. A place that
 /// the rule names is taken whatever passes there at this moment.
 fn draw(
     scenario: &Scenario,
-    rule: &PlaceRule,
+    rule: &PlacementRule,
     step: u64,
     stream: &mut Stream,
     fits: impl Fn(Place) -> bool,
 ) -> Option<Place> {
     match rule {
-        PlaceRule::Fixed { at_m, .. } => Some(*at_m).filter(|&place| fits(place)),
-        PlaceRule::OneOf { places_m } => {
-            let fitting = || places_m.iter().copied().filter(|&place| fits(place));
+        PlacementRule::Fixed { position_m, .. } => Some(*position_m).filter(|&place| fits(place)),
+        PlacementRule::OneOf { positions_m } => {
+            let fitting = || positions_m.iter().copied().filter(|&place| fits(place));
             let count = fitting().count();
-            if count == 0 { None } else { fitting().nth(below(stream, count)) }
+            if count == 0 { None } else { fitting().nth(uniform_index(stream, count)) }
         }
-        PlaceRule::Random { clearance_m } | PlaceRule::Within { clearance_m, .. } => {
+        PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => {
             let (low, high) = region(scenario, rule);
             if !(low.0 <= high.0 && low.1 <= high.1) {
                 return None;
             }
             (0..TRIES)
-                .map(|_| (between(stream, low.0, high.0), between(stream, low.1, high.1)))
+                .map(|_| (uniform(stream, low.0, high.0), uniform(stream, low.1, high.1)))
                 .find(|&point| fits(point) && is_clear(scenario, point, step, *clearance_m))
                 .or_else(|| free_points(scenario, rule, step).find(|&point| fits(point)))
         }
@@ -116,27 +116,35 @@ fn draw(
 }
 
 /// The box that a rule's points lie in; where it is empty, low is above high.
-fn region(scenario: &Scenario, rule: &PlaceRule) -> (Place, Place) {
+fn region(scenario: &Scenario, rule: &PlacementRule) -> (Place, Place) {
     match *rule {
-        PlaceRule::Within { min_m, max_m, .. } => (min_m, max_m),
-        PlaceRule::Random { clearance_m: c } => {
+        PlacementRule::Within { min_m, max_m, .. } => (min_m, max_m),
+        PlacementRule::Random { clearance_m: c } => {
             let (low, high) = scenario.enclosure.bounds_m();
             ((low.0 + c, low.1 + c), (high.0 - c, high.1 - c))
         }
-        PlaceRule::Fixed { .. } | PlaceRule::OneOf { .. } => scenario.enclosure.bounds_m(),
+        PlacementRule::Fixed { .. } | PlacementRule::OneOf { .. } => scenario.enclosure.bounds_m(),
     }
 }
 
 /// The places that satisfy `rule` at `step`: of a fixed grid of 64 x 64 over the enclosure or the rule's region those that
 /// are clear, or of the places that the rule names those where the robot would not collide.
-pub(super) fn free_points(scenario: &Scenario, rule: &PlaceRule, step: u64) -> impl Iterator<Item = Place> {
+pub(super) fn free_points(
+    scenario: &Scenario,
+    rule: &PlacementRule,
+    step: u64,
+) -> impl Iterator<Item = Place> {
     let (named, clearance_m): (&[Place], f32) = match rule {
-        PlaceRule::Fixed { at_m, .. } => (std::slice::from_ref(at_m), scenario.task.collision_range_m),
-        PlaceRule::OneOf { places_m } => (places_m, scenario.task.collision_range_m),
-        PlaceRule::Random { clearance_m } | PlaceRule::Within { clearance_m, .. } => (&[], *clearance_m),
+        PlacementRule::Fixed { position_m, .. } => {
+            (std::slice::from_ref(position_m), scenario.task.collision_range_m)
+        }
+        PlacementRule::OneOf { positions_m } => (positions_m, scenario.task.collision_range_m),
+        PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => {
+            (&[], *clearance_m)
+        }
     };
     let (low, high) = match *rule {
-        PlaceRule::Within { min_m, max_m, .. } => (min_m, max_m),
+        PlacementRule::Within { min_m, max_m, .. } => (min_m, max_m),
         _ => scenario.enclosure.bounds_m(),
     };
     let at = move |k: usize, low: f32, high: f32| {
@@ -159,7 +167,7 @@ mod tests {
             shape: Shape::Rectangle { width_m: side_m, height_m: side_m },
             position_m: (0.0, 0.0),
             rotation_rad: 0.0,
-            motion: ObstacleMotion::Still,
+            motion: ObstacleMotion::Static,
         };
         Scenario { obstacles: vec![obstacle], ..Scenario::default() }
     }
@@ -173,7 +181,7 @@ mod tests {
             error.to_string(),
             "no free space for a start at step 7: fewer or smaller obstacles, or a smaller clearance_m, make room"
         );
-        let narrow = Scenario { starts: PlaceRule::Random { clearance_m: 2.5 }, ..Scenario::default() };
+        let narrow = Scenario { starts: PlacementRule::Random { clearance_m: 2.5 }, ..Scenario::default() };
         assert!(draw_start(&narrow, 0, &mut s).is_err(), "a clearance beyond the walls");
     }
 
@@ -186,37 +194,37 @@ mod tests {
             shape: Shape::Rectangle { width_m: 4.0, height_m },
             position_m: (0.0, y),
             rotation_rad: 0.0,
-            motion: ObstacleMotion::Still,
+            motion: ObstacleMotion::Static,
         };
         scenario.obstacles = vec![slab(1.6875, -1.15625), slab(1.625, 1.1875)];
-        scenario.targets = PlaceRule::Random { clearance_m: 0.34374 };
-        let mut s = stream(1, "targets", 0);
+        scenario.goals = PlacementRule::Random { clearance_m: 0.34374 };
+        let mut s = stream(1, "goals", 0);
         for _ in 0..100 {
-            let target = draw_target(&scenario, 0, (-1.65, 0.0), &mut s).expect("there is room");
-            assert!(clearance(&scenario, target, 0) >= 0.34374);
+            let goal = draw_goal(&scenario, 0, (-1.65, 0.0), &mut s).expect("there is room");
+            assert!(clearance(&scenario, goal, 0) >= 0.34374);
         }
     }
 
     #[test]
     fn places_that_are_named_are_taken_where_they_are_far_enough() {
         let mut scenario = Scenario {
-            starts: PlaceRule::Fixed { at_m: (-1.5, 0.5), heading_rad: Some(0.25) },
-            targets: PlaceRule::OneOf { places_m: vec![(1.0, 1.0), (-1.4, 0.5), (1.0, -1.0)] },
+            starts: PlacementRule::Fixed { position_m: (-1.5, 0.5), heading_rad: Some(0.25) },
+            goals: PlacementRule::OneOf { positions_m: vec![(1.0, 1.0), (-1.4, 0.5), (1.0, -1.0)] },
             ..Scenario::default()
         };
         let mut s = stream(3, "places", 0);
         let mut counts = [0; 2];
         for _ in 0..1_000 {
-            let (start, target) = draw_navigation(&scenario, 0, &mut s).expect("two are far enough");
+            let (start, goal) = draw_start_and_goal(&scenario, 0, &mut s).expect("two are far enough");
             assert_eq!(start, (-1.5, 0.5, 0.25));
-            counts[usize::from(target.1 < 0.0)] += 1;
-            assert_eq!(target.0, 1.0, "0.1 m away is too near");
+            counts[usize::from(goal.1 < 0.0)] += 1;
+            assert_eq!(goal.0, 1.0, "0.1 m away is too near");
         }
         assert!(counts.iter().all(|&n| (420..580).contains(&n)), "each as likely: {counts:?}");
-        assert!(draw_target(&scenario, 0, (1.0, 1.0), &mut s).expect("the other two").0 <= 1.0);
-        scenario.targets = PlaceRule::Fixed { at_m: (-1.4, 0.5), heading_rad: None };
-        let error = draw_navigation(&scenario, 0, &mut s).expect_err("too near the only start");
-        assert_eq!(error.what, "target");
+        assert!(draw_goal(&scenario, 0, (1.0, 1.0), &mut s).expect("the other two").0 <= 1.0);
+        scenario.goals = PlacementRule::Fixed { position_m: (-1.4, 0.5), heading_rad: None };
+        let error = draw_start_and_goal(&scenario, 0, &mut s).expect_err("too near the only start");
+        assert_eq!(error.what, "goal");
     }
 
     #[test]
@@ -224,16 +232,16 @@ mod tests {
         let corners_m = vec![(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0), (2.0, 4.0), (0.0, 4.0)];
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
-            starts: PlaceRule::Within { min_m: (0.5, 2.0), max_m: (3.5, 3.5), clearance_m: 0.35 },
+            starts: PlacementRule::Within { min_m: (0.5, 2.0), max_m: (3.5, 3.5), clearance_m: 0.35 },
             ..Scenario::default()
         };
         let mut s = stream(4, "places", 0);
         let mut upper = 0;
         for _ in 0..500 {
-            let (start, target) = draw_navigation(&scenario, 0, &mut s).expect("there is room");
+            let (start, goal) = draw_start_and_goal(&scenario, 0, &mut s).expect("there is room");
             assert!((0.5..=1.65).contains(&start.0) && (2.0..3.5).contains(&start.1), "{start:?}");
-            assert!(clearance(&scenario, target, 0) >= 0.35, "{target:?}");
-            upper += u32::from(target.1 > 2.0);
+            assert!(clearance(&scenario, goal, 0) >= 0.35, "{goal:?}");
+            upper += u32::from(goal.1 > 2.0);
         }
         assert!((100..250).contains(&upper), "about a third of the L is its upper arm: {upper}");
     }

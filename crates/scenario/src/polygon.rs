@@ -6,10 +6,10 @@
 use super::geometry::length;
 
 /// From `point` to the nearest side, in m; negative outside. Sides may point inwards, but must not cross.
-pub(super) fn depth(corners: &[(f32, f32)], point: (f32, f32)) -> f32 {
+pub(super) fn signed_distance(corners: &[(f32, f32)], point: (f32, f32)) -> f32 {
     let (mut nearest, mut inside) = (f32::INFINITY, false);
     for (from, to) in sides(corners) {
-        nearest = nearest.min(from_segment(from, to, point));
+        nearest = nearest.min(distance_to_segment(from, to, point));
         // Even and odd crossings of the ray from the point towards +x.
         if (from.1 > point.1) != (to.1 > point.1) {
             let x = from.0 + (point.1 - from.1) / (to.1 - from.1) * (to.0 - from.0);
@@ -26,7 +26,7 @@ pub fn sides<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> {
 
 /// From `point` to the segment between two points, in m.
 #[must_use]
-pub fn from_segment(from: (f32, f32), to: (f32, f32), point: (f32, f32)) -> f32 {
+pub fn distance_to_segment(from: (f32, f32), to: (f32, f32), point: (f32, f32)) -> f32 {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let (px, py) = (point.0 - from.0, point.1 - from.1);
     let square = dx * dx + dy * dy;
@@ -68,11 +68,11 @@ mod tests {
             // From the corner that points inwards: 0.3 and 0.4.
             ((0.7, 0.6), 0.5),
         ] {
-            let found = depth(&L, point);
+            let found = signed_distance(&L, point);
             assert!((found - expected).abs() < 1e-6, "{point:?}: {found}");
         }
         let clockwise: Vec<_> = L.iter().rev().copied().collect();
-        assert_eq!(depth(&clockwise, (0.5, 0.5)), 0.5);
+        assert_eq!(signed_distance(&clockwise, (0.5, 0.5)), 0.5);
     }
 
     #[test]
@@ -86,8 +86,8 @@ mod tests {
     #[test]
     fn the_way_to_a_segment_ends_at_its_ends() {
         let (from, to) = ((0.0, 0.0), (2.0, 0.0));
-        let found = [(1.0, 0.5), (5.0, 4.0), (-3.0, 4.0)].map(|point| from_segment(from, to, point));
+        let found = [(1.0, 0.5), (5.0, 4.0), (-3.0, 4.0)].map(|point| distance_to_segment(from, to, point));
         assert_eq!(found, [0.5, 5.0, 5.0]);
-        assert_eq!(from_segment(from, from, (3.0, 4.0)), 5.0, "a segment without length");
+        assert_eq!(distance_to_segment(from, from, (3.0, 4.0)), 5.0, "a segment without length");
     }
 }

@@ -4,20 +4,20 @@
 
 use ron::error::{Error, Position, SpannedError};
 
-use super::outline::Outline;
+use super::source_map::SourceMap;
 
 /// Where in `text` to point for `error`, and what to say there.
 pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
     use Error as E;
     let (start, end) = (offset(text, error.span.start), offset(text, error.span.end));
-    let outline = Outline::new(text);
+    let outline = SourceMap::new(text);
     let here = || field(&outline.path_at(end));
     // Where a bracket or comma stands instead of a value, the value is what comes before.
     let at_value = if text[end..].starts_with(value_start) { end } else { last_of(&text[..end]) };
     let must = |what: &str| (end, format!("{} must be {what}", field(&outline.path_at(at_value))));
     match &error.code {
         E::NoSuchStructField { expected, found, .. } => {
-            let inside = field(&outline.path_above(start));
+            let inside = field(&outline.parent_path_at(start));
             (
                 start,
                 format!("unknown field `{found}` in {inside}: {}", choice(found, expected, "the fields are")),
@@ -30,11 +30,12 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
                 format!("unknown choice `{found}` for {of}: {}", choice(found, expected, "the choices are")),
             )
         }
-        E::DuplicateStructField { field: name, .. } => {
-            (start, format!("`{name}` is written twice in {}: keep one", field(&outline.path_above(start))))
-        }
+        E::DuplicateStructField { field: name, .. } => (
+            start,
+            format!("`{name}` is written twice in {}: keep one", field(&outline.parent_path_at(start))),
+        ),
         E::MissingStructField { field: name, .. } => {
-            (outline.value_around(end), format!("{} lacks the field `{name}`: add `{name}: ...`", here()))
+            (outline.value_start_at(end), format!("{} lacks the field `{name}`: add `{name}: ...`", here()))
         }
         E::ExpectedInteger => must("a whole number"),
         E::ExpectedFloat => must("a number"),
@@ -49,7 +50,7 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
             (start, format!("{path} must be a whole number in range: this one is negative or too large"))
         }
         E::ExpectedComma if fraction(text, end) => {
-            let start = outline.value_around(end);
+            let start = outline.value_start_at(end);
             (start, format!("{} must be a whole number, without a fraction", here()))
         }
         E::ExpectedComma => (end, "a comma or a closing bracket is missing before this".into()),
@@ -57,7 +58,7 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
             end,
             format!(
                 "{} must end before this: a `)` is missing, or it has too many parts",
-                field(&outline.path_above(end))
+                field(&outline.parent_path_at(end))
             ),
         ),
         E::ExpectedMapColon => {
@@ -90,7 +91,7 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
 /// "did you mean `x`? the fields are `x`, `y`": the nearest of `known` to `word`, if one is near, and all of
 /// them.
 fn choice(word: &str, known: &[&str], lead: &str) -> String {
-    let hint = nearest(word, known.iter().copied())
+    let hint = closest_name(word, known.iter().copied())
         .map(|near| format!("did you mean `{near}`? "))
         .unwrap_or_default();
     let all: Vec<_> = known.iter().map(|name| format!("`{name}`")).collect();
@@ -99,7 +100,7 @@ fn choice(word: &str, known: &[&str], lead: &str) -> String {
 
 /// Which of `known` may have been meant by `word`, if any is near: the "did you mean" of every message.
 #[must_use]
-pub fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub fn closest_name<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     known
         .map(|name| (strsim::jaro_winkler(&word, &name.to_lowercase()), name))

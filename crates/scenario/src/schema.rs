@@ -1,7 +1,7 @@
 //! What a world is: the types that a scenario file spells, with the paper's numbers as their defaults.
 //!
 //! In: RON text, through [`Scenario::load`](super::Scenario::load). Out: plain numbers that the task and the
-//! world read. Nothing here is checked yet; [`findings`](super::findings) does that.
+//! world read. Nothing here is checked yet; [`diagnostics`](super::findings) does that.
 //!
 //! Lengths are metres, times seconds, angles radians (counterclockwise positive, 0 along +x). The origin is
 //! the middle of the enclosure.
@@ -42,13 +42,13 @@ pub struct Scenario {
     pub task: TaskRules,
     /// Where the robot starts.
     #[serde(default)]
-    pub starts: PlaceRule,
-    /// Where targets are put.
+    pub starts: PlacementRule,
+    /// Where goals are put.
     #[serde(default)]
-    pub targets: PlaceRule,
-    /// The timed course of the paper's tables 3, 4, 6 and 7.
+    pub goals: PlacementRule,
+    /// The benchmark route of the paper's tables 3, 4, 6 and 7.
     #[serde(default)]
-    pub course: Course,
+    pub benchmark_route: BenchmarkRoute,
 }
 
 impl Default for Scenario {
@@ -64,9 +64,9 @@ impl Default for Scenario {
             robot: Robot::default(),
             lidar: Lidar::default(),
             task: TaskRules::default(),
-            starts: PlaceRule::default(),
-            targets: PlaceRule::default(),
-            course: Course::default(),
+            starts: PlacementRule::default(),
+            goals: PlacementRule::default(),
+            benchmark_route: BenchmarkRoute::default(),
         }
     }
 }
@@ -163,7 +163,7 @@ pub enum Shape {
 pub enum ObstacleMotion {
     /// It stands still.
     #[default]
-    Still,
+    Static,
     /// Around a point at a constant distance, turning with the revolution as if fixed to a turntable.
     Orbit {
         /// The point it revolves about.
@@ -191,7 +191,7 @@ pub enum ObstacleMotion {
     /// the longest there could be, so most are slower than the speed that is given.
     RandomWalk {
         /// How far from its position the points are at most, 0.01 to 500 m.
-        reach_m: f32,
+        radius_m: f32,
         /// The fastest it ever is, 0 to 5 m/s.
         speed_m_s: f32,
         /// Which walk: the same number is the same one in every run.
@@ -209,8 +209,8 @@ pub struct Generator {
     pub count: u32,
     /// Their outline.
     pub shape: RandomShape,
-    /// The least gap from each one's bounding circle to walls, to other obstacles, to the course's ends and to places
-    /// that the rules of starts and targets name; what moves is where it is at step 0. More than twice the collision range,
+    /// The least gap from each one's bounding circle to walls, to other obstacles, to the benchmark route's ends and to places
+    /// that the rules of starts and goals name; what moves is where it is at step 0. More than twice the collision range,
     /// so that the robot fits through.
     #[serde(default = "default_gap_m")]
     pub gap_m: f32,
@@ -333,42 +333,42 @@ impl Lidar {
     }
 }
 
-/// The rules of the task: when a target counts as reached, what counts as a collision, how long an episode
+/// The rules of the task: when a goal counts as reached, what counts as a collision, how long an episode
 /// is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TaskRules {
-    /// The paper's l_a: the target is reached when nearer than this, 0.001 to 100 m.
+    /// The paper's l_a: the goal is reached when nearer than this, 0.001 to 100 m.
     pub goal_radius_m: f32,
     /// The paper's l_c: it is a collision when the smallest distance that a beam measures, from the robot's centre, is
     /// under this, or its body touches something. More than the robot's radius, less than the LIDAR's range.
     pub collision_range_m: f32,
     /// Steps until an episode is cut off, 1 to 1,000,000.
-    pub time_limit_steps: u32,
+    pub max_episode_steps: u32,
     /// Simulated time of one step, 0.001 to 10 s.
     pub control_period_s: f32,
-    /// How far a new target is from the robot at least; more than the goal radius.
-    pub min_target_distance_m: f32,
+    /// How far a new goal is from the robot at least; more than the goal radius.
+    pub min_goal_distance_m: f32,
 }
 
 impl Default for TaskRules {
     /// l_a = 0.2 m and the control period of 0.2 s are the paper's; l_c, the time limit and the least
-    /// distance of a target are chosen, since the paper leaves them open.
+    /// distance of a goal are chosen, since the paper leaves them open.
     fn default() -> Self {
         Self {
             goal_radius_m: 0.2,
             collision_range_m: 0.13,
-            time_limit_steps: 500,
+            max_episode_steps: 500,
             control_period_s: 0.2,
-            min_target_distance_m: 0.5,
+            min_goal_distance_m: 0.5,
         }
     }
 }
 
-/// Where starts or targets may be.
+/// Where starts or goals may be.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum PlaceRule {
+pub enum PlacementRule {
     /// Anywhere, evenly, that is clear of the walls and of every obstacle where it is at that moment.
     Random {
         /// The least distance from the point to any surface, 0 to 1,000 m.
@@ -388,19 +388,19 @@ pub enum PlaceRule {
     /// Always the same place.
     Fixed {
         /// The place.
-        at_m: (f32, f32),
-        /// Where the robot looks at its start, -6.3 to 6.3; anywhere, if this is left out. A target has none.
+        position_m: (f32, f32),
+        /// Where the robot looks at its start, -6.3 to 6.3; anywhere, if this is left out. A goal has none.
         #[serde(default)]
         heading_rad: Option<f32>,
     },
     /// One of a few places, each as likely as the others; the heading is random.
     OneOf {
         /// The places, 1 to 256.
-        places_m: Vec<(f32, f32)>,
+        positions_m: Vec<(f32, f32)>,
     },
 }
 
-impl Default for PlaceRule {
+impl Default for PlacementRule {
     /// Anywhere that is 0.35 m clear of everything.
     fn default() -> Self {
         Self::Random { clearance_m: default_clearance_m() }
@@ -411,21 +411,21 @@ fn default_clearance_m() -> f32 {
     0.35
 }
 
-/// The timed course: one navigation from a fixed start to a fixed target.
+/// The benchmark route: one navigation from a fixed start to a fixed goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Course {
+pub struct BenchmarkRoute {
     /// Where the robot starts.
     pub start_m: (f32, f32),
     /// Where it looks at first, -6.3 to 6.3 (a full turn either way).
     pub heading_rad: f32,
     /// Where it must go.
-    pub target_m: (f32, f32),
+    pub goal_m: (f32, f32),
 }
 
-impl Default for Course {
+impl Default for BenchmarkRoute {
     /// The paper's, from (0, 0) to (1.2, 1.2); the heading along +x is ours.
     fn default() -> Self {
-        Self { start_m: (0.0, 0.0), heading_rad: 0.0, target_m: (1.2, 1.2) }
+        Self { start_m: (0.0, 0.0), heading_rad: 0.0, goal_m: (1.2, 1.2) }
     }
 }

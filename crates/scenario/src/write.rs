@@ -4,15 +4,15 @@
 //! the bit. What has not changed keeps its very bytes, comments and all; what is new is spelled like the shipped files.
 
 mod align;
-mod join;
+mod format;
 mod merge;
-mod pieces;
-mod spell;
+mod rebuild;
+mod syntax;
 mod tree;
 
+use self::format::Formatter;
 use self::merge::Merge;
-use self::pieces::Piece;
-use self::spell::Speller;
+use self::syntax::SyntaxNode;
 use self::tree::Node;
 use super::load::{parse_ron, to_ron};
 use super::schema::Scenario;
@@ -26,13 +26,13 @@ use super::schema::Scenario;
 /// 110 columns, and only what differs from the defaults.
 #[must_use]
 pub fn to_text(scenario: &Scenario, like: Option<&str>) -> String {
-    let Ok(tree) = Node::of(scenario) else { return to_ron(scenario).unwrap_or_default() };
+    let Ok(tree) = Node::from_value(scenario) else { return to_ron(scenario).unwrap_or_default() };
     let merged = like.and_then(|like| merged(&tree, like));
     merged.filter(|text| read(text).as_ref() == Some(&tree)).unwrap_or_else(|| canonical(&tree, "\n"))
 }
 
 fn canonical(tree: &Node, newline: &'static str) -> String {
-    tree.record().map(|scenario| Speller::new(newline).file(scenario)).unwrap_or_default()
+    tree.record().map(|scenario| Formatter::new(newline).file(scenario)).unwrap_or_default()
 }
 
 /// `tree` in the words of `like`; none if that is no scenario.
@@ -40,11 +40,15 @@ fn merged(tree: &Node, like: &str) -> Option<String> {
     let old = read(like)?;
     let newline =
         if like.split_once('\n').is_some_and(|(line, _)| line.ends_with('\r')) { "\r\n" } else { "\n" };
-    let speller = Speller::new(newline);
-    Some(Merge { text: like, speller: &speller }.file(&Piece::of(like)?, old.record()?, tree.record()?))
+    let speller = Formatter::new(newline);
+    Some(Merge { text: like, speller: &speller }.file(
+        &SyntaxNode::parse(like)?,
+        old.record()?,
+        tree.record()?,
+    ))
 }
 
 /// The tree of the scenario that `text` is, whatever its checks say.
 fn read(text: &str) -> Option<Node> {
-    Node::of(&parse_ron::<Scenario>(text, "").ok()?).ok()
+    Node::from_value(&parse_ron::<Scenario>(text, "").ok()?).ok()
 }

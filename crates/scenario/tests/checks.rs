@@ -3,13 +3,13 @@
 use std::time::{Duration, Instant};
 
 use wayfield_scenario::{
-    Enclosure, Generator, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Region, Scenario, Shape, Wall,
-    findings,
+    Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Scenario, Shape,
+    Wall, diagnostics,
 };
 
 /// Findings as lines, without a file.
 fn found(scenario: &Scenario) -> Vec<String> {
-    findings(scenario).iter().map(ToString::to_string).collect()
+    diagnostics(scenario).iter().map(ToString::to_string).collect()
 }
 
 /// What is found in a world with this enclosure.
@@ -89,54 +89,55 @@ fn more_than_there_may_be_of_walls_and_generators_is_refused() {
 
 #[test]
 fn places_that_the_rules_name_must_leave_a_way_to_go() {
-    let fixed = |x, heading_rad| PlaceRule::Fixed { at_m: (x, 0.0), heading_rad };
-    let one_of = |places: &[f32]| PlaceRule::OneOf { places_m: places.iter().map(|&x| (x, 0.0)).collect() };
-    let with = |starts, targets| found(&Scenario { starts, targets, ..Scenario::default() });
+    let fixed = |x, heading_rad| PlacementRule::Fixed { position_m: (x, 0.0), heading_rad };
+    let one_of =
+        |places: &[f32]| PlacementRule::OneOf { positions_m: places.iter().map(|&x| (x, 0.0)).collect() };
+    let with = |starts, goals| found(&Scenario { starts, goals, ..Scenario::default() });
     assert_eq!(with(fixed(0.0, Some(1.5)), fixed(0.5, None)), [""; 0]);
     assert_eq!(
         with(fixed(0.0, Some(7.0)), fixed(0.6, Some(1.5))),
         [
             "`starts.heading_rad` is 7: write a number from -6.3 to 6.3 (radians: a full turn is 6.2832)",
-            "`targets.heading_rad` has no meaning: a target looks nowhere; leave it out",
+            "`goals.heading_rad` has no meaning: a goal looks nowhere; leave it out",
         ]
     );
     assert_eq!(
         with(fixed(0.0, None), fixed(0.25, None)),
-        ["`targets.at_m` lies 0.250 m from the start: put it 0.5 m away at least, or write less for \
-             task.min_target_distance_m"]
+        ["`goals.position_m` lies 0.250 m from the start: put it 0.5 m away at least, or write less for \
+             task.min_goal_distance_m"]
     );
     assert_eq!(
         with(one_of(&[0.0, 1.0]), one_of(&[0.75, 1.25, 0.8])),
-        ["`starts.places_m[1]` leaves no target that is 0.5 m away: move it, or write less for \
-             task.min_target_distance_m"]
+        ["`starts.positions_m[1]` leaves no goal that is 0.5 m away: move it, or write less for \
+             task.min_goal_distance_m"]
     );
     assert_eq!(
         with(one_of(&[]), one_of(&[501.0])),
         [
-            "`starts.places_m` has 0 entries: write 1 to 256 of them",
-            "`targets.places_m[0][0]` is 501: write a number from -500 to 500 (metres)",
+            "`starts.positions_m` has 0 entries: write 1 to 256 of them",
+            "`goals.positions_m[0][0]` is 501: write a number from -500 to 500 (metres)",
         ]
     );
-    let within = |min_m, max_m| PlaceRule::Within { min_m, max_m, clearance_m: 0.3 };
+    let within = |min_m, max_m| PlacementRule::Within { min_m, max_m, clearance_m: 0.3 };
     assert_eq!(with(within((-1.0, -1.0), (-0.5, 1.0)), within((0.5, -1.0), (1.0, 1.0))), [""; 0]);
     // Of a square of 1 m, what is 0.5 m from its middle is 1 - pi/4 of it, 21 %; of one of 1.04 m, 27 %.
     assert_eq!(with(within((-0.52, -0.52), (0.52, 0.52)), fixed(0.0, None)), [""; 0]);
     assert_eq!(
         with(within((-0.5, -0.5), (0.5, 0.5)), fixed(0.0, None)),
         [
-            "`targets` lie too near the starts: fewer than one start in 4 leaves a target that is 0.5 m away; move \
-             them, or write less for task.min_target_distance_m"
+            "`goals` lie too near the starts: fewer than one start in 4 leaves a goal that is 0.5 m away; move \
+             them, or write less for task.min_goal_distance_m"
         ]
     );
     assert_eq!(
         with(within((1.8, -1.0), (2.0, 1.0)), within((1.0, 0.5), (0.5, 1.0))),
         [
-            "`targets.max_m[0]` is 0.5, and `min_m[0]` is 1: write the lower left corner as min_m, the upper right one \
+            "`goals.max_m[0]` is 0.5, and `min_m[0]` is 1: write the lower left corner as min_m, the upper right one \
              as max_m"
         ]
     );
     assert_eq!(
-        with(within((1.8, -1.0), (2.0, 1.0)), PlaceRule::default()),
+        with(within((1.8, -1.0), (2.0, 1.0)), PlacementRule::default()),
         [
             "`starts` finds no free space at step 0: no point of its rectangle is 0.3 m clear; use fewer or smaller \
              obstacles, or a smaller clearance_m"
@@ -167,20 +168,20 @@ fn generators_that_can_fill_the_room_are_told_of() {
     );
     let crowd = Scenario { generators: vec![generator(100, None)], ..Scenario::default() };
     assert_eq!(found(&Scenario { generators: vec![generator(8, None)], ..crowd.clone() }), [""; 0]);
-    let far = PlaceRule::Random { clearance_m: 0.6 };
-    assert_eq!(found(&Scenario { targets: far.clone(), ..crowd.clone() }), told("for a target"));
+    let far = PlacementRule::Random { clearance_m: 0.6 };
+    assert_eq!(found(&Scenario { goals: far.clone(), ..crowd.clone() }), told("for a goal"));
     assert_eq!(found(&Scenario { starts: far, ..crowd }), told("for a start"));
     // They fill a hall but for its left end.
     let right = Region { min_m: (-1.0, -0.75), max_m: (3.0, 0.75) };
     let mut hall = Scenario {
         enclosure: Enclosure::Rectangle { width_m: 6.0, height_m: 1.5 },
         generators: vec![generator(60, Some(right))],
-        targets: PlaceRule::Random { clearance_m: 0.5 },
+        goals: PlacementRule::Random { clearance_m: 0.5 },
         ..Scenario::default()
     };
-    (hall.course.start_m, hall.course.target_m) = ((-2.5, 0.0), (-2.0, 0.0));
-    hall.task.min_target_distance_m = 1.0;
-    assert_eq!(found(&hall), told("for a target that is task.min_target_distance_m away"));
+    (hall.benchmark_route.start_m, hall.benchmark_route.goal_m) = ((-2.5, 0.0), (-2.0, 0.0));
+    hall.task.min_goal_distance_m = 1.0;
+    assert_eq!(found(&hall), told("for a goal that is task.min_goal_distance_m away"));
 }
 
 #[test]
@@ -190,38 +191,40 @@ fn what_the_robot_cannot_reach_is_told_with_two_points() {
     let closet = wall(&[(0.95, 2.0), (0.95, 0.95), (2.0, 0.95)]);
     let needs = "it needs a gap of more than 0.26 m, twice the collision range; open a way";
     let mut scenario = Scenario { walls: vec![closet], ..Scenario::default() };
-    scenario.course.target_m = (1.0, -1.0);
+    scenario.benchmark_route.goal_m = (1.0, -1.0);
     let told = found(&scenario);
     assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("`targets` may be at (1.5"), "{told:?}");
+    assert!(told[0].starts_with("`goals` may be at (1.5"), "{told:?}");
     assert!(told[0].contains(", where the robot can't get from ("), "{told:?}");
     assert!(
         told[0].ends_with(&format!(": {needs}, fill that place up, or write a rule without it")),
         "{told:?}"
     );
-    // Targets elsewhere: the starts are what is left.
-    let elsewhere = PlaceRule::Within { min_m: (-2.0, -2.0), max_m: (2.0, 0.9), clearance_m: 0.35 };
-    scenario.targets = elsewhere.clone();
+    // Goals elsewhere: the starts are what is left.
+    let elsewhere = PlacementRule::Within { min_m: (-2.0, -2.0), max_m: (2.0, 0.9), clearance_m: 0.35 };
+    scenario.goals = elsewhere.clone();
     let told = found(&scenario);
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(told[0].starts_with("`starts` may be at (1.5"), "{told:?}");
     assert!(told[0].contains(", from where the robot can't get to ("), "{told:?}");
     scenario.starts = elsewhere;
     assert_eq!(found(&scenario), [""; 0]);
-    // A fixed start in the closet is what is wrong, wherever targets may be.
-    scenario.starts = PlaceRule::Fixed { at_m: (1.25, 1.25), heading_rad: None };
-    scenario.targets = PlaceRule::default();
+    // A fixed start in the closet is what is wrong, wherever goals may be.
+    scenario.starts = PlacementRule::Fixed { position_m: (1.25, 1.25), heading_rad: None };
+    scenario.goals = PlacementRule::default();
     assert!(
         found(&scenario)[0].starts_with("`starts` may be at (1.25, 1.25), from where"),
         "{:?}",
         found(&scenario)
     );
-    scenario.targets = PlaceRule::OneOf { places_m: vec![(1.3, 1.8), (1.75, 1.7)] };
+    scenario.goals = PlacementRule::OneOf { positions_m: vec![(1.3, 1.8), (1.75, 1.7)] };
     assert_eq!(found(&scenario), [""; 0], "within the closet it may stay");
-    scenario.course.target_m = (1.5, 1.5);
+    scenario.benchmark_route.goal_m = (1.5, 1.5);
     assert_eq!(
         found(&scenario),
-        [format!("`course.target_m` can't be reached from course.start_m: {needs}, or move one of them")]
+        [format!(
+            "`benchmark_route.goal_m` can't be reached from benchmark_route.start_m: {needs}, or move one of them"
+        )]
     );
 }
 
@@ -244,14 +247,14 @@ fn a_gap_of_twice_the_collision_range_is_the_least() {
         };
         let mut scenario =
             Scenario { walls: walls.into(), obstacles: vec![in_the_door], ..Scenario::default() };
-        scenario.course.start_m = (-1.2, -1.2);
+        scenario.benchmark_route.start_m = (-1.2, -1.2);
         assert_eq!(
             found(&scenario).is_empty(),
             passes,
             "{gap_m} m, turned: {turned}: {:?}",
             found(&scenario)
         );
-        scenario.obstacles[0].motion = ObstacleMotion::Still;
+        scenario.obstacles[0].motion = ObstacleMotion::Static;
         assert_eq!(
             found(&scenario).len(),
             2,
@@ -262,7 +265,7 @@ fn a_gap_of_twice_the_collision_range_is_the_least() {
 }
 
 /// Asserts that a text is told of within 20 s, and that what is told of it has `needle`.
-fn assert_told_soon(what: &str, text: &str, needle: &str) {
+fn assert_reported_quickly(what: &str, text: &str, needle: &str) {
     assert!(text.len() <= 1 << 20, "{what}: {} bytes are no file", text.len());
     let start = Instant::now();
     let told = Scenario::parse(text, "w.ron").expect_err(what).to_string();
@@ -281,7 +284,7 @@ fn a_hostile_file_takes_neither_long_nor_much() {
     text.truncate(text.len().min(1_000_000));
     let text = &text[..=text.rfind("),(").expect("some fit")];
     let text = format!("{text}, (shape: Rectangle(width_m: 3.99, height_m: 3.99), position_m: (0, 0))])");
-    assert_told_soon("a crowd that moves", &text, "`targets` finds no free space");
+    assert_reported_quickly("a crowd that moves", &text, "`goals` finds no free space");
     for text in ["(".repeat(1 << 20), "/*".repeat(1 << 19), "(name:\"".repeat(1 << 17)] {
         let start = Instant::now();
         assert!(Scenario::parse(&text, "w.ron").is_err());
@@ -300,19 +303,19 @@ fn nor_do_hostile_outlines() {
     let slivers = sliver.repeat(1_000_000 / sliver.len());
     let text = format!(
         "(name:\"a\",enclosure:Rectangle(width_m:60,height_m:60),walls:[(corners_m:[(-30,25),(30,25)])],\
-         obstacles:[{slivers}],course:(start_m:(-20,0),target_m:(0,-20)))"
+         obstacles:[{slivers}],benchmark_route:(start_m:(-20,0),goal_m:(0,-20)))"
     );
-    assert_told_soon("slivers", &text, "`targets` may be at");
+    assert_reported_quickly("slivers", &text, "`goals` may be at");
     // As many pieces of walls as there may be, up and down over the whole, none of which leaves a way; and patrols that
     // go so through an enclosure of 64 corners.
     let zigzag: String =
         (0..250).map(|k| format!("({}.{},{}),", k % 20, k, if k % 2 == 0 { -25 } else { 25 })).collect();
     let walls = format!("(corners_m:[{zigzag}]),").repeat(40);
     let text = format!(
-        "(name:\"a\",enclosure:Rectangle(width_m:60,height_m:60),walls:[{walls}],course:(start_m:(-20,0),target_m:(-20,\
+        "(name:\"a\",enclosure:Rectangle(width_m:60,height_m:60),walls:[{walls}],benchmark_route:(start_m:(-20,0),goal_m:(-20,\
          -20)))"
     );
-    assert_told_soon("walls", &text, "`targets` may be at");
+    assert_reported_quickly("walls", &text, "`goals` may be at");
     let mut comb = String::from("(-30,-30),(30,-30),");
     for k in 0..31 {
         comb.push_str(&format!("({},30),({}.5,-20),", 30 - k, 29 - k));
@@ -322,8 +325,8 @@ fn nor_do_hostile_outlines() {
     );
     let patrols = patrol.repeat(1_000_000 / patrol.len());
     let text = format!(
-        "(name:\"a\",enclosure:Polygon(corners_m:[{comb}]),obstacles:[{patrols}],course:(start_m:(-20,-28),target_m:(0,\
+        "(name:\"a\",enclosure:Polygon(corners_m:[{comb}]),obstacles:[{patrols}],benchmark_route:(start_m:(-20,-28),goal_m:(0,\
          -28)))"
     );
-    assert_told_soon("a comb", &text, "reaches on its way");
+    assert_reported_quickly("a comb", &text, "reaches on its way");
 }

@@ -10,8 +10,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use syn::{Attribute, Expr, Field, Fields, GenericArgument, Item, Lit, Meta, PathArguments, Type};
 use wayfield_scenario::{
-    Course, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Region,
-    Robot, Scenario, Shape, TaskRules, Wall, parse_ron,
+    BenchmarkRoute, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlacementRule,
+    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, parse_ron,
 };
 
 const RENEW: &str = "WAYFIELD_RENEW=1 cargo test --release -p wayfield-scenario --test docs";
@@ -263,14 +263,14 @@ fn filled_in(kind: &str, text: &str) -> Value {
         };
     }
     one_of!(
-        Course,
+        BenchmarkRoute,
         Enclosure,
         Generator,
         Lidar,
         Motion,
         Obstacle,
         ObstacleMotion,
-        PlaceRule,
+        PlacementRule,
         RandomShape,
         Region,
         Robot,
@@ -442,9 +442,9 @@ fn the_page_says_what_was_worked_out_by_hand() {
          | field | written | default | meaning |\n|---|---|---|---|\n\
          | `corners_m` | list of `(x, y)` | must be given | Along. |\n\
          | `thickness_m` | number | `0.1` | Across. |\n\
-         \n## Obstacle motion\n\nA motion.\n\n### `Still`\n\nNone.\n\n### `RandomWalk`\n\nSome.\n\n\
+         \n## Obstacle motion\n\nA motion.\n\n### `Static`\n\nNone.\n\n### `RandomWalk`\n\nSome.\n\n\
          | field | written | default | meaning |\n|---|---|---|---|\n\
-         | `reach_m` | number | must be given | How far. |\n\
+         | `radius_m` | number | must be given | How far. |\n\
          | `speed_m_s` | number | must be given | How fast. |\n\
          | `seed` | whole number | `0` | Which. |\n\
          \n## Region\n\nA box.\n\n\

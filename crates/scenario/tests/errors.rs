@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use wayfield_scenario::{Obstacle, ObstacleMotion, Scenario, Shape, findings, parse_ron, to_ron};
+use wayfield_scenario::{Obstacle, ObstacleMotion, Scenario, Shape, diagnostics, parse_ron, to_ron};
 
 const FIXTURES: &str = "tests/fixtures";
 
 /// What is said of a file that must not load. (Tests run in the package's root, so paths are short.)
-fn complaint(path: &str) -> String {
+fn load_error(path: &str) -> String {
     Scenario::load(path).expect_err(path).to_string()
 }
 
 /// What is said of a text that must not parse.
-fn complaint_of(text: &str) -> String {
+fn parse_error(text: &str) -> String {
     Scenario::parse(text, "w.ron").expect_err(text).to_string()
 }
 
@@ -24,7 +24,7 @@ fn each_broken_file_is_explained_as_written_beside_it() {
         "latin-1",
         "numbers",
         "fit",
-        "furniture",
+        "obstacles",
         "speeds",
         "outside",
         "beyond",
@@ -33,7 +33,7 @@ fn each_broken_file_is_explained_as_written_beside_it() {
         "places",
         "unreachable",
     ] {
-        let told = complaint(&format!("{FIXTURES}/{name}.ron"));
+        let told = load_error(&format!("{FIXTURES}/{name}.ron"));
         let expected = std::fs::read_to_string(format!("{FIXTURES}/{name}.txt")).unwrap_or_default();
         assert_eq!(told, expected.trim_end(), "{name}.txt is what {name}.ron should say; it says:\n{told}\n");
     }
@@ -44,16 +44,16 @@ fn a_missing_file_names_its_neighbours() {
     let near = format!("{FIXTURES}/neighbours");
     let listed = format!("(files there: {near}/crossing.ron, {near}/doorway.ron)");
     assert_eq!(
-        complaint(&format!("{near}/dorway.ron")),
+        load_error(&format!("{near}/dorway.ron")),
         format!("{near}/dorway.ron: no such file: did you mean `{near}/doorway.ron`? {listed}")
     );
-    assert_eq!(complaint(&format!("{near}/zzz.ron")), format!("{near}/zzz.ron: no such file {listed}"));
-    assert_eq!(complaint(&near), format!("{near}: this is a folder: name a file in it {listed}"));
+    assert_eq!(load_error(&format!("{near}/zzz.ron")), format!("{near}/zzz.ron: no such file {listed}"));
+    assert_eq!(load_error(&near), format!("{near}: this is a folder: name a file in it {listed}"));
     assert_eq!(
-        complaint(&format!("{near}/doorway.ron/x.ron")),
+        load_error(&format!("{near}/doorway.ron/x.ron")),
         format!("{near}/doorway.ron/x.ron: can't be read: Not a directory (os error 20)")
     );
-    let told = complaint("scenario-1.ron");
+    let told = load_error("scenario-1.ron");
     assert!(
         told.starts_with(
             "scenario-1.ron: no such file: did you mean `scenarios/scenario-1.ron`? (files there: "
@@ -67,14 +67,14 @@ fn a_file_over_a_mebibyte_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("large.ron");
     std::fs::write(&path, " ".repeat((1 << 20) + 1)).expect("it can be written");
-    let told = complaint(path.to_str().expect("a plain path"));
+    let told = load_error(path.to_str().expect("a plain path"));
     assert_eq!(told, format!("{}: larger than 1 MiB: that is no file of this kind", path.display()));
 }
 
 #[test]
 fn mistakes_of_form_are_explained_where_they_are() {
     let fields = "`name`, `about`, `enclosure`, `walls`, `obstacles`, `generators`, `robot`, `lidar`, `task`, \
-         `starts`, `targets`, `course`";
+         `starts`, `goals`, `benchmark_route`";
     let root = format!("1:13: unknown field `zzz` in the file: the fields are {fields}");
     for (text, told) in [
         (r#"(name: "a", zzz: 1)"#, root.as_str()),
@@ -90,7 +90,7 @@ fn mistakes_of_form_are_explained_where_they_are() {
         ),
         (
             "(name: \"a\",\n obstacles: [(shape: Circle(radius_m: 1), position_m: (0, 0), motion: Wander())])",
-            "2:71: unknown choice `Wander` for `obstacles[0].motion`: the choices are `Still`, `Orbit`, `Patrol`, \
+            "2:71: unknown choice `Wander` for `obstacles[0].motion`: the choices are `Static`, `Orbit`, `Patrol`, \
              `BackAndForth`, `RandomWalk`",
         ),
         (
@@ -98,8 +98,8 @@ fn mistakes_of_form_are_explained_where_they_are() {
             "1:24: unknown choice `Circle` for `enclosure`: the choices are `Rectangle`, `Polygon`",
         ),
         (
-            r#"(name: "a", targets: Fix(at_m: (0, 0)))"#,
-            "1:22: unknown choice `Fix` for `targets`: did you mean `Fixed`? the choices are `Random`, `Within`, \
+            r#"(name: "a", goals: Fix(position_m: (0, 0)))"#,
+            "1:22: unknown choice `Fix` for `goals`: did you mean `Fixed`? the choices are `Random`, `Within`, \
              `Fixed`, `OneOf`",
         ),
         (
@@ -140,14 +140,17 @@ fn mistakes_of_form_are_explained_where_they_are() {
         ("(name: a)", "1:8: `name` must be text in double quotes: \"...\""),
         (r#"(name: "a", obstacles: (1))"#, "1:24: `obstacles` must be a list in square brackets: [...]"),
         (
-            r#"(name: "a", course: (start_m: [0, 0]))"#,
-            "1:31: `course.start_m` must be written with parentheses: (...)",
+            r#"(name: "a", benchmark_route: (start_m: [0, 0]))"#,
+            "1:31: `benchmark_route.start_m` must be written with parentheses: (...)",
         ),
         (r#"(name: "a", starts: Random)"#, "1:27: `starts` must be written with parentheses: (...)"),
-        (r#"(name: "a", course: (start_m: (0)))"#, "1:33: `course.start_m` must be a tuple of size 2"),
         (
-            r#"(name: "a", course: (start_m: (0, 0, 0)))"#,
-            "1:38: `course.start_m` must end before this: a `)` is missing, or it has too many parts",
+            r#"(name: "a", benchmark_route: (start_m: (0)))"#,
+            "1:33: `benchmark_route.start_m` must be a tuple of size 2",
+        ),
+        (
+            r#"(name: "a", benchmark_route: (start_m: (0, 0, 0)))"#,
+            "1:38: `benchmark_route.start_m` must end before this: a `)` is missing, or it has too many parts",
         ),
         (r#"(name: "a" lidar: ())"#, "1:12: a comma or a closing bracket is missing before this"),
         (
@@ -167,7 +170,7 @@ fn mistakes_of_form_are_explained_where_they_are() {
         ("(name: \"abc", "1:8: this text has no closing quote: add one"),
         (r#"(name: "a\q")"#, "1:12: this is not RON: Unknown escape character"),
     ] {
-        assert_eq!(complaint_of(text), format!("w.ron:{told}"), "for {text}");
+        assert_eq!(parse_error(text), format!("w.ron:{told}"), "for {text}");
     }
 }
 
@@ -196,7 +199,7 @@ fn texts_too_long_and_crowds_too_large_are_refused() {
         shape: Shape::Circle { radius_m: -1.0 },
         position_m: (0.0, 0.0),
         rotation_rad: 0.0,
-        motion: ObstacleMotion::Still,
+        motion: ObstacleMotion::Static,
     };
     let scenario = Scenario {
         name: "n".repeat(101),
@@ -204,7 +207,7 @@ fn texts_too_long_and_crowds_too_large_are_refused() {
         obstacles: vec![circle; 10_001],
         ..Scenario::default()
     };
-    let found: Vec<_> = findings(&scenario).iter().take(4).map(ToString::to_string).collect();
+    let found: Vec<_> = diagnostics(&scenario).iter().take(4).map(ToString::to_string).collect();
     assert_eq!(
         found,
         [
@@ -216,7 +219,7 @@ fn texts_too_long_and_crowds_too_large_are_refused() {
     );
     let crowd = Scenario { obstacles: scenario.obstacles[..150].to_vec(), ..Scenario::default() };
     let text = to_ron(&crowd).expect("it can be written");
-    let told = complaint_of(&text);
+    let told = parse_error(&text);
     assert_eq!(told.lines().count(), 101);
     assert!(told.ends_with("w.ron: and 50 more like these: mend some and look again"), "{told}");
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use wayfield_scenario::{
-    Enclosure, Obstacle, ObstacleMotion, PlaceRule, Scenario, Shape, parse_ron, pose_at, to_ron,
+    Enclosure, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape, parse_ron, pose_at, to_ron,
 };
 
 fn shipped(name: &str) -> PathBuf {
@@ -44,11 +44,11 @@ fn the_defaults_are_the_papers_numbers() {
     );
     assert_eq!(scenario.task.goal_radius_m, 0.2, "l_a");
     assert_eq!(scenario.task.control_period_s, 0.2);
-    assert_eq!((scenario.task.collision_range_m, scenario.task.time_limit_steps), (0.13, 500), "chosen");
-    assert_eq!(scenario.starts, PlaceRule::Random { clearance_m: 0.35 });
-    assert_eq!(scenario.targets, scenario.starts);
+    assert_eq!((scenario.task.collision_range_m, scenario.task.max_episode_steps), (0.13, 500), "chosen");
+    assert_eq!(scenario.starts, PlacementRule::Random { clearance_m: 0.35 });
+    assert_eq!(scenario.goals, scenario.starts);
     assert_eq!(
-        (scenario.course.start_m, scenario.course.target_m),
+        (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m),
         ((0.0, 0.0), (1.2, 1.2)),
         "tables 3 to 7"
     );
@@ -63,7 +63,7 @@ fn the_file_with_every_field_spells_the_defaults() {
 #[test]
 fn scenario_2_is_scenario_1_turning() {
     let (one, two) = (load("scenario-1.ron"), load("scenario-2.ron"));
-    let stilled = |o: &Obstacle| Obstacle { motion: ObstacleMotion::Still, ..o.clone() };
+    let stilled = |o: &Obstacle| Obstacle { motion: ObstacleMotion::Static, ..o.clone() };
     assert_eq!(one.obstacles, two.obstacles.iter().map(stilled).collect::<Vec<_>>());
     assert!(one.obstacles.iter().all(|o| o.shape == Shape::Circle { radius_m: 0.15 }));
     let corners: Vec<_> = one.obstacles.iter().map(|o| o.position_m).collect();

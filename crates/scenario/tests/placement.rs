@@ -1,10 +1,10 @@
-//! Starts and targets keep their clearance in any sound scenario, and no text or number makes the room panic.
+//! Starts and goals keep their clearance in any sound scenario, and no text or number makes the room panic.
 
 use proptest::prelude::*;
 use wayfield_random::stream;
 use wayfield_scenario::{
-    Enclosure, Obstacle, ObstacleMotion, PlaceRule, Scenario, Shape, clearance, draw_start, draw_target,
-    findings, pose_at, to_ron,
+    Enclosure, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape, clearance, diagnostics, draw_goal,
+    draw_start, pose_at, to_ron,
 };
 
 fn shape() -> impl Strategy<Value = Shape> {
@@ -17,7 +17,7 @@ fn shape() -> impl Strategy<Value = Shape> {
 fn motion() -> impl Strategy<Value = ObstacleMotion> {
     let point = || (-2.0_f32..2.0, -2.0_f32..2.0);
     prop_oneof![
-        Just(ObstacleMotion::Still),
+        Just(ObstacleMotion::Static),
         (point(), -1.0_f32..1.0)
             .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s }),
         (prop::collection::vec(point(), 1..4), 0.0_f32..1.0)
@@ -34,8 +34,8 @@ fn scenario() -> impl Strategy<Value = Scenario> {
         |(obstacles, width_m, height_m, clearance_m)| Scenario {
             enclosure: Enclosure::Rectangle { width_m, height_m },
             obstacles,
-            starts: PlaceRule::Random { clearance_m },
-            targets: PlaceRule::Random { clearance_m: clearance_m + 0.05 },
+            starts: PlacementRule::Random { clearance_m },
+            goals: PlacementRule::Random { clearance_m: clearance_m + 0.05 },
             ..Scenario::default()
         },
     )
@@ -50,12 +50,12 @@ proptest! {
             let mut s = stream(seed, "places", 0);
             let start = draw_start(&scenario, step, &mut s);
             let robot = start.map_or((0.0, 0.0), |(x, y, _)| (x, y));
-            (start, draw_target(&scenario, step, robot, &mut s))
+            (start, draw_goal(&scenario, step, robot, &mut s))
         };
-        let (start, target) = draw();
-        prop_assert_eq!((start, target), draw(), "the same stream gives the same places");
-        let (PlaceRule::Random { clearance_m: least }, PlaceRule::Random { clearance_m: more }) =
-            (&scenario.starts, &scenario.targets)
+        let (start, goal) = draw();
+        prop_assert_eq!((start, goal), draw(), "the same stream gives the same places");
+        let (PlacementRule::Random { clearance_m: least }, PlacementRule::Random { clearance_m: more }) =
+            (&scenario.starts, &scenario.goals)
         else {
             panic!("random places");
         };
@@ -64,7 +64,7 @@ proptest! {
             robot = (x, y);
             prop_assert!(clearance(&scenario, robot, step) >= *least);
         }
-        if let Ok((x, y)) = target {
+        if let Ok((x, y)) = goal {
             prop_assert!(clearance(&scenario, (x, y), step) >= *more);
             prop_assert!((x - robot.0).hypot(y - robot.1) > 0.4999);
         }
@@ -72,15 +72,15 @@ proptest! {
 
     #[test]
     fn a_sound_scenario_has_room_at_the_start(scenario in scenario(), seed: u64) {
-        let found = findings(&scenario);
-        prop_assume!(found.iter().all(|f| f.path.starts_with("obstacles") || f.path.starts_with("course")));
+        let found = diagnostics(&scenario);
+        prop_assume!(found.iter().all(|f| f.path.starts_with("obstacles") || f.path.starts_with("benchmark_route")));
         // (Room is looked for when the numbers are sound: not with an obstacle that moves too fast.)
         prop_assume!(!found.iter().any(|f| f.path.contains(".motion")));
         let mut s = stream(seed, "places", 0);
         let start = draw_start(&scenario, 0, &mut s);
         prop_assert!(start.is_ok());
         let robot = start.map_or((0.0, 0.0), |(x, y, _)| (x, y));
-        prop_assert!(draw_target(&scenario, 0, robot, &mut s).is_ok());
+        prop_assert!(draw_goal(&scenario, 0, robot, &mut s).is_ok());
     }
 
     #[test]
@@ -110,7 +110,7 @@ proptest! {
         step: u64, period: f32,
     ) {
         for motion in [
-            ObstacleMotion::Still,
+            ObstacleMotion::Static,
             ObstacleMotion::Orbit { centre_m, speed_rad_s: speed },
             ObstacleMotion::Patrol { waypoints_m, speed_m_s: speed },
         ] {

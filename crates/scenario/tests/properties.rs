@@ -1,21 +1,21 @@
 //! Random worlds over the whole schema: what is written is read back, nothing makes the checks panic, and a world that
 //! passes them can be run.
 
-mod scenario_worlds;
+mod scenario_strategies;
 
 use std::collections::VecDeque;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use scenario_worlds::{Numbers, Place, sound, standing};
+use scenario_strategies::{Point, ValueRange, valid_scenario, without_moving_obstacles};
 use wayfield_random::stream;
 use wayfield_scenario::{
-    Course, PlaceRule, Scenario, Shape, Wall, clearance, draw_navigation, draw_start, draw_target, findings,
-    parse_ron, pose_at, shape_distance, to_ron, wall_distance,
+    BenchmarkRoute, PlacementRule, Scenario, Shape, Wall, clearance, diagnostics, draw_goal, draw_start,
+    draw_start_and_goal, enclosure_distance, parse_ron, pose_at, shape_distance, to_ron,
 };
 
 /// The outline of a shape at a pose: corners, and how far it reaches beyond them.
-fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Place>, f32) {
+fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Point>, f32) {
     let (points, radius) = match shape {
         Shape::Circle { radius_m } => (vec![(0.0, 0.0)], *radius_m),
         Shape::Rectangle { width_m: w, height_m: h } => {
@@ -31,18 +31,18 @@ fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Place>, f32
 }
 
 /// Whether a way leads from one point to another over a coarse grid whose points are all `clear` m from what stands.
-fn has_way(scenario: &Scenario, from: Place, to: Place, clear: f32) -> bool {
+fn has_way(scenario: &Scenario, from: Point, to: Point, clear: f32) -> bool {
     const CELL_M: f32 = 0.05;
     let (low, high) = scenario.enclosure.bounds_m();
     let (columns, rows) =
         (((high.0 - low.0) / CELL_M) as usize + 1, ((high.1 - low.1) / CELL_M) as usize + 1);
     let nearest =
-        |(x, y): Place| (((x - low.0) / CELL_M).round() as usize, ((y - low.1) / CELL_M).round() as usize);
-    let standing = standing(scenario);
+        |(x, y): Point| (((x - low.0) / CELL_M).round() as usize, ((y - low.1) / CELL_M).round() as usize);
+    let without_moving_obstacles = without_moving_obstacles(scenario);
     let mut free: Vec<bool> = (0..columns * rows)
         .map(|k| {
             let point = (low.0 + (k % columns) as f32 * CELL_M, low.1 + (k / columns) as f32 * CELL_M);
-            clearance(&standing, point, 0) >= clear
+            clearance(&without_moving_obstacles, point, 0) >= clear
         })
         .collect();
     let mut due = VecDeque::from([nearest(from)]);
@@ -62,7 +62,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn what_is_written_is_read_back(scenario in Numbers::Finite.scenario()) {
+    fn what_is_written_is_read_back(scenario in ValueRange::Finite.scenario()) {
         let text = to_ron(&scenario).expect("it can be written");
         let read: Scenario = parse_ron(&text, "w.ron").expect("and read");
         prop_assert_eq!(&read, &scenario);
@@ -70,13 +70,13 @@ proptest! {
     }
 
     #[test]
-    fn no_numbers_make_the_checks_panic(scenario in Numbers::Any.scenario(), step: u64) {
-        let found = findings(&scenario);
+    fn no_numbers_make_the_checks_panic(scenario in ValueRange::Any.scenario(), step: u64) {
+        let found = diagnostics(&scenario);
         prop_assert!(found.iter().all(|finding| !finding.path.is_empty() && !finding.message.is_empty()));
-        let _ = clearance(&scenario, scenario.course.start_m, step);
+        let _ = clearance(&scenario, scenario.benchmark_route.start_m, step);
         for obstacle in &scenario.obstacles {
             let pose = pose_at(obstacle, step, scenario.task.control_period_s);
-            let _ = shape_distance(&obstacle.shape, pose, scenario.course.target_m);
+            let _ = shape_distance(&obstacle.shape, pose, scenario.benchmark_route.goal_m);
         }
     }
 
@@ -90,7 +90,7 @@ proptest! {
         let good = [
             include_str!("fixtures/everything.ron"),
             include_str!("fixtures/everything-else.ron"),
-            include_str!("fixtures/furniture.ron"),
+            include_str!("fixtures/obstacles.ron"),
             include_str!("fixtures/beyond.ron"),
         ][which];
         let mut text = good.to_owned();
@@ -107,68 +107,68 @@ proptest! {
     }
 
     #[test]
-    fn in_a_sound_world_starts_and_targets_are_found(scenario in sound(), seed: u64, later in 0_u64..100_000) {
+    fn in_a_sound_world_starts_and_targets_are_found(scenario in valid_scenario(), seed: u64, later in 0_u64..100_000) {
         let task = &scenario.task;
-        let standing = standing(&scenario);
+        let without_moving_obstacles = without_moving_obstacles(&scenario);
         // A place by a rule: as clear as the rule says, or where the robot does not collide with what stands.
-        let keeps = |rule: &PlaceRule, place: Place, step: u64| match rule {
-            PlaceRule::Random { clearance_m } => clearance(&scenario, place, step) >= *clearance_m,
-            PlaceRule::Within { min_m, max_m, clearance_m } => {
+        let keeps = |rule: &PlacementRule, place: Point, step: u64| match rule {
+            PlacementRule::Random { clearance_m } => clearance(&scenario, place, step) >= *clearance_m,
+            PlacementRule::Within { min_m, max_m, clearance_m } => {
                 clearance(&scenario, place, step) >= *clearance_m
                     && (min_m.0..=max_m.0).contains(&place.0)
                     && (min_m.1..=max_m.1).contains(&place.1)
             }
-            PlaceRule::Fixed { at_m, .. } => {
-                place == *at_m && clearance(&standing, place, 0) >= task.collision_range_m
+            PlacementRule::Fixed { position_m, .. } => {
+                place == *position_m && clearance(&without_moving_obstacles, place, 0) >= task.collision_range_m
             }
-            PlaceRule::OneOf { places_m } => {
-                places_m.contains(&place) && clearance(&standing, place, 0) >= task.collision_range_m
+            PlacementRule::OneOf { positions_m } => {
+                positions_m.contains(&place) && clearance(&without_moving_obstacles, place, 0) >= task.collision_range_m
             }
         };
         let mut s = stream(seed, "places", 0);
         for round in 0..8 {
             let step = if round < 4 { 0 } else { later + round };
-            let drawn = draw_navigation(&scenario, step, &mut s);
+            let drawn = draw_start_and_goal(&scenario, step, &mut s);
             prop_assert!(drawn.is_ok() || step > 0, "{drawn:?}");
-            let Ok(((x, y, heading), target)) = drawn else { continue };
+            let Ok(((x, y, heading), goal)) = drawn else { continue };
             prop_assert!(keeps(&scenario.starts, (x, y), step), "{:?}", (x, y));
-            prop_assert!(keeps(&scenario.targets, target, step), "{target:?}");
+            prop_assert!(keeps(&scenario.goals, goal, step), "{goal:?}");
             prop_assert!(heading.abs() <= 6.3);
-            prop_assert!((target.0 - x).hypot(target.1 - y) > task.min_target_distance_m - 1e-4);
-            prop_assert!(has_way(&scenario, (x, y), target, task.collision_range_m - 0.05), "to {target:?}");
-            if matches!(scenario.targets, PlaceRule::Random { .. }) {
-                prop_assert!(draw_target(&scenario, 0, target, &mut s).is_ok(), "and on from there");
+            prop_assert!((goal.0 - x).hypot(goal.1 - y) > task.min_goal_distance_m - 1e-4);
+            prop_assert!(has_way(&scenario, (x, y), goal, task.collision_range_m - 0.05), "to {goal:?}");
+            if matches!(scenario.goals, PlacementRule::Random { .. }) {
+                prop_assert!(draw_goal(&scenario, 0, goal, &mut s).is_ok(), "and on from there");
             }
         }
         prop_assert!(draw_start(&scenario, 0, &mut s).is_ok());
-        let Course { start_m, target_m, .. } = scenario.course;
-        prop_assert!(has_way(&scenario, start_m, target_m, task.collision_range_m - 0.05));
+        let BenchmarkRoute { start_m, goal_m, .. } = scenario.benchmark_route;
+        prop_assert!(has_way(&scenario, start_m, goal_m, task.collision_range_m - 0.05));
     }
 
     #[test]
-    fn a_sound_world_stays_sound_when_it_is_furnished(scenario in sound(), layout: u64) {
-        let furnished = scenario.furnished(layout);
-        prop_assert!(furnished.generators.is_empty());
-        prop_assert!(furnished.obstacles.len() <= scenario.most_obstacles());
-        prop_assert_eq!(&furnished, &scenario.furnished(layout), "the same layout is the same world");
-        for finding in findings(&furnished) {
+    fn a_sound_world_stays_sound_when_it_is_furnished(scenario in valid_scenario(), layout: u64) {
+        let generated = scenario.with_generated_obstacles(layout);
+        prop_assert!(generated.generators.is_empty());
+        prop_assert!(generated.obstacles.len() <= scenario.max_obstacles());
+        prop_assert_eq!(&generated, &scenario.with_generated_obstacles(layout), "the same layout is the same world");
+        for finding in diagnostics(&generated) {
             // A crowded layout may leave no room for a rule: that is found out when a place is drawn.
-            let room = ["finds no free space", "the free space for targets is less", "too near the starts"];
-            prop_assert!(room.iter().any(|it| finding.message.contains(it)), "{finding} in {furnished:?}");
+            let room = ["finds no free space", "the free space for goals is less", "too near the starts"];
+            prop_assert!(room.iter().any(|it| finding.message.contains(it)), "{finding} in {generated:?}");
         }
     }
 
     #[test]
-    fn in_a_sound_world_nothing_leaves_the_enclosure_or_leaps(scenario in sound()) {
+    fn in_a_sound_world_nothing_leaves_the_enclosure_or_leaps(scenario in valid_scenario()) {
         let period = scenario.task.control_period_s;
         let corners = scenario.enclosure.corners_m();
-        for obstacle in &scenario.furnished(0).obstacles {
+        for obstacle in &scenario.with_generated_obstacles(0).obstacles {
             let mut before = pose_at(obstacle, 0, period);
             for step in 0..2_000 {
                 let pose = pose_at(obstacle, step, period);
                 let (points, radius) = outline(&obstacle.shape, pose);
                 for point in points {
-                    let inside = wall_distance(&scenario.enclosure, point) - radius;
+                    let inside = enclosure_distance(&scenario.enclosure, point) - radius;
                     prop_assert!(inside > -2e-4, "{inside} m at step {step}: {obstacle:?}");
                 }
                 for &corner in &corners {
@@ -183,27 +183,27 @@ proptest! {
 
     #[test]
     fn a_wall_is_found_fault_with_only_where_it_parts_start_from_target(
-        mut scenario in sound(), across in 0.2_f32..0.8, gap_m in 0.0_f32..0.6,
+        mut scenario in valid_scenario(), across in 0.2_f32..0.8, gap_m in 0.0_f32..0.6,
     ) {
         // From the lowest to the highest point of the enclosure, but for a gap.
         let (low, high) = scenario.enclosure.bounds_m();
         let x = low.0 + across * (high.0 - low.0);
         let mut top = low.1 + 0.001;
-        while wall_distance(&scenario.enclosure, (x, top)) > 0.0 {
+        while enclosure_distance(&scenario.enclosure, (x, top)) > 0.0 {
             top += 0.001;
         }
         scenario.walls.push(Wall { corners_m: vec![(x, low.1), (x, top - gap_m - 0.01)], thickness_m: 0.02 });
-        let Course { start_m, target_m, .. } = scenario.course;
-        scenario.starts = PlaceRule::Fixed { at_m: start_m, heading_rad: None };
-        scenario.targets = PlaceRule::Fixed { at_m: target_m, heading_rad: None };
+        let BenchmarkRoute { start_m, goal_m, .. } = scenario.benchmark_route;
+        scenario.starts = PlacementRule::Fixed { position_m: start_m, heading_rad: None };
+        scenario.goals = PlacementRule::Fixed { position_m: goal_m, heading_rad: None };
         scenario.generators.clear();
-        let found = findings(&scenario);
+        let found = diagnostics(&scenario);
         let room = scenario.task.collision_range_m;
         if found.iter().any(|finding| finding.message.contains("can't")) {
-            prop_assert_eq!(found.len(), 2, "the rules and the course agree");
-            prop_assert!(!has_way(&scenario, start_m, target_m, room), "{found:?}");
+            prop_assert_eq!(found.len(), 2, "the rules and the benchmark route agree");
+            prop_assert!(!has_way(&scenario, start_m, goal_m, room), "{found:?}");
         } else if found.is_empty() {
-            prop_assert!(has_way(&scenario, start_m, target_m, room - 0.05));
+            prop_assert!(has_way(&scenario, start_m, goal_m, room - 0.05));
         }
     }
 }

@@ -18,19 +18,19 @@ enum End {
     TimedOut,
 }
 
-/// Khatib's field: a pull to the target, and a push within a distance of every surface.
+/// Khatib's field: a pull to the goal, and a push within a distance of every surface.
 struct Field {
     push: f32,
     within_m: f32,
 }
 
 impl Field {
-    /// What the robot rolls down: one for each metre to the target, and push / 2 (1 / d - 1 / within)^2.
+    /// What the robot rolls down: one for each metre to the goal, and push / 2 (1 / d - 1 / within)^2.
     fn height(&self, scenario: &Scenario, (x, y): (f32, f32)) -> f32 {
-        let target = scenario.course.target_m;
+        let goal = scenario.benchmark_route.goal_m;
         let nearest = clearance(scenario, (x, y), 0).max(0.01);
         let pushed = (1.0 / nearest - 1.0 / self.within_m).max(0.0);
-        (x - target.0).hypot(y - target.1) + self.push / 2.0 * pushed * pushed
+        (x - goal.0).hypot(y - goal.1) + self.push / 2.0 * pushed * pushed
     }
 
     /// The direction in which it falls, in rad.
@@ -41,11 +41,11 @@ impl Field {
         slope(0.0, by).atan2(slope(by, 0.0))
     }
 
-    /// The timed course: at each step the motion that turns the robot downhill best.
+    /// The benchmark route: at each step the motion that turns the robot downhill best.
     fn drives(&self, scenario: &Scenario) -> End {
-        let (course, task) = (&scenario.course, &scenario.task);
-        let ((mut x, mut y), mut heading) = (course.start_m, course.heading_rad);
-        for _ in 0..task.time_limit_steps {
+        let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
+        let ((mut x, mut y), mut heading) = (benchmark_route.start_m, benchmark_route.heading_rad);
+        for _ in 0..task.max_episode_steps {
             let downhill = self.downhill(scenario, (x, y));
             let off = |motion: &&Motion| {
                 let turned = downhill - heading - motion.w_rad_s * task.control_period_s;
@@ -57,7 +57,7 @@ impl Field {
             let way = motion.v_m_s * task.control_period_s;
             (x, y) = (x + way * (heading + turn / 2.0).cos(), y + way * (heading + turn / 2.0).sin());
             heading += turn;
-            if (x - course.target_m.0).hypot(y - course.target_m.1) < task.goal_radius_m {
+            if (x - benchmark_route.goal_m.0).hypot(y - benchmark_route.goal_m.1) < task.goal_radius_m {
                 return End::Reached;
             }
             if clearance(scenario, (x, y), 0) < task.collision_range_m {

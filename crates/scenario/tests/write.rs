@@ -6,8 +6,8 @@ use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
 use wayfield_scenario::{
-    Course, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Region,
-    Robot, Scenario, Shape, TaskRules, Wall, parse_ron, to_text,
+    BenchmarkRoute, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlacementRule,
+    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, parse_ron, to_text,
 };
 
 fn read(text: &str) -> Scenario {
@@ -54,7 +54,7 @@ fn circle(x: f32, y: f32) -> Obstacle {
         shape: Shape::Circle { radius_m: 0.15 },
         position_m: (x, y),
         rotation_rad: 0.0,
-        motion: ObstacleMotion::Still,
+        motion: ObstacleMotion::Static,
     }
 }
 
@@ -71,7 +71,7 @@ fn everything() -> Scenario {
         ],
         obstacles: vec![
             circle(0.6, 0.6),
-            moving(Shape::Rectangle { width_m: 1.0, height_m: 0.5 }, ObstacleMotion::Still),
+            moving(Shape::Rectangle { width_m: 1.0, height_m: 0.5 }, ObstacleMotion::Static),
             moving(
                 Shape::Polygon { corners_m: vec![(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] },
                 ObstacleMotion::Orbit { centre_m: (0.0, 0.5), speed_rad_s: -0.15 },
@@ -85,11 +85,11 @@ fn everything() -> Scenario {
                 ..circle(0.0, 0.0)
             },
             Obstacle {
-                motion: ObstacleMotion::RandomWalk { reach_m: 0.8, speed_m_s: 0.1, seed: 0 },
+                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1, seed: 0 },
                 ..circle(0.0, 0.0)
             },
             Obstacle {
-                motion: ObstacleMotion::RandomWalk { reach_m: 0.8, speed_m_s: 0.1, seed: 7 },
+                motion: ObstacleMotion::RandomWalk { radius_m: 0.8, speed_m_s: 0.1, seed: 7 },
                 ..circle(-0.0, 3e20)
             },
         ],
@@ -123,13 +123,13 @@ fn everything() -> Scenario {
         task: TaskRules {
             goal_radius_m: 0.3,
             collision_range_m: 0.15,
-            time_limit_steps: 1000,
+            max_episode_steps: 1000,
             control_period_s: 0.1,
-            min_target_distance_m: 0.6,
+            min_goal_distance_m: 0.6,
         },
-        starts: PlaceRule::Within { min_m: (-1.0, -1.0), max_m: (1.0, 1.0), clearance_m: 0.35 },
-        targets: PlaceRule::Fixed { at_m: (1.0, 1.0), heading_rad: Some(1.5) },
-        course: Course { start_m: (0.0, 1.0), heading_rad: 0.785, target_m: (1.2, -1.2) },
+        starts: PlacementRule::Within { min_m: (-1.0, -1.0), max_m: (1.0, 1.0), clearance_m: 0.35 },
+        goals: PlacementRule::Fixed { position_m: (1.0, 1.0), heading_rad: Some(1.5) },
+        benchmark_route: BenchmarkRoute { start_m: (0.0, 1.0), heading_rad: 0.785, goal_m: (1.2, -1.2) },
     }
 }
 
@@ -179,12 +179,12 @@ const EVERYTHING: &str = r#"(
         (
             shape: Circle(radius_m: 0.15),
             position_m: (0.0, 0.0),
-            motion: RandomWalk(reach_m: 0.8, speed_m_s: 0.1),
+            motion: RandomWalk(radius_m: 0.8, speed_m_s: 0.1),
         ),
         (
             shape: Circle(radius_m: 0.15),
             position_m: (-0.0, 3e20),
-            motion: RandomWalk(reach_m: 0.8, speed_m_s: 0.1, seed: 7),
+            motion: RandomWalk(radius_m: 0.8, speed_m_s: 0.1, seed: 7),
         ),
     ],
 
@@ -219,15 +219,15 @@ const EVERYTHING: &str = r#"(
     task: (
         goal_radius_m: 0.3,
         collision_range_m: 0.15,
-        time_limit_steps: 1000,
+        max_episode_steps: 1000,
         control_period_s: 0.1,
-        min_target_distance_m: 0.6,
+        min_goal_distance_m: 0.6,
     ),
 
     starts: Within(min_m: (-1.0, -1.0), max_m: (1.0, 1.0)),
-    targets: Fixed(at_m: (1.0, 1.0), heading_rad: 1.5),
+    goals: Fixed(position_m: (1.0, 1.0), heading_rad: 1.5),
 
-    course: (start_m: (0.0, 1.0), heading_rad: 0.785, target_m: (1.2, -1.2)),
+    benchmark_route: (start_m: (0.0, 1.0), heading_rad: 0.785, goal_m: (1.2, -1.2)),
 )
 "#;
 
@@ -310,7 +310,7 @@ fn an_obstacle_less_an_obstacle_more() {
     assert_eq!(edited(&between, |scenario| drop(scenario.obstacles.remove(1))), text);
     // The last one takes nothing with it but itself; its field has a comment, so it stays.
     let none = edited(&text, |scenario| scenario.obstacles.clear());
-    assert!(none.contains("(The first one bars the timed course.)\n    obstacles: [],\n)"), "{none}");
+    assert!(none.contains("(The first one bars the benchmark route.)\n    obstacles: [],\n)"), "{none}");
 }
 
 #[test]
@@ -321,9 +321,9 @@ fn one_number_of_the_lidar_leaves_all_else() {
     assert_eq!(edited(&text, |scenario| scenario.lidar.max_range_m = 4.25), text.replace(before, after));
     // Inside hand-made lines with comments behind them.
     assert_eq!(
-        diff(&text, &edited(&text, |scenario| scenario.task.time_limit_steps = 800)),
-        "-        time_limit_steps: 500,      // the episode is cut off here\n\
-         +        time_limit_steps: 800,      // the episode is cut off here\n"
+        diff(&text, &edited(&text, |scenario| scenario.task.max_episode_steps = 800)),
+        "-        max_episode_steps: 500,      // the episode is cut off here\n\
+         +        max_episode_steps: 800,      // the episode is cut off here\n"
     );
 }
 
@@ -340,8 +340,8 @@ fn a_field_that_was_not_written_goes_where_the_schema_has_it() {
     assert!(walled.contains("round.\",\n\n    walls: [\n"), "behind `about`: {walled}");
     assert_eq!(edited(&walled, |scenario| scenario.walls.clear()), text, "and goes without a trace");
 
-    let limited = edited(&text, |scenario| scenario.task.time_limit_steps = 800);
-    assert_eq!(diff(&text, &limited), "+\n+    task: (time_limit_steps: 800),\n");
+    let limited = edited(&text, |scenario| scenario.task.max_episode_steps = 800);
+    assert_eq!(diff(&text, &limited), "+\n+    task: (max_episode_steps: 800),\n");
     let turned = edited(&text, |scenario| scenario.obstacles[0].rotation_rad = 0.5);
     assert_eq!(
         diff(&text, &turned),
@@ -357,8 +357,12 @@ fn defaults_that_are_spelled_out_stay_and_comments_stay_aligned() {
         diff(&text, &edited(&text, |scenario| scenario.robot.motions[0].w_rad_s = 2.0)),
         "-            (v_m_s: 0.15, w_rad_s: 1.5),\n+            (v_m_s: 0.15, w_rad_s: 2.0),\n"
     );
-    let (before, after) = ("course: (start_m: (0.0, 0.0),", "course: (start_m: (1.0, 0.0),");
-    assert_eq!(edited(&text, |scenario| scenario.course.start_m.0 = 1.0), text.replace(before, after));
+    let (before, after) =
+        ("benchmark_route: (start_m: (0.0, 0.0),", "benchmark_route: (start_m: (1.0, 0.0),");
+    assert_eq!(
+        edited(&text, |scenario| scenario.benchmark_route.start_m.0 = 1.0),
+        text.replace(before, after)
+    );
     let (before, after) = ("6.2831855, // all", "3.0,       // all");
     assert_eq!(edited(&text, |scenario| scenario.lidar.field_of_view_rad = 3.0), text.replace(before, after));
     let tabbed = text.replace("0.0,             // standard", "0.0,\t\t\t\t\t\t\t\t\t\t\t\t\t// standard");
@@ -378,8 +382,8 @@ const ODD: &str = "// Head (with a bracket)\n#![enable(implicit_some)] /* so */\
   \t\t(position_m: (1., 1.), /* here */ shape: Circle(radius_m: 0.15)), // two\n\n\
   \t\t(shape: Circle(radius_m: 0.2), position_m: (-1.0, 1.0)) // three, without a comma\n\
   \t\t// the end\n\t],\n\
-  \tstarts: OneOf(places_m: [(0.0, 0.0), /* b */ (1.0, 1.0) /* c */, (2.0, 2.0)]),\n\
-  \ttargets: Fixed(at_m: (1.0, 1.0), heading_rad: Some(1.0)) /* last */\n) // done\n/* really */";
+  \tstarts: OneOf(positions_m: [(0.0, 0.0), /* b */ (1.0, 1.0) /* c */, (2.0, 2.0)]),\n\
+  \ttargets: Fixed(position_m: (1.0, 1.0), heading_rad: Some(1.0)) /* last */\n) // done\n/* really */";
 
 #[test]
 fn odd_comments_stay() {
@@ -397,16 +401,20 @@ fn odd_comments_stay() {
     same(&|s| s.obstacles[2].shape = Shape::Circle { radius_m: 0.3 }, "0.2)", "0.3)");
     same(&|s| s.lidar.noise_std_m = 0.1, "/* not ( 24 */ ,", "/* not ( 24 */ , noise_std_m: 0.1,");
     same(
-        &|s| s.targets = PlaceRule::Fixed { at_m: (1.0, 1.0), heading_rad: Some(2.0) },
+        &|s| s.goals = PlacementRule::Fixed { position_m: (1.0, 1.0), heading_rad: Some(2.0) },
         "Some(1.0)",
         "Some(2.0)",
     );
     same(
-        &|s| s.targets = PlaceRule::OneOf { places_m: vec![(3.0, 3.0)] },
-        "Fixed(at_m: (1.0, 1.0), heading_rad: Some(1.0))",
-        "OneOf(places_m: [(3.0, 3.0)])",
+        &|s| s.goals = PlacementRule::OneOf { positions_m: vec![(3.0, 3.0)] },
+        "Fixed(position_m: (1.0, 1.0), heading_rad: Some(1.0))",
+        "OneOf(positions_m: [(3.0, 3.0)])",
     );
-    same(&|s| s.course.heading_rad = 0.5, " /* last */\n)", ", /* last */\n\tcourse: (heading_rad: 0.5),\n)");
+    same(
+        &|s| s.benchmark_route.heading_rad = 0.5,
+        " /* last */\n)",
+        ", /* last */\n\tcourse: (heading_rad: 0.5),\n)",
+    );
 }
 
 #[test]
@@ -414,7 +422,7 @@ fn what_goes_takes_its_comments_and_leaves_others() {
     let place = |text: &str, keep: &[usize]| {
         edited(text, |scenario| {
             let places = [(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)];
-            scenario.starts = PlaceRule::OneOf { places_m: keep.iter().map(|&k| places[k]).collect() };
+            scenario.starts = PlacementRule::OneOf { positions_m: keep.iter().map(|&k| places[k]).collect() };
         })
     };
     for (keep, places) in [
@@ -424,7 +432,7 @@ fn what_goes_takes_its_comments_and_leaves_others() {
         (&[2], "[(2.0, 2.0)]"),
     ] {
         let text = place(ODD, keep);
-        assert!(text.contains(&format!("OneOf(places_m: {places}),")), "{places} in {text}");
+        assert!(text.contains(&format!("OneOf(positions_m: {places}),")), "{places} in {text}");
     }
     let without = |k: usize| edited(ODD, |scenario| drop(scenario.obstacles.remove(k)));
     assert!(without(0).contains("[ // three\n\t\t// A row:\n\n\t\t// The second.\n"), "{}", without(0));
@@ -475,10 +483,10 @@ fn a_list_keeps_its_layout() {
         ("[ /* none */ ]", &[1], "[(1.0, 0.0), /* none */ ]"),
         ("[\n  // none\n]", &[1], "[\n    (1.0, 0.0),\n  // none\n]"),
     ] {
-        let file = |list: &str| format!("(name: \"x\", starts: OneOf(places_m: {list}))");
+        let file = |list: &str| format!("(name: \"x\", starts: OneOf(positions_m: {list}))");
         let written = edited(&file(list), |scenario| {
-            let places_m = places.iter().map(|&k| (f32::from(k), 0.0)).collect();
-            scenario.starts = PlaceRule::OneOf { places_m };
+            let positions_m = places.iter().map(|&k| (f32::from(k), 0.0)).collect();
+            scenario.starts = PlacementRule::OneOf { positions_m };
         });
         assert_eq!(written, file(expected), "{list} with {places:?}");
     }
@@ -488,10 +496,10 @@ fn a_list_keeps_its_layout() {
 fn fields_of_the_whole_are_kept_apart() {
     let text =
         "(\n    name: \"x\",\n\n    lidar: (beams: 30),\n    starts: Random(clearance_m: 0.5), // far\n)\n";
-    let change = |scenario: &mut Scenario| scenario.task.time_limit_steps = 800;
-    assert_eq!(diff(text, &edited(text, change)), "+\n+    task: (time_limit_steps: 800),\n+\n");
+    let change = |scenario: &mut Scenario| scenario.task.max_episode_steps = 800;
+    assert_eq!(diff(text, &edited(text, change)), "+\n+    task: (max_episode_steps: 800),\n+\n");
     let dense = text.replace("\n\n", "\n");
-    assert_eq!(diff(&dense, &edited(&dense, change)), "+    task: (time_limit_steps: 800),\n");
+    assert_eq!(diff(&dense, &edited(&dense, change)), "+    task: (max_episode_steps: 800),\n");
     // A value that is the default again stays where it was written.
     let change = |scenario: &mut Scenario| scenario.lidar.beams = 24;
     assert_eq!(edited(text, change), text.replace("30", "24"));
@@ -592,15 +600,15 @@ fn shape() -> impl Strategy<Value = Shape> {
 
 fn motion() -> impl Strategy<Value = ObstacleMotion> {
     prop_oneof![
-        Just(ObstacleMotion::Still),
+        Just(ObstacleMotion::Static),
         (point(), number())
             .prop_map(|(centre_m, speed_rad_s)| ObstacleMotion::Orbit { centre_m, speed_rad_s }),
         (points(), number())
             .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::Patrol { waypoints_m, speed_m_s }),
         (points(), number())
             .prop_map(|(waypoints_m, speed_m_s)| ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }),
-        (number(), number(), 0_u32..3).prop_map(|(reach_m, speed_m_s, seed)| ObstacleMotion::RandomWalk {
-            reach_m,
+        (number(), number(), 0_u32..3).prop_map(|(radius_m, speed_m_s, seed)| ObstacleMotion::RandomWalk {
+            radius_m,
             speed_m_s,
             seed
         }),
@@ -626,18 +634,18 @@ fn generator() -> impl Strategy<Value = Generator> {
         .prop_map(|(count, shape, gap_m, within)| Generator { count, shape, gap_m, within })
 }
 
-fn places() -> impl Strategy<Value = PlaceRule> {
+fn places() -> impl Strategy<Value = PlacementRule> {
     let clearance = || prop_oneof![Just(0.35), number()];
     prop_oneof![
-        clearance().prop_map(|clearance_m| PlaceRule::Random { clearance_m }),
-        (point(), point(), clearance()).prop_map(|(min_m, max_m, clearance_m)| PlaceRule::Within {
+        clearance().prop_map(|clearance_m| PlacementRule::Random { clearance_m }),
+        (point(), point(), clearance()).prop_map(|(min_m, max_m, clearance_m)| PlacementRule::Within {
             min_m,
             max_m,
             clearance_m
         }),
         (point(), option::of(number()))
-            .prop_map(|(at_m, heading_rad)| PlaceRule::Fixed { at_m, heading_rad }),
-        points().prop_map(|places_m| PlaceRule::OneOf { places_m }),
+            .prop_map(|(position_m, heading_rad)| PlacementRule::Fixed { position_m, heading_rad }),
+        points().prop_map(|positions_m| PlacementRule::OneOf { positions_m }),
     ]
 }
 
@@ -673,18 +681,18 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     ];
     let wall = (points(), prop_oneof![Just(0.1), number()])
         .prop_map(|(corners_m, thickness_m)| Wall { corners_m, thickness_m });
-    let task = (number(), any::<u32>()).prop_map(|(control_period_s, time_limit_steps)| TaskRules {
+    let task = (number(), any::<u32>()).prop_map(|(control_period_s, max_episode_steps)| TaskRules {
         control_period_s,
-        time_limit_steps,
+        max_episode_steps,
         ..TaskRules::default()
     });
-    let course = prop_oneof![
-        Just(Course::default()),
-        point().prop_map(|target_m| Course { target_m, ..Course::default() })
+    let benchmark_route = prop_oneof![
+        Just(BenchmarkRoute::default()),
+        point().prop_map(|goal_m| BenchmarkRoute { goal_m, ..BenchmarkRoute::default() })
     ];
     let lists = (vec(wall, 0..3), vec(obstacle(), 0..7), vec(generator(), 0..3));
     let texts = (any::<String>(), prop_oneof![Just(String::new()), "[ a\n]{0,300}", any::<String>()]);
-    (texts, enclosure, lists, robot(), lidar(), task, (places(), places()), course).prop_map(
+    (texts, enclosure, lists, robot(), lidar(), task, (places(), places()), benchmark_route).prop_map(
         |(
             (name, about),
             enclosure,
@@ -692,8 +700,8 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             robot,
             lidar,
             task,
-            (starts, targets),
-            course,
+            (starts, goals),
+            benchmark_route,
         )| {
             Scenario {
                 name,
@@ -706,8 +714,8 @@ fn scenario() -> impl Strategy<Value = Scenario> {
                 lidar,
                 task,
                 starts,
-                targets,
-                course,
+                goals,
+                benchmark_route,
             }
         },
     )

@@ -5,9 +5,11 @@
 
 use super::corners;
 use super::handles::{Handle, HandleKind};
-use super::points::{Frame, Point, degrees_text, metres, minus, place_text, point_to_mm, size_text};
+use super::obstacle_path;
+use super::points::{
+    LocalFrame, Point, degrees_text, format_metres, minus, place_text, point_to_mm, size_text,
+};
 use super::snap::Snap;
-use super::way;
 use crate::scenario::{Obstacle, Shape};
 
 /// How few and how many corners a polygon has.
@@ -16,7 +18,7 @@ const POLYGON: (usize, usize) = (3, 32);
 const TURN_M: f32 = 0.15;
 
 /// From a shape's middle to its farthest point, in m.
-pub(super) fn reach_of(shape: &Shape) -> f32 {
+pub(super) fn bounding_radius(shape: &Shape) -> f32 {
     match shape {
         Shape::Circle { radius_m } => *radius_m,
         Shape::Rectangle { width_m, height_m } => (width_m / 2.0).hypot(height_m / 2.0),
@@ -30,8 +32,8 @@ pub(super) fn turns(shape: &Shape) -> bool {
     !matches!(shape, Shape::Circle { .. })
 }
 
-fn frame_of(obstacle: &Obstacle) -> Frame {
-    Frame::new(obstacle.position_m, obstacle.rotation_rad)
+fn frame_of(obstacle: &Obstacle) -> LocalFrame {
+    LocalFrame::new(obstacle.position_m, obstacle.rotation_rad)
 }
 
 /// Its handles.
@@ -39,11 +41,16 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
     let frame = frame_of(obstacle);
     let mut all = Vec::new();
     let mut add = |kind, own: Point, text: String, about| {
-        all.push(Handle::new(kind, frame.out(own), text, about));
+        all.push(Handle::new(kind, frame.to_world(own), text, about));
     };
     match &obstacle.shape {
         Shape::Circle { radius_m } => {
-            add(HandleKind::Rim, (*radius_m, 0.0), format!("r {} m", metres(*radius_m)), "Its radius");
+            add(
+                HandleKind::Radius,
+                (*radius_m, 0.0),
+                format!("r {} m", format_metres(*radius_m)),
+                "Its radius",
+            );
         }
         Shape::Rectangle { width_m, height_m } => {
             for (x, y) in SIDES {
@@ -52,20 +59,30 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
             }
         }
         Shape::Capsule { length_m, radius_m } => {
-            add(HandleKind::Rim, (0.0, *radius_m), format!("r {} m", metres(*radius_m)), "Half its width");
+            add(
+                HandleKind::Radius,
+                (0.0, *radius_m),
+                format!("r {} m", format_metres(*radius_m)),
+                "Half its width",
+            );
             for (right, side) in [(false, -1.0), (true, 1.0)] {
                 let at = (side * (length_m / 2.0 + radius_m), 0.0);
-                add(HandleKind::End(right), at, format!("{} m long", metres(*length_m)), "Its length");
+                add(
+                    HandleKind::CapsuleEnd(right),
+                    at,
+                    format!("{} m long", format_metres(*length_m)),
+                    "Its length",
+                );
             }
         }
         Shape::Polygon { corners_m } => {
-            let outline: Vec<Point> = corners_m.iter().map(|&corner| frame.out(corner)).collect();
+            let outline: Vec<Point> = corners_m.iter().map(|&corner| frame.to_world(corner)).collect();
             all = corners::handles(&outline, true, POLYGON.1);
         }
     }
     if turns(&obstacle.shape) {
-        let at = frame.out((reach_of(&obstacle.shape) + TURN_M, 0.0));
-        all.push(Handle::new(HandleKind::Turn, at, degrees_text(obstacle.rotation_rad), "Turns it"));
+        let at = frame.to_world((bounding_radius(&obstacle.shape) + TURN_M, 0.0));
+        all.push(Handle::new(HandleKind::Rotate, at, degrees_text(obstacle.rotation_rad), "Turns it"));
     }
     let about = "Moves it, and its path with it";
     let at = obstacle.position_m;
@@ -86,18 +103,18 @@ pub(super) fn drag(
     snap: Snap,
 ) -> Option<()> {
     let frame = frame_of(obstacle);
-    let own = frame.into_own(to);
+    let own = frame.to_local(to);
     let at = obstacle.position_m;
     match (kind, &mut obstacle.shape) {
-        (HandleKind::Middle, _) => way::shift(obstacle, minus(snapped, at)),
-        (HandleKind::Rim, Shape::Circle { radius_m }) => *radius_m = snap.size(own.0.hypot(own.1)),
-        (HandleKind::Rim, Shape::Capsule { radius_m, .. }) => *radius_m = snap.size(own.1.abs()),
-        (HandleKind::End(right), Shape::Capsule { length_m, radius_m }) => {
+        (HandleKind::Middle, _) => obstacle_path::shift(obstacle, minus(snapped, at)),
+        (HandleKind::Radius, Shape::Circle { radius_m }) => *radius_m = snap.size(own.0.hypot(own.1)),
+        (HandleKind::Radius, Shape::Capsule { radius_m, .. }) => *radius_m = snap.size(own.1.abs()),
+        (HandleKind::CapsuleEnd(right), Shape::Capsule { length_m, radius_m }) => {
             let side = if right { 1.0 } else { -1.0 };
             let stays = -side * *length_m / 2.0;
             *length_m = snap.size((own.0 - stays) * side - *radius_m);
             let middle = (stays + side * *length_m / 2.0, 0.0);
-            way::shift(obstacle, minus(point_to_mm(frame.out(middle)), at));
+            obstacle_path::shift(obstacle, minus(point_to_mm(frame.to_world(middle)), at));
         }
         (HandleKind::Side(x, y), Shape::Rectangle { width_m, height_m }) => {
             let along = |side: i8, size: &mut f32, own: f32| {
@@ -110,10 +127,10 @@ pub(super) fn drag(
                 stays + side * *size / 2.0
             };
             let middle = (along(x, width_m, own.0), along(y, height_m, own.1));
-            way::shift(obstacle, minus(point_to_mm(frame.out(middle)), at));
+            obstacle_path::shift(obstacle, minus(point_to_mm(frame.to_world(middle)), at));
         }
         (HandleKind::Corner(k), Shape::Polygon { corners_m }) => {
-            *corners_m.get_mut(k)? = point_to_mm(frame.into_own(snapped));
+            *corners_m.get_mut(k)? = point_to_mm(frame.to_local(snapped));
         }
         _ => return None,
     }
@@ -122,9 +139,9 @@ pub(super) fn drag(
 
 /// A new corner of a polygon.
 pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, at: Point) -> Option<HandleKind> {
-    let own = point_to_mm(frame_of(obstacle).into_own(at));
+    let own = point_to_mm(frame_of(obstacle).to_local(at));
     match (kind, &mut obstacle.shape) {
-        (HandleKind::Insert(k), Shape::Polygon { corners_m }) => corners::insert(corners_m, k, own),
+        (HandleKind::InsertCorner(k), Shape::Polygon { corners_m }) => corners::insert(corners_m, k, own),
         _ => None,
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn handles(corners: &[Point], closed: bool, most: usize) -> Vec<Handl
         let pieces = corners.len().saturating_sub(usize::from(!closed));
         all.extend((0..pieces).map(|k| {
             let at = middle(corners[k], corners[(k + 1) % corners.len()]);
-            Handle::new(HandleKind::Insert(k + 1), at, place_text(at), "Drag a new corner out of here")
+            Handle::new(HandleKind::InsertCorner(k + 1), at, place_text(at), "Drag a new corner out of here")
         }));
     }
     all.extend(corners.iter().enumerate().map(|(k, &at)| {

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use super::handles::{self, HandleKind};
 use super::points::{Point, distance, is_finite, minus, plus};
 use super::selection::{Selection, places};
-use super::steps::Moment;
-use super::{Editor, Rule, Tool};
+use super::undo::EditSnapshot;
+use super::{Editor, PlacementRole, Tool};
 use crate::scenario::Scenario;
 
 /// What is in the hand.
@@ -27,22 +27,24 @@ pub(super) struct Drag {
 }
 
 impl Editor {
-    /// Takes hold of a handle of what is selected, with the pointer at `at_m`; what can't be dragged answers no. By
+    /// Takes hold of a handle of what is selected, with the pointer at `position_m`; what can't be dragged answers no. By
     /// [`HandleKind::Middle`] everything can be taken that has a place; an inserting handle makes its corner and goes
     /// on with that.
-    pub fn begin_drag(&mut self, kind: HandleKind, at_m: Point) -> bool {
+    pub fn begin_drag(&mut self, kind: HandleKind, position_m: Point) -> bool {
         self.end_drag();
-        self.seal();
-        if !is_finite(at_m) {
+        self.close_group();
+        if !is_finite(position_m) {
             return false;
         }
         let selection = self.selection;
         let kind = match (selection, kind) {
             // A rule of places has no middle: the nearest place is meant.
-            (Selection::Starts | Selection::Targets, HandleKind::Middle) => {
-                let rule = if selection == Selection::Starts { Rule::Starts } else { Rule::Targets };
+            (Selection::Starts | Selection::Goals, HandleKind::Middle) => {
+                let rule =
+                    if selection == Selection::Starts { PlacementRole::Starts } else { PlacementRole::Goals };
                 let all = places(rule.of(&self.scenario)).iter().enumerate();
-                let nearest = all.min_by(|a, b| distance(*a.1, at_m).total_cmp(&distance(*b.1, at_m)));
+                let nearest =
+                    all.min_by(|a, b| distance(*a.1, position_m).total_cmp(&distance(*b.1, position_m)));
                 nearest.map_or(kind, |(k, _)| HandleKind::Place(k))
             }
             _ => kind,
@@ -55,12 +57,12 @@ impl Editor {
             let Some(made) = handles::insert(&mut with, selection, kind, place) else { return false };
             (kind, begun) = (made, Arc::new(with));
         }
-        let offset_rad = match (kind, handles::turn_about(&begun, selection)) {
-            (HandleKind::Turn, Some((about, angle))) => angle - direction(about, at_m),
+        let offset_rad = match (kind, handles::rotation_of(&begun, selection)) {
+            (HandleKind::Rotate, Some((about, angle))) => angle - direction(about, position_m),
             _ => 0.0,
         };
         let inserted = begun != before;
-        let offset_m = minus(place, at_m);
+        let offset_m = minus(place, position_m);
         self.tool = Tool::Select;
         self.drag =
             Some(Drag { kind, before, selected: selection, begun: Arc::clone(&begun), offset_m, offset_rad });
@@ -71,20 +73,22 @@ impl Editor {
         true
     }
 
-    /// The pointer is at `at_m` now; `free` is without snapping.
-    pub fn drag_to(&mut self, at_m: Point, free: bool) {
+    /// The pointer is at `position_m` now; `free` is without snapping.
+    pub fn drag_to(&mut self, position_m: Point, free: bool) {
         let Some(drag) = &self.drag else { return };
-        if !is_finite(at_m) {
+        if !is_finite(position_m) {
             return;
         }
-        let snap = self.snap.unless(free);
+        let snap = self.snap.disabled_if(free);
         let mut scenario = Scenario::clone(&drag.begun);
-        let done = match (drag.kind, handles::turn_about(&drag.begun, drag.selected)) {
-            (HandleKind::Turn, Some((about, _))) => {
-                let angle = snap.angle(direction(about, at_m) + drag.offset_rad);
+        let done = match (drag.kind, handles::rotation_of(&drag.begun, drag.selected)) {
+            (HandleKind::Rotate, Some((about, _))) => {
+                let angle = snap.angle(direction(about, position_m) + drag.offset_rad);
                 handles::turn(&mut scenario, drag.selected, angle)
             }
-            (kind, _) => handles::drag(&mut scenario, drag.selected, kind, plus(at_m, drag.offset_m), snap),
+            (kind, _) => {
+                handles::drag(&mut scenario, drag.selected, kind, plus(position_m, drag.offset_m), snap)
+            }
         };
         if done.is_some() && scenario != *self.scenario {
             self.scenario = Arc::new(scenario);
@@ -97,7 +101,7 @@ impl Editor {
         let Some(drag) = self.drag.take() else { return };
         if self.scenario != drag.before {
             let (scenario, selection) = (drag.before, drag.selected);
-            self.steps.push(Moment { scenario, selection, origin: None });
+            self.undo_stack.push(EditSnapshot { scenario, selection, origin: None });
             self.changed();
         }
     }

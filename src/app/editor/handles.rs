@@ -6,8 +6,8 @@
 use super::points::Point;
 use super::selection::Selection;
 use super::snap::Snap;
-use super::{body, corners, frames, marks, way};
-use crate::scenario::{Enclosure, PlaceRule, Scenario};
+use super::{body, corners, obstacle_path, rectangles, start_goal_handles};
+use crate::scenario::{Enclosure, PlacementRule, Scenario};
 
 /// What a handle changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,25 +18,25 @@ pub enum HandleKind {
     /// is opposite stays; of the enclosure, the middle.
     Side(i8, i8),
     /// A radius.
-    Rim,
+    Radius,
     /// An end of a capsule, in its own frame the right one (true) or the left; the other stays.
-    End(bool),
+    CapsuleEnd(bool),
     /// A corner of a polygon or of a wall.
     Corner(usize),
     /// A new corner before corner k.
-    Insert(usize),
+    InsertCorner(usize),
     /// The rotation, or a start's heading.
-    Turn,
+    Rotate,
     /// The obstacle alone, where its path begins; the path's other corners stay.
     PathStart,
     /// A further corner of its path.
     Waypoint(usize),
     /// A new waypoint before waypoint k.
-    PathInsert(usize),
+    InsertWaypoint(usize),
     /// The centre of its orbit.
-    Centre,
+    OrbitCentre,
     /// How far a random walk goes.
-    Reach,
+    WalkReach,
     /// One of a rule's places.
     Place(usize),
 }
@@ -45,7 +45,7 @@ impl HandleKind {
     /// Whether it makes something new.
     #[must_use]
     pub fn is_insert(self) -> bool {
-        matches!(self, Self::Insert(_) | Self::PathInsert(_))
+        matches!(self, Self::InsertCorner(_) | Self::InsertWaypoint(_))
     }
 }
 
@@ -55,7 +55,7 @@ pub struct Handle {
     /// What it changes.
     pub kind: HandleKind,
     /// Where it is, in m.
-    pub at_m: Point,
+    pub position_m: Point,
     /// The number that it changes, as it is now.
     pub text: String,
     /// What it does, in a few words.
@@ -63,8 +63,8 @@ pub struct Handle {
 }
 
 impl Handle {
-    pub(super) fn new(kind: HandleKind, at_m: Point, text: String, about: &'static str) -> Self {
-        Self { kind, at_m, text, about }
+    pub(super) fn new(kind: HandleKind, position_m: Point, text: String, about: &'static str) -> Self {
+        Self { kind, position_m, text, about }
     }
 }
 
@@ -73,11 +73,11 @@ pub(super) fn of(scenario: &Scenario, selection: Selection) -> Vec<Handle> {
     match selection {
         Selection::Nothing => Vec::new(),
         Selection::Enclosure => match &scenario.enclosure {
-            Enclosure::Rectangle { width_m, height_m } => frames::of_enclosure(*width_m, *height_m),
+            Enclosure::Rectangle { width_m, height_m } => rectangles::of_enclosure(*width_m, *height_m),
             Enclosure::Polygon { corners_m } => corners::handles(corners_m, true, corners::ENCLOSURE.1),
         },
         Selection::Obstacle(k) => scenario.obstacles.get(k).map_or_else(Vec::new, |obstacle| {
-            let mut all = way::handles(obstacle);
+            let mut all = obstacle_path::handles(obstacle);
             all.extend(body::handles(obstacle));
             all
         }),
@@ -87,11 +87,13 @@ pub(super) fn of(scenario: &Scenario, selection: Selection) -> Vec<Handle> {
         }
         Selection::Generator(k) => {
             let region = scenario.generators.get(k).and_then(|generator| generator.within);
-            region.map_or_else(Vec::new, frames::of_region)
+            region.map_or_else(Vec::new, rectangles::of_region)
         }
-        Selection::Starts => marks::of_rule(&scenario.starts),
-        Selection::Targets => marks::of_rule(&scenario.targets),
-        Selection::CourseStart | Selection::CourseTarget => marks::of_course(&scenario.course, selection),
+        Selection::Starts => start_goal_handles::of_rule(&scenario.starts),
+        Selection::Goals => start_goal_handles::of_rule(&scenario.goals),
+        Selection::BenchmarkStart | Selection::BenchmarkGoal => {
+            start_goal_handles::of_benchmark_route(&scenario.benchmark_route, selection)
+        }
     }
 }
 
@@ -102,7 +104,7 @@ pub(super) fn place(scenario: &Scenario, selection: Selection, kind: HandleKind)
     {
         return scenario.walls.get(k)?.corners_m.first().copied();
     }
-    of(scenario, selection).into_iter().find(|handle| handle.kind == kind).map(|handle| handle.at_m)
+    of(scenario, selection).into_iter().find(|handle| handle.kind == kind).map(|handle| handle.position_m)
 }
 
 /// Puts the handle at `to`, or where it snaps to near there.
@@ -119,7 +121,7 @@ pub(super) fn drag(
         Selection::Nothing => None,
         Selection::Enclosure => match (&mut scenario.enclosure, kind) {
             (Enclosure::Rectangle { width_m, height_m }, HandleKind::Side(x, y)) => {
-                frames::drag_enclosure((width_m, height_m), (x, y), to, snap);
+                rectangles::drag_enclosure((width_m, height_m), (x, y), to, snap);
                 Some(())
             }
             (Enclosure::Polygon { corners_m }, HandleKind::Corner(k)) => {
@@ -131,46 +133,48 @@ pub(super) fn drag(
         Selection::Obstacle(k) => {
             let obstacle = scenario.obstacles.get_mut(k)?;
             body::drag(obstacle, kind, to, snapped, snap)
-                .or_else(|| way::drag(obstacle, kind, to, snapped, snap))
+                .or_else(|| obstacle_path::drag(obstacle, kind, to, snapped, snap))
         }
         Selection::Wall(k) => corners::drag(&mut scenario.walls.get_mut(k)?.corners_m, kind, snapped),
         Selection::Generator(k) => {
             let region = scenario.generators.get_mut(k)?.within.as_mut()?;
-            frames::drag_region((&mut region.min_m, &mut region.max_m), kind, to, snap, centre)
+            rectangles::drag_region((&mut region.min_m, &mut region.max_m), kind, to, snap, centre)
         }
-        Selection::Starts => marks::drag_rule(&mut scenario.starts, kind, to, snap, centre),
-        Selection::Targets => marks::drag_rule(&mut scenario.targets, kind, to, snap, centre),
-        Selection::CourseStart | Selection::CourseTarget => {
-            marks::drag_course(&mut scenario.course, selection, kind, snapped)
+        Selection::Starts => start_goal_handles::drag_rule(&mut scenario.starts, kind, to, snap, centre),
+        Selection::Goals => start_goal_handles::drag_rule(&mut scenario.goals, kind, to, snap, centre),
+        Selection::BenchmarkStart | Selection::BenchmarkGoal => {
+            start_goal_handles::drag_benchmark_route(&mut scenario.benchmark_route, selection, kind, snapped)
         }
     }
 }
 
 /// What turns about what, and how it is turned.
-pub(super) fn turn_about(scenario: &Scenario, selection: Selection) -> Option<(Point, f32)> {
+pub(super) fn rotation_of(scenario: &Scenario, selection: Selection) -> Option<(Point, f32)> {
     match selection {
         Selection::Obstacle(k) => {
             let obstacle = scenario.obstacles.get(k)?;
             body::turns(&obstacle.shape).then_some((obstacle.position_m, obstacle.rotation_rad))
         }
         Selection::Starts => match scenario.starts {
-            PlaceRule::Fixed { at_m, heading_rad: Some(heading) } => Some((at_m, heading)),
+            PlacementRule::Fixed { position_m, heading_rad: Some(heading) } => Some((position_m, heading)),
             _ => None,
         },
-        Selection::CourseStart => Some((scenario.course.start_m, scenario.course.heading_rad)),
+        Selection::BenchmarkStart => {
+            Some((scenario.benchmark_route.start_m, scenario.benchmark_route.heading_rad))
+        }
         _ => None,
     }
 }
 
-/// Turns what [`turn_about`] tells of.
+/// Turns what [`rotation_of`] tells of.
 pub(super) fn turn(scenario: &mut Scenario, selection: Selection, angle_rad: f32) -> Option<()> {
     match selection {
         Selection::Obstacle(k) => scenario.obstacles.get_mut(k)?.rotation_rad = angle_rad,
         Selection::Starts => match &mut scenario.starts {
-            PlaceRule::Fixed { heading_rad, .. } => *heading_rad = Some(angle_rad),
+            PlacementRule::Fixed { heading_rad, .. } => *heading_rad = Some(angle_rad),
             _ => return None,
         },
-        Selection::CourseStart => scenario.course.heading_rad = angle_rad,
+        Selection::BenchmarkStart => scenario.benchmark_route.heading_rad = angle_rad,
         _ => return None,
     }
     Some(())
@@ -185,16 +189,16 @@ pub(super) fn insert(
 ) -> Option<HandleKind> {
     let at = super::points::point_to_mm(at);
     match (selection, kind) {
-        (Selection::Enclosure, HandleKind::Insert(k)) => match &mut scenario.enclosure {
+        (Selection::Enclosure, HandleKind::InsertCorner(k)) => match &mut scenario.enclosure {
             Enclosure::Polygon { corners_m } => corners::insert(corners_m, k, at),
             Enclosure::Rectangle { .. } => None,
         },
-        (Selection::Wall(wall), HandleKind::Insert(k)) => {
+        (Selection::Wall(wall), HandleKind::InsertCorner(k)) => {
             corners::insert(&mut scenario.walls.get_mut(wall)?.corners_m, k, at)
         }
         (Selection::Obstacle(obstacle), _) => {
             let obstacle = scenario.obstacles.get_mut(obstacle)?;
-            body::insert(obstacle, kind, at).or_else(|| way::insert(obstacle, kind, at))
+            body::insert(obstacle, kind, at).or_else(|| obstacle_path::insert(obstacle, kind, at))
         }
         _ => None,
     }
@@ -212,10 +216,10 @@ pub(super) fn remove(scenario: &mut Scenario, selection: Selection, kind: Handle
         }
         (Selection::Obstacle(obstacle), _) => {
             let obstacle = scenario.obstacles.get_mut(obstacle)?;
-            body::remove(obstacle, kind).or_else(|| way::remove(obstacle, kind))
+            body::remove(obstacle, kind).or_else(|| obstacle_path::remove(obstacle, kind))
         }
-        (Selection::Starts, HandleKind::Place(k)) => marks::remove(&mut scenario.starts, k),
-        (Selection::Targets, HandleKind::Place(k)) => marks::remove(&mut scenario.targets, k),
+        (Selection::Starts, HandleKind::Place(k)) => start_goal_handles::remove(&mut scenario.starts, k),
+        (Selection::Goals, HandleKind::Place(k)) => start_goal_handles::remove(&mut scenario.goals, k),
         _ => None,
     }
 }
@@ -224,16 +228,16 @@ pub(super) fn remove(scenario: &mut Scenario, selection: Selection, kind: Handle
 pub(super) fn shift(scenario: &mut Scenario, selection: Selection, by: Point) -> Option<()> {
     match selection {
         Selection::Nothing | Selection::Enclosure => return None,
-        Selection::Obstacle(k) => way::shift(scenario.obstacles.get_mut(k)?, by),
+        Selection::Obstacle(k) => obstacle_path::shift(scenario.obstacles.get_mut(k)?, by),
         Selection::Wall(k) => corners::shift(&mut scenario.walls.get_mut(k)?.corners_m, by),
         Selection::Generator(k) => {
             let region = scenario.generators.get_mut(k)?.within.as_mut()?;
             corners::shift([&mut region.min_m, &mut region.max_m], by);
         }
-        Selection::Starts => corners::shift(marks::points(&mut scenario.starts), by),
-        Selection::Targets => corners::shift(marks::points(&mut scenario.targets), by),
-        Selection::CourseStart => corners::shift([&mut scenario.course.start_m], by),
-        Selection::CourseTarget => corners::shift([&mut scenario.course.target_m], by),
+        Selection::Starts => corners::shift(start_goal_handles::points(&mut scenario.starts), by),
+        Selection::Goals => corners::shift(start_goal_handles::points(&mut scenario.goals), by),
+        Selection::BenchmarkStart => corners::shift([&mut scenario.benchmark_route.start_m], by),
+        Selection::BenchmarkGoal => corners::shift([&mut scenario.benchmark_route.goal_m], by),
     }
     Some(())
 }

@@ -7,50 +7,50 @@
 //! | file | duty |
 //! |---|---|
 //! | `selection.rs` | what can be selected, what is under the pointer, what a finding is about |
-//! | `handles.rs` | what can be dragged; `body.rs`, `way.rs`, `corners.rs`, `frames.rs`, `marks.rs` of what |
+//! | `handles.rs` | what can be dragged; `body.rs`, `obstacle_path.rs`, `corners.rs`, `rectangles.rs`, `start_goal_handles.rs` of what |
 //! | `drag.rs` | one drag, from taking hold to letting go |
 //! | `snap.rs`, `points.rs` | even numbers |
-//! | `forms.rs` | what is added, copied, deleted |
-//! | `choices.rs` | another kind of motion, of rule, of enclosure, with numbers that fit |
+//! | `items.rs` | what is added, copied, deleted |
+//! | `kinds.rs` | another kind of motion, of rule, of enclosure, with numbers that fit |
 //! | `tools.rs` | what is drawn corner by corner |
-//! | `steps.rs` | undo and redo |
+//! | `undo.rs` | undo and redo |
 
 mod body;
-mod choices;
 mod corners;
 mod drag;
-mod forms;
-mod frames;
 mod handles;
-mod marks;
+mod items;
+mod kinds;
+mod obstacle_path;
 mod points;
+mod rectangles;
 mod selection;
 mod snap;
-mod steps;
+mod start_goal_handles;
 #[cfg(test)]
 mod tests;
 mod tools;
-mod way;
+mod undo;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::scenario::{Finding, Scenario, findings};
+use crate::scenario::{Diagnostic, Scenario, diagnostics};
 
-pub use choices::{EnclosureKind, MotionKind, Rule, RuleKind};
-pub use forms::Form;
 pub use handles::{Handle, HandleKind};
-pub use points::{Point, metres};
+pub use items::NewItem;
+pub use kinds::{EnclosureKind, MotionKind, PlacementKind, PlacementRole};
+pub use points::{Point, format_metres};
 pub use selection::Selection;
 pub use snap::Snap;
 pub use tools::Tool;
 
 use drag::Drag;
-use forms::Thing;
-use steps::{Moment, Origin, Steps};
+use items::EditorItem;
+use undo::{EditSnapshot, Origin, UndoStack};
 
 /// Of more things than this the findings wait for the end of a drag.
-const MANY: usize = 1_000;
+const MAX_ITEMS_CHECKED_WHILE_DRAGGING: usize = 1_000;
 
 /// A world in the hand.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,9 +61,9 @@ pub struct Editor {
     selection: Selection,
     tool: Tool,
     drag: Option<Drag>,
-    steps: Steps,
-    clipboard: Option<Thing>,
-    findings: Vec<Finding>,
+    undo_stack: UndoStack,
+    clipboard: Option<EditorItem>,
+    diagnostics: Vec<Diagnostic>,
     revision: u64,
     from: String,
     /// As the file has it, if there is one.
@@ -89,9 +89,9 @@ impl Editor {
             selection: Selection::Nothing,
             tool: Tool::Select,
             drag: None,
-            steps: Steps::default(),
+            undo_stack: UndoStack::default(),
             clipboard: None,
-            findings: findings(&scenario),
+            diagnostics: diagnostics(&scenario),
             revision: 0,
             from,
             saved: saved.then(|| Arc::clone(&scenario)),
@@ -102,7 +102,7 @@ impl Editor {
 
     /// Takes what was saved or opened since the last time: of the status, once a frame. What is there at the first time
     /// is old.
-    pub fn follow(
+    pub fn sync_with_session(
         &mut self,
         saved: Option<&(String, Arc<Scenario>)>,
         draft: Option<&(u64, String, Arc<Scenario>)>,
@@ -114,7 +114,7 @@ impl Editor {
             && self.has_had(world)
         {
             // What is changed from now on is another step: undo stops at what was saved.
-            self.seal();
+            self.close_group();
             self.from.clone_from(path);
             self.saved = Some(Arc::clone(world));
         }
@@ -128,7 +128,7 @@ impl Editor {
     /// Whether it is this world, now or some steps ago, and not one that was edited before it was opened: files are
     /// chosen at leisure.
     fn has_had(&self, world: &Arc<Scenario>) -> bool {
-        let mut all = std::iter::once(&self.scenario).chain(self.steps.of_this_world());
+        let mut all = std::iter::once(&self.scenario).chain(self.undo_stack.snapshots_of_document());
         all.any(|had| Arc::ptr_eq(had, world) || had == world)
     }
 
@@ -136,7 +136,7 @@ impl Editor {
     fn turn_to(&mut self, world: &Arc<Scenario>, from: &str) {
         self.end_drag();
         let before = self.now();
-        self.steps.push(before);
+        self.undo_stack.push(before);
         self.scenario = Arc::clone(world);
         self.saved = Some(Arc::clone(world));
         self.from = from.to_owned();
@@ -145,14 +145,14 @@ impl Editor {
     }
 
     /// This moment, with where the world came from.
-    fn now(&self) -> Moment {
+    fn now(&self) -> EditSnapshot {
         let origin = Origin { from: self.from.clone(), saved: self.saved.clone() };
-        Moment { scenario: Arc::clone(&self.scenario), selection: self.selection, origin: Some(origin) }
+        EditSnapshot { scenario: Arc::clone(&self.scenario), selection: self.selection, origin: Some(origin) }
     }
 
     /// Notes this moment before a change.
-    fn note(&mut self) {
-        self.steps.push(Moment { origin: None, ..self.now() });
+    fn record(&mut self) {
+        self.undo_stack.push(EditSnapshot { origin: None, ..self.now() });
     }
 
     /// The world as it is now, in the middle of a drag, too.
@@ -182,20 +182,20 @@ impl Editor {
 
     /// What is wrong with the world now.
     #[must_use]
-    pub fn findings(&self) -> &[Finding] {
-        &self.findings
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
     }
 
     /// Whether something is wrong with this.
     #[must_use]
-    pub fn is_wrong(&self, selection: Selection) -> bool {
+    pub fn has_error(&self, selection: Selection) -> bool {
         selection != Selection::Nothing
-            && self.findings.iter().any(|finding| Selection::of_path(&finding.path) == selection)
+            && self.diagnostics.iter().any(|finding| Selection::from_field_path(&finding.path) == selection)
     }
 
     /// Whether it differs from what was opened or saved last, or something is half drawn.
     #[must_use]
-    pub fn is_changed(&self) -> bool {
+    pub fn is_modified(&self) -> bool {
         self.is_drafting()
             || self
                 .saved
@@ -212,17 +212,17 @@ impl Editor {
     /// Selects; nothing if there is no such thing. Ends the tool.
     pub fn select(&mut self, selection: Selection) {
         self.end_drag();
-        self.seal();
+        self.close_group();
         if selection != self.selection {
             self.tool = Tool::Select;
         }
-        self.selection = selection.within(&self.scenario);
+        self.selection = selection.if_present(&self.scenario);
     }
 
-    /// What is under `at_m`, with so much slack for what is small or thin. What is selected wins where things overlap.
+    /// What is under `position_m`, with so much slack for what is small or thin. What is selected wins where things overlap.
     #[must_use]
-    pub fn pick(&self, at_m: Point, slack_m: f32) -> Selection {
-        selection::pick(&self.scenario, self.selection, at_m, slack_m)
+    pub fn pick(&self, position_m: Point, slack_m: f32) -> Selection {
+        selection::pick(&self.scenario, self.selection, position_m, slack_m)
     }
 
     /// What can be dragged of what is selected; later ones lie on top.
@@ -231,36 +231,36 @@ impl Editor {
         handles::of(&self.scenario, self.selection)
     }
 
-    /// The point about which the handle [`HandleKind::Turn`] turns what is selected, and the angle now.
+    /// The point about which the handle [`HandleKind::Rotate`] turns what is selected, and the angle now.
     #[must_use]
-    pub fn turn_about(&self) -> Option<(Point, f32)> {
-        handles::turn_about(&self.scenario, self.selection)
+    pub fn rotation_of(&self) -> Option<(Point, f32)> {
+        handles::rotation_of(&self.scenario, self.selection)
     }
 
-    /// Where a point that is dragged or clicked to `at_m` goes.
+    /// Where a point that is dragged or clicked to `position_m` goes.
     #[must_use]
-    pub fn snapped(&self, at_m: Point, free: bool) -> Point {
-        self.snap.unless(free).point(at_m, handles::middle_of(&self.scenario))
+    pub fn snapped(&self, position_m: Point, free: bool) -> Point {
+        self.snap.disabled_if(free).point(position_m, handles::middle_of(&self.scenario))
     }
 
     /// The world changed otherwise than by a drag: in one step of its own, unless `change` leaves it as it is.
     fn step(&mut self, change: impl FnOnce(&mut Scenario, &mut Selection)) {
         self.end_drag();
-        self.seal();
+        self.close_group();
         let (before, selected) = (Arc::clone(&self.scenario), self.selection);
         let (mut scenario, mut selection) = (Scenario::clone(&before), selected);
         change(&mut scenario, &mut selection);
         if scenario != *before {
-            self.note();
+            self.record();
             self.scenario = Arc::new(scenario);
             self.changed();
         }
-        self.selection = selection.within(&self.scenario);
+        self.selection = selection.if_present(&self.scenario);
         self.check_tool(&before, selected);
     }
 
     /// Changes `field` of the world, as it is typed or dragged in the inspector. The same field again is the same step,
-    /// until [`seal`](Self::seal) or anything else.
+    /// until [`close_group`](Self::seal) or anything else.
     pub fn edit(&mut self, field: &str, change: impl FnOnce(&mut Scenario)) {
         self.end_drag();
         let mut scenario = Scenario::clone(&self.scenario);
@@ -268,19 +268,19 @@ impl Editor {
         if scenario == *self.scenario {
             return;
         }
-        if !self.steps.goes_on_with(field) {
-            self.note();
-            self.steps.open(field);
+        if !self.undo_stack.continues_group(field) {
+            self.record();
+            self.undo_stack.open_group(field);
         }
         let (before, selected) = (std::mem::replace(&mut self.scenario, Arc::new(scenario)), self.selection);
         self.changed();
-        self.selection = selected.within(&self.scenario);
+        self.selection = selected.if_present(&self.scenario);
         self.check_tool(&before, selected);
     }
 
     /// What is typed next is another step, be it in the same field.
-    pub fn seal(&mut self) {
-        self.steps.seal();
+    pub fn close_group(&mut self) {
+        self.undo_stack.close_group();
     }
 
     /// One step back; a drag that goes on is given up instead.
@@ -288,23 +288,23 @@ impl Editor {
         if self.drag.is_some() {
             return self.cancel_drag();
         }
-        self.go(Steps::back);
+        self.go(UndoStack::undo);
     }
 
     /// One step forward again.
     pub fn redo(&mut self) {
         self.end_drag();
-        self.go(Steps::forward);
+        self.go(UndoStack::redo);
     }
 
-    fn go(&mut self, way: impl FnOnce(&mut Steps, Moment) -> Option<Moment>) {
+    fn go(&mut self, way: impl FnOnce(&mut UndoStack, EditSnapshot) -> Option<EditSnapshot>) {
         let now = self.now();
-        if let Some(moment) = way(&mut self.steps, now) {
+        if let Some(moment) = way(&mut self.undo_stack, now) {
             self.scenario = moment.scenario;
             if let Some(origin) = moment.origin {
                 (self.from, self.saved) = (origin.from, origin.saved);
             }
-            self.selection = moment.selection.within(&self.scenario);
+            self.selection = moment.selection.if_present(&self.scenario);
             self.tool = Tool::Select;
             self.changed();
         }
@@ -313,19 +313,19 @@ impl Editor {
     /// Whether there is a step to go back.
     #[must_use]
     pub fn can_undo(&self) -> bool {
-        self.steps.can_go_back()
+        self.undo_stack.can_undo()
     }
 
     /// Whether there is a step to go forward.
     #[must_use]
     pub fn can_redo(&self) -> bool {
-        self.steps.can_go_forward()
+        self.undo_stack.can_redo()
     }
 
     fn changed(&mut self) {
         self.revision += 1;
-        if self.drag.is_none() || things(&self.scenario) <= MANY {
-            self.findings = findings(&self.scenario);
+        if self.drag.is_none() || things(&self.scenario) <= MAX_ITEMS_CHECKED_WHILE_DRAGGING {
+            self.diagnostics = diagnostics(&self.scenario);
         }
     }
 }

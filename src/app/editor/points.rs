@@ -8,7 +8,7 @@ use std::f32::consts::{PI, TAU};
 pub type Point = (f32, f32);
 
 /// The least size that a drag leaves, in m.
-pub(super) const LEAST_M: f32 = 0.01;
+pub(super) const MIN_SIZE_M: f32 = 0.01;
 
 /// `value` as `steps` to one, without a negative zero.
 fn to_steps(value: f32, steps: f64) -> f32 {
@@ -54,13 +54,13 @@ pub(super) fn distance(a: Point, b: Point) -> f32 {
 
 /// A frame of its own: moved and turned in the world.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct LocalFrame {
     at: Point,
     sin: f32,
     cos: f32,
 }
 
-impl Frame {
+impl LocalFrame {
     pub fn new(at: Point, turn_rad: f32) -> Self {
         // To the quarter turn exact, as far as four decimals say it.
         let (sin, cos) = turn_rad.sin_cos();
@@ -69,17 +69,17 @@ impl Frame {
     }
 
     /// Its point in the world.
-    pub fn out(self, (x, y): Point) -> Point {
-        plus(self.at, self.turned((x, y)))
+    pub fn to_world(self, (x, y): Point) -> Point {
+        plus(self.at, self.rotate((x, y)))
     }
 
     /// Its direction in the world.
-    pub fn turned(self, (x, y): Point) -> Point {
+    pub fn rotate(self, (x, y): Point) -> Point {
         (x * self.cos - y * self.sin, x * self.sin + y * self.cos)
     }
 
     /// A point of the world, as it sees it.
-    pub fn into_own(self, point: Point) -> Point {
+    pub fn to_local(self, point: Point) -> Point {
         let (x, y) = minus(point, self.at);
         (x * self.cos + y * self.sin, y * self.cos - x * self.sin)
     }
@@ -87,19 +87,19 @@ impl Frame {
 
 /// A length, or a coordinate, as it is written: two decimals, and a third where there is one.
 #[must_use]
-pub fn metres(length_m: f32) -> String {
+pub fn format_metres(length_m: f32) -> String {
     let text = format!("{:.3}", to_mm(length_m));
     text.strip_suffix('0').map_or(text.clone(), str::to_owned)
 }
 
 /// `x, y m`.
 pub(super) fn place_text((x, y): Point) -> String {
-    format!("{}, {} m", metres(x), metres(y))
+    format!("{}, {} m", format_metres(x), format_metres(y))
 }
 
 /// `w × h m`.
 pub(super) fn size_text(width_m: f32, height_m: f32) -> String {
-    format!("{} × {} m", metres(width_m), metres(height_m))
+    format!("{} × {} m", format_metres(width_m), format_metres(height_m))
 }
 
 /// An angle in degrees, to the tenth.
@@ -123,15 +123,15 @@ mod tests {
 
     #[test]
     fn numbers_are_written_short() {
-        assert_eq!([0.15, 0.125, 3.0, -0.5].map(metres), ["0.15", "0.125", "3.00", "-0.50"]);
+        assert_eq!([0.15, 0.125, 3.0, -0.5].map(format_metres), ["0.15", "0.125", "3.00", "-0.50"]);
         assert_eq!(size_text(0.6, 0.4), "0.60 × 0.40 m");
         assert_eq!([0.5236, -1.5708, 0.0].map(degrees_text), ["30°", "-90°", "0°"]);
     }
 
     #[test]
     fn a_frame_goes_there_and_back() {
-        let frame = Frame::new((1.0, 2.0), 1.5708);
-        assert_eq!(frame.out((0.5, 0.25)), (0.75, 2.5), "a quarter turn: x goes up, y to the left");
-        assert_eq!(frame.into_own((0.75, 2.5)), (0.5, 0.25));
+        let frame = LocalFrame::new((1.0, 2.0), 1.5708);
+        assert_eq!(frame.to_world((0.5, 0.25)), (0.75, 2.5), "a quarter turn: x goes up, y to the left");
+        assert_eq!(frame.to_local((0.75, 2.5)), (0.5, 0.25));
     }
 }

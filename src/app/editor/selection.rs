@@ -4,7 +4,8 @@
 
 use super::points::{Point, distance};
 use crate::scenario::{
-    Obstacle, PlaceRule, Region, Scenario, inner_wall_distance, polygon, shape_distance, wall_distance,
+    Obstacle, PlacementRule, Region, Scenario, enclosure_distance, inner_wall_distance, polygon,
+    shape_distance,
 };
 
 /// What the handles and the inspector are of.
@@ -23,18 +24,18 @@ pub enum Selection {
     Generator(usize),
     /// The rule of starts.
     Starts,
-    /// The rule of targets.
-    Targets,
-    /// The course's start.
-    CourseStart,
-    /// The course's target.
-    CourseTarget,
+    /// The rule of goals.
+    Goals,
+    /// The benchmark route's start.
+    BenchmarkStart,
+    /// The benchmark route's goal.
+    BenchmarkGoal,
 }
 
 impl Selection {
     /// What the field at `path`, as a finding has it, belongs to.
     #[must_use]
-    pub fn of_path(path: &str) -> Self {
+    pub fn from_field_path(path: &str) -> Self {
         let end = path.find(['.', '[']).unwrap_or(path.len());
         let (head, rest) = path.split_at(end);
         let index = || rest.strip_prefix('[')?.split(']').next()?.parse().ok();
@@ -45,16 +46,16 @@ impl Selection {
             "walls" => listed(Self::Wall),
             "generators" => listed(Self::Generator),
             "starts" => Self::Starts,
-            "targets" => Self::Targets,
-            "course" if rest.starts_with(".target") => Self::CourseTarget,
-            "course" => Self::CourseStart,
+            "goals" => Self::Goals,
+            "benchmark_route" if rest.starts_with(".goal") => Self::BenchmarkGoal,
+            "benchmark_route" => Self::BenchmarkStart,
             _ => Self::Nothing,
         }
     }
 
     /// Itself if `scenario` has such a thing, else nothing.
     #[must_use]
-    pub fn within(self, scenario: &Scenario) -> Self {
+    pub fn if_present(self, scenario: &Scenario) -> Self {
         let there = match self {
             Self::Obstacle(k) => k < scenario.obstacles.len(),
             Self::Wall(k) => k < scenario.walls.len(),
@@ -66,23 +67,23 @@ impl Selection {
 }
 
 /// The fixed places of a rule.
-pub(super) fn places(rule: &PlaceRule) -> &[Point] {
+pub(super) fn places(rule: &PlacementRule) -> &[Point] {
     match rule {
-        PlaceRule::Fixed { at_m, .. } => std::slice::from_ref(at_m),
-        PlaceRule::OneOf { places_m } => places_m,
-        PlaceRule::Random { .. } | PlaceRule::Within { .. } => &[],
+        PlacementRule::Fixed { position_m, .. } => std::slice::from_ref(position_m),
+        PlacementRule::OneOf { positions_m } => positions_m,
+        PlacementRule::Random { .. } | PlacementRule::Within { .. } => &[],
     }
 }
 
 /// The rectangle of a rule.
-pub(super) fn region(rule: &PlaceRule) -> Option<Region> {
+pub(super) fn region(rule: &PlacementRule) -> Option<Region> {
     match *rule {
-        PlaceRule::Within { min_m, max_m, .. } => Some(Region { min_m, max_m }),
+        PlacementRule::Within { min_m, max_m, .. } => Some(Region { min_m, max_m }),
         _ => None,
     }
 }
 
-/// What is under `at_m`, with so much slack in m for what is small or thin. `now`, what is selected, wins where solid
+/// What is under `position_m`, with so much slack in m for what is small or thin. `now`, what is selected, wins where solid
 /// things overlap.
 pub(super) fn pick(scenario: &Scenario, now: Selection, at: Point, slack_m: f32) -> Selection {
     let obstacle = |k: usize| scenario.obstacles.get(k).map(|obstacle| from_obstacle(obstacle, at));
@@ -110,7 +111,7 @@ pub(super) fn pick(scenario: &Scenario, now: Selection, at: Point, slack_m: f32)
         }
         if slack_m == 0.0
             && let Some(mark) = mark(scenario, at, |of| match of {
-                Selection::Starts | Selection::CourseStart => scenario.robot.radius_m,
+                Selection::Starts | Selection::BenchmarkStart => scenario.robot.radius_m,
                 _ => scenario.task.goal_radius_m,
             })
         {
@@ -118,7 +119,7 @@ pub(super) fn pick(scenario: &Scenario, now: Selection, at: Point, slack_m: f32)
         }
     }
     frame(scenario, at, slack_m).unwrap_or_else(|| {
-        let on = wall_distance(&scenario.enclosure, at).abs() <= slack_m;
+        let on = enclosure_distance(&scenario.enclosure, at).abs() <= slack_m;
         if on { Selection::Enclosure } else { Selection::Nothing }
     })
 }
@@ -128,15 +129,18 @@ fn from_obstacle(obstacle: &Obstacle, at: Point) -> f32 {
     shape_distance(&obstacle.shape, (x, y, obstacle.rotation_rad), at)
 }
 
-/// The nearest mark of a start or a target within `reach_m` of what it is.
+/// The nearest mark of a start or a goal within `reach_m` of what it is.
 fn mark(scenario: &Scenario, at: Point, reach_m: impl Fn(Selection) -> f32) -> Option<Selection> {
-    let course = &scenario.course;
+    let benchmark_route = &scenario.benchmark_route;
     let fixed = |rule, of| places(rule).iter().map(move |&place| (place, of));
-    let marks = [(course.start_m, Selection::CourseStart), (course.target_m, Selection::CourseTarget)];
+    let marks = [
+        (benchmark_route.start_m, Selection::BenchmarkStart),
+        (benchmark_route.goal_m, Selection::BenchmarkGoal),
+    ];
     marks
         .into_iter()
         .chain(fixed(&scenario.starts, Selection::Starts))
-        .chain(fixed(&scenario.targets, Selection::Targets))
+        .chain(fixed(&scenario.goals, Selection::Goals))
         .map(|(place, of)| (distance(place, at), of))
         .filter(|&(away, of)| away <= reach_m(of))
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -147,7 +151,7 @@ fn mark(scenario: &Scenario, at: Point, reach_m: impl Fn(Selection) -> f32) -> O
 fn frame(scenario: &Scenario, at: Point, slack_m: f32) -> Option<Selection> {
     let generators = scenario.generators.iter().enumerate();
     let generators = generators.map(|(k, generator)| (generator.within, Selection::Generator(k)));
-    let rules = [(&scenario.starts, Selection::Starts), (&scenario.targets, Selection::Targets)];
+    let rules = [(&scenario.starts, Selection::Starts), (&scenario.goals, Selection::Goals)];
     generators
         .chain(rules.map(|(rule, of)| (region(rule), of)))
         .find(|(region, _)| region.is_some_and(|region| from_outline(region, at) <= slack_m))
@@ -157,7 +161,7 @@ fn frame(scenario: &Scenario, at: Point, slack_m: f32) -> Option<Selection> {
 fn from_outline(Region { min_m, max_m }: Region, at: Point) -> f32 {
     let corners = [min_m, (max_m.0, min_m.1), max_m, (min_m.0, max_m.1)];
     polygon::sides(&corners)
-        .map(|(from, to)| polygon::from_segment(from, to, at))
+        .map(|(from, to)| polygon::distance_to_segment(from, to, at))
         .fold(f32::INFINITY, f32::min)
 }
 
@@ -171,7 +175,7 @@ mod tests {
             shape: Shape::Circle { radius_m },
             position_m,
             rotation_rad: 0.0,
-            motion: ObstacleMotion::Still,
+            motion: ObstacleMotion::Static,
         };
         Scenario {
             obstacles: vec![disc((-1.0, 0.0), 0.3), disc((-0.8, 0.0), 0.3)],
@@ -182,7 +186,7 @@ mod tests {
                 gap_m: 0.4,
                 within: Some(Region { min_m: (0.0, 0.5), max_m: (1.0, 1.0) }),
             }],
-            targets: PlaceRule::OneOf { places_m: vec![(1.5, 0.0), (1.5, -1.0)] },
+            goals: PlacementRule::OneOf { positions_m: vec![(1.5, 0.0), (1.5, -1.0)] },
             ..Scenario::default()
         }
     }
@@ -200,9 +204,9 @@ mod tests {
         assert_eq!(pick(none, (0.5, -1.47)), Selection::Wall(0));
         assert_eq!(pick(none, (0.5, 0.52)), Selection::Generator(0), "its region's outline");
         assert_eq!(pick(none, (0.5, 0.7)), none, "a region is empty within");
-        assert_eq!(pick(none, (1.6, -1.0)), Selection::Targets, "within the goal radius");
-        assert_eq!(pick(none, (0.05, 0.0)), Selection::CourseStart);
-        assert_eq!(pick(none, (1.21, 1.19)), Selection::CourseTarget);
+        assert_eq!(pick(none, (1.6, -1.0)), Selection::Goals, "within the goal radius");
+        assert_eq!(pick(none, (0.05, 0.0)), Selection::BenchmarkStart);
+        assert_eq!(pick(none, (1.21, 1.19)), Selection::BenchmarkGoal);
         assert_eq!(pick(none, (1.98, 0.7)), Selection::Enclosure);
         assert_eq!(pick(none, (2.02, 0.7)), Selection::Enclosure);
     }
@@ -210,9 +214,9 @@ mod tests {
     #[test]
     fn a_mark_inside_an_obstacle_can_be_picked() {
         let mut scenario = crowded();
-        scenario.course.start_m = (-1.0, 0.0);
+        scenario.benchmark_route.start_m = (-1.0, 0.0);
         let pick = |at| super::pick(&scenario, Selection::Obstacle(0), at, 0.03);
-        assert_eq!(pick((-1.0, 0.01)), Selection::CourseStart);
+        assert_eq!(pick((-1.0, 0.01)), Selection::BenchmarkStart);
         assert_eq!(pick((-1.0, 0.05)), Selection::Obstacle(0));
     }
 
@@ -224,23 +228,23 @@ mod tests {
             ("walls[0].corners_m[3]", Selection::Wall(0)),
             ("generators[1].count", Selection::Generator(1)),
             ("starts.clearance_m", Selection::Starts),
-            ("targets", Selection::Targets),
-            ("course.start_m[0]", Selection::CourseStart),
-            ("course.target_m", Selection::CourseTarget),
+            ("goals", Selection::Goals),
+            ("benchmark_route.start_m[0]", Selection::BenchmarkStart),
+            ("benchmark_route.goal_m", Selection::BenchmarkGoal),
             ("enclosure.width_m", Selection::Enclosure),
             ("robot.radius_m", Selection::Nothing),
             ("obstacles[x]", Selection::Nothing),
         ] {
-            assert_eq!(Selection::of_path(path), expected, "{path}");
+            assert_eq!(Selection::from_field_path(path), expected, "{path}");
         }
     }
 
     #[test]
     fn what_is_not_there_is_nothing() {
         let scenario = crowded();
-        assert_eq!(Selection::Obstacle(1).within(&scenario), Selection::Obstacle(1));
+        assert_eq!(Selection::Obstacle(1).if_present(&scenario), Selection::Obstacle(1));
         for gone in [Selection::Obstacle(2), Selection::Wall(1), Selection::Generator(1)] {
-            assert_eq!(gone.within(&scenario), Selection::Nothing);
+            assert_eq!(gone.if_present(&scenario), Selection::Nothing);
         }
     }
 }

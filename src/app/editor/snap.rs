@@ -2,7 +2,7 @@
 //!
 //! In: where the pointer is. Out: where the thing goes; to the millimetre and 0.0001 rad in any case.
 
-use super::points::{LEAST_M, Point, to_angle, to_mm};
+use super::points::{MIN_SIZE_M, Point, to_angle, to_mm};
 
 /// Whether and how finely.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ impl Snap {
     pub const STEP_DEGREES: f32 = 15.0;
 
     /// The same, or none at all.
-    pub(super) fn unless(self, free: bool) -> Self {
+    pub(super) fn disabled_if(self, free: bool) -> Self {
         Self { on: self.on && !free, ..self }
     }
 
@@ -45,7 +45,7 @@ impl Snap {
 
     /// A size: so many steps, one at least.
     pub(super) fn size(self, size_m: f32) -> f32 {
-        if self.on { self.stepped(size_m).max(self.step_m) } else { to_mm(size_m).max(LEAST_M) }
+        if self.on { self.stepped(size_m).max(self.step_m) } else { to_mm(size_m).max(MIN_SIZE_M) }
     }
 
     /// An angle in rad.
@@ -69,14 +69,14 @@ mod tests {
         assert_eq!(snap.point((0.37, -0.38), (0.0, 0.0)), (0.25, -0.5));
         assert_eq!(snap.point((0.37, -0.38), (0.4, -0.4)), (0.4, -0.4), "the middle is nearer");
         assert_eq!(snap.point((0.13, 0.1), (0.1, 5.0)), (0.1, 0.0), "each axis for itself");
-        assert_eq!(snap.unless(true).point((0.371_4, -0.38), (0.0, 0.0)), (0.371, -0.38));
+        assert_eq!(snap.disabled_if(true).point((0.371_4, -0.38), (0.0, 0.0)), (0.371, -0.38));
     }
 
     #[test]
     fn sizes_are_never_nothing() {
         let snap = Snap { on: true, step_m: 0.1 };
         assert_eq!([0.34, 0.02, -3.0].map(|size| snap.size(size)), [0.3, 0.1, 0.1]);
-        let free = snap.unless(true);
+        let free = snap.disabled_if(true);
         assert_eq!([0.344_4, 0.001, -3.0].map(|size| free.size(size)), [0.344, 0.01, 0.01]);
     }
 
@@ -85,6 +85,6 @@ mod tests {
         let snap = Snap::default();
         let degrees = |angle: f32| snap.angle(angle.to_radians()).to_degrees().round();
         assert_eq!([37.0, 38.0, -7.0, 200.0].map(degrees), [30.0, 45.0, 0.0, -165.0]);
-        assert_eq!(snap.unless(true).angle(0.123_456), 0.1235);
+        assert_eq!(snap.disabled_if(true).angle(0.123_456), 0.1235);
     }
 }

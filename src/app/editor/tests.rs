@@ -1,17 +1,17 @@
 //! The document as a whole: every operation, and the way back from it.
 #![expect(clippy::approx_constant, reason = "angles as a file has them, to four decimals")]
 
-mod anything;
 mod drags;
+mod random_edits;
 mod saving;
 mod tools;
 
-use super::body::reach_of;
+use super::body::bounding_radius;
 use super::points::to_mm;
 use super::*;
 use crate::scenario::{
-    Enclosure, Generator, Obstacle, ObstacleMotion, PlaceRule, RandomShape, Region, Shape, Wall, clearance,
-    parse_ron, to_ron,
+    Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Shape, Wall,
+    clearance, parse_ron, to_ron,
 };
 
 /// An editor of this world, as opened from its file.
@@ -20,7 +20,7 @@ fn editor(scenario: Scenario) -> Editor {
 }
 
 fn still(shape: Shape, position_m: Point) -> Obstacle {
-    Obstacle { shape, position_m, rotation_rad: 0.0, motion: ObstacleMotion::Still }
+    Obstacle { shape, position_m, rotation_rad: 0.0, motion: ObstacleMotion::Static }
 }
 
 fn disc(x: f32, y: f32) -> Obstacle {
@@ -39,7 +39,7 @@ fn full() -> Scenario {
             gap_m: 0.4,
             within: Some(Region { min_m: (-1.0, -0.5), max_m: (0.0, 0.0) }),
         }],
-        targets: PlaceRule::OneOf { places_m: vec![(0.0, 1.5), (1.5, -1.5)] },
+        goals: PlacementRule::OneOf { positions_m: vec![(0.0, 1.5), (1.5, -1.5)] },
         ..Scenario::default()
     }
 }
@@ -62,23 +62,23 @@ fn one_step(editor: &mut Editor, change: impl FnOnce(&mut Editor)) -> Scenario {
 fn every_operation_is_one_step_back_and_forth() {
     type Change = fn(&mut Editor);
     let changes: [(Selection, Change); 17] = [
-        (Selection::Nothing, |e| e.add(Form::Circle, (0.0, 0.0))),
-        (Selection::Nothing, |e| e.add(Form::Generator, (0.0, 0.0))),
+        (Selection::Nothing, |e| e.add(NewItem::Circle, (0.0, 0.0))),
+        (Selection::Nothing, |e| e.add(NewItem::Generator, (0.0, 0.0))),
         (Selection::Obstacle(1), Editor::duplicate),
         (Selection::Wall(0), Editor::duplicate),
         (Selection::Generator(0), Editor::duplicate),
         (Selection::Obstacle(0), Editor::delete),
         (Selection::Wall(0), Editor::delete),
         (Selection::Generator(0), Editor::delete),
-        (Selection::Targets, Editor::delete),
+        (Selection::Goals, Editor::delete),
         (Selection::Obstacle(0), Editor::cut),
         (Selection::Obstacle(0), |e| e.nudge(1, 0, false)),
         (Selection::Obstacle(0), |e| e.set_motion(MotionKind::Orbit)),
-        (Selection::Nothing, |e| e.set_rule(Rule::Starts, RuleKind::Within)),
+        (Selection::Nothing, |e| e.set_rule(PlacementRole::Starts, PlacementKind::Within)),
         (Selection::Nothing, |e| e.set_enclosure(EnclosureKind::Polygon)),
         (Selection::Nothing, |e| e.edit("name", |s| s.name = "Mine".into())),
         (Selection::Obstacle(1), |e| assert!(e.remove_handle(HandleKind::Waypoint(0)))),
-        (Selection::Targets, |e| assert!(e.remove_handle(HandleKind::Place(1)))),
+        (Selection::Goals, |e| assert!(e.remove_handle(HandleKind::Place(1)))),
     ];
     for (selection, change) in changes {
         let mut editor = editor(full());
@@ -94,7 +94,7 @@ fn many_steps_lead_all_the_way_back() {
     let mut worlds = vec![Arc::clone(&first)];
     for k in 0..40 {
         match k % 4 {
-            0 => editor.add(Form::Box, (0.3, 0.3)),
+            0 => editor.add(NewItem::Box, (0.3, 0.3)),
             1 => editor.nudge(1, 2, true),
             2 => editor.duplicate(),
             _ => editor.delete(),
@@ -105,14 +105,14 @@ fn many_steps_lead_all_the_way_back() {
         editor.undo();
         assert_eq!(editor.scenario(), world);
     }
-    assert!(!editor.can_undo() && !editor.is_changed());
+    assert!(!editor.can_undo() && !editor.is_modified());
     for world in &worlds[1..] {
         editor.redo();
         assert_eq!(editor.scenario(), world);
     }
     assert!(!editor.can_redo());
     editor.undo();
-    editor.add(Form::Circle, (0.0, 0.0));
+    editor.add(NewItem::Circle, (0.0, 0.0));
     assert!(!editor.can_redo(), "another way was taken");
 }
 
@@ -125,7 +125,7 @@ fn typing_in_a_field_is_one_step_until_another() {
     }
     editor.edit("goal", |s| s.task.goal_radius_m = 0.3);
     editor.edit("goal", |s| s.task.goal_radius_m = 0.3);
-    editor.seal();
+    editor.close_group();
     editor.edit("goal", |s| s.task.goal_radius_m = 0.25);
     editor.undo();
     assert_eq!(editor.scenario().task.goal_radius_m, 0.3, "sealed between");
@@ -150,7 +150,7 @@ fn undo_selects_what_was_selected_and_never_what_is_gone() {
     assert_eq!(editor.selection(), Selection::Nothing);
     editor.undo();
     assert_eq!(editor.selection(), Selection::Obstacle(1));
-    editor.add(Form::Circle, (0.0, 0.0));
+    editor.add(NewItem::Circle, (0.0, 0.0));
     assert_eq!(editor.selection(), Selection::Obstacle(2));
     editor.undo();
     assert_eq!(editor.selection(), Selection::Obstacle(1));
@@ -161,31 +161,34 @@ fn undo_selects_what_was_selected_and_never_what_is_gone() {
 #[test]
 fn what_is_added_stands_in_the_clear() {
     let mut editor = editor(Scenario::default());
-    for form in [Form::Circle, Form::Box, Form::Capsule, Form::Triangle, Form::Hexagon] {
+    for form in [NewItem::Circle, NewItem::Box, NewItem::Capsule, NewItem::Triangle, NewItem::Hexagon] {
         editor.add(form, (0.0, 0.0));
         let (mut others, k) = (Scenario::clone(editor.scenario()), editor.scenario().obstacles.len() - 1);
         assert_eq!(editor.selection(), Selection::Obstacle(k));
         let added = others.obstacles.remove(k);
-        assert!(clearance(&others, added.position_m, 0) >= reach_of(&added.shape), "{form:?} {added:?}");
+        assert!(
+            clearance(&others, added.position_m, 0) >= bounding_radius(&added.shape),
+            "{form:?} {added:?}"
+        );
         let on_grid = (added.position_m.0 / 0.05).round() * 0.05;
         assert!((added.position_m.0 - on_grid).abs() < 1e-5);
     }
-    assert_eq!(editor.findings(), [], "nothing is wrong with five of them");
+    assert_eq!(editor.diagnostics(), [], "nothing is wrong with five of them");
     // No room at all: it is there all the same, and what is wrong is said.
     for _ in 0..80 {
-        editor.add(Form::Box, (0.0, 0.0));
+        editor.add(NewItem::Box, (0.0, 0.0));
     }
     assert_eq!(editor.scenario().obstacles.len(), 85);
-    assert!(!editor.findings().is_empty());
+    assert!(!editor.diagnostics().is_empty());
 }
 
 #[test]
 fn a_polygon_to_begin_with_has_even_corners() {
     let mut editor = editor(Scenario::default());
-    editor.add(Form::Triangle, (1.0, -1.0));
+    editor.add(NewItem::Triangle, (1.0, -1.0));
     let corners_m = vec![(0.0, 0.25), (-0.217, -0.125), (0.217, -0.125)];
     assert_eq!(editor.scenario().obstacles[0].shape, Shape::Polygon { corners_m });
-    editor.add(Form::Hexagon, (1.0, -1.0));
+    editor.add(NewItem::Hexagon, (1.0, -1.0));
     let Shape::Polygon { corners_m } = &editor.scenario().obstacles[1].shape else { panic!("a polygon") };
     assert_eq!(corners_m[..3], [(0.2, 0.0), (0.1, 0.173), (-0.1, 0.173)]);
 }
@@ -219,7 +222,7 @@ fn a_copy_is_like_the_thing_and_beside_it() {
 #[test]
 fn copies_of_a_random_walk_walk_otherwise() {
     let mut editor = editor(Scenario::default());
-    editor.add(Form::Circle, (1.0, -1.0));
+    editor.add(NewItem::Circle, (1.0, -1.0));
     editor.set_motion(MotionKind::RandomWalk);
     editor.duplicate();
     editor.copy();
@@ -240,14 +243,14 @@ fn every_kind_of_motion_fits_the_world() {
         for kind in MotionKind::ALL {
             for shape in [Shape::Circle { radius_m: 0.1 }, Shape::Rectangle { width_m: 0.2, height_m: 0.1 }] {
                 let mut scenario = Scenario { obstacles: vec![still(shape, at)], ..Scenario::default() };
-                scenario.course.start_m = (-1.5, 1.5);
-                scenario.course.target_m = (-1.5, 0.5);
+                scenario.benchmark_route.start_m = (-1.5, 1.5);
+                scenario.benchmark_route.goal_m = (-1.5, 0.5);
                 let mut editor = editor(scenario);
                 editor.select(Selection::Obstacle(0));
                 editor.set_motion(kind);
-                assert_eq!(MotionKind::of(&editor.scenario().obstacles[0].motion), kind);
-                let outside = |finding: &&Finding| finding.path.starts_with("obstacles");
-                assert_eq!(editor.findings().iter().find(outside), None, "{kind:?} at {at:?}");
+                assert_eq!(MotionKind::from_motion(&editor.scenario().obstacles[0].motion), kind);
+                let outside = |finding: &&Diagnostic| finding.path.starts_with("obstacles");
+                assert_eq!(editor.diagnostics().iter().find(outside), None, "{kind:?} at {at:?}");
             }
         }
     }
@@ -281,19 +284,19 @@ fn an_orbit_is_about_the_worlds_middle_if_there_is_room() {
 #[test]
 fn rules_keep_what_they_have_in_common() {
     let mut editor = editor(full());
-    editor.set_rule(Rule::Targets, RuleKind::Fixed);
-    assert_eq!(editor.selection(), Selection::Targets);
-    assert_eq!(editor.scenario().targets, PlaceRule::Fixed { at_m: (0.0, 1.5), heading_rad: None });
-    editor.set_rule(Rule::Targets, RuleKind::OneOf);
-    assert_eq!(editor.scenario().targets, PlaceRule::OneOf { places_m: vec![(0.0, 1.5)] });
-    editor.edit("clearance", |s| s.starts = PlaceRule::Random { clearance_m: 0.5 });
-    editor.set_rule(Rule::Starts, RuleKind::Within);
+    editor.set_rule(PlacementRole::Goals, PlacementKind::Fixed);
+    assert_eq!(editor.selection(), Selection::Goals);
+    assert_eq!(editor.scenario().goals, PlacementRule::Fixed { position_m: (0.0, 1.5), heading_rad: None });
+    editor.set_rule(PlacementRole::Goals, PlacementKind::OneOf);
+    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![(0.0, 1.5)] });
+    editor.edit("clearance", |s| s.starts = PlacementRule::Random { clearance_m: 0.5 });
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
     let (min_m, max_m) = ((-1.0, -1.0), (1.0, 1.0));
-    assert_eq!(editor.scenario().starts, PlaceRule::Within { min_m, max_m, clearance_m: 0.5 });
-    editor.set_rule(Rule::Starts, RuleKind::Fixed);
-    assert_eq!(editor.scenario().starts, PlaceRule::Fixed { at_m: (0.0, 0.0), heading_rad: None });
+    assert_eq!(editor.scenario().starts, PlacementRule::Within { min_m, max_m, clearance_m: 0.5 });
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Fixed);
+    assert_eq!(editor.scenario().starts, PlacementRule::Fixed { position_m: (0.0, 0.0), heading_rad: None });
     editor.delete();
-    assert_eq!(editor.scenario().starts, PlaceRule::default());
+    assert_eq!(editor.scenario().starts, PlacementRule::default());
     assert!(!editor.can_delete(), "there is nothing more to take away");
 }
 
@@ -315,47 +318,47 @@ fn an_enclosure_becomes_a_polygon_and_a_rectangle_again() {
 #[test]
 fn a_wall_is_drawn_corner_by_corner_in_one_step() {
     let mut editor = editor(Scenario::default());
-    editor.take_tool(Tool::Wall { corners_m: Vec::new() });
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
     for at in [(0.01, 0.52), (0.01, 0.52), (1.02, 0.49), (1.0, 1.0)] {
-        editor.tool_click(at, false);
+        editor.click_with_tool(at, false);
     }
-    editor.tool_click((1.234_56, 1.0), true);
-    editor.tool_back();
+    editor.click_with_tool((1.234_56, 1.0), true);
+    editor.undo_tool_point();
     assert!(!editor.can_undo(), "nothing is in the world yet");
-    let after = one_step(&mut editor, Editor::tool_end);
+    let after = one_step(&mut editor, Editor::finish_tool);
     assert_eq!(after.walls, [Wall { corners_m: vec![(0.0, 0.5), (1.0, 0.5), (1.0, 1.0)], thickness_m: 0.1 }]);
     assert_eq!(*editor.tool(), Tool::Select);
     // One corner is no wall.
-    editor.take_tool(Tool::Wall { corners_m: Vec::new() });
-    editor.tool_click((0.0, 0.0), false);
-    editor.tool_end();
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+    editor.click_with_tool((0.0, 0.0), false);
+    editor.finish_tool();
     assert_eq!(editor.scenario().walls.len(), 1);
-    editor.take_tool(Tool::Wall { corners_m: Vec::new() });
-    editor.tool_back();
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+    editor.undo_tool_point();
     assert_eq!(*editor.tool(), Tool::Select, "without a corner it is put away");
 }
 
 #[test]
 fn a_path_and_places_are_drawn_for_what_is_selected() {
     let mut editor = editor(full());
-    editor.take_tool(Tool::Path { waypoints_m: Vec::new() });
+    editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
     assert_eq!(*editor.tool(), Tool::Select, "there is nothing to lead");
     editor.select(Selection::Obstacle(0));
-    editor.take_tool(Tool::Path { waypoints_m: Vec::new() });
-    editor.tool_click((-1.0, 0.0), false);
-    editor.tool_click((0.0, 0.0), false);
-    let after = one_step(&mut editor, Editor::tool_end);
+    editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
+    editor.click_with_tool((-1.0, 0.0), false);
+    editor.click_with_tool((0.0, 0.0), false);
+    let after = one_step(&mut editor, Editor::finish_tool);
     let waypoints_m = vec![(-1.0, 0.0), (0.0, 0.0)];
     assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 });
     editor.select(Selection::Starts);
-    editor.take_tool(Tool::Places);
+    editor.set_tool(Tool::Places);
     for at in [(0.5, 0.5), (0.51, 0.5), (-0.5, 0.0)] {
-        editor.tool_click(at, false);
+        editor.click_with_tool(at, false);
     }
-    assert_eq!(editor.scenario().starts, PlaceRule::OneOf { places_m: vec![(0.5, 0.5), (-0.5, 0.0)] });
+    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![(0.5, 0.5), (-0.5, 0.0)] });
     editor.undo();
-    assert_eq!(editor.scenario().starts, PlaceRule::OneOf { places_m: vec![(0.5, 0.5)] });
-    editor.take_tool(Tool::Places);
+    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![(0.5, 0.5)] });
+    editor.set_tool(Tool::Places);
     editor.select(Selection::Wall(0));
     assert_eq!(*editor.tool(), Tool::Select, "the tool was for something else");
 }
@@ -392,41 +395,41 @@ fn arrows_go_by_the_grids_step_with_all_that_belongs_to_it() {
 #[test]
 fn findings_are_those_of_the_world_at_every_moment() {
     let mut editor = editor(Scenario { obstacles: vec![disc(1.0, -1.0)], ..Scenario::default() });
-    assert_eq!(editor.findings(), []);
+    assert_eq!(editor.diagnostics(), []);
     editor.select(Selection::Obstacle(0));
     assert!(editor.begin_drag(HandleKind::Middle, (1.0, -1.0)));
     editor.drag_to((1.95, -1.0), false);
-    assert!(editor.is_wrong(Selection::Obstacle(0)), "it reaches beyond the walls");
-    assert!(!editor.is_wrong(Selection::Wall(0)) && !editor.is_wrong(Selection::Nothing));
+    assert!(editor.has_error(Selection::Obstacle(0)), "it reaches beyond the walls");
+    assert!(!editor.has_error(Selection::Wall(0)) && !editor.has_error(Selection::Nothing));
     editor.drag_to((1.5, -1.0), false);
-    assert_eq!(editor.findings(), []);
+    assert_eq!(editor.diagnostics(), []);
     editor.drag_to((1.95, -1.0), false);
     editor.cancel_drag();
-    assert_eq!(editor.findings(), []);
+    assert_eq!(editor.diagnostics(), []);
     editor.edit("name", |s| s.name.clear());
-    assert_eq!(editor.findings()[0].path, "name");
+    assert_eq!(editor.diagnostics()[0].path, "name");
     editor.undo();
-    assert_eq!(editor.findings(), []);
+    assert_eq!(editor.diagnostics(), []);
 }
 
 #[test]
 fn it_knows_whether_it_is_saved_and_where() {
     let mut editor = editor(full());
-    assert!(!editor.is_changed());
+    assert!(!editor.is_modified());
     assert_eq!(editor.file().as_deref(), Some(Path::new("worlds/mine.ron")));
-    editor.follow(None, None);
+    editor.sync_with_session(None, None);
     editor.edit("name", |s| s.name = "Mine".into());
-    assert!(editor.is_changed());
+    assert!(editor.is_modified());
     let saved = ("worlds/other.ron".to_owned(), Arc::clone(editor.scenario()));
-    editor.follow(Some(&saved), None);
-    assert!(!editor.is_changed());
+    editor.sync_with_session(Some(&saved), None);
+    assert!(!editor.is_modified());
     assert_eq!(editor.from(), "worlds/other.ron");
     editor.undo();
-    assert!(editor.is_changed());
+    assert!(editor.is_modified());
     editor.redo();
-    assert!(!editor.is_changed());
+    assert!(!editor.is_modified());
     assert_eq!(Editor::open(Arc::default(), "empty".into(), true).file(), None, "it came with the program");
-    assert!(Editor::open(Arc::default(), "empty".into(), false).is_changed());
+    assert!(Editor::open(Arc::default(), "empty".into(), false).is_modified());
 }
 
 #[test]
@@ -434,8 +437,8 @@ fn what_was_saved_before_it_was_opened_is_none_of_its_business() {
     let old = ("old.ron".to_owned(), Arc::new(Scenario::default()));
     let draft = (3, "old.ron".to_owned(), Arc::new(Scenario::default()));
     let mut editor = editor(full());
-    editor.follow(Some(&old), Some(&draft));
-    editor.follow(Some(&old), Some(&draft));
+    editor.sync_with_session(Some(&old), Some(&draft));
+    editor.sync_with_session(Some(&old), Some(&draft));
     assert_eq!((editor.from(), &**editor.scenario()), ("worlds/mine.ron", &full()));
     // A new serial is a new world; what was copied is kept.
     editor.select(Selection::Wall(0));
@@ -443,32 +446,32 @@ fn what_was_saved_before_it_was_opened_is_none_of_its_business() {
     editor.nudge(1, 0, false);
     let draft = (4, "empty".to_owned(), Arc::new(Scenario::default()));
     let revision = editor.revision();
-    editor.follow(Some(&old), Some(&draft));
+    editor.sync_with_session(Some(&old), Some(&draft));
     assert_eq!((editor.from(), &**editor.scenario()), ("empty", &Scenario::default()));
-    assert!(!editor.is_changed() && editor.revision() != revision);
+    assert!(!editor.is_modified() && editor.revision() != revision);
     assert_eq!(editor.selection(), Selection::Nothing);
     // Nothing is lost: the world before is a step back, changed as it was.
     editor.undo();
     assert_eq!((editor.from(), editor.scenario().walls.len()), ("worlds/mine.ron", 1));
-    assert!(editor.is_changed());
+    assert!(editor.is_modified());
     editor.redo();
     assert_eq!((editor.from(), &**editor.scenario()), ("empty", &Scenario::default()));
-    assert!(!editor.is_changed());
+    assert!(!editor.is_modified());
     editor.paste(None);
     assert_eq!(editor.scenario().walls.len(), 1);
-    editor.follow(Some(&old), Some(&draft));
+    editor.sync_with_session(Some(&old), Some(&draft));
     assert_eq!(editor.scenario().walls.len(), 1, "taken once");
 }
 
 #[test]
 fn what_was_edited_goes_through_its_file_without_loss() {
     let mut editor = editor(full());
-    editor.add(Form::Capsule, (0.0, -1.5));
-    assert!(editor.begin_drag(HandleKind::Turn, (1.0, -1.5)));
+    editor.add(NewItem::Capsule, (0.0, -1.5));
+    assert!(editor.begin_drag(HandleKind::Rotate, (1.0, -1.5)));
     editor.drag_to((0.123, 0.456), true);
     editor.end_drag();
     editor.set_motion(MotionKind::BackAndForth);
-    editor.set_rule(Rule::Starts, RuleKind::Within);
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
     let text = to_ron(&**editor.scenario()).expect("RON");
     let back: Scenario = parse_ron(&text, "mine.ron").expect("what was written can be read");
     assert_eq!(back, **editor.scenario());

@@ -1,20 +1,20 @@
 //! Tools: what is drawn corner by corner, click by click.
 //!
-//! In: clicks. Out: a wall, the path of an obstacle, or places for starts or targets; a wall or a path is one step for
+//! In: clicks. Out: a wall, the path of an obstacle, or places for starts or goals; a wall or a path is one step for
 //! undo, a place is one each.
 
-use super::forms::Thing;
+use super::items::EditorItem;
 use super::points::{Point, distance, is_finite};
 use super::selection::{Selection, places};
-use super::{Editor, RuleKind};
-use crate::scenario::{ObstacleMotion, PlaceRule, Scenario, Wall};
+use super::{Editor, PlacementKind};
+use crate::scenario::{ObstacleMotion, PlacementRule, Scenario, Wall};
 
 /// How thick a new wall is, in m.
-const WALL_M: f32 = 0.1;
+const WALL_THICKNESS_M: f32 = 0.1;
 /// The speed of a new path, in m/s.
 pub(super) const SPEED_M_S: f32 = 0.1;
 /// The most corners of a wall, of a path, and places of a rule.
-const MOST: usize = 256;
+const MAX_POINTS: usize = 256;
 
 /// What a click in the world does.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,13 +53,13 @@ impl Editor {
     }
 
     /// Takes a tool, if what is selected is something for it.
-    pub fn take_tool(&mut self, tool: Tool) {
+    pub fn set_tool(&mut self, tool: Tool) {
         self.end_drag();
-        self.seal();
+        self.close_group();
         let fits = match tool {
             Tool::Select | Tool::Wall { .. } => true,
             Tool::Path { .. } => matches!(self.selection, Selection::Obstacle(_)),
-            Tool::Places => matches!(self.selection, Selection::Starts | Selection::Targets),
+            Tool::Places => matches!(self.selection, Selection::Starts | Selection::Goals),
         };
         if fits {
             self.tool = tool;
@@ -67,47 +67,47 @@ impl Editor {
     }
 
     /// A click in the world with the tool; `free` is without snapping.
-    pub fn tool_click(&mut self, at_m: Point, free: bool) {
-        if !is_finite(at_m) {
+    pub fn click_with_tool(&mut self, position_m: Point, free: bool) {
+        if !is_finite(position_m) {
             return;
         }
-        let at = self.snapped(at_m, free);
+        let at = self.snapped(position_m, free);
         match &mut self.tool {
             Tool::Select => {}
             Tool::Wall { corners_m: corners } | Tool::Path { waypoints_m: corners } => {
                 // A click twice in the same place is one corner.
-                if corners.len() < MOST && corners.last().is_none_or(|&last| distance(last, at) > 0.0) {
+                if corners.len() < MAX_POINTS && corners.last().is_none_or(|&last| distance(last, at) > 0.0) {
                     corners.push(at);
                 }
             }
             Tool::Places => self.step(|scenario, selection| {
                 let rule = match selection {
                     Selection::Starts => &mut scenario.starts,
-                    Selection::Targets => &mut scenario.targets,
+                    Selection::Goals => &mut scenario.goals,
                     _ => return,
                 };
                 let mut all = places(rule).to_vec();
-                if all.len() < MOST && !all.contains(&at) {
+                if all.len() < MAX_POINTS && !all.contains(&at) {
                     all.push(at);
-                    *rule = PlaceRule::OneOf { places_m: all };
+                    *rule = PlacementRule::OneOf { positions_m: all };
                 }
             }),
         }
     }
 
     /// It is all drawn: the wall or the path is there, if it has corners enough.
-    pub fn tool_end(&mut self) {
+    pub fn finish_tool(&mut self) {
         match std::mem::take(&mut self.tool) {
             Tool::Wall { corners_m } if corners_m.len() >= 2 => {
-                self.put(Thing::Wall(Wall { corners_m, thickness_m: WALL_M }));
+                self.put(EditorItem::Wall(Wall { corners_m, thickness_m: WALL_THICKNESS_M }));
             }
-            Tool::Path { waypoints_m } if !waypoints_m.is_empty() => self.lead(waypoints_m),
+            Tool::Path { waypoints_m } if !waypoints_m.is_empty() => self.set_path(waypoints_m),
             _ => {}
         }
     }
 
     /// Gives the selected obstacle this path, of the kind that it has or else a patrol.
-    fn lead(&mut self, path: Vec<Point>) {
+    fn set_path(&mut self, path: Vec<Point>) {
         self.step(|scenario, selection| {
             let Selection::Obstacle(k) = *selection else { return };
             let Some(obstacle) = scenario.obstacles.get_mut(k) else { return };
@@ -120,7 +120,7 @@ impl Editor {
     }
 
     /// The last corner was not meant; without any, the tool is put away.
-    pub fn tool_back(&mut self) {
+    pub fn undo_tool_point(&mut self) {
         let left = match &mut self.tool {
             Tool::Wall { corners_m: corners } | Tool::Path { waypoints_m: corners } => {
                 corners.pop().is_some()
@@ -128,7 +128,7 @@ impl Editor {
             Tool::Select | Tool::Places => false,
         };
         if !left {
-            self.tool_cancel();
+            self.cancel_tool();
         }
     }
 
@@ -136,8 +136,8 @@ impl Editor {
     /// is of another kind than in the world `before`, and has no places to be added to.
     pub(super) fn check_tool(&mut self, before: &Scenario, selected: Selection) {
         let kind = |scenario: &Scenario| match selected {
-            Selection::Starts => Some(RuleKind::of(&scenario.starts)),
-            Selection::Targets => Some(RuleKind::of(&scenario.targets)),
+            Selection::Starts => Some(PlacementKind::from_rule(&scenario.starts)),
+            Selection::Goals => Some(PlacementKind::from_rule(&scenario.goals)),
             _ => None,
         };
         let same = self.selection == selected;
@@ -146,16 +146,16 @@ impl Editor {
             Tool::Path { .. } => same,
             Tool::Places => {
                 let now = kind(&self.scenario);
-                same && (now == Some(RuleKind::OneOf) || now == kind(before))
+                same && (now == Some(PlacementKind::OneOf) || now == kind(before))
             }
         };
         if !fits {
-            self.tool_cancel();
+            self.cancel_tool();
         }
     }
 
     /// Puts the tool away; what was not ended is gone.
-    pub fn tool_cancel(&mut self) {
+    pub fn cancel_tool(&mut self) {
         self.tool = Tool::Select;
     }
 }

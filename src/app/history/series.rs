@@ -1,7 +1,7 @@
 //! Series: a curve of any number of rows in a bounded number of points.
 //!
-//! In: a value at a time, with its place on the x axis. Out: points to draw. [`Series`] keeps at most
-//! [`CAPACITY`] buckets; each covers the same number of rows (the last maybe fewer) and knows their mean, least and
+//! In: a value at a time, with its place on the x axis. Out: points to draw. [`DownsampledSeries`] keeps at most
+//! [`MAX_POINTS`] buckets; each covers the same number of rows (the last maybe fewer) and knows their mean, least and
 //! greatest. When all are full, neighbours are merged, two into one, and from then on a bucket covers twice as
 //! many. So the curve keeps its whole length, and a day of training costs no more to keep or to draw than a minute.
 
@@ -10,13 +10,13 @@ use std::collections::VecDeque;
 use egui_plot::PlotPoint;
 
 /// At most so many points in a series; even, so that full buckets merge without a rest.
-pub const CAPACITY: usize = 1000;
+pub const MAX_POINTS: usize = 1000;
 /// Episodes in a moving mean, as far as there are so many.
-pub const WINDOW: usize = 100;
+pub const MOVING_AVERAGE_EPISODES: usize = 100;
 
-/// A curve in at most [`CAPACITY`] points.
+/// A curve in at most [`MAX_POINTS`] points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Series {
+pub struct DownsampledSeries {
     /// For each bucket the mean of its rows' x and of their values.
     means: Vec<PlotPoint>,
     lows: Vec<f64>,
@@ -28,13 +28,13 @@ pub struct Series {
     latest: Option<PlotPoint>,
 }
 
-impl Default for Series {
+impl Default for DownsampledSeries {
     fn default() -> Self {
         Self { means: Vec::new(), lows: Vec::new(), highs: Vec::new(), stride: 1, filled: 0, latest: None }
     }
 }
 
-impl Series {
+impl DownsampledSeries {
     /// Adds a row. A value that is no finite number is left out, and an x before the last one counts as the last one:
     /// points are always in order.
     pub fn push(&mut self, x: f64, value: f64) {
@@ -44,7 +44,7 @@ impl Series {
         let x = self.latest.map_or(x, |latest| latest.x.max(x));
         self.latest = Some(PlotPoint::new(x, value));
         if self.means.is_empty() || self.filled == self.stride {
-            if self.means.len() == CAPACITY {
+            if self.means.len() == MAX_POINTS {
                 self.merge();
             }
             self.filled = 0;
@@ -91,9 +91,9 @@ impl Series {
         &self.highs
     }
 
-    /// Whether each point is a row of its own: as long as there are at most [`CAPACITY`].
+    /// Whether each point is a row of its own: as long as there are at most [`MAX_POINTS`].
     #[must_use]
-    pub fn each_row(&self) -> bool {
+    pub fn is_full_resolution(&self) -> bool {
         self.stride == 1
     }
 
@@ -105,7 +105,7 @@ impl Series {
 
     /// The value of the point nearest to `x`.
     #[must_use]
-    pub fn near(&self, x: f64) -> Option<f64> {
+    pub fn value_near(&self, x: f64) -> Option<f64> {
         let after = self.means.partition_point(|point| point.x < x);
         let neighbours = [after.checked_sub(1), Some(after)].into_iter().flatten();
         let points = neighbours.filter_map(|index| self.means.get(index));
@@ -123,26 +123,26 @@ fn merge_pairs<T: Copy>(of: &mut Vec<T>, merged: impl Fn(T, T) -> T) {
     of.truncate(half);
 }
 
-/// The mean over the last [`WINDOW`] rows, exactly, as a series.
+/// The mean over the last [`MOVING_AVERAGE_EPISODES`] rows, exactly, as a series.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trailing {
+pub struct MovingAverage {
     /// The last rows: what is to be divided, and by what.
     rows: VecDeque<(f64, f64)>,
-    series: Series,
+    series: DownsampledSeries,
 }
 
-impl Trailing {
+impl MovingAverage {
     /// Adds a row of a plain mean.
     pub fn push(&mut self, x: f64, value: f64) {
-        self.push_share(x, value, 1.0);
+        self.push_ratio(x, value, 1.0);
     }
 
     /// Adds a row of a share: `part` out of `whole`. The mean is that of all parts over that of all wholes.
-    pub fn push_share(&mut self, x: f64, part: f64, whole: f64) {
+    pub fn push_ratio(&mut self, x: f64, part: f64, whole: f64) {
         if !part.is_finite() || !whole.is_finite() {
             return;
         }
-        if self.rows.len() == WINDOW {
+        if self.rows.len() == MOVING_AVERAGE_EPISODES {
             self.rows.pop_front();
         }
         self.rows.push_back((part, whole));
@@ -153,7 +153,7 @@ impl Trailing {
 
     /// The mean as it was after each row.
     #[must_use]
-    pub fn series(&self) -> &Series {
+    pub fn series(&self) -> &DownsampledSeries {
         &self.series
     }
 }

@@ -46,7 +46,7 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
     ///
     /// # Errors
     /// They could not be kept, or cannot be written.
-    pub fn copy(&mut self, to: &mut impl Write) -> io::Result<()> {
+    pub fn write_csv_to(&mut self, to: &mut impl Write) -> io::Result<()> {
         self.read(|mut file| io::copy(&mut file, to).map(|_| ()))
     }
 
@@ -54,7 +54,7 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
     ///
     /// # Errors
     /// They could not be kept, or cannot be read.
-    pub fn each(&mut self, mut take: impl FnMut(Row)) -> io::Result<()> {
+    pub fn for_each(&mut self, mut take: impl FnMut(Row)) -> io::Result<()> {
         self.read(|file| {
             let mut reader = csv::Reader::from_reader(BufReader::new(file));
             reader.deserialize().try_for_each(|row| row.map(&mut take)).map_err(io::Error::other)

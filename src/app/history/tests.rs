@@ -14,11 +14,11 @@ fn noise(count: usize) -> impl Iterator<Item = f64> {
     .take(count)
 }
 
-fn row(episode: u64, targets: u32) -> EpisodeRow {
+fn row(episode: u64, goals: u32) -> EpisodeRow {
     EpisodeRow {
         episode,
         env_steps: episode * 10,
-        targets,
+        goals,
         total_return: 0.1 * episode as f64,
         ..Default::default()
     }
@@ -26,16 +26,16 @@ fn row(episode: u64, targets: u32) -> EpisodeRow {
 
 /// The series of `values` at x = 0, 3, 6, ... next to what it should be, by brute force.
 fn assert_series_of(values: &[f64]) {
-    let mut series = Series::default();
+    let mut series = DownsampledSeries::default();
     for (index, &value) in values.iter().enumerate() {
         series.push(3.0 * index as f64, value);
     }
     let mut stride = 1;
-    while values.len() > stride * CAPACITY {
+    while values.len() > stride * MAX_POINTS {
         stride *= 2;
     }
     let (points, lows, highs) = (series.points(), series.lows(), series.highs());
-    assert!(points.len() <= CAPACITY && points.len() == values.len().div_ceil(stride), "{}", points.len());
+    assert!(points.len() <= MAX_POINTS && points.len() == values.len().div_ceil(stride), "{}", points.len());
     assert_eq!((lows.len(), highs.len()), (points.len(), points.len()));
     for (index, bucket) in values.chunks(stride).enumerate() {
         let mean = bucket.iter().sum::<f64>() / bucket.len() as f64;
@@ -64,7 +64,7 @@ fn a_million_rows_stay_within_the_bound() {
 
 #[test]
 fn what_cannot_be_drawn_is_left_out_and_x_never_falls() {
-    let mut series = Series::default();
+    let mut series = DownsampledSeries::default();
     for (x, value) in
         [(5.0, 1.0), (f64::NAN, 1.0), (6.0, f64::INFINITY), (3.0, 2.0), (7.0, f64::NAN), (9.0, 4.0)]
     {
@@ -72,18 +72,18 @@ fn what_cannot_be_drawn_is_left_out_and_x_never_falls() {
     }
     let points: Vec<_> = series.points().iter().map(|point| (point.x, point.y)).collect();
     assert_eq!(points, [(5.0, 1.0), (5.0, 2.0), (9.0, 4.0)]);
-    let near = [-1.0, 6.0, 8.0, 99.0].map(|x| series.near(x).expect("there are points"));
+    let near = [-1.0, 6.0, 8.0, 99.0].map(|x| series.value_near(x).expect("there are points"));
     assert_eq!((near[0], near[2], near[3]), (1.0, 4.0, 4.0));
-    assert_eq!(Series::default().near(0.0), None);
+    assert_eq!(DownsampledSeries::default().value_near(0.0), None);
 }
 
 #[test]
 fn a_moving_mean_is_that_of_the_last_hundred() {
     let values: Vec<f64> = noise(777).collect();
-    let mut trailing = Trailing::default();
+    let mut trailing = MovingAverage::default();
     for (index, &value) in values.iter().enumerate() {
         trailing.push(index as f64, value);
-        let window = &values[index.saturating_sub(WINDOW - 1)..=index];
+        let window = &values[index.saturating_sub(MOVING_AVERAGE_EPISODES - 1)..=index];
         let mean = window.iter().sum::<f64>() / window.len() as f64;
         assert!((trailing.series().latest().expect("a point").y - mean).abs() < 1e-12);
     }
@@ -92,13 +92,13 @@ fn a_moving_mean_is_that_of_the_last_hundred() {
 #[test]
 fn the_success_rate_counts_navigations_not_episodes() {
     let mut history = History::new();
-    for (episode, targets) in [(1, 0), (2, 3), (3, 1)] {
-        history.episode(&row(episode, targets));
+    for (episode, goals) in [(1, 0), (2, 3), (3, 1)] {
+        history.push_episode(&row(episode, goals));
     }
     let rate = history.curves().success.series().latest().expect("a point").y;
     assert!((rate - 4.0 / 7.0).abs() < 1e-12, "4 of 7 navigations: {rate}");
     for episode in 4..=103 {
-        history.episode(&row(episode, 9));
+        history.push_episode(&row(episode, 9));
     }
     let rate = history.curves().success.series().latest().expect("a point").y;
     assert!((rate - 0.9).abs() < 1e-12, "the first three are out of the window: {rate}");
@@ -108,12 +108,12 @@ fn the_success_rate_counts_navigations_not_episodes() {
 fn the_axis_begins_at_0_or_where_a_resumed_run_does() {
     let mut history = History::new();
     assert_eq!(history.range(), None);
-    history.episode(&row(1, 0));
-    history.episode(&row(7, 0));
+    history.push_episode(&row(1, 0));
+    history.push_episode(&row(7, 0));
     assert_eq!(history.range(), Some((0, 70)));
     history.clear();
-    history.episode(&row(500, 0));
-    history.evaluation(&EvaluationRow { env_steps: 6000, episodes: 600, ..Default::default() });
+    history.push_episode(&row(500, 0));
+    history.push_evaluation(&EvaluationRow { env_steps: 6000, episodes: 600, ..Default::default() });
     assert_eq!(history.range(), Some((5000, 6000)));
 }
 
@@ -121,18 +121,19 @@ fn the_axis_begins_at_0_or_where_a_resumed_run_does() {
 fn the_same_mark_again_soon_is_one_mark() {
     let mut history = History::new();
     for step in 1000..1040 {
-        history.mark(step, "target moved".into());
+        history.annotate(step, "goal moved".into());
     }
-    history.mark(1040, "transfer to Scenario II".into());
-    history.mark(1041, "target moved".into());
-    history.mark(2000, "target moved".into());
-    let marks: Vec<_> = history.marks().iter().map(|mark| (mark.env_steps, mark.until)).collect();
+    history.annotate(1040, "transfer to Scenario II".into());
+    history.annotate(1041, "goal moved".into());
+    history.annotate(2000, "goal moved".into());
+    let marks: Vec<_> =
+        history.annotations().iter().map(|mark| (mark.env_steps, mark.last_env_steps)).collect();
     assert_eq!(marks, [(1000, 1039), (1040, 1040), (1041, 1041), (2000, 2000)]);
     for step in 0..10_000_u64 {
-        history.mark(step * step, format!("mark {step}"));
+        history.annotate(step * step, format!("mark {step}"));
     }
-    assert!(history.marks().len() <= 60);
-    assert!(history.marks().is_sorted_by_key(|mark| mark.env_steps));
+    assert!(history.annotations().len() <= 60);
+    assert!(history.annotations().is_sorted_by_key(|mark| mark.env_steps));
 }
 
 #[test]
@@ -148,7 +149,7 @@ fn the_csv_is_that_of_a_run_with_every_row() {
     for episode in 1..=5000 {
         let row = EpisodeRow { loss: (episode > 9).then_some(1e-7 / episode as f64), ..row(episode, 2) };
         writer.serialize(&row).expect("is written");
-        history.episode(&row);
+        history.push_episode(&row);
         if episode % 1234 == 0 {
             history.write_csv(&ours).expect("is written in between, too");
         }
@@ -168,12 +169,12 @@ fn the_png_is_drawn_from_every_row_and_none() {
     let mut history = History::new();
     history.write_png("Nothing yet", &path).expect("is drawn");
     for episode in 1..=3000 {
-        history.episode(&row(episode, 1));
+        history.push_episode(&row(episode, 1));
     }
-    history.evaluation(&EvaluationRow { env_steps: 30_000, success_rate: 0.5, ..Default::default() });
-    let (episodes, evaluations) = history.curve_points();
+    history.push_evaluation(&EvaluationRow { env_steps: 30_000, success_rate: 0.5, ..Default::default() });
+    let (episodes, evaluations) = history.learning_curve_points();
     assert_eq!((episodes.len(), evaluations.len()), (3000, 1));
-    assert_eq!(episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, targets: 1 });
+    assert_eq!(episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 });
     history.write_png("A run", &path).expect("is drawn");
     assert!(std::fs::read(&path).expect("is there").starts_with(b"\x89PNG"));
     let nowhere = folder.path().join("no/such/folder.png");

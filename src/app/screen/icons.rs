@@ -7,7 +7,7 @@ use egui::{
 };
 use egui::{WidgetType, pos2, vec2};
 
-use super::theme::{BODY, Inks};
+use super::theme::{BODY, Palette};
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub enum Icon {
     /// The panel on the right; whether it is open.
     RightPanel(bool),
     /// Another seed.
-    Die,
+    Dice,
     /// Away with it.
     Close,
     /// The whole of it.
@@ -38,7 +38,7 @@ pub enum Icon {
 
 /// How loud a button is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tone {
+pub enum ButtonStyle {
     /// The icon alone, framed under the pointer.
     Quiet,
     /// Framed, as other buttons are.
@@ -48,24 +48,33 @@ pub enum Tone {
 }
 
 /// A square button with an icon; `name` is what it does, in a word or two, and `tip` says more.
-pub fn button(ui: &mut Ui, icon: Icon, tone: Tone, side: f32, name: &str, tip: &str) -> Response {
+pub fn icon_button_ui(
+    ui: &mut Ui,
+    icon: Icon,
+    tone: ButtonStyle,
+    side: f32,
+    name: &str,
+    tip: &str,
+) -> Response {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), name));
     if ui.is_rect_visible(rect) {
-        let inks = Inks::of(ui);
+        let palette = Palette::from_ui(ui);
         let look = ui.style().interact(&response);
         let lit = response.hovered() || response.has_focus() || response.is_pointer_button_down_on();
         let (fill, stroke, ink) = match tone {
-            Tone::Quiet if lit => (look.weak_bg_fill, look.bg_stroke, inks.ink),
-            Tone::Quiet => (ui.visuals().panel_fill, Stroke::NONE, inks.soft),
-            Tone::Framed => (look.weak_bg_fill, look.bg_stroke, inks.ink),
-            Tone::Primary if lit => (inks.accent.lerp_to_gamma(inks.ink, 0.15), Stroke::NONE, inks.on_accent),
-            Tone::Primary => (inks.accent, Stroke::NONE, inks.on_accent),
+            ButtonStyle::Quiet if lit => (look.weak_bg_fill, look.bg_stroke, palette.text),
+            ButtonStyle::Quiet => (ui.visuals().panel_fill, Stroke::NONE, palette.weak_text),
+            ButtonStyle::Framed => (look.weak_bg_fill, look.bg_stroke, palette.text),
+            ButtonStyle::Primary if lit => {
+                (palette.accent.lerp_to_gamma(palette.text, 0.15), Stroke::NONE, palette.on_accent)
+            }
+            ButtonStyle::Primary => (palette.accent, Stroke::NONE, palette.on_accent),
         };
-        if tone != Tone::Quiet || lit {
+        if tone != ButtonStyle::Quiet || lit {
             ui.painter().rect(rect, look.corner_radius, fill, stroke, egui::StrokeKind::Inside);
         }
-        let radius = if tone == Tone::Quiet { 7.0 } else { side * 0.22 };
+        let radius = if tone == ButtonStyle::Quiet { 7.0 } else { side * 0.22 };
         paint(ui.painter(), icon, rect.center(), radius, ink, fill);
     }
     response.on_hover_text(tip)
@@ -106,7 +115,7 @@ fn paint(painter: &Painter, icon: Icon, centre: Pos2, radius: f32, ink: Color32,
         }
         Icon::LeftPanel(open) => panel(painter, [at(-1.1, -0.85), at(1.1, 0.85)], [-1.1, -0.35], open, ink),
         Icon::RightPanel(open) => panel(painter, [at(-1.1, -0.85), at(1.1, 0.85)], [0.35, 1.1], open, ink),
-        Icon::Die => {
+        Icon::Dice => {
             let square = Rect::from_center_size(centre, Vec2::splat(radius * 2.2));
             painter.rect_stroke(square, 2.5, line, egui::StrokeKind::Middle);
             for (x, y) in [(-0.5, -0.5), (0.5, 0.5), (0.0, 0.0), (-0.5, 0.5), (0.5, -0.5)] {

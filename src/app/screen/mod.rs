@@ -1,6 +1,6 @@
 //! The screen: the whole window, drawn anew every frame.
 //!
-//! In: what there is to see ([`View`]) and what the user looks at ([`Desk`]). Out: [`Order`]s. Nothing here reaches the
+//! In: what there is to see ([`ScreenInput`]) and what the user looks at ([`ViewState`]). Out: [`Command`]s. Nothing here reaches the
 //! world or the learner, so nothing that is opened, hovered or pressed can touch what is learnt but by an order.
 //!
 //! | file | duty |
@@ -9,7 +9,7 @@
 //! | `editor/` | in place of it and of the setup: a world that is being changed |
 //! | `plots/` | the right: how the learning goes |
 //! | `panels/` | the bar at the top, the setup on the left, notices, help |
-//! | `keys.rs` | the keyboard: which key does what |
+//! | `shortcuts.rs` | the keyboard: which key does what |
 //! | `theme.rs` | the typeface, the scale of type, the colours |
 //! | `icons.rs` | the icons, and the buttons that bear them |
 //! | `numbers.rs` | numbers for people |
@@ -18,32 +18,32 @@
 
 mod editor;
 mod icons;
-mod keys;
 mod numbers;
 mod panels;
 mod plots;
+mod shortcuts;
 pub mod theme;
 mod world;
 
 use egui::containers::panel::PanelState;
 use egui::{CentralPanel, Frame, Id, Margin, Panel, Rangef, ThemePreference, Ui};
 
-use super::desk::{Desk, Look};
+use super::app_snapshot::AppSnapshot;
+use super::commands::{Command, SessionMode};
 use super::editor::Editor;
 use super::history::History;
-use super::orders::{Mode, Order};
 use super::scene::Scene;
-use super::status::Status;
+use super::view_state::{ThemeChoice, ViewState};
 use panels::{help, notices, setup, toolbar};
-use theme::Inks;
+use theme::Palette;
 
 /// What there is to see this frame.
 #[derive(Clone, Copy)]
-pub struct View<'a> {
+pub struct ScreenInput<'a> {
     /// The world.
     pub scene: &'a Scene,
     /// How the session stands.
-    pub status: &'a Status,
+    pub status: &'a AppSnapshot,
     /// What has happened so far.
     pub history: &'a History,
 }
@@ -51,7 +51,7 @@ pub struct View<'a> {
 const SETUP_WIDTH: f32 = 248.0;
 const BAR_HEIGHT: f32 = 56.0;
 const PLOTS_MARGIN: Margin = Margin { left: 14, right: 4, top: 10, bottom: 0 };
-const PLOTS_LEAST: f32 = 240.0;
+const PLOTS_MIN_WIDTH: f32 = 240.0;
 /// Narrower windows have no room for anything beside the world.
 const NARROW: f32 = 700.0;
 const NARROW_BAR_HEIGHT: f32 = 92.0;
@@ -60,130 +60,164 @@ const BELOW: f32 = 0.45;
 
 /// What can be seen below the world in a narrow window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Below {
+enum BottomPanel {
     Setup,
     Plots,
 }
 
 /// What is seen there: one of the panels that are open, the plots before the setup, but not before the editor's.
-fn shown_below(desk: &Desk) -> Option<Below> {
-    let panel_first = desk.editor.is_some() && desk.setup_open;
-    if desk.plots_open && !panel_first { Some(Below::Plots) } else { desk.setup_open.then_some(Below::Setup) }
+fn visible_bottom_panel(view_state: &ViewState) -> Option<BottomPanel> {
+    let panel_first = view_state.editor.is_some() && view_state.setup_open;
+    if view_state.plots_open && !panel_first {
+        Some(BottomPanel::Plots)
+    } else {
+        view_state.setup_open.then_some(BottomPanel::Setup)
+    }
 }
 
 /// Draws the window into `ui`, and writes down what the user asks for. The typeface and the colours are those of
 /// [`theme::install`].
-pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
-    ui.ctx().set_theme(match desk.look {
-        Look::System => ThemePreference::System,
-        Look::Light => ThemePreference::Light,
-        Look::Dark => ThemePreference::Dark,
+pub fn screen_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    ui.ctx().set_theme(match view_state.theme {
+        ThemeChoice::System => ThemePreference::System,
+        ThemeChoice::Light => ThemePreference::Light,
+        ThemeChoice::Dark => ThemePreference::Dark,
     });
-    desk.followed = desk.followed.min(view.scene.arenas.len().saturating_sub(1));
-    if std::mem::take(&mut desk.editor_opens) && desk.editor.is_none() {
-        editor::leave::enter(ui.ctx(), view, desk, orders);
+    view_state.followed = view_state.followed.min(view.scene.arenas.len().saturating_sub(1));
+    if std::mem::take(&mut view_state.open_editor) && view_state.editor.is_none() {
+        editor::confirm_exit::enter_editor(ui.ctx(), view, view_state, commands);
         if let Some((_, from, world)) = &view.status.draft {
-            desk.editor = Some(Box::new(Editor::open(world.clone(), from.clone(), true)));
+            view_state.editor = Some(Box::new(Editor::open(world.clone(), from.clone(), true)));
         }
     }
-    keys::handle(ui, view, desk, orders);
-    if desk.editor.is_none() {
-        world::steer::handle(ui, view, orders);
+    shortcuts::handle(ui, view, view_state, commands);
+    if view_state.editor.is_none() {
+        world::steer::handle(ui, view, commands);
     }
-    let inks = Inks::of(ui);
+    let palette = Palette::from_ui(ui);
     if ui.available_width() < NARROW {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(6, 0));
         let panel = Panel::top("bar").exact_size(NARROW_BAR_HEIGHT).frame(bar);
-        panel.show(ui, |ui| toolbar::show_narrow(ui, view, desk, orders));
-        panel_below(ui, view, desk, orders);
+        panel.show(ui, |ui| toolbar::narrow_toolbar_ui(ui, view, view_state, commands));
+        bottom_panel_ui(ui, view, view_state, commands);
     } else {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
         let panel = Panel::top("bar").exact_size(BAR_HEIGHT).frame(bar);
-        panel.show(ui, |ui| toolbar::show(ui, view, desk, orders));
-        setup_panel(ui, view, desk, orders);
-        plots_panel(ui, view, desk, orders);
+        panel.show(ui, |ui| toolbar::toolbar_ui(ui, view, view_state, commands));
+        setup_panel_ui(ui, view, view_state, commands);
+        plots_panel_ui(ui, view, view_state, commands);
     }
     let middle = CentralPanel::default()
-        .frame(Frame::new().fill(inks.paper))
+        .frame(Frame::new().fill(palette.background))
         .show(ui, |ui| {
-            if desk.editor.is_some() {
-                editor::show(ui, view.status, desk);
+            if view_state.editor.is_some() {
+                editor::editor_ui(ui, view.status, view_state);
             } else {
-                world::show(ui, view, desk, orders);
+                world::arenas_ui(ui, view, view_state, commands);
             }
         })
         .response
         .rect;
-    if desk.editor.is_none() {
-        world::welcome::show(ui, middle, view, orders);
+    if view_state.editor.is_none() {
+        world::welcome::welcome_ui(ui, middle, view, commands);
     }
-    editor::leave::show(ui, middle, desk, orders);
-    notices::show(ui, middle, &view.status.notices, orders);
-    help::show(ui, desk);
+    editor::confirm_exit::confirm_exit_ui(ui, middle, view_state, commands);
+    notices::notices_ui(ui, middle, &view.status.notices, commands);
+    help::help_ui(ui, view_state);
 }
 
 /// The panel below the world in a narrow window.
-fn panel_below(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
-    let Some(below) = shown_below(desk) else { return };
+fn bottom_panel_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    let Some(below) = visible_bottom_panel(view_state) else { return };
     let (id, margin) = match below {
-        Below::Setup => ("setup below", Margin::ZERO),
-        Below::Plots => ("plots below", PLOTS_MARGIN),
+        BottomPanel::Setup => ("setup below", Margin::ZERO),
+        BottomPanel::Plots => ("plots below", PLOTS_MARGIN),
     };
     let panel = Panel::bottom(id)
         .exact_size(ui.available_height() * BELOW)
         .resizable(false)
         .frame(Frame::side_top_panel(ui.style()).inner_margin(margin));
     panel.show(ui, |ui| match below {
-        Below::Setup => left(ui, view, desk, orders),
-        Below::Plots => plots::show(ui, view.history, when(view.status), orders),
+        BottomPanel::Setup => left_panel_ui(ui, view, view_state, commands),
+        BottomPanel::Plots => plots::plots_ui(ui, view.history, when(view.status), commands),
     });
 }
 
 /// The panel on the left. Panels can be closed by their edge, and from inside.
-fn setup_panel(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
-    let mut open = desk.setup_open;
+fn setup_panel_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    let mut open = view_state.setup_open;
     let panel = Panel::left("setup")
         .exact_size(SETUP_WIDTH)
         .resizable(false)
         .frame(Frame::side_top_panel(ui.style()).inner_margin(Margin::ZERO));
-    panel.show_collapsible(ui, &mut open, |ui| left(ui, view, desk, orders));
-    desk.setup_open &= open;
+    panel.show_collapsible(ui, &mut open, |ui| left_panel_ui(ui, view, view_state, commands));
+    view_state.setup_open &= open;
 }
 
 /// What is in the panel on the left, or below a narrow window's world.
-fn left(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
-    if desk.editor.is_some() {
-        editor::panel::show(ui, view, desk, orders);
+fn left_panel_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    if view_state.editor.is_some() {
+        editor::panel::panel_ui(ui, view, view_state, commands);
     } else {
-        setup::show(ui, view, desk, orders);
+        setup::setup_ui(ui, view, view_state, commands);
     }
 }
 
 /// The panel on the right; the user may drag its edge, and finds it as it was left.
-fn plots_panel(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+fn plots_panel_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
     let id = Id::new("plots");
     let width = |ui: &Ui| PanelState::load(ui.ctx(), id).map(|panel| panel.size().x);
     let (before, room) = (width(ui), ui.available_width());
-    let range = Rangef::new(PLOTS_LEAST, (room * 0.6).max(PLOTS_LEAST + 20.0));
+    let range = Rangef::new(PLOTS_MIN_WIDTH, (room * 0.6).max(PLOTS_MIN_WIDTH + 20.0));
     let wanted =
-        desk.plots_width.filter(|width| width.is_finite()).unwrap_or((room * 0.34).clamp(310.0, 460.0));
-    let mut open = desk.plots_open;
+        view_state.plots_width.filter(|width| width.is_finite()).unwrap_or((room * 0.34).clamp(310.0, 460.0));
+    let mut open = view_state.plots_open;
     let frame = Frame::side_top_panel(ui.style());
     let panel = Panel::right(id)
         .default_size(range.clamp(wanted))
         .size_range(range)
         .drag_to_open(false)
         .frame(frame.inner_margin(PLOTS_MARGIN));
-    panel.show_collapsible(ui, &mut open, |ui| plots::show(ui, view.history, when(view.status), orders));
+    panel
+        .show_collapsible(ui, &mut open, |ui| plots::plots_ui(ui, view.history, when(view.status), commands));
     // egui takes note of the width when the edge is let go; a window made smaller is not the user's choice.
     let after = width(ui);
     if open && before.is_some() && after != before && ui.input(|i| i.pointer.any_released()) {
-        desk.plots_width = after;
+        view_state.plots_width = after;
     }
-    desk.plots_open &= open;
+    view_state.plots_open &= open;
 }
 
 /// Under what circumstances the curves are seen.
-fn when(status: &Status) -> plots::When {
-    plots::When { papers_world: status.papers_world, training: status.mode == Mode::Train, disk: status.disk }
+fn when(status: &AppSnapshot) -> plots::PlotContext {
+    plots::PlotContext {
+        is_paper_scenario_1: status.is_paper_scenario_1,
+        training: status.mode == SessionMode::Train,
+        has_disk: status.has_disk,
+    }
 }

@@ -3,7 +3,7 @@
 //! In: counts and shares. Out: text whose width hardly changes while they do.
 
 /// 12,345, and from a million on 1.23M.
-pub fn count(n: u64) -> String {
+pub fn format_count(n: u64) -> String {
     if n >= 1_000_000 {
         let scaled = n as f64;
         return if n < 1_000_000_000 {
@@ -15,22 +15,22 @@ pub fn count(n: u64) -> String {
     if n >= 1000 { format!("{},{:03}", n / 1000, n % 1000) } else { n.to_string() }
 }
 
-/// A rate as [`count`] writes it; nothing that is no number.
-pub fn rate(per_s: f64) -> String {
-    if per_s.is_finite() { count(per_s.max(0.0).round() as u64) } else { "–".into() }
+/// A rate as [`format_count`] writes it; nothing that is no number.
+pub fn format_rate(per_s: f64) -> String {
+    if per_s.is_finite() { format_count(per_s.max(0.0).round() as u64) } else { "–".into() }
 }
 
 /// How many times: 0.4×, 12×, 1,200×.
-pub fn times(factor: f64) -> String {
+pub fn format_factor(factor: f64) -> String {
     if factor.is_finite() && factor < 9.95 {
         format!("{:.1}×", factor.max(0.0))
     } else {
-        format!("{}×", rate(factor))
+        format!("{}×", format_rate(factor))
     }
 }
 
 /// 0.987 as 98.7%. Rounded down: 100% is said only if nothing ever failed.
-pub fn percent(share: f64) -> String {
+pub fn format_percent(share: f64) -> String {
     let percent = (share * 1000.0 + 1e-9).floor() / 10.0;
     if percent.is_finite() { format!("{percent:.*}%", usize::from(percent != 100.0)) } else { "–".into() }
 }
@@ -41,11 +41,14 @@ mod tests {
 
     #[test]
     fn numbers_are_grouped_and_short() {
-        assert_eq!([0, 999, 1000, 12_345, 999_999].map(count), ["0", "999", "1,000", "12,345", "999,999"]);
-        assert_eq!([1_234_567, 2_500_000_000].map(count), ["1.23M", "2.50G"]);
-        assert_eq!([f64::NAN, -3.0, 1234.5].map(rate), ["–", "0", "1,235"]);
-        assert_eq!([0.97, 12.4, 1234.0].map(times), ["1.0×", "12×", "1,234×"]);
-        assert_eq!([0.0, 0.987, 1.0].map(percent), ["0.0%", "98.7%", "100%"]);
-        assert_eq!([0.9996, f64::NAN].map(percent), ["99.9%", "–"]);
+        assert_eq!(
+            [0, 999, 1000, 12_345, 999_999].map(format_count),
+            ["0", "999", "1,000", "12,345", "999,999"]
+        );
+        assert_eq!([1_234_567, 2_500_000_000].map(format_count), ["1.23M", "2.50G"]);
+        assert_eq!([f64::NAN, -3.0, 1234.5].map(format_rate), ["–", "0", "1,235"]);
+        assert_eq!([0.97, 12.4, 1234.0].map(format_factor), ["1.0×", "12×", "1,234×"]);
+        assert_eq!([0.0, 0.987, 1.0].map(format_percent), ["0.0%", "98.7%", "100%"]);
+        assert_eq!([0.9996, f64::NAN].map(format_percent), ["99.9%", "–"]);
     }
 }

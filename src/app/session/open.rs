@@ -7,9 +7,9 @@ use std::path::Path;
 use bevy::prelude::*;
 
 use super::Session;
-use crate::agent::Trainer;
-use crate::app::orders::Mode;
-use crate::app::status::{Choice, Weight};
+use crate::agent::ActiveLearner;
+use crate::app::app_snapshot::{Choice, Severity};
+use crate::app::commands::SessionMode;
 use crate::learning::Policy;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
@@ -18,14 +18,14 @@ use crate::scenario::{Scenario, read_text};
 
 impl Session {
     /// Opens the file at `path`, or says why it cannot be.
-    pub(super) fn open_or_tell(&mut self, world: &mut World, path: &Path) {
+    pub(super) fn open_or_notify(&mut self, world: &mut World, path: &Path) {
         match self.open(world, path) {
-            Ok(told) => self.tell(Weight::Told, told),
+            Ok(told) => self.notify(Severity::Info, told),
             Err(error) => {
-                self.tell(Weight::Failed, error.to_string());
+                self.notify(Severity::Error, error.to_string());
                 #[cfg(not(target_arch = "wasm32"))]
                 if path.extension().is_some_and(|ending| ending == "ron") {
-                    self.wait_for(&path.display().to_string(), super::watch::Then::Open);
+                    self.retry_when_fixed(&path.display().to_string(), super::file_watch::RetryAction::Open);
                 }
             }
         }
@@ -35,18 +35,19 @@ impl Session {
     ///
     /// # Errors
     /// It was asked for once: what would happen, in words.
-    fn asked_twice(&mut self, world: &World, path: &Path) -> Result<(), RunError> {
-        let learner = &world.resource::<Trainer>().0;
-        if self.would_discard(learner.env_steps()) && self.asked_once.as_deref() != Some(path) {
-            self.asked_once = Some(path.into());
-            return Err(RunError::Unusable(format!(
+    fn confirm_by_repeating(&mut self, world: &World, path: &Path) -> Result<(), RunError> {
+        let learner = &world.resource::<ActiveLearner>().0;
+        if self.would_lose_training(learner.env_steps()) && self.open_requested_once.as_deref() != Some(path)
+        {
+            self.open_requested_once = Some(path.into());
+            return Err(RunError::InvalidInput(format!(
                 "The training of {} episodes would be gone: save the {} first, or open {} once more",
                 learner.episodes(),
                 if cfg!(target_arch = "wasm32") { "policy" } else { "run" },
                 path.display()
             )));
         }
-        self.asked_once = None;
+        self.open_requested_once = None;
         Ok(())
     }
 
@@ -54,25 +55,25 @@ impl Session {
     fn open(&mut self, world: &mut World, path: &Path) -> Result<String, RunError> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         if path.is_dir() {
-            self.asked_twice(world, path)?;
+            self.confirm_by_repeating(world, path)?;
             self.resume(world, path)?;
             return Ok(format!("The run {name} goes on"));
         }
         match path.extension().and_then(|ending| ending.to_str()) {
             Some("bin") => {
-                self.asked_twice(world, path)?;
+                self.confirm_by_repeating(world, path)?;
                 let folder = path.parent().and_then(Path::parent).unwrap_or(path);
                 self.resume(world, folder)?;
                 Ok("The run goes on from its checkpoint".into())
             }
             Some("safetensors") => {
                 let policy = policy_card::read(path)?;
-                self.may_drive(&path.display().to_string(), &policy)?;
-                self.set_against(world, (name.clone(), policy))?;
+                self.check_can_drive(&path.display().to_string(), &policy)?;
+                self.compare_with(world, (name.clone(), policy))?;
                 Ok(format!("{name} drives beside the present policy"))
             }
             Some("ron") => self.open_ron(world, path),
-            _ => Err(RunError::Unusable(format!(
+            _ => Err(RunError::InvalidInput(format!(
                 "{}: neither a policy (.safetensors), nor a scenario or preset (.ron), nor a run's folder",
                 path.display()
             ))),
@@ -87,10 +88,10 @@ impl Session {
         let Some((name, policy)) = self.expert() else {
             let why = "no policy that comes with the program can drive here: its LIDAR, its robot or the preset's \
                        observations are others";
-            return Err(RunError::Unusable(why.into()));
+            return Err(RunError::InvalidInput(why.into()));
         };
-        self.tell(Weight::Told, format!("{name} drives beside the present policy"));
-        self.set_against(world, (name, policy.clone()))
+        self.notify(Severity::Info, format!("{name} drives beside the present policy"));
+        self.compare_with(world, (name, policy.clone()))
     }
 
     /// The shipped policy for the present world, or else the first that can drive here, and what to call it.
@@ -98,30 +99,30 @@ impl Session {
         let all = shipped::policies();
         let of_this_world = all.iter().filter(|(name, _)| *name == self.config.scenario_from);
         let (name, policy) =
-            of_this_world.chain(all).find(|(name, policy)| self.may_drive(name, policy).is_ok())?;
+            of_this_world.chain(all).find(|(name, policy)| self.check_can_drive(name, policy).is_ok())?;
         let world = policy.metadata.get("scenario").map_or(*name, String::as_str);
         Some((format!("Expert of {world}"), policy))
     }
 
-    /// Lets `opened` drive beside the present policy.
-    fn set_against(&mut self, world: &mut World, opened: (String, Policy)) -> Result<(), RunError> {
-        self.opened = Some(opened);
-        if self.mode == Mode::Compare {
-            self.set_mode(world, Mode::Test)?;
+    /// Lets `opened_policy` drive beside the present policy.
+    fn compare_with(&mut self, world: &mut World, opened_policy: (String, Policy)) -> Result<(), RunError> {
+        self.opened_policy = Some(opened_policy);
+        if self.mode == SessionMode::Compare {
+            self.set_mode(world, SessionMode::Test)?;
         }
-        self.set_mode(world, Mode::Compare)
+        self.set_mode(world, SessionMode::Compare)
     }
 
     /// The present scenario and preset can be chosen from now on, also where they are the user's own.
-    pub(super) fn offer_own(&mut self) {
+    pub(super) fn list_user_files(&mut self) {
         let RunConfig { scenario_from, preset_from, scenario, preset, .. } = &self.config;
         if !shipped::is_scenario(scenario_from) {
             let (title, about) = (scenario.name.clone(), scenario.about.clone());
-            add(&mut self.own_scenarios, Choice { from: scenario_from.clone(), title, about });
+            add(&mut self.user_scenarios, Choice { from: scenario_from.clone(), title, about });
         }
         if !shipped::is_preset(preset_from) {
             let (title, about) = (self.config.preset_name(), preset.about.clone());
-            add(&mut self.own_presets, Choice { from: preset_from.clone(), title, about });
+            add(&mut self.user_presets, Choice { from: preset_from.clone(), title, about });
         }
     }
 
@@ -132,17 +133,17 @@ impl Session {
         let seed = self.config.seed;
         match Scenario::parse(&text, path) {
             Ok(scenario) => {
-                self.asked_twice(world, path)?;
+                self.confirm_by_repeating(world, path)?;
                 let preset = self.config.preset_from.clone();
-                self.begin(world, &from, &preset, seed)?;
+                self.start_training(world, &from, &preset, seed)?;
                 Ok(format!("Training begins in {}", scenario.name))
             }
             // What is a good preset is no bad scenario; anything else is told as the scenario that it was meant to be.
             Err(error) => match Preset::parse(&text, path) {
                 Ok(_) => {
-                    self.asked_twice(world, path)?;
+                    self.confirm_by_repeating(world, path)?;
                     let scenario = self.config.scenario_from.clone();
-                    self.begin(world, &scenario, &from, seed)?;
+                    self.start_training(world, &scenario, &from, seed)?;
                     Ok(format!("Training begins with {}", self.config.preset_name()))
                 }
                 Err(_) => Err(error.into()),

@@ -5,19 +5,19 @@
 
 use std::time::Duration;
 
-use crate::app::orders::Pace;
+use crate::app::commands::Pace;
 
 /// So long may steps take of one frame: what is left of a 60th of a second is for drawing.
-const BUDGET: Duration = Duration::from_millis(12);
+const STEP_BUDGET: Duration = Duration::from_millis(12);
 
 /// Where drawing alone takes longer than a frame at 30 a second, steps may take as long as drawing, but not longer than
 /// this: on a machine that draws slowly, little of its time would be left for learning else. (With the step that is under
 /// way then, it stays below 50 ms.)
-const MOST: Duration = Duration::from_millis(36);
+const MAX_STEP_BUDGET: Duration = Duration::from_millis(36);
 
 /// A frame that took longer than this, in s, is not made up for: the window was hidden, or hung. (A software GPU may
 /// need a fifth of a second for each.)
-const LONGEST_FRAME_S: f64 = 0.25;
+const MAX_FRAME_S: f64 = 0.25;
 
 /// When to step.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct Pacer {
     /// How quickly it passes.
     pub pace: Pace,
     /// No step is taken while a picture is, though time does not stand still.
-    pub held: bool,
+    pub on_hold: bool,
     /// One step was asked for.
     single: bool,
     /// Simulated time that has passed on the screen and was not stepped yet, in s.
@@ -47,11 +47,11 @@ impl Pacer {
         Self {
             paused,
             pace,
-            held: false,
+            on_hold: false,
             single: false,
             owed_s: 0.0,
             period_s: 0.2,
-            budget: BUDGET,
+            budget: STEP_BUDGET,
             spent: Duration::ZERO,
         }
     }
@@ -66,21 +66,22 @@ impl Pacer {
     pub fn begin_frame(&mut self, real_s: f64, period_s: f64) {
         self.period_s = period_s;
         let drawing = Duration::from_secs_f64(real_s.clamp(0.0, 1.0)).saturating_sub(self.spent);
-        self.budget = if drawing > Duration::from_millis(33) { drawing.min(MOST) } else { BUDGET };
+        self.budget =
+            if drawing > Duration::from_millis(33) { drawing.min(MAX_STEP_BUDGET) } else { STEP_BUDGET };
         self.spent = Duration::ZERO;
         if let (false, Pace::Times(times)) = (self.paused, self.pace) {
-            self.owed_s += real_s.clamp(0.0, LONGEST_FRAME_S) * f64::from(times.max(0.0));
+            self.owed_s += real_s.clamp(0.0, MAX_FRAME_S) * f64::from(times.max(0.0));
         }
     }
 
     /// Whether to step once more in this frame, which has stepped for `spent` already.
-    pub fn next(&mut self, spent: Duration) -> bool {
+    pub fn should_step(&mut self, spent: Duration) -> bool {
         self.spent = spent;
         if std::mem::take(&mut self.single) {
             self.owed_s = self.period_s;
             return true;
         }
-        if self.paused || self.held {
+        if self.paused || self.on_hold {
             return false;
         }
         match self.pace {
@@ -102,7 +103,7 @@ impl Pacer {
     }
 
     /// Whether a frame that has worked for `spent` already may do more that is no step.
-    pub fn has_time(&mut self, spent: Duration) -> bool {
+    pub fn has_budget(&mut self, spent: Duration) -> bool {
         self.spent = spent;
         spent < self.budget
     }
@@ -115,7 +116,7 @@ impl Pacer {
 
     /// How far the picture is on its way from the state before the last step to the one after it, 0 to 1.
     #[must_use]
-    pub fn part(&self) -> f32 {
+    pub fn interpolation(&self) -> f32 {
         (self.owed_s / self.period_s).clamp(0.0, 1.0) as f32
     }
 }
@@ -126,7 +127,7 @@ mod tests {
 
     fn steps_in(pacer: &mut Pacer, real_s: f64) -> usize {
         pacer.begin_frame(real_s, 0.2);
-        std::iter::from_fn(|| pacer.next(Duration::ZERO).then_some(())).count()
+        std::iter::from_fn(|| pacer.should_step(Duration::ZERO).then_some(())).count()
     }
 
     #[test]
@@ -153,12 +154,12 @@ mod tests {
     fn steps_end_with_the_budget_and_leave_no_debt() {
         let mut pacer = Pacer::new(Pace::Times(100.0), false);
         pacer.begin_frame(0.016, 0.2);
-        assert!(pacer.next(Duration::ZERO) && !pacer.next(BUDGET));
+        assert!(pacer.should_step(Duration::ZERO) && !pacer.should_step(STEP_BUDGET));
         let later = steps_in(&mut pacer, 0.0);
         assert_eq!(later, 1, "one step is owed at most");
         let mut full = Pacer::new(Pace::Full, false);
         full.begin_frame(0.016, 0.2);
-        assert!(full.next(Duration::ZERO) && !full.next(BUDGET));
+        assert!(full.should_step(Duration::ZERO) && !full.should_step(STEP_BUDGET));
     }
 
     #[test]
@@ -166,11 +167,17 @@ mod tests {
         let mut pacer = Pacer::new(Pace::Full, false);
         let after = |milliseconds| Duration::from_millis(milliseconds);
         pacer.begin_frame(0.140, 0.2);
-        assert!(pacer.next(after(35)) && !pacer.next(after(36)), "never longer, though drawing is");
+        assert!(
+            pacer.should_step(after(35)) && !pacer.should_step(after(36)),
+            "never longer, though drawing is"
+        );
         pacer.begin_frame(0.071, 0.2);
-        assert!(pacer.next(after(34)) && !pacer.next(after(35)), "of 71 ms 36 were steps: 35 of drawing");
+        assert!(
+            pacer.should_step(after(34)) && !pacer.should_step(after(35)),
+            "of 71 ms 36 were steps: 35 of drawing"
+        );
         pacer.begin_frame(0.055, 0.2);
-        assert!(!pacer.next(after(12)), "of 55 ms 35 were steps: drawing is quick");
+        assert!(!pacer.should_step(after(12)), "of 55 ms 35 were steps: drawing is quick");
     }
 
     #[test]
@@ -179,7 +186,7 @@ mod tests {
         assert_eq!(steps_in(&mut pacer, 1.0), 0);
         pacer.step_once();
         assert_eq!(steps_in(&mut pacer, 1.0), 1);
-        assert!((pacer.part() - 1.0).abs() < 1e-6, "and the picture shows it whole");
+        assert!((pacer.interpolation() - 1.0).abs() < 1e-6, "and the picture shows it whole");
         assert_eq!(steps_in(&mut pacer, 1.0), 0);
     }
 
@@ -187,8 +194,8 @@ mod tests {
     fn the_picture_is_between_two_steps() {
         let mut pacer = Pacer::new(Pace::Times(1.0), false);
         steps_in(&mut pacer, 0.1);
-        assert!((pacer.part() - 0.5).abs() < 1e-6);
+        assert!((pacer.interpolation() - 0.5).abs() < 1e-6);
         steps_in(&mut pacer, 0.05);
-        assert!((pacer.part() - 0.75).abs() < 1e-6);
+        assert!((pacer.interpolation() - 0.75).abs() < 1e-6);
     }
 }

@@ -7,50 +7,50 @@ use std::collections::VecDeque;
 use bevy::prelude::*;
 
 use crate::app::scene::{Trail, TrailEnd};
-use crate::task::{Arena, Outcomes, Pose};
+use crate::task::{Arena, Pose, StepOutcomes};
 
 /// So many ended navigations are kept for each arena.
-const KEPT: usize = 24;
+const MAX_TRAILS: usize = 24;
 
 /// The ways of one arena.
 #[derive(Clone, Debug, Default)]
-pub struct Ways {
+pub struct ArenaTrails {
     /// The running navigation, oldest first, in m.
     pub path_m: Vec<[f32; 2]>,
     /// The last ones, oldest first.
-    pub ended: VecDeque<Trail>,
+    pub finished: VecDeque<Trail>,
     /// Targets reached since the driver began.
-    pub targets: u32,
+    pub goals_reached: u32,
     /// Collisions since then.
     pub collisions: u32,
     /// The pose before the last step, unless the robot has been put elsewhere since.
-    pub before: Option<Pose>,
+    pub previous_pose: Option<Pose>,
 }
 
 /// The ways of all arenas, by number.
 #[derive(Resource, Default)]
-pub struct Trails(pub Vec<Ways>);
+pub struct Trails(pub Vec<ArenaTrails>);
 
 impl Trails {
     /// Forgets everything: `arenas` arenas begin.
     pub fn restart(&mut self, arenas: usize) {
         self.0.clear();
-        self.0.resize_with(arenas, Ways::default);
+        self.0.resize_with(arenas, ArenaTrails::default);
     }
 
     /// The robot of `arena` was put elsewhere: its way begins there.
-    pub fn lift(&mut self, arena: usize) {
+    pub fn restart_path(&mut self, arena: usize) {
         if let Some(ways) = self.0.get_mut(arena) {
             ways.path_m.clear();
-            ways.before = None;
+            ways.previous_pose = None;
         }
     }
 
     /// Notes where each robot is before a step.
-    pub fn before(&mut self, arenas: &[(usize, Pose)]) {
+    pub fn record_before_step(&mut self, arenas: &[(usize, Pose)]) {
         for (arena, pose) in arenas {
             if let Some(ways) = self.0.get_mut(*arena) {
-                ways.before = Some(*pose);
+                ways.previous_pose = Some(*pose);
                 if ways.path_m.is_empty() {
                     ways.path_m.push([pose.x_m, pose.y_m]);
                 }
@@ -59,19 +59,19 @@ impl Trails {
     }
 
     /// Notes what came of the step.
-    pub fn after(&mut self, arenas: &[(usize, Pose)], outcomes: &Outcomes) {
+    pub fn record_after_step(&mut self, arenas: &[(usize, Pose)], outcomes: &StepOutcomes) {
         for (arena, pose) in arenas {
             let (Some(ways), Some(outcome)) = (self.0.get_mut(*arena), outcomes.0.get(*arena)) else {
                 continue;
             };
-            if outcome.parked {
+            if outcome.inactive {
                 continue;
             }
             let end = if outcome.collided {
                 ways.collisions += 1;
                 Some(TrailEnd::Collided)
             } else if outcome.reached {
-                ways.targets += 1;
+                ways.goals_reached += 1;
                 Some(TrailEnd::Reached)
             } else if outcome.timed_out {
                 Some(TrailEnd::TimedOut)
@@ -83,14 +83,14 @@ impl Trails {
             if !replaced {
                 ways.path_m.push([pose.x_m, pose.y_m]);
             } else {
-                ways.before = None;
+                ways.previous_pose = None;
             }
             if let Some(end) = end {
                 let points_m = std::mem::take(&mut ways.path_m);
-                if ways.ended.len() == KEPT {
-                    ways.ended.pop_front();
+                if ways.finished.len() == MAX_TRAILS {
+                    ways.finished.pop_front();
                 }
-                ways.ended.push_back(Trail { points_m, end });
+                ways.finished.push_back(Trail { points_m, end });
             }
         }
     }
@@ -105,27 +105,27 @@ pub fn poses(world: &mut World) -> Vec<(usize, Pose)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::task::Outcome;
+    use crate::task::StepOutcome;
 
     fn pose(x_m: f32) -> Pose {
         Pose { x_m, ..Pose::default() }
     }
 
-    fn drive(trails: &mut Trails, from: f32, to: f32, outcome: Outcome) {
-        trails.before(&[(0, pose(from))]);
-        trails.after(&[(0, pose(to))], &Outcomes(vec![outcome]));
+    fn drive(trails: &mut Trails, from: f32, to: f32, outcome: StepOutcome) {
+        trails.record_before_step(&[(0, pose(from))]);
+        trails.record_after_step(&[(0, pose(to))], &StepOutcomes(vec![outcome]));
     }
 
     #[test]
     fn a_navigation_ends_where_its_target_is_and_the_next_begins_there() {
         let mut trails = Trails::default();
         trails.restart(1);
-        drive(&mut trails, 0.0, 0.1, Outcome::default());
-        drive(&mut trails, 0.1, 0.2, Outcome { reached: true, ..Outcome::default() });
-        drive(&mut trails, 0.2, 0.3, Outcome::default());
+        drive(&mut trails, 0.0, 0.1, StepOutcome::default());
+        drive(&mut trails, 0.1, 0.2, StepOutcome { reached: true, ..StepOutcome::default() });
+        drive(&mut trails, 0.2, 0.3, StepOutcome::default());
         let ways = &trails.0[0];
-        assert_eq!(ways.ended[0].points_m, [[0.0, 0.0], [0.1, 0.0], [0.2, 0.0]]);
-        assert_eq!((ways.ended[0].end, ways.targets), (TrailEnd::Reached, 1));
+        assert_eq!(ways.finished[0].points_m, [[0.0, 0.0], [0.1, 0.0], [0.2, 0.0]]);
+        assert_eq!((ways.finished[0].end, ways.goals_reached), (TrailEnd::Reached, 1));
         assert_eq!(ways.path_m, [[0.2, 0.0], [0.3, 0.0]]);
     }
 
@@ -133,9 +133,9 @@ mod tests {
     fn after_a_collision_nothing_is_drawn_to_the_next_start() {
         let mut trails = Trails::default();
         trails.restart(1);
-        drive(&mut trails, 0.0, 1.7, Outcome { collided: true, ..Outcome::default() });
-        assert_eq!(trails.0[0].ended[0].points_m, [[0.0, 0.0]]);
-        assert!(trails.0[0].path_m.is_empty() && trails.0[0].before.is_none());
+        drive(&mut trails, 0.0, 1.7, StepOutcome { collided: true, ..StepOutcome::default() });
+        assert_eq!(trails.0[0].finished[0].points_m, [[0.0, 0.0]]);
+        assert!(trails.0[0].path_m.is_empty() && trails.0[0].previous_pose.is_none());
         assert_eq!(trails.0[0].collisions, 1);
     }
 
@@ -145,9 +145,9 @@ mod tests {
         trails.restart(1);
         for k in 0..100 {
             let x = k as f32;
-            drive(&mut trails, x, x, Outcome { reached: true, ..Outcome::default() });
+            drive(&mut trails, x, x, StepOutcome { reached: true, ..StepOutcome::default() });
         }
-        assert_eq!(trails.0[0].ended.len(), KEPT);
-        assert_eq!(trails.0[0].ended[KEPT - 1].points_m[0], [99.0, 0.0], "the latest is there");
+        assert_eq!(trails.0[0].finished.len(), MAX_TRAILS);
+        assert_eq!(trails.0[0].finished[MAX_TRAILS - 1].points_m[0], [99.0, 0.0], "the latest is there");
     }
 }

@@ -1,6 +1,6 @@
 """Three training steps of (double) (dueling) DQN on a fixed little buffer, by PyTorch in float64.
 
-Writes learning_step.json, against which tests/learning_reference.rs holds wayfield's learner. Nothing here is
+Writes learning_step.json, against which crates/learning/tests/pytorch_reference.rs holds wayfield's learner. Nothing here is
 derived from wayfield's code: returns are summed from their definition, gradients and optimizers are PyTorch's.
 
     pip install torch && python tests/reference/learning_step.py

@@ -3,62 +3,62 @@
 //! In: what stands and moves in the world, in metres and radians, and named paths. Out: an SVG seen from above, x to the
 //! right and y up, one metre as long in both: a figure with title and key, or a small picture without a word.
 
-mod plan;
+mod floor_plan;
 
 use plotters::prelude::*;
 
-use plan::{Plan, closed};
+use floor_plan::{FloorPlan, closed};
 
 use super::{LEFT, WIDTH, draw_nothing};
 use crate::style::{
-    Area, At, Axis, DrawError, Drawn, Entry, GREEN, HAIRLINE, INK, Key, SOFT_INK, STROKE, along, area,
-    bounds, colour, draw_title, line, mark, picture, thinned, title_height, usable,
+    Area, At, Axis, DrawError, DrawResult, GREEN, HAIRLINE, INK, Legend, LegendEntry, SOFT_INK, STROKE,
+    along, area, bounds, colour, draw_title, is_drawable, line, mark, picture, thinned, title_height,
 };
 
 /// A world from above.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Map {
+pub struct ScenarioMap {
     /// What the figure is about, on top.
     pub title: String,
     /// The corners of the walls around it, anticlockwise, in m.
     pub enclosure: Vec<(f64, f64)>,
     /// What stands or moves in it; the later lie on the earlier.
-    pub solids: Vec<Solid>,
+    pub obstacles: Vec<MapObstacle>,
     /// Where moving obstacles go.
     pub tracks: Vec<Track>,
     /// Where the robot begins: x and y in m, heading in rad from the x axis, anticlockwise.
     pub start: (f64, f64, f64),
     /// Where it is to go: x, y and the radius that counts as reached, in m.
-    pub target: (f64, f64, f64),
+    pub goal: (f64, f64, f64),
     /// Ways through it.
-    pub paths: Vec<Path>,
+    pub trajectories: Vec<MapTrajectory>,
 }
 
 /// Something to keep clear of.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solid {
+pub struct MapObstacle {
     /// What it is.
-    pub kind: SolidKind,
+    pub kind: MapObstacleKind,
     /// Its outline.
-    pub outline: Outline,
+    pub outline: Silhouette,
 }
 
 /// What a solid is, which says how it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SolidKind {
+pub enum MapObstacleKind {
     /// A piece of an inner wall.
     Wall,
     /// An obstacle that stands still.
     Obstacle,
     /// An obstacle that stands still and is drawn anew for every episode.
-    Redrawn,
+    Generated,
     /// An obstacle on its way into a direction, in rad from the x axis, anticlockwise.
     Moving(f64),
 }
 
 /// The outline of a solid.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Outline {
+pub enum Silhouette {
     /// x, y and radius, in m.
     Disc(f64, f64, f64),
     /// Corners in order, in m.
@@ -76,7 +76,7 @@ pub enum Track {
 
 /// A way through the world.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Path {
+pub struct MapTrajectory {
     /// Whose it is, short.
     pub name: String,
     /// Which colour and dashes of the palette; counted round.
@@ -101,14 +101,14 @@ const MOVING_EDGE: RGBColor = RGBColor(138, 92, 8);
 const TRACK: RGBColor = RGBColor(172, 137, 76);
 const OUTSIDE: RGBColor = RGBColor(240, 240, 240);
 
-impl Map {
+impl ScenarioMap {
     /// Draws the figure, as the text of an SVG file.
     ///
     /// # Errors
     /// When the drawing library fails; none of the input is known to bring that about.
     pub fn svg(&self) -> Result<String, DrawError> {
         let width = WIDTH - LEFT - RIGHT;
-        let key = Key::new(self.entries(), width);
+        let key = Legend::new(self.entries(), width);
         let title_end = title_height(&self.title, width);
         let upper = title_end + key.height() + 24;
         let plan = self.plan((LEFT, upper), (f64::from(width), MAX_HEIGHT));
@@ -129,7 +129,7 @@ impl Map {
     ///
     /// # Errors
     /// When the drawing library fails; none of the input is known to bring that about.
-    pub fn small_svg(&self) -> Result<String, DrawError> {
+    pub fn thumbnail_svg(&self) -> Result<String, DrawError> {
         let (width, height) = SMALL;
         picture((width as u32, height as u32), |root| {
             let room = (width - 2 * RIM, height - 2 * RIM);
@@ -145,8 +145,8 @@ impl Map {
     }
 
     /// Where the enclosure lies on the drawing, as large as there is room; none if it has no size.
-    fn plan(&self, (left, upper): At, room: (f64, f64)) -> Option<Plan> {
-        if !self.enclosure.iter().all(|corner| usable(corner.0) && usable(corner.1)) {
+    fn plan(&self, (left, upper): At, room: (f64, f64)) -> Option<FloorPlan> {
+        if !self.enclosure.iter().all(|corner| is_drawable(corner.0) && is_drawable(corner.1)) {
             return None;
         }
         let (low_x, high_x) = bounds(self.enclosure.iter().map(|corner| corner.0));
@@ -157,7 +157,7 @@ impl Map {
         }
         let scale = (room.0 / width_m).min(room.1 / height_m);
         let step = Axis::within([0.0, width_m.max(height_m)].into_iter(), 6.0).step;
-        Some(Plan {
+        Some(FloorPlan {
             x: Axis { range: low_x..high_x, step },
             y: Axis { range: low_y..high_y, step },
             left,
@@ -167,17 +167,17 @@ impl Map {
         })
     }
 
-    fn draw(&self, root: &Area, plan: &Plan) -> Drawn {
+    fn draw(&self, root: &Area, plan: &FloorPlan) -> DrawResult {
         plan.draw_grid(root)?;
         plan.draw_numbers(root)?;
         self.draw_world(root, plan)?;
 
-        let ways = self.paths.iter().map(|path| thinned(&plan.places(&path.points), MAX_CORNERS));
+        let ways = self.trajectories.iter().map(|path| thinned(&plan.places(&path.points), MAX_CORNERS));
         let ways: Vec<Vec<At>> = ways.collect();
-        for (path, way) in self.paths.iter().zip(&ways) {
+        for (path, way) in self.trajectories.iter().zip(&ways) {
             line(root, way.clone(), colour(path.colour).stroke_width(STROKE))?;
         }
-        for (i, (path, way)) in self.paths.iter().zip(&ways).enumerate() {
+        for (i, (path, way)) in self.trajectories.iter().zip(&ways).enumerate() {
             let first = 60.0 + 160.0 * i as f64 / ways.len() as f64;
             for at in along(way, first, 160.0) {
                 mark(root, path.colour, at)?;
@@ -188,67 +188,70 @@ impl Map {
         plan.draw_enclosure(root, &self.enclosure, field, WHITE)
     }
 
-    /// Tracks, solids and the target.
-    fn draw_world(&self, root: &Area, plan: &Plan) -> Drawn {
+    /// Tracks, solids and the goal.
+    fn draw_world(&self, root: &Area, plan: &FloorPlan) -> DrawResult {
         plan.draw_tracks(root, &self.tracks)?;
-        for solid in &self.solids {
+        for solid in &self.obstacles {
             let (fill, edge) = match solid.kind {
-                SolidKind::Wall => (INK, INK),
-                SolidKind::Obstacle => (SOLID, SOFT_INK),
-                SolidKind::Redrawn => (REDRAWN, SOFT_INK),
-                SolidKind::Moving(_) => (MOVING, MOVING_EDGE),
+                MapObstacleKind::Wall => (INK, INK),
+                MapObstacleKind::Obstacle => (SOLID, SOFT_INK),
+                MapObstacleKind::Generated => (REDRAWN, SOFT_INK),
+                MapObstacleKind::Moving(_) => (MOVING, MOVING_EDGE),
             };
             match &solid.outline {
-                Outline::Disc(x, y, radius) => {
+                Silhouette::Disc(x, y, radius) => {
                     plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?
                 }
-                Outline::Polygon(corners) => plan.draw_shape(root, corners, fill.filled(), edge)?,
+                Silhouette::Polygon(corners) => plan.draw_shape(root, corners, fill.filled(), edge)?,
             }
-            if let SolidKind::Moving(heading) = solid.kind {
+            if let MapObstacleKind::Moving(heading) = solid.kind {
                 plan.draw_arrow(root, &solid.outline, heading)?;
             }
         }
-        plan.draw_disc(root, self.target, GREEN.mix(0.25).filled(), GREEN)?;
-        if usable(self.target.0) && usable(self.target.1) {
-            draw_cross(root, plan.place((self.target.0, self.target.1)))?;
+        plan.draw_disc(root, self.goal, GREEN.mix(0.25).filled(), GREEN)?;
+        if is_drawable(self.goal.0) && is_drawable(self.goal.1) {
+            draw_cross(root, plan.place((self.goal.0, self.goal.1)))?;
         }
         Ok(())
     }
 
-    fn draw_start(&self, root: &Area, plan: &Plan) -> Drawn {
+    fn draw_start(&self, root: &Area, plan: &FloorPlan) -> DrawResult {
         let (x, y, heading) = self.start;
-        if usable(x) && usable(y) && usable(heading) {
+        if is_drawable(x) && is_drawable(y) && is_drawable(heading) {
             draw_robot(root, plan.place((x, y)), heading)?;
         }
         Ok(())
     }
 
-    fn entries(&self) -> Vec<Entry> {
+    fn entries(&self) -> Vec<LegendEntry> {
         let mut entries = vec![
-            Entry::Sign(|root, at| draw_robot(root, at, 0.0), "start"),
-            Entry::Sign(draw_goal, "target"),
+            LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start"),
+            LegendEntry::Symbol(draw_goal, "goal"),
         ];
-        let any = |is: fn(SolidKind) -> bool| self.solids.iter().any(|solid| is(solid.kind));
-        if any(|kind| kind == SolidKind::Obstacle) {
-            entries.push(Entry::Sign(|root, at| draw_block(root, at, SOLID, SOFT_INK), "obstacle"));
+        let any = |is: fn(MapObstacleKind) -> bool| self.obstacles.iter().any(|solid| is(solid.kind));
+        if any(|kind| kind == MapObstacleKind::Obstacle) {
+            entries.push(LegendEntry::Symbol(|root, at| draw_block(root, at, SOLID, SOFT_INK), "obstacle"));
         }
-        if any(|kind| kind == SolidKind::Redrawn) {
-            entries.push(Entry::Sign(
+        if any(|kind| kind == MapObstacleKind::Generated) {
+            entries.push(LegendEntry::Symbol(
                 |root, at| draw_block(root, at, REDRAWN, SOFT_INK),
                 "obstacle of one episode",
             ));
         }
-        if any(|kind| matches!(kind, SolidKind::Moving(_))) {
-            entries
-                .push(Entry::Sign(|root, at| draw_block(root, at, MOVING, MOVING_EDGE), "moving obstacle"));
+        if any(|kind| matches!(kind, MapObstacleKind::Moving(_))) {
+            entries.push(LegendEntry::Symbol(
+                |root, at| draw_block(root, at, MOVING, MOVING_EDGE),
+                "moving obstacle",
+            ));
         }
-        entries.extend(self.paths.iter().map(|path| Entry::Line(path.colour, path.name.clone())));
+        entries
+            .extend(self.trajectories.iter().map(|path| LegendEntry::Line(path.colour, path.name.clone())));
         entries
     }
 }
 
 /// A dot with a white rim, and where it looks.
-fn draw_robot(root: &Area, (x, y): At, heading: f64) -> Drawn {
+fn draw_robot(root: &Area, (x, y): At, heading: f64) -> DrawResult {
     let nose = (x + (34.0 * heading.cos()).round() as i32, y - (34.0 * heading.sin()).round() as i32);
     line(root, vec![(x, y), nose], WHITE.stroke_width(STROKE + 6))?;
     root.draw(&Circle::new((x, y), 16, WHITE.filled()))?;
@@ -257,20 +260,20 @@ fn draw_robot(root: &Area, (x, y): At, heading: f64) -> Drawn {
     Ok(())
 }
 
-fn draw_cross(root: &Area, (x, y): At) -> Drawn {
+fn draw_cross(root: &Area, (x, y): At) -> DrawResult {
     line(root, vec![(x - 9, y), (x + 9, y)], INK.stroke_width(STROKE))?;
     line(root, vec![(x, y - 9), (x, y + 9)], INK.stroke_width(STROKE))
 }
 
-/// The target in the key.
-fn draw_goal(root: &Area, (x, y): At) -> Drawn {
+/// The goal in the key.
+fn draw_goal(root: &Area, (x, y): At) -> DrawResult {
     root.draw(&Circle::new((x, y), 16, GREEN.mix(0.25).filled()))?;
     root.draw(&Circle::new((x, y), 16, GREEN.stroke_width(HAIRLINE)))?;
     draw_cross(root, (x, y))
 }
 
 /// An obstacle in the key.
-fn draw_block(root: &Area, (x, y): At, fill: RGBColor, edge: RGBColor) -> Drawn {
+fn draw_block(root: &Area, (x, y): At, fill: RGBColor, edge: RGBColor) -> DrawResult {
     let corners = vec![(x - 16, y - 12), (x + 16, y - 12), (x + 16, y + 12), (x - 16, y + 12)];
     area(root, corners.clone(), fill.filled())?;
     line(root, closed(corners), edge.stroke_width(HAIRLINE))

@@ -17,7 +17,7 @@ impl Axis {
     /// Around all values, from a tick to a tick at least `least_step` apart, about four of them.
     pub fn around(values: impl Iterator<Item = f64>, least_step: f64) -> Self {
         let (low, high) = bounds(values);
-        let step = tidy_step((high - low) / 4.0).max(least_step);
+        let step = nice_step((high - low) / 4.0).max(least_step);
         Self { range: (low / step).floor() * step..(high / step).ceil() * step, step }
     }
 
@@ -25,7 +25,7 @@ impl Axis {
     pub fn within(values: impl Iterator<Item = f64>, count: f64) -> Self {
         let (low, high) = bounds(values);
         let low = if low > 0.0 && low < 0.1 * high { 0.0 } else { low };
-        Self { range: low..high, step: tidy_step((high - low) / count) }
+        Self { range: low..high, step: nice_step((high - low) / count) }
     }
 
     pub fn ticks(&self) -> Vec<f64> {
@@ -63,12 +63,12 @@ pub(crate) fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Whether a value can be drawn at all.
-pub(crate) fn usable(value: f64) -> bool {
+pub(crate) fn is_drawable(value: f64) -> bool {
     value.abs() < 1e12
 }
 
 /// The smallest of 1, 2, 2.5, 5 times a power of ten that is not under `least`.
-pub(crate) fn tidy_step(least: f64) -> f64 {
+pub(crate) fn nice_step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
     [1.0, 2.0, 2.5, 5.0].into_iter().map(|m| m * power).find(|&s| s >= least * 0.999).unwrap_or(10.0 * power)
 }

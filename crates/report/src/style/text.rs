@@ -24,7 +24,7 @@ fn advance(sign: char) -> f64 {
 }
 
 /// The text, cut with an ellipsis if it is wider than `width` drawn pixels.
-pub(crate) fn fitted(text: &str, size: f64, width: i32) -> String {
+pub(crate) fn ellipsized(text: &str, size: f64, width: i32) -> String {
     if text_width(text, size) <= width {
         return text.to_owned();
     }
@@ -53,9 +53,9 @@ fn filled(text: &str, size: f64, width: i32) -> Vec<String> {
         let last = lines.len() - 1;
         let longer = if lines[last].is_empty() { word.to_owned() } else { format!("{} {word}", lines[last]) };
         if lines[last].is_empty() || text_width(&longer, size) <= width {
-            lines[last] = fitted(&longer, size, width);
+            lines[last] = ellipsized(&longer, size, width);
         } else {
-            lines.push(fitted(word, size, width));
+            lines.push(ellipsized(word, size, width));
         }
     }
     lines
@@ -68,8 +68,8 @@ mod tests {
     #[test]
     fn text_is_cut_and_wrapped_to_its_room() {
         let size = 26.0 * 1.24;
-        assert_eq!(fitted("short", size, 200), "short");
-        let cut = fitted("a name that is much too long to be written here", size, 200);
+        assert_eq!(ellipsized("short", size, 200), "short");
+        let cut = ellipsized("a name that is much too long to be written here", size, 200);
         assert!(cut.ends_with('…') && text_width(&cut, size) <= 200, "{cut}");
         let lines = wrapped("several words that do not fit into a single line", size, 200);
         assert!(lines.len() > 2 && lines.iter().all(|l| text_width(l, size) <= 200), "{lines:?}");

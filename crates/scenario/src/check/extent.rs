@@ -6,20 +6,20 @@
 
 use std::cell::Cell;
 
-use crate::geometry::{length, reach_from, wall_distance};
+use crate::geometry::{enclosure_distance, length, max_distance_from};
 use crate::schema::*;
 
 /// So far is allowed, in m: rounding.
-pub(super) const SLACK_M: f32 = 1e-4;
+pub(super) const TOLERANCE_M: f32 = 1e-4;
 /// A corner of the enclosure that points inwards is found where it stands out by more than about this, in m.
 const FINE_M: f32 = 0.01;
 /// So many points between corners are looked at in one scenario: a hostile file ends before it takes long.
-const MOST_POINTS: u32 = 100_000;
+const MAX_SAMPLED_POINTS: u32 = 100_000;
 
 type Place = (f32, f32);
 
 /// The enclosure, and what work it has taken.
-pub(super) struct Inside<'a> {
+pub(super) struct EnclosureExtent<'a> {
     enclosure: &'a Enclosure,
     /// Whether it has no corner that points inwards: then what has its ends inside is inside.
     convex: bool,
@@ -29,7 +29,7 @@ pub(super) struct Inside<'a> {
 /// Whether an obstacle ever leaves its place.
 pub(super) fn moves(obstacle: &Obstacle) -> bool {
     match obstacle.motion {
-        ObstacleMotion::Still => false,
+        ObstacleMotion::Static => false,
         ObstacleMotion::Orbit { speed_rad_s, .. } => speed_rad_s != 0.0,
         ObstacleMotion::Patrol { speed_m_s, .. }
         | ObstacleMotion::BackAndForth { speed_m_s, .. }
@@ -39,7 +39,7 @@ pub(super) fn moves(obstacle: &Obstacle) -> bool {
 
 /// A shape as points, turned by `rotation_rad` about its middle, and a radius: it is all that is no farther than the
 /// radius from the points' convex hull.
-pub(super) fn bones(shape: &Shape, rotation_rad: f32) -> (Vec<Place>, f32) {
+pub(super) fn support_points(shape: &Shape, rotation_rad: f32) -> (Vec<Place>, f32) {
     let (points, radius) = match shape {
         Shape::Circle { radius_m } => (vec![(0.0, 0.0)], *radius_m),
         Shape::Rectangle { width_m, height_m } => {
@@ -56,8 +56,8 @@ pub(super) fn bones(shape: &Shape, rotation_rad: f32) -> (Vec<Place>, f32) {
     (points.into_iter().map(turned).collect(), radius)
 }
 
-impl<'a> Inside<'a> {
-    pub(super) fn of(enclosure: &'a Enclosure) -> Self {
+impl<'a> EnclosureExtent<'a> {
+    pub(super) fn new(enclosure: &'a Enclosure) -> Self {
         let convex = match enclosure {
             Enclosure::Rectangle { .. } => true,
             Enclosure::Polygon { .. } => {
@@ -69,23 +69,24 @@ impl<'a> Inside<'a> {
                 })
             }
         };
-        Self { enclosure, convex, points_left: Cell::new(MOST_POINTS) }
+        Self { enclosure, convex, points_left: Cell::new(MAX_SAMPLED_POINTS) }
     }
 
     /// How far `obstacle` reaches beyond the enclosure on its whole way, in m.
-    pub(super) fn beyond(&self, obstacle: &Obstacle) -> f32 {
-        let (points, mut margin) = bones(&obstacle.shape, obstacle.rotation_rad);
-        let mut around = obstacle.shape.reach_m();
+    pub(super) fn overhang_m(&self, obstacle: &Obstacle) -> f32 {
+        let (points, mut margin) = support_points(&obstacle.shape, obstacle.rotation_rad);
+        let mut around = obstacle.shape.bounding_radius_m();
         let start = obstacle.position_m;
         let way = match (&obstacle.motion, obstacle.path_m()) {
             _ if !moves(obstacle) => vec![start],
             // It turns with the revolution, so that its farthest point draws a circle about the centre.
             (ObstacleMotion::Orbit { centre_m, .. }, _) => {
-                return reach_from(obstacle, *centre_m) - wall_distance(self.enclosure, *centre_m);
+                return max_distance_from(obstacle, *centre_m)
+                    - enclosure_distance(self.enclosure, *centre_m);
             }
-            (ObstacleMotion::RandomWalk { reach_m, .. }, _) => {
-                margin += reach_m;
-                around += reach_m;
+            (ObstacleMotion::RandomWalk { radius_m, .. }, _) => {
+                margin += radius_m;
+                around += radius_m;
                 vec![start]
             }
             (_, Some((mut path, closed))) => {
@@ -97,7 +98,7 @@ impl<'a> Inside<'a> {
         let mut worst = f32::NEG_INFINITY;
         let mut last: Option<(Place, f32)> = None;
         for &stop in &way {
-            let past = around - wall_distance(self.enclosure, stop);
+            let past = around - enclosure_distance(self.enclosure, stop);
             if past > 0.0 {
                 worst = worst.max(self.at(&points, stop, margin));
             }
@@ -107,7 +108,7 @@ impl<'a> Inside<'a> {
                 if !self.convex && past + past_there + leg > 0.0 {
                     for point in &points {
                         let (a, b) = (plus(from, *point), plus(stop, *point));
-                        worst = worst.max(self.along(a, b, margin));
+                        worst = worst.max(self.segment_overhang_m(a, b, margin));
                     }
                 }
             }
@@ -118,15 +119,15 @@ impl<'a> Inside<'a> {
 
     /// How far the line between two points reaches beyond the enclosure, in m, if all that is nearer than `margin`
     /// to it counts.
-    pub(super) fn along(&self, from: Place, to: Place, margin: f32) -> f32 {
-        let past = |place| margin - wall_distance(self.enclosure, place);
+    pub(super) fn segment_overhang_m(&self, from: Place, to: Place, margin: f32) -> f32 {
+        let past = |place| margin - enclosure_distance(self.enclosure, place);
         self.between((from, past(from)), (to, past(to)), margin)
     }
 
     /// The same for a shape that stands at `stop`.
     fn at(&self, points: &[Place], stop: Place, margin: f32) -> f32 {
         let corner = |k: usize| plus(stop, points[k % points.len()]);
-        let sides = (0..points.len()).map(|k| self.along(corner(k), corner(k + 1), margin));
+        let sides = (0..points.len()).map(|k| self.segment_overhang_m(corner(k), corner(k + 1), margin));
         sides.fold(f32::NEG_INFINITY, f32::max)
     }
 
@@ -136,12 +137,12 @@ impl<'a> Inside<'a> {
         let long = length(to.0.0 - from.0.0, to.0.1 - from.0.1);
         // A distance changes by no more than one goes.
         let most = (from.1 + to.1 + long) / 2.0;
-        if self.convex || long < FINE_M || most <= worst.max(SLACK_M) || self.points_left.get() == 0 {
+        if self.convex || long < FINE_M || most <= worst.max(TOLERANCE_M) || self.points_left.get() == 0 {
             return worst;
         }
         self.points_left.set(self.points_left.get() - 1);
         let place = ((from.0.0 + to.0.0) / 2.0, (from.0.1 + to.0.1) / 2.0);
-        let middle = (place, margin - wall_distance(self.enclosure, place));
+        let middle = (place, margin - enclosure_distance(self.enclosure, place));
         self.between(from, middle, margin).max(self.between(middle, to, margin))
     }
 }
@@ -175,20 +176,20 @@ mod tests {
     }
 
     fn assert_beyond(enclosure: &Enclosure, obstacle: &Obstacle, expected: f32) {
-        let beyond = Inside::of(enclosure).beyond(obstacle);
+        let beyond = EnclosureExtent::new(enclosure).overhang_m(obstacle);
         assert!((beyond - expected).abs() < 0.01, "{obstacle:?}: {beyond}, not {expected}");
     }
 
     #[test]
     fn a_bar_across_a_notch_has_its_ends_inside_and_its_middle_not() {
         let bar = Shape::Rectangle { width_m: 2.0, height_m: 0.1 };
-        let still = |y| obstacle(bar.clone(), (0.0, y), ObstacleMotion::Still);
+        let still = |y| obstacle(bar.clone(), (0.0, y), ObstacleMotion::Static);
         // In the notch's middle its walls are 0.5 m away on both sides.
         assert_beyond(&u(), &still(0.3), 0.5);
         assert_beyond(&u(), &still(-0.4), 0.15);
-        assert!(Inside::of(&u()).beyond(&still(-0.75)) <= 0.0, "below the notch there is room");
+        assert!(EnclosureExtent::new(&u()).overhang_m(&still(-0.75)) <= 0.0, "below the notch there is room");
         let rod = Shape::Capsule { length_m: 1.8, radius_m: 0.05 };
-        assert_beyond(&u(), &obstacle(rod, (0.0, 0.3), ObstacleMotion::Still), 0.55);
+        assert_beyond(&u(), &obstacle(rod, (0.0, 0.3), ObstacleMotion::Static), 0.55);
     }
 
     #[test]
@@ -201,7 +202,7 @@ mod tests {
         assert_beyond(&u(), &obstacle(ball.clone(), (-1.0, 0.3), patrol(around.clone())), 0.7);
         let back = ObstacleMotion::BackAndForth { waypoints_m: around, speed_m_s: 0.1 };
         assert!(
-            Inside::of(&u()).beyond(&obstacle(ball, (-1.0, 0.3), back)) <= 0.0,
+            EnclosureExtent::new(&u()).overhang_m(&obstacle(ball, (-1.0, 0.3), back)) <= 0.0,
             "the same way back is free"
         );
     }
@@ -210,9 +211,10 @@ mod tests {
     fn in_a_rectangle_the_ends_of_the_way_decide() {
         let square = Enclosure::Rectangle { width_m: 4.0, height_m: 4.0 };
         let ball = Shape::Circle { radius_m: 0.15 };
-        let walk = |reach_m, speed_m_s| ObstacleMotion::RandomWalk { reach_m, speed_m_s, seed: 1 };
+        let walk = |radius_m, speed_m_s| ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed: 1 };
         assert_beyond(&square, &obstacle(ball.clone(), (1.0, 0.0), walk(0.9, 0.1)), 0.05);
-        let stays = Inside::of(&square).beyond(&obstacle(ball.clone(), (1.0, 0.0), walk(0.9, 0.0)));
+        let stays =
+            EnclosureExtent::new(&square).overhang_m(&obstacle(ball.clone(), (1.0, 0.0), walk(0.9, 0.0)));
         assert!(stays <= 0.0, "without speed it stays");
         // 1 m from the centre (0.5, 0), and 0.15 m more: 1.65 m along x, where there are 2 m.
         let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: (0.5, 0.0), speed_rad_s };
@@ -221,7 +223,7 @@ mod tests {
         let corners_m = vec![(0.0, -0.1), (1.0, 0.0), (0.0, 0.1)];
         assert_beyond(
             &square,
-            &obstacle(Shape::Polygon { corners_m }, (1.5, 0.0), ObstacleMotion::Still),
+            &obstacle(Shape::Polygon { corners_m }, (1.5, 0.0), ObstacleMotion::Static),
             0.5,
         );
     }

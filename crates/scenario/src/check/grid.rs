@@ -1,22 +1,22 @@
 //! A fine grid over the enclosure: which of its cells are blocked, and which hang together.
 //!
-//! In: outlines with a margin. Out: [`Cells`] as bits, row by row, and [`Parts`]: the free cells in pieces that hang
+//! In: outlines with a margin. Out: [`BlockedCells`] as bits, row by row, and [`ConnectedRegions`]: the free cells in pieces that hang
 //! together side by side. All shapes are convex, so that each blocks one interval of a row: the work goes with the
 //! number of rows, not of cells.
 
 use crate::polygon::sides;
 
 /// About so many cells at most.
-const MOST_CELLS: f64 = 1_048_576.0;
+const MAX_CELLS: f64 = 1_048_576.0;
 /// Cells need not be smaller than this part of the robot's room.
-const FINEST: f64 = 1.0 / 32.0;
+const MIN_CELL_FRACTION: f64 = 1.0 / 32.0;
 /// Nor may they be larger than this part: what fits through a gap would be lost between them.
-const COARSEST: f64 = 1.0 / 2.0;
+const MAX_CELL_FRACTION: f64 = 1.0 / 2.0;
 
 pub(super) type Point = (f64, f64);
 
 /// Where the cells are.
-pub(super) struct Grid {
+pub(super) struct CellGrid {
     origin: Point,
     /// The side of a cell, in m.
     pub(super) cell_m: f64,
@@ -26,18 +26,18 @@ pub(super) struct Grid {
     turned: bool,
 }
 
-impl Grid {
+impl CellGrid {
     /// A grid over the box between two corners for a robot whose middle needs `room_m` to all sides; none where the box
     /// is so large that cells would be too coarse.
     pub(super) fn over(low: Point, high: Point, room_m: f64) -> Option<Self> {
         let (width, height) = (high.0 - low.0, high.1 - low.1);
-        let cell_m = (room_m * FINEST).max((width * height / MOST_CELLS).sqrt());
+        let cell_m = (room_m * MIN_CELL_FRACTION).max((width * height / MAX_CELLS).sqrt());
         let turned = height > width;
         let count = |extent: f64| ((extent / cell_m).ceil() as usize).max(1);
         let (columns, rows) =
             if turned { (count(height), count(width)) } else { (count(width), count(height)) };
         let grid = Self { origin: low, cell_m, columns, rows, turned };
-        (cell_m <= room_m * COARSEST).then(|| Self { origin: grid.along(low), ..grid })
+        (cell_m <= room_m * MAX_CELL_FRACTION).then(|| Self { origin: grid.along(low), ..grid })
     }
 
     /// Between the world's axes and the grid's, either way.
@@ -75,15 +75,15 @@ impl Grid {
 }
 
 /// A bit for each cell of a grid.
-pub(super) struct Cells<'a> {
-    grid: &'a Grid,
+pub(super) struct BlockedCells<'a> {
+    grid: &'a CellGrid,
     words_a_row: usize,
     bits: Vec<u64>,
 }
 
-impl<'a> Cells<'a> {
+impl<'a> BlockedCells<'a> {
     /// None set.
-    pub(super) fn none(grid: &'a Grid) -> Self {
+    pub(super) fn none(grid: &'a CellGrid) -> Self {
         let words_a_row = grid.columns.div_ceil(64);
         Self { grid, words_a_row, bits: vec![0; words_a_row * grid.rows] }
     }
@@ -215,15 +215,15 @@ fn crossing(from: Point, to: Point, y: f64) -> Option<f64> {
 }
 
 /// The cells that are not set, in pieces that hang together side by side.
-pub(super) struct Parts {
+pub(super) struct ConnectedRegions {
     /// By rows: first column, the one after the last, and the run's number.
     runs: Vec<Vec<(usize, usize, u32)>>,
     /// For each run the first of its part, which gives the part its number.
     parents: Vec<u32>,
 }
 
-impl Parts {
-    pub(super) fn of(cells: &Cells<'_>) -> Self {
+impl ConnectedRegions {
+    pub(super) fn of(cells: &BlockedCells<'_>) -> Self {
         let mut parts = Self { runs: Vec::new(), parents: Vec::new() };
         for row in cells.rows() {
             let mut runs: Vec<(usize, usize, u32)> = Vec::new();
@@ -272,13 +272,13 @@ impl Parts {
 mod tests {
     use super::*;
 
-    fn grid(width: f64, height: f64) -> Grid {
+    fn grid(width: f64, height: f64) -> CellGrid {
         // Cells of 1 m: no finer, since the robot needs 32 m.
-        Grid::over((0.0, 0.0), (width, height), 32.0).expect("not too large")
+        CellGrid::over((0.0, 0.0), (width, height), 32.0).expect("not too large")
     }
 
     /// The cells as text, `#` where they are set, the lowest row first.
-    fn drawn(cells: &Cells<'_>) -> Vec<String> {
+    fn drawn(cells: &BlockedCells<'_>) -> Vec<String> {
         let row = |row| {
             let mut text = "#".repeat(cells.grid.columns);
             for (from, to) in cells.gaps(row) {
@@ -292,7 +292,7 @@ mod tests {
     #[test]
     fn what_is_near_a_point_is_a_disc_and_near_a_segment_a_rod() {
         let grid = grid(9.0, 5.0);
-        let mut cells = Cells::none(&grid);
+        let mut cells = BlockedCells::none(&grid);
         cells.set_near(&[(2.5, 2.5)], 2.1);
         cells.set_near(&[(7.5, 0.0), (7.5, 5.0)], 0.6);
         assert_eq!(drawn(&cells), ["..#....#.", ".###...#.", "#####..#.", ".###...#.", "..#....#."]);
@@ -301,13 +301,13 @@ mod tests {
     #[test]
     fn a_turned_square_and_the_outside_of_an_l() {
         let grid = grid(6.0, 5.0);
-        let mut cells = Cells::none(&grid);
+        let mut cells = BlockedCells::none(&grid);
         cells.set_near(&[(3.0, 0.2), (5.3, 2.5), (3.0, 4.8), (0.7, 2.5)], 0.0);
         assert_eq!(drawn(&cells), ["......", "..##..", ".####.", "..##..", "......"]);
-        let mut cells = Cells::none(&grid);
+        let mut cells = BlockedCells::none(&grid);
         cells.set_outside(&[(0.0, 0.0), (6.0, 0.0), (6.0, 2.0), (2.0, 2.0), (2.0, 5.0), (0.0, 5.0)]);
         assert_eq!(drawn(&cells), ["......", "......", "..####", "..####", "..####"]);
-        let mut cells = Cells::none(&grid);
+        let mut cells = BlockedCells::none(&grid);
         cells.set_outside_box((1.0, 1.0), (4.0, 4.9));
         assert_eq!(drawn(&cells), ["######", "#...##", "#...##", "#...##", "#...##"]);
     }
@@ -315,13 +315,13 @@ mod tests {
     #[test]
     fn parts_hang_together_by_sides_not_by_corners() {
         let grid = grid(130.0, 3.0);
-        let mut cells = Cells::none(&grid);
+        let mut cells = BlockedCells::none(&grid);
         // A wall over all rows but for a gap; and a corner that only touches.
         cells.set(0, 70, 71);
         cells.set(1, 70, 71);
         cells.set(0, 128, 129);
         cells.set(1, 129, 130);
-        let parts = Parts::of(&cells);
+        let parts = ConnectedRegions::of(&cells);
         assert_eq!(parts.at(0, 0), parts.at(0, 127), "through the gap in row 2");
         assert_eq!(parts.at(0, 70), None);
         assert!(parts.at(0, 129).is_some());
@@ -336,6 +336,6 @@ mod tests {
         let (row, column) = grid.cell_at((2.2, 77.9));
         assert_eq!((row, column), (2, 77));
         assert_eq!(grid.middle(row, column), (2.5, 77.5));
-        assert!(Grid::over((0.0, 0.0), (1000.0, 1000.0), 0.13).is_none(), "cells of 1 m are too coarse");
+        assert!(CellGrid::over((0.0, 0.0), (1000.0, 1000.0), 0.13).is_none(), "cells of 1 m are too coarse");
     }
 }

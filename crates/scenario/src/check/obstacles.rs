@@ -1,44 +1,53 @@
 //! Each number of walls, obstacles and generators against its range.
 
-use super::numbers::{FASTEST_M_S, FASTEST_RAD_S, region};
-use super::{METRES, METRES_A_SECOND, Notes, RADIANS, RADIANS_A_SECOND, TURN, outlines};
+use super::numbers::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S, region};
+use super::{Diagnostics, MAX_ANGLE_RAD, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, polygons};
 use crate::schema::*;
 
 /// The most straight pieces that all inner walls have together: as many as there may be obstacles.
-const MOST_PIECES: usize = 10_000;
+const MAX_WALL_SEGMENTS: usize = 10_000;
 /// The most obstacles that all generators ask for together.
-const MOST_GENERATED: u64 = 200;
+const MAX_GENERATED_OBSTACLES: u64 = 200;
 
-pub(super) fn check(scenario: &Scenario, notes: &mut Notes) {
-    notes.count(format_args!("walls"), scenario.walls.len(), 0..=1_000);
+pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+    diagnostics.check_count(format_args!("walls"), scenario.walls.len(), 0..=1_000);
     for (k, wall) in scenario.walls.iter().enumerate().take(1_000) {
-        notes.points(format_args!("walls[{k}].corners_m"), &wall.corners_m, 2..=256);
-        notes.number(format_args!("walls[{k}].thickness_m"), wall.thickness_m, 0.01..=100.0, METRES);
+        diagnostics.check_points(format_args!("walls[{k}].corners_m"), &wall.corners_m, 2..=256);
+        diagnostics.check_range(
+            format_args!("walls[{k}].thickness_m"),
+            wall.thickness_m,
+            0.01..=100.0,
+            METRES,
+        );
     }
     let pieces: usize = scenario.walls.iter().map(|wall| wall.corners_m.len().saturating_sub(1)).sum();
-    if pieces > MOST_PIECES {
-        let message = format!("have {pieces} straight pieces together: write walls of {MOST_PIECES} at most");
-        notes.add(format_args!("walls"), message);
+    if pieces > MAX_WALL_SEGMENTS {
+        let message =
+            format!("have {pieces} straight pieces together: write walls of {MAX_WALL_SEGMENTS} at most");
+        diagnostics.push(format_args!("walls"), message);
     }
-    notes.count(format_args!("obstacles"), scenario.obstacles.len(), 0..=10_000);
+    diagnostics.check_count(format_args!("obstacles"), scenario.obstacles.len(), 0..=10_000);
     for (k, obstacle) in scenario.obstacles.iter().enumerate().take(10_000) {
-        check_obstacle(k, obstacle, notes);
+        check_obstacle(k, obstacle, diagnostics);
     }
-    notes.count(format_args!("generators"), scenario.generators.len(), 0..=16);
+    diagnostics.check_count(format_args!("generators"), scenario.generators.len(), 0..=16);
     for (k, generator) in scenario.generators.iter().enumerate().take(16) {
-        check_generator(k, generator, scenario.task.collision_range_m, notes);
+        check_generator(k, generator, scenario.task.collision_range_m, diagnostics);
     }
     let asked: u64 = scenario.generators.iter().map(|generator| u64::from(generator.count)).sum();
-    if asked > MOST_GENERATED && scenario.generators.iter().all(|g| u64::from(g.count) <= MOST_GENERATED) {
-        let message =
-            format!("ask for {asked} obstacles together: write counts whose sum is at most {MOST_GENERATED}");
-        notes.add(format_args!("generators"), message);
+    if asked > MAX_GENERATED_OBSTACLES
+        && scenario.generators.iter().all(|g| u64::from(g.count) <= MAX_GENERATED_OBSTACLES)
+    {
+        let message = format!(
+            "ask for {asked} obstacles together: write counts whose sum is at most {MAX_GENERATED_OBSTACLES}"
+        );
+        diagnostics.push(format_args!("generators"), message);
     }
 }
 
-fn check_obstacle(k: usize, obstacle: &Obstacle, notes: &mut Notes) {
+fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) {
     let mut size = |name: &str, value: f32| {
-        notes.number(format_args!("obstacles[{k}].shape.{name}"), value, 0.001..=1000.0, METRES);
+        diagnostics.check_range(format_args!("obstacles[{k}].shape.{name}"), value, 0.001..=1000.0, METRES);
     };
     match &obstacle.shape {
         Shape::Circle { radius_m } => size("radius_m", *radius_m),
@@ -47,46 +56,61 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, notes: &mut Notes) {
             size("height_m", *height_m);
         }
         Shape::Polygon { corners_m } => {
-            outlines::convex(format_args!("obstacles[{k}].shape.corners_m"), corners_m, notes);
+            polygons::check_convex(format_args!("obstacles[{k}].shape.corners_m"), corners_m, diagnostics);
         }
         Shape::Capsule { length_m, radius_m } => {
             size("length_m", *length_m);
             size("radius_m", *radius_m);
         }
     }
-    notes.point(format_args!("obstacles[{k}].position_m"), obstacle.position_m);
-    notes.number(format_args!("obstacles[{k}].rotation_rad"), obstacle.rotation_rad, -TURN..=TURN, RADIANS);
+    diagnostics.check_point(format_args!("obstacles[{k}].position_m"), obstacle.position_m);
+    diagnostics.check_range(
+        format_args!("obstacles[{k}].rotation_rad"),
+        obstacle.rotation_rad,
+        -MAX_ANGLE_RAD..=MAX_ANGLE_RAD,
+        RADIANS,
+    );
     let mut speed = |value: f32| {
         let path = format_args!("obstacles[{k}].motion.speed_m_s");
-        notes.number(path, value, 0.0..=FASTEST_M_S, METRES_A_SECOND);
+        diagnostics.check_range(path, value, 0.0..=MAX_SPEED_M_S, METRES_PER_SECOND);
     };
     match &obstacle.motion {
-        ObstacleMotion::Still => {}
+        ObstacleMotion::Static => {}
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            notes.point(format_args!("obstacles[{k}].motion.centre_m"), *centre_m);
+            diagnostics.check_point(format_args!("obstacles[{k}].motion.centre_m"), *centre_m);
             let path = format_args!("obstacles[{k}].motion.speed_rad_s");
-            notes.number(path, *speed_rad_s, -FASTEST_RAD_S..=FASTEST_RAD_S, RADIANS_A_SECOND);
+            diagnostics.check_range(
+                path,
+                *speed_rad_s,
+                -MAX_ANGULAR_SPEED_RAD_S..=MAX_ANGULAR_SPEED_RAD_S,
+                RADIANS_PER_SECOND,
+            );
         }
         ObstacleMotion::Patrol { waypoints_m, speed_m_s }
         | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
             speed(*speed_m_s);
-            notes.points(format_args!("obstacles[{k}].motion.waypoints_m"), waypoints_m, 1..=256);
+            diagnostics.check_points(format_args!("obstacles[{k}].motion.waypoints_m"), waypoints_m, 1..=256);
         }
-        ObstacleMotion::RandomWalk { reach_m, speed_m_s, seed: _ } => {
+        ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed: _ } => {
             speed(*speed_m_s);
-            notes.number(format_args!("obstacles[{k}].motion.reach_m"), *reach_m, 0.01..=500.0, METRES);
+            diagnostics.check_range(
+                format_args!("obstacles[{k}].motion.radius_m"),
+                *radius_m,
+                0.01..=500.0,
+                METRES,
+            );
         }
     }
 }
 
-fn check_generator(k: usize, generator: &Generator, collision_range_m: f32, notes: &mut Notes) {
-    notes.number(format_args!("generators[{k}].count"), generator.count, 1..=200, "");
+fn check_generator(k: usize, generator: &Generator, collision_range_m: f32, diagnostics: &mut Diagnostics) {
+    diagnostics.check_range(format_args!("generators[{k}].count"), generator.count, 1..=200, "");
     let mut sizes = |name: &str, (low, high): (f32, f32)| {
         let path = format_args!("generators[{k}].shape.{name}");
-        notes.number(format_args!("{path}[0]"), low, 0.001..=1000.0, METRES);
-        notes.number(format_args!("{path}[1]"), high, 0.001..=1000.0, METRES);
+        diagnostics.check_range(format_args!("{path}[0]"), low, 0.001..=1000.0, METRES);
+        diagnostics.check_range(format_args!("{path}[1]"), high, 0.001..=1000.0, METRES);
         if low > high {
-            notes.add(path, format!("is ({low}, {high}): write the lower number first"));
+            diagnostics.push(path, format!("is ({low}, {high}): write the lower number first"));
         }
     };
     match generator.shape {
@@ -97,9 +121,9 @@ fn check_generator(k: usize, generator: &Generator, collision_range_m: f32, note
         }
     }
     let path = format_args!("generators[{k}].gap_m");
-    notes.number(path, generator.gap_m, 0.0..=1000.0, METRES);
-    notes.above(path, generator.gap_m, 2.0 * collision_range_m, "twice the collision range");
+    diagnostics.check_range(path, generator.gap_m, 0.0..=1000.0, METRES);
+    diagnostics.check_above(path, generator.gap_m, 2.0 * collision_range_m, "twice the collision range");
     if let Some(Region { min_m, max_m }) = generator.within {
-        region(format_args!("generators[{k}].within"), min_m, max_m, notes);
+        region(format_args!("generators[{k}].within"), min_m, max_m, diagnostics);
     }
 }

@@ -2,78 +2,78 @@
 
 use std::f32::consts::PI;
 
-use super::numbers::{FASTEST_M_S, FASTEST_RAD_S};
-use super::{Notes, rounded_down};
+use super::numbers::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S};
+use super::{Diagnostics, rounded_down};
 use crate::geometry::length;
 use crate::schema::*;
 
 /// The farthest that an obstacle may move in one control step, in m.
-const LONGEST_STEP_M: f32 = 0.5;
+const MAX_STEP_M: f32 = 0.5;
 /// What rounding may add to a speed that is just allowed.
 const SLACK: f32 = 1.0 + 1e-5;
 
-pub(super) fn check(scenario: &Scenario, notes: &mut Notes) {
+pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let period = scenario.task.control_period_s;
     // Who has yet to write a control period that there is, is told of that first.
     let period = if (0.001..=10.0).contains(&period) { period } else { 0.0 };
     for (k, obstacle) in scenario.obstacles.iter().enumerate().take(10_000) {
-        check_obstacle(k, obstacle, period, notes);
+        check_obstacle(k, obstacle, period, diagnostics);
     }
-    robot(scenario, period, notes);
+    robot(scenario, period, diagnostics);
 }
 
-fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, notes: &mut Notes) {
+fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut Diagnostics) {
     let path = format_args!("obstacles[{k}].motion");
     match &obstacle.motion {
-        ObstacleMotion::Still => {}
+        ObstacleMotion::Static => {}
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let path = format_args!("{path}.speed_rad_s");
             let arm = length(obstacle.position_m.0 - centre_m.0, obstacle.position_m.1 - centre_m.1);
             let speed = (arm * speed_rad_s).abs();
-            if speed_rad_s.abs() > FASTEST_RAD_S || !speed.is_finite() {
+            if speed_rad_s.abs() > MAX_ANGULAR_SPEED_RAD_S || !speed.is_finite() {
                 return;
             }
-            if speed * period > LONGEST_STEP_M * SLACK {
-                let most = rounded_down(LONGEST_STEP_M / period / arm);
-                notes.add(path, too_far(speed * period, "obstacle", &most));
-            } else if speed > FASTEST_M_S * SLACK {
-                let most = rounded_down(FASTEST_M_S / arm);
+            if speed * period > MAX_STEP_M * SLACK {
+                let most = rounded_down(MAX_STEP_M / period / arm);
+                diagnostics.push(path, too_far(speed * period, "obstacle", &most));
+            } else if speed > MAX_SPEED_M_S * SLACK {
+                let most = rounded_down(MAX_SPEED_M_S / arm);
                 let message =
                     format!("makes the obstacle move at {speed:.3} m/s: write at most {most}, for 5 m/s");
-                notes.add(path, message);
+                diagnostics.push(path, message);
             } else if speed_rad_s.abs() * period > PI * SLACK {
-                notes.add(path, too_round(speed_rad_s.abs() * period, "obstacle", period));
+                diagnostics.push(path, too_round(speed_rad_s.abs() * period, "obstacle", period));
             }
         }
         ObstacleMotion::Patrol { speed_m_s, .. }
         | ObstacleMotion::BackAndForth { speed_m_s, .. }
         | ObstacleMotion::RandomWalk { speed_m_s, .. } => {
             let gone = speed_m_s * period;
-            if gone > LONGEST_STEP_M * SLACK && *speed_m_s <= FASTEST_M_S {
-                let most = rounded_down(LONGEST_STEP_M / period);
-                notes.add(format_args!("{path}.speed_m_s"), too_far(gone, "obstacle", &most));
+            if gone > MAX_STEP_M * SLACK && *speed_m_s <= MAX_SPEED_M_S {
+                let most = rounded_down(MAX_STEP_M / period);
+                diagnostics.push(format_args!("{path}.speed_m_s"), too_far(gone, "obstacle", &most));
             }
         }
     }
 }
 
-fn robot(scenario: &Scenario, period: f32, notes: &mut Notes) {
+fn robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) {
     let goal = scenario.task.goal_radius_m;
     for (k, motion) in scenario.robot.motions.iter().enumerate().take(64) {
         let gone = motion.v_m_s.abs() * period;
-        if gone > 2.0 * goal * SLACK && motion.v_m_s.abs() <= FASTEST_M_S && goal >= 0.001 {
+        if gone > 2.0 * goal * SLACK && motion.v_m_s.abs() <= MAX_SPEED_M_S && goal >= 0.001 {
             let most = rounded_down(2.0 * goal / period);
             let message = format!(
-                "takes the robot {gone:.3} m far in one control step, over its target of {:.3} m across: write at \
+                "takes the robot {gone:.3} m far in one control step, over its goal of {:.3} m across: write at \
                  most {most}, or less for task.control_period_s",
                 2.0 * goal
             );
-            notes.add(format_args!("robot.motions[{k}].v_m_s"), message);
+            diagnostics.push(format_args!("robot.motions[{k}].v_m_s"), message);
         }
         let turned = motion.w_rad_s.abs() * period;
-        if turned > PI * SLACK && motion.w_rad_s.abs() <= FASTEST_RAD_S {
+        if turned > PI * SLACK && motion.w_rad_s.abs() <= MAX_ANGULAR_SPEED_RAD_S {
             let path = format_args!("robot.motions[{k}].w_rad_s");
-            notes.add(path, too_round(turned, "robot", period));
+            diagnostics.push(path, too_round(turned, "robot", period));
         }
     }
 }

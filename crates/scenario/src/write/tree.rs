@@ -15,11 +15,11 @@ use serde::ser::{
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Node {
     /// A number or truth value, as RON spells it.
-    Word(String),
+    Scalar(String),
     /// A text, not yet in quotes.
     Text(String),
     /// An option that has nothing.
-    Nothing,
+    Null,
     /// `(a, b)`.
     Tuple(Vec<Node>),
     /// `[a, b]`.
@@ -41,7 +41,7 @@ pub(super) struct Record {
 
 impl Node {
     /// The tree of `value`; an error only for what the schema has nothing of (maps, bytes, unnamed structs).
-    pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, Error> {
+    pub fn from_value<T: Serialize + ?Sized>(value: &T) -> Result<Self, Error> {
         value.serialize(Spelling)
     }
 
@@ -61,7 +61,7 @@ struct Parts {
 }
 
 fn word(value: impl Display) -> Result<Node, Error> {
-    Ok(Node::Word(value.to_string()))
+    Ok(Node::Scalar(value.to_string()))
 }
 
 fn foreign<T>(what: &str) -> Result<T, Error> {
@@ -123,7 +123,7 @@ impl Serializer for Spelling {
         foreign("bytes")
     }
     fn serialize_none(self) -> Result<Node, Error> {
-        Ok(Node::Nothing)
+        Ok(Node::Null)
     }
     fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Node, Error> {
         value.serialize(self)
@@ -194,7 +194,7 @@ impl SerializeSeq for Parts {
     type Error = Error;
 
     fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Error> {
-        self.parts.push(Node::of(value)?);
+        self.parts.push(Node::from_value(value)?);
         Ok(())
     }
     fn end(self) -> Result<Node, Error> {
@@ -219,7 +219,7 @@ impl SerializeStruct for Record {
     type Error = Error;
 
     fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Error> {
-        self.fields.push((key, Node::of(value)?));
+        self.fields.push((key, Node::from_value(value)?));
         Ok(())
     }
     fn end(self) -> Result<Node, Error> {

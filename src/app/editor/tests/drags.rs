@@ -13,7 +13,7 @@ fn drag(editor: &mut Editor, kind: HandleKind, by: Point, free: bool) {
 
 fn place(editor: &Editor, kind: HandleKind) -> Point {
     let handles = editor.handles();
-    handles.iter().find(|handle| handle.kind == kind).unwrap_or_else(|| panic!("{kind:?}")).at_m
+    handles.iter().find(|handle| handle.kind == kind).unwrap_or_else(|| panic!("{kind:?}")).position_m
 }
 
 fn with(obstacle: Obstacle) -> Editor {
@@ -62,7 +62,7 @@ fn the_middle_goes_to_the_grid_wherever_it_was_taken() {
 #[test]
 fn a_rim_and_the_ends_of_a_rod() {
     let mut editor = with(disc(0.5, 0.0));
-    drag(&mut editor, HandleKind::Rim, (0.12, 0.0), false);
+    drag(&mut editor, HandleKind::Radius, (0.12, 0.0), false);
     assert_eq!(editor.scenario().obstacles[0].shape, Shape::Circle { radius_m: 0.25 });
     // A rod along y, from (0, -0.5) to (0, 0.5): its right end is the upper one.
     let rod = Obstacle {
@@ -70,16 +70,16 @@ fn a_rim_and_the_ends_of_a_rod() {
         ..still(Shape::Capsule { length_m: 1.0, radius_m: 0.1 }, (0.0, 0.0))
     };
     let mut editor = with(rod);
-    assert!(near(place(&editor, HandleKind::End(true)), (0.0, 0.6), 1e-5));
-    drag(&mut editor, HandleKind::End(true), (0.3, 0.4), false);
+    assert!(near(place(&editor, HandleKind::CapsuleEnd(true)), (0.0, 0.6), 1e-5));
+    drag(&mut editor, HandleKind::CapsuleEnd(true), (0.3, 0.4), false);
     let rod = &editor.scenario().obstacles[0];
     assert_eq!(rod.shape, Shape::Capsule { length_m: 1.4, radius_m: 0.1 });
     assert_eq!(rod.position_m, (0.0, 0.2), "the lower end stays at -0.5");
-    drag(&mut editor, HandleKind::End(false), (0.0, 5.0), false);
+    drag(&mut editor, HandleKind::CapsuleEnd(false), (0.0, 5.0), false);
     let rod = &editor.scenario().obstacles[0];
     assert_eq!(rod.shape, Shape::Capsule { length_m: 0.05, radius_m: 0.1 }, "one step is left");
     assert_eq!(rod.position_m, (0.0, 0.875), "the upper end stays at 0.9");
-    drag(&mut editor, HandleKind::Rim, (-0.1, 0.0), false);
+    drag(&mut editor, HandleKind::Radius, (-0.1, 0.0), false);
     assert_eq!(editor.scenario().obstacles[0].shape, Shape::Capsule { length_m: 0.05, radius_m: 0.2 });
 }
 
@@ -116,7 +116,7 @@ fn resizing_what_moves_takes_its_way_along() {
     let motion = ObstacleMotion::BackAndForth { waypoints_m: vec![(0.0, 1.0), (1.0, 1.0)], speed_m_s: 0.1 };
     let mut editor = with(Obstacle { motion, ..still(shape, (0.0, 0.0)) });
     // The left end from -0.5 to -0.9.
-    drag(&mut editor, HandleKind::End(false), (-0.4, 0.0), false);
+    drag(&mut editor, HandleKind::CapsuleEnd(false), (-0.4, 0.0), false);
     let o = &editor.scenario().obstacles[0];
     assert_eq!(o.position_m, (-0.2, 0.0));
     let waypoints_m = vec![(-0.2, 1.0), (0.8, 1.0)];
@@ -162,9 +162,9 @@ fn resizing_a_turned_box_keeps_the_opposite_corner() {
 #[test]
 fn turning_goes_by_fifteen_degrees_from_wherever_it_was_taken() {
     let mut editor = with(still(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, (1.0, 0.0)));
-    assert_eq!(editor.turn_about(), Some(((1.0, 0.0), 0.0)));
+    assert_eq!(editor.rotation_of(), Some(((1.0, 0.0), 0.0)));
     // Taken at 90 degrees, dragged to 128: 38 degrees, 45 snapped.
-    assert!(editor.begin_drag(HandleKind::Turn, (1.0, 2.0)));
+    assert!(editor.begin_drag(HandleKind::Rotate, (1.0, 2.0)));
     let at = |degrees: f32| (1.0 + degrees.to_radians().cos(), degrees.to_radians().sin());
     editor.drag_to(at(128.0), false);
     assert_eq!(editor.scenario().obstacles[0].rotation_rad, 0.7854);
@@ -174,7 +174,7 @@ fn turning_goes_by_fifteen_degrees_from_wherever_it_was_taken() {
     assert_eq!(editor.scenario().obstacles[0].rotation_rad, -2.618, "150 degrees to the right");
     editor.end_drag();
     // A circle has nothing to turn.
-    assert!(!with(disc(0.5, 0.5)).begin_drag(HandleKind::Turn, (0.6, 0.5)));
+    assert!(!with(disc(0.5, 0.5)).begin_drag(HandleKind::Rotate, (0.6, 0.5)));
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn a_polygons_corners_are_dragged_put_in_and_taken_out() {
     assert_eq!(corners(&editor)[2], (0.05, 0.3), "in its own frame");
     // Between the first two: from (1.2, 0) to (1.3, 0).
     let after = one_step(&mut editor, |editor| {
-        assert!(editor.begin_drag(HandleKind::Insert(1), (1.2, 0.0)));
+        assert!(editor.begin_drag(HandleKind::InsertCorner(1), (1.2, 0.0)));
         assert_eq!(editor.dragged(), Some(HandleKind::Corner(1)));
         editor.drag_to((1.3, 0.0), false);
         editor.end_drag();
@@ -203,7 +203,7 @@ fn a_polygons_corners_are_dragged_put_in_and_taken_out() {
     assert_eq!(corners(&editor).len(), 3);
     assert!(!editor.remove_handle(HandleKind::Corner(1)), "three are left");
     // Given up, an inserted corner is gone.
-    editor.begin_drag(HandleKind::Insert(3), (0.0, 0.0));
+    editor.begin_drag(HandleKind::InsertCorner(3), (0.0, 0.0));
     assert_eq!(corners(&editor).len(), 4);
     editor.cancel_drag();
     assert_eq!(corners(&editor).len(), 3);
@@ -214,10 +214,10 @@ fn a_walls_corners_and_the_whole_of_it() {
     let mut editor = editor(full());
     editor.select(Selection::Wall(0));
     let kinds: Vec<_> = editor.handles().iter().map(|handle| handle.kind).collect();
-    use HandleKind::{Corner, Insert};
-    assert_eq!(kinds, [Insert(1), Insert(2), Corner(0), Corner(1), Corner(2)]);
+    use HandleKind::{Corner, InsertCorner};
+    assert_eq!(kinds, [InsertCorner(1), InsertCorner(2), Corner(0), Corner(1), Corner(2)]);
     drag(&mut editor, HandleKind::Corner(1), (0.26, 0.0), false);
-    drag(&mut editor, HandleKind::Insert(2), (0.0, 0.2), false);
+    drag(&mut editor, HandleKind::InsertCorner(2), (0.0, 0.2), false);
     let corners = |editor: &Editor| editor.scenario().walls[0].corners_m.clone();
     // The middle of (-0.75, 0.5) and (-1, 1) is (-0.875, 0.75); 0.2 up and on the grid, where a half goes outwards.
     let [first, second, third, fourth] = corners(&editor)[..] else { panic!("four corners") };
@@ -242,7 +242,7 @@ fn a_path_is_dragged_in_parts_or_as_a_whole() {
     assert_eq!(full().obstacles[1].path_m(), Some((vec![(1.0, 0.0), (1.0, 1.5), (0.5, 1.5)], true)));
     drag(&mut editor, HandleKind::Waypoint(0), (0.3, -0.1), false);
     drag(&mut editor, HandleKind::PathStart, (0.1, 0.1), false);
-    drag(&mut editor, HandleKind::PathInsert(2), (-0.2, 0.0), false);
+    drag(&mut editor, HandleKind::InsertWaypoint(2), (-0.2, 0.0), false);
     let path = |editor: &Editor| editor.scenario().obstacles[1].path_m().expect("a path").0;
     // The middle of (0.5, 1.5) and (1.1, 0.1) is (0.8, 0.8).
     assert_eq!(path(&editor), [(1.1, 0.1), (1.3, 1.4), (0.5, 1.5), (0.6, 0.8)]);
@@ -254,7 +254,7 @@ fn a_path_is_dragged_in_parts_or_as_a_whole() {
     }
     assert!(!editor.remove_handle(HandleKind::Waypoint(0)), "one is left");
     let kinds: Vec<_> = editor.handles().iter().map(|handle| handle.kind).filter(|k| k.is_insert()).collect();
-    assert_eq!(kinds, [HandleKind::PathInsert(0)], "the way back is the same way");
+    assert_eq!(kinds, [HandleKind::InsertWaypoint(0)], "the way back is the same way");
 }
 
 #[test]
@@ -264,17 +264,17 @@ fn an_orbits_centre_and_a_random_walks_reach() {
     let text = |editor: &Editor, kind| {
         editor.handles().into_iter().find(|handle| handle.kind == kind).map(|handle| handle.text)
     };
-    assert_eq!(text(&editor, HandleKind::Centre).as_deref(), Some("r 1.00 m"));
-    drag(&mut editor, HandleKind::Centre, (0.0, 0.52), false);
+    assert_eq!(text(&editor, HandleKind::OrbitCentre).as_deref(), Some("r 1.00 m"));
+    drag(&mut editor, HandleKind::OrbitCentre, (0.0, 0.52), false);
     let expected = ObstacleMotion::Orbit { centre_m: (0.0, 0.5), speed_rad_s: 0.15 };
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
     drag(&mut editor, HandleKind::Middle, (0.1, 0.0), false);
     let expected = ObstacleMotion::Orbit { centre_m: (0.1, 0.5), speed_rad_s: 0.15 };
     assert_eq!(editor.scenario().obstacles[0].motion, expected, "the whole of it moves");
-    let motion = ObstacleMotion::RandomWalk { reach_m: 0.5, speed_m_s: 0.1, seed: 0 };
+    let motion = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
     let mut editor = with(Obstacle { motion, ..disc(0.6, 0.8) });
-    drag(&mut editor, HandleKind::Reach, (0.0, -0.2), false);
-    assert_eq!(text(&editor, HandleKind::Reach).as_deref(), Some("0.30 m"));
+    drag(&mut editor, HandleKind::WalkReach, (0.0, -0.2), false);
+    assert_eq!(text(&editor, HandleKind::WalkReach).as_deref(), Some("0.30 m"));
 }
 
 #[test]
@@ -286,7 +286,7 @@ fn the_enclosure_keeps_its_middle_or_goes_corner_by_corner() {
     drag(&mut editor, HandleKind::Side(-1, -1), (9.0, 0.5), false);
     assert_eq!(editor.scenario().enclosure, Enclosure::Rectangle { width_m: 0.5, height_m: 3.0 });
     editor.set_enclosure(EnclosureKind::Polygon);
-    assert!(editor.begin_drag(HandleKind::Insert(4), (-0.25, 0.0)));
+    assert!(editor.begin_drag(HandleKind::InsertCorner(4), (-0.25, 0.0)));
     editor.drag_to((-2.0, 0.1), false);
     editor.end_drag();
     let Enclosure::Polygon { corners_m } = &editor.scenario().enclosure else { panic!("a polygon") };
@@ -305,10 +305,10 @@ fn regions_are_moved_and_resized() {
     drag(&mut editor, HandleKind::Side(-1, 0), (9.0, 0.0), false);
     let region = editor.scenario().generators[0].within;
     assert_eq!(region, Some(Region { min_m: (0.45, -1.0), max_m: (0.5, -0.2) }), "one step is left");
-    editor.set_rule(Rule::Starts, RuleKind::Within);
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
     drag(&mut editor, HandleKind::Side(0, -1), (0.0, 0.5), false);
     let (min_m, max_m) = ((-1.0, -0.5), (1.0, 1.0));
-    assert_eq!(editor.scenario().starts, PlaceRule::Within { min_m, max_m, clearance_m: 0.35 });
+    assert_eq!(editor.scenario().starts, PlacementRule::Within { min_m, max_m, clearance_m: 0.35 });
     editor.edit("anywhere", |s| s.generators[0].within = None);
     editor.select(Selection::Generator(0));
     assert!(!editor.begin_drag(HandleKind::Middle, (0.0, 0.0)) && editor.handles().is_empty());
@@ -317,24 +317,26 @@ fn regions_are_moved_and_resized() {
 #[test]
 fn places_and_the_courses_ends() {
     let mut editor = editor(full());
-    editor.select(Selection::Targets);
+    editor.select(Selection::Goals);
     drag(&mut editor, HandleKind::Place(1), (-0.5, 0.1), false);
-    assert_eq!(editor.scenario().targets, PlaceRule::OneOf { places_m: vec![(0.0, 1.5), (1.0, -1.4)] });
+    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![(0.0, 1.5), (1.0, -1.4)] });
     assert!(editor.remove_handle(HandleKind::Place(0)) && !editor.remove_handle(HandleKind::Place(0)));
-    editor.select(Selection::CourseTarget);
+    editor.select(Selection::BenchmarkGoal);
     drag(&mut editor, HandleKind::Middle, (0.1, -0.2), false);
-    assert_eq!(editor.scenario().course.target_m, (1.3, 1.0));
-    editor.select(Selection::CourseStart);
-    drag(&mut editor, HandleKind::Turn, (-0.3, 0.3), false);
-    assert_eq!(editor.scenario().course.heading_rad, 1.5708);
-    editor.edit("fixed", |s| s.starts = PlaceRule::Fixed { at_m: (0.0, -1.0), heading_rad: Some(0.0) });
+    assert_eq!(editor.scenario().benchmark_route.goal_m, (1.3, 1.0));
+    editor.select(Selection::BenchmarkStart);
+    drag(&mut editor, HandleKind::Rotate, (-0.3, 0.3), false);
+    assert_eq!(editor.scenario().benchmark_route.heading_rad, 1.5708);
+    editor.edit("fixed", |s| {
+        s.starts = PlacementRule::Fixed { position_m: (0.0, -1.0), heading_rad: Some(0.0) }
+    });
     editor.select(Selection::Starts);
-    drag(&mut editor, HandleKind::Turn, (-0.3, -0.3), false);
+    drag(&mut editor, HandleKind::Rotate, (-0.3, -0.3), false);
     // By its body, too.
     assert!(editor.begin_drag(HandleKind::Middle, (0.05, -1.0)));
     editor.drag_to((0.55, -1.2), false);
     editor.end_drag();
-    let expected = PlaceRule::Fixed { at_m: (0.5, -1.2), heading_rad: Some(-1.5708) };
+    let expected = PlacementRule::Fixed { position_m: (0.5, -1.2), heading_rad: Some(-1.5708) };
     assert_eq!(editor.scenario().starts, expected);
 }
 
@@ -345,26 +347,26 @@ fn every_handle_that_is_shown_can_be_dragged() {
     world.obstacles.push(still(Shape::Capsule { length_m: 0.3, radius_m: 0.1 }, (0.5, -1.5)));
     let motion = ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: 0.1 };
     world.obstacles.push(Obstacle { motion, ..disc(0.0, 1.0) });
-    let motion = ObstacleMotion::RandomWalk { reach_m: 0.2, speed_m_s: 0.1, seed: 0 };
+    let motion = ObstacleMotion::RandomWalk { radius_m: 0.2, speed_m_s: 0.1, seed: 0 };
     world.obstacles.push(Obstacle { motion, ..disc(0.0, -1.0) });
-    world.starts = PlaceRule::Within { min_m: (-1.0, -1.0), max_m: (1.0, 1.0), clearance_m: 0.2 };
+    world.starts = PlacementRule::Within { min_m: (-1.0, -1.0), max_m: (1.0, 1.0), clearance_m: 0.2 };
     let obstacles = (0..world.obstacles.len()).map(Selection::Obstacle);
     let others = [
         Selection::Enclosure,
         Selection::Wall(0),
         Selection::Generator(0),
         Selection::Starts,
-        Selection::Targets,
-        Selection::CourseStart,
-        Selection::CourseTarget,
+        Selection::Goals,
+        Selection::BenchmarkStart,
+        Selection::BenchmarkGoal,
     ];
     let mut dragged = 0;
     for selection in obstacles.chain(others) {
         let mut editor = editor(world.clone());
         editor.select(selection);
         for handle in editor.handles() {
-            assert!(editor.begin_drag(handle.kind, handle.at_m), "{handle:?}");
-            editor.drag_to((handle.at_m.0 + 0.31, handle.at_m.1 + 0.37), false);
+            assert!(editor.begin_drag(handle.kind, handle.position_m), "{handle:?}");
+            editor.drag_to((handle.position_m.0 + 0.31, handle.position_m.1 + 0.37), false);
             assert!(editor.scenario().as_ref() != &world, "{selection:?} {handle:?}");
             editor.cancel_drag();
             assert_eq!(**editor.scenario(), world, "{handle:?}");
@@ -378,10 +380,10 @@ fn every_handle_that_is_shown_can_be_dragged() {
 #[test]
 fn by_the_body_the_nearest_place_is_taken() {
     let mut editor = editor(full());
-    editor.select(Selection::Targets);
+    editor.select(Selection::Goals);
     assert!(editor.begin_drag(HandleKind::Middle, (1.45, -1.5)));
     assert_eq!(editor.dragged(), Some(HandleKind::Place(1)));
     editor.drag_to((1.25, -1.5), false);
     editor.end_drag();
-    assert_eq!(editor.scenario().targets, PlaceRule::OneOf { places_m: vec![(0.0, 1.5), (1.3, -1.5)] });
+    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![(0.0, 1.5), (1.3, -1.5)] });
 }

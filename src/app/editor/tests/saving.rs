@@ -9,7 +9,7 @@ fn saved(path: &str, world: &Arc<Scenario>) -> (String, Arc<Scenario>) {
 /// Like [`editor`], and it has looked at the status once.
 fn followed() -> Editor {
     let mut editor = editor(full());
-    editor.follow(None, None);
+    editor.sync_with_session(None, None);
     editor
 }
 
@@ -19,17 +19,17 @@ fn an_answer_about_the_world_before_is_not_about_this_one() {
     editor.edit("name", |s| s.name = "Mine".into());
     let late = saved("worlds/other.ron", editor.scenario());
     let draft = (1, "empty".to_owned(), Arc::new(Scenario::default()));
-    editor.follow(None, Some(&draft));
+    editor.sync_with_session(None, Some(&draft));
     editor.edit("name", |s| s.name = "Ours".into());
-    editor.follow(Some(&late), Some(&draft));
+    editor.sync_with_session(Some(&late), Some(&draft));
     assert_eq!(editor.from(), "empty", "that file holds another world");
-    assert!(editor.is_changed());
+    assert!(editor.is_modified());
     // Back in the world before, the way forward is not its own either.
     let ours = saved("worlds/ours.ron", editor.scenario());
     editor.undo();
     editor.undo();
     assert_eq!(editor.scenario().name, "Mine");
-    editor.follow(Some(&ours), Some(&draft));
+    editor.sync_with_session(Some(&ours), Some(&draft));
     assert_eq!(editor.from(), "worlds/mine.ron");
 }
 
@@ -38,21 +38,21 @@ fn an_answer_may_come_after_further_changes() {
     let mut editor = followed();
     editor.edit("name", |s| s.name = "Mine".into());
     let late = saved("worlds/other.ron", editor.scenario());
-    editor.seal();
+    editor.close_group();
     editor.edit("name", |s| s.name = "Ours".into());
-    editor.follow(Some(&late), None);
+    editor.sync_with_session(Some(&late), None);
     assert_eq!(editor.from(), "worlds/other.ron");
-    assert!(editor.is_changed());
+    assert!(editor.is_modified());
     editor.undo();
-    assert!(!editor.is_changed());
+    assert!(!editor.is_modified());
     // Or after a step back.
     editor.redo();
     let late = saved("worlds/third.ron", editor.scenario());
     editor.undo();
-    editor.follow(Some(&late), None);
+    editor.sync_with_session(Some(&late), None);
     assert_eq!(editor.from(), "worlds/third.ron");
     editor.redo();
-    assert!(!editor.is_changed());
+    assert!(!editor.is_modified());
 }
 
 #[test]
@@ -61,11 +61,11 @@ fn undo_stops_at_what_was_saved() {
     editor.select(Selection::Obstacle(0));
     editor.nudge(1, 0, false);
     let now = saved("worlds/mine.ron", editor.scenario());
-    editor.follow(Some(&now), None);
+    editor.sync_with_session(Some(&now), None);
     editor.nudge(1, 0, false);
     editor.undo();
     assert_eq!(*editor.scenario(), now.1);
-    assert!(!editor.is_changed());
+    assert!(!editor.is_modified());
 }
 
 #[test]
@@ -73,14 +73,14 @@ fn what_is_half_drawn_is_not_saved() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     for tool in [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }] {
-        editor.take_tool(tool);
-        assert!(!editor.is_drafting() && !editor.is_changed(), "nothing is drawn yet");
-        editor.tool_click((0.5, 0.5), false);
-        assert!(editor.is_drafting() && editor.is_changed());
-        editor.tool_back();
-        assert!(!editor.is_drafting() && !editor.is_changed());
-        editor.tool_click((0.5, 0.5), false);
-        editor.tool_cancel();
-        assert!(!editor.is_drafting() && !editor.is_changed());
+        editor.set_tool(tool);
+        assert!(!editor.is_drafting() && !editor.is_modified(), "nothing is drawn yet");
+        editor.click_with_tool((0.5, 0.5), false);
+        assert!(editor.is_drafting() && editor.is_modified());
+        editor.undo_tool_point();
+        assert!(!editor.is_drafting() && !editor.is_modified());
+        editor.click_with_tool((0.5, 0.5), false);
+        editor.cancel_tool();
+        assert!(!editor.is_drafting() && !editor.is_modified());
     }
 }

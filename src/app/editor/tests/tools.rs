@@ -6,11 +6,11 @@ fn path() -> Tool {
     Tool::Path { waypoints_m: Vec::new() }
 }
 
-/// With the targets selected, and the tool for their places.
+/// With the goals selected, and the tool for their places.
 fn placing() -> Editor {
     let mut editor = editor(full());
-    editor.select(Selection::Targets);
-    editor.take_tool(Tool::Places);
+    editor.select(Selection::Goals);
+    editor.set_tool(Tool::Places);
     assert_eq!(*editor.tool(), Tool::Places);
     editor
 }
@@ -19,18 +19,18 @@ fn placing() -> Editor {
 fn places_go_to_no_other_rule_than_the_one_they_are_for() {
     let changes: [fn(&mut Editor); 6] = [
         Editor::delete,
-        |e| e.add(Form::Circle, (0.0, 0.0)),
-        |e| e.set_rule(Rule::Starts, RuleKind::OneOf),
-        |e| e.set_rule(Rule::Targets, RuleKind::Within),
+        |e| e.add(NewItem::Circle, (0.0, 0.0)),
+        |e| e.set_rule(PlacementRole::Starts, PlacementKind::OneOf),
+        |e| e.set_rule(PlacementRole::Goals, PlacementKind::Within),
         |e| e.set_enclosure(EnclosureKind::Polygon),
-        |e| e.edit("rule", |s| s.targets = PlaceRule::default()),
+        |e| e.edit("rule", |s| s.goals = PlacementRule::default()),
     ];
     for (k, change) in changes.into_iter().enumerate() {
         let mut editor = placing();
         change(&mut editor);
         assert_eq!(*editor.tool(), Tool::Select, "change {k}");
         let before = Arc::clone(editor.scenario());
-        editor.tool_click((0.5, 0.5), false);
+        editor.click_with_tool((0.5, 0.5), false);
         assert_eq!(*editor.scenario(), before, "change {k}");
     }
     // The enclosure is a rectangle already: nothing changes but the selection.
@@ -42,19 +42,19 @@ fn places_go_to_no_other_rule_than_the_one_they_are_for() {
 #[test]
 fn places_go_on_while_their_rule_is_selected() {
     let mut editor = placing();
-    editor.tool_click((0.5, 0.5), false);
+    editor.click_with_tool((0.5, 0.5), false);
     editor.edit("name", |s| s.name = "Mine".into());
     assert!(editor.remove_handle(HandleKind::Place(0)));
-    editor.tool_click((1.0, 0.5), false);
-    let places_m = vec![(1.5, -1.5), (0.5, 0.5), (1.0, 0.5)];
-    assert_eq!(editor.scenario().targets, PlaceRule::OneOf { places_m });
+    editor.click_with_tool((1.0, 0.5), false);
+    let positions_m = vec![(1.5, -1.5), (0.5, 0.5), (1.0, 0.5)];
+    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m });
     assert_eq!(*editor.tool(), Tool::Places);
     // Of a rule of another kind the first click makes one of places.
-    editor.set_rule(Rule::Starts, RuleKind::Within);
-    editor.take_tool(Tool::Places);
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
+    editor.set_tool(Tool::Places);
     editor.edit("name", |s| s.name = "Another".into());
-    editor.tool_click((0.5, 0.5), false);
-    assert_eq!(editor.scenario().starts, PlaceRule::OneOf { places_m: vec![(0.5, 0.5)] });
+    editor.click_with_tool((0.5, 0.5), false);
+    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![(0.5, 0.5)] });
 }
 
 #[test]
@@ -62,24 +62,24 @@ fn a_path_is_for_one_obstacle_only() {
     let changes: [fn(&mut Editor); 4] = [
         Editor::duplicate,
         Editor::delete,
-        |e| e.add(Form::Circle, (0.0, 0.0)),
+        |e| e.add(NewItem::Circle, (0.0, 0.0)),
         |e| e.edit("all", |s| s.obstacles.clear()),
     ];
     for (k, change) in changes.into_iter().enumerate() {
         let mut editor = editor(full());
         editor.select(Selection::Obstacle(1));
-        editor.take_tool(path());
-        editor.tool_click((0.0, 0.0), false);
+        editor.set_tool(path());
+        editor.click_with_tool((0.0, 0.0), false);
         change(&mut editor);
         assert_eq!(*editor.tool(), Tool::Select, "change {k}");
         let before = Arc::clone(editor.scenario());
-        editor.tool_end();
+        editor.finish_tool();
         assert_eq!(*editor.scenario(), before, "change {k}");
     }
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
-    editor.take_tool(path());
-    editor.tool_click((0.0, 0.0), false);
+    editor.set_tool(path());
+    editor.click_with_tool((0.0, 0.0), false);
     editor.set_motion(MotionKind::Orbit);
     editor.nudge(1, 0, false);
     assert_ne!(*editor.tool(), Tool::Select, "it is the same obstacle");

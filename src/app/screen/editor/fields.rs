@@ -6,9 +6,9 @@
 use egui::{Align, ComboBox, DragValue, Id, Label, Layout, Response, RichText, Ui, vec2};
 
 use crate::app::editor::{Editor, Point};
-use crate::app::screen::icons::{self, Icon, Tone};
-use crate::app::screen::panels::setup::soft;
-use crate::app::screen::theme::{BODY, Inks};
+use crate::app::screen::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::panels::setup::weak_text;
+use crate::app::screen::theme::{BODY, Palette};
 use crate::scenario::Scenario;
 
 /// The width of a number's box.
@@ -16,11 +16,11 @@ const BOX: f32 = 66.0;
 /// The height of a row.
 const HEIGHT: f32 = 24.0;
 /// The most corners of a list that are shown as numbers.
-const MOST_SHOWN: usize = 32;
+const MAX_SHOWN: usize = 32;
 
 /// How a number is read, and between what it may be set.
 #[derive(Clone, Copy, Debug)]
-pub struct Unit {
+pub struct NumberSpec {
     suffix: &'static str,
     /// What is shown for one of what is stored.
     factor: f64,
@@ -34,9 +34,9 @@ pub struct Unit {
     most: f64,
 }
 
-impl Unit {
+impl NumberSpec {
     /// A coordinate, in m.
-    pub const PLACE: Self = Self::metres(-500.0, 500.0);
+    pub const POSITION: Self = Self::format_metres(-500.0, 500.0);
     /// An angle: stored in rad, shown in degrees.
     pub const ANGLE: Self = Self {
         suffix: "°",
@@ -51,7 +51,7 @@ impl Unit {
     pub const SPEED: Self =
         Self { suffix: " m/s", factor: 1.0, stored: 3, shown: (2, 3), speed: 0.005, least: 0.0, most: 5.0 };
     /// A speed of turning: stored in rad/s, shown in degrees per second.
-    pub const TURNING: Self = Self {
+    pub const ANGULAR_VELOCITY: Self = Self {
         suffix: " °/s",
         factor: DEGREES,
         stored: 4,
@@ -61,11 +61,11 @@ impl Unit {
         most: 20.0,
     };
     /// A share of one, shown in percent.
-    pub const SHARE: Self =
+    pub const FRACTION: Self =
         Self { suffix: "%", factor: 100.0, stored: 4, shown: (0, 2), speed: 0.005, least: 0.0, most: 1.0 };
 
     /// A length, in m.
-    pub const fn metres(least: f64, most: f64) -> Self {
+    pub const fn format_metres(least: f64, most: f64) -> Self {
         Self { suffix: " m", factor: 1.0, stored: 3, shown: (2, 3), speed: 0.01, least, most }
     }
 
@@ -75,7 +75,7 @@ impl Unit {
     }
 
     /// The same between other bounds, in what is stored.
-    pub const fn between(self, least: f64, most: f64) -> Self {
+    pub const fn with_range(self, least: f64, most: f64) -> Self {
         Self { least, most, ..self }
     }
 }
@@ -85,26 +85,26 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const TURN: f64 = std::f64::consts::TAU;
 
 /// Rows of fields of one thing.
-pub struct Rows<'u> {
+pub struct FieldRows<'u> {
     /// Where they are drawn.
     pub ui: &'u mut Ui,
     touched: Option<String>,
     left: bool,
 }
 
-impl<'u> Rows<'u> {
+impl<'u> FieldRows<'u> {
     /// Begins.
     pub fn new(ui: &'u mut Ui) -> Self {
         Self { ui, touched: None, left: false }
     }
 
     /// Carries over what was changed, if anything was; `of` is what the fields belong to.
-    pub fn finish(self, editor: &mut Editor, of: &str, change: impl FnOnce(&mut Scenario)) {
+    pub fn commit(self, editor: &mut Editor, of: &str, change: impl FnOnce(&mut Scenario)) {
         if let Some(field) = self.touched {
             editor.edit(&format!("{of}: {field}"), change);
         }
         if self.left {
-            editor.seal();
+            editor.close_group();
         }
     }
 
@@ -116,7 +116,7 @@ impl<'u> Rows<'u> {
                 ui.set_height(HEIGHT);
                 ui.spacing_mut().button_padding.x = 4.0;
                 let row = ui.max_rect();
-                let label = hinted(ui.add(Label::new(soft(name)).selectable(false)), tip);
+                let label = hinted(ui.add(Label::new(weak_text(name)).selectable(false)), tip);
                 let rest = vec2((row.right() - ui.cursor().left()).max(0.0), HEIGHT);
                 let right = |ui: &mut Ui| right(ui, label.id);
                 ui.allocate_ui_with_layout(rest, Layout::right_to_left(Align::Center), right).inner
@@ -129,18 +129,18 @@ impl<'u> Rows<'u> {
     }
 
     /// A row of one number.
-    pub fn number(&mut self, name: &str, tip: &str, value: &mut f32, unit: Unit) {
+    pub fn number(&mut self, name: &str, tip: &str, value: &mut f32, unit: NumberSpec) {
         self.row(name, tip, |ui, label| number(ui, Name::Label(label), tip, value, unit));
     }
 
     /// A row of two numbers, with what each is called.
-    pub fn pair(&mut self, name: &str, tip: &str, both: [(&str, &mut f32); 2], unit: Unit) {
+    pub fn pair(&mut self, name: &str, tip: &str, both: [(&str, &mut f32); 2], unit: NumberSpec) {
         self.row(name, tip, |ui, _| two(ui, name, tip, both, [unit; 2]));
     }
 
     /// A row of a place.
-    pub fn place(&mut self, name: &str, tip: &str, (x, y): &mut Point) {
-        self.pair(name, tip, [("x", x), ("y", y)], Unit::PLACE);
+    pub fn position(&mut self, name: &str, tip: &str, (x, y): &mut Point) {
+        self.pair(name, tip, [("x", x), ("y", y)], NumberSpec::POSITION);
     }
 
     /// A list with two numbers each, and a cross to take each out while more than `least` are there. Of a long one
@@ -151,18 +151,20 @@ impl<'u> Rows<'u> {
         all: &mut Vec<T>,
         least: usize,
         further: &str,
-        units: [Unit; 2],
+        units: [NumberSpec; 2],
         both: impl for<'t> Fn(&'t mut T) -> [(&'static str, &'t mut f32); 2],
     ) {
         let mut gone = None;
         let many = all.len();
-        for (k, one) in all.iter_mut().enumerate().take(MOST_SHOWN) {
+        for (k, one) in all.iter_mut().enumerate().take(MAX_SHOWN) {
             let name = format!("{name} {}", k + 1);
             self.row(&name, "", |ui, _| {
                 let done = two(ui, &name, "", both(one), units);
                 if many > least {
                     let what = format!("Remove {}", name.to_lowercase());
-                    if icons::button(ui, Icon::Close, Tone::Quiet, 16.0, &what, &what).clicked() {
+                    if icons::icon_button_ui(ui, Icon::Close, ButtonStyle::Quiet, 16.0, &what, &what)
+                        .clicked()
+                    {
                         gone = Some(k);
                     }
                 }
@@ -171,21 +173,21 @@ impl<'u> Rows<'u> {
         }
         if let Some(k) = gone {
             all.remove(k);
-            self.tell(&format!("{name} out"));
+            self.mark_changed(&format!("{name} out"));
         }
-        if let Some(more @ 1..) = many.checked_sub(MOST_SHOWN) {
-            self.ui.label(soft(&format!("and {more} more: {further}")));
+        if let Some(more @ 1..) = many.checked_sub(MAX_SHOWN) {
+            self.ui.label(weak_text(&format!("and {more} more: {further}")));
         }
     }
 
     /// A list of places.
-    pub fn places(&mut self, name: &str, places: &mut Vec<Point>, least: usize) {
+    pub fn positions(&mut self, name: &str, places: &mut Vec<Point>, least: usize) {
         let further = "drag them in the world";
-        self.list(name, places, least, further, [Unit::PLACE; 2], |(x, y)| [("x", x), ("y", y)]);
+        self.list(name, places, least, further, [NumberSpec::POSITION; 2], |(x, y)| [("x", x), ("y", y)]);
     }
 
     /// Something was changed otherwise, and at once.
-    pub fn tell(&mut self, field: &str) {
+    pub fn mark_changed(&mut self, field: &str) {
         (self.touched, self.left) = (Some(field.to_owned()), true);
     }
 
@@ -207,20 +209,20 @@ impl<'u> Rows<'u> {
     }
 
     /// A tick.
-    pub fn tick(&mut self, name: &str, tip: &str, value: &mut bool) {
-        let inks = Inks::of(self.ui);
+    pub fn checkbox(&mut self, name: &str, tip: &str, value: &mut bool) {
+        let palette = Palette::from_ui(self.ui);
         let on = *value;
         let response = self.ui.scope(|ui| {
             let widgets = &mut ui.visuals_mut().widgets;
             for look in [&mut widgets.inactive, &mut widgets.hovered, &mut widgets.active] {
                 if on {
-                    (look.bg_fill, look.fg_stroke.color) = (inks.accent, inks.on_accent);
+                    (look.bg_fill, look.fg_stroke.color) = (palette.accent, palette.on_accent);
                 }
             }
-            ui.checkbox(value, soft(name))
+            ui.checkbox(value, weak_text(name))
         });
         if hinted(response.inner, tip).changed() {
-            self.tell(name);
+            self.mark_changed(name);
         }
     }
 }
@@ -231,7 +233,7 @@ fn two(
     name: &str,
     tip: &str,
     [(first, a), (second, b)]: [(&str, &mut f32); 2],
-    units: [Unit; 2],
+    units: [NumberSpec; 2],
 ) -> (bool, bool) {
     let b = number(ui, Name::Words(format!("{name} {second}")), tip, b, units[1]);
     let a = number(ui, Name::Words(format!("{name} {first}")), tip, a, units[0]);
@@ -246,7 +248,7 @@ enum Name {
 }
 
 /// A number's box; whether it was changed, and whether it was left.
-fn number(ui: &mut Ui, name: Name, tip: &str, value: &mut f32, unit: Unit) -> (bool, bool) {
+fn number(ui: &mut Ui, name: Name, tip: &str, value: &mut f32, unit: NumberSpec) -> (bool, bool) {
     let mut shown = f64::from(*value) * unit.factor;
     let before = shown;
     // A number that is already beyond the bounds stays where it is until it is changed.
@@ -261,7 +263,7 @@ fn number(ui: &mut Ui, name: Name, tip: &str, value: &mut f32, unit: Unit) -> (b
     let response = match name {
         Name::Label(label) => response.labelled_by(label),
         Name::Words(words) => {
-            named(&response, &words);
+            set_accessible_name(&response, &words);
             response
         }
     };
@@ -297,15 +299,15 @@ fn hinted(response: Response, tip: &str) -> Response {
 }
 
 /// Gives a control a name for screen readers.
-pub fn named(response: &Response, name: &str) {
+pub fn set_accessible_name(response: &Response, name: &str) {
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
 }
 
 /// A row of a few kinds to choose from; answers with another one that was chosen.
-pub fn choose<T: Copy + PartialEq>(ui: &mut Ui, name: &str, now: T, all: &[(T, &str, &str)]) -> Option<T> {
+pub fn choice_ui<T: Copy + PartialEq>(ui: &mut Ui, name: &str, now: T, all: &[(T, &str, &str)]) -> Option<T> {
     let mut chosen = None;
     ui.horizontal(|ui| {
-        let label = ui.label(soft(name));
+        let label = ui.label(weak_text(name));
         let width = (2.0 * BOX + ui.spacing().item_spacing.x).min(ui.available_width());
         let text = all.iter().find(|(kind, ..)| *kind == now).map_or("", |(_, text, _)| *text);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -325,7 +327,7 @@ pub fn choose<T: Copy + PartialEq>(ui: &mut Ui, name: &str, now: T, all: &[(T, &
 
 /// A few buttons in a row, as wide as the panel; answers with the one that was pressed. Each has a text, what it does,
 /// and whether it can be pressed.
-pub fn buttons(ui: &mut Ui, all: &[(&str, &str, bool)]) -> Option<usize> {
+pub fn button_row_ui(ui: &mut Ui, all: &[(&str, &str, bool)]) -> Option<usize> {
     let mut pressed = None;
     let gaps = ui.spacing().item_spacing.x * all.len().saturating_sub(1) as f32;
     let width = (ui.available_width() - gaps) / all.len().max(1) as f32;

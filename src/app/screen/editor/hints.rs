@@ -5,31 +5,34 @@
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{FontId, Rect, vec2};
 
-use super::pointer::Under;
+use super::pointer::PointerHit;
 use crate::app::editor::{Editor, HandleKind, Selection, Tool};
 use crate::app::screen::theme::SMALL;
 use crate::app::screen::world::canvas::Canvas;
 
 /// Draws it.
-pub fn draw(canvas: &Canvas, editor: &Editor, under: Under) {
-    let view = canvas.plane.rect.shrink2(vec2(8.0, 5.0));
+pub fn draw(canvas: &Canvas, editor: &Editor, under: PointerHit) {
+    let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
     if view.height() < 120.0 {
         return;
     }
     let words = words(editor, under);
-    let format =
-        TextFormat { font_id: FontId::proportional(SMALL), color: canvas.inks.soft, ..Default::default() };
+    let format = TextFormat {
+        font_id: FontId::proportional(SMALL),
+        color: canvas.palette.weak_text,
+        ..Default::default()
+    };
     let mut job = LayoutJob::single_section(words, format);
     job.wrap = TextWrapping::truncate_at_width((view.width() - 12.0).max(20.0));
     let galley = canvas.painter.layout_job(job);
     let size = galley.size() + vec2(12.0, 6.0);
     let strip = Rect::from_min_size(view.left_bottom() - vec2(0.0, size.y), size);
-    canvas.strip(strip);
-    canvas.painter.galley(strip.min + vec2(6.0, 3.0), galley, canvas.inks.soft);
+    canvas.strip_background(strip);
+    canvas.painter.galley(strip.min + vec2(6.0, 3.0), galley, canvas.palette.weak_text);
 }
 
 /// What it says.
-fn words(editor: &Editor, under: Under) -> String {
+fn words(editor: &Editor, under: PointerHit) -> String {
     match editor.tool() {
         Tool::Wall { corners_m } if corners_m.is_empty() => return "Click where the wall begins".into(),
         Tool::Path { waypoints_m } if waypoints_m.is_empty() => {
@@ -45,8 +48,8 @@ fn words(editor: &Editor, under: Under) -> String {
         return "Alt: without snapping · Escape: back to where it was".into();
     }
     match under {
-        Under::Handle(HandleKind::Middle) | Under::Body(_) | Under::Nothing => {}
-        Under::Handle(kind) => {
+        PointerHit::Handle(HandleKind::Middle) | PointerHit::Body(_) | PointerHit::Nothing => {}
+        PointerHit::Handle(kind) => {
             let about = editor.handles().into_iter().find(|handle| handle.kind == kind);
             return about.map_or_else(String::new, |handle| handle.about.into());
         }
@@ -73,15 +76,15 @@ mod tests {
     fn the_hint_goes_with_the_tool_and_the_hand() {
         let mut editor = Editor::open(Arc::new(Scenario::default()), "empty".into(), true);
         let says = |editor: &Editor, under| words(editor, under);
-        assert!(says(&editor, Under::Nothing).starts_with("Click a thing"));
-        editor.select(Selection::CourseStart);
-        assert_eq!(says(&editor, Under::Handle(HandleKind::Turn)), "Where it looks");
+        assert!(says(&editor, PointerHit::Nothing).starts_with("Click a thing"));
+        editor.select(Selection::BenchmarkStart);
+        assert_eq!(says(&editor, PointerHit::Handle(HandleKind::Rotate)), "Where it looks");
         assert!(editor.begin_drag(HandleKind::Middle, (0.0, 0.0)));
-        assert!(says(&editor, Under::Handle(HandleKind::Middle)).starts_with("Alt"));
+        assert!(says(&editor, PointerHit::Handle(HandleKind::Middle)).starts_with("Alt"));
         editor.end_drag();
-        editor.take_tool(Tool::Wall { corners_m: Vec::new() });
-        assert!(says(&editor, Under::Nothing).ends_with("begins"));
-        editor.tool_click((0.5, 0.5), true);
-        assert!(says(&editor, Under::Nothing).contains("Backspace"));
+        editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+        assert!(says(&editor, PointerHit::Nothing).ends_with("begins"));
+        editor.click_with_tool((0.5, 0.5), true);
+        assert!(says(&editor, PointerHit::Nothing).contains("Backspace"));
     }
 }

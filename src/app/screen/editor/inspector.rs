@@ -4,18 +4,18 @@
 
 use egui::{Align, Layout, Ui};
 
-use super::fields::{Rows, Unit, buttons, choose};
-use super::world;
-use crate::app::editor::{Editor, MotionKind, Point, Rule, Selection, Tool, metres};
-use crate::app::screen::icons::{self, Icon, Tone};
-use crate::app::screen::panels::setup::{soft, title};
+use super::fields::{FieldRows, NumberSpec, button_row_ui, choice_ui};
+use super::scenario_panel;
+use crate::app::editor::{Editor, MotionKind, PlacementRole, Point, Selection, Tool, format_metres};
+use crate::app::screen::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::panels::setup::{section_title_ui, weak_text};
 use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Region, Shape};
 
 /// What a size may be.
-const SIZE: Unit = Unit::metres(0.001, 1000.0);
+const SIZE: NumberSpec = NumberSpec::format_metres(0.001, 1000.0);
 
 const MOTIONS: [(MotionKind, &str, &str); 5] = [
-    (MotionKind::Still, "Still", "It stays where it is"),
+    (MotionKind::Static, "Static", "It stays where it is"),
     (MotionKind::Orbit, "Orbit", "Around a point, turning with the revolution"),
     (MotionKind::Patrol, "Patrol", "Along a closed path, forever"),
     (MotionKind::BackAndForth, "Back and forth", "Along a path to its end and back"),
@@ -33,21 +33,23 @@ fn name(editor: &Editor) -> String {
         Selection::Wall(k) => of("Wall", k, scenario.walls.len()),
         Selection::Generator(k) => of("Random obstacles", k, scenario.generators.len()),
         Selection::Starts => "Starts".into(),
-        Selection::Targets => "Targets".into(),
-        Selection::CourseStart => "Timed course: start".into(),
-        Selection::CourseTarget => "Timed course: target".into(),
+        Selection::Goals => "Goals".into(),
+        Selection::BenchmarkStart => "Benchmark route: start".into(),
+        Selection::BenchmarkGoal => "Benchmark route: goal".into(),
     }
 }
 
 /// Draws it.
-pub fn show(ui: &mut Ui, editor: &mut Editor) {
+pub fn inspector_ui(ui: &mut Ui, editor: &mut Editor) {
     let selection = editor.selection();
     ui.horizontal(|ui| {
-        title(ui, &name(editor));
+        section_title_ui(ui, &name(editor));
         if selection != Selection::Nothing {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let tip = "Back to the world's own numbers";
-                if icons::button(ui, Icon::Close, Tone::Quiet, 18.0, "Select nothing", tip).clicked() {
+                if icons::icon_button_ui(ui, Icon::Close, ButtonStyle::Quiet, 18.0, "Select nothing", tip)
+                    .clicked()
+                {
                     editor.select(Selection::Nothing);
                 }
             });
@@ -58,7 +60,7 @@ pub fn show(ui: &mut Ui, editor: &mut Editor) {
             ("Duplicate", "Another one like it  (Ctrl+D)", true),
             ("Delete", "Takes it away  (Delete)", true),
         ];
-        match buttons(ui, &all) {
+        match button_row_ui(ui, &all) {
             Some(0) => return editor.duplicate(),
             Some(_) => return editor.delete(),
             None => {}
@@ -66,30 +68,30 @@ pub fn show(ui: &mut Ui, editor: &mut Editor) {
     }
     // Each thing has fields of its own: what is being written in one must not end up in another.
     ui.push_id(format!("{selection:?}"), |ui| match selection {
-        Selection::Nothing => world::show(ui, editor),
-        Selection::Enclosure => world::enclosure(ui, editor),
-        Selection::Obstacle(k) => obstacle(ui, editor, k),
-        Selection::Wall(k) => wall(ui, editor, k),
-        Selection::Generator(k) => generator(ui, editor, k),
-        Selection::Starts => world::rule(ui, editor, Rule::Starts),
-        Selection::Targets => world::rule(ui, editor, Rule::Targets),
-        Selection::CourseStart => world::course_start(ui, editor),
-        Selection::CourseTarget => world::course_target(ui, editor),
+        Selection::Nothing => scenario_panel::scenario_ui(ui, editor),
+        Selection::Enclosure => scenario_panel::enclosure_ui(ui, editor),
+        Selection::Obstacle(k) => obstacle_ui(ui, editor, k),
+        Selection::Wall(k) => wall_ui(ui, editor, k),
+        Selection::Generator(k) => generator_ui(ui, editor, k),
+        Selection::Starts => scenario_panel::place_rule_ui(ui, editor, PlacementRole::Starts),
+        Selection::Goals => scenario_panel::place_rule_ui(ui, editor, PlacementRole::Goals),
+        Selection::BenchmarkStart => scenario_panel::benchmark_start_ui(ui, editor),
+        Selection::BenchmarkGoal => scenario_panel::benchmark_goal_ui(ui, editor),
     });
 }
 
-fn obstacle(ui: &mut Ui, editor: &mut Editor, k: usize) {
+fn obstacle_ui(ui: &mut Ui, editor: &mut Editor, k: usize) {
     let Some(mut obstacle) = editor.scenario().obstacles.get(k).cloned() else { return };
-    let mut rows = Rows::new(ui);
-    rows.place("Position", "Where its middle is at first", &mut obstacle.position_m);
+    let mut rows = FieldRows::new(ui);
+    rows.position("Position", "Where its middle is at first", &mut obstacle.position_m);
     shape(&mut rows, &mut obstacle.shape);
     if !matches!(obstacle.shape, Shape::Circle { .. }) {
-        rows.number("Turned", "Counterclockwise", &mut obstacle.rotation_rad, Unit::ANGLE);
+        rows.number("Turned", "Counterclockwise", &mut obstacle.rotation_rad, NumberSpec::ANGLE);
     }
-    let kind = choose(rows.ui, "Motion", MotionKind::of(&obstacle.motion), &MOTIONS);
+    let kind = choice_ui(rows.ui, "Motion", MotionKind::from_motion(&obstacle.motion), &MOTIONS);
     motion(&mut rows, &mut obstacle);
-    let (still, has_path) = (obstacle.motion == ObstacleMotion::Still, obstacle.path_m().is_some());
-    rows.finish(editor, &format!("obstacle {k}"), |scenario| {
+    let (still, has_path) = (obstacle.motion == ObstacleMotion::Static, obstacle.path_m().is_some());
+    rows.commit(editor, &format!("obstacle {k}"), |scenario| {
         if let Some(there) = scenario.obstacles.get_mut(k) {
             *there = obstacle;
         }
@@ -101,11 +103,11 @@ fn obstacle(ui: &mut Ui, editor: &mut Editor, k: usize) {
             (false, true) => "Draw its path anew",
             (false, false) => "Draw its path",
         };
-        if buttons(ui, &[(text, "Click the path in the world, corner by corner", true)]) == Some(0) {
+        if button_row_ui(ui, &[(text, "Click the path in the world, corner by corner", true)]) == Some(0) {
             if drawing {
-                editor.tool_end();
+                editor.finish_tool();
             } else {
-                editor.take_tool(Tool::Path { waypoints_m: Vec::new() });
+                editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
             }
         }
     }
@@ -114,7 +116,7 @@ fn obstacle(ui: &mut Ui, editor: &mut Editor, k: usize) {
     }
 }
 
-fn shape(rows: &mut Rows<'_>, shape: &mut Shape) {
+fn shape(rows: &mut FieldRows<'_>, shape: &mut Shape) {
     match shape {
         Shape::Circle { radius_m } => rows.number("Radius", "From the middle to the rim", radius_m, SIZE),
         Shape::Rectangle { width_m, height_m } => {
@@ -125,33 +127,42 @@ fn shape(rows: &mut Rows<'_>, shape: &mut Shape) {
             rows.number("Length", tip, length_m, SIZE);
             rows.number("Radius", "Half its width, and of its ends", radius_m, SIZE);
         }
-        Shape::Polygon { corners_m } => rows.places("Corner", corners_m, 3),
+        Shape::Polygon { corners_m } => rows.positions("Corner", corners_m, 3),
     }
 }
 
-fn motion(rows: &mut Rows<'_>, obstacle: &mut Obstacle) {
+fn motion(rows: &mut FieldRows<'_>, obstacle: &mut Obstacle) {
     let path = obstacle.path_m();
     let position = obstacle.position_m;
     match &mut obstacle.motion {
-        ObstacleMotion::Still => {}
+        ObstacleMotion::Static => {}
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            rows.place("Centre", "What it revolves about", centre_m);
-            rows.number("Speed", "Counterclockwise", speed_rad_s, Unit::TURNING);
+            rows.position("Centre", "What it revolves about", centre_m);
+            rows.number("Speed", "Counterclockwise", speed_rad_s, NumberSpec::ANGULAR_VELOCITY);
             let arm_m = (position.0 - centre_m.0).hypot(position.1 - centre_m.1);
             let speed_m_s = (arm_m * *speed_rad_s).abs();
-            rows.ui.label(soft(&format!("{} m away: {} m/s", metres(arm_m), metres(speed_m_s))));
+            rows.ui.label(weak_text(&format!(
+                "{} m away: {} m/s",
+                format_metres(arm_m),
+                format_metres(speed_m_s)
+            )));
         }
         ObstacleMotion::Patrol { waypoints_m, speed_m_s }
         | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
-            rows.number("Speed", "Along the path", speed_m_s, Unit::SPEED);
-            rows.places("Point", waypoints_m, 1);
+            rows.number("Speed", "Along the path", speed_m_s, NumberSpec::SPEED);
+            rows.positions("Point", waypoints_m, 1);
             if let Some((corners, closed)) = path {
-                rows.ui.label(soft(&round(&corners, closed, *speed_m_s)));
+                rows.ui.label(weak_text(&round(&corners, closed, *speed_m_s)));
             }
         }
-        ObstacleMotion::RandomWalk { reach_m, speed_m_s, seed } => {
-            rows.number("Reach", "How far it strays at most", reach_m, Unit::metres(0.01, 500.0));
-            rows.number("Speed", "The fastest it ever is", speed_m_s, Unit::SPEED);
+        ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed } => {
+            rows.number(
+                "Reach",
+                "How far it strays at most",
+                radius_m,
+                NumberSpec::format_metres(0.01, 500.0),
+            );
+            rows.number("Speed", "The fastest it ever is", speed_m_s, NumberSpec::SPEED);
             rows.count("Walk", "The same number is the same walk", seed, 0..=u32::MAX);
         }
     }
@@ -167,43 +178,45 @@ fn round(corners: &[(f32, f32)], closed: bool, speed_m_s: f32) -> String {
     };
     let round_m = there + back;
     if speed_m_s > 0.0 {
-        format!("{} m there and back in {:.0} s", metres(round_m), round_m / speed_m_s)
+        format!("{} m there and back in {:.0} s", format_metres(round_m), round_m / speed_m_s)
     } else {
-        format!("{} m there and back", metres(round_m))
+        format!("{} m there and back", format_metres(round_m))
     }
 }
 
-fn wall(ui: &mut Ui, editor: &mut Editor, k: usize) {
+fn wall_ui(ui: &mut Ui, editor: &mut Editor, k: usize) {
     let Some(mut wall) = editor.scenario().walls.get(k).cloned() else { return };
-    let mut rows = Rows::new(ui);
-    rows.number("Thickness", "Across", &mut wall.thickness_m, Unit::metres(0.01, 100.0));
-    rows.places("Corner", &mut wall.corners_m, 2);
-    rows.finish(editor, &format!("wall {k}"), |scenario| {
+    let mut rows = FieldRows::new(ui);
+    rows.number("Thickness", "Across", &mut wall.thickness_m, NumberSpec::format_metres(0.01, 100.0));
+    rows.positions("Corner", &mut wall.corners_m, 2);
+    rows.commit(editor, &format!("wall {k}"), |scenario| {
         if let Some(there) = scenario.walls.get_mut(k) {
             *there = wall;
         }
     });
 }
 
-fn generator(ui: &mut Ui, editor: &mut Editor, k: usize) {
+fn generator_ui(ui: &mut Ui, editor: &mut Editor, k: usize) {
     let Some(mut generator) = editor.scenario().generators.get(k).cloned() else { return };
-    ui.label(soft("Drawn anew for every episode, so that a policy learns to cope with what it hasn't seen."));
-    let mut rows = Rows::new(ui);
+    ui.label(weak_text(
+        "Drawn anew for every episode, so that a policy learns to cope with what it hasn't seen.",
+    ));
+    let mut rows = FieldRows::new(ui);
     rows.count("How many", "Fewer where there is no room", &mut generator.count, 1..=200);
     random_shape(&mut rows, &mut generator);
     let tip =
         "The least to walls and to each other: more than twice the collision range, for the robot to fit";
-    rows.number("Gap", tip, &mut generator.gap_m, Unit::metres(0.0, 1000.0));
+    rows.number("Gap", tip, &mut generator.gap_m, NumberSpec::format_metres(0.0, 1000.0));
     let mut given = generator.within.is_some();
-    rows.tick("Only in a region", "Or else anywhere", &mut given);
+    rows.checkbox("Only in a region", "Or else anywhere", &mut given);
     match (given, &mut generator.within) {
-        (true, Some(region)) => world::region(&mut rows, &mut region.min_m, &mut region.max_m),
+        (true, Some(region)) => scenario_panel::region_rows(&mut rows, &mut region.min_m, &mut region.max_m),
         (true, none) => {
             *none = Some(middle_half(editor.scenario().enclosure.bounds_m()));
         }
         (false, some) => *some = None,
     }
-    rows.finish(editor, &format!("generator {k}"), |scenario| {
+    rows.commit(editor, &format!("generator {k}"), |scenario| {
         if let Some(there) = scenario.generators.get_mut(k) {
             *there = generator;
         }
@@ -219,10 +232,10 @@ fn middle_half((low, high): (Point, Point)) -> Region {
     }
 }
 
-fn random_shape(rows: &mut Rows<'_>, generator: &mut Generator) {
+fn random_shape(rows: &mut FieldRows<'_>, generator: &mut Generator) {
     let boxes = matches!(generator.shape, RandomShape::Rectangle { .. });
     let kinds = [(false, "Circles", "Cylinders seen from above"), (true, "Boxes", "Turned by any angle")];
-    if let Some(boxes) = choose(rows.ui, "Shape", boxes, &kinds) {
+    if let Some(boxes) = choice_ui(rows.ui, "Shape", boxes, &kinds) {
         generator.shape = match (boxes, &generator.shape) {
             (true, RandomShape::Circle { radius_m: (low, high) }) => {
                 let sizes = (2.0 * low, 2.0 * high);
@@ -233,7 +246,7 @@ fn random_shape(rows: &mut Rows<'_>, generator: &mut Generator) {
             }
             (_, same) => same.clone(),
         };
-        rows.tell("shape");
+        rows.mark_changed("shape");
     }
     let mut range = |name: &str, (low, high): &mut (f32, f32)| {
         rows.pair(name, "From the smallest to the largest", [("least", low), ("most", high)], SIZE);

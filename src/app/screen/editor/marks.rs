@@ -1,15 +1,15 @@
-//! Starts, targets and what is drawn anew for each episode: regions, places, and the ends of the course.
+//! Starts, goals and what is drawn anew for each episode: regions, places, and the ends of the benchmark route.
 //!
-//! In: the rules of a scenario. Out: shaded regions and marks on a [`Canvas`]; starts in the robot's colour, targets in
-//! the target's.
+//! In: the rules of a scenario. Out: shaded regions and marks on a [`Canvas`]; starts in the robot's colour, goals in
+//! the goal's.
 
 use egui::{Align2, Color32, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
 
 use crate::app::editor::{Editor, Selection};
 use crate::app::screen::world::arena;
 use crate::app::screen::world::canvas::Canvas;
-use crate::app::screen::world::plane::direction;
-use crate::scenario::{PlaceRule, Region, Scenario};
+use crate::app::screen::world::transform::screen_direction;
+use crate::scenario::{PlacementRule, Region, Scenario};
 use crate::task::Pose;
 
 /// How much room a name takes below a mark, or above it, in points.
@@ -18,38 +18,38 @@ const NAME: f32 = 14.0;
 const NAMED: usize = 6;
 
 /// The rectangles of the rules and of the generators.
-pub fn regions(canvas: &Canvas, editor: &Editor) {
-    let (scenario, inks) = (editor.scenario(), &canvas.inks);
+pub fn draw_regions(canvas: &Canvas, editor: &Editor) {
+    let (scenario, palette) = (editor.scenario(), &canvas.palette);
     for (k, generator) in scenario.generators.iter().enumerate() {
         if let Some(region) = generator.within {
-            let ink = own_ink(canvas, editor, Selection::Generator(k), inks.soft);
+            let ink = own_color(canvas, editor, Selection::Generator(k), palette.weak_text);
             shade(canvas, region, ink, 0.07, &format!("{} drawn anew", generator.count));
         }
     }
     for (rule, selection, ink, words) in [
-        (&scenario.starts, Selection::Starts, inks.accent, "Starts"),
-        (&scenario.targets, Selection::Targets, inks.good, "Targets"),
+        (&scenario.starts, Selection::Starts, palette.accent, "Starts"),
+        (&scenario.goals, Selection::Goals, palette.success, "Goals"),
     ] {
         if let Some(region) = region_of(rule) {
-            shade(canvas, region, own_ink(canvas, editor, selection, ink), 0.13, words);
+            shade(canvas, region, own_color(canvas, editor, selection, ink), 0.13, words);
         }
     }
 }
 
 /// The colour of something, or that of what is wrong.
-fn own_ink(canvas: &Canvas, editor: &Editor, selection: Selection, ink: Color32) -> Color32 {
-    if editor.is_wrong(selection) { canvas.inks.bad } else { ink }
+fn own_color(canvas: &Canvas, editor: &Editor, selection: Selection, ink: Color32) -> Color32 {
+    if editor.has_error(selection) { canvas.palette.error } else { ink }
 }
 
-fn region_of(rule: &PlaceRule) -> Option<Region> {
+fn region_of(rule: &PlacementRule) -> Option<Region> {
     match *rule {
-        PlaceRule::Within { min_m, max_m, .. } => Some(Region { min_m, max_m }),
+        PlacementRule::Within { min_m, max_m, .. } => Some(Region { min_m, max_m }),
         _ => None,
     }
 }
 
 fn shade(canvas: &Canvas, region: Region, ink: Color32, strength: f32, words: &str) {
-    let rect = canvas.plane.rect_of(region.min_m.into(), region.max_m.into());
+    let rect = canvas.transform.to_screen_rect(region.min_m.into(), region.max_m.into());
     if !rect.is_finite() {
         return;
     }
@@ -64,38 +64,44 @@ fn shade(canvas: &Canvas, region: Region, ink: Color32, strength: f32, words: &s
         (rect.left_top() - vec2(0.0, 2.0), Align2::LEFT_BOTTOM)
     };
     if canvas.painter.clip_rect().intersects(rect) {
-        canvas.chip(at, anchor, words, ink);
+        canvas.label(at, anchor, words, ink);
     }
 }
 
-/// The places of the rules, and the ends of the course.
-pub fn places(canvas: &Canvas, editor: &Editor) {
-    let (scenario, inks) = (&**editor.scenario(), &canvas.inks);
-    let course = &scenario.course;
-    let goal = own_ink(canvas, editor, Selection::CourseTarget, inks.good);
-    let start = own_ink(canvas, editor, Selection::CourseStart, inks.accent);
-    arena::target(canvas, scenario, course.target_m.into());
-    if goal == inks.bad {
-        ring(canvas, scenario, Selection::CourseTarget, Stroke::new(2.0, goal));
+/// The places of the rules, and the ends of the benchmark route.
+pub fn draw_places(canvas: &Canvas, editor: &Editor) {
+    let (scenario, palette) = (&**editor.scenario(), &canvas.palette);
+    let benchmark_route = &scenario.benchmark_route;
+    let goal = own_color(canvas, editor, Selection::BenchmarkGoal, palette.success);
+    let start = own_color(canvas, editor, Selection::BenchmarkStart, palette.accent);
+    arena::draw_goal(canvas, scenario, benchmark_route.goal_m.into());
+    if goal == palette.error {
+        draw_highlight(canvas, scenario, Selection::BenchmarkGoal, Stroke::new(2.0, goal));
     }
-    let (x_m, y_m) = course.start_m;
-    arena::robot(canvas, scenario, Pose { x_m, y_m, heading_rad: course.heading_rad }, start);
-    name(canvas, course.target_m, reach(canvas, scenario, Selection::CourseTarget), "Course target", goal);
+    let (x_m, y_m) = benchmark_route.start_m;
+    arena::draw_robot(canvas, scenario, Pose { x_m, y_m, heading_rad: benchmark_route.heading_rad }, start);
+    name(
+        canvas,
+        benchmark_route.goal_m,
+        reach(canvas, scenario, Selection::BenchmarkGoal),
+        "Course goal",
+        goal,
+    );
     // The name is where the start doesn't look: there is the handle that turns it.
-    let radius = reach(canvas, scenario, Selection::CourseStart);
-    let over = course.heading_rad.sin() < 0.0;
-    name(canvas, course.start_m, if over { -radius } else { radius }, "Course start", start);
+    let radius = reach(canvas, scenario, Selection::BenchmarkStart);
+    let over = benchmark_route.heading_rad.sin() < 0.0;
+    name(canvas, benchmark_route.start_m, if over { -radius } else { radius }, "Benchmark start", start);
     for (rule, selection, own, words) in [
-        (&scenario.targets, Selection::Targets, inks.good, "Target"),
-        (&scenario.starts, Selection::Starts, inks.accent, "Start"),
+        (&scenario.goals, Selection::Goals, palette.success, "Target"),
+        (&scenario.starts, Selection::Starts, palette.accent, "Start"),
     ] {
         let all = places_of(rule);
         for (k, &place) in all.iter().enumerate() {
-            let ink = if is_wrong(editor, selection, k) { inks.bad } else { own };
-            let (at, radius) = (canvas.at(place.into()), reach(canvas, scenario, selection));
+            let ink = if has_error(editor, selection, k) { palette.error } else { own };
+            let (at, radius) = (canvas.to_screen(place.into()), reach(canvas, scenario, selection));
             canvas.painter.circle(at, radius, ink.gamma_multiply(0.14), Stroke::new(1.75, ink));
             match rule {
-                PlaceRule::Fixed { heading_rad: Some(heading), .. } if selection == Selection::Starts => {
+                PlacementRule::Fixed { heading_rad: Some(heading), .. } if selection == Selection::Starts => {
                     pointing(canvas, at, radius, *heading, ink);
                 }
                 _ => {
@@ -110,25 +116,26 @@ pub fn places(canvas: &Canvas, editor: &Editor) {
 }
 
 /// Whether something is wrong with a rule's place `k`, or with the rule as a whole.
-fn is_wrong(editor: &Editor, selection: Selection, k: usize) -> bool {
-    let mut about = editor.findings().iter().filter(|finding| Selection::of_path(&finding.path) == selection);
+fn has_error(editor: &Editor, selection: Selection, k: usize) -> bool {
+    let mut about =
+        editor.diagnostics().iter().filter(|finding| Selection::from_field_path(&finding.path) == selection);
     about.any(|finding| {
-        let place = finding.path.split("places_m[").nth(1).and_then(|rest| rest.split(']').next());
+        let place = finding.path.split("positions_m[").nth(1).and_then(|rest| rest.split(']').next());
         place.is_none_or(|place| place == k.to_string())
     })
 }
 
-fn places_of(rule: &PlaceRule) -> &[(f32, f32)] {
+fn places_of(rule: &PlacementRule) -> &[(f32, f32)] {
     match rule {
-        PlaceRule::Fixed { at_m, .. } => std::slice::from_ref(at_m),
-        PlaceRule::OneOf { places_m } => places_m,
-        PlaceRule::Random { .. } | PlaceRule::Within { .. } => &[],
+        PlacementRule::Fixed { position_m, .. } => std::slice::from_ref(position_m),
+        PlacementRule::OneOf { positions_m } => positions_m,
+        PlacementRule::Random { .. } | PlacementRule::Within { .. } => &[],
     }
 }
 
 /// An arrow from the middle to the rim.
 fn pointing(canvas: &Canvas, at: Pos2, radius: f32, heading_rad: f32, ink: Color32) {
-    let along = direction(heading_rad);
+    let along = screen_direction(heading_rad);
     let tip = at + along * (radius - 2.0).max(6.0);
     canvas.painter.line_segment([at - along * radius * 0.5, tip - along * 4.0], Stroke::new(1.75, ink));
     canvas.arrow_head(tip, along, 6.0, ink);
@@ -138,30 +145,30 @@ fn pointing(canvas: &Canvas, at: Pos2, radius: f32, heading_rad: f32, ink: Color
 fn reach(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> f32 {
     let radius_m = match selection {
         Selection::Starts => scenario.robot.radius_m,
-        Selection::CourseStart => scenario.task.collision_range_m.max(scenario.robot.radius_m),
+        Selection::BenchmarkStart => scenario.task.collision_range_m.max(scenario.robot.radius_m),
         _ => scenario.task.goal_radius_m,
     };
-    canvas.plane.length(radius_m).max(6.0)
+    canvas.transform.to_screen_length(radius_m).max(6.0)
 }
 
 /// A name below a mark of this radius, or above it if that is negative.
-fn name(canvas: &Canvas, at_m: (f32, f32), radius: f32, words: &str, ink: Color32) {
-    let at = canvas.at(at_m.into());
+fn name(canvas: &Canvas, position_m: (f32, f32), radius: f32, words: &str, ink: Color32) {
+    let at = canvas.to_screen(position_m.into());
     let anchor = if radius < 0.0 { Align2::CENTER_BOTTOM } else { Align2::CENTER_TOP };
     if canvas.painter.clip_rect().expand(radius.abs()).contains(at) {
-        canvas.chip(at + vec2(0.0, radius + 5.0 * radius.signum()), anchor, words, ink);
+        canvas.label(at + vec2(0.0, radius + 5.0 * radius.signum()), anchor, words, ink);
     }
 }
 
-/// Draws around a rule's region or places, or an end of the course.
-pub fn ring(canvas: &Canvas, scenario: &Scenario, selection: Selection, stroke: Stroke) {
+/// Draws around a rule's region or places, or an end of the benchmark route.
+pub fn draw_highlight(canvas: &Canvas, scenario: &Scenario, selection: Selection, stroke: Stroke) {
     let frame = |region: Region| {
-        let rect = canvas.plane.rect_of(region.min_m.into(), region.max_m.into());
+        let rect = canvas.transform.to_screen_rect(region.min_m.into(), region.max_m.into());
         canvas.painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
     };
     let radius = reach(canvas, scenario, selection) + 4.0;
     let around = |place: (f32, f32)| {
-        canvas.painter.circle_stroke(canvas.at(place.into()), radius, stroke);
+        canvas.painter.circle_stroke(canvas.to_screen(place.into()), radius, stroke);
     };
     match selection {
         Selection::Generator(k) => {
@@ -169,32 +176,32 @@ pub fn ring(canvas: &Canvas, scenario: &Scenario, selection: Selection, stroke: 
                 frame(region);
             }
         }
-        Selection::Starts | Selection::Targets => {
-            let rule = if selection == Selection::Starts { &scenario.starts } else { &scenario.targets };
+        Selection::Starts | Selection::Goals => {
+            let rule = if selection == Selection::Starts { &scenario.starts } else { &scenario.goals };
             region_of(rule).into_iter().for_each(frame);
             places_of(rule).iter().copied().for_each(around);
         }
-        Selection::CourseStart => around(scenario.course.start_m),
-        Selection::CourseTarget => around(scenario.course.target_m),
+        Selection::BenchmarkStart => around(scenario.benchmark_route.start_m),
+        Selection::BenchmarkGoal => around(scenario.benchmark_route.goal_m),
         _ => {}
     }
 }
 
 /// The box around what is drawn of it, with its name, on the screen.
-pub fn space(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> Option<Rect> {
+pub fn screen_rect(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> Option<Rect> {
     let side = 2.0 * reach(canvas, scenario, selection);
     let around = |place: (f32, f32)| {
-        Rect::from_center_size(canvas.at(place.into()), Vec2::splat(side)).expand2(vec2(0.0, NAME))
+        Rect::from_center_size(canvas.to_screen(place.into()), Vec2::splat(side)).expand2(vec2(0.0, NAME))
     };
     let rule = match selection {
-        Selection::CourseStart => return Some(around(scenario.course.start_m)),
-        Selection::CourseTarget => return Some(around(scenario.course.target_m)),
+        Selection::BenchmarkStart => return Some(around(scenario.benchmark_route.start_m)),
+        Selection::BenchmarkGoal => return Some(around(scenario.benchmark_route.goal_m)),
         Selection::Starts => &scenario.starts,
-        Selection::Targets => &scenario.targets,
+        Selection::Goals => &scenario.goals,
         _ => return None,
     };
     match region_of(rule) {
-        Some(region) => Some(canvas.plane.rect_of(region.min_m.into(), region.max_m.into())),
+        Some(region) => Some(canvas.transform.to_screen_rect(region.min_m.into(), region.max_m.into())),
         None => places_of(rule).first().copied().map(around),
     }
 }
@@ -212,16 +219,16 @@ mod tests {
             shape: Shape::Circle { radius_m: 0.3 },
             position_m: (-1.0, -1.0),
             rotation_rad: 0.0,
-            motion: ObstacleMotion::Still,
+            motion: ObstacleMotion::Static,
         };
         let scenario = Scenario {
             obstacles: vec![block],
-            targets: PlaceRule::OneOf { places_m: vec![(1.0, 1.0), (-1.0, -1.0)] },
+            goals: PlacementRule::OneOf { positions_m: vec![(1.0, 1.0), (-1.0, -1.0)] },
             ..Scenario::default()
         };
         let editor = Editor::open(Arc::new(scenario), "mine.ron".into(), true);
-        let wrong = |k| is_wrong(&editor, Selection::Targets, k);
-        assert_eq!([wrong(0), wrong(1)], [false, true], "{:?}", editor.findings());
-        assert!(!is_wrong(&editor, Selection::Starts, 0));
+        let wrong = |k| has_error(&editor, Selection::Goals, k);
+        assert_eq!([wrong(0), wrong(1)], [false, true], "{:?}", editor.diagnostics());
+        assert!(!has_error(&editor, Selection::Starts, 0));
     }
 }

@@ -4,18 +4,18 @@
 
 use egui::{Align2, FontId, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 
-use crate::app::desk::Desk;
 use crate::app::screen::editor;
-use crate::app::screen::keys::KEYS;
-use crate::app::screen::theme::{BODY, GAP, Inks, SMALL};
+use crate::app::screen::shortcuts::KEY_BINDINGS;
+use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
+use crate::app::view_state::ViewState;
 
 const SENTENCES: [&str; 5] = [
     "A robot that knows nothing drives in a walled world, and all it sees of it are the ranges of its LIDAR's beams \
-     and where its green target lies.",
-    "Reaching the target is rewarded and a collision punished; from that alone it learns what to do where.",
+     and where its green goal lies.",
+    "Reaching the goal is rewarded and a collision punished; from that alone it learns what to do where.",
     "At first it mostly tries things at random; the more it has learnt, the more it trusts its Q-values, the bars \
      beside it: what it expects of each of its motions.",
-    "The success rate at the top tells how often it reached the target in the last test, where nothing is left to \
+    "The success rate at the top tells how often it reached the goal in the last test, where nothing is left to \
      chance.",
     "The curves show how learning went, and with Test, Drive and Compare you watch the policy alone, race \
      against it, or set it against another.",
@@ -30,14 +30,14 @@ const EDITING: [&str; 3] = [
 ];
 
 /// Draws it if it is open, and takes note when it is closed.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
-    let editing = desk.editor.is_some();
+pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
+    let editing = view_state.editor.is_some();
     let rows: Vec<(&str, &str)> = if editing {
-        editor::keys::KEYS.into()
+        editor::shortcuts::KEY_HELP.into()
     } else {
-        KEYS.iter().map(|row| (row.key, row.what)).collect()
+        KEY_BINDINGS.iter().map(|row| (row.key, row.description)).collect()
     };
-    let open = &mut desk.help_open;
+    let open = &mut view_state.help_open;
     if *open && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
         *open = false;
     }
@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
                         column.horizontal(|ui| {
                             let width = 58.0;
                             let start = ui.cursor().left();
-                            cap(ui, key);
+                            key_cap_ui(ui, key);
                             ui.add_space((start + width - ui.cursor().left()).max(0.0));
                             ui.add(egui::Label::new(*what).wrap());
                         });
@@ -74,13 +74,13 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
 }
 
 /// A key as it looks on a keyboard.
-pub fn cap(ui: &mut Ui, key: &str) {
-    let inks = Inks::of(ui);
-    let text = ui.painter().layout_no_wrap(key.into(), FontId::proportional(SMALL), inks.ink);
+pub fn key_cap_ui(ui: &mut Ui, key: &str) {
+    let palette = Palette::from_ui(ui);
+    let text = ui.painter().layout_no_wrap(key.into(), FontId::proportional(SMALL), palette.text);
     let size = vec2((text.size().x + 12.0).max(20.0), 20.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, key));
-    let stroke = Stroke::new(1.0, inks.line);
-    ui.painter().rect(rect, 4.0, inks.raised, stroke, StrokeKind::Inside);
-    ui.painter().galley(rect.center() - text.size() / 2.0, text, inks.ink);
+    let stroke = Stroke::new(1.0, palette.border);
+    ui.painter().rect(rect, 4.0, palette.control, stroke, StrokeKind::Inside);
+    ui.painter().galley(rect.center() - text.size() / 2.0, text, palette.text);
 }

@@ -8,19 +8,19 @@
 //! | `readouts.rs` | its figures: how learning stands |
 //! | `setup.rs` | the panel on the left, from top to bottom |
 //! | `training.rs` | its first part: which world and learner, and beginning a training |
-//! | `pending.rs` | what is chosen there but not yet begun |
+//! | `setup_form.rs` | what is chosen there but not yet begun |
 //! | `overlays.rs` | the overlays' switches |
 //! | `notices.rs` | what went as asked and what didn't |
 //! | `help.rs` | what one sees, and the keys |
-//! | `segments.rs`, `press.rs` | two controls: a few choices in a row; the primary button |
+//! | `segments.rs`, `buttons.rs` | two controls: a few choices in a row; the primary button |
 
+pub mod buttons;
 pub mod help;
 pub mod notices;
 mod overlays;
-mod pending;
-pub mod press;
 mod readouts;
 mod segments;
 pub mod setup;
+mod setup_form;
 pub mod toolbar;
 mod training;

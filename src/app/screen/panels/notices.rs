@@ -1,21 +1,21 @@
 //! Notices: what went as asked and what didn't, over the foot of the world.
 //!
-//! In: the notices, oldest first. Out: [`Order::Dismiss`] of the one that is closed.
+//! In: the notices, oldest first. Out: [`Command::DismissNotice`] of the one that is closed.
 
 use egui::{Align, Align2, Area, Color32, Frame, Id, Layout, Margin, Order as Layer, Rect, Stroke, Ui, vec2};
 
-use crate::app::orders::Order;
-use crate::app::screen::icons::{self, Icon, Tone};
-use crate::app::screen::theme::{GAP, Inks};
-use crate::app::status::{Notice, Weight};
+use crate::app::app_snapshot::{Notice, Severity};
+use crate::app::commands::Command;
+use crate::app::screen::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::theme::{GAP, Palette};
 
 /// More than these would hide the world.
-const MOST: usize = 4;
+const MAX_SHOWN: usize = 4;
 const WIDTH: f32 = 520.0;
 const EDGE: f32 = 3.0;
 
 /// Draws them over the foot of `world`.
-pub fn show(ui: &mut Ui, world: Rect, notices: &[Notice], orders: &mut Vec<Order>) {
+pub fn notices_ui(ui: &mut Ui, world: Rect, notices: &[Notice], commands: &mut Vec<Command>) {
     if notices.is_empty() {
         return;
     }
@@ -28,30 +28,30 @@ pub fn show(ui: &mut Ui, world: Rect, notices: &[Notice], orders: &mut Vec<Order
         .show(ui.ctx(), |ui| {
             ui.set_width(width);
             ui.spacing_mut().item_spacing.y = GAP;
-            let hidden = notices.len().saturating_sub(MOST);
+            let hidden = notices.len().saturating_sub(MAX_SHOWN);
             for (k, notice) in notices.iter().enumerate().skip(hidden) {
-                ui.push_id(k, |ui| toast(ui, notice, k, orders));
+                ui.push_id(k, |ui| toast_ui(ui, notice, k, commands));
             }
         });
 }
 
-fn toast(ui: &mut Ui, notice: &Notice, index: usize, orders: &mut Vec<Order>) {
-    let inks = Inks::of(ui);
-    let edge = match notice.weight {
-        Weight::Told => inks.accent,
-        Weight::Failed => inks.bad,
+fn toast_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Command>) {
+    let palette = Palette::from_ui(ui);
+    let edge = match notice.severity {
+        Severity::Info => palette.accent,
+        Severity::Error => palette.error,
     };
     let frame = Frame::new()
-        .fill(inks.panel)
-        .stroke(Stroke::new(1.0, inks.line))
+        .fill(palette.panel)
+        .stroke(Stroke::new(1.0, palette.border))
         .corner_radius(6.0)
         .shadow(ui.visuals().popup_shadow)
         .inner_margin(Margin { left: 14, right: 8, top: 7, bottom: 7 });
     let shown = frame.show(ui, |ui| {
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
             let tip = "Read: take it away";
-            if icons::button(ui, Icon::Close, Tone::Quiet, 22.0, "Dismiss", tip).clicked() {
-                orders.push(Order::Dismiss(index));
+            if icons::icon_button_ui(ui, Icon::Close, ButtonStyle::Quiet, 22.0, "Dismiss", tip).clicked() {
+                commands.push(Command::DismissNotice(index));
             }
             ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
                 egui::ScrollArea::vertical().max_height(180.0).auto_shrink([false, true]).show(ui, |ui| {

@@ -7,38 +7,38 @@ use egui::{
 };
 use egui::{pos2, vec2};
 
-use crate::app::desk::Overlays;
-use crate::app::screen::keys::{Deed, key};
-use crate::app::screen::theme::{BODY, Inks, SMALL};
+use crate::app::screen::shortcuts::{Shortcut, key_label};
+use crate::app::screen::theme::{BODY, Palette, SMALL};
+use crate::app::view_state::Overlays;
 
 const ROW: f32 = 26.0;
 
 /// Draws them.
-pub fn show(ui: &mut Ui, over: &mut Overlays) {
+pub fn overlays_ui(ui: &mut Ui, over: &mut Overlays) {
     let spacing = std::mem::take(&mut ui.spacing_mut().item_spacing.y);
     row(
         ui,
         &mut over.beams,
         "Beams",
-        Deed::Beams,
+        Shortcut::Beams,
         "The LIDAR's rays, by how near they end; the nearest is marked",
     );
-    row(ui, &mut over.path, "Way driven", Deed::Path, "From the last target to here");
-    row(ui, &mut over.trails, "Trails", Deed::Trails, "The last drives, by how they ended");
-    row(ui, &mut over.q_values, "Q-values", Deed::QValues, "What the network expects of each motion");
+    row(ui, &mut over.path, "Way driven", Shortcut::Path, "From the last goal to here");
+    row(ui, &mut over.trails, "Trails", Shortcut::Trails, "The last drives, by how they ended");
+    row(ui, &mut over.q_values, "Q-values", Shortcut::QValues, "What the network expects of each motion");
     row(
         ui,
         &mut over.potential,
         "Potential",
-        Deed::Potential,
+        Shortcut::Potential,
         "The field behind the reward, eq. (4): downhill is better",
     );
-    row(ui, &mut over.value, "Value", Deed::Value, "What the network expects if the robot stood there");
+    row(ui, &mut over.value, "Value", Shortcut::Value, "What the network expects if the robot stood there");
     ui.spacing_mut().item_spacing.y = spacing;
 }
 
-fn row(ui: &mut Ui, on: &mut bool, name: &str, deed: Deed, about: &str) {
-    let inks = Inks::of(ui);
+fn row(ui: &mut Ui, on: &mut bool, name: &str, shortcut: Shortcut, about: &str) {
+    let palette = Palette::from_ui(ui);
     let (rect, mut response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     if response.clicked() {
         *on = !*on;
@@ -48,52 +48,59 @@ fn row(ui: &mut Ui, on: &mut bool, name: &str, deed: Deed, about: &str) {
     let painter = ui.painter();
     let middle = rect.center().y;
     if response.hovered() || response.has_focus() {
-        painter.rect_filled(rect.expand2(vec2(6.0, 0.0)), 4.0, inks.raised);
+        painter.rect_filled(rect.expand2(vec2(6.0, 0.0)), 4.0, palette.control);
     }
     let tick = Rect::from_center_size(pos2(rect.left() + 8.0, middle), vec2(15.0, 15.0));
     if *on {
-        painter.rect_filled(tick, 4.0, inks.accent);
+        painter.rect_filled(tick, 4.0, palette.accent);
         let corners = [(-3.5, 0.2), (-1.2, 2.8), (3.6, -2.8)].map(|(x, y)| tick.center() + vec2(x, y));
-        painter.add(Shape::line(corners.into(), Stroke::new(1.7, inks.on_accent)));
+        painter.add(Shape::line(corners.into(), Stroke::new(1.7, palette.on_accent)));
     } else {
-        painter.rect(tick, 4.0, inks.raised, Stroke::new(1.0, inks.solid), StrokeKind::Inside);
+        painter.rect(tick, 4.0, palette.control, Stroke::new(1.0, palette.obstacle), StrokeKind::Inside);
     }
-    sample(painter, deed, Rect::from_center_size(pos2(rect.left() + 40.0, middle), vec2(26.0, 14.0)), inks);
+    sample(
+        painter,
+        shortcut,
+        Rect::from_center_size(pos2(rect.left() + 40.0, middle), vec2(26.0, 14.0)),
+        palette,
+    );
     let put =
         |x, side, text, size, ink| painter.text(pos2(x, middle), side, text, FontId::proportional(size), ink);
-    let ink = if *on { inks.ink } else { inks.soft };
+    let ink = if *on { palette.text } else { palette.weak_text };
     put(rect.left() + 62.0, Align2::LEFT_CENTER, name, BODY, ink);
-    put(rect.right(), Align2::RIGHT_CENTER, key(deed), SMALL, inks.soft);
+    put(rect.right(), Align2::RIGHT_CENTER, key_label(shortcut), SMALL, palette.weak_text);
     response.on_hover_text(about);
 }
 
 /// What the overlay draws, in small.
-fn sample(painter: &Painter, deed: Deed, rect: Rect, inks: Inks) {
+fn sample(painter: &Painter, shortcut: Shortcut, rect: Rect, palette: Palette) {
     let at = |x: f32, y: f32| rect.lerp_inside(vec2(x, y));
     let line = |from, to, ink| {
         painter.line_segment([from, to], Stroke::new(1.5, ink));
     };
-    match deed {
-        Deed::Beams => {
-            for (x, y, ink) in [(0.95, 0.0, inks.soft), (1.0, 0.5, inks.bad), (0.95, 1.0, inks.soft)] {
+    match shortcut {
+        Shortcut::Beams => {
+            for (x, y, ink) in
+                [(0.95, 0.0, palette.weak_text), (1.0, 0.5, palette.error), (0.95, 1.0, palette.weak_text)]
+            {
                 line(at(0.1, 0.5), at(x, y), ink);
             }
-            painter.circle_filled(at(0.1, 0.5), 2.5, inks.accent);
+            painter.circle_filled(at(0.1, 0.5), 2.5, palette.accent);
         }
-        Deed::Path => {
+        Shortcut::Path => {
             let points =
                 (0..=16).map(|k| k as f32 / 16.0).map(|x| at(x, 0.5 - 0.4 * (x * 6.0).sin())).collect();
-            painter.add(Shape::line(points, Stroke::new(1.5, inks.accent)));
+            painter.add(Shape::line(points, Stroke::new(1.5, palette.accent)));
         }
-        Deed::Trails => {
-            for (y, ink) in [(0.1, inks.good), (0.5, inks.warn), (0.9, inks.bad)] {
+        Shortcut::Trails => {
+            for (y, ink) in [(0.1, palette.success), (0.5, palette.warning), (0.9, palette.error)] {
                 line(at(0.0, y), at(1.0, y), ink);
             }
         }
-        Deed::QValues => {
+        Shortcut::QValues => {
             for (k, height) in [0.35, 0.6, 1.0, 0.7, 0.25].into_iter().enumerate() {
                 let x = 0.1 + k as f32 * 0.19;
-                let ink = if k == 2 { inks.accent } else { inks.solid };
+                let ink = if k == 2 { palette.accent } else { palette.obstacle };
                 painter.rect_filled(
                     Rect::from_min_max(at(x - 0.07, 1.0 - height), at(x + 0.07, 1.0)),
                     0.5,
@@ -101,22 +108,22 @@ fn sample(painter: &Painter, deed: Deed, rect: Rect, inks: Inks) {
                 );
             }
         }
-        Deed::Potential => {
-            shades(painter, rect, inks);
+        Shortcut::Potential => {
+            shades(painter, rect, palette);
             let (from, to) = (at(0.3, 0.5), at(0.7, 0.5));
-            line(from, to, inks.ink);
+            line(from, to, palette.text);
             for y in [0.25, 0.75] {
-                line(at(0.56, y), to, inks.ink);
+                line(at(0.56, y), to, palette.text);
             }
         }
-        Deed::Value => shades(painter, rect, inks),
+        Shortcut::Value => shades(painter, rect, palette),
         _ => {}
     }
 }
 
 /// The colours of the fields, from the least to the greatest.
-fn shades(painter: &Painter, rect: Rect, inks: Inks) {
-    let [from, to] = inks.field;
+fn shades(painter: &Painter, rect: Rect, palette: Palette) {
+    let [from, to] = palette.field_colors;
     let mut mesh = Mesh::default();
     for (x, ink) in [(rect.left(), from), (rect.right(), to)] {
         mesh.colored_vertex(pos2(x, rect.top()), ink);
@@ -125,5 +132,5 @@ fn shades(painter: &Painter, rect: Rect, inks: Inks) {
     mesh.add_triangle(0, 1, 2);
     mesh.add_triangle(1, 2, 3);
     painter.add(mesh);
-    painter.rect_stroke(rect, 1.0, Stroke::new(1.0, inks.line), StrokeKind::Inside);
+    painter.rect_stroke(rect, 1.0, Stroke::new(1.0, palette.border), StrokeKind::Inside);
 }

@@ -4,9 +4,9 @@
 
 use egui::{Align2, FontId, Response, Sense, Ui, WidgetInfo, WidgetType, pos2, vec2};
 
+use crate::app::app_snapshot::AppSnapshot;
 use crate::app::screen::numbers;
-use crate::app::screen::theme::{BODY, FIGURE, GAP, Inks, SMALL};
-use crate::app::status::Status;
+use crate::app::screen::theme::{BODY, DISPLAY, GAP, Palette, SMALL};
 
 /// One figure with its caption.
 struct Readout {
@@ -29,7 +29,7 @@ const HEIGHT: f32 = 40.0;
 /// Draws, from the right, as many as have room: the success rate before all others.
 ///
 /// `ui` lays out from right to left. In a `tight` bar none of the room is to be wasted.
-pub fn show(ui: &mut Ui, status: &Status, tight: bool) {
+pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
     // There the last one stands right beside its neighbour.
     let mut left = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };
     let mut fit: Vec<(usize, Readout)> = Vec::new();
@@ -51,19 +51,19 @@ pub fn show(ui: &mut Ui, status: &Status, tight: bool) {
     fit.sort_by_key(|(place, _)| *place);
     ui.spacing_mut().item_spacing.x = 2.0 * GAP;
     for (_, readout) in &fit {
-        draw(ui, readout).on_hover_text(&readout.tip);
+        readout_ui(ui, readout).on_hover_text(&readout.tip);
     }
 }
 
-fn draw(ui: &mut Ui, readout: &Readout) -> Response {
-    let inks = Inks::of(ui);
+fn readout_ui(ui: &mut Ui, readout: &Readout) -> Response {
+    let palette = Palette::from_ui(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(readout.width, HEIGHT), Sense::hover());
     let words = format!("{} {}", readout.caption, readout.value);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &words));
     let (size, ink) = if readout.large {
-        (FIGURE, if readout.known { inks.accent } else { inks.soft })
+        (DISPLAY, if readout.known { palette.accent } else { palette.weak_text })
     } else {
-        (BODY, inks.ink)
+        (BODY, palette.text)
     };
     // All captions on one line, all figures on another; a larger one hangs lower by what its descenders take.
     let put = |y, text: &String, size, ink| {
@@ -71,20 +71,20 @@ fn draw(ui: &mut Ui, readout: &Readout) -> Response {
     };
     let foot = rect.bottom() - 3.0;
     put(foot - 15.0 + (size - BODY) * 0.24, &readout.value, size, ink);
-    put(foot, &readout.caption, SMALL, inks.soft);
+    put(foot, &readout.caption, SMALL, palette.weak_text);
     response
 }
 
-fn success(status: &Status) -> Readout {
-    let value = status.success_rate.map_or("–".into(), numbers::percent);
+fn success(status: &AppSnapshot) -> Readout {
+    let value = status.success_rate.map_or("–".into(), numbers::format_percent);
     let tip = match (status.success_rate, status.best_success_rate) {
         (Some(_), Some(best)) => format!(
-            "How often the target was reached in the last test without random actions. The best so far: {}.",
-            numbers::percent(best)
+            "How often the goal was reached in the last test without random actions. The best so far: {}.",
+            numbers::format_percent(best)
         ),
-        (Some(_), None) => "How often the target was reached in the last test without random actions.".into(),
+        (Some(_), None) => "How often the goal was reached in the last test without random actions.".into(),
         (None, _) => {
-            "How often the target is reached without random actions: the first test is still to come.".into()
+            "How often the goal is reached without random actions: the first test is still to come.".into()
         }
     };
     Readout {
@@ -94,23 +94,23 @@ fn success(status: &Status) -> Readout {
     }
 }
 
-fn episodes(status: &Status) -> Readout {
+fn episodes(status: &AppSnapshot) -> Readout {
     let tip = "Drives that have ended, by a collision or by the time limit, in all arenas together.".into();
-    Readout::new(numbers::count(status.episodes), "episodes", 52.0, tip)
+    Readout::new(numbers::format_count(status.episodes), "episodes", 52.0, tip)
 }
 
-fn env_steps(status: &Status) -> Readout {
+fn env_steps(status: &AppSnapshot) -> Readout {
     let more = status.budget_env_steps.map_or_else(String::new, |budget| {
-        format!(" The learner is meant for {}; here it goes on.", numbers::count(budget))
+        format!(" The learner is meant for {}; here it goes on.", numbers::format_count(budget))
     });
     let tip = format!(
         "Control steps of all arenas together, each of them experience to learn from. Gradient steps: {}.{more}",
-        numbers::count(status.gradient_steps)
+        numbers::format_count(status.gradient_steps)
     );
-    Readout::new(numbers::count(status.env_steps), "env steps", 56.0, tip)
+    Readout::new(numbers::format_count(status.env_steps), "env steps", 56.0, tip)
 }
 
-fn speed(status: &Status) -> Readout {
+fn speed(status: &AppSnapshot) -> Readout {
     let tip = format!(
         "Env steps per second of your time, and how much quicker than reality one arena runs. Simulated: {}.",
         duration(status.simulated_s)
@@ -118,19 +118,19 @@ fn speed(status: &Status) -> Readout {
     let value = if status.paused {
         "paused".into()
     } else {
-        format!("{} steps/s", numbers::rate(status.env_steps_per_s))
+        format!("{} steps/s", numbers::format_rate(status.env_steps_per_s))
     };
     let caption = if status.paused {
         format!("{} simulated", short_duration(status.simulated_s))
     } else {
-        format!("{} real time", numbers::times(status.times_real))
+        format!("{} real time", numbers::format_factor(status.real_time_factor))
     };
     Readout::new(value, caption, 92.0, tip)
 }
 
-fn frames(status: &Status) -> Readout {
+fn frames(status: &AppSnapshot) -> Readout {
     let tip = "Pictures drawn per second.".into();
-    Readout::new(numbers::rate(status.frames_per_s), "fps", 26.0, tip)
+    Readout::new(numbers::format_rate(status.frames_per_s), "fps", 26.0, tip)
 }
 
 /// As [`duration`], in one unit.
@@ -140,7 +140,7 @@ fn short_duration(s: f64) -> String {
         _ if s < 60.0 => format!("{s:.0} s"),
         _ if s < 3600.0 => format!("{} min", (s / 60.0) as u64),
         _ if s < 360_000.0 => format!("{:.1} h", s / 3600.0),
-        _ => format!("{} h", numbers::rate(s / 3600.0)),
+        _ => format!("{} h", numbers::format_rate(s / 3600.0)),
     }
 }
 

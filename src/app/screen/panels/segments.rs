@@ -4,7 +4,7 @@
 
 use egui::{FontId, Id, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, vec2};
 
-use crate::app::screen::theme::{BODY, Inks};
+use crate::app::screen::theme::{BODY, Palette};
 
 /// One choice.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,14 +31,14 @@ const CLOSER: f32 = 6.0;
 
 /// Draws them in a row, as wide as they need to be, or `width` in all, for which they come a little closer; answers with
 /// the one that was pressed.
-pub fn show(
+pub fn segments_ui(
     ui: &mut Ui,
     id: &str,
     segments: &[Segment],
     on: Option<usize>,
     width: Option<f32>,
 ) -> Option<usize> {
-    let inks = Inks::of(ui);
+    let palette = Palette::from_ui(ui);
     let font = FontId::proportional(BODY);
     let texts: Vec<_> = segments
         .iter()
@@ -50,7 +50,13 @@ pub fn show(
     let (whole, _) =
         ui.allocate_exact_size(vec2(own + spare * segments.len() as f32, HEIGHT), Sense::hover());
     let radius = ui.visuals().widgets.inactive.corner_radius;
-    ui.painter().rect(whole, radius, inks.paper, Stroke::new(1.0, inks.line), StrokeKind::Inside);
+    ui.painter().rect(
+        whole,
+        radius,
+        palette.background,
+        Stroke::new(1.0, palette.border),
+        StrokeKind::Inside,
+    );
     let mut pressed = None;
     let mut left = whole.left();
     for (k, (segment, text)) in segments.iter().zip(texts).enumerate() {
@@ -63,15 +69,21 @@ pub fn show(
         response.widget_info(|| WidgetInfo::selected(WidgetType::RadioButton, true, chosen, &segment.name));
         let lit = response.hovered() || response.has_focus();
         if chosen {
-            let stroke = Stroke::new(1.0, inks.accent);
-            part.painter().rect(rect, radius, inks.wash(inks.raised), stroke, StrokeKind::Inside);
+            let stroke = Stroke::new(1.0, palette.accent);
+            part.painter().rect(
+                rect,
+                radius,
+                palette.selected_background(palette.control),
+                stroke,
+                StrokeKind::Inside,
+            );
         } else if lit {
-            part.painter().rect_filled(rect.shrink(2.0), radius, inks.raised);
+            part.painter().rect_filled(rect.shrink(2.0), radius, palette.control);
         }
         if response.has_focus() {
-            part.painter().rect_stroke(rect, radius, Stroke::new(2.0, inks.accent), StrokeKind::Inside);
+            part.painter().rect_stroke(rect, radius, Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
-        let ink = if chosen { inks.accent } else { inks.ink };
+        let ink = if chosen { palette.accent } else { palette.text };
         let at = rect.center() - text.size() / 2.0;
         part.painter().galley(at, text, ink);
         if response.clicked() {

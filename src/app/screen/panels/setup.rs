@@ -1,19 +1,19 @@
 //! The panel on the left: what is learnt where (`training.rs`), what is drawn, what is kept.
 //!
-//! In: the status and the desk. Out: orders. What is chosen here waits in [`Pending`] until a button is pressed.
+//! In: the status and the desk. Out: orders. What is chosen here waits in [`SetupForm`] until a button is pressed.
 
 use egui::{Button, Frame, Margin, Response, RichText, ScrollArea, Ui, vec2};
 
-use super::pending::Pending;
 use super::segments::{self, Segment};
+use super::setup_form::SetupForm;
 use super::{help, overlays, training};
-use crate::app::desk::{Camera, Desk};
-use crate::app::orders::{Mode, Order, Saved};
-use crate::app::screen::View;
-use crate::app::screen::icons::{self, Icon, Tone};
-use crate::app::screen::keys::{Deed, tip};
+use crate::app::app_snapshot::AppSnapshot;
+use crate::app::commands::{Command, SaveKind, SessionMode};
+use crate::app::screen::ScreenInput;
+use crate::app::screen::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::shortcuts::{Shortcut, with_key_hint};
 use crate::app::screen::theme::{BODY, GAP, SMALL};
-use crate::app::status::Status;
+use crate::app::view_state::{ViewCamera, ViewState};
 
 /// What can be opened.
 const OPENS: &str = "Opens a policy to set against the present one, a saved run to go on with, or a world or preset of \
@@ -24,93 +24,110 @@ const OPENS_WITHOUT_DISK: &str = "Opens a policy to set against the present one,
                                   stays on your machine.";
 
 /// Draws it.
-pub fn show(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
+pub fn setup_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
     // The scroll bar has its place in the margin.
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        Frame::new().inner_margin(Margin::symmetric(14, 12)).show(ui, |ui| content(ui, view, desk, orders));
+        Frame::new()
+            .inner_margin(Margin::symmetric(14, 12))
+            .show(ui, |ui| content_ui(ui, view, view_state, commands));
     });
 }
 
-fn content(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, orders: &mut Vec<Order>) {
-    if view.status.mode == Mode::Drive {
-        drive(ui);
-        gap(ui);
+fn content_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, commands: &mut Vec<Command>) {
+    if view.status.mode == SessionMode::Drive {
+        driving_help_ui(ui);
+        separator_ui(ui);
     }
-    let mut pending = Pending::load(ui.ctx(), view.status);
-    training::show(ui, view.status, &mut pending, orders);
-    pending.store(ui.ctx());
-    gap(ui);
-    title(ui, "Overlays");
-    overlays::show(ui, &mut desk.overlays);
-    gap(ui);
-    framing(ui, view, desk);
-    gap(ui);
-    files(ui, view.status, orders);
+    let mut setup_form = SetupForm::load(ui.ctx(), view.status);
+    training::training_ui(ui, view.status, &mut setup_form, commands);
+    setup_form.store(ui.ctx());
+    separator_ui(ui);
+    section_title_ui(ui, "Overlays");
+    overlays::overlays_ui(ui, &mut view_state.overlays);
+    separator_ui(ui);
+    framing_ui(ui, view, view_state);
+    separator_ui(ui);
+    files_ui(ui, view.status, commands);
 }
 
-fn framing(ui: &mut Ui, view: &View<'_>, desk: &mut Desk) {
-    title(ui, "View");
+fn framing_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState) {
+    section_title_ui(ui, "View");
     ui.horizontal(|ui| {
         let side = 28.0;
-        if view.status.mode == Mode::Train {
-            one_or_all(ui, view, desk, side);
+        if view.status.mode == SessionMode::Train {
+            arena_choice_ui(ui, view, view_state, side);
         }
-        let about = tip("Show the whole enclosure", Deed::Fit);
-        if icons::button(ui, Icon::Fit, Tone::Framed, side, "Fit", &about).clicked() {
-            desk.camera = Camera::default();
+        let about = with_key_hint("Show the whole enclosure", Shortcut::Fit);
+        if icons::icon_button_ui(ui, Icon::Fit, ButtonStyle::Framed, side, "Fit", &about).clicked() {
+            view_state.camera = ViewCamera::default();
         }
     });
 }
 
 /// The followed arena or all of them; leaves room for a button `beside` points wide.
-fn one_or_all(ui: &mut Ui, view: &View<'_>, desk: &mut Desk, beside: f32) {
+fn arena_choice_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, beside: f32) {
     let all = format!("All {}", view.scene.arenas.len());
     let segments = [
-        Segment::new("One arena", tip("The arena that is followed, large", Deed::Grid)),
+        Segment::new("One arena", with_key_hint("The arena that is followed, large", Shortcut::Grid)),
         Segment {
             name: "All arenas".into(),
-            ..Segment::new(&all, tip("All arenas side by side", Deed::Grid))
+            ..Segment::new(&all, with_key_hint("All arenas side by side", Shortcut::Grid))
         },
     ];
     let width = ui.available_width() - beside - ui.spacing().item_spacing.x;
-    if let Some(k) = segments::show(ui, "framing", &segments, Some(usize::from(desk.grid)), Some(width)) {
-        desk.grid = k == 1;
+    if let Some(k) =
+        segments::segments_ui(ui, "framing", &segments, Some(usize::from(view_state.grid)), Some(width))
+    {
+        view_state.grid = k == 1;
     }
 }
 
-fn files(ui: &mut Ui, status: &Status, orders: &mut Vec<Order>) {
-    title(ui, "Files");
+fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
+    section_title_ui(ui, "Files");
     if let Some(expert) = &status.expert {
         let about = format!("A policy that comes with the program drives beside the present one: {expert}");
         let button = ui.add_sized(vec2(ui.available_width(), 26.0), Button::new("Watch an expert"));
         if button.on_hover_text(about).clicked() {
-            orders.push(Order::OpenExpert);
+            commands.push(Command::OpenExpert);
         }
     }
-    let opens = if status.disk { OPENS } else { OPENS_WITHOUT_DISK };
+    let opens = if status.has_disk { OPENS } else { OPENS_WITHOUT_DISK };
     let mut all = vec![
-        ("Open…", tip(opens, Deed::Open), Order::OpenDialog),
-        ("Save policy", tip("What it has learnt", Deed::Save), Order::SaveDialog(Saved::Policy)),
+        ("Open…", with_key_hint(opens, Shortcut::Open), Command::OpenDialog),
+        (
+            "Save policy",
+            with_key_hint("What it has learnt", Shortcut::Save),
+            Command::SaveDialog(SaveKind::Policy),
+        ),
     ];
-    if status.disk {
-        all.push(("Save run", "All of the training, to go on from".into(), Order::SaveDialog(Saved::Run)));
+    if status.has_disk {
+        all.push((
+            "Save run",
+            "All of the training, to go on from".into(),
+            Command::SaveDialog(SaveKind::Run),
+        ));
     }
     let world = "The world as it stands, with what you moved";
-    all.push(("Save world", world.into(), Order::SaveDialog(Saved::Scenario)));
+    all.push(("Save world", world.into(), Command::SaveDialog(SaveKind::Scenario)));
     let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
     for row in all.chunks(2) {
         ui.horizontal(|ui| {
-            for (text, about, order) in row {
+            for (text, about, command) in row {
                 if ui.add_sized(vec2(width, 26.0), Button::new(*text)).on_hover_text(about).clicked() {
-                    orders.push(order.clone());
+                    commands.push(command.clone());
                 }
             }
         });
     }
 }
 
-fn drive(ui: &mut Ui) {
-    title(ui, "You drive");
+fn driving_help_ui(ui: &mut Ui) {
+    section_title_ui(ui, "You drive");
     for (keys, what) in [
         (&["↑"][..], "straight on, as without a key"),
         (&["↑", "←"], "or → with it: a gentle turn"),
@@ -118,24 +135,24 @@ fn drive(ui: &mut Ui) {
     ] {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
-            keys.iter().for_each(|key| help::cap(ui, key));
+            keys.iter().for_each(|key| help::key_cap_ui(ui, key));
             ui.add_space(3.0);
-            ui.label(soft(what));
+            ui.label(weak_text(what));
         });
     }
 }
 
 /// A part's heading.
-pub fn title(ui: &mut Ui, text: &str) -> Response {
+pub fn section_title_ui(ui: &mut Ui, text: &str) -> Response {
     ui.label(RichText::new(text).size(BODY).strong())
 }
 
 /// A sentence to be read second.
-pub fn soft(text: &str) -> RichText {
+pub fn weak_text(text: &str) -> RichText {
     RichText::new(text).size(SMALL).weak()
 }
 
-fn gap(ui: &mut Ui) {
+fn separator_ui(ui: &mut Ui) {
     ui.add_space(GAP);
     ui.separator();
     ui.add_space(GAP * 0.5);

@@ -6,14 +6,14 @@ use egui::{Align2, FontId, Rect, pos2, vec2};
 use egui_plot::{GridMark, PlotTransform};
 
 use super::card::Trace;
-use crate::app::history::Mark;
+use crate::app::history::Annotation;
 use crate::app::screen::numbers;
-use crate::app::screen::theme::{Inks, SMALL};
+use crate::app::screen::theme::{Palette, SMALL};
 use crate::report::table::number;
 
 /// What a y axis measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
+pub enum AxisScale {
     /// A share from 0 to 1, written in percent.
     Percent,
     /// A number from 0 to 1.
@@ -23,25 +23,25 @@ pub enum Scale {
     /// Any number from 0 upwards.
     FromZero,
     /// Logarithms to base 10 of what is written.
-    Decades,
+    Log10,
 }
 
-impl Scale {
+impl AxisScale {
     /// The ends of the axis, if they are always the same; a little outside, so that a line at the end is seen whole.
     #[must_use]
-    pub fn fixed(self) -> Option<(f64, f64)> {
+    pub fn fixed_range(self) -> Option<(f64, f64)> {
         match self {
             Self::Percent | Self::Unit => Some((-0.03, 1.05)),
-            Self::Linear | Self::FromZero | Self::Decades => None,
+            Self::Linear | Self::FromZero | Self::Log10 => None,
         }
     }
 
     /// Values that the axis must include.
-    pub(super) fn included(self, traces: &[Trace<'_>], reference: Option<f64>) -> Vec<f64> {
+    pub(super) fn included_values(self, traces: &[Trace<'_>], reference: Option<f64>) -> Vec<f64> {
         let mut values: Vec<_> = reference.into_iter().collect();
         match self {
             Self::FromZero => values.extend([0.0, 1.0]),
-            Self::Decades => {
+            Self::Log10 => {
                 let points = || traces.iter().flat_map(|trace| trace.series.points()).map(|point| point.y);
                 let (low, high) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                     (low.min(value), high.max(value))
@@ -55,13 +55,13 @@ impl Scale {
 
     /// The grid lines of an axis from the first of `bounds` to the second.
     #[must_use]
-    pub fn marks(self, bounds: (f64, f64)) -> Vec<GridMark> {
+    pub fn grid_marks(self, bounds: (f64, f64)) -> Vec<GridMark> {
         match self {
             Self::Percent | Self::Unit => {
                 [0.0, 0.5, 1.0].map(|value| GridMark { value, step_size: 0.5 }).into()
             }
-            Self::Linear | Self::FromZero => marks(bounds, 3.0),
-            Self::Decades => {
+            Self::Linear | Self::FromZero => round_grid_marks(bounds, 3.0),
+            Self::Log10 => {
                 let step = ((bounds.1 - bounds.0) / 4.0).ceil().max(1.0);
                 every(step, bounds)
             }
@@ -70,21 +70,21 @@ impl Scale {
 
     /// A grid line's number, where they are `step` apart.
     #[must_use]
-    pub fn tick(self, value: f64, step: f64) -> String {
+    pub fn tick_label(self, value: f64, step: f64) -> String {
         match self {
             Self::Percent => format!("{}%", number(100.0 * value, 0)),
             Self::Unit => number(value, if value.fract() == 0.0 { 0 } else { 1 }),
             Self::Linear | Self::FromZero => short(value, (-step.log10().floor()).clamp(0.0, 6.0) as usize),
-            Self::Decades => power(value.round()),
+            Self::Log10 => power(value.round()),
         }
     }
 
     /// A value to read, with `digits` decimals.
     #[must_use]
-    pub fn value(self, value: f64, digits: usize) -> String {
+    pub fn format_value(self, value: f64, digits: usize) -> String {
         match self {
-            Self::Percent => numbers::percent(value),
-            Self::Decades => {
+            Self::Percent => numbers::format_percent(value),
+            Self::Log10 => {
                 let decimals = digits as f64 - 1.0 - value.floor();
                 short(10.0_f64.powf(value), decimals.clamp(0.0, 9.0) as usize)
             }
@@ -109,7 +109,7 @@ fn power(exponent: f64) -> String {
 
 /// About `wanted` steps of 1, 2 or 5 times a power of ten, over `bounds`.
 #[must_use]
-pub fn marks(bounds: (f64, f64), wanted: f64) -> Vec<GridMark> {
+pub fn round_grid_marks(bounds: (f64, f64), wanted: f64) -> Vec<GridMark> {
     let rough = (bounds.1 - bounds.0) / wanted;
     if !rough.is_finite() || rough <= 0.0 {
         return Vec::new();
@@ -133,7 +133,7 @@ fn every(step: f64, bounds: (f64, f64)) -> Vec<GridMark> {
 
 /// A number of env steps in short: 800, 50k, 1.25M.
 #[must_use]
-pub fn env_steps(value: f64) -> String {
+pub fn format_env_steps(value: f64) -> String {
     let trimmed = |value: f64, unit: &str| {
         let text = format!("{value:.2}");
         format!("{}{unit}", text.trim_end_matches('0').trim_end_matches('.'))
@@ -146,7 +146,7 @@ pub fn env_steps(value: f64) -> String {
 }
 
 /// Writes what the marks are at the top of the plot, each beside its line where there is room.
-pub(super) fn label_marks(ui: &egui::Ui, transform: &PlotTransform, marks: &[Mark], inks: Inks) {
+pub(super) fn label_marks(ui: &egui::Ui, transform: &PlotTransform, marks: &[Annotation], palette: Palette) {
     let frame = *transform.frame();
     let painter = ui.painter().with_clip_rect(frame.intersect(ui.clip_rect()));
     let font = FontId::proportional(SMALL);
@@ -156,7 +156,7 @@ pub(super) fn label_marks(ui: &egui::Ui, transform: &PlotTransform, marks: &[Mar
         if !frame.x_range().contains(x) {
             continue;
         }
-        let galley = painter.layout_no_wrap(mark.text.clone(), font.clone(), inks.soft);
+        let galley = painter.layout_no_wrap(mark.text.clone(), font.clone(), palette.weak_text);
         let size = galley.size();
         // To the right of its line or to the left, in the lowest row or the one above.
         let places = [0.0, 1.0].into_iter().flat_map(|row| {
@@ -169,8 +169,8 @@ pub(super) fn label_marks(ui: &egui::Ui, transform: &PlotTransform, marks: &[Mar
                 && !taken.iter().any(|other| other.intersects(place.expand2(vec2(3.0, 0.0))))
         };
         if let Some(place) = places.into_iter().find(free) {
-            painter.rect_filled(place.expand2(vec2(2.0, 0.0)), 2.0, inks.panel.gamma_multiply(0.85));
-            painter.galley(place.min, galley, inks.soft);
+            painter.rect_filled(place.expand2(vec2(2.0, 0.0)), 2.0, palette.panel.gamma_multiply(0.85));
+            painter.galley(place.min, galley, palette.weak_text);
             taken.push(place);
         }
     }
@@ -183,13 +183,13 @@ mod tests {
     #[test]
     fn env_steps_are_short() {
         let written = [0.0, 224.0, 999.4, 1000.0, 50_000.0, 96_140.0, 999_960.0, 1_200_000.0, 1_250_000.0]
-            .map(env_steps);
+            .map(format_env_steps);
         assert_eq!(written, ["0", "224", "999", "1k", "50k", "96.1k", "1M", "1.2M", "1.25M"]);
     }
 
     #[test]
     fn grid_lines_are_few_and_round() {
-        let values = |bounds| marks(bounds, 4.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
+        let values = |bounds| round_grid_marks(bounds, 4.0).iter().map(|mark| mark.value).collect::<Vec<_>>();
         assert_eq!(values((0.0, 300_000.0)), [0.0, 100_000.0, 200_000.0, 300_000.0]);
         assert_eq!(values((-400.0, 3300.0)), [0.0, 1000.0, 2000.0, 3000.0]);
         assert_eq!(values((1.0, 1.0)), [0.0; 0]);
@@ -204,14 +204,18 @@ mod tests {
 
     #[test]
     fn values_are_written_for_people() {
-        let percent = [0.0, 0.9996, 1.0].map(|share| Scale::Percent.value(share, 0));
+        let percent = [0.0, 0.9996, 1.0].map(|share| AxisScale::Percent.format_value(share, 0));
         assert_eq!(percent, ["0.0%", "99.9%", "100%"]);
-        let logs = [0.000_453_f64, 0.0489, 1.27, 133.0].map(|value| Scale::Decades.value(value.log10(), 2));
+        let logs =
+            [0.000_453_f64, 0.0489, 1.27, 133.0].map(|value| AxisScale::Log10.format_value(value.log10(), 2));
         assert_eq!(logs, ["0.00045", "0.049", "1.3", "133"]);
-        assert_eq!([-4.0, 0.0, 3.0].map(|value| Scale::Decades.tick(value, 1.0)), ["0.0001", "1", "1,000"]);
-        assert_eq!([0.0, 0.5, 1.0].map(|value| Scale::Unit.tick(value, 0.5)), ["0", "0.5", "1"]);
-        assert_eq!(Scale::Linear.tick(-0.4, 0.2), "\u{2212}0.4");
-        assert_eq!(Scale::Linear.value(3.21e12, 2), "3.2e12");
-        assert_eq!(Scale::Decades.value(30.0, 2), "1.0e30");
+        assert_eq!(
+            [-4.0, 0.0, 3.0].map(|value| AxisScale::Log10.tick_label(value, 1.0)),
+            ["0.0001", "1", "1,000"]
+        );
+        assert_eq!([0.0, 0.5, 1.0].map(|value| AxisScale::Unit.tick_label(value, 0.5)), ["0", "0.5", "1"]);
+        assert_eq!(AxisScale::Linear.tick_label(-0.4, 0.2), "\u{2212}0.4");
+        assert_eq!(AxisScale::Linear.format_value(3.21e12, 2), "3.2e12");
+        assert_eq!(AxisScale::Log10.format_value(30.0, 2), "1.0e30");
     }
 }

@@ -8,20 +8,20 @@ use std::sync::Arc;
 use egui::{Color32, Mesh, Shape};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
 
-use crate::app::history::Series;
+use crate::app::history::DownsampledSeries;
 
 /// The area between a series' least and greatest values.
 pub struct Band<'a> {
-    series: &'a Series,
-    colour: Color32,
+    series: &'a DownsampledSeries,
+    color: Color32,
     base: PlotItemBase,
 }
 
 impl<'a> Band<'a> {
-    /// The band of `series`, filled with `colour`.
+    /// The band of `series`, filled with `color`.
     #[must_use]
-    pub fn new(series: &'a Series, colour: Color32) -> Self {
-        Self { series, colour, base: PlotItemBase::new("band".into()) }
+    pub fn new(series: &'a DownsampledSeries, color: Color32) -> Self {
+        Self { series, color, base: PlotItemBase::new("band".into()) }
     }
 }
 
@@ -35,7 +35,7 @@ impl PlotItem for Band<'_> {
             let index = mesh.vertices.len() as u32;
             for value in [low, high] {
                 let corner = transform.position_from_point(&PlotPoint::new(point.x, value));
-                mesh.colored_vertex(corner, self.colour);
+                mesh.colored_vertex(corner, self.color);
             }
             if index >= 2 {
                 mesh.add_triangle(index - 2, index - 1, index);
@@ -48,7 +48,7 @@ impl PlotItem for Band<'_> {
     fn initialize(&mut self, _: RangeInclusive<f64>) {}
 
     fn color(&self) -> Color32 {
-        self.colour
+        self.color
     }
 
     fn allow_hover(&self) -> bool {

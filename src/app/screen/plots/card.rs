@@ -6,23 +6,23 @@
 use egui::{Color32, FontId, Rect, Sense, Stroke, Vec2, vec2};
 use egui_plot::{AxisHints, HLine, Line, LineStyle, Plot, PlotPoints, PlotUi, Points, VLine};
 
-use super::When;
-use super::axis::{self, Scale};
+use super::PlotContext;
+use super::axis::{self, AxisScale};
 use super::band::Band;
-use super::caption::{heading, legend, reading};
-use crate::app::history::{Mark, Series};
-use crate::app::screen::theme::{Inks, SMALL};
+use super::caption::{heading_ui, legend_ui, value_at};
+use crate::app::history::{Annotation, DownsampledSeries};
+use crate::app::screen::theme::{Palette, SMALL};
 
 /// The height of a plot with its axis, in points.
 const HEIGHT: f32 = 112.0;
 /// The width of the y axis, in points: the same for all, so that they stand in line.
 const AXIS_WIDTH: f32 = 44.0;
 /// Up to so many points each has a dot.
-const MOST_DOTS: usize = 40;
+const MAX_DOTS: usize = 40;
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pen {
+pub enum TraceStyle {
     /// The line the card is about.
     Main,
     /// A line beside it.
@@ -39,13 +39,13 @@ pub struct Trace<'a> {
     /// What it is, in a word or two.
     pub name: &'static str,
     /// The same where there is little room.
-    pub short: &'static str,
+    pub short_name: &'static str,
     /// Its values.
-    pub series: &'a Series,
+    pub series: &'a DownsampledSeries,
     /// Its colour.
-    pub colour: Color32,
+    pub color: Color32,
     /// How it is drawn.
-    pub pen: Pen,
+    pub style: TraceStyle,
 }
 
 /// What a card shows.
@@ -55,22 +55,22 @@ pub struct Card<'a> {
     /// What it is, in a sentence or two, on hovering over the title.
     pub about: &'static str,
     /// The y axis.
-    pub scale: Scale,
+    pub scale: AxisScale,
     /// Decimals of values.
     pub digits: usize,
     /// Its lines, the first the uppermost one; its value stands beside the title.
     pub traces: &'a [Trace<'a>],
     /// No line is more important than another: none has its value beside the title.
-    pub equals: bool,
+    pub no_primary_trace: bool,
     /// A dashed line of comparison, and what it is.
     pub reference: Option<(f64, &'static str)>,
     /// What to say while there is nothing to draw.
-    pub empty: &'static str,
+    pub empty_text: &'static str,
 }
 
 /// What all cards share.
 #[derive(Clone, Copy)]
-pub struct Shared<'a> {
+pub struct CardContext<'a> {
     /// Where the x axis begins and ends if all is shown, in env steps.
     pub range: (f64, f64),
     /// Where the pointer was in the last frame, in env steps.
@@ -78,16 +78,16 @@ pub struct Shared<'a> {
     /// Only a part of the x axis was shown in the last frame.
     pub zoomed: bool,
     /// What happened.
-    pub marks: &'a [Mark],
+    pub marks: &'a [Annotation],
     /// Shows all again.
     pub reset: bool,
     /// Under what circumstances it is seen.
-    pub when: When,
+    pub when: PlotContext,
 }
 
 /// What came of showing a card.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Seen {
+pub struct CardResponse {
     /// Where the pointer is, in env steps.
     pub hovered: Option<f64>,
     /// Only a part of the x axis is shown.
@@ -95,44 +95,50 @@ pub struct Seen {
 }
 
 /// Shows a card; `labelled` if its marks have their words, too.
-pub fn show(ui: &mut egui::Ui, card: &Card<'_>, shared: &Shared<'_>, labelled: bool) -> Seen {
-    let inks = Inks::of(ui);
+pub fn card_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, labelled: bool) -> CardResponse {
+    let palette = Palette::from_ui(ui);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
         ui.spacing_mut().interact_size.y = 0.0;
-        heading(ui, card, shared, inks);
-        legend(ui, card, shared, inks);
+        heading_ui(ui, card, shared, palette);
+        legend_ui(ui, card, shared, palette);
         ui.add_space(2.0);
         let size = vec2(ui.available_width(), HEIGHT);
         let place = Rect::from_min_size(ui.cursor().min, size);
         if card.traces.iter().all(|trace| trace.series.points().is_empty()) {
-            nothing_yet(ui, card.empty, size, inks);
-            Seen::default()
+            empty_card_ui(ui, card.empty_text, size, palette);
+            CardResponse::default()
         } else if ui.is_rect_visible(place) {
-            plot(ui, card, shared, labelled, inks)
+            plot_ui(ui, card, shared, labelled, palette)
         } else {
             ui.allocate_space(size);
-            Seen::default()
+            CardResponse::default()
         }
     })
     .inner
 }
 
 /// The plot's place between two lines, and a quiet sentence.
-fn nothing_yet(ui: &mut egui::Ui, text: &str, size: Vec2, inks: Inks) {
+fn empty_card_ui(ui: &mut egui::Ui, text: &str, size: Vec2, palette: Palette) {
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let place = rect.with_min_x(rect.left() + AXIS_WIDTH).with_max_y(rect.bottom() - 14.0);
     for y in [place.top() + 4.0, place.bottom() - 4.0] {
-        ui.painter().hline(place.x_range(), y, Stroke::new(1.0, inks.line));
+        ui.painter().hline(place.x_range(), y, Stroke::new(1.0, palette.border));
     }
     let font = FontId::proportional(SMALL);
-    ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, text, font, inks.soft);
+    ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
 }
 
-fn plot(ui: &mut egui::Ui, card: &Card<'_>, shared: &Shared<'_>, labelled: bool, inks: Inks) -> Seen {
+fn plot_ui(
+    ui: &mut egui::Ui,
+    card: &Card<'_>,
+    shared: &CardContext<'_>,
+    labelled: bool,
+    palette: Palette,
+) -> CardResponse {
     let font = FontId::proportional(SMALL);
     let axis = |hints: AxisHints<'static>| {
-        let hints = hints.tick_label_font(font.clone()).tick_label_color(inks.soft);
+        let hints = hints.tick_label_font(font.clone()).tick_label_color(palette.weak_text);
         hints.label_spacing(egui::Rangef::new(0.0, 1.0))
     };
     let scale = card.scale;
@@ -148,28 +154,29 @@ fn plot(ui: &mut egui::Ui, card: &Card<'_>, shared: &Shared<'_>, labelled: bool,
         .allow_boxed_zoom(false)
         .link_axis(group, [true, false])
         .link_cursor(group, [true, false])
-        .cursor_color(inks.ink.gamma_multiply(0.5))
+        .cursor_color(palette.text.gamma_multiply(0.5))
         .show_y(false)
         .show_background(false)
-        .grid_color(inks.line)
+        .grid_color(palette.border)
         .grid_fade(0.0)
         .set_margin_fraction(vec2(0.0, 0.06))
         .include_x(shared.range.0)
         .include_x(shared.range.1)
-        .custom_x_axes(vec![axis(AxisHints::new_x()).formatter(|mark, _| axis::env_steps(mark.value))])
+        .custom_x_axes(vec![axis(AxisHints::new_x()).formatter(|mark, _| axis::format_env_steps(mark.value))])
         .custom_y_axes(vec![
             axis(AxisHints::new_y())
                 .min_thickness(AXIS_WIDTH)
-                .formatter(move |mark, _| scale.tick(mark.value, mark.step_size)),
+                .formatter(move |mark, _| scale.tick_label(mark.value, mark.step_size)),
         ])
-        .x_grid_spacer(|input| axis::marks(input.bounds, 4.0))
-        .y_grid_spacer(move |input| scale.marks(input.bounds))
+        .x_grid_spacer(|input| axis::round_grid_marks(input.bounds, 4.0))
+        .y_grid_spacer(move |input| scale.grid_marks(input.bounds))
         .label_formatter(|pointer| tooltip(card, pointer));
-    plot = match scale.fixed() {
+    plot = match scale.fixed_range() {
         Some((low, high)) => plot.default_y_bounds(low, high),
-        None => {
-            scale.included(card.traces, card.reference.map(|r| r.0)).into_iter().fold(plot, Plot::include_y)
-        }
+        None => scale
+            .included_values(card.traces, card.reference.map(|r| r.0))
+            .into_iter()
+            .fold(plot, Plot::include_y),
     };
     let frame = plot.show(ui, |plot| {
         if shared.reset {
@@ -177,14 +184,14 @@ fn plot(ui: &mut egui::Ui, card: &Card<'_>, shared: &Shared<'_>, labelled: bool,
         } else if !plot.auto_bounds().x {
             stay_within(plot, shared.range);
         }
-        let marked = inks.soft.gamma_multiply(if labelled { 0.8 } else { 0.45 });
+        let marked = palette.weak_text.gamma_multiply(if labelled { 0.8 } else { 0.45 });
         for mark in shared.marks {
             let line = VLine::new("", mark.env_steps as f64).allow_hover(false);
             plot.vline(line.stroke(Stroke::new(1.0, marked)).style(LineStyle::dashed_dense()));
         }
         if let Some((value, _)) = card.reference {
             let line = HLine::new("", value).allow_hover(false).style(LineStyle::dashed_loose());
-            plot.hline(line.stroke(Stroke::new(1.0, inks.soft)));
+            plot.hline(line.stroke(Stroke::new(1.0, palette.weak_text)));
         }
         for trace in card.traces.iter().rev() {
             draw(plot, trace);
@@ -192,11 +199,11 @@ fn plot(ui: &mut egui::Ui, card: &Card<'_>, shared: &Shared<'_>, labelled: bool,
         !plot.auto_bounds().x
     });
     if labelled {
-        axis::label_marks(ui, &frame.transform, shared.marks, inks);
+        axis::label_marks(ui, &frame.transform, shared.marks, palette);
     }
     let pointer = frame.response.hover_pos();
     let hovered = pointer.map(|at| frame.transform.value_from_position(at).x);
-    Seen { hovered, zoomed: frame.inner }
+    CardResponse { hovered, zoomed: frame.inner }
 }
 
 /// Brings the part that is shown back to where there are rows; if that is all, it grows with them again.
@@ -214,24 +221,24 @@ fn stay_within(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
 
 fn draw<'a>(plot: &mut PlotUi<'a>, trace: &Trace<'a>) {
     let points = trace.series.points();
-    let line = |width: f32, colour: Color32| {
+    let line = |width: f32, color: Color32| {
         Line::new(trace.name, PlotPoints::Borrowed(points))
-            .stroke(Stroke::new(width, colour))
+            .stroke(Stroke::new(width, color))
             .allow_hover(false)
     };
-    match trace.pen {
-        Pen::Spread if trace.series.each_row() => {
+    match trace.style {
+        TraceStyle::Spread if trace.series.is_full_resolution() => {
             let dots = Points::new(trace.name, PlotPoints::Borrowed(points)).allow_hover(false);
-            plot.points(dots.radius(1.2).color(trace.colour.gamma_multiply(0.5)));
+            plot.points(dots.radius(1.2).color(trace.color.gamma_multiply(0.5)));
         }
-        Pen::Spread => plot.add(Band::new(trace.series, trace.colour.gamma_multiply(0.3))),
-        Pen::Faint => plot.line(line(1.2, trace.colour)),
-        Pen::Main => plot.line(line(1.8, trace.colour)),
-        Pen::Dots => {
-            plot.line(line(1.8, trace.colour));
-            if points.len() <= MOST_DOTS {
+        TraceStyle::Spread => plot.add(Band::new(trace.series, trace.color.gamma_multiply(0.3))),
+        TraceStyle::Faint => plot.line(line(1.2, trace.color)),
+        TraceStyle::Main => plot.line(line(1.8, trace.color)),
+        TraceStyle::Dots => {
+            plot.line(line(1.8, trace.color));
+            if points.len() <= MAX_DOTS {
                 let dots = Points::new(trace.name, PlotPoints::Borrowed(points)).allow_hover(false);
-                plot.points(dots.radius(2.2).color(trace.colour));
+                plot.points(dots.radius(2.2).color(trace.color));
             }
         }
     }
@@ -241,12 +248,12 @@ fn draw<'a>(plot: &mut PlotUi<'a>, trace: &Trace<'a>) {
 fn tooltip(card: &Card<'_>, pointer: &egui_plot::HoverPosition<'_>) -> Option<String> {
     let (egui_plot::HoverPosition::NearDataPoint { position, .. }
     | egui_plot::HoverPosition::Elsewhere { position }) = pointer;
-    let lines = || card.traces.iter().filter(|trace| trace.pen != Pen::Spread);
+    let lines = || card.traces.iter().filter(|trace| trace.style != TraceStyle::Spread);
     let named = lines().count() > 1;
     let values = lines().filter_map(|trace| {
-        let value = reading(card, trace, Some(position.x))?;
+        let value = value_at(card, trace, Some(position.x))?;
         Some(if named { format!("{} {value}", trace.name) } else { value })
     });
     let values: Vec<_> = values.collect();
-    Some(format!("at {}:  {}", axis::env_steps(position.x.max(0.0)), values.join(",  ")))
+    Some(format!("at {}:  {}", axis::format_env_steps(position.x.max(0.0)), values.join(",  ")))
 }

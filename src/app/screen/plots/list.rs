@@ -2,10 +2,10 @@
 //!
 //! In: the curves. Out: a card each ([`card`](super::card)).
 
-use super::axis::Scale;
-use super::card::{self, Card, Pen, Seen, Shared, Trace};
-use crate::app::history::{Curves, Series};
-use crate::app::screen::theme::Inks;
+use super::axis::AxisScale;
+use super::card::{self, Card, CardContext, CardResponse, Trace, TraceStyle};
+use crate::app::history::{DownsampledSeries, LearningCurves};
+use crate::app::screen::theme::Palette;
 
 /// The paper's success rate of PER-D3QN in Scenario I (table 2), 0 to 1.
 const PAPER_SUCCESS: f64 = 0.96;
@@ -13,201 +13,237 @@ const PAPER_SUCCESS: f64 = 0.96;
 /// `assets/experiments/fig9.ron`.
 const PAPER_RETURN: f64 = 2500.0;
 
-/// The share of targets that were reached.
-pub fn success(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled: bool) -> Seen {
-    let inks = Inks::of(ui);
+/// The share of goals that were reached.
+pub fn success_ui(
+    ui: &mut egui::Ui,
+    curves: &LearningCurves,
+    shared: &CardContext<'_>,
+    labelled: bool,
+) -> CardResponse {
+    let palette = Palette::from_ui(ui);
     let card = Card {
         title: "Success rate",
-        about: "The share of targets that were reached. Greedy: the policy alone, tested now and then on navigations \
+        about: "The share of goals that were reached. Greedy: the policy alone, tested now and then on navigations \
                 it has never seen. In training: over the last 100 episodes, random actions included; the navigation \
                 with which an episode ends counts as failed, even if it was only out of time.",
-        scale: Scale::Percent,
+        scale: AxisScale::Percent,
         digits: 0,
         traces: &[
             Trace {
                 name: "greedy",
-                short: "greedy",
+                short_name: "greedy",
                 series: &curves.evaluated,
-                colour: inks.accent,
-                pen: Pen::Dots,
+                color: palette.accent,
+                style: TraceStyle::Dots,
             },
             Trace {
                 name: "in training",
-                short: "in training",
+                short_name: "in training",
                 series: curves.success.series(),
-                colour: inks.soft,
-                pen: Pen::Faint,
+                color: palette.weak_text,
+                style: TraceStyle::Faint,
             },
         ],
-        equals: false,
-        reference: shared.when.papers_world.then_some((PAPER_SUCCESS, "paper 96%")),
-        empty: if shared.when.training { "The first episodes end in a moment" } else { "" },
+        no_primary_trace: false,
+        reference: shared.when.is_paper_scenario_1.then_some((PAPER_SUCCESS, "paper 96%")),
+        empty_text: if shared.when.training { "The first episodes end in a moment" } else { "" },
     };
-    card::show(ui, &card, shared, labelled)
+    card::card_ui(ui, &card, shared, labelled)
 }
 
-/// What a [`Pen::Spread`] shows, and in short.
-fn spread(series: &Series) -> (&'static str, &'static str) {
-    if series.each_row() { ("each episode", "each") } else { ("lowest to highest", "range") }
+/// What a [`TraceStyle::Spread`] shows, and in short.
+fn spread(series: &DownsampledSeries) -> (&'static str, &'static str) {
+    if series.is_full_resolution() { ("each episode", "each") } else { ("lowest to highest", "range") }
 }
 
 /// The sum of an episode's rewards.
-pub fn returns(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled: bool) -> Seen {
-    let inks = Inks::of(ui);
+pub fn returns_ui(
+    ui: &mut egui::Ui,
+    curves: &LearningCurves,
+    shared: &CardContext<'_>,
+    labelled: bool,
+) -> CardResponse {
+    let palette = Palette::from_ui(ui);
     let card = Card {
         title: "Return per episode",
         about: "The sum of an episode's rewards. The paper's robot settles at 2,500 in Scenario I.",
-        scale: Scale::Linear,
+        scale: AxisScale::Linear,
         digits: 0,
         traces: &[
             Trace {
                 name: "mean of 100 episodes",
-                short: "mean of 100",
+                short_name: "mean of 100",
                 series: curves.return_mean.series(),
-                colour: inks.accent,
-                pen: Pen::Main,
+                color: palette.accent,
+                style: TraceStyle::Main,
             },
             Trace {
                 name: spread(&curves.returns).0,
-                short: spread(&curves.returns).1,
+                short_name: spread(&curves.returns).1,
                 series: &curves.returns,
-                colour: inks.soft,
-                pen: Pen::Spread,
+                color: palette.weak_text,
+                style: TraceStyle::Spread,
             },
         ],
-        equals: false,
-        reference: shared.when.papers_world.then_some((PAPER_RETURN, "paper 2,500")),
-        empty: "",
+        no_primary_trace: false,
+        reference: shared.when.is_paper_scenario_1.then_some((PAPER_RETURN, "paper 2,500")),
+        empty_text: "",
     };
-    card::show(ui, &card, shared, labelled)
+    card::card_ui(ui, &card, shared, labelled)
 }
 
 /// Targets reached in an episode.
-pub fn targets(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled: bool) -> Seen {
-    let inks = Inks::of(ui);
+pub fn goals_ui(
+    ui: &mut egui::Ui,
+    curves: &LearningCurves,
+    shared: &CardContext<'_>,
+    labelled: bool,
+) -> CardResponse {
+    let palette = Palette::from_ui(ui);
     let card = Card {
         title: "Targets per episode",
-        about: "How many targets are reached before a collision or the time limit.",
-        scale: Scale::FromZero,
+        about: "How many goals are reached before a collision or the time limit.",
+        scale: AxisScale::FromZero,
         digits: 1,
         traces: &[
             Trace {
                 name: "mean of 100 episodes",
-                short: "mean of 100",
-                series: curves.target_mean.series(),
-                colour: inks.accent,
-                pen: Pen::Main,
+                short_name: "mean of 100",
+                series: curves.goal_mean.series(),
+                color: palette.accent,
+                style: TraceStyle::Main,
             },
             Trace {
-                name: spread(&curves.targets).0,
-                short: spread(&curves.targets).1,
-                series: &curves.targets,
-                colour: inks.soft,
-                pen: Pen::Spread,
+                name: spread(&curves.goals).0,
+                short_name: spread(&curves.goals).1,
+                series: &curves.goals,
+                color: palette.weak_text,
+                style: TraceStyle::Spread,
             },
         ],
-        equals: false,
+        no_primary_trace: false,
         reference: None,
-        empty: "",
+        empty_text: "",
     };
-    card::show(ui, &card, shared, labelled)
+    card::card_ui(ui, &card, shared, labelled)
 }
 
 /// The loss and the TD error.
-pub fn errors(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled: bool) -> Seen {
-    let inks = Inks::of(ui);
+pub fn errors_ui(
+    ui: &mut egui::Ui,
+    curves: &LearningCurves,
+    shared: &CardContext<'_>,
+    labelled: bool,
+) -> CardResponse {
+    let palette = Palette::from_ui(ui);
     let card = Card {
         title: "Loss and error",
         about: "How far the network's predictions are off, on a logarithmic axis: the loss that is minimized, and the \
                 mean absolute TD error, in units of reward as they are learnt.",
-        scale: Scale::Decades,
+        scale: AxisScale::Log10,
         digits: 2,
         traces: &[
             Trace {
                 name: "loss",
-                short: "loss",
+                short_name: "loss",
                 series: &curves.loss_log,
-                colour: inks.accent,
-                pen: Pen::Main,
+                color: palette.accent,
+                style: TraceStyle::Main,
             },
             Trace {
                 name: "|TD error|",
-                short: "|TD error|",
+                short_name: "|TD error|",
                 series: &curves.td_error_log,
-                colour: inks.soft,
-                pen: Pen::Main,
+                color: palette.weak_text,
+                style: TraceStyle::Main,
             },
         ],
-        equals: true,
+        no_primary_trace: true,
         reference: None,
-        empty: "Learning begins when enough has been seen",
+        empty_text: "Learning begins when enough has been seen",
     };
-    card::show(ui, &card, shared, labelled)
+    card::card_ui(ui, &card, shared, labelled)
 }
 
 /// What the network expects.
-pub fn mean_q(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled: bool) -> Seen {
-    let inks = Inks::of(ui);
+pub fn mean_q_ui(
+    ui: &mut egui::Ui,
+    curves: &LearningCurves,
+    shared: &CardContext<'_>,
+    labelled: bool,
+) -> CardResponse {
+    let palette = Palette::from_ui(ui);
     let card = Card {
         title: "Mean Q-value",
         about: "What the network expects of the actions taken, in units of reward as they are learnt.",
-        scale: Scale::Linear,
+        scale: AxisScale::Linear,
         digits: 2,
         traces: &[Trace {
             name: "of the actions taken",
-            short: "actions taken",
+            short_name: "actions taken",
             series: &curves.mean_q,
-            colour: inks.accent,
-            pen: Pen::Main,
+            color: palette.accent,
+            style: TraceStyle::Main,
         }],
-        equals: false,
+        no_primary_trace: false,
         reference: None,
-        empty: "Learning begins when enough has been seen",
+        empty_text: "Learning begins when enough has been seen",
     };
-    card::show(ui, &card, shared, labelled)
+    card::card_ui(ui, &card, shared, labelled)
 }
 
 /// How much is explored.
-pub fn epsilon(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled: bool) -> Seen {
-    let inks = Inks::of(ui);
+pub fn epsilon_ui(
+    ui: &mut egui::Ui,
+    curves: &LearningCurves,
+    shared: &CardContext<'_>,
+    labelled: bool,
+) -> CardResponse {
+    let palette = Palette::from_ui(ui);
     let card = Card {
         title: "Epsilon",
         about: "The chance that an action is a random one, to explore.",
-        scale: Scale::Unit,
+        scale: AxisScale::Unit,
         digits: 2,
         traces: &[Trace {
             name: "random actions",
-            short: "random actions",
+            short_name: "random actions",
             series: &curves.epsilon,
-            colour: inks.accent,
-            pen: Pen::Main,
+            color: palette.accent,
+            style: TraceStyle::Main,
         }],
-        equals: false,
+        no_primary_trace: false,
         reference: None,
-        empty: "",
+        empty_text: "",
     };
-    card::show(ui, &card, shared, labelled)
+    card::card_ui(ui, &card, shared, labelled)
 }
 
 /// What the return is made of.
-pub fn terms(ui: &mut egui::Ui, curves: &Curves, shared: &Shared<'_>, labelled: bool) -> Seen {
-    let inks = Inks::of(ui);
-    let term = |name, short, series, colour| Trace { name, short, series, colour, pen: Pen::Main };
+pub fn reward_terms_ui(
+    ui: &mut egui::Ui,
+    curves: &LearningCurves,
+    shared: &CardContext<'_>,
+    labelled: bool,
+) -> CardResponse {
+    let palette = Palette::from_ui(ui);
+    let term =
+        |name, short_name, series, color| Trace { name, short_name, series, color, style: TraceStyle::Main };
     let card = Card {
         title: "Reward by its terms",
-        about: "What an episode's return is made of, as means of 100 episodes: for reaching targets, for the \
-                collision, for coming nearer to the target, for coming nearer to obstacles.",
-        scale: Scale::Linear,
+        about: "What an episode's return is made of, as means of 100 episodes: for reaching goals, for the \
+                collision, for coming nearer to the goal, for coming nearer to obstacles.",
+        scale: AxisScale::Linear,
         digits: 0,
         traces: &[
-            term("reached", "reached", curves.reached.series(), inks.good),
-            term("collided", "collided", curves.collided.series(), inks.bad),
-            term("attraction", "attract.", curves.attraction.series(), inks.accent),
-            term("repulsion", "repuls.", curves.repulsion.series(), inks.warn),
+            term("reached", "reached", curves.reached.series(), palette.success),
+            term("collided", "collided", curves.collided.series(), palette.error),
+            term("attraction", "attract.", curves.attraction.series(), palette.accent),
+            term("repulsion", "repuls.", curves.repulsion.series(), palette.warning),
         ],
-        equals: true,
+        no_primary_trace: true,
         reference: None,
-        empty: "",
+        empty_text: "",
     };
-    card::show(ui, &card, shared, labelled)
+    card::card_ui(ui, &card, shared, labelled)
 }

@@ -23,63 +23,63 @@ use egui::collapsing_header::CollapsingState;
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{Align, Align2, FontId, Id, Layout, RichText, Sense, Vec2, WidgetInfo, WidgetType, pos2, vec2};
 
-use self::card::{Seen, Shared};
-use self::list::{epsilon, errors, mean_q, returns, success, targets, terms};
+use self::card::{CardContext, CardResponse};
+use self::list::{epsilon_ui, errors_ui, goals_ui, mean_q_ui, returns_ui, reward_terms_ui, success_ui};
+use crate::app::commands::{Command, SaveKind};
 use crate::app::history::History;
-use crate::app::orders::{Order, Saved};
-use crate::app::screen::theme::{BODY, GAP, Inks, SMALL};
+use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
 
 /// Under what circumstances the curves are seen.
 #[derive(Clone, Copy, Debug)]
-pub struct When {
+pub struct PlotContext {
     /// The world is the paper's, so its levels can be compared with.
-    pub papers_world: bool,
+    pub is_paper_scenario_1: bool,
     /// Training goes on; if not, it rests while something else is driven.
     pub training: bool,
     /// There is a disk; if not, the browser is given pictures to draw itself.
-    pub disk: bool,
+    pub has_disk: bool,
 }
 
 /// What is known from the last frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Remembered {
-    seen: Seen,
+    seen: CardResponse,
     reset: bool,
 }
 
 /// Shows the plots, in a column that scrolls.
-pub fn show(ui: &mut egui::Ui, history: &History, when: When, orders: &mut Vec<Order>) {
+pub fn plots_ui(ui: &mut egui::Ui, history: &History, when: PlotContext, commands: &mut Vec<Command>) {
     let id = Id::new("wayfield plots");
     let mut before: Remembered = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     // Room at the right, in the panel's margin, for the scroll bar.
     let width = ui.available_width() - 2.0 * GAP;
     ui.scope(|ui| {
         ui.set_max_width(width);
-        header(ui, history, when.disk, orders, &mut before);
+        header_ui(ui, history, when.has_disk, commands, &mut before);
         if !when.training {
             let text = RichText::new("Training rests meanwhile.").size(SMALL);
-            ui.label(text.color(Inks::of(ui).soft));
+            ui.label(text.color(Palette::from_ui(ui).weak_text));
         }
     });
-    let shared = Shared {
+    let shared = CardContext {
         range: history.range().map_or((0.0, 1.0), |(first, last)| (first as f64, last.max(first + 1) as f64)),
         hovered: before.seen.hovered,
         zoomed: before.seen.zoomed,
-        marks: history.marks(),
+        marks: history.annotations(),
         reset: before.reset,
         when,
     };
     ui.add_space(GAP);
-    let mut seen = Seen::default();
+    let mut seen = CardResponse::default();
     egui::ScrollArea::vertical().id_salt(id).auto_shrink([false, false]).show(ui, |ui| {
         ui.set_max_width(width);
         ui.spacing_mut().item_spacing.y = 2.0 * GAP;
         let curves = history.curves();
-        for (index, card) in [success, returns, targets].into_iter().enumerate() {
+        for (index, card) in [success_ui, returns_ui, goals_ui].into_iter().enumerate() {
             add(&mut seen, card(ui, curves, &shared, index == 0));
         }
-        more(ui, |ui| {
-            for card in [errors, mean_q, epsilon, terms] {
+        more_ui(ui, |ui| {
+            for card in [errors_ui, mean_q_ui, epsilon_ui, reward_terms_ui] {
                 add(&mut seen, card(ui, curves, &shared, false));
             }
         });
@@ -91,41 +91,41 @@ pub fn show(ui: &mut egui::Ui, history: &History, when: When, orders: &mut Vec<O
     ui.data_mut(|data| data.insert_temp(id, Remembered { seen, reset: false }));
 }
 
-fn add(seen: &mut Seen, card: Seen) {
+fn add(seen: &mut CardResponse, card: CardResponse) {
     seen.hovered = seen.hovered.or(card.hovered);
     seen.zoomed |= card.zoomed;
 }
 
-fn header(
+fn header_ui(
     ui: &mut egui::Ui,
     history: &History,
-    disk: bool,
-    orders: &mut Vec<Order>,
+    has_disk: bool,
+    commands: &mut Vec<Command>,
     before: &mut Remembered,
 ) {
-    let inks = Inks::of(ui);
+    let palette = Palette::from_ui(ui);
     ui.horizontal(|ui| {
         let about = "How the training goes, over env steps: the control steps of all arenas together. Ctrl and the \
                      mouse wheel zoom into it, dragging moves along, a double click shows all again.";
         ui.heading("Learning").on_hover_text(about);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_enabled_ui(history.range().is_some(), |ui| {
-                let png = "Saves the learning curve as a picture: success, return and targets.";
-                if ui.button(if disk { "PNG" } else { "SVG" }).on_hover_text(png).clicked() {
-                    orders.push(Order::SaveDialog(Saved::Png));
+                let png = "Saves the learning curve as a picture: success, return and goals.";
+                if ui.button(if has_disk { "PNG" } else { "SVG" }).on_hover_text(png).clicked() {
+                    commands.push(Command::SaveDialog(SaveKind::Png));
                 }
                 let csv = "Saves a row of numbers for each episode so far, for a spreadsheet.";
                 if ui.button("CSV").on_hover_text(csv).clicked() {
-                    orders.push(Order::SaveDialog(Saved::Csv));
+                    commands.push(Command::SaveDialog(SaveKind::Csv));
                 }
                 if before.seen.zoomed && ui.button("Show all").clicked() {
                     before.reset = true;
                 }
             });
             // Between them, if there is room.
-            let text = RichText::new("by env steps").size(SMALL).color(inks.soft);
+            let text = RichText::new("by env steps").size(SMALL).color(palette.weak_text);
             let font = FontId::proportional(SMALL);
-            let width = ui.painter().layout_no_wrap(text.text().into(), font, inks.soft).size().x;
+            let width = ui.painter().layout_no_wrap(text.text().into(), font, palette.weak_text).size().x;
             if width <= ui.available_width() {
                 let between = Layout::left_to_right(Align::Center);
                 ui.with_layout(between, |ui| ui.label(text).on_hover_text(about));
@@ -135,10 +135,10 @@ fn header(
 }
 
 /// A row that opens and closes what is under it.
-fn more(ui: &mut egui::Ui, body: impl FnOnce(&mut egui::Ui)) {
+fn more_ui(ui: &mut egui::Ui, body: impl FnOnce(&mut egui::Ui)) {
     let id = ui.make_persistent_id("more");
     let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, false);
-    let inks = Inks::of(ui);
+    let palette = Palette::from_ui(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 26.0), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(WidgetType::CollapsingHeader, ui.is_enabled(), "More"));
     if response.clicked() {
@@ -146,13 +146,13 @@ fn more(ui: &mut egui::Ui, body: impl FnOnce(&mut egui::Ui)) {
     }
     let lit = response.hovered() || response.has_focus();
     if lit {
-        ui.painter().rect_filled(rect.expand2(vec2(6.0, 0.0)), 4.0, inks.raised);
+        ui.painter().rect_filled(rect.expand2(vec2(6.0, 0.0)), 4.0, palette.control);
     }
     // A triangle that turns from the right to below.
     let middle = rect.left_center() + vec2(4.0, 0.0);
     let along = Vec2::angled(state.openness(ui.ctx()) * FRAC_PI_2);
     let corners = [along * 5.0, along.rot90() * 5.0 - along * 3.5, -along.rot90() * 5.0 - along * 3.5];
-    let ink = if lit { inks.ink } else { inks.soft };
+    let ink = if lit { palette.text } else { palette.weak_text };
     let corners = corners.map(|corner| middle + corner).to_vec();
     ui.painter().add(egui::Shape::convex_polygon(corners, ink, egui::Stroke::NONE));
     // As much of it as has room.
@@ -164,8 +164,8 @@ fn more(ui: &mut egui::Ui, body: impl FnOnce(&mut egui::Ui)) {
         ui.painter().galley(place.min, galley, ink);
         place
     };
-    let more = word(rect.left() + 16.0, "More", BODY, inks.ink);
-    word(more.right() + 2.0 * GAP, "loss, Q-values, exploration, reward", SMALL, inks.soft);
+    let more = word(rect.left() + 16.0, "More", BODY, palette.text);
+    word(more.right() + 2.0 * GAP, "loss, Q-values, exploration, reward", SMALL, palette.weak_text);
     response.on_hover_text("Loss, Q-values, exploration, and what the reward is made of.");
     state.show_body_unindented(ui, body);
 }
@@ -176,22 +176,22 @@ mod tests {
     use egui_kittest::kittest::Queryable;
 
     use super::*;
-    use crate::run::records::{EpisodeRow, EvaluationRow};
+    use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 
     struct State {
         history: History,
-        when: When,
-        orders: Vec<Order>,
+        when: PlotContext,
+        commands: Vec<Command>,
         dressed: bool,
     }
 
     /// The plots of `history` in training in the paper's world, with More open.
     fn shown(history: History) -> Harness<'static, State> {
-        let when = When { papers_world: true, training: true, disk: true };
-        let state = State { history, when, orders: Vec::new(), dressed: false };
+        let when = PlotContext { is_paper_scenario_1: true, training: true, has_disk: true };
+        let state = State { history, when, commands: Vec::new(), dressed: false };
         let draw = |ui: &mut egui::Ui, state: &mut State| {
             if state.dressed {
-                show(ui, &state.history, state.when, &mut state.orders);
+                plots_ui(ui, &state.history, state.when, &mut state.commands);
             } else {
                 // Fonts are there from the next frame on.
                 crate::app::screen::theme::install(ui.ctx());
@@ -220,14 +220,14 @@ mod tests {
     #[test]
     fn the_buttons_order_what_they_say() {
         let mut history = History::new();
-        history.episode(&row(1, 3.0));
+        history.push_episode(&row(1, 3.0));
         let mut harness = shown(history);
         for button in ["CSV", "PNG"] {
             harness.get_by_label(button).click();
             harness.run_steps(2);
         }
-        let expected = [Order::SaveDialog(Saved::Csv), Order::SaveDialog(Saved::Png)];
-        assert_eq!(harness.state().orders, expected);
+        let expected = [Command::SaveDialog(SaveKind::Csv), Command::SaveDialog(SaveKind::Png)];
+        assert_eq!(harness.state().commands, expected);
     }
 
     #[test]
@@ -235,17 +235,17 @@ mod tests {
         let mut harness = shown(History::new());
         harness.get_by_label("CSV").click();
         harness.run_steps(2);
-        assert!(harness.state().orders.is_empty());
+        assert!(harness.state().commands.is_empty());
     }
 
     #[test]
     fn the_papers_levels_are_for_the_papers_world_alone() {
         let mut history = History::new();
-        history.episode(&row(1, 3.0));
+        history.push_episode(&row(1, 3.0));
         let mut harness = shown(history);
         let levels = |harness: &Harness<'_, State>| harness.query_all_by_label_contains("paper ").count();
         assert_eq!(levels(&harness), 2);
-        harness.state_mut().when.papers_world = false;
+        harness.state_mut().when.is_paper_scenario_1 = false;
         harness.run_steps(2);
         assert_eq!(levels(&harness), 0);
     }
@@ -264,10 +264,10 @@ mod tests {
     fn values_are_the_latest_and_those_at_the_pointer() {
         let mut history = History::new();
         for episode in 1..=10 {
-            history.episode(&row(episode, 50.0 * episode as f64));
+            history.push_episode(&row(episode, 50.0 * episode as f64));
         }
         for (env_steps, success_rate) in [(200, 0.25), (1000, 0.75)] {
-            history.evaluation(&EvaluationRow { env_steps, success_rate, ..Default::default() });
+            history.push_evaluation(&EvaluationRow { env_steps, success_rate, ..Default::default() });
         }
         let mut harness = shown(history);
         assert!(harness.query_by_label("75.0%").is_some(), "the latest evaluation");
@@ -285,9 +285,9 @@ mod tests {
             for (episode, value) in (1..).zip(values) {
                 let value_row =
                     EpisodeRow { loss: Some(value), td_error: Some(value), ..row(episode, value) };
-                history.episode(&EpisodeRow { env_steps: 0, ..value_row });
+                history.push_episode(&EpisodeRow { env_steps: 0, ..value_row });
             }
-            history.mark(0, "at the very beginning".into());
+            history.annotate(0, "at the very beginning".into());
             shown(history);
         }
     }

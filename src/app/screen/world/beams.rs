@@ -5,18 +5,18 @@
 use egui::{Align2, Color32, Pos2, Rect, Shape, Stroke, Vec2};
 
 use super::canvas::Canvas;
-use super::plane::direction;
+use super::transform::screen_direction;
 use crate::app::scene::ArenaScene;
-use crate::app::screen::theme::Inks;
+use crate::app::screen::theme::Palette;
 use crate::scenario::Scenario;
 
 /// More beams than these are not told apart on a screen: every other one is drawn, or fewer.
-const MOST: usize = 720;
+const MAX_BEAMS: usize = 720;
 
 /// The colour of a beam: `near` is 1 at the robot, 0 from half of the sensor's range on.
 #[must_use]
-pub fn beam_ink(inks: &Inks, near: f32) -> Color32 {
-    inks.soft.lerp_to_gamma(inks.bad, near.clamp(0.0, 1.0)).gamma_multiply(0.27 + 0.55 * near)
+pub fn beam_color(palette: &Palette, near: f32) -> Color32 {
+    palette.weak_text.lerp_to_gamma(palette.error, near.clamp(0.0, 1.0)).gamma_multiply(0.27 + 0.55 * near)
 }
 
 fn nearness(range_m: f32, max_range_m: f32) -> f32 {
@@ -31,12 +31,12 @@ fn nearest(ranges_m: &[f32], max_range_m: f32) -> Option<(usize, f32)> {
 
 /// Draws the last scan; gives the space that the nearest beam's label takes.
 pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<Rect> {
-    let (painter, inks) = (&canvas.painter, &canvas.inks);
+    let (painter, palette) = (&canvas.painter, &canvas.palette);
     let (ranges, max_m) = (&arena.ranges_m, scenario.lidar.max_range_m);
-    let from = canvas.at([arena.scan_pose.x_m, arena.scan_pose.y_m]);
-    let skin = canvas.plane.length(scenario.robot.radius_m);
+    let from = canvas.to_screen([arena.scan_pose.x_m, arena.scan_pose.y_m]);
+    let skin = canvas.transform.to_screen_length(scenario.robot.radius_m);
     let towards = |beam: usize| -> Vec2 {
-        direction(arena.scan_pose.heading_rad + scenario.lidar.beam_angle_rad(beam) as f32)
+        screen_direction(arena.scan_pose.heading_rad + scenario.lidar.beam_angle_rad(beam) as f32)
     };
     if !scenario.lidar.is_all_around() {
         view(canvas, scenario, arena, from);
@@ -44,50 +44,51 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
     let nearest = nearest(ranges, max_m);
     // Many lines together are as strong as few.
     let strength = (48.0 / ranges.len() as f32).sqrt().min(1.0);
-    for beam in (0..ranges.len()).step_by(ranges.len().div_ceil(MOST).max(1)) {
+    for beam in (0..ranges.len()).step_by(ranges.len().div_ceil(MAX_BEAMS).max(1)) {
         let range_m = ranges[beam];
-        let (along, reach) = (towards(beam), canvas.plane.length(range_m));
+        let (along, reach) = (towards(beam), canvas.transform.to_screen_length(range_m));
         if !range_m.is_finite() || reach <= skin || nearest.is_some_and(|(first, _)| first == beam) {
             continue;
         }
-        let ink = beam_ink(inks, nearness(range_m, max_m)).gamma_multiply(strength);
+        let ink = beam_color(palette, nearness(range_m, max_m)).gamma_multiply(strength);
         painter.line_segment([from + along * skin, from + along * reach], Stroke::new(1.0, ink));
-        if range_m < max_m && ranges.len() <= 128 && !canvas.small {
+        if range_m < max_m && ranges.len() <= 128 && !canvas.compact {
             painter.circle_filled(from + along * reach, 1.75, ink.gamma_multiply(1.6));
         }
     }
     let (beam, range_m) = nearest?;
-    let (along, reach) = (towards(beam), canvas.plane.length(range_m));
-    let (hit, ink) = (from + along * reach, inks.bad);
-    let width = if canvas.small { 1.25 } else { 2.0 };
+    let (along, reach) = (towards(beam), canvas.transform.to_screen_length(range_m));
+    let (hit, ink) = (from + along * reach, palette.error);
+    let width = if canvas.compact { 1.25 } else { 2.0 };
     painter.line_segment([from + along * skin.min(reach), hit], Stroke::new(width, ink));
-    if canvas.small {
+    if canvas.compact {
         painter.circle_filled(hit, 2.0, ink);
         return None;
     }
-    painter.circle_filled(hit, 4.5, inks.floor);
+    painter.circle_filled(hit, 4.5, palette.floor);
     painter.circle_filled(hit, 3.25, ink);
     let label = format!("{range_m:.2} m");
-    Some(canvas.chip(hit + along * 9.0 + label_shift(along), Align2::CENTER_CENTER, &label, inks.ink))
+    Some(canvas.label(hit + along * 9.0 + label_shift(along), Align2::CENTER_CENTER, &label, palette.text))
 }
 
 /// What a sensor that doesn't see all around sees: the wedge between its outermost beams, as far as they go.
 fn view(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, from: Pos2) {
     let half = scenario.lidar.field_of_view_rad / 2.0;
-    let skin = canvas.plane.length(scenario.robot.radius_m);
-    let (heading, reach) = (arena.scan_pose.heading_rad, canvas.plane.length(scenario.lidar.max_range_m));
+    let skin = canvas.transform.to_screen_length(scenario.robot.radius_m);
+    let (heading, reach) =
+        (arena.scan_pose.heading_rad, canvas.transform.to_screen_length(scenario.lidar.max_range_m));
     let ends =
         if arena.ranges_m.len() > 1 { [arena.ranges_m.first(), arena.ranges_m.last()] } else { [None; 2] };
-    let stroke = Stroke::new(1.0, canvas.inks.soft.gamma_multiply(0.6));
+    let stroke = Stroke::new(1.0, canvas.palette.weak_text.gamma_multiply(0.6));
     for (turn, end) in [-half, half].into_iter().zip(ends) {
-        let long = end.map_or(reach, |&range_m| canvas.plane.length(range_m));
-        let along = direction(heading + turn);
+        let long = end.map_or(reach, |&range_m| canvas.transform.to_screen_length(range_m));
+        let along = screen_direction(heading + turn);
         canvas.painter.line_segment([from + along * skin, from + along * long.max(skin)], stroke);
     }
     let radius = (2.2 * skin).max(16.0);
     let parts = 24;
-    let arc =
-        (0..=parts).map(|k| from + direction(heading - half + 2.0 * half * k as f32 / parts as f32) * radius);
+    let arc = (0..=parts)
+        .map(|k| from + screen_direction(heading - half + 2.0 * half * k as f32 / parts as f32) * radius);
     canvas.painter.add(Shape::line(arc.collect(), stroke));
 }
 
@@ -109,8 +110,8 @@ mod tests {
 
     #[test]
     fn near_is_clearer_than_far() {
-        let inks = Inks::new(true);
-        assert!(beam_ink(&inks, nearness(0.2, 3.5)).a() > beam_ink(&inks, nearness(3.0, 3.5)).a());
+        let palette = Palette::new(true);
+        assert!(beam_color(&palette, nearness(0.2, 3.5)).a() > beam_color(&palette, nearness(3.0, 3.5)).a());
         assert_eq!((nearness(0.0, 3.5), nearness(1.75, 3.5)), (1.0, 0.0));
     }
 }

@@ -7,8 +7,8 @@ use egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
 };
 
-use super::plane::{Plane, pushed_into};
-use crate::app::screen::theme::{Inks, SMALL};
+use super::transform::{ViewTransform, constrain_to};
+use crate::app::screen::theme::{Palette, SMALL};
 
 /// What an arena is drawn with.
 #[derive(Clone)]
@@ -16,50 +16,55 @@ pub struct Canvas {
     /// Clipped to the view.
     pub painter: Painter,
     /// The world's place on the screen.
-    pub plane: Plane,
+    pub transform: ViewTransform,
     /// The colours.
-    pub inks: Inks,
+    pub palette: Palette,
     /// A cell of the grid: fewer marks.
-    pub small: bool,
+    pub compact: bool,
 }
 
 impl Canvas {
     /// Where a point of the world, in m, is on the screen.
     #[must_use]
-    pub fn at(&self, point_m: [f32; 2]) -> Pos2 {
-        self.plane.to_screen(point_m)
+    pub fn to_screen(&self, point_m: [f32; 2]) -> Pos2 {
+        self.transform.to_screen(point_m)
     }
 
     /// A line `width` points wide through points of the world, in m; `colour` gives its colour at each part of its
     /// length in points, 0 to 1.
-    pub fn way(&self, points_m: impl Iterator<Item = [f32; 2]>, width: f32, colour: impl Fn(f32) -> Color32) {
-        let apart = if self.small { 3.0 } else { 1.2 };
-        let points = thinned(points_m.map(|point| self.at(point)), apart);
+    pub fn gradient_line(
+        &self,
+        points_m: impl Iterator<Item = [f32; 2]>,
+        width: f32,
+        colour: impl Fn(f32) -> Color32,
+    ) {
+        let apart = if self.compact { 3.0 } else { 1.2 };
+        let points = thinned(points_m.map(|point| self.to_screen(point)), apart);
         if let Some(mesh) = ribbon(&points, width, 1.0 / self.painter.pixels_per_point(), colour) {
             self.painter.add(Shape::mesh(mesh));
         }
     }
 
     /// A small label at `at`, kept within the view; gives the space it takes.
-    pub fn chip(&self, at: Pos2, anchor: Align2, text: &str, ink: Color32) -> Rect {
+    pub fn label(&self, at: Pos2, anchor: Align2, text: &str, ink: Color32) -> Rect {
         let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(SMALL), ink);
         let size = galley.size() + vec2(8.0, 3.0);
-        let rect = pushed_into(anchor.anchor_size(at, size), self.plane.rect.shrink(3.0));
-        let back = self.inks.panel.gamma_multiply(0.9);
+        let rect = constrain_to(anchor.anchor_size(at, size), self.transform.rect.shrink(3.0));
+        let back = self.palette.panel.gamma_multiply(0.9);
         self.painter.rect_filled(rect, CornerRadius::same(4), back);
         self.painter.galley(rect.center() - galley.size() / 2.0, galley, ink);
         rect
     }
 
     /// A card of `rect` to write on.
-    pub fn card(&self, rect: Rect) {
-        let (radius, edge) = (CornerRadius::same(6), Stroke::new(1.0, self.inks.line));
-        self.painter.rect(rect, radius, self.inks.panel, edge, egui::StrokeKind::Inside);
+    pub fn card_background(&self, rect: Rect) {
+        let (radius, edge) = (CornerRadius::same(6), Stroke::new(1.0, self.palette.border));
+        self.painter.rect(rect, radius, self.palette.panel, edge, egui::StrokeKind::Inside);
     }
 
     /// The ground of a line of explanations: not seen beside the arena, only over it.
-    pub fn strip(&self, rect: Rect) {
-        self.painter.rect_filled(rect, CornerRadius::same(4), self.inks.paper);
+    pub fn strip_background(&self, rect: Rect) {
+        self.painter.rect_filled(rect, CornerRadius::same(4), self.palette.background);
     }
 
     /// Small text; gives the space it takes.

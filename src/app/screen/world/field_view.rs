@@ -1,14 +1,14 @@
 //! Fields over the plane: the potential and the network's value, as colours, as arrows, and their key.
 //!
-//! In: a [`Field`]. Out: a texture that is made again only when the field's version changes, arrows down its slope, and
+//! In: a [`ScalarField`]. Out: a texture that is made again only when the field's version changes, arrows down its slope, and
 //! a bar that says what the colours mean.
 
 use egui::{Color32, Context, FontId, Id, Rect, Shape, Stroke, TextureHandle, pos2, vec2};
 
 use super::canvas::Canvas;
-use super::field_picture::{bar_mesh, picture, span};
-use super::plane::direction;
-use crate::app::scene::Field;
+use super::field_image::{color_bar_mesh, field_image, value_range};
+use super::transform::screen_direction;
+use crate::app::scene::ScalarField;
 use crate::app::screen::theme::SMALL;
 
 /// Arrows along the longer side.
@@ -16,14 +16,14 @@ const ARROWS: usize = 14;
 
 /// Which field: each has its own texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum FieldKind {
     /// U of eq. (4).
     Potential,
     /// V(s) of the network.
     Value,
 }
 
-impl Kind {
+impl FieldKind {
     /// What the key calls it.
     #[must_use]
     pub fn title(self) -> &'static str {
@@ -44,7 +44,7 @@ impl Kind {
 }
 
 /// Whether the field has as many values as it says.
-fn is_whole(field: &Field) -> bool {
+fn is_whole(field: &ScalarField) -> bool {
     let [width, height] = field.size;
     width > 0 && height > 0 && width.checked_mul(height) == Some(field.values.len())
 }
@@ -55,7 +55,7 @@ struct Cached {
     texture: TextureHandle,
 }
 
-fn texture(ctx: &Context, kind: Kind, field: &Field, dark: bool) -> Option<TextureHandle> {
+fn texture(ctx: &Context, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<TextureHandle> {
     let id = Id::new(("wayfield field", kind));
     let of = (field.version, field.size, dark);
     let cached = ctx.data(|data| data.get_temp::<Cached>(id));
@@ -64,12 +64,12 @@ fn texture(ctx: &Context, kind: Kind, field: &Field, dark: bool) -> Option<Textu
     {
         return Some(cached.texture.clone());
     }
-    let whole = span(field, kind.outermost())?;
+    let whole = value_range(field, kind.outermost())?;
     let [width, height] = field.size;
     if 2 * width.max(height) > ctx.input(|input| input.max_texture_side) {
         return None;
     }
-    let image = picture(field, whole, dark);
+    let image = field_image(field, whole, dark);
     // The old one is drawn until the new colours have reached the GPU, which may take a frame: no flicker.
     let options = egui::TextureOptions::LINEAR;
     let texture = match cached {
@@ -84,26 +84,26 @@ fn texture(ctx: &Context, kind: Kind, field: &Field, dark: bool) -> Option<Textu
 }
 
 /// Draws `field` as colours.
-pub fn colours(canvas: &Canvas, kind: Kind, field: &Field, dark: bool) {
+pub fn draw_heatmap(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) {
     if !is_whole(field) {
         return;
     }
     if let Some(texture) = texture(canvas.painter.ctx(), kind, field, dark) {
-        let place = canvas.plane.rect_of(field.min_m, field.max_m);
+        let place = canvas.transform.to_screen_rect(field.min_m, field.max_m);
         let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         canvas.painter.image(texture.id(), place, all, Color32::WHITE);
     }
 }
 
 /// Draws which way `field` falls, as arrows on a coarse grid.
-pub fn arrows(canvas: &Canvas, field: &Field, ink: Color32) {
+pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
     if !is_whole(field) {
         return;
     }
     let [width, height] = field.size;
     let step = (width.max(height) / ARROWS).max(1);
     let cell_m = [0, 1].map(|k| (field.max_m[k] - field.min_m[k]) / field.size[k] as f32);
-    let length = (canvas.plane.length(cell_m[0].abs() * step as f32) * 0.50).min(26.0);
+    let length = (canvas.transform.to_screen_length(cell_m[0].abs() * step as f32) * 0.50).min(26.0);
     if length < 4.0 {
         return;
     }
@@ -113,8 +113,8 @@ pub fn arrows(canvas: &Canvas, field: &Field, ink: Color32) {
             let Some([dx, dy]) = descent(field, ix, iy) else { continue };
             let x_m = field.min_m[0] + (ix as f32 + 0.5) * cell_m[0];
             let y_m = field.min_m[1] + (iy as f32 + 0.5) * cell_m[1];
-            let (middle, along) = (canvas.at([x_m, y_m]), direction(dy.atan2(dx)));
-            if !canvas.plane.rect.contains(middle) {
+            let (middle, along) = (canvas.to_screen([x_m, y_m]), screen_direction(dy.atan2(dx)));
+            if !canvas.transform.rect.contains(middle) {
                 continue;
             }
             let tip = middle + along * length / 2.0;
@@ -125,7 +125,7 @@ pub fn arrows(canvas: &Canvas, field: &Field, ink: Color32) {
 }
 
 /// The unit vector down the slope of `field` at a cell; none at its edge, where it is flat, or beside what is no number.
-fn descent(field: &Field, ix: usize, iy: usize) -> Option<[f32; 2]> {
+fn descent(field: &ScalarField, ix: usize, iy: usize) -> Option<[f32; 2]> {
     let [width, height] = field.size;
     if ix == 0 || iy == 0 || ix + 1 >= width || iy + 1 >= height {
         return None;
@@ -139,49 +139,49 @@ fn descent(field: &Field, ix: usize, iy: usize) -> Option<[f32; 2]> {
 }
 
 /// The key to the colours in the upper right corner of the view, on one line if there is room; gives the space it takes.
-pub fn key(canvas: &Canvas, kind: Kind, field: &Field, dark: bool) -> Option<Rect> {
+pub fn draw_color_bar(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<Rect> {
     const BAR: f32 = 110.0;
-    let whole = span(field, kind.outermost())?;
-    let inks = &canvas.inks;
+    let whole = value_range(field, kind.outermost())?;
+    let palette = &canvas.palette;
     let font = FontId::proportional(SMALL);
     let text = |words: String, ink| canvas.painter.layout_no_wrap(words, font.clone(), ink);
     let (title, low, high) = (
-        text(kind.title().into(), inks.ink),
-        text(limit(whole.low, whole.below, "≤ "), inks.soft),
-        text(limit(whole.high, whole.above, "≥ "), inks.soft),
+        text(kind.title().into(), palette.text),
+        text(limit(whole.low, whole.below, "≤ "), palette.weak_text),
+        text(limit(whole.high, whole.above, "≥ "), palette.weak_text),
     );
     let scale = low.size().x + BAR + high.size().x + 12.0;
-    let (one_line, room) = (title.size().x + 14.0 + scale, canvas.plane.rect.width() - 20.0);
+    let (one_line, room) = (title.size().x + 14.0 + scale, canvas.transform.rect.width() - 20.0);
     let lines = if one_line + 110.0 <= room { 1.0 } else { 2.0 };
     let width = if lines < 2.0 { one_line } else { scale.max(title.size().x) } + 12.0;
-    if width > room || canvas.plane.rect.height() < 160.0 {
+    if width > room || canvas.transform.rect.height() < 160.0 {
         return None;
     }
-    let corner = canvas.plane.rect.right_top() + vec2(-8.0 - width, 6.0);
+    let corner = canvas.transform.rect.right_top() + vec2(-8.0 - width, 6.0);
     let strip = Rect::from_min_size(corner, vec2(width, 20.0 * lines));
-    canvas.strip(strip);
+    canvas.strip_background(strip);
     let y = strip.bottom() - 10.0;
     let centred = |x: f32, y: f32, size: egui::Vec2| pos2(x, y - size.y / 2.0);
-    canvas.painter.galley(centred(strip.left() + 6.0, strip.top() + 10.0, title.size()), title, inks.ink);
+    canvas.painter.galley(centred(strip.left() + 6.0, strip.top() + 10.0, title.size()), title, palette.text);
     let mut x = strip.right() - 6.0 - high.size().x;
-    canvas.painter.galley(centred(x, y, high.size()), high, inks.soft);
+    canvas.painter.galley(centred(x, y, high.size()), high, palette.weak_text);
     x -= 6.0 + BAR;
     let bar = Rect::from_min_size(pos2(x, y - 4.0), vec2(BAR, 8.0));
-    canvas.painter.add(Shape::mesh(bar_mesh(bar, dark)));
+    canvas.painter.add(Shape::mesh(color_bar_mesh(bar, dark)));
     x -= 6.0 + low.size().x;
-    canvas.painter.galley(centred(x, y, low.size()), low, inks.soft);
+    canvas.painter.galley(centred(x, y, low.size()), low, palette.weak_text);
     Some(strip)
 }
 
 /// The number at an end of the key, and before it that values go beyond.
 fn limit(value: f32, beyond: bool, sign: &str) -> String {
-    format!("{}{}", if beyond { sign } else { "" }, number(value))
+    format!("{}{}", if beyond { sign } else { "" }, format_value(value))
 }
 
 /// A number in about three figures, with a true minus sign.
 #[must_use]
-pub fn number(value: f32) -> String {
-    figures(value, decimals_for(value))
+pub fn format_value(value: f32) -> String {
+    format_decimals(value, decimals_for(value))
 }
 
 /// Decimals that give a number of the size of `value` about three figures.
@@ -196,7 +196,7 @@ pub fn decimals_for(value: f32) -> usize {
 
 /// A number with so many decimals and a true minus sign.
 #[must_use]
-pub fn figures(value: f32, decimals: usize) -> String {
+pub fn format_decimals(value: f32, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
@@ -207,7 +207,7 @@ pub fn figures(value: f32, decimals: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::field_picture::tests::bowl;
+    use super::super::field_image::tests::bowl;
     use super::*;
 
     #[test]
@@ -236,6 +236,9 @@ mod tests {
 
     #[test]
     fn numbers_have_about_three_figures() {
-        assert_eq!(["0.00", "\u{2212}1.25", "12.3", "100"], [-0.001, -1.25, 12.34, 99.96].map(number)[..]);
+        assert_eq!(
+            ["0.00", "\u{2212}1.25", "12.3", "100"],
+            [-0.001, -1.25, 12.34, 99.96].map(format_value)[..]
+        );
     }
 }

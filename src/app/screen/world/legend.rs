@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use egui::{FontId, Galley, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 
-use super::arena::{grid_step_m, outcome_ink, outcome_mark};
-use super::beams::beam_ink;
+use super::arena::{grid_step_m, outcome_color, outcome_mark};
+use super::beams::beam_color;
 use super::canvas::Canvas;
-use crate::app::desk::Overlays;
 use crate::app::scene::TrailEnd;
 use crate::app::screen::theme::SMALL;
+use crate::app::view_state::Overlays;
 
 const ROW: f32 = 20.0;
 const SWATCH: f32 = 20.0;
@@ -45,7 +45,7 @@ fn entries(overlays: &Overlays) -> Vec<Entry> {
 
 /// Draws the legend along the lower edge, in as many lines as it takes; gives the space it takes, if there is room.
 pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
-    let view = canvas.plane.rect.shrink2(vec2(8.0, 5.0));
+    let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
     if view.width() < 220.0 || view.height() < 220.0 {
         return None;
     }
@@ -53,7 +53,10 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
     let entries: Vec<(Entry, Arc<Galley>)> = entries(overlays)
         .into_iter()
         .map(|entry| {
-            (entry, canvas.painter.layout_no_wrap(words(canvas, entry), font.clone(), canvas.inks.soft))
+            (
+                entry,
+                canvas.painter.layout_no_wrap(words(canvas, entry), font.clone(), canvas.palette.weak_text),
+            )
         })
         .collect();
     let (mut at, mut widest, mut places) = (pos2(PAD, 0.0), 0.0_f32, Vec::new());
@@ -68,13 +71,13 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
     }
     let size = vec2(widest, at.y + ROW);
     let strip = Rect::from_min_size(view.left_bottom() - vec2(0.0, size.y), size);
-    canvas.strip(strip);
+    canvas.strip_background(strip);
     for ((entry, galley), place) in entries.into_iter().zip(places) {
         let left = strip.min + place.to_vec2() + vec2(0.0, ROW / 2.0);
         let width = swatch_width(entry);
         draw_swatch(canvas, entry, Rect::from_min_max(left - vec2(0.0, 5.0), left + vec2(width, 5.0)));
         let text = left + vec2(width + 6.0, -galley.size().y / 2.0);
-        canvas.painter.galley(text, galley, canvas.inks.soft);
+        canvas.painter.galley(text, galley, canvas.palette.weak_text);
     }
     Some(strip)
 }
@@ -85,7 +88,7 @@ fn swatch_width(entry: Entry) -> f32 {
 
 fn words(canvas: &Canvas, entry: Entry) -> String {
     match entry {
-        Entry::Square => return format!("{} m", length_words(grid_step_m(canvas.plane.scale))),
+        Entry::Square => return format!("{} m", length_words(grid_step_m(canvas.transform.scale))),
         Entry::Beams => "LIDAR",
         Entry::Path => "This navigation",
         Entry::Trail(TrailEnd::Reached) => "Reached",
@@ -97,36 +100,39 @@ fn words(canvas: &Canvas, entry: Entry) -> String {
 }
 
 fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
-    let (painter, inks) = (&canvas.painter, &canvas.inks);
+    let (painter, palette) = (&canvas.painter, &canvas.palette);
     let (left, right) = (swatch.left_center(), swatch.right_center());
     match entry {
         // One of the floor's squares, though not as large.
         Entry::Square => {
-            painter.rect(swatch, 0.0, inks.floor, Stroke::new(1.0, inks.soft), StrokeKind::Inside);
+            painter.rect(swatch, 0.0, palette.floor, Stroke::new(1.0, palette.weak_text), StrokeKind::Inside);
         }
         Entry::Beams => {
-            fading(canvas, left, right, 1.5, |part| beam_ink(inks, 1.0 - part));
-            painter.circle_filled(left, 2.5, inks.bad);
+            fading(canvas, left, right, 1.5, |part| beam_color(palette, 1.0 - part));
+            painter.circle_filled(left, 2.5, palette.error);
         }
         Entry::Path => {
-            fading(canvas, left, right, 2.5, |part| inks.accent.gamma_multiply(0.06 + 0.84 * part * part));
+            fading(canvas, left, right, 2.5, |part| palette.accent.gamma_multiply(0.06 + 0.84 * part * part));
         }
         Entry::Trail(end) => {
-            let ink = outcome_ink(inks, end);
+            let ink = outcome_color(palette, end);
             fading(canvas, left, right, 1.5, |part| ink.gamma_multiply(0.3 + 0.7 * part));
             outcome_mark(painter, right - vec2(3.0, 0.0), end, ink);
         }
         Entry::Slope => {
             let along = vec2(1.0, 0.0);
-            painter.line_segment([left + along * 4.0, right - along * 4.0], Stroke::new(1.25, inks.soft));
-            canvas.arrow_head(right, along, 5.0, inks.soft);
+            painter.line_segment(
+                [left + along * 4.0, right - along * 4.0],
+                Stroke::new(1.25, palette.weak_text),
+            );
+            canvas.arrow_head(right, along, 5.0, palette.weak_text);
         }
     }
 }
 
 fn fading(canvas: &Canvas, left: Pos2, right: Pos2, width: f32, ink: impl Fn(f32) -> egui::Color32) {
-    let points = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| canvas.plane.to_world(left.lerp(right, part)));
-    canvas.way(points.into_iter(), width, ink);
+    let points = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| canvas.transform.to_world(left.lerp(right, part)));
+    canvas.gradient_line(points.into_iter(), width, ink);
 }
 
 /// A round length without needless zeros.

@@ -20,7 +20,7 @@ fn turn(a: Corner, b: Corner, c: Corner) -> f32 {
 }
 
 /// Whether the corners go counterclockwise.
-fn goes_left(corners: &[Corner]) -> bool {
+fn is_counterclockwise(corners: &[Corner]) -> bool {
     polygon::area(corners) >= 0.0
 }
 
@@ -28,7 +28,7 @@ fn goes_left(corners: &[Corner]) -> bool {
 #[must_use]
 pub fn is_convex(corners: &[Corner]) -> bool {
     let n = corners.len();
-    let left = goes_left(corners);
+    let left = is_counterclockwise(corners);
     let bends = (0..n).all(|k| {
         let by = turn(corners[k], corners[(k + 1) % n], corners[(k + 2) % n]);
         if left { by >= 0.0 } else { by <= 0.0 }
@@ -44,15 +44,15 @@ pub fn is_convex(corners: &[Corner]) -> bool {
 /// The corners' numbers, three for each triangle of the polygon's area.
 #[must_use]
 pub fn triangles(corners: &[Corner]) -> Vec<[usize; 3]> {
-    cut_up(corners).0
+    clip_ears(corners).0
 }
 
 /// The triangles: ears are cut off until one is left. And whether there always was an ear: where a polygon crosses itself
 /// there may be none, and any corner is taken for one.
-fn cut_up(corners: &[Corner]) -> (Vec<[usize; 3]>, bool) {
-    let mut sound = true;
+fn clip_ears(corners: &[Corner]) -> (Vec<[usize; 3]>, bool) {
+    let mut valid = true;
     let mut left: Vec<usize> = (0..corners.len()).collect();
-    if !goes_left(corners) {
+    if !is_counterclockwise(corners) {
         left.reverse();
     }
     let mut found = Vec::with_capacity(corners.len().saturating_sub(2));
@@ -60,7 +60,7 @@ fn cut_up(corners: &[Corner]) -> (Vec<[usize; 3]>, bool) {
         let n = left.len();
         let around = |k: usize| [left[(k + n - 1) % n], left[k], left[(k + 1) % n]];
         let ear = (0..n).find(|&k| is_ear(corners, &left, around(k)));
-        sound &= ear.is_some();
+        valid &= ear.is_some();
         let cut = ear.unwrap_or(0);
         found.push(around(cut));
         left.remove(cut);
@@ -68,7 +68,7 @@ fn cut_up(corners: &[Corner]) -> (Vec<[usize; 3]>, bool) {
     if let [a, b, c] = left[..] {
         found.push([a, b, c]);
     }
-    (found, sound)
+    (found, valid)
 }
 
 /// Whether the triangle points outwards and holds none of the other corners.
@@ -89,10 +89,10 @@ pub fn fill(canvas: &Canvas, corners: &[Corner], ink: Color32) {
 
 /// Fills what is around it, as far as the box from `low` to `high` goes, which has it well inside; nothing around one that
 /// crosses itself.
-pub fn fill_around(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corner, ink: Color32) {
+pub fn fill_outside(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corner, ink: Color32) {
     let ring = ring(corners, low, high);
-    let (triangles, sound) = cut_up(&ring);
-    if sound {
+    let (triangles, valid) = clip_ears(&ring);
+    if valid {
         paint(canvas, &ring, &triangles, ink);
     }
 }
@@ -101,7 +101,7 @@ pub fn fill_around(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corne
 /// furthest on the right.
 fn ring(corners: &[Corner], low: Corner, high: Corner) -> Vec<Corner> {
     let mut hole = corners.to_vec();
-    if goes_left(&hole) {
+    if is_counterclockwise(&hole) {
         hole.reverse();
     }
     let by_x = |a: &usize, b: &usize| hole[*a].0.total_cmp(&hole[*b].0);
@@ -115,7 +115,7 @@ fn ring(corners: &[Corner], low: Corner, high: Corner) -> Vec<Corner> {
 fn paint(canvas: &Canvas, corners: &[Corner], triangles: &[[usize; 3]], ink: Color32) {
     let mut mesh = Mesh::default();
     for &(x, y) in corners {
-        let at: Pos2 = canvas.at([x, y]);
+        let at: Pos2 = canvas.to_screen([x, y]);
         mesh.colored_vertex(at, ink);
     }
     for &[a, b, c] in triangles {
@@ -128,9 +128,9 @@ fn paint(canvas: &Canvas, corners: &[Corner], triangles: &[[usize; 3]], ink: Col
 
 /// The corners of the polygon whose sides are `by_m` further out.
 #[must_use]
-pub fn grown(corners: &[Corner], by_m: f32) -> Vec<Corner> {
+pub fn inflated(corners: &[Corner], by_m: f32) -> Vec<Corner> {
     let n = corners.len();
-    let out = if goes_left(corners) { 1.0 } else { -1.0 };
+    let out = if is_counterclockwise(corners) { 1.0 } else { -1.0 };
     // The unit vector out of side k.
     let normal = |k: usize| {
         let (a, b) = (corners[k % n], corners[(k + 1) % n]);
@@ -192,12 +192,12 @@ mod tests {
                 corners.reverse();
             }
             let ring = ring(&corners, (-1.0, -1.0), (3.0, 3.0));
-            let (found, sound) = cut_up(&ring);
+            let (found, valid) = clip_ears(&ring);
             let area: f32 = found.iter().map(|t| turn(ring[t[0]], ring[t[1]], ring[t[2]]) / 2.0).sum();
-            assert!(sound && (area - 13.0).abs() < 1e-5, "{area}: 16 less 3");
+            assert!(valid && (area - 13.0).abs() < 1e-5, "{area}: 16 less 3");
             assert!(found.iter().all(|t| turn(ring[t[0]], ring[t[1]], ring[t[2]]) >= 0.0), "nothing twice");
         }
-        assert!(!cut_up(&ring(&STAR, (-2.0, -2.0), (2.0, 2.0))).1);
+        assert!(!clip_ears(&ring(&STAR, (-2.0, -2.0), (2.0, 2.0))).1);
     }
 
     #[test]
@@ -206,7 +206,7 @@ mod tests {
         assert_eq!(triangles(&[(0.0, 0.0); 5]).len(), 3);
         assert_eq!(triangles(&L[..2]), Vec::<[usize; 3]>::new());
         assert_eq!(triangles(&[(f32::NAN, 0.0), (1.0, 0.0), (0.0, 1.0), (2.0, 2.0)]).len(), 2);
-        assert!(grown(&[], 1.0).is_empty() && spans(&[], 0.0).is_empty());
+        assert!(inflated(&[], 1.0).is_empty() && spans(&[], 0.0).is_empty());
     }
 
     #[test]
@@ -219,11 +219,11 @@ mod tests {
     fn a_grown_square_is_as_much_wider_on_each_side() {
         let square = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)];
         let expected = [(-0.5, -0.5), (-0.5, 2.5), (2.5, 2.5), (2.5, -0.5)];
-        for (found, expected) in grown(&square, 0.5).into_iter().zip(expected) {
+        for (found, expected) in inflated(&square, 0.5).into_iter().zip(expected) {
             assert!((found.0 - expected.0).abs() < 1e-6 && (found.1 - expected.1).abs() < 1e-6, "{found:?}");
         }
         let needle = [(0.0, 0.0), (10.0, 0.01), (0.0, 0.02)];
-        assert!(grown(&needle, 0.1)[1].0 < 10.31, "a sharp corner does not run away");
+        assert!(inflated(&needle, 0.1)[1].0 < 10.31, "a sharp corner does not run away");
     }
 
     #[test]

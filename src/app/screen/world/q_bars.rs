@@ -1,7 +1,7 @@
 //! The Q-values beside the robot: for each motion, in order of turning, a bar of its advantage (its Q-value less their
 //! mean) and its Q-value, with the chosen one marked.
 //!
-//! In: the Q-values of an [`ArenaScene`]. Out: a small card near the robot that covers neither it nor the target as far
+//! In: the Q-values of an [`ArenaScene`]. Out: a small card near the robot that covers neither it nor the goal as far
 //! as there is room, and a thin line from one to the other.
 
 use std::cmp::Ordering;
@@ -9,14 +9,14 @@ use std::cmp::Ordering;
 use egui::{Align2, Color32, Id, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
 use super::canvas::Canvas;
-use super::field_view::{decimals_for, figures};
-use super::outline::Outline;
-use super::plane::{direction, pushed_into};
-use crate::app::scene::{ArenaScene, Driver};
+use super::field_view::{decimals_for, format_decimals};
+use super::silhouette::Silhouette;
+use super::transform::{constrain_to, screen_direction};
+use crate::app::scene::{ArenaScene, DriverLabel};
 use crate::scenario::{Motion, Scenario};
 
 /// With more motions than these, only the chosen and the best are shown.
-const MOST: usize = 9;
+const MAX_ROWS: usize = 9;
 const ROW: f32 = 16.0;
 const HEAD: f32 = 18.0;
 const FOOT: f32 = 15.0;
@@ -28,7 +28,7 @@ const FIGURES: f32 = 48.0;
 
 /// The motions' indices, the hardest left turn first, the hardest right turn last.
 #[must_use]
-pub fn turning_order(motions: &[Motion]) -> Vec<usize> {
+pub fn motions_left_to_right(motions: &[Motion]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..motions.len()).collect();
     order.sort_by(|&a, &b| {
         let by_turn = motions[b].w_rad_s.partial_cmp(&motions[a].w_rad_s);
@@ -40,9 +40,9 @@ pub fn turning_order(motions: &[Motion]) -> Vec<usize> {
 
 /// The motions that get a row, in order.
 fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
-    let mut order = turning_order(motions);
+    let mut order = motions_left_to_right(motions);
     order.retain(|&k| k < q.len());
-    if order.len() > MOST {
+    if order.len() > MAX_ROWS {
         let best = order.iter().copied().max_by(|&a, &b| q[a].total_cmp(&q[b]));
         order.retain(|&k| k == chosen || Some(k) == best);
     }
@@ -57,26 +57,27 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
     }
     let rows = rows(motions, q, arena.action);
     // Who learns explores now and then: there is a line that says which it is.
-    let foot = if arena.driver == Driver::Learner { FOOT } else { 0.0 };
+    let foot = if arena.driver == DriverLabel::Learner { FOOT } else { 0.0 };
     let size = vec2(GLYPH + BAR + FIGURES + 2.0 * PAD, HEAD + rows.len() as f32 * ROW + foot + PAD);
-    let view = canvas.plane.rect.shrink(8.0);
-    let robot = canvas.at([arena.pose.x_m, arena.pose.y_m]);
+    let view = canvas.transform.rect.shrink(8.0);
+    let robot = canvas.to_screen([arena.pose.x_m, arena.pose.y_m]);
     if rows.is_empty() || 1.8 * size.x > view.width() || 1.8 * size.y > view.height() || !view.contains(robot)
     {
         return;
     }
-    let body = canvas.plane.length(scenario.robot.radius_m).max(6.0);
+    let body = canvas.transform.to_screen_length(scenario.robot.radius_m).max(6.0);
     let card = place(canvas, scenario, arena, size, body, avoid, id);
     leader(canvas, card, robot, body);
-    canvas.card(card);
-    let inks = &canvas.inks;
+    canvas.card_background(card);
+    let palette = &canvas.palette;
     let zero = card.left() + PAD + GLYPH + BAR / 2.0;
     let (top, right) = (card.top() + 4.0, card.right() - PAD);
-    canvas.small_text(pos2(zero, top), Align2::CENTER_TOP, "advantage", inks.soft);
-    canvas.small_text(pos2(right, top), Align2::RIGHT_TOP, "Q-values", inks.soft);
-    let marked = if arena.explored { inks.warn } else { inks.accent };
+    canvas.small_text(pos2(zero, top), Align2::CENTER_TOP, "advantage", palette.weak_text);
+    canvas.small_text(pos2(right, top), Align2::RIGHT_TOP, "Q-values", palette.weak_text);
+    let marked = if arena.explored { palette.warning } else { palette.accent };
     if foot > 0.0 {
-        let (words, ink) = if arena.explored { ("exploring", inks.warn) } else { ("greedy", inks.soft) };
+        let (words, ink) =
+            if arena.explored { ("exploring", palette.warning) } else { ("greedy", palette.weak_text) };
         let at = pos2(card.left() + PAD, card.bottom() - 5.0);
         canvas.small_text(at, Align2::LEFT_BOTTOM, words, ink);
     }
@@ -85,18 +86,18 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
     let decimals = decimals_for(q.iter().copied().fold(0.0, |most: f32, value| most.max(value.abs())));
     let fastest = motions.iter().map(|motion| motion.w_rad_s.abs()).fold(1e-6, f32::max);
     let lines = card.top() + HEAD..=card.bottom() - foot - PAD + 2.0;
-    canvas.painter.vline(zero, lines, Stroke::new(1.0, inks.line));
+    canvas.painter.vline(zero, lines, Stroke::new(1.0, palette.border));
     for (row, &k) in rows.iter().enumerate() {
         let y = card.top() + HEAD + (row as f32 + 0.5) * ROW;
         let chosen = k == arena.action;
-        let ink = if chosen { marked } else { inks.soft };
-        glyph(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, ink);
+        let ink = if chosen { marked } else { palette.weak_text };
+        motion_arrow(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, ink);
         let end = zero + (q[k] - mean) / most * (BAR / 2.0 - 4.0);
         let bar = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), y - 4.0..=y + 4.0);
-        let fill = if chosen { marked } else { inks.soft.gamma_multiply(0.55) };
+        let fill = if chosen { marked } else { palette.weak_text.gamma_multiply(0.55) };
         canvas.painter.rect_filled(bar, 1.5, fill);
-        let (at, words) = (pos2(right, y), figures(q[k], decimals));
-        canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { inks.ink } else { ink });
+        let (at, words) = (pos2(right, y), format_decimals(q[k], decimals));
+        canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { palette.text } else { ink });
     }
 }
 
@@ -110,16 +111,18 @@ fn place(
     avoid: &[Rect],
     id: Id,
 ) -> Rect {
-    let view = canvas.plane.rect.shrink(8.0);
-    let robot = canvas.at([arena.pose.x_m, arena.pose.y_m]);
-    let goal = canvas.at([arena.target.x_m, arena.target.y_m]);
-    let goal =
-        Rect::from_center_size(goal, Vec2::splat(2.0 * canvas.plane.length(scenario.task.goal_radius_m)));
+    let view = canvas.transform.rect.shrink(8.0);
+    let robot = canvas.to_screen([arena.pose.x_m, arena.pose.y_m]);
+    let goal = canvas.to_screen([arena.goal.x_m, arena.goal.y_m]);
+    let goal = Rect::from_center_size(
+        goal,
+        Vec2::splat(2.0 * canvas.transform.to_screen_length(scenario.task.goal_radius_m)),
+    );
     let keep = Rect::from_center_size(robot, Vec2::splat(2.0 * body + 16.0));
-    let ahead = direction(arena.pose.heading_rad);
+    let ahead = screen_direction(arena.pose.heading_rad);
     let ctx = canvas.painter.ctx();
     let before = ctx.data(|data| data.get_temp::<usize>(id));
-    let way: Vec<Pos2> = arena.path_m.iter().rev().take(60).map(|&point| canvas.at(point)).collect();
+    let way: Vec<Pos2> = arena.path_m.iter().rev().take(60).map(|&point| canvas.to_screen(point)).collect();
     let solids: Vec<Rect> = solids_near(canvas, arena, robot, 2.0 * size.x + body);
     let sides = [(1.0, -0.6), (1.0, 0.6), (-1.0, -0.6), (-1.0, 0.6), (0.0, -1.0), (0.0, 1.0)];
     let mut best = (f32::INFINITY, 0, Rect::NOTHING);
@@ -127,7 +130,7 @@ fn place(
         let reach = vec2(size.x / 2.0 + body + 34.0, size.y / 2.0 + body + 34.0);
         let lean = if sx == 0.0 { 1.0 } else { 0.8 };
         let middle = robot + vec2(sx * reach.x, sy * reach.y * lean);
-        let card = pushed_into(Rect::from_center_size(middle, size), view);
+        let card = constrain_to(Rect::from_center_size(middle, size), view);
         let covers = |other: Rect| shared(card, other) / other.area().max(1.0);
         let mut cost = 12.0 * shared(card, keep).min(1.0) + 5.0 * covers(goal);
         cost += avoid.iter().map(|&other| 6.0 * covers(other)).sum::<f32>();
@@ -147,12 +150,9 @@ fn place(
 
 /// The boxes on the screen of the obstacles within `reach` points of the robot.
 fn solids_near(canvas: &Canvas, arena: &ArenaScene, robot: Pos2, reach: f32) -> Vec<Rect> {
-    let boxes = arena
-        .room
-        .obstacles
-        .iter()
-        .zip(&arena.obstacles)
-        .map(|(obstacle, &pose)| Outline::Solid { shape: obstacle.shape.clone(), pose }.space(canvas));
+    let boxes = arena.scenario.obstacles.iter().zip(&arena.obstacles).map(|(obstacle, &pose)| {
+        Silhouette::Obstacle { shape: obstacle.shape.clone(), pose }.screen_rect(canvas)
+    });
     boxes.filter(|place| place.distance_to_pos(robot) < reach).collect()
 }
 
@@ -167,13 +167,15 @@ fn leader(canvas: &Canvas, card: Rect, robot: Pos2, body: f32) {
     let away = near - robot;
     if away.length() > body + 4.0 {
         let start = robot + away.normalized() * (body + 3.0);
-        canvas.painter.line_segment([start, near], Stroke::new(1.0, canvas.inks.soft.gamma_multiply(0.8)));
+        canvas
+            .painter
+            .line_segment([start, near], Stroke::new(1.0, canvas.palette.weak_text.gamma_multiply(0.8)));
     }
 }
 
 /// A little arrow that bends as the motion turns.
-pub fn glyph(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, ink: Color32) {
-    let points = glyph_points(motion, fastest);
+pub fn motion_arrow(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, ink: Color32) {
+    let points = motion_arrow_points(motion, fastest);
     let (Some(&last), Some(&before)) = (points.last(), points.iter().rev().nth(1)) else { return };
     let shift = middle.to_vec2() - Rect::from_points(&points).center().to_vec2();
     let along = (last - before).normalized();
@@ -184,7 +186,7 @@ pub fn glyph(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, ink: C
 }
 
 /// The way of a motion, looking up, y down, in points: an arc of up to 110 degrees; a circle's part if it only turns.
-fn glyph_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
+fn motion_arrow_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
     const PARTS: usize = 10;
     let turn = (motion.w_rad_s / fastest).clamp(-1.0, 1.0) * 1.92;
     let stands = motion.v_m_s.abs() < 1e-6;
@@ -195,7 +197,7 @@ fn glyph_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
     let mut points = vec![at];
     for k in 0..PARTS {
         let heading = first + turn * (k as f32 + 0.5) / PARTS as f32;
-        at += direction(std::f32::consts::FRAC_PI_2 + heading) * step;
+        at += screen_direction(std::f32::consts::FRAC_PI_2 + heading) * step;
         points.push(at);
     }
     points
@@ -213,7 +215,7 @@ mod tests {
     fn motions_are_ordered_from_left_to_right() {
         let motions =
             [motion(0.1, 0.0), motion(0.1, -1.5), motion(0.1, 1.5), motion(0.2, 0.0), motion(0.1, 0.7)];
-        assert_eq!(turning_order(&motions), [2, 4, 3, 0, 1]);
+        assert_eq!(motions_left_to_right(&motions), [2, 4, 3, 0, 1]);
     }
 
     #[test]
@@ -228,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_glyph_bends_the_way_of_its_motion() {
-        let end = |w| glyph_points(motion(0.15, w), 1.5).last().copied().unwrap_or_default();
+        let end = |w| motion_arrow_points(motion(0.15, w), 1.5).last().copied().unwrap_or_default();
         assert!(end(1.5).x < -3.0 && end(-1.5).x > 3.0);
         assert!(end(0.0).x.abs() < 1e-3 && end(0.0).y < -8.0);
     }

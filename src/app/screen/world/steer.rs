@@ -1,17 +1,17 @@
 //! Steering by hand: the arrow keys as the robot's own motions, so that a person and a policy have the same choice.
 //!
-//! In: which arrows are held. Out: [`Order::Steer`], whenever it is another motion than before.
+//! In: which arrows are held. Out: [`Command::Steer`], whenever it is another motion than before.
 
 use egui::{Id, Key, Ui};
 
-use crate::app::orders::{Mode, Order};
-use crate::app::screen::View;
+use crate::app::commands::{Command, SessionMode};
+use crate::app::screen::ScreenInput;
 use crate::scenario::Motion;
 
 /// In Drive mode, orders what the arrows ask for.
-pub fn handle(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
+pub fn handle(ui: &mut Ui, view: &ScreenInput<'_>, commands: &mut Vec<Command>) {
     let last = Id::new("steered");
-    if view.status.mode != Mode::Drive {
+    if view.status.mode != SessionMode::Drive {
         ui.data_mut(|data| data.remove::<(String, usize)>(last));
         return;
     }
@@ -24,7 +24,7 @@ pub fn handle(ui: &mut Ui, view: &View<'_>, orders: &mut Vec<Order>) {
     // Another world may have other motions: there it is to be said again.
     let now = (view.status.scenario_from.clone(), motion);
     if ui.data(|data| data.get_temp::<(String, usize)>(last)).as_ref() != Some(&now) {
-        orders.push(Order::Steer(motion));
+        commands.push(Command::Steer(motion));
         ui.data_mut(|data| data.insert_temp(last, now));
     }
 }

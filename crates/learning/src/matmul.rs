@@ -1,0 +1,107 @@
+//! Matrix products for the browser, whose vectors gemm does not use: its only kernel there takes one number at a time.
+//!
+//! In: row-major matrices, the left one also transposed. Out: their product. Plain loops over blocks that fit the
+//! registers; the compiler makes vectors of them (`simd128`, see `web/build`). Natively dfdx's products are used.
+
+/// Rows and columns of the result that are summed up at a time.
+const ROWS: usize = 4;
+const COLUMNS: usize = 16;
+
+/// How a matrix lies in memory.
+#[derive(Clone, Copy)]
+pub(super) struct LeftMatrix<'a> {
+    pub(super) values: &'a [f32],
+    /// From one row to the next, and from one column to the next.
+    pub(super) strides: (usize, usize),
+}
+
+/// `out` = `left` (m x k) times `right` (k x n, row-major); m x n, row-major.
+pub(super) fn multiply(
+    left: LeftMatrix<'_>,
+    right: &[f32],
+    (m, k, n): (usize, usize, usize),
+    out: &mut [f32],
+) {
+    // A strip of columns lies together, with zeros beyond the last: so every block is whole.
+    let mut strip = vec![[0.0; COLUMNS]; k];
+    for column in (0..n).step_by(COLUMNS) {
+        let width = COLUMNS.min(n - column);
+        for (packed, row) in strip.iter_mut().zip(right.chunks_exact(n)) {
+            packed[..width].copy_from_slice(&row[column..column + width]);
+            packed[width..].fill(0.0);
+        }
+        let mut row = 0;
+        while row < m {
+            let height = ROWS.min(m - row);
+            // The last rows are done again rather than fewer at a time, where there are enough.
+            let first = if height < ROWS && m >= ROWS { m - ROWS } else { row };
+            let mut write = |i: usize, sums: &[f32; COLUMNS]| {
+                let at = (first + i) * n + column;
+                out[at..at + width].copy_from_slice(&sums[..width]);
+            };
+            if first + ROWS <= m {
+                block::<ROWS>(left, first, &strip).iter().enumerate().for_each(|(i, sums)| write(i, sums));
+            } else {
+                for i in 0..height {
+                    write(i, &block::<1>(left, first + i, &strip)[0]);
+                }
+            }
+            row += ROWS;
+        }
+    }
+}
+
+/// The sums of `HEIGHT` rows from `first` on, over one strip of columns.
+#[inline(always)]
+fn block<const HEIGHT: usize>(
+    left: LeftMatrix<'_>,
+    first: usize,
+    strip: &[[f32; COLUMNS]],
+) -> [[f32; COLUMNS]; HEIGHT] {
+    let (down, across) = left.strides;
+    let mut sums = [[0.0; COLUMNS]; HEIGHT];
+    for (p, right) in strip.iter().enumerate() {
+        for (i, sums) in sums.iter_mut().enumerate() {
+            let factor = left.values[(first + i) * down + p * across];
+            for (sum, right) in sums.iter_mut().zip(right) {
+                *sum += factor * right;
+            }
+        }
+    }
+    sums
+}
+
+/// A matrix (rows x columns, row-major) with its rows as columns.
+pub(super) fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
+    let mut out = Vec::with_capacity(values.len());
+    for column in 0..columns {
+        out.extend((0..rows).map(|row| values[row * columns + column]));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_agree_with_the_definition_whatever_the_sizes() {
+        let number = |k: usize| ((k * 2_654_435_761) % 1000) as f32 / 500.0 - 1.0;
+        for (m, k, n) in
+            [(1, 1, 1), (1, 28, 64), (3, 5, 7), (4, 16, 16), (5, 17, 33), (64, 28, 64), (66, 64, 6)]
+        {
+            let a: Vec<f32> = (0..m * k).map(number).collect();
+            let b: Vec<f32> = (0..k * n).map(|i| number(i + 7)).collect();
+            let expected: Vec<f32> = (0..m * n)
+                .map(|at| (0..k).fold(0.0, |sum, p| sum + a[at / n * k + p] * b[p * n + at % n]))
+                .collect();
+            let mut out = vec![f32::NAN; m * n];
+            multiply(LeftMatrix { values: &a, strides: (k, 1) }, &b, (m, k, n), &mut out);
+            assert_eq!(out, expected, "{m} x {k} x {n}");
+            let turned = transposed(&a, m, k);
+            out.fill(f32::NAN);
+            multiply(LeftMatrix { values: &turned, strides: (1, m) }, &b, (m, k, n), &mut out);
+            assert_eq!(out, expected, "{m} x {k} x {n}, the left one transposed");
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Outlines: the shapes of things in the world, drawn filled or as lines.
+//!
+//! In: a shape and where it is. Out: a mark on a [`Canvas`].
+
+use egui::epaint::{CircleShape, PathStroke};
+use egui::{Color32, Pos2, Rect, Shape as Mark, Stroke, vec2};
+
+use super::canvas::Canvas;
+use super::polygon;
+use crate::scenario::{Obstacle, Shape};
+
+/// x in m, y in m, rotation in rad.
+pub type ObstaclePose = (f32, f32, f32);
+
+/// The outline of something in the world, in m.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Silhouette {
+    /// A disc.
+    Disc {
+        /// Its middle.
+        at_m: [f32; 2],
+        /// From the middle to the rim.
+        radius_m: f32,
+    },
+    /// An obstacle's shape at a pose.
+    Obstacle {
+        /// The shape.
+        shape: Shape,
+        /// Where.
+        pose: ObstaclePose,
+    },
+}
+
+impl Silhouette {
+    /// That of `obstacle` where it is at step 0.
+    #[must_use]
+    pub fn from_obstacle(obstacle: &Obstacle) -> Self {
+        let (x, y) = obstacle.position_m;
+        Self::Obstacle { shape: obstacle.shape.clone(), pose: (x, y, obstacle.rotation_rad) }
+    }
+
+    /// From its middle to its farthest point, in m.
+    #[must_use]
+    pub fn reach_m(&self) -> f32 {
+        match self {
+            Self::Disc { radius_m, .. } => *radius_m,
+            Self::Obstacle { shape, .. } => shape.bounding_radius_m(),
+        }
+    }
+
+    /// The outline `by_m` further out.
+    #[must_use]
+    pub fn inflated(self, by_m: f32) -> Self {
+        let (shape, pose) = match self {
+            Self::Disc { at_m, radius_m } => return Self::Disc { at_m, radius_m: radius_m + by_m },
+            Self::Obstacle { shape, pose } => (shape, pose),
+        };
+        let shape = match shape {
+            Shape::Circle { radius_m } => Shape::Circle { radius_m: radius_m + by_m },
+            Shape::Rectangle { width_m, height_m } => {
+                Shape::Rectangle { width_m: width_m + 2.0 * by_m, height_m: height_m + 2.0 * by_m }
+            }
+            Shape::Polygon { corners_m } => Shape::Polygon { corners_m: polygon::inflated(&corners_m, by_m) },
+            Shape::Capsule { length_m, radius_m } => Shape::Capsule { length_m, radius_m: radius_m + by_m },
+        };
+        Self::Obstacle { shape, pose }
+    }
+
+    /// The box around it on the screen.
+    #[must_use]
+    pub fn screen_rect(&self, canvas: &Canvas) -> Rect {
+        let (x, y) = match self {
+            Self::Disc { at_m, .. } => (at_m[0], at_m[1]),
+            Self::Obstacle { pose, .. } => (pose.0, pose.1),
+        };
+        Rect::from_center_size(
+            canvas.to_screen([x, y]),
+            vec2(2.0, 2.0) * canvas.transform.to_screen_length(self.reach_m()),
+        )
+    }
+}
+
+/// Draws `outline` if it is in view and not too small to be seen.
+pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) {
+    let space = outline.screen_rect(canvas).expand(edge.width);
+    if !(space.intersects(canvas.painter.clip_rect()) && space.size().max_elem() > 0.6) {
+        return;
+    }
+    match outline {
+        Silhouette::Disc { at_m, radius_m } => disc(canvas, *at_m, *radius_m, fill, edge),
+        Silhouette::Obstacle { shape: Shape::Circle { radius_m }, pose } => {
+            disc(canvas, [pose.0, pose.1], *radius_m, fill, edge);
+        }
+        Silhouette::Obstacle { shape: Shape::Rectangle { width_m, height_m }, pose } => {
+            let (w, h) = (width_m / 2.0, height_m / 2.0);
+            convex(canvas, &transformed(&[(w, h), (-w, h), (-w, -h), (w, -h)], *pose), fill, edge);
+        }
+        Silhouette::Obstacle { shape: Shape::Polygon { corners_m }, pose } => {
+            let corners = transformed(corners_m, *pose);
+            if polygon::is_convex(&corners) {
+                convex(canvas, &corners, fill, edge);
+            } else {
+                // It can't stand in a world, only be drawn.
+                polygon::fill(canvas, &corners, fill);
+                canvas.painter.add(Mark::closed_line(on_screen(canvas, &corners), edge));
+            }
+        }
+        Silhouette::Obstacle { shape: Shape::Capsule { length_m, radius_m }, pose } => {
+            let parts = (canvas.transform.to_screen_length(*radius_m) / 2.0).clamp(6.0, 32.0) as usize;
+            convex(canvas, &transformed(&rod(*length_m, *radius_m, parts), *pose), fill, edge);
+        }
+    }
+}
+
+/// A closed line through corners of the world, `width` points wide, all of it on the outer side.
+pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[(f32, f32)], width: f32, ink: Color32) {
+    let mut points = on_screen(canvas, counterclockwise);
+    points.reverse();
+    canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, ink).outside()));
+}
+
+fn on_screen(canvas: &Canvas, corners: &[(f32, f32)]) -> Vec<Pos2> {
+    corners.iter().map(|&(x, y)| canvas.to_screen([x, y])).collect()
+}
+
+fn convex(canvas: &Canvas, corners: &[(f32, f32)], fill: Color32, edge: Stroke) {
+    canvas.painter.add(Mark::convex_polygon(on_screen(canvas, corners), fill, edge));
+}
+
+fn disc(canvas: &Canvas, at_m: [f32; 2], radius_m: f32, fill: Color32, edge: Stroke) {
+    let (center, radius) = (canvas.to_screen(at_m), canvas.transform.to_screen_length(radius_m));
+    canvas.painter.add(Mark::Circle(CircleShape { center, radius, fill, stroke: edge }));
+}
+
+/// Corners in a shape's own frame, at a pose.
+#[must_use]
+pub fn transformed(corners: &[(f32, f32)], (x, y, rotation): ObstaclePose) -> Vec<(f32, f32)> {
+    let (sin, cos) = rotation.sin_cos();
+    corners.iter().map(|&(a, b)| (x + a * cos - b * sin, y + a * sin + b * cos)).collect()
+}
+
+/// The outline of a rod with round ends of so many parts, counterclockwise.
+fn rod(length_m: f32, radius_m: f32, parts: usize) -> Vec<(f32, f32)> {
+    use std::f32::consts::{FRAC_PI_2, PI};
+    let end = |side: f32, from: f32| {
+        (0..=parts).map(move |k| {
+            let (sin, cos) = (from + PI * k as f32 / parts as f32).sin_cos();
+            (side * length_m / 2.0 + radius_m * cos, radius_m * sin)
+        })
+    };
+    end(1.0, -FRAC_PI_2).chain(end(-1.0, FRAC_PI_2)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::FRAC_PI_2;
+
+    use super::*;
+
+    #[test]
+    fn a_box_turns_counterclockwise() {
+        let corners = transformed(&[(1.0, 0.5)], (1.0, 0.0, FRAC_PI_2));
+        assert!((corners[0].0 - 0.5).abs() < 1e-6 && (corners[0].1 - 1.0).abs() < 1e-6, "{corners:?}");
+    }
+
+    #[test]
+    fn a_rods_outline_is_at_its_radius_from_its_middle_line() {
+        let corners = rod(2.0, 0.5, 4);
+        assert_eq!(corners.len(), 10);
+        for (x, y) in corners {
+            let past = (x.abs() - 1.0).max(0.0);
+            assert!((past.hypot(y) - 0.5).abs() < 1e-6, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn each_shape_grows_by_as_much_and_knows_its_reach() {
+        let corners_m = vec![(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        for (shape, reach, inflated) in [
+            (Shape::Circle { radius_m: 1.0 }, 1.0, 1.5),
+            (Shape::Rectangle { width_m: 6.0, height_m: 8.0 }, 5.0, 3.5_f32.hypot(4.5)),
+            (Shape::Polygon { corners_m }, 2.0_f32.sqrt(), 1.5 * 2.0_f32.sqrt()),
+            (Shape::Capsule { length_m: 2.0, radius_m: 0.3 }, 1.3, 1.8),
+        ] {
+            let outline = Silhouette::Obstacle { shape, pose: (0.0, 0.0, 0.0) };
+            assert!((outline.reach_m() - reach).abs() < 1e-6, "{outline:?}");
+            assert!((outline.clone().inflated(0.5).reach_m() - inflated).abs() < 1e-5, "{outline:?}");
+        }
+    }
+}

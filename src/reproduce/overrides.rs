@@ -1,0 +1,96 @@
+//! What a stage or a condition changes in its scenario and preset.
+//!
+//! In: the scenario and the preset as their files spell them. Out: the same with some fields set.
+
+use serde::{Deserialize, Serialize};
+
+use crate::learning::config::{Sampling, Schedule};
+use crate::run::preset::Preset;
+use crate::scenario::{ObstacleMotion, Scenario};
+use crate::task::{Encoding, RewardKind};
+
+/// Fields to set; what is not named stays as it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Override {
+    /// Another scenario altogether: a file or a shipped name, as a stage's. What else is changed is changed in that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<String>,
+    /// Scenario: `lidar.noise_std_m`, in m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lidar_noise_std_m: Option<f32>,
+    /// Scenario: `robot.actuator_lag_s`, in s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub actuator_lag_s: Option<f32>,
+    /// Scenario: `speed_rad_s` of every obstacle that orbits, in rad/s. (Where none does, nothing changes.)
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orbit_speed_rad_s: Option<f32>,
+    /// Scenario: `task.collision_range_m`, the paper's l_c, in m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub collision_range_m: Option<f32>,
+    /// Scenario: `task.max_episode_steps`, in control steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_episode_steps: Option<u32>,
+    /// Preset: `reward.kind`, eq. (3) or eq. (7).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reward: Option<RewardKind>,
+    /// Preset: `reward.l_r_m`, the reach of the repulsion, in m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub l_r_m: Option<f32>,
+    /// Preset: `observation`, scaled or raw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub observation: Option<Encoding>,
+    /// Preset: `learning.double`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub double: Option<bool>,
+    /// Preset: `learning.network.dueling`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dueling: Option<bool>,
+    /// Preset: `learning.replay.sampling`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<Sampling>,
+    /// Preset: `alpha` of prioritized sampling. (Where sampling is uniform, this and the next two change nothing.)
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<f32>,
+    /// Preset: `beta` of prioritized sampling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beta: Option<Schedule>,
+    /// Preset: `importance_weights` of prioritized sampling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub importance_weights: Option<bool>,
+}
+
+impl Override {
+    /// Makes the change.
+    pub fn apply(&self, scenario: &mut Scenario, preset: &mut Preset) {
+        set(&mut scenario.lidar.noise_std_m, self.lidar_noise_std_m);
+        set(&mut scenario.robot.actuator_lag_s, self.actuator_lag_s);
+        if let Some(speed) = self.orbit_speed_rad_s {
+            for obstacle in &mut scenario.obstacles {
+                if let ObstacleMotion::Orbit { speed_rad_s, .. } = &mut obstacle.motion {
+                    *speed_rad_s = speed;
+                }
+            }
+        }
+        set(&mut scenario.task.collision_range_m, self.collision_range_m);
+        set(&mut scenario.task.max_episode_steps, self.max_episode_steps);
+        set(&mut preset.reward.kind, self.reward);
+        set(&mut preset.reward.l_r_m, self.l_r_m);
+        set(&mut preset.observation, self.observation);
+        let learning = &mut preset.learning;
+        set(&mut learning.double, self.double);
+        set(&mut learning.network.dueling, self.dueling);
+        set(&mut learning.replay.sampling, self.sampling);
+        if let Sampling::Prioritized { alpha, beta, importance_weights, .. } = &mut learning.replay.sampling {
+            set(alpha, self.alpha);
+            set(beta, self.beta);
+            set(importance_weights, self.importance_weights);
+        }
+    }
+}
+
+fn set<T>(field: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *field = value;
+    }
+}

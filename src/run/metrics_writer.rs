@@ -1,0 +1,141 @@
+//! The metrics writer: writes the rows of a run as they come, for people, for spreadsheets and for TensorBoard.
+//!
+//! In: rows. Out: `episodes.csv`, `evaluations.csv`, TensorBoard events, and at the end `learning-curve.svg`.
+
+use std::fs::File;
+use std::io::Write;
+
+use super::RunError;
+use super::checkpoint::BestPolicy;
+use super::folder::RunFolder;
+use super::metric_rows::{EpisodeRow, EvaluationRow};
+use super::tensorboard::EventWriter;
+use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
+
+const EPISODES: &str = "episodes.csv";
+const EVALUATIONS: &str = "evaluations.csv";
+
+/// The open files of a run's records.
+pub struct MetricsWriter {
+    folder: RunFolder,
+    episodes: csv::Writer<File>,
+    evaluations: csv::Writer<File>,
+    events: EventWriter,
+}
+
+impl MetricsWriter {
+    /// Opens the records to add rows behind what a checkpoint knows of: so many bytes of each CSV file.
+    ///
+    /// # Errors
+    /// A file cannot be opened, or is shorter than that.
+    pub fn open(folder: &RunFolder, episodes_bytes: u64, evaluations_bytes: u64) -> Result<Self, RunError> {
+        Ok(Self {
+            episodes: folder.csv::<EpisodeRow>(EPISODES, episodes_bytes)?,
+            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, evaluations_bytes)?,
+            events: EventWriter::create(folder.path(), "")
+                .map_err(|error| RunError::invalid_input(folder.path(), error))?,
+            folder: folder.clone(),
+        })
+    }
+
+    /// Writes the row of an episode.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn episode(&mut self, row: &EpisodeRow) -> Result<(), RunError> {
+        self.episodes.serialize(row).map_err(|error| self.failed(EPISODES, error))?;
+        self.scalars(
+            row.env_steps,
+            &[
+                ("episode/return", Some(row.total_return)),
+                ("episode/steps", Some(f64::from(row.steps))),
+                ("episode/goals", Some(f64::from(row.goals))),
+                ("learning/loss", row.loss),
+                ("learning/td_error", row.td_error),
+                ("learning/mean_q", row.mean_q),
+                ("learning/epsilon", Some(f64::from(row.epsilon))),
+            ],
+        )
+    }
+
+    /// Writes the row of an evaluation.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn evaluation(&mut self, row: &EvaluationRow) -> Result<(), RunError> {
+        self.evaluations.serialize(row).map_err(|error| self.failed(EVALUATIONS, error))?;
+        self.scalars(
+            row.env_steps,
+            &[
+                ("evaluation/success_rate", Some(row.success_rate)),
+                ("evaluation/mean_time_s", row.mean_time_s),
+                ("evaluation/mean_cost_s", Some(row.mean_cost_s)),
+            ],
+        )
+    }
+
+    /// Brings every row to the disk; gives the lengths of the two CSV files, in bytes.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn flush(&mut self) -> Result<(u64, u64), RunError> {
+        self.events.flush().map_err(|error| self.failed("events", error))?;
+        let length = |writer: &mut csv::Writer<File>| {
+            writer.flush()?;
+            // The checkpoint that counts on these rows must not outlive them in a power cut.
+            writer.get_ref().sync_data()?;
+            Ok(writer.get_ref().metadata()?.len())
+        };
+        let episodes =
+            length(&mut self.episodes).map_err(|error: std::io::Error| self.failed(EPISODES, error))?;
+        let evaluations =
+            length(&mut self.evaluations).map_err(|error: std::io::Error| self.failed(EVALUATIONS, error))?;
+        Ok((episodes, evaluations))
+    }
+
+    /// Draws `learning-curve.svg` under `title`, from the rows on disk (the first half of a resumed run is only
+    /// there).
+    ///
+    /// # Errors
+    /// The rows cannot be read, or the picture cannot be written.
+    pub fn draw(&self, title: &str) -> Result<(), RunError> {
+        let episodes: Vec<EpisodePoint> = self.rows(EPISODES, |row: EpisodeRow| EpisodePoint {
+            env_steps: row.env_steps,
+            total_return: row.total_return,
+            goals: row.goals,
+        })?;
+        let evaluations: Vec<EvaluationPoint> =
+            self.rows(EVALUATIONS, |row: EvaluationRow| EvaluationPoint {
+                env_steps: row.env_steps,
+                success_rate: row.success_rate,
+                mean_time_s: row.mean_time_s,
+                mean_cost_s: row.mean_cost_s,
+            })?;
+        let svg = learning_curve_svg(title, &episodes, &evaluations, BestPolicy::COST_TOLERANCE)
+            .map_err(|error| self.failed("learning-curve.svg", error))?;
+        self.folder.write("learning-curve.svg", |file| file.write_all(svg.as_bytes()))
+    }
+
+    fn rows<Row: serde::de::DeserializeOwned, Point>(
+        &self,
+        name: &str,
+        point: impl Fn(Row) -> Point,
+    ) -> Result<Vec<Point>, RunError> {
+        Ok(self.folder.rows(name)?.into_iter().map(point).collect())
+    }
+
+    fn scalars(&mut self, env_steps: u64, values: &[(&str, Option<f64>)]) -> Result<(), RunError> {
+        for &(tag, value) in values {
+            if let Some(value) = value {
+                self.events
+                    .scalar(tag, env_steps, value as f32)
+                    .map_err(|error| self.failed("events", error))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn failed(&self, name: &str, error: impl std::fmt::Display) -> RunError {
+        RunError::failed(&self.folder.path().join(name), error)
+    }
+}

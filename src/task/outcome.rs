@@ -1,0 +1,178 @@
+//! What a step was worth, and whether it ended something.
+//!
+//! In: poses, scans and goals after the step. Out: one [`StepOutcome`] per arena; what is due before the next step
+//! (in [`Episode`]); and an [`EpisodeEnded`] message for every episode that is over.
+
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Arena, CurrentScenario, Episode, Goal, PendingReset, Pose, RewardConfig, RewardTerms, Scan, TaskMode,
+};
+
+/// What came of one step of one arena.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepOutcome {
+    /// The reward, term by term.
+    pub reward: RewardTerms,
+    /// The goal was reached (d_g < l_a) and nothing was hit.
+    pub reached: bool,
+    /// The robot hit something: d_o < l_c, or its body touches another.
+    pub collided: bool,
+    /// The episode has lasted as long as it may.
+    pub timed_out: bool,
+    /// The arena was parked: nothing happened, nothing is to be remembered.
+    pub inactive: bool,
+}
+
+impl StepOutcome {
+    /// The return ends with this step: nothing is bootstrapped from what follows. True for a collision, and for a
+    /// reached goal, whose successor state belongs to another goal.
+    #[must_use]
+    pub fn terminated(&self) -> bool {
+        self.collided || self.reached
+    }
+
+    /// The time limit cut the return short: the value of the last observation stands for the rest.
+    #[must_use]
+    pub fn truncated(&self) -> bool {
+        self.timed_out && !self.terminated()
+    }
+
+    /// Why the episode ends with this step, if it does.
+    #[must_use]
+    pub fn episode_end(&self, mode: TaskMode) -> Option<EpisodeEnd> {
+        if self.collided {
+            Some(EpisodeEnd::Collided)
+        } else if self.reached && mode == TaskMode::SingleGoal {
+            Some(EpisodeEnd::Reached)
+        } else if self.timed_out {
+            Some(EpisodeEnd::TimedOut)
+        } else {
+            None
+        }
+    }
+}
+
+/// The outcomes of the last step, by arena.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct StepOutcomes(pub Vec<StepOutcome>);
+
+/// Why an episode ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EpisodeEnd {
+    /// The goal was reached (only where that ends an episode).
+    Reached,
+    /// The robot hit an obstacle or the enclosure.
+    Collided,
+    /// The time limit.
+    TimedOut,
+}
+
+/// An episode is over.
+#[derive(Message, Clone, Debug, PartialEq)]
+pub struct EpisodeEnded {
+    /// In which arena.
+    pub arena: usize,
+    /// How it ended.
+    pub end: EpisodeEnd,
+    /// Its length in control steps.
+    pub steps: u32,
+    /// Targets reached in it.
+    pub goals: u32,
+    /// The undiscounted sum of its rewards, term by term.
+    pub rewards: RewardTerms,
+}
+
+/// `Reward`: reward, collision, goal, time limit.
+pub(super) fn compute_outcomes(
+    scenario: Res<CurrentScenario>,
+    reward: Res<RewardConfig>,
+    mut outcomes: ResMut<StepOutcomes>,
+    mut arenas: Query<(&Arena, &Pose, &Scan, &Goal, &mut Episode)>,
+) {
+    let rules = &scenario.0.task;
+    for (arena, pose, scan, goal, mut episode) in &mut arenas {
+        let outcome = &mut outcomes.0[arena.0];
+        if episode.inactive {
+            *outcome = StepOutcome { inactive: true, ..StepOutcome::default() };
+            continue;
+        }
+        let d_g = pose.distance_m(goal);
+        let potential = reward.potential(d_g, scan.nearest_m);
+        let collided = scan.nearest_m < rules.collision_range_m || scan.touching;
+        let reached = !collided && d_g < rules.goal_radius_m;
+        episode.steps += 1;
+        *outcome = StepOutcome {
+            reward: reward.reward(reached, collided, episode.potential, potential),
+            reached,
+            collided,
+            timed_out: episode.steps >= rules.max_episode_steps,
+            inactive: false,
+        };
+        episode.potential = potential;
+        episode.goals += u32::from(reached);
+        episode.rewards += outcome.reward;
+    }
+}
+
+/// `Reset`: publishes the episodes that are over and marks what each arena is owed.
+pub(super) fn close_episodes(
+    mode: Res<TaskMode>,
+    outcomes: Res<StepOutcomes>,
+    mut ended: MessageWriter<EpisodeEnded>,
+    mut arenas: Query<(&Arena, &mut Episode)>,
+) {
+    for (arena, mut episode) in &mut arenas {
+        let outcome = &outcomes.0[arena.0];
+        if let Some(end) = outcome.episode_end(*mode) {
+            ended.write(EpisodeEnded {
+                arena: arena.0,
+                end,
+                steps: episode.steps,
+                goals: episode.goals,
+                rewards: episode.rewards,
+            });
+            match *mode {
+                TaskMode::Continuing => episode.pending_reset = PendingReset::Episode,
+                TaskMode::SingleGoal => episode.inactive = true,
+            }
+        } else if outcome.reached {
+            episode.pending_reset = PendingReset::Goal;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_limit_truncates_but_does_not_terminate() {
+        let outcome = StepOutcome { timed_out: true, ..StepOutcome::default() };
+        assert!(outcome.truncated() && !outcome.terminated());
+        assert_eq!(outcome.episode_end(TaskMode::Continuing), Some(EpisodeEnd::TimedOut));
+    }
+
+    #[test]
+    fn a_reached_target_ends_the_return_but_not_the_episode() {
+        let outcome = StepOutcome { reached: true, ..StepOutcome::default() };
+        assert!(outcome.terminated() && !outcome.truncated());
+        assert_eq!(outcome.episode_end(TaskMode::Continuing), None);
+        assert_eq!(outcome.episode_end(TaskMode::SingleGoal), Some(EpisodeEnd::Reached));
+    }
+
+    #[test]
+    fn a_collision_in_the_last_allowed_step_is_a_collision() {
+        let outcome = StepOutcome { collided: true, timed_out: true, ..StepOutcome::default() };
+        assert!(outcome.terminated() && !outcome.truncated());
+        assert_eq!(outcome.episode_end(TaskMode::Continuing), Some(EpisodeEnd::Collided));
+    }
+
+    #[test]
+    fn a_target_reached_in_the_last_allowed_step_ends_the_episode_too() {
+        let outcome = StepOutcome { reached: true, timed_out: true, ..StepOutcome::default() };
+        assert!(outcome.terminated() && !outcome.truncated());
+        assert_eq!(outcome.episode_end(TaskMode::Continuing), Some(EpisodeEnd::TimedOut));
+    }
+}

@@ -1,0 +1,97 @@
+//! The hand on the world: what is held stays where it is held, and says in which arena.
+
+use egui::{Event, PointerButton, Pos2, pos2, vec2};
+use egui_kittest::kittest::Queryable;
+use wayfield::app::commands::{Command, MoveRequest};
+
+use super::{Window, release_event, sent_commands, settle, window};
+use crate::screen_fixture::ScreenFixture;
+
+/// Where a point of the followed arena is on the screen.
+fn screen_pos(window: &Window, (x_m, y_m): (f32, f32)) -> Pos2 {
+    let followed = format!("Arena {}", window.state().view_state.followed + 1);
+    let view = window.get_by_label(&followed).rect().expand2(vec2(4.0, 0.0));
+    // The enclosure is 4 m by 4 m; around it is room for the legend.
+    let scale = ((view.width() - 36.0) / 4.0).min((view.height() - 68.0) / 4.0);
+    view.center() + vec2(x_m, -y_m) * scale
+}
+
+/// Takes hold of what is at `at_m` and drags it a little; gives what was ordered, and what is while the pointer rests.
+fn drag(window: &mut Window, at_m: (f32, f32)) -> (Vec<Command>, Vec<Command>) {
+    let at = screen_pos(window, at_m);
+    window.hover_at(at);
+    settle(window);
+    window.event(Event::PointerButton {
+        pos: at,
+        button: PointerButton::Primary,
+        pressed: true,
+        modifiers: egui::Modifiers::NONE,
+    });
+    window.step();
+    assert_eq!(window.state().commands, [], "it may still be a click");
+    let to = at + vec2(0.0, 14.0);
+    window.hover_at(to);
+    window.step();
+    window.step();
+    let moved = std::mem::take(&mut window.state_mut().commands);
+    let rested = sent_commands(window);
+    window.event(release_event(to));
+    settle(window);
+    window.state_mut().commands.clear();
+    assert_eq!(sent_commands(window), [], "let go");
+    (moved, rested)
+}
+
+fn robot(window: &Window) -> (f32, f32) {
+    let arena = &window.state().scene.arenas[window.state().view_state.followed];
+    (arena.pose.x_m, arena.pose.y_m)
+}
+
+fn goal(window: &Window) -> (f32, f32) {
+    let arena = &window.state().scene.arenas[window.state().view_state.followed];
+    (arena.goal.x_m, arena.goal.y_m)
+}
+
+#[test]
+fn a_robot_or_a_target_does_not_leave_a_hand_that_rests() {
+    for drag_target in [robot, goal] {
+        let mut window = window(ScreenFixture::default());
+        let at_m = drag_target(&window);
+        let (moved, rested) = drag(&mut window, at_m);
+        assert!(!moved.is_empty());
+        assert_eq!(rested.len(), 6, "in each frame");
+        assert!(rested.iter().all(|command| Some(command) == moved.last()), "{moved:?} {rested:?}");
+        window.state_mut().status.paused = true;
+        settle(&mut window);
+        let (moved, rested) = drag(&mut window, at_m);
+        assert!(!moved.is_empty() && rested.is_empty(), "nothing drives when time stands still");
+    }
+}
+
+#[test]
+fn an_obstacle_moves_with_the_pointer_alone_and_says_in_which_arena() {
+    let mut screen_fixture = ScreenFixture::default();
+    screen_fixture.view_state.followed = 2;
+    let mut window = window(screen_fixture);
+    let (moved, rested) = drag(&mut window, (-0.6, -0.6));
+    let [Command::Move(MoveRequest::Obstacle { arena: 2, index: 2, to_m })] = moved[..] else {
+        panic!("{moved:?}")
+    };
+    assert!((to_m.0 + 0.6).abs() < 1e-3 && to_m.1 < -0.6, "{to_m:?}");
+    assert_eq!(rested, []);
+}
+
+#[test]
+fn what_was_pressed_is_held_though_it_drove_on() {
+    let mut window = window(ScreenFixture::default());
+    let at = screen_pos(&window, robot(&window));
+    window.hover_at(at);
+    settle(&mut window);
+    window.drag_at(at);
+    window.step();
+    window.state_mut().scene.arenas[0].pose.x_m += 0.5;
+    settle(&mut window);
+    window.hover_at(pos2(at.x, at.y + 14.0));
+    let moved = sent_commands(&mut window);
+    assert!(matches!(moved.first(), Some(Command::Move(MoveRequest::Robot { arena: 0, .. }))), "{moved:?}");
+}

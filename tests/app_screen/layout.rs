@@ -1,0 +1,65 @@
+//! What has room: panels as wide as they were left, bars and legends in narrow windows.
+
+use egui_kittest::kittest::Queryable;
+
+use super::{assert_no_overlap, release_event, settle, toolbar_control_rects, window, window_with_size};
+use crate::screen_fixture::ScreenFixture;
+
+#[test]
+fn the_plots_panel_keeps_the_width_it_was_dragged_to() {
+    let mut screen_fixture = ScreenFixture::default();
+    screen_fixture.view_state.plots_width = Some(400.0);
+    let mut window = window(screen_fixture);
+    assert_eq!(window.state().view_state.plots_width, Some(400.0));
+    let edge = egui::pos2(1280.0 - 400.0, 500.0);
+    window.hover_at(edge);
+    settle(&mut window);
+    window.drag_at(edge);
+    settle(&mut window);
+    window.hover_at(edge - egui::vec2(60.0, 0.0));
+    settle(&mut window);
+    window.event(release_event(edge - egui::vec2(60.0, 0.0)));
+    settle(&mut window);
+    let width = window.state().view_state.plots_width.expect("it was dragged");
+    assert!((width - 460.0).abs() < 3.0, "{width}");
+}
+
+#[test]
+fn a_legend_stands_in_one_line_however_narrow_the_window() {
+    for width in [1100.0, 1280.0, 1600.0] {
+        let mut window = window_with_size(ScreenFixture::default(), [width, 1400.0]);
+        window.get_by_label("More").click();
+        window.run_steps(12);
+        for entries in [
+            &["greedy", "in training", "paper 96%"][..],
+            &["mean of 100", "paper 2,500"],
+            &["reached", "collided", "attract", "repuls"],
+        ] {
+            let rects: Vec<_> = entries
+                .iter()
+                .map(|entry| {
+                    let mut found = window.get_all_by_label_contains(entry);
+                    found.next().unwrap_or_else(|| panic!("{entry} at {width}")).rect()
+                })
+                .collect();
+            for rect in &rects {
+                assert!(rect.height() < 16.0 && rect.max.x <= width, "{entries:?} at {width}: {rect}");
+                assert!((rect.min.y - rects[0].min.y).abs() < 1.0, "{entries:?} at {width}: {rect}");
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_overlaps_in_the_bar_of_a_narrow_window() {
+    for width in [1000.0, 1100.0, 1280.0, 1600.0, 2560.0] {
+        let mut screen_fixture = ScreenFixture::default();
+        (screen_fixture.status.env_steps, screen_fixture.status.env_steps_per_s) = (123_456_789, 98_765.0);
+        let window = window_with_size(screen_fixture, [width, 720.0]);
+        let mut rects = toolbar_control_rects(&window);
+        rects.extend(window.query_all_by_label_contains("success rate ").map(|n| n.rect()));
+        rects.extend(window.query_all_by_label_contains("env steps ").map(|n| n.rect()));
+        assert!(rects.len() >= 11, "the success rate and the env steps are always there");
+        assert_no_overlap(&rects, width);
+    }
+}

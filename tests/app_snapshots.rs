@@ -1,0 +1,197 @@
+//! Pictures of the whole window, compared with those in `tests/snapshots`. No GPU: [`SoftwareRenderer`] draws them.
+//! After a change that is meant: `UPDATE_SNAPSHOTS=1 cargo test --test app_snapshots`, and look at them.
+
+#![cfg(feature = "gui")]
+
+#[path = "support/screen_fixture.rs"]
+mod screen_fixture;
+#[path = "support/software_renderer.rs"]
+mod software_renderer;
+
+use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, SnapshotOptions};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use screen_fixture::ScreenFixture;
+use software_renderer::SoftwareRenderer;
+use wayfield::app::commands::SessionMode;
+use wayfield::app::scene::DriverLabel;
+use wayfield::app::view_state::ThemeChoice;
+
+fn window(
+    size: [f32; 2],
+    theme: ThemeChoice,
+    mut screen_fixture: ScreenFixture,
+) -> Harness<'static, ScreenFixture> {
+    screen_fixture.view_state.theme = theme;
+    let build = Harness::builder().with_size(size).renderer(SoftwareRenderer::default());
+    let mut window = build
+        .build_ui_state(|ui, screen_fixture: &mut ScreenFixture| screen_fixture.draw(ui), screen_fixture);
+    window.run_steps(10);
+    window
+}
+
+fn compare(name: &str, size: [f32; 2], theme: ThemeChoice, screen_fixture: ScreenFixture) {
+    held_against(&mut window(size, theme, screen_fixture), name);
+}
+
+/// A picture of the middle alone.
+fn middle(mut screen_fixture: ScreenFixture) -> ScreenFixture {
+    (screen_fixture.view_state.setup_open, screen_fixture.view_state.plots_open) = (false, false);
+    screen_fixture
+}
+
+fn held_against(window: &mut Harness<'_, ScreenFixture>, name: &str) {
+    // Sines may differ in their last bit from one machine to another, and so may the edges of round things.
+    window.snapshot_options(name, &SnapshotOptions::new().threshold(0.6).max_failed_pixels(40));
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        packed(&format!("tests/snapshots/{name}.png"));
+    }
+}
+
+/// Writes the picture again, as small as it gets: what is flat packs best without filters.
+fn packed(path: &str) {
+    let picture = image::open(path).expect("the picture just written").into_rgb8();
+    let file = std::io::BufWriter::new(std::fs::File::create(path).expect("its file"));
+    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::NoFilter);
+    picture.write_with_encoder(encoder).expect("the picture again");
+}
+
+#[test]
+fn the_first_sight() {
+    compare("first_light", [1100.0, 720.0], ThemeChoice::Light, ScreenFixture::untrained());
+}
+
+#[test]
+fn a_world_of_all_sorts() {
+    compare(
+        "all_sorts_dark",
+        [900.0, 720.0],
+        ThemeChoice::Dark,
+        middle(ScreenFixture::default().with_scenario(screen_fixture::mixed_scenario())),
+    );
+}
+
+#[test]
+fn the_editor() {
+    let mut window = window(
+        [1100.0, 720.0],
+        ThemeChoice::Light,
+        ScreenFixture::default().with_scenario(screen_fixture::mixed_scenario()),
+    );
+    window.key_press(egui::Key::E);
+    window.run_steps(4);
+    let editor = window.state_mut().view_state.editor.as_mut().expect("it is open");
+    editor.select(wayfield::app::editor::Selection::Obstacle(1));
+    window.run_steps(10);
+    held_against(&mut window, "editor_light");
+}
+
+#[test]
+fn in_training_light() {
+    compare("training_light", [1280.0, 800.0], ThemeChoice::Light, ScreenFixture::default());
+}
+
+#[test]
+fn in_training_narrow_dark() {
+    compare("training_narrow_dark", [1100.0, 720.0], ThemeChoice::Dark, ScreenFixture::default());
+}
+
+#[test]
+fn all_arenas() {
+    let mut screen_fixture = ScreenFixture::default();
+    screen_fixture.view_state.grid = true;
+    compare("arenas_dark", [900.0, 640.0], ThemeChoice::Dark, middle(screen_fixture));
+}
+
+#[test]
+fn two_side_by_side_with_a_second_policy() {
+    let mut screen_fixture = ScreenFixture::default();
+    screen_fixture.scene.arenas =
+        vec![screen_fixture.scene.arenas[0].clone(), screen_fixture.scene.arenas[6].clone()];
+    (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) =
+        (DriverLabel::Policy("Present policy".into()), DriverLabel::Policy("best.safetensors".into()));
+    (screen_fixture.status.mode, screen_fixture.status.opened_policy) =
+        (SessionMode::Compare, Some("best.safetensors".into()));
+    compare("compare_light", [1000.0, 600.0], ThemeChoice::Light, middle(screen_fixture));
+}
+
+#[test]
+fn a_policy_alone_with_its_value() {
+    let mut screen_fixture = ScreenFixture::default().with_single_policy();
+    screen_fixture.view_state.overlays.value = true;
+    screen_fixture.scene.value = Some(screen_fixture::field(1, 1.0));
+    screen_fixture.view_state.setup_open = false;
+    compare("test_dark", [1000.0, 600.0], ThemeChoice::Dark, screen_fixture);
+}
+
+#[test]
+fn asked_back_before_a_training_is_given_up() {
+    let mut screen_fixture = ScreenFixture::default();
+    screen_fixture.status.restart_loses_training = true;
+    let mut window = window([1100.0, 720.0], ThemeChoice::Dark, screen_fixture);
+    window.get_by_label("World").click();
+    window.run_steps(4);
+    window.get_by_label("Scenario II").click();
+    window.run_steps(4);
+    window.get_by_label("Start again").click();
+    window.run_steps(10);
+    window.get_by_label("More").click();
+    window.run_steps(20);
+    window.remove_cursor();
+    window.run_steps(4);
+    held_against(&mut window, "asked_dark");
+}
+
+#[test]
+fn overlays() {
+    let mut screen_fixture = ScreenFixture::default();
+    (screen_fixture.view_state.overlays.potential, screen_fixture.view_state.overlays.trails) = (true, true);
+    screen_fixture.scene.potential = Some(screen_fixture::field(1, 100.0));
+    compare("overlays_light", [760.0, 640.0], ThemeChoice::Light, middle(screen_fixture));
+}
+
+#[test]
+fn notices() {
+    compare(
+        "notices_light",
+        [900.0, 600.0],
+        ThemeChoice::Light,
+        middle(ScreenFixture::default().with_notices()),
+    );
+}
+
+#[test]
+fn help() {
+    let mut screen_fixture = ScreenFixture::default();
+    screen_fixture.view_state.help_open = true;
+    compare("help_dark", [900.0, 680.0], ThemeChoice::Dark, middle(screen_fixture));
+}
+
+/// A translucent square of many triangles is one even tone: no seam, nothing painted twice; half a pixel is half.
+#[test]
+fn the_painter_neither_overlaps_nor_gapes() {
+    let mut window =
+        Harness::builder().with_size([100.0, 100.0]).renderer(SoftwareRenderer::default()).build_ui(|ui| {
+            let mut mesh = egui::Mesh::default();
+            let ink = egui::Color32::from_rgba_premultiplied(60, 0, 0, 128);
+            let middle = egui::pos2(50.3, 49.8);
+            mesh.colored_vertex(middle, ink);
+            let corners =
+                [(10.0, 10.0), (40.7, 10.0), (90.0, 10.0), (90.0, 77.1), (90.0, 90.0), (10.0, 90.0)];
+            for (x, y) in corners {
+                mesh.colored_vertex(egui::pos2(x, y), ink);
+            }
+            for k in 0..6 {
+                mesh.add_triangle(0, 1 + k, 1 + (k + 1) % 6);
+            }
+            ui.ctx().debug_painter().add(mesh);
+        });
+    window.run();
+    let image = window.render().expect("a picture");
+    let (inside, outside) = (*image.get_pixel(50, 50), *image.get_pixel(5, 5));
+    assert_ne!(inside, outside);
+    for (x, y, pixel) in image.enumerate_pixels() {
+        let covered = (10..90).contains(&x) && (10..90).contains(&y);
+        assert_eq!(*pixel, if covered { inside } else { outside }, "at {x}, {y}");
+    }
+}

@@ -1,0 +1,185 @@
+//! A run's folder: what is in it, what it is called, and that no run harms another.
+
+mod cli_support;
+
+use std::collections::BTreeMap;
+
+use cli_support::{SCENARIO_1, Workspace, quick_fast, with_short_episodes};
+use serde_json::Value;
+use wayfield::run::folder::RunConfig;
+use wayfield::scenario::read_ron;
+
+fn workspace() -> Workspace {
+    let workspace = Workspace::new();
+    workspace.write("quick.ron", quick_fast());
+    workspace.write("brisk.ron", with_short_episodes(SCENARIO_1));
+    workspace
+}
+
+const TRAIN: &str = "--train --scenario brisk.ron --preset quick.ron --steps 3200";
+
+#[test]
+fn a_run_leaves_everything_that_is_promised() {
+    let workspace = workspace();
+    let done = workspace.run_ok(&format!("{TRAIN} --seed 8 --out run"));
+    let mut names: Vec<String> = std::fs::read_dir(workspace.path("run"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    let (events, others): (Vec<String>, Vec<String>) =
+        names.into_iter().partition(|name| name.starts_with("events.out.tfevents."));
+    assert_eq!(
+        others,
+        [
+            "checkpoint",
+            "config.ron",
+            "episodes.csv",
+            "evaluations.csv",
+            "learning-curve.svg",
+            "policy-last.safetensors",
+            "policy.safetensors",
+            "summary.json",
+        ],
+        "nothing is missing and nothing temporary is left"
+    );
+    assert_eq!(events.len(), 1, "one TensorBoard file: {events:?}");
+    assert!(workspace.read(&format!("run/{}", events[0])).len() > 100);
+    let mut kept: Vec<_> = std::fs::read_dir(workspace.path("run/checkpoint"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    kept.sort();
+    assert_eq!(kept, ["latest.bin", "lock", "previous.bin"], "of its end and of its start");
+    assert!(workspace.text("run/learning-curve.svg").trim_start().starts_with("<svg"));
+
+    // stdout is the summary, and says where everything is; progress went to stderr.
+    for needle in
+        ["best policy", "3200 env steps", "run folder      run", "wayfield --eval run/policy.safetensors"]
+    {
+        assert!(done.stdout.contains(needle), "`{needle}` is not in\n{}", done.stdout);
+    }
+    assert!(done.stderr.starts_with("run: Scenario I, preset quick, seed 8, 16 arenas\n"), "{}", done.stderr);
+    assert!(done.stderr.ends_with("done: run\n"), "{}", done.stderr);
+    assert!(!done.stderr.contains(['\u{1b}', '\r']), "plain lines where stderr is no terminal");
+}
+
+#[test]
+fn the_summary_and_the_records_agree() {
+    let workspace = workspace();
+    let printed = workspace.run_ok(&format!("{TRAIN} --seed 8 --out run --json")).json();
+    let summary = workspace.json("run/summary.json");
+    assert_eq!(printed, summary, "--json prints summary.json");
+
+    let (episodes, evaluations) = (workspace.rows("run/episodes.csv"), workspace.rows("run/evaluations.csv"));
+    assert_eq!(summary["episodes"], episodes.len());
+    assert_eq!(summary["env_steps"], 3200);
+    assert!(summary["gradient_steps"].as_u64().unwrap() > 0);
+    assert!(summary["wall_s"].as_f64().unwrap() > 0.0);
+    let rates: Vec<f64> = evaluations.iter().map(|row| row["success_rate"].parse().unwrap()).collect();
+    assert_eq!(summary["last_success_rate"].as_f64(), rates.last().copied());
+    let cost = |row: &BTreeMap<String, String>| row["mean_cost_s"].parse::<f64>().unwrap();
+    let least = evaluations.iter().map(cost).reduce(f64::min).unwrap();
+    let best = evaluations.iter().rfind(|row| cost(row) <= 1.01 * least).unwrap();
+    let rate: f64 = best["success_rate"].parse().unwrap();
+    assert_eq!(summary["best_success_rate"], rate, "the best is the latest near the least cost");
+    for first in ["first_96", "first_99"] {
+        let milestone = summary.get(first).expect(first);
+        let keys = ["env_steps", "episodes", "wall_s"];
+        assert!(
+            *milestone == Value::Null || keys.iter().all(|key| milestone[key].is_number()),
+            "{milestone}"
+        );
+    }
+    // Episodes are numbered, their rewards add up, and their time runs on.
+    let of =
+        |row: &std::collections::BTreeMap<String, String>, key: &str| -> f64 { row[key].parse().unwrap() };
+    for (number, row) in (1..).zip(&episodes) {
+        assert_eq!(of(row, "episode"), f64::from(number));
+        let parts = ["reward_goal", "reward_collision", "reward_attraction", "reward_repulsion"];
+        let sum: f64 = parts.iter().map(|part| of(row, part)).sum();
+        assert!((sum - of(row, "return")).abs() < 1e-3 * (1.0 + sum.abs()), "{row:?}");
+        assert_eq!(of(row, "reward_goal"), 250.0 * of(row, "goals"));
+        assert_eq!(of(row, "reward_collision"), -200.0 * of(row, "collision"));
+        assert!((1.0..=120.0).contains(&of(row, "steps")), "{row:?}");
+        assert!(
+            of(row, "collision") == 1.0 || of(row, "steps") == 120.0,
+            "a crash or the time limit: {row:?}"
+        );
+    }
+    let env_steps: Vec<f64> = episodes.iter().map(|row| of(row, "env_steps")).collect();
+    assert!(env_steps.is_sorted());
+}
+
+#[test]
+fn config_ron_holds_all_that_is_needed_to_do_it_again() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --seed 8 --arenas 4 --out run"));
+    let config: RunConfig = read_ron(workspace.path("run/config.ron")).unwrap();
+    assert_eq!((config.seed, config.preset.arenas), (8, 4));
+    assert_eq!(config.version, env!("CARGO_PKG_VERSION"));
+
+    // Its two parts, as files of their own, make the same run.
+    workspace.write("scenario.ron", wayfield::scenario::to_ron(&config.scenario).unwrap());
+    workspace.write("preset.ron", wayfield::scenario::to_ron(&config.preset).unwrap());
+    workspace.run_ok("--train --scenario scenario.ron --preset preset.ron --seed 8 --out again");
+    let (first, again) = (workspace.run_contents("run"), workspace.run_contents("again"));
+    assert_eq!((first.episodes, first.evaluations), (again.episodes, again.evaluations));
+}
+
+#[test]
+fn a_config_ron_from_before_lag_and_encoding_still_loads() {
+    let workspace = workspace();
+    workspace.run_ok("--train --scenario brisk.ron --preset quick.ron --steps 16 --out run");
+    let text = workspace.text("run/config.ron");
+    let config: RunConfig = read_ron(workspace.path("run/config.ron")).unwrap();
+    let old: Vec<&str> =
+        text.lines().filter(|l| !l.contains("actuator_lag_s:") && !l.contains("observation:")).collect();
+    assert_eq!(old.len(), text.lines().count() - 2, "{text}");
+    workspace.write("old.ron", old.join("\n"));
+    assert_eq!(read_ron::<RunConfig>(workspace.path("old.ron")).unwrap(), config, "none, and Scaled");
+}
+
+#[test]
+fn default_folders_are_named_after_the_run_and_never_taken_twice() {
+    let workspace = workspace();
+    let train = "--train --scenario brisk.ron --preset quick.ron --steps 1600 --seed 3";
+    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/brisk-quick-3\n"));
+    let first = workspace.run_contents("runs/brisk-quick-3");
+    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/brisk-quick-3-2\n"));
+    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/brisk-quick-3-3\n"));
+    assert_eq!(workspace.run_contents("runs/brisk-quick-3"), first, "the first one is untouched");
+    let done = workspace.run_ok("--train --scenario empty --steps 1");
+    assert!(done.stdout.contains("run folder      runs/empty-fast-0\n"), "{}", done.stdout);
+}
+
+#[test]
+fn a_folder_that_holds_a_run_is_not_overwritten() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --out run"));
+    let before = workspace.all_files();
+    let done = workspace.run(&format!("{TRAIN} --seed 99 --out run"));
+    assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""));
+    assert_eq!(
+        done.stderr,
+        "error: run: holds a run already: go on with it by --resume, or give --out another folder\n"
+    );
+    assert!(workspace.all_files() == before);
+}
+
+#[test]
+fn folders_on_the_way_to_out_are_made() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{TRAIN} --out here/and/there"));
+    assert!(workspace.path("here/and/there/summary.json").exists());
+}
+
+#[test]
+fn a_folder_of_that_name_does_not_stand_in_for_what_is_shipped() {
+    let workspace = workspace();
+    std::fs::create_dir(workspace.path("empty")).expect("a folder");
+    std::fs::create_dir(workspace.path("fast")).expect("a folder");
+    let done =
+        workspace.run_ok("--train --scenario empty --preset fast --steps 160 --out empty/run --json").json();
+    assert_eq!(done["scenario_from"], "empty");
+}

@@ -1,0 +1,259 @@
+//! Walls of any outline hold, layouts are redrawn for every episode, a slow LIDAR is late, named places are kept.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{Lab, bits, closed_form};
+use wayfield::random::{self, uniform, uniform_index};
+use wayfield::scenario::{
+    Enclosure, Generator, Motion, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Scenario, Shape, Wall,
+};
+use wayfield::sim;
+use wayfield::task::{Clock, EpisodeEnd, Pose};
+
+/// An L with a wall, a rod, a triangle, and one of each that moves.
+fn irregular_walls() -> Scenario {
+    let triangle = Shape::Polygon { corners_m: vec![(-0.2, -0.1), (0.2, -0.1), (0.0, 0.3)] };
+    let rod = Shape::Capsule { length_m: 0.4, radius_m: 0.08 };
+    let to_and_fro = ObstacleMotion::BackAndForth { waypoints_m: vec![(1.4, -0.4)], speed_m_s: 0.1 };
+    let walk = ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.1, seed: 4 };
+    Scenario {
+        enclosure: Enclosure::Polygon {
+            corners_m: vec![(-2.0, -2.0), (2.0, -2.0), (2.0, 0.0), (0.0, 0.0), (0.0, 2.0), (-2.0, 2.0)],
+        },
+        walls: vec![Wall { corners_m: vec![(-2.0, 0.2), (-1.2, 0.2), (-1.2, 0.9)], thickness_m: 0.1 }],
+        obstacles: vec![
+            common::still(rod.clone(), (-0.6, 0.9), 0.6),
+            common::still(triangle.clone(), (0.6, -0.7), 0.4),
+            Obstacle { motion: to_and_fro, ..common::still(rod, (1.4, -1.6), 1.2) },
+            Obstacle { motion: walk, ..common::still(triangle, (-1.3, -1.3), 0.0) },
+        ],
+        ..Scenario::default()
+    }
+}
+
+fn field() -> Scenario {
+    let generator = |count, shape| Generator { count, shape, gap_m: 0.3, within: None };
+    Scenario {
+        obstacles: vec![common::still(Shape::Circle { radius_m: 0.1 }, (-1.0, 0.0), 0.0)],
+        generators: vec![
+            generator(4, RandomShape::Circle { radius_m: (0.1, 0.2) }),
+            generator(2, RandomShape::Rectangle { width_m: (0.3, 0.5), height_m: (0.1, 0.2) }),
+        ],
+        ..Scenario::default()
+    }
+}
+
+/// What each arena sees is what geometry says of the world as it stands there.
+fn assert_scan_matches_layout(lab: &mut Lab, when: &str) {
+    for (arena, state) in lab.states().iter().enumerate() {
+        let room = lab.scenario.with_generated_obstacles(state.layout_seed);
+        let origin = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
+        for (beam, &range) in state.scan.ranges_m.iter().enumerate() {
+            let angle = f64::from(state.pose.heading_rad) + room.lidar.beam_angle_rad(beam);
+            let (low, high) = closed_form::range_bounds(&room, state.clock.0, origin, angle, 3.5);
+            assert!(
+                f64::from(range) > low - 2e-5 && f64::from(range) < high + 2e-5,
+                "{when}, arena {arena}, beam {beam}: {range} m, geometry says {low} to {high} m"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_episode_has_a_room_of_its_own_that_its_lidar_sees() {
+    let mut scenario = field();
+    scenario.task.max_episode_steps = 25;
+    let mut lab = Lab::new(&scenario, 6, 11);
+    let mut layouts = std::collections::BTreeSet::new();
+    let mut before = lab.states();
+    assert_scan_matches_layout(&mut lab, "at first");
+    for step in 1..=120 {
+        lab.step(&[2; 6]);
+        assert_scan_matches_layout(&mut lab, &format!("after step {step}"));
+        let states = lab.states();
+        let ended: Vec<usize> = lab.take_ended_episodes().iter().map(|episode| episode.arena).collect();
+        for (arena, (old, new)) in before.iter().zip(&states).enumerate() {
+            assert_eq!(
+                old.layout_seed != new.layout_seed,
+                ended.contains(&arena),
+                "a room lasts for its episode"
+            );
+            layouts.insert(new.layout_seed);
+        }
+        before = states;
+    }
+    assert!(layouts.len() > 20, "no two rooms are alike: {}", layouts.len());
+    let mut again = Lab::new(&scenario, 2, 11);
+    assert_eq!(
+        again.states()[1].layout_seed,
+        Lab::new(&scenario, 6, 11).states()[1].layout_seed,
+        "told by seed and arena"
+    );
+    again.step(&[2; 2]);
+}
+
+#[test]
+fn a_saved_room_goes_on_to_the_bit() {
+    let scenario = field();
+    let mut lab = Lab::new(&scenario, 3, 5);
+    for _ in 0..40 {
+        lab.step(&[1; 3]);
+    }
+    let saved = lab.states();
+    let mut other = Lab::new(&scenario, 3, 99);
+    sim::restore(other.app.world_mut(), &saved);
+    assert_eq!(other.states(), saved);
+    for step in 0..200 {
+        let action = [step / 7 % 5; 3];
+        lab.step(&action);
+        other.step(&action);
+        assert_eq!(lab.states(), other.states(), "step {step}");
+    }
+}
+
+#[test]
+fn nothing_gets_through_a_wall_however_fast_it_is() {
+    for (scenario, name) in [(irregular_walls(), "crooked"), (field(), "field")] {
+        for v_m_s in [0.15, 1.0, 5.0] {
+            let mut scenario = scenario.clone();
+            scenario.robot.motions = [-3.0, 0.0, 3.0].map(|w_rad_s| Motion { v_m_s, w_rad_s }).into();
+            let mut lab = Lab::new(&scenario, 8, 3);
+            let mut stream = random::stream(9, "actions", 0);
+            let mut collisions = 0;
+            for step in 0..300 {
+                let actions: Vec<usize> = (0..8).map(|_| uniform_index(&mut stream, 3)).collect();
+                lab.step(&actions);
+                for (arena, outcome) in lab.outcomes().iter().enumerate() {
+                    assert!(!outcome.inactive, "arena {arena}");
+                }
+                for state in lab.states() {
+                    let room = lab.scenario.with_generated_obstacles(state.layout_seed);
+                    let at = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
+                    let inside_m = closed_form::clearance(&Scenario { obstacles: Vec::new(), ..room }, 0, at);
+                    assert!(inside_m > 0.0999 - 0.001, "{name} at {v_m_s} m/s, step {step}: {inside_m} m");
+                }
+                collisions += lab
+                    .take_ended_episodes()
+                    .iter()
+                    .filter(|episode| episode.end == EpisodeEnd::Collided)
+                    .count();
+            }
+            assert!(collisions > 10, "{name} at {v_m_s} m/s: it was tried {collisions} times");
+        }
+    }
+}
+
+#[test]
+fn a_collision_is_told_where_the_clearance_says_so() {
+    let scenario = irregular_walls();
+    let mut lab = Lab::new(&scenario, 1, 3);
+    let mut stream = random::stream(2, "places", 0);
+    let (mut hits, mut free) = (0, 0);
+    while hits < 150 || free < 150 {
+        let at = (uniform(&mut stream, -1.99, 1.99), uniform(&mut stream, -1.99, 1.99));
+        let clear_m = closed_form::clearance(&scenario, 0, (f64::from(at.0), f64::from(at.1)));
+        // In the open for now, and no nearer to the robot's rim than a step could matter.
+        if clear_m < 0.02 || (clear_m - 0.1).abs() < 0.035 {
+            continue;
+        }
+        lab.edit(0, |state| {
+            state.pose = Pose { x_m: at.0, y_m: at.1, heading_rad: 0.0 };
+            state.clock = Clock(0);
+        });
+        lab.step(&[2]);
+        // The body itself touches; what only comes nearer than the collision range need not be seen between two beams.
+        let touches = clear_m < 0.1;
+        if touches {
+            assert!(lab.outcomes()[0].collided, "{at:?} has {clear_m} m");
+            hits += 1;
+        } else if clear_m > 0.13 + 0.035 {
+            assert!(!lab.outcomes()[0].collided, "{at:?} has {clear_m} m");
+            free += 1;
+        }
+        lab.take_ended_episodes();
+    }
+}
+
+#[test]
+fn a_late_lidar_reports_what_was_there_some_steps_ago() {
+    let mut late = irregular_walls();
+    late.lidar.latency_steps = 3;
+    late.task.max_episode_steps = 40;
+    let mut lab = Lab::new(&late, 1, 8);
+    let pose = lab.state(0).pose;
+    let mut seen = vec![lab.cast(0, &pose)];
+    let mut restarts = 0;
+    for step in 0..200_usize {
+        lab.step(&[step / 5 % 5]);
+        let state = lab.state(0);
+        let now = lab.cast(0, &state.pose);
+        if lab.take_ended_episodes().is_empty() {
+            assert_eq!(
+                state.scan.nearest_m,
+                now.iter().copied().fold(3.5, f32::min),
+                "collisions go by what is there now"
+            );
+            seen.push(now);
+        } else {
+            restarts += 1;
+            seen = vec![now];
+        }
+        let expected = &seen[seen.len().saturating_sub(4)];
+        assert_eq!(bits(&state.scan.ranges_m), bits(expected), "step {step}");
+        lab.assert_observations_current("a late scan is what is observed");
+    }
+    assert!(restarts > 2);
+}
+
+#[test]
+fn after_the_only_target_the_robot_starts_anew_and_the_episode_goes_on() {
+    let scenario = Scenario {
+        starts: PlacementRule::Fixed { position_m: (0.0, 0.0), heading_rad: Some(0.0) },
+        goals: PlacementRule::Fixed { position_m: (0.6, 0.0), heading_rad: None },
+        ..Scenario::default()
+    };
+    let mut lab = Lab::new(&scenario, 1, 1);
+    let start = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
+    assert_eq!(lab.state(0).pose, start);
+    // 0.4 m to the goal's rim at 0.03 m a step: nearer than 0.2 m after 14 steps.
+    for round in 1..=3 {
+        for _ in 0..14 {
+            lab.step(&[2]);
+        }
+        let state = lab.state(0);
+        assert!(lab.outcomes()[0].reached && lab.take_ended_episodes().is_empty());
+        assert_eq!((state.pose, state.episode.goals), (start, round));
+        assert_eq!(state.twist.v_m_s, 0.0, "at rest");
+        lab.assert_observations_current("after a new start");
+    }
+    assert_eq!(lab.state(0).episode.steps, 42);
+}
+
+#[test]
+fn another_world_is_taken_with_streams_and_clocks_as_they_stand() {
+    let mut lab = Lab::new(&common::moving_obstacles(), 4, 7);
+    for _ in 0..30 {
+        lab.step(&[2; 4]);
+    }
+    let before = lab.states();
+    let other = Arc::new(irregular_walls());
+    lab.scenario = other.clone();
+    sim::reset_with_scenario(lab.app.world_mut(), &other);
+    let after = lab.states();
+    for (old, new) in before.iter().zip(&after) {
+        assert_eq!(old.clock, new.clock);
+        assert_eq!(new.episode.steps, 0, "a new episode");
+        assert_ne!(old.streams.places, new.streams.places, "its start was drawn from the arena's own stream");
+    }
+    assert_scan_matches_layout(&mut lab, "after the change");
+    lab.step(&[2; 4]);
+    assert_scan_matches_layout(&mut lab, "a step later");
+    let mut again = Lab::new(&common::moving_obstacles(), 4, 7);
+    for _ in 0..30 {
+        again.step(&[2; 4]);
+    }
+    sim::reset_with_scenario(again.app.world_mut(), &other);
+    assert_eq!(again.states(), after, "the same from the same");
+}

@@ -1,0 +1,333 @@
+//! The LIDAR tells the distances that geometry tells, and meets the colliders that the robot meets.
+
+mod common;
+
+use std::f32::consts::PI;
+
+use bevy::math::Vec2;
+use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
+use bevy_rapier2d::rapier::parry::query::DefaultQueryDispatcher;
+use bevy_rapier2d::rapier::prelude::{
+    ColliderBuilder, ColliderHandle, ColliderSet, QueryFilter, Ray, Vector,
+};
+use common::{Lab, bits, closed_form};
+use proptest::prelude::*;
+use wayfield::scenario::{Enclosure, Lidar, Scenario, Shape, Wall};
+use wayfield::sim::{
+    Bodies,
+    lidar::{self, BeamDirections},
+};
+use wayfield::task::{Pose, RewardConfig, TaskMode};
+
+fn pose(x_m: f32, y_m: f32, heading_rad: f32) -> Pose {
+    Pose { x_m, y_m, heading_rad }
+}
+
+/// Each range is the closed form's to 1e-5 m (where a beam grazes: between those of beams 10 um to either side).
+fn assert_closed_form(lab: &mut Lab, from: &Pose) {
+    let (scenario, clock) = (lab.scenario.clone(), lab.state(0).clock.0);
+    let ranges = lab.cast(0, from);
+    let beams = scenario.lidar.beams;
+    assert_eq!(ranges.len(), beams, "one range a beam");
+    let origin = (f64::from(from.x_m), f64::from(from.y_m));
+    for (i, &range) in ranges.iter().enumerate() {
+        // All around, beam 0 looks ahead and the others follow counterclockwise; else they go from right to left.
+        let view = f64::from(scenario.lidar.field_of_view_rad);
+        let all_around = i as f64 * std::f64::consts::TAU / beams as f64;
+        let across = if beams == 1 { 0.0 } else { view * (i as f64 / (beams - 1) as f64 - 0.5) };
+        let angle = f64::from(from.heading_rad) + if view > 6.27 { all_around } else { across };
+        let max_m = f64::from(scenario.lidar.max_range_m);
+        let (low, high) = closed_form::range_bounds(&scenario, clock, origin, angle, max_m);
+        let range = f64::from(range);
+        assert!(
+            range > low - 1e-5 && range < high + 1e-5,
+            "beam {i} of {beams} from {from:?}: geometry says {low} to {high} m, the LIDAR {range} m"
+        );
+    }
+}
+
+fn one_obstacle(shape: Shape, at: (f32, f32), turn: f32) -> Scenario {
+    Scenario { obstacles: vec![common::still(shape, at, turn)], ..Scenario::default() }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn ranges_to_circles_and_walls_are_those_of_geometry(
+        r in 0.1_f32..0.8, x in -1.5_f32..1.5, y in -1.5_f32..1.5,
+        px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
+        beams in prop_oneof![Just(24_usize), 1_usize..100],
+    ) {
+        let mut scenario = one_obstacle(Shape::Circle { radius_m: r }, (x, y), 0.0);
+        scenario.lidar.beams = beams;
+        assert_closed_form(&mut Lab::new(&scenario, 1, 1), &pose(px, py, heading));
+    }
+
+    #[test]
+    fn ranges_to_turned_boxes_and_their_corners_are_those_of_geometry(
+        w in 0.01_f32..1.5, h in 0.01_f32..1.5, x in -1.5_f32..1.5, y in -1.5_f32..1.5, turn in -6.2_f32..6.2,
+        px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
+    ) {
+        let scenario = one_obstacle(Shape::Rectangle { width_m: w, height_m: h }, (x, y), turn);
+        assert_closed_form(&mut Lab::new(&scenario, 1, 1), &pose(px, py, heading));
+    }
+
+    #[test]
+    fn ranges_to_rods_polygons_and_inner_walls_are_those_of_geometry(
+        length in 0.01_f32..1.5, r in 0.05_f32..0.5, x in -1.5_f32..1.5, y in -1.5_f32..1.5, turn in -6.2_f32..6.2,
+        px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI, view in 0.3_f32..6.2, sides in 3_usize..9,
+    ) {
+        let from = pose(px, py, heading);
+        let mut rod = one_obstacle(Shape::Capsule { length_m: length, radius_m: r }, (x, y), turn);
+        rod.lidar.field_of_view_rad = view;
+        assert_closed_form(&mut Lab::new(&rod, 1, 1), &from);
+        // Corners on an ellipse about a point aside of the origin: convex, in no order that parry could ask for.
+        let corner = |k: usize| {
+            let (sin, cos) = (std::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
+            (length * cos - 0.2, -r * sin + 0.1)
+        };
+        let corners_m = (0..sides).map(corner).collect();
+        let polygon = one_obstacle(Shape::Polygon { corners_m }, (x, y), turn);
+        assert_closed_form(&mut Lab::new(&polygon, 1, 1), &from);
+        let corners_m = vec![(x, y), (0.0, 1.9), (-1.5, turn / 5.0)];
+        let walls = vec![Wall { corners_m, thickness_m: r / 2.0 }];
+        assert_closed_form(&mut Lab::new(&Scenario { walls, ..Scenario::default() }, 1, 1), &from);
+    }
+
+    #[test]
+    fn ranges_within_an_l_are_those_of_geometry(
+        notch in (-1.0_f32..1.0, -1.0_f32..1.0), px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
+        backwards in any::<bool>(),
+    ) {
+        prop_assume!(px < notch.0 - 0.01 || py < notch.1 - 0.01);
+        let mut corners_m =
+            vec![(-2.0, -2.0), (2.0, -2.0), (2.0, notch.1), notch, (notch.0, 2.0), (-2.0, 2.0)];
+        if backwards {
+            corners_m.reverse();
+        }
+        let scenario = Scenario { enclosure: Enclosure::Polygon { corners_m }, ..Scenario::default() };
+        assert_closed_form(&mut Lab::new(&scenario, 1, 1), &pose(px, py, heading));
+    }
+
+    #[test]
+    fn a_beam_aimed_at_a_corner_ends_there(turn in -PI..PI, from in -PI..PI, corner in 0_usize..4) {
+        // A box of 0.6 m x 0.4 m in the middle; beam 0 aims at one of its corners from 1.5 m off the middle.
+        let scenario = one_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, (0.0, 0.0), turn);
+        let (x, y) = [(0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)][corner];
+        let at = Vec2::from_angle(turn).rotate(Vec2::new(x, y));
+        let eye = 1.5 * Vec2::from_angle(from);
+        let heading = (at - eye).to_angle();
+        let mut lab = Lab::new(&scenario, 1, 1);
+        assert_closed_form(&mut lab, &pose(eye.x, eye.y, heading));
+        let to_either_side = [-0.001, 0.001].map(|aside| lab.cast(0, &pose(eye.x, eye.y, heading + aside))[0]);
+        let nearest = to_either_side[0].min(to_either_side[1]);
+        prop_assert!(nearest < (at - eye).length() + 0.02, "one side of a corner is the box");
+    }
+
+    #[test]
+    fn rapiers_own_query_pipeline_measures_the_same(
+        px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI, steps in 0_usize..40,
+    ) {
+        let mut lab = Lab::new(&common::moving_obstacles(), 1, 3);
+        for _ in 0..=steps {
+            lab.step(&[2]);
+        }
+        let ours = lab.cast(0, &pose(px, py, heading));
+        let beams = BeamDirections::from_lidar(&Lidar::default());
+        let world = lab.app.world_mut();
+        let mut arenas =
+            world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
+        let (bodies, context, set, colliders) = arenas.single(world).expect("one arena");
+        let filter = QueryFilter::new().exclude_rigid_body(bodies.robot);
+        let pipeline = context.broad_phase.as_query_pipeline(
+            &DefaultQueryDispatcher, &set.bodies, &colliders.colliders, filter,
+        );
+        for (i, beam) in beams.0.iter().enumerate() {
+            let theirs = |aside: f32| {
+                let ray = Ray::new(Vec2::new(px, py), Vec2::from_angle(heading + aside).rotate(*beam));
+                pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance)
+            };
+            // The bit that differs is how heading and beam are multiplied. A beam that grazes an edge may for it meet the
+            // one thing or the other behind it, as rapier's does when it is turned by the root of f32's rounding error.
+            let (straight, left, right) = (theirs(0.0), theirs(1e-3), theirs(-1e-3));
+            let at_an_edge = (left - right).abs() > 0.02
+                && ours[i] > left.min(right) - 0.02
+                && ours[i] < left.max(right) + 0.02;
+            prop_assert!(
+                (ours[i] - straight).abs() < 1e-4 || at_an_edge,
+                "beam {i}: ours {} m, rapier's {straight} m",
+                ours[i]
+            );
+        }
+    }
+}
+
+#[test]
+fn distances_worked_by_hand() {
+    let scenario = one_obstacle(Shape::Circle { radius_m: 0.15 }, (0.6, 0.0), 0.0);
+    let mut lab = Lab::new(&scenario, 1, 1);
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-5;
+    let ranges = lab.cast(0, &pose(0.0, 0.0, 0.0));
+    assert!(near(ranges[0], 0.45), "beam 0 looks ahead, at the cylinder");
+    assert!(near(ranges[6], 2.0), "beam 6 looks left, at the wall");
+    assert!(near(ranges[12], 2.0), "beam 12 looks back");
+    assert!(near(ranges[3], 2.0 * 2.0_f32.sqrt()), "beam 3 looks into the corner");
+    let ranges = lab.cast(0, &pose(0.0, 0.0, -PI / 2.0));
+    assert!(
+        near(ranges[6], 0.45),
+        "counterclockwise: with the heading to the right, the cylinder is to the left"
+    );
+    assert!(near(ranges[18], 2.0) && ranges[18] > 1.0, "and not to the right");
+}
+
+#[test]
+fn beams_that_meet_nothing_report_the_maximum_range() {
+    let mut lab = Lab::new(&common::wide_open(), 1, 1);
+    assert_eq!(lab.cast(0, &pose(0.0, 0.0, 0.3)), vec![3.5; 24]);
+    let mut short = common::four_cylinders();
+    short.lidar.max_range_m = 0.3;
+    assert_eq!(Lab::new(&short, 1, 1).cast(0, &pose(0.0, 0.0, 0.3)), vec![0.3; 24]);
+}
+
+#[test]
+fn a_beam_from_within_an_obstacle_or_a_wall_reports_nothing_free() {
+    for shape in [Shape::Circle { radius_m: 0.3 }, Shape::Rectangle { width_m: 0.6, height_m: 0.6 }] {
+        let mut lab = Lab::new(&one_obstacle(shape, (0.5, 0.5), 0.3), 1, 1);
+        assert_eq!(lab.cast(0, &pose(0.55, 0.45, 1.0)), vec![0.0; 24], "within an obstacle");
+        assert_eq!(lab.cast(0, &pose(2.2, 0.0, 1.0)), vec![0.0; 24], "within a wall");
+    }
+}
+
+/// Drives straight on until the robot touches something; gives the smallest gap, in m, between its rim and
+/// anything.
+fn drive_into(scenario: &Scenario, from: Pose, max_steps: usize) -> f64 {
+    let mut scenario = scenario.clone();
+    let l_c = scenario.task.collision_range_m;
+    // Only contact is to end it.
+    scenario.task.collision_range_m = 0.0;
+    let mut lab = Lab::with(&scenario, 1, 1, RewardConfig::default(), TaskMode::SingleGoal);
+    lab.edit(0, |state| {
+        state.pose = from;
+        (state.goal.x_m, state.goal.y_m) = (-9.0, -9.0);
+    });
+    let (mut warned, mut gap) = (None, f64::INFINITY);
+    for step in 0..max_steps {
+        lab.step(&[2]);
+        let state = lab.state(0);
+        let at = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
+        let clear = closed_form::clearance(&scenario, state.clock.0, at);
+        gap = gap.min(clear - f64::from(scenario.robot.radius_m));
+        if state.scan.nearest_m < l_c {
+            warned.get_or_insert(step);
+        }
+        if state.scan.touching {
+            assert!(lab.outcomes()[0].collided, "contact is a collision");
+            let warned = warned.expect("the LIDAR has fallen under l_c");
+            // l_c less the radius is just one step's 0.03 m, so at worst it is the same step.
+            assert!(warned <= step, "no later than the body touches");
+            return gap;
+        }
+    }
+    panic!("{from:?} never met anything, smallest gap {gap} m");
+}
+
+#[test]
+fn the_lidar_warns_before_the_body_touches_and_nothing_is_driven_through() {
+    let ahead = one_obstacle(Shape::Circle { radius_m: 0.15 }, (0.6, 0.0), 0.0);
+    let slab = one_obstacle(Shape::Rectangle { width_m: 0.1, height_m: 1.0 }, (0.6, 0.0), 0.0);
+    let mut worst = f64::INFINITY;
+    for k in 0..60 {
+        // All phases of the 0.03 m that a step takes.
+        let x = -0.0005 * k as f32;
+        for gap in [
+            drive_into(&ahead, pose(x, 0.0, 0.0), 60),
+            drive_into(&slab, pose(x, 0.02, 0.0), 60),
+            drive_into(&Scenario::default(), pose(1.0 + x, 0.3, 0.0), 60),
+            drive_into(&Scenario::default(), pose(0.9 + x, 0.9, PI / 4.0), 90),
+        ] {
+            worst = worst.min(gap);
+        }
+    }
+    assert!(worst > -0.001, "the robot's disc goes no deeper than 1 mm into anything: {} mm", -worst * 1e3);
+}
+
+#[test]
+fn an_obstacle_that_drives_into_the_robot_is_seen_coming() {
+    let scenario = common::moving_obstacles();
+    let mut lab = Lab::new(&scenario, 32, 2);
+    let mut action_streams = common::action_streams(32);
+    let mut collisions = 0;
+    for _ in 0..600 {
+        let before = lab.states();
+        let actions = common::random_actions(&mut action_streams);
+        lab.step(&actions);
+        for (arena, outcome) in lab.outcomes().iter().enumerate() {
+            collisions += usize::from(outcome.collided);
+            assert!(
+                before[arena].scan.nearest_m >= scenario.task.collision_range_m,
+                "arena {arena}: no episode goes on with something under l_c"
+            );
+        }
+        for state in lab.states() {
+            assert!(!state.scan.touching, "with l_c above the radius, contact never comes first");
+        }
+    }
+    assert!(collisions > 100, "{collisions}");
+}
+
+/// Every beam cast against every shape: what [`lidar::cast`] must give although it leaves most of them out.
+fn cast_every_beam(
+    colliders: &ColliderSet,
+    solids: &[ColliderHandle],
+    from: &Pose,
+    beams: &[Vec2],
+    max_m: f32,
+) -> Vec<f32> {
+    let (sin, cos) = libm::sincosf(from.heading_rad);
+    let mut ranges = vec![max_m; beams.len()];
+    for collider in solids.iter().map(|&handle| &colliders[handle]) {
+        let placed = collider.position();
+        let origin = placed.inverse_transform_point(Vec2::new(from.x_m, from.y_m));
+        let heading = placed.inverse_transform_vector(Vec2::new(cos, sin));
+        for (beam, range) in beams.iter().zip(&mut ranges) {
+            let ray = Ray::new(origin, heading.rotate(*beam));
+            *range = collider.shape().cast_local_ray(&ray, *range, true).unwrap_or(*range);
+        }
+    }
+    ranges
+}
+
+/// Discs and turned boxes from 1 mm to 5 m, some of them on round numbers, so that beams run along their sides.
+fn any_solid() -> impl Strategy<Value = ColliderBuilder> {
+    let size = || prop_oneof![(-3.0_f32..0.7).prop_map(|power| 10.0_f32.powf(power)), Just(0.25)];
+    let place = || prop_oneof![-4.0_f32..4.0, (-8_i8..8).prop_map(|k| 0.5 * f32::from(k))];
+    let turn = prop_oneof![-PI..PI, Just(0.0)];
+    (any::<bool>(), size(), size(), place(), place(), turn).prop_map(|(disc, a, b, x, y, turn)| {
+        let solid = if disc { ColliderBuilder::ball(a) } else { ColliderBuilder::cuboid(a, b) };
+        solid.translation(Vector::new(x, y)).rotation(turn)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    #[test]
+    fn leaving_out_beams_changes_no_bit(
+        scene in prop::collection::vec(any_solid(), 1..9),
+        near in prop::option::of(0_usize..9), dx in -4.0_f32..4.0, dy in -4.0_f32..4.0, shrink in 0_i32..7,
+        heading in prop_oneof![-PI..PI, (-4_i8..=4).prop_map(|k| f32::from(k) * PI / 4.0)],
+        count in prop_oneof![Just(24_usize), 1_usize..200], max_m in prop_oneof![Just(3.5_f32), 0.05_f32..50.0],
+    ) {
+        let mut colliders = ColliderSet::new();
+        let solids: Vec<_> = scene.into_iter().map(|solid| colliders.insert(solid)).collect();
+        // Anywhere, or around one of the shapes: on its rim, within it, at its very middle.
+        let middle = near.map_or(Vec2::ZERO, |k| colliders[solids[k % solids.len()]].translation());
+        let scale = if shrink == 6 { 0.0 } else { 0.2_f32.powi(shrink) };
+        let from = pose(middle.x + dx * scale, middle.y + dy * scale, heading);
+        let beams = BeamDirections::from_lidar(&Lidar { beams: count, ..Lidar::default() }).0;
+        let mut ranges = Vec::new();
+        lidar::cast(&colliders, &solids, &from, &beams, max_m, &mut ranges);
+        prop_assert_eq!(bits(&ranges), bits(&cast_every_beam(&colliders, &solids, &from, &beams, max_m)));
+    }
+}

@@ -1,0 +1,102 @@
+//! Starts and goals: clear of everything where it is at that moment, spread over the room.
+
+mod common;
+
+use common::{Lab, closed_form};
+use wayfield::scenario::{PlacementRule, Scenario, Shape};
+use wayfield::sim;
+use wayfield::task::{Arena, ArenaState, EpisodeSetup, RewardConfig, TaskFault, TaskMode};
+
+fn assert_clear(scenario: &Scenario, state: &ArenaState, what: &str, at: (f32, f32), rule: &PlacementRule) {
+    let PlacementRule::Random { clearance_m } = *rule else { panic!("random places") };
+    let clear = closed_form::clearance(scenario, state.clock.0, (f64::from(at.0), f64::from(at.1)));
+    assert!(
+        clear > f64::from(clearance_m) - 1e-6,
+        "clock {}: the {what} {at:?} is {clear} m from something, the rule asks for {clearance_m} m",
+        state.clock.0
+    );
+}
+
+/// Random driving through 1000 episodes: every start and every goal keeps its rule's clearance.
+fn places_are_clear(scenario: &Scenario) {
+    let mut scenario = scenario.clone();
+    scenario.task.max_episode_steps = 100;
+    scenario.goals = PlacementRule::Random { clearance_m: 0.25 };
+    let arenas = 64;
+    let mut lab = Lab::new(&scenario, arenas, 41);
+    let mut action_streams = common::action_streams(arenas);
+    let (mut episodes, mut redrawn, mut quarters) = (0, 0, [0_u32; 4]);
+    let mut started = vec![true; arenas];
+    let mut reached = vec![false; arenas];
+    loop {
+        for (arena, state) in lab.states().iter().enumerate() {
+            let (start, goal) = ((state.pose.x_m, state.pose.y_m), (state.goal.x_m, state.goal.y_m));
+            if started[arena] {
+                episodes += 1;
+                assert_clear(&scenario, state, "start", start, &scenario.starts);
+                quarters[usize::from(start.0 > 0.0) + 2 * usize::from(start.1 > 0.0)] += 1;
+            }
+            if started[arena] || reached[arena] {
+                redrawn += u32::from(!started[arena]);
+                assert_clear(&scenario, state, "goal", goal, &scenario.goals);
+                let far = (goal.0 - start.0).hypot(goal.1 - start.1);
+                assert!(far > 0.5 - 1e-6, "a new goal is at least 0.5 m away, not {far} m");
+            }
+        }
+        if episodes >= 1000 {
+            break;
+        }
+        let actions = common::random_actions(&mut action_streams);
+        lab.step(&actions);
+        started.fill(false);
+        lab.take_ended_episodes().iter().for_each(|episode| started[episode.arena] = true);
+        for (arena, outcome) in lab.outcomes().iter().enumerate() {
+            reached[arena] = outcome.reached;
+        }
+    }
+    assert!(redrawn > 5, "{redrawn} goals were redrawn under way");
+    assert!(quarters.iter().all(|&n| n > 150), "starts fall in every quarter of the room: {quarters:?}");
+    assert_eq!(lab.app.world().resource::<TaskFault>().0, None);
+}
+
+#[test]
+fn a_thousand_starts_and_targets_are_clear_of_still_obstacles() {
+    places_are_clear(&common::four_cylinders());
+}
+
+#[test]
+fn a_thousand_starts_and_targets_are_clear_of_moving_obstacles() {
+    places_are_clear(&common::moving_obstacles());
+}
+
+#[test]
+fn the_course_always_begins_and_ends_at_the_same_places() {
+    let scenario = common::four_cylinders();
+    let mut lab = Lab::with(&scenario, 2, 1, RewardConfig::default(), TaskMode::SingleGoal);
+    lab.app.insert_resource(EpisodeSetup::BenchmarkRoute);
+    lab.spawn_arenas(&scenario, 2, 1);
+    for state in lab.states() {
+        assert_eq!((state.pose.x_m, state.pose.y_m, state.pose.heading_rad), (0.0, 0.0, 0.0), "from (0, 0)");
+        assert_eq!((state.goal.x_m, state.goal.y_m), (1.2, 1.2), "to (1.2, 1.2)");
+        assert!((state.scan.ranges_m[3] - (0.6 * 2.0_f32.sqrt() - 0.15)).abs() < 1e-5, "past a cylinder");
+    }
+}
+
+#[test]
+fn no_room_for_a_start_is_reported_and_names_the_arena() {
+    let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, (0.0, 0.0), 0.0);
+    let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
+    let lab = Lab::new(&scenario, 1, 1);
+    let fault = lab.app.world().resource::<TaskFault>().0.clone().expect("the fault is there to be seen");
+    assert!(fault.to_string().starts_with("arena 0, step 0: no free space for a start"), "{fault}");
+}
+
+#[test]
+fn arenas_are_numbered_in_the_order_of_their_rows() {
+    let mut lab = Lab::new(&common::four_cylinders(), 7, 1);
+    let world = lab.app.world_mut();
+    let mut numbers: Vec<usize> = world.query::<&Arena>().iter(world).map(|arena| arena.0).collect();
+    numbers.sort_unstable();
+    assert_eq!(numbers, (0..7).collect::<Vec<_>>());
+    assert_eq!(sim::snapshot(world).len(), 7);
+}
