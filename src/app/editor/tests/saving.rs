@@ -1,5 +1,6 @@
 //! What was saved, of which world; and what is not saved yet.
 
+use bevy::math::vec2;
 use super::*;
 
 fn saved(path: &str, world: &Arc<Scenario>) -> (String, Arc<Scenario>) {
@@ -75,11 +76,11 @@ fn what_is_half_drawn_is_not_saved() {
     for tool in [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }] {
         editor.set_tool(tool);
         assert!(!editor.is_drafting() && !editor.is_modified(), "nothing is drawn yet");
-        editor.click_with_tool((0.5, 0.5), false);
+        editor.click_with_tool(vec2(0.5, 0.5), false);
         assert!(editor.is_drafting() && editor.is_modified());
         editor.undo_tool_point();
         assert!(!editor.is_drafting() && !editor.is_modified());
-        editor.click_with_tool((0.5, 0.5), false);
+        editor.click_with_tool(vec2(0.5, 0.5), false);
         editor.cancel_tool();
         assert!(!editor.is_drafting() && !editor.is_modified());
     }
