@@ -29,7 +29,8 @@ fn best_pairing(old: &[Value], new: &[Value]) -> Vec<Option<usize>> {
     let width = new.len() + 1;
     // best[i * width + j]: the greatest total similarity of old[i..] and new[j..].
     let mut best = vec![0; (old.len() + 1) * width];
-    let pair = |best: &[u32], i: usize, j: usize| similarity(&old[i], &new[j]) + best[(i + 1) * width + j + 1];
+    let pair =
+        |best: &[u32], i: usize, j: usize| similarity(&old[i], &new[j]) + best[(i + 1) * width + j + 1];
     for i in (0..old.len()).rev() {
         for j in (0..new.len()).rev() {
             let skip = best[(i + 1) * width + j].max(best[i * width + j + 1]);

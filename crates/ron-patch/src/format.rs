@@ -58,7 +58,11 @@ impl<'a> Formatter<'a> {
     /// The fields of a record that are written: those that differ from their defaults, or all if none does.
     fn written_fields<'v>(&self, record: &'v Record) -> Vec<&'v (&'static str, Value)> {
         let all = self.style.is_all_default(record);
-        record.fields.iter().filter(|(name, value)| all || !self.style.is_default(record, name, value)).collect()
+        record
+            .fields
+            .iter()
+            .filter(|(name, value)| all || !self.style.is_default(record, name, value))
+            .collect()
     }
 
     /// `name: value` in a line with this indentation.

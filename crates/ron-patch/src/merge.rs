@@ -44,9 +44,8 @@ impl Merge<'_> {
         let (indent, column) = line_start(self.text, node.value.start);
         let cursor = Cursor { indent, column };
         let canonical = || self.formatter.value(new, cursor);
-        let has_only_defaults = |value: &Value| {
-            value.record().is_some_and(|record| self.formatter.style.is_all_default(record))
-        };
+        let has_only_defaults =
+            |value: &Value| value.record().is_some_and(|record| self.formatter.style.is_all_default(record));
         if !has_only_defaults(old) && !has_only_defaults(new) && text == self.formatter.value(old, cursor) {
             return canonical();
         }
@@ -93,7 +92,8 @@ impl Merge<'_> {
                 rebuilder.insert(key, value);
             }
             let Some(child) = node.children.get(k) else { break };
-            let fields = self.rank(child, old).and_then(|rank| Some((old.fields.get(rank)?, new.fields.get(rank)?)));
+            let fields =
+                self.rank(child, old).and_then(|rank| Some((old.fields.get(rank)?, new.fields.get(rank)?)));
             match fields {
                 Some(((_, old), (field, value))) if old != value => {
                     if value.is_empty()

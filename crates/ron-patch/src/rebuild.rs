@@ -64,8 +64,7 @@ impl<'a> ChildrenRebuilder<'a> {
         let child_indent =
             own_line.map_or(format!("{outer_indent}{INDENT}"), |at| line_start(text, at).0.to_string());
         let mut heads = contents.segments.iter().skip(1).map(|segment| &text[segment.head.clone()]);
-        let blank_lines =
-            top_level && (contents.segments.len() < 3 || heads.any(starts_with_empty_line));
+        let blank_lines = top_level && (contents.segments.len() < 3 || heads.any(starts_with_empty_line));
         Self {
             text,
             formatter,
@@ -221,7 +220,8 @@ impl<'a> ChildrenRebuilder<'a> {
     /// Writes an empty line if the style wants one between the last child and `key`.
     fn push_blank_line_before(&mut self, key: &str) {
         let style = self.formatter.style;
-        if self.blank_lines && self.last.as_ref().is_some_and(|last| style.blank_line_between(last.key, key)) {
+        if self.blank_lines && self.last.as_ref().is_some_and(|last| style.blank_line_between(last.key, key))
+        {
             self.out += self.formatter.newline;
         }
     }

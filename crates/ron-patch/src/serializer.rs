@@ -118,7 +118,11 @@ impl Serializer for ToValue {
     ) -> Result<Value, Unsupported> {
         Ok(Value::Record(Record { kind, variant, fields: Vec::new() }))
     }
-    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, _: &T) -> Result<Value, Unsupported> {
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(
+        self,
+        _: &'static str,
+        _: &T,
+    ) -> Result<Value, Unsupported> {
         unsupported("a newtype")
     }
     fn serialize_newtype_variant<T: Serialize + ?Sized>(
@@ -207,7 +211,11 @@ impl SerializeStruct for Record {
     type Ok = Value;
     type Error = Unsupported;
 
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Unsupported> {
+    fn serialize_field<T: Serialize + ?Sized>(
+        &mut self,
+        key: &'static str,
+        value: &T,
+    ) -> Result<(), Unsupported> {
         self.fields.push((key, Value::from_serde(value)?));
         Ok(())
     }
@@ -220,7 +228,11 @@ impl SerializeStructVariant for Record {
     type Ok = Value;
     type Error = Unsupported;
 
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Unsupported> {
+    fn serialize_field<T: Serialize + ?Sized>(
+        &mut self,
+        key: &'static str,
+        value: &T,
+    ) -> Result<(), Unsupported> {
         SerializeStruct::serialize_field(self, key, value)
     }
     fn end(self) -> Result<Value, Unsupported> {
