@@ -148,7 +148,7 @@ fn in_a_world_whose_drive_lags_no_least_time_is_claimed() {
         (&Value::Null, &Value::Null),
         "{report}"
     );
-    for needle in ["note: ", "a lag of the drive", "Scenario I", "actuator_lag_s is 0.3"] {
+    for needle in ["note: ", "actuator lag", "Scenario I", "actuator_lag_s is 0.3"] {
         assert!(lagging.stderr.contains(needle), "`{needle}` is not in {}", lagging.stderr);
     }
     assert_eq!(lagging.stderr.lines().count(), 1, "{}", lagging.stderr);

@@ -87,7 +87,11 @@ fn edited(text: &str, change: impl FnOnce(&mut Map)) -> String {
 #[test]
 fn the_canonical_text_has_one_line_per_struct_of_a_list() {
     let mut map = read("(name: \"Yard\")");
-    assert_eq!(to_text(&map, &style()).as_deref(), Ok("(\n    name: \"Yard\",\n)\n"), "defaults are left out");
+    assert_eq!(
+        to_text(&map, &style()).as_deref(),
+        Ok("(\n    name: \"Yard\",\n)\n"),
+        "defaults are left out"
+    );
     map.posts = vec![post(0.1, -0.0), Post { is_metal: true, ..post(0.2, 1e-7) }];
     map.goal = Goal::At { position_m: Point(1.0, 2.0), heading_rad: None };
     let expected = r#"(
@@ -202,9 +206,8 @@ fn a_written_field_stays_when_it_becomes_the_default() {
 #[test]
 fn an_option_is_replaced_inside_some() {
     let text = "(name: \"x\", goal: At(position_m: (1, 2), heading_rad: Some(0.5 /* left */)))";
-    let turn = |heading_rad| {
-        move |map: &mut Map| map.goal = Goal::At { position_m: Point(1.0, 2.0), heading_rad }
-    };
+    let turn =
+        |heading_rad| move |map: &mut Map| map.goal = Goal::At { position_m: Point(1.0, 2.0), heading_rad };
     assert_eq!(edited(text, turn(Some(1.5))), text.replace("0.5", "1.5"));
     assert_eq!(edited(text, turn(None)), text.replace("Some(0.5 /* left */)", "None"));
 }
@@ -231,7 +234,10 @@ fn comments_follow_their_elements_when_others_are_removed_and_inserted() {
         map.posts.drain(..2);
         map.posts[0].position_m.0 = 2.5;
     });
-    assert_eq!(written, "(name: \"x\", posts: [\n    // c\n    (radius_m: 0.3, position_m: (2.5, 0.0)),\n])\n");
+    assert_eq!(
+        written,
+        "(name: \"x\", posts: [\n    // c\n    (radius_m: 0.3, position_m: (2.5, 0.0)),\n])\n"
+    );
 }
 
 #[test]
