@@ -1,36 +1,36 @@
-//! Which element of a changed list was which before.
+//! Which element of a changed list corresponds to which element of the old one.
 //!
-//! In: the lists before and after. Out: for each element after, the one before that it is, or none if it is new.
-//! Elements keep their order; one that has changed is recognised by what it still shares.
+//! Elements keep their order. A changed element is recognised by the fields that it still shares with the old one.
 
-use super::tree::Node;
+use crate::value::Value;
 
-/// The most pairs that are compared; longer stretches are paired in order.
-const MOST_PAIRS: usize = 250_000;
-/// What a pair that is equal is worth; less for one that only shares something.
+/// The maximum number of pairs that are compared. Longer stretches are paired in order.
+const MAX_PAIRS: usize = 250_000;
+/// The similarity of two equal elements; that of two different ones is at most a quarter of it.
 const EQUAL: u32 = 1000;
 
-/// For each of `new`, its index in `old`.
-pub(super) fn align(old: &[Node], new: &[Node]) -> Vec<Option<usize>> {
+/// For each element of `new`, the index of the corresponding element of `old`, or `None` if it has been added.
+pub(crate) fn align(old: &[Value], new: &[Value]) -> Vec<Option<usize>> {
     let shorter = old.len().min(new.len());
     let front = (0..shorter).take_while(|&k| old[k] == new[k]).count();
     let back = (0..shorter - front).take_while(|&k| old[old.len() - 1 - k] == new[new.len() - 1 - k]).count();
-    let middle = between(&old[front..old.len() - back], &new[front..new.len() - back]);
+    let middle = best_pairing(&old[front..old.len() - back], &new[front..new.len() - back]);
     let mut aligned: Vec<_> = (0..front).map(Some).collect();
     aligned.extend(middle.into_iter().map(|k| k.map(|k| k + front)));
     aligned.extend((old.len() - back..old.len()).map(Some));
     aligned
 }
 
-/// The pairing of greatest worth. Of several, the one that pairs what comes first.
-fn between(old: &[Node], new: &[Node]) -> Vec<Option<usize>> {
-    if old.len().saturating_mul(new.len()) > MOST_PAIRS {
+/// The pairing with the greatest total similarity; of several, the one that pairs earlier elements.
+fn best_pairing(old: &[Value], new: &[Value]) -> Vec<Option<usize>> {
+    if old.len().saturating_mul(new.len()) > MAX_PAIRS {
         return (0..new.len()).map(|k| (k < old.len()).then_some(k)).collect();
     }
     let width = new.len() + 1;
-    // best[i * width + j]: the worth of pairing old[i..] with new[j..].
+    // best[i * width + j]: the greatest total similarity of old[i..] and new[j..].
     let mut best = vec![0; (old.len() + 1) * width];
-    let pair = |best: &[u32], i: usize, j: usize| worth(&old[i], &new[j]) + best[(i + 1) * width + j + 1];
+    let pair =
+        |best: &[u32], i: usize, j: usize| similarity(&old[i], &new[j]) + best[(i + 1) * width + j + 1];
     for i in (0..old.len()).rev() {
         for j in (0..new.len()).rev() {
             let skip = best[(i + 1) * width + j].max(best[i * width + j + 1]);
@@ -53,8 +53,8 @@ fn between(old: &[Node], new: &[Node]) -> Vec<Option<usize>> {
     aligned
 }
 
-/// What it is worth to call `new` the same element as `old`.
-fn worth(old: &Node, new: &Node) -> u32 {
+/// How much `old` and `new` have in common: the number of equal fields, or [`EQUAL`].
+fn similarity(old: &Value, new: &Value) -> u32 {
     if old == new {
         return EQUAL;
     }
