@@ -101,7 +101,11 @@ fn presets_that_cannot_be_used() {
             ("    reward: (", "    observation: Row,\n    reward: ("),
             &["encoding.ron:7:", "`observation`", "did you mean `Raw`?"],
         ),
-        ("arenas.ron", ("arenas: 16", "arenas: 0"), &["arenas.ron:4:13", "`arenas` is 0; help: give 1 to 4096"]),
+        (
+            "arenas.ron",
+            ("arenas: 16", "arenas: 0"),
+            &["arenas.ron:4:13", "`arenas` is 0; help: give 1 to 4096"],
+        ),
         (
             "batch.ron",
             ("batch_size: 64", "batch_size: 0"),

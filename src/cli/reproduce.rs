@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::signals::stop_on_signal;
-use crate::reproduce::{Reproduction, ReproduceOptions, reproduce};
+use crate::reproduce::{ReproduceOptions, Reproduction, reproduce};
 use crate::run::RunError;
 
 /// The options of `--reproduce`.

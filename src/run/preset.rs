@@ -93,7 +93,8 @@ impl Preset {
     #[must_use]
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let mut diagnostics = Vec::new();
-        let mut add = |path: &str, message: String| diagnostics.push(Diagnostic { path: path.into(), message });
+        let mut add =
+            |path: &str, message: String| diagnostics.push(Diagnostic { path: path.into(), message });
         if !(1..=MAX_ARENAS).contains(&self.arenas) {
             add("arenas", format!("is {}; help: give 1 to {MAX_ARENAS}", self.arenas));
         }
