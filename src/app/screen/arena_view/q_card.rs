@@ -6,13 +6,13 @@
 
 use std::cmp::Ordering;
 
-use egui::{Align2, Color32, Id, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+use egui::{Align2, Id, Pos2, Rect, Stroke, pos2, vec2};
 
 use super::canvas::Canvas;
-use super::field_view::{decimals_for, format_decimals};
-use super::silhouette::Silhouette;
-use super::transform::{constrain_to, screen_direction};
+use super::motion_arrow;
+use super::q_card_position::card_rect;
 use crate::app::scene::{ArenaScene, DriverLabel};
+use crate::app::screen::numbers::{decimals_for, format_decimals};
 use crate::scenario::{Motion, Scenario};
 
 /// With more motions than these, only the chosen and the best are shown.
@@ -66,7 +66,7 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
         return;
     }
     let body = canvas.transform.to_screen_length(scenario.robot.radius_m).max(6.0);
-    let card = place(canvas, scenario, arena, size, body, avoid, id);
+    let card = card_rect(canvas, scenario, arena, size, body, avoid, id);
     leader(canvas, card, robot, body);
     canvas.card_background(card);
     let palette = &canvas.palette;
@@ -91,7 +91,7 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
         let y = card.top() + HEAD + (row as f32 + 0.5) * ROW;
         let chosen = k == arena.action;
         let ink = if chosen { marked } else { palette.weak_text };
-        motion_arrow(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, ink);
+        motion_arrow::draw(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, ink);
         let end = zero + (q[k] - mean) / most * (BAR / 2.0 - 4.0);
         let bar = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), y - 4.0..=y + 4.0);
         let fill = if chosen { marked } else { palette.weak_text.gamma_multiply(0.55) };
@@ -99,67 +99,6 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
         let (at, words) = (pos2(right, y), format_decimals(q[k], decimals));
         canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { palette.text } else { ink });
     }
-}
-
-/// Where the card goes: the side of the robot where it covers least; it changes sides only for a clear gain.
-fn place(
-    canvas: &Canvas,
-    scenario: &Scenario,
-    arena: &ArenaScene,
-    size: Vec2,
-    body: f32,
-    avoid: &[Rect],
-    id: Id,
-) -> Rect {
-    let view = canvas.transform.rect.shrink(8.0);
-    let robot = canvas.to_screen([arena.pose.x_m, arena.pose.y_m]);
-    let goal = canvas.to_screen([arena.goal.x_m, arena.goal.y_m]);
-    let goal = Rect::from_center_size(
-        goal,
-        Vec2::splat(2.0 * canvas.transform.to_screen_length(scenario.task.goal_radius_m)),
-    );
-    let keep = Rect::from_center_size(robot, Vec2::splat(2.0 * body + 16.0));
-    let ahead = screen_direction(arena.pose.heading_rad);
-    let ctx = canvas.painter.ctx();
-    let before = ctx.data(|data| data.get_temp::<usize>(id));
-    let way: Vec<Pos2> = arena.path_m.iter().rev().take(60).map(|&point| canvas.to_screen(point)).collect();
-    let solids: Vec<Rect> = solids_near(canvas, arena, robot, 2.0 * size.x + body);
-    let sides = [(1.0, -0.6), (1.0, 0.6), (-1.0, -0.6), (-1.0, 0.6), (0.0, -1.0), (0.0, 1.0)];
-    let mut best = (f32::INFINITY, 0, Rect::NOTHING);
-    for (k, (sx, sy)) in sides.into_iter().enumerate() {
-        let reach = vec2(size.x / 2.0 + body + 34.0, size.y / 2.0 + body + 34.0);
-        let lean = if sx == 0.0 { 1.0 } else { 0.8 };
-        let middle = robot + vec2(sx * reach.x, sy * reach.y * lean);
-        let card = constrain_to(Rect::from_center_size(middle, size), view);
-        let covers = |other: Rect| shared(card, other) / other.area().max(1.0);
-        let mut cost = 12.0 * shared(card, keep).min(1.0) + 5.0 * covers(goal);
-        cost += avoid.iter().map(|&other| 6.0 * covers(other)).sum::<f32>();
-        cost += solids.iter().map(|&solid| 1.5 * covers(solid)).sum::<f32>();
-        let covered = way.iter().filter(|&&point| card.contains(point)).count();
-        cost += 0.8 * covered as f32 / way.len().max(1) as f32;
-        cost += 0.6 * (card.center() - robot).normalized().dot(ahead).max(0.0);
-        cost += 0.002 * card.distance_to_pos(robot);
-        cost -= if before == Some(k) { 0.7 } else { 0.0 };
-        if cost < best.0 {
-            best = (cost, k, card);
-        }
-    }
-    ctx.data_mut(|data| data.insert_temp(id, best.1));
-    best.2
-}
-
-/// The boxes on the screen of the obstacles within `reach` points of the robot.
-fn solids_near(canvas: &Canvas, arena: &ArenaScene, robot: Pos2, reach: f32) -> Vec<Rect> {
-    let boxes = arena.scenario.obstacles.iter().zip(&arena.obstacles).map(|(obstacle, &pose)| {
-        Silhouette::Obstacle { shape: obstacle.shape.clone(), pose }.screen_rect(canvas)
-    });
-    boxes.filter(|place| place.distance_to_pos(robot) < reach).collect()
-}
-
-/// The area that two rectangles share.
-fn shared(a: Rect, b: Rect) -> f32 {
-    let both = a.intersect(b);
-    if both.is_positive() { both.area() } else { 0.0 }
 }
 
 fn leader(canvas: &Canvas, card: Rect, robot: Pos2, body: f32) {
@@ -171,36 +110,6 @@ fn leader(canvas: &Canvas, card: Rect, robot: Pos2, body: f32) {
             .painter
             .line_segment([start, near], Stroke::new(1.0, canvas.palette.weak_text.gamma_multiply(0.8)));
     }
-}
-
-/// A little arrow that bends as the motion turns.
-pub fn motion_arrow(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, ink: Color32) {
-    let points = motion_arrow_points(motion, fastest);
-    let (Some(&last), Some(&before)) = (points.last(), points.iter().rev().nth(1)) else { return };
-    let shift = middle.to_vec2() - Rect::from_points(&points).center().to_vec2();
-    let along = (last - before).normalized();
-    let tip = last + shift + along * 2.0;
-    let line = points.iter().map(|&point| point + shift).collect();
-    canvas.painter.add(Shape::line(line, Stroke::new(1.5, ink)));
-    canvas.arrow_head(tip, along, 5.0, ink);
-}
-
-/// The way of a motion, looking up, y down, in points: an arc of up to 110 degrees; a circle's part if it only turns.
-fn motion_arrow_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
-    const PARTS: usize = 10;
-    let turn = (motion.w_rad_s / fastest).clamp(-1.0, 1.0) * 1.92;
-    let stands = motion.v_m_s.abs() < 1e-6;
-    let (step, first) = if stands { (1.1, turn.signum() * -0.6) } else { (1.25, 0.0) };
-    let step = if motion.v_m_s < 0.0 { -step } else { step };
-    let turn = if stands { turn.signum() * 4.0 } else { turn };
-    let mut at = pos2(0.0, 0.0);
-    let mut points = vec![at];
-    for k in 0..PARTS {
-        let heading = first + turn * (k as f32 + 0.5) / PARTS as f32;
-        at += screen_direction(std::f32::consts::FRAC_PI_2 + heading) * step;
-        points.push(at);
-    }
-    points
 }
 
 #[cfg(test)]
@@ -226,12 +135,5 @@ mod tests {
         assert_eq!(rows(&motions, &q, 7), [7, 3]);
         assert_eq!(rows(&motions[..9], &q[..9], 7).len(), 9);
         assert_eq!(rows(&motions[..5], &q[..2], 1), [1, 0], "no row without a value");
-    }
-
-    #[test]
-    fn a_glyph_bends_the_way_of_its_motion() {
-        let end = |w| motion_arrow_points(motion(0.15, w), 1.5).last().copied().unwrap_or_default();
-        assert!(end(1.5).x < -3.0 && end(-1.5).x > 3.0);
-        assert!(end(0.0).x.abs() < 1e-3 && end(0.0).y < -8.0);
     }
 }

@@ -2,17 +2,21 @@
 //!
 //! In: which arrows are held. Out: [`Command::Steer`], whenever it is another motion than before.
 
-use egui::{Id, Key, Ui};
+use egui::{Key, Ui};
 
 use crate::app::commands::{Command, SessionMode};
-use crate::app::screen::ScreenInput;
+use crate::app::screen::input::ScreenInput;
 use crate::scenario::Motion;
 
-/// In Drive mode, orders what the arrows ask for.
-pub fn handle(ui: &mut Ui, view: &ScreenInput<'_>, commands: &mut Vec<Command>) {
-    let last = Id::new("steered");
+/// In Drive mode, sends the motion that the arrow keys ask for whenever it changes; `last` is the motion sent last.
+pub fn handle(
+    ui: &Ui,
+    view: &ScreenInput<'_>,
+    last: &mut Option<(String, usize)>,
+    commands: &mut Vec<Command>,
+) {
     if view.status.mode != SessionMode::Drive {
-        ui.data_mut(|data| data.remove::<(String, usize)>(last));
+        *last = None;
         return;
     }
     let typing = ui.ctx().text_edit_focused();
@@ -21,11 +25,11 @@ pub fn handle(ui: &mut Ui, view: &ScreenInput<'_>, commands: &mut Vec<Command>) 
     let Some(motion) = steered(&view.scene.scenario.robot.motions, left, right, held(Key::ArrowUp)) else {
         return;
     };
-    // Another world may have other motions: there it is to be said again.
-    let now = (view.status.scenario_from.clone(), motion);
-    if ui.data(|data| data.get_temp::<(String, usize)>(last)).as_ref() != Some(&now) {
+    // Another scenario may have other motions, so the motion is sent again there.
+    let now = Some((view.status.scenario_from.clone(), motion));
+    if *last != now {
         commands.push(Command::Steer(motion));
-        ui.data_mut(|data| data.insert_temp(last, now));
+        *last = now;
     }
 }
 

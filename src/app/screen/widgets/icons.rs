@@ -7,7 +7,7 @@ use egui::{
 };
 use egui::{WidgetType, pos2, vec2};
 
-use super::theme::{BODY, Palette};
+use crate::app::screen::theme::{BODY, Palette};
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,13 +3,12 @@
 //! In: a [`ScalarField`]. Out: a texture that is made again only when the field's version changes, arrows down its slope, and
 //! a bar that says what the colours mean.
 
-use egui::{Color32, Context, FontId, Id, Rect, Shape, Stroke, TextureHandle, pos2, vec2};
+use egui::{Color32, Context, Id, Rect, Stroke, TextureHandle, pos2};
 
 use super::canvas::Canvas;
-use super::field_image::{color_bar_mesh, field_image, value_range};
+use super::field_image::{field_image, value_range};
 use super::transform::screen_direction;
 use crate::app::scene::ScalarField;
-use crate::app::screen::theme::SMALL;
 
 /// Arrows along the longer side.
 const ARROWS: usize = 14;
@@ -35,7 +34,7 @@ impl FieldKind {
 
     /// The parts of the least and the greatest values that share a colour: a network's extremes at either end, and of
     /// the potential what is close to an obstacle.
-    fn outermost(self) -> (f32, f32) {
+    pub fn outermost(self) -> (f32, f32) {
         match self {
             Self::Potential => (0.0, 0.03),
             Self::Value => (0.02, 0.02),
@@ -138,73 +137,6 @@ fn descent(field: &ScalarField, ix: usize, iy: usize) -> Option<[f32; 2]> {
     (steep.is_finite() && steep > 1e-6).then(|| [dx / steep, dy / steep])
 }
 
-/// The key to the colours in the upper right corner of the view, on one line if there is room; gives the space it takes.
-pub fn draw_color_bar(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<Rect> {
-    const BAR: f32 = 110.0;
-    let whole = value_range(field, kind.outermost())?;
-    let palette = &canvas.palette;
-    let font = FontId::proportional(SMALL);
-    let text = |words: String, ink| canvas.painter.layout_no_wrap(words, font.clone(), ink);
-    let (title, low, high) = (
-        text(kind.title().into(), palette.text),
-        text(limit(whole.low, whole.below, "≤ "), palette.weak_text),
-        text(limit(whole.high, whole.above, "≥ "), palette.weak_text),
-    );
-    let scale = low.size().x + BAR + high.size().x + 12.0;
-    let (one_line, room) = (title.size().x + 14.0 + scale, canvas.transform.rect.width() - 20.0);
-    let lines = if one_line + 110.0 <= room { 1.0 } else { 2.0 };
-    let width = if lines < 2.0 { one_line } else { scale.max(title.size().x) } + 12.0;
-    if width > room || canvas.transform.rect.height() < 160.0 {
-        return None;
-    }
-    let corner = canvas.transform.rect.right_top() + vec2(-8.0 - width, 6.0);
-    let strip = Rect::from_min_size(corner, vec2(width, 20.0 * lines));
-    canvas.strip_background(strip);
-    let y = strip.bottom() - 10.0;
-    let centred = |x: f32, y: f32, size: egui::Vec2| pos2(x, y - size.y / 2.0);
-    canvas.painter.galley(centred(strip.left() + 6.0, strip.top() + 10.0, title.size()), title, palette.text);
-    let mut x = strip.right() - 6.0 - high.size().x;
-    canvas.painter.galley(centred(x, y, high.size()), high, palette.weak_text);
-    x -= 6.0 + BAR;
-    let bar = Rect::from_min_size(pos2(x, y - 4.0), vec2(BAR, 8.0));
-    canvas.painter.add(Shape::mesh(color_bar_mesh(bar, dark)));
-    x -= 6.0 + low.size().x;
-    canvas.painter.galley(centred(x, y, low.size()), low, palette.weak_text);
-    Some(strip)
-}
-
-/// The number at an end of the key, and before it that values go beyond.
-fn limit(value: f32, beyond: bool, sign: &str) -> String {
-    format!("{}{}", if beyond { sign } else { "" }, format_value(value))
-}
-
-/// A number in about three figures, with a true minus sign.
-#[must_use]
-pub fn format_value(value: f32) -> String {
-    format_decimals(value, decimals_for(value))
-}
-
-/// Decimals that give a number of the size of `value` about three figures.
-#[must_use]
-pub fn decimals_for(value: f32) -> usize {
-    match value.abs() {
-        size if size >= 99.95 => 0,
-        size if size >= 9.995 => 1,
-        _ => 2,
-    }
-}
-
-/// A number with so many decimals and a true minus sign.
-#[must_use]
-pub fn format_decimals(value: f32, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
-        Some(rest) => format!("\u{2212}{rest}"),
-        None => text,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::field_image::tests::bowl;
@@ -227,18 +159,5 @@ mod tests {
         field.values[20 * 40 + 21] = f32::NAN;
         assert_eq!(descent(&field, 20, 20), None);
         assert!(descent(&field, 10, 10).is_some());
-    }
-
-    #[test]
-    fn the_key_says_that_values_go_beyond_its_ends() {
-        assert_eq!([limit(-3.0, true, "≤ "), limit(4.5, false, "≥ ")], ["≤ \u{2212}3.00", "4.50"]);
-    }
-
-    #[test]
-    fn numbers_have_about_three_figures() {
-        assert_eq!(
-            ["0.00", "\u{2212}1.25", "12.3", "100"],
-            [-0.001, -1.25, 12.34, 99.96].map(format_value)[..]
-        );
     }
 }

@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use egui::{FontId, Galley, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 
-use super::arena::{grid_step_m, outcome_color, outcome_mark};
 use super::beams::beam_color;
 use super::canvas::Canvas;
+use super::floor::grid_step_m;
+use super::trajectories::{outcome_color, outcome_mark};
 use crate::app::scene::TrailEnd;
 use crate::app::screen::theme::SMALL;
 use crate::app::view_state::Overlays;

@@ -5,9 +5,9 @@
 use egui::{Align2, Area, Frame, Id, Margin, Rect, RichText, Stroke, Ui, vec2};
 
 use crate::app::commands::{Command, SessionMode};
-use crate::app::screen::ScreenInput;
-use crate::app::screen::panels::buttons;
+use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::{HEADING, Palette, SMALL};
+use crate::app::screen::widgets::buttons;
 
 /// Draws it in the middle of `world` while nothing has happened yet and nothing was learnt elsewhere.
 pub fn welcome_ui(ui: &mut Ui, world: Rect, view: &ScreenInput<'_>, commands: &mut Vec<Command>) {

@@ -1,107 +1,12 @@
-//! The hand on the world: what the pointer can take hold of, and where it may be put.
-//!
-//! In: the pointer, one arena. Out: [`Command::Move`] while something is dragged, and what to draw for it. A place inside
-//! an obstacle or outside the walls is refused. What was under the pointer when the button went down stays in the hand,
-//! though it would drive on meanwhile.
+//! The objects that can be dragged: which one is under the pointer, its outline, and where it may be put.
 
-use egui::{Id, Pos2, Response, Ui};
+use egui::Pos2;
 
 use super::silhouette::Silhouette;
 use super::transform::ViewTransform;
-use crate::app::commands::{Command, MoveRequest};
+use crate::app::interaction::DragTarget;
 use crate::app::scene::{ArenaScene, Scene};
-use crate::app::screen::ScreenInput;
 use crate::scenario::{enclosure_distance, inner_wall_distance, shape_distance};
-
-/// What can be taken hold of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DragTarget {
-    /// The goal.
-    Goal,
-    /// The robot.
-    Robot,
-    /// An obstacle, by its number in the scenario.
-    Obstacle(usize),
-}
-
-impl DragTarget {
-    /// What a tooltip says of it.
-    #[must_use]
-    pub fn tooltip(self) -> &'static str {
-        match self {
-            Self::Goal => "The goal: drag it to another place",
-            Self::Robot => "The robot: drag it to another place",
-            Self::Obstacle(_) => "An obstacle: drag it, and it moves in every arena",
-        }
-    }
-}
-
-/// Something in the hand.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActiveDrag {
-    /// In which arena.
-    pub arena: usize,
-    /// What.
-    pub drag_target: DragTarget,
-    /// Where its middle is to go, in m.
-    pub to_m: [f32; 2],
-    /// Why it cannot go there.
-    pub rejection: Option<&'static str>,
-    offset_m: [f32; 2],
-}
-
-fn hand() -> Id {
-    Id::new("wayfield hand")
-}
-
-/// Follows the pointer in the view of arena `index`; gives what it holds there.
-pub fn update(
-    ui: &Ui,
-    response: &Response,
-    transform: &ViewTransform,
-    view: &ScreenInput<'_>,
-    index: usize,
-    commands: &mut Vec<Command>,
-) -> Option<ActiveDrag> {
-    let scene = view.scene;
-    let arena = scene.arenas.get(index)?;
-    if response.is_pointer_button_down_on() && ui.input(|input| input.pointer.any_pressed()) {
-        let pressed = ui.input(|input| input.pointer.press_origin());
-        let held = pressed.and_then(|at| {
-            let drag_target = hit_test(transform, scene, arena, at)?;
-            let (middle, taken) = (middle_of(drag_target, arena)?, transform.to_world(at));
-            let offset_m = [middle[0] - taken[0], middle[1] - taken[1]];
-            Some(ActiveDrag { arena: index, drag_target, to_m: middle, rejection: None, offset_m })
-        });
-        ui.data_mut(|data| data.insert_temp(hand(), held));
-    }
-    let mut held = ui.data(|data| data.get_temp::<Option<ActiveDrag>>(hand())).flatten()?;
-    if held.arena != index {
-        return None;
-    }
-    if !response.is_pointer_button_down_on() || middle_of(held.drag_target, arena).is_none() {
-        ui.data_mut(|data| data.insert_temp(hand(), None::<ActiveDrag>));
-        return None;
-    }
-    // Until it is dragged, it may still be a click.
-    let pointer = response.interact_pointer_pos().filter(|_| response.dragged())?;
-    let at = transform.to_world(pointer);
-    held.to_m = [at[0] + held.offset_m[0], at[1] + held.offset_m[1]];
-    held.rejection = rejection_at(arena, held.drag_target, held.to_m);
-    // A robot would drive out of a hand that rests, and a goal that it reaches would go elsewhere.
-    let slips = !view.status.paused && !matches!(held.drag_target, DragTarget::Obstacle(_));
-    let moves = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
-    if held.rejection.is_none() && (moves || slips) {
-        let to_m = (held.to_m[0], held.to_m[1]);
-        commands.push(Command::Move(match held.drag_target {
-            DragTarget::Goal => MoveRequest::Goal { arena: index, to_m },
-            DragTarget::Robot => MoveRequest::Robot { arena: index, to_m },
-            DragTarget::Obstacle(obstacle) => MoveRequest::Obstacle { arena: index, index: obstacle, to_m },
-        }));
-    }
-    ui.data_mut(|data| data.insert_temp(hand(), Some(held)));
-    Some(held)
-}
 
 /// What is under the pointer, with a little slack for small things: the robot before the goal before the obstacles. An
 /// obstacle that was drawn for this episode alone can't be taken hold of: the world's file doesn't have it.
@@ -129,7 +34,7 @@ pub fn hit_test(
     (away <= slack_m).then_some(DragTarget::Obstacle(index))
 }
 
-fn middle_of(drag_target: DragTarget, arena: &ArenaScene) -> Option<[f32; 2]> {
+pub fn middle_of(drag_target: DragTarget, arena: &ArenaScene) -> Option<[f32; 2]> {
     match drag_target {
         DragTarget::Goal => Some([arena.goal.x_m, arena.goal.y_m]),
         DragTarget::Robot => Some([arena.pose.x_m, arena.pose.y_m]),
@@ -153,7 +58,7 @@ pub fn silhouette(arena: &ArenaScene, drag_target: DragTarget, to_m: Option<[f32
 }
 
 /// Why `drag_target` cannot be put at `to_m`; none if it can.
-fn rejection_at(arena: &ArenaScene, drag_target: DragTarget, to_m: [f32; 2]) -> Option<&'static str> {
+pub fn rejection_at(arena: &ArenaScene, drag_target: DragTarget, to_m: [f32; 2]) -> Option<&'static str> {
     let scenario = &*arena.scenario;
     let inside_m = enclosure_distance(&scenario.enclosure, to_m.into());
     let guard_m = scenario.task.collision_range_m;

@@ -2,10 +2,8 @@
 //!
 //! In: the status, whenever what runs becomes another. Out: what the buttons would begin.
 
-use egui::{Context, Id};
-
-use crate::app::app_snapshot::AppSnapshot;
-use crate::app::commands::Command;
+use super::app_snapshot::AppSnapshot;
+use super::commands::Command;
 
 /// Epsilon at the start of a transfer, as the paper has it.
 const EPSILON: f32 = 0.5;
@@ -27,11 +25,11 @@ pub struct SetupForm {
 }
 
 impl SetupForm {
-    /// As it was left, or as it runs if that is another training than before.
-    pub fn load(ctx: &Context, status: &AppSnapshot) -> Self {
+    /// The choices `kept` from the last frame, or those that run if another training runs since.
+    #[must_use]
+    pub fn resume(kept: Option<Self>, status: &AppSnapshot) -> Self {
         let running = (status.scenario_from.clone(), status.preset_from.clone(), status.seed);
-        let left: Option<Self> = ctx.data(|data| data.get_temp(Self::id()));
-        left.filter(|setup_form| setup_form.running == running).unwrap_or_else(|| {
+        kept.filter(|form| form.running == running).unwrap_or_else(|| {
             let (scenario, preset, seed) = running.clone();
             Self { scenario, preset, seed, epsilon: EPSILON, awaiting_confirmation: None, running }
         })
@@ -41,14 +39,5 @@ impl SetupForm {
     pub fn differs_from_running(&self) -> bool {
         let (scenario, preset, seed) = &self.running;
         (scenario, preset, seed) != (&self.scenario, &self.preset, &self.seed)
-    }
-
-    /// Keeps it for the next frame.
-    pub fn store(self, ctx: &Context) {
-        ctx.data_mut(|data| data.insert_temp(Self::id(), self));
-    }
-
-    fn id() -> Id {
-        Id::new("pending")
     }
 }

@@ -5,9 +5,9 @@
 use egui::{Align2, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 
 use super::canvas::Canvas;
-use super::set_arena_accessible_name;
+use super::single_arena::set_arena_name;
 use super::transform::{ArenaBounds, ViewTransform};
-use super::{arena, beams};
+use super::{arena, beams, floor, trajectories};
 use crate::app::scene::{ArenaScene, Scene};
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::{ViewCamera, ViewState};
@@ -42,7 +42,7 @@ pub(super) fn arena_grid_ui(ui: &Ui, rect: Rect, scene: &Scene, view_state: &mut
         let place = Rect::from_min_size(room.min + vec2(column * each.x, row * each.y), each);
         let cell = place.shrink((each.min_elem() * 0.03).min(4.0));
         let response = ui.interact(cell, ui.id().with(("cell", index)), Sense::click());
-        set_arena_accessible_name(&response, index);
+        set_arena_name(&response, index);
         if response.clicked() {
             view_state.followed = index;
             view_state.grid = false;
@@ -82,8 +82,8 @@ fn draw_cell(
         ArenaBounds::from_enclosure(&scenario.enclosure),
     );
     let canvas = Canvas { painter: painter.clone(), transform, palette, compact: true };
-    arena::draw_floor(&canvas, &scenario.enclosure);
-    arena::draw_trajectories(&canvas, arena, &view_state.overlays);
+    floor::draw_floor(&canvas, &scenario.enclosure);
+    trajectories::draw(&canvas, arena, &view_state.overlays);
     arena::draw_solids(&canvas, &arena.scenario, &arena.obstacles);
     arena::draw_goal(&canvas, scenario, [arena.goal.x_m, arena.goal.y_m]);
     if view_state.overlays.beams && !arena.inactive && view.size().min_elem() >= BEAMS_FROM {
