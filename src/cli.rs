@@ -19,7 +19,7 @@ use crate::app::{
     view_state::{Overlays, ThemeChoice},
     window::{self, ScreenshotRequest, WindowOptions},
 };
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::planner::unsupported_reason;
 use crate::reproduce::{Experiment, ReproduceOptions, reproduce};
 use crate::run::check_files::{self, CheckedFile};

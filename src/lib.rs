@@ -23,6 +23,7 @@
 
 pub use wayfield_learning as learning;
 pub use wayfield_planner as planner;
+pub use wayfield_policy as policy;
 pub use wayfield_random as random;
 pub use wayfield_report as report;
 pub use wayfield_scenario as scenario;

@@ -6,7 +6,7 @@
 use bevy::prelude::*;
 
 use super::ActiveLearner;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::learning::exploration::{epsilon_greedy, greedy};
 use crate::random::{self, Stream};
 use crate::task::{Actions, Observations};

@@ -16,7 +16,7 @@ use std::time::Instant;
 use super::plan::{RunPlan, Training};
 use super::policy_test;
 use super::progress::OverallProgress;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;

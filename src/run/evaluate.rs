@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::preset::{MAX_BODIES, bodies_per_arena};
 use super::{RunError, policy_card, simulation};
 use crate::agent::GreedyPolicy;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::planner::{self, Resolution, StepBounds};
 use crate::random;
 use crate::scenario::{Scenario, TaskRules};

@@ -12,7 +12,7 @@ use super::folder::RunConfig;
 use super::metric_rows::{EpisodeRow, EvaluationRow, Milestone};
 use super::{RunError, policy_card};
 use crate::agent::{ActiveLearner, TrainingStats};
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::random::{self, Stream};
 use crate::task::EpisodeEnded;
 

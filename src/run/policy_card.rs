@@ -10,7 +10,7 @@ use std::path::Path;
 
 use super::RunError;
 use super::folder::RunConfig;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::scenario::{Lidar, Scenario, read_bytes};
 use crate::task::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 

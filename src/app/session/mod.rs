@@ -47,7 +47,7 @@ use super::app_snapshot::{Choice, Notice, Severity};
 use super::commands::{Command, Pace, SessionMode};
 use super::history::History;
 use crate::agent::ActionSources;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::background_evaluator::BackgroundEvaluator;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;

@@ -9,7 +9,7 @@ use super::interventions::{self, Intervention};
 use super::trails::Trails;
 use crate::agent::{ActionSelection, ActionSource, ActionSources, Decisions, TrainingStats};
 use crate::app::commands::{Pace, SessionMode};
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::random::Stream;
 use crate::run::evaluate;
 use crate::run::{RunError, metrics, policy_card};
