@@ -19,8 +19,8 @@ use crate::app::{
     view_state::{Overlays, ThemeChoice},
     window::{self, ScreenshotRequest, WindowOptions},
 };
-use crate::policy::Policy;
 use crate::planner::unsupported_reason;
+use crate::policy::Policy;
 use crate::reproduce::{Experiment, ReproduceOptions, reproduce};
 use crate::run::check_files::{self, CheckedFile};
 use crate::run::evaluate::{self, Evaluation, Evaluator};
@@ -383,7 +383,7 @@ fn train_command(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     };
     let every = arguments.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
     let job = match arguments.resume {
-        Some(folder) => Job::Resume { folder, budget },
+        Some(folder) => Job::Resume { folder, budget, extensions: crate::simulation::Extensions::default() },
         None => {
             let scenario_from = arguments.scenario.unwrap_or_else(|| "scenario-1".into());
             let preset_from = arguments.preset.unwrap_or_else(|| "fast".into());
@@ -729,7 +729,8 @@ const MAX_EVAL_EPISODES: u64 = 1_000_000;
 /// The policy in the file at `path`, which must be able to drive in `scenario`.
 fn read_policy(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
     let policy = policy_card::read(path)?;
-    evaluate::check_compatible(&policy, scenario).map_err(|error| RunError::invalid_input(path, error))?;
+    evaluate::check_compatible(&policy, scenario, &crate::task::ObservationLayout::default())
+        .map_err(|error| RunError::invalid_input(path, error))?;
     Ok(policy)
 }
 

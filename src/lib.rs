@@ -34,8 +34,10 @@ pub mod app;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
 pub mod control_step;
+pub mod env;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod reproduce;
 pub mod run;
 pub mod sim;
+pub mod simulation;
 pub mod task;
