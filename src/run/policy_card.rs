@@ -10,6 +10,7 @@ use std::path::Path;
 
 use super::RunError;
 use super::folder::RunConfig;
+use super::limits::MAX_POLICY_BYTES;
 use crate::policy::Policy;
 use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 use crate::scenario::{Lidar, Scenario, read_bytes};
@@ -22,9 +23,6 @@ pub const ENCODING: &str = "encoding";
 /// The key under which a policy records the sensors of plugins in its observation, as in `speed:2, bumper:1`. Policies
 /// without such sensors don't have it.
 pub const SENSORS: &str = "sensors";
-
-/// The most bytes that a policy's file may have: 2^24 parameters and a header.
-const MAX_POLICY_BYTES: u64 = 1 << 27;
 
 /// The policy in the file at `path`.
 ///
