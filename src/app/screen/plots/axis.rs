@@ -9,7 +9,7 @@ use super::card::Trace;
 use crate::app::history::Annotation;
 use crate::app::screen::numbers;
 use crate::app::screen::theme::{Palette, SMALL};
-use crate::report::table::number;
+use crate::report::format::number;
 
 /// What a y axis measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
