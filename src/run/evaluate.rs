@@ -12,7 +12,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use bevy::prelude::*;
 use serde::Serialize;
 
-use super::preset::{MAX_BODIES, bodies_per_arena};
+use super::limits::MAX_BODIES;
+use super::memory::bodies_per_arena;
 use super::{RunError, policy_card, simulation};
 use crate::agent::GreedyPolicy;
 use crate::learning::Policy;

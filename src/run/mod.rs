@@ -31,8 +31,10 @@ pub mod evaluate;
 pub mod fingerprint;
 pub mod folder;
 pub mod learner_setup;
+pub mod limits;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
+pub mod memory;
 pub mod metric_rows;
 pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]

@@ -10,6 +10,7 @@ use std::path::Path;
 
 use super::RunError;
 use super::folder::RunConfig;
+use super::limits::MAX_POLICY_BYTES;
 use crate::learning::Policy;
 use crate::scenario::{Lidar, Scenario, read_bytes};
 use crate::task::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
@@ -17,9 +18,6 @@ use crate::task::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 /// The key under which a policy says in which units its observations are: `scaled`, or `raw`. Policies of wayfields
 /// that knew no other than `scaled` don't have it.
 pub const ENCODING: &str = "encoding";
-
-/// The most bytes that a policy's file may have: 2^24 parameters and a header.
-const MAX_POLICY_BYTES: u64 = 1 << 27;
 
 /// The policy in the file at `path`.
 ///
