@@ -294,7 +294,8 @@ mod tests {
 
     #[test]
     fn the_page_runs_no_script_and_fetches_nothing() {
-        let html = html(&samples::page()).replace(&samples::svg()[samples::svg().find("<svg").expect("an SVG")..], "");
+        let html = html(&samples::page())
+            .replace(&samples::svg()[samples::svg().find("<svg").expect("an SVG")..], "");
         for markup in ["<script", "http://", "https://", "@import", "url(", " src=", "<link", "<?xml"] {
             assert!(!html.contains(markup), "{markup}");
         }

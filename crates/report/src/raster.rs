@@ -60,7 +60,8 @@ mod tests {
 
     #[test]
     fn the_font_has_every_character_that_figures_use() {
-        let drawn = |c: char| png(&FIGURE.replace("−±εαβ≥", &c.to_string()), 1.0).expect("the figure is drawn");
+        let drawn =
+            |c: char| png(&FIGURE.replace("−±εαβ≥", &c.to_string()), 1.0).expect("the figure is drawn");
         let unknown = drawn('\u{4e00}');
         for c in "−±εαβγσµμΔ·≥≤≈°%–—…→×²₁‘’“”".chars() {
             assert_ne!(drawn(c), unknown, "{c} is missing");

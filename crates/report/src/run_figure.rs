@@ -210,7 +210,8 @@ mod tests {
     #[test]
     fn the_figure_shows_the_paper_and_the_latest_values() {
         let svg = svg(&episodes(60), &[evaluation(1000, 0.5), evaluation(2000, 0.875)]);
-        let (of_50, goals) = ("mean of 50 episodes", (11..=60).map(|i| f64::from(i % 13)).sum::<f64>() / 50.0);
+        let (of_50, goals) =
+            ("mean of 50 episodes", (11..=60).map(|i| f64::from(i % 13)).sum::<f64>() / 50.0);
         for text in ["paper: 96%", "87.5%", of_50, "one evaluation or episode", &number(goals, 1)] {
             assert!(svg.contains(text), "{text} is missing");
         }

@@ -16,9 +16,9 @@ use std::path::Path;
 pub use self::annotations::Annotation;
 pub use self::series::{DownsampledSeries, MAX_POINTS, MOVING_AVERAGE_EPISODES, MovingAverage};
 use self::spool::Spool;
-use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::report::raster::png;
+use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 use crate::run::checkpoint::BestPolicy;
 use crate::run::folder::write_atomic;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};

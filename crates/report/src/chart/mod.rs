@@ -78,10 +78,7 @@ mod tests {
         }
         let cases = [
             ("none", CurveChart::default()),
-            (
-                "an empty panel",
-                CurveChart { panels: vec![ChartPanel::default()], ..CurveChart::default() },
-            ),
+            ("an empty panel", CurveChart { panels: vec![ChartPanel::default()], ..CurveChart::default() }),
             ("one episode", curves(1, 1, 1)),
             ("four lines", curves(4, 3, 1500)),
             ("extreme", extreme),

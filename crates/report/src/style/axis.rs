@@ -81,7 +81,10 @@ mod tests {
     #[test]
     fn ticks_are_round_and_labelled_with_the_decimals_they_need() {
         assert_eq!(Axis::within([-20.0, 71.0].into_iter(), 4.0).ticks(), [0.0, 25.0, 50.0]);
-        assert!(Axis::within([-7.5].into_iter(), 4.0).ticks().len() >= 3, "a constant gets a range around it");
+        assert!(
+            Axis::within([-7.5].into_iter(), 4.0).ticks().len() >= 3,
+            "a constant gets a range around it"
+        );
         let labels = |axis: Axis| axis.ticks().into_iter().map(|t| axis.label(t)).collect::<Vec<_>>();
         assert_eq!(labels(Axis { range: 0.0..0.5, step: 0.25 }), ["0.00", "0.25", "0.50"]);
         assert_eq!(labels(Axis { range: -2500.0..0.0, step: 2500.0 }), ["\u{2212}2,500", "0"]);

@@ -11,8 +11,8 @@ mod markers;
 mod palette;
 mod text;
 
-pub use canvas::DrawError;
 pub(crate) use axis::{Axis, bounds, is_drawable, thinned};
+pub use canvas::DrawError;
 pub(crate) use canvas::{
     Canvas, DrawResult, HAIRLINE, HEADING, LINE_HEIGHT, Pixel, STROKE, TEXT, area, line, picture, write,
 };

@@ -6,9 +6,7 @@ use plotters::style::text_anchor::HPos;
 
 use super::model::EventMarker;
 use crate::chart::layout::{LEFT, WIDTH};
-use crate::style::{
-    Axis, Canvas, DrawResult, HAIRLINE, SOFT_INK, TEXT, ellipsized, line, text_width, write,
-};
+use crate::style::{Axis, Canvas, DrawResult, HAIRLINE, SOFT_INK, TEXT, ellipsized, line, text_width, write};
 
 /// The shared x axis.
 pub(super) struct Frame {

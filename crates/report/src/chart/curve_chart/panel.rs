@@ -116,8 +116,10 @@ impl<'a> PanelDrawing<'a> {
     /// Draws the means, with markers if there are several, and returns their labels.
     fn draw_means(&self, root: &Canvas) -> Result<Vec<Label<'a>>, Box<dyn std::error::Error>> {
         let curves = &self.panel.lines;
-        let paths: Vec<Vec<Pixel>> =
-            curves.iter().map(|curve| curve.points.iter().map(|p| self.pixel(p.x, p.mean)).collect()).collect();
+        let paths: Vec<Vec<Pixel>> = curves
+            .iter()
+            .map(|curve| curve.points.iter().map(|p| self.pixel(p.x, p.mean)).collect())
+            .collect();
         for (curve, path) in curves.iter().zip(&paths) {
             line(root, path.clone(), colour(curve.colour).stroke_width(STROKE))?;
         }

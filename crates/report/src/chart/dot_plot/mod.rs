@@ -35,8 +35,7 @@ impl DotPlot {
     /// # Errors
     /// The drawing library failed. No input is known to cause this.
     pub fn svg(&self) -> Result<String, DrawError> {
-        let columns: Vec<_> =
-            self.columns.iter().map(|c| ColumnDrawing::new(c, self.rows.len())).collect();
+        let columns: Vec<_> = self.columns.iter().map(|c| ColumnDrawing::new(c, self.rows.len())).collect();
         let width = WIDTH - 2 * EDGE;
         let legend = symbols::legend(columns.iter().flat_map(|c| &c.cells), width);
         let title_end = title_height(&self.title, width);

@@ -110,7 +110,9 @@ impl ScenarioMap {
         for obstacle in &self.obstacles {
             let (fill, edge) = obstacle_colours(obstacle.kind);
             match &obstacle.outline {
-                MapShape::Disc(x, y, radius) => plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?,
+                MapShape::Disc(x, y, radius) => {
+                    plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?
+                }
                 MapShape::Polygon(corners) => plan.draw_polygon(root, corners, fill.filled(), edge)?,
             }
             if let MapObstacleKind::Moving(heading) = obstacle.kind {
