@@ -10,7 +10,7 @@ use super::checkpoint::BestPolicy;
 use super::folder::RunFolder;
 use super::metric_rows::{EpisodeRow, EvaluationRow};
 use super::tensorboard::EventWriter;
-use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
+use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 
 const EPISODES: &str = "episodes.csv";
 const EVALUATIONS: &str = "evaluations.csv";
