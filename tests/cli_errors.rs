@@ -5,7 +5,7 @@
 mod cli_support;
 
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 
 /// A desk with a good preset, a run of one step, and its policy.
 fn workspace() -> Workspace {

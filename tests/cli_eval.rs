@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
 use serde_json::Value;
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 
 /// A desk on which the default preset has trained for 30,000 env steps with seed 1, once for all tests:
 /// `taught/policy.safetensors`.
