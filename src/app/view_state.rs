@@ -5,6 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::editor::Editor;
+use super::interaction::Interaction;
 
 /// Light, dark, or as the system has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,6 +89,9 @@ pub struct ViewState {
     /// It is to be opened on the world that runs.
     #[serde(skip)]
     pub open_editor: bool,
+    /// The user's unfinished actions.
+    #[serde(skip)]
+    pub interaction: Interaction,
 }
 
 impl Default for ViewState {
@@ -104,6 +108,7 @@ impl Default for ViewState {
             help_open: false,
             editor: None,
             open_editor: false,
+            interaction: Interaction::default(),
         }
     }
 }

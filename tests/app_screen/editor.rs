@@ -126,7 +126,7 @@ fn what_is_added_is_selected_copied_and_deleted() {
     assert_eq!(editor(&mut window).diagnostics(), []);
     click(&mut window, "Only in a region");
     let generator = edited_scenario(&mut window).generators[0].clone();
-    assert_eq!((generator.count, generator.within.map(|r| r.min_m)), (7, Some((-1.0, -1.0))));
+    assert_eq!((generator.count, generator.within.map(|r| r.min_m)), (7, Some(vec2(-1.0, -1.0))));
     // The middle is full by now.
     let told =
         editor(&mut window).diagnostics().iter().map(|finding| finding.path.as_str()).collect::<Vec<_>>();
@@ -137,7 +137,7 @@ fn what_is_added_is_selected_copied_and_deleted() {
 fn a_wall_is_drawn_with_the_tool() {
     let mut window = editing();
     click(&mut window, "Draw a wall");
-    for at in [(-1.0, 1.2), (1.0, 1.2)] {
+    for at in [vec2(-1.0, 1.2), vec2(1.0, 1.2)] {
         editor(&mut window).click_with_tool(at, false);
     }
     settle(&mut window);
@@ -420,7 +420,7 @@ fn rules_that_are_nowhere_in_the_world_are_changed_in_their_groups() {
     editor(&mut window).set_rule(PlacementRole::Goals, PlacementKind::Within);
     settle(&mut window);
     write(&mut window, "From x", "-1.5");
-    let (min_m, max_m) = ((-1.5, -1.0), (1.0, 1.0));
+    let (min_m, max_m) = (vec2(-1.5, -1.0), vec2(1.0, 1.0));
     assert_eq!(edited_scenario(&mut window).goals, PlacementRule::Within { min_m, max_m, clearance_m: 0.4 });
 }
 
@@ -606,7 +606,7 @@ fn a_world_that_was_saved_and_not_taken_is_opened_again() {
 /// Begins a wall, of two corners so far.
 fn half_a_wall(window: &mut Window) {
     click(window, "Draw a wall");
-    for at in [(-1.0, 1.2), (1.0, 1.2)] {
+    for at in [vec2(-1.0, 1.2), vec2(1.0, 1.2)] {
         editor(window).click_with_tool(at, false);
     }
     settle(window);
@@ -641,7 +641,7 @@ fn a_wall_that_is_half_drawn_is_not_lost() {
     // One that can't be there is not taken.
     let mut window = editing();
     click(&mut window, "Draw a wall");
-    for at in [(-1.0, 0.6), (1.0, 5.0)] {
+    for at in [vec2(-1.0, 0.6), vec2(1.0, 5.0)] {
         editor(&mut window).click_with_tool(at, false);
     }
     settle(&mut window);

@@ -107,7 +107,7 @@ fn command(window: &mut Window, key: Key) -> Vec<Command> {
 #[test]
 fn an_obstacle_is_dragged_and_it_is_undone_and_done_again() {
     let mut window = editing();
-    drag(&mut window, (0.6, 0.6), (1.08, 0.21));
+    drag(&mut window, math::vec2(0.6, 0.6), math::vec2(1.08, 0.21));
     assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(1.1, 0.2), "on the grid of 5 cm");
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
     command(&mut window, Key::Z);
@@ -124,7 +124,7 @@ fn an_obstacle_is_dragged_and_it_is_undone_and_done_again() {
 #[test]
 fn with_alt_nothing_snaps_and_escape_gives_a_drag_up() {
     let mut window = editing();
-    hold(&mut window, (-0.6, -0.6), (-1.013, -0.337), Modifiers::ALT);
+    hold(&mut window, math::vec2(-0.6, -0.6), math::vec2(-1.013, -0.337), Modifiers::ALT);
     let math::Vec2 { x, y } = edited_scenario(&mut window).obstacles[2].position_m;
     assert!((x + 1.013).abs() < 2e-3 && (y + 0.337).abs() < 2e-3 && x != -1.0, "{x} {y}");
     press(&mut window, Key::Escape);
@@ -139,7 +139,7 @@ fn with_alt_nothing_snaps_and_escape_gives_a_drag_up() {
 fn a_handle_resizes_and_a_press_beside_it_does_not() {
     let mut window = editing();
     click_at(&mut window, math::vec2(0.6, 0.6));
-    drag(&mut window, (0.75, 0.6), (0.9, 0.6));
+    drag(&mut window, math::vec2(0.75, 0.6), math::vec2(0.9, 0.6));
     let world = self::edited_scenario(&mut window);
     assert_eq!(world.obstacles[0].shape, Shape::Circle { radius_m: 0.3 });
     assert_eq!(world.obstacles[0].position_m, math::vec2(0.6, 0.6));
@@ -150,7 +150,7 @@ fn the_enclosure_is_resized_by_its_side_under_a_view_that_stays() {
     let mut window = editing();
     click_at(&mut window, math::vec2(2.0, -1.0));
     // Half a metre further out on either side; the picture is shrunk only when it is let go.
-    drag(&mut window, (2.0, 0.0), (2.5, 0.0));
+    drag(&mut window, math::vec2(2.0, 0.0), math::vec2(2.5, 0.0));
     assert_eq!(edited_scenario(&mut window).enclosure, Enclosure::Rectangle { width_m: 5.0, height_m: 4.0 });
     assert_eq!(window.state().view_state.camera.centre_m, [0.0, 0.0]);
 }
@@ -159,11 +159,11 @@ fn the_enclosure_is_resized_by_its_side_under_a_view_that_stays() {
 fn a_click_selects_and_the_floor_or_escape_selects_nothing() {
     let mut window = editing();
     for (at, selected) in [
-        ((-0.6, 0.6), Selection::Obstacle(1)),
-        ((0.05, 0.02), Selection::BenchmarkStart),
-        ((1.2, 1.2), Selection::BenchmarkGoal),
-        ((2.0, -1.0), Selection::Enclosure),
-        ((-1.3, -1.4), Selection::Nothing),
+        (math::vec2(-0.6, 0.6), Selection::Obstacle(1)),
+        (math::vec2(0.05, 0.02), Selection::BenchmarkStart),
+        (math::vec2(1.2, 1.2), Selection::BenchmarkGoal),
+        (math::vec2(2.0, -1.0), Selection::Enclosure),
+        (math::vec2(-1.3, -1.4), Selection::Nothing),
     ] {
         click_at(&mut window, at);
         assert_eq!(editor(&mut window).selection(), selected, "{at:?}");
@@ -200,7 +200,7 @@ fn keys_delete_double_copy_and_nudge() {
 fn a_wall_is_drawn_by_clicks() {
     let mut window = editing();
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
-    for at in [(-1.5, -1.0), (-1.5, -1.5), (0.52, -1.48)] {
+    for at in [math::vec2(-1.5, -1.0), math::vec2(-1.5, -1.5), math::vec2(0.52, -1.48)] {
         click_at(&mut window, at);
     }
     press(&mut window, Key::Backspace);
@@ -241,7 +241,7 @@ fn places_for_targets_are_set_by_clicks_and_the_other_button_ends_it() {
     assert_eq!(editor(&mut window).tool(), &Tool::Select);
     assert_eq!(edited_scenario(&mut window).goals, expected);
     // One is dragged, and one taken out by a double click.
-    drag(&mut window, (1.5, 0.0), (1.5, -0.5));
+    drag(&mut window, math::vec2(1.5, 0.0), math::vec2(1.5, -0.5));
     double_click_at(&mut window, math::vec2(-1.5, 0.0));
     assert_eq!(edited_scenario(&mut window).goals, PlacementRule::OneOf { positions_m: vec![math::vec2(1.5, -0.5)] });
 }
@@ -251,7 +251,7 @@ fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
     let mut window = editing();
     click_at(&mut window, math::vec2(0.6, 0.6));
     editor(&mut window).set_tool(Tool::Path { waypoints_m: Vec::new() });
-    for at in [(1.5, 0.6), (1.5, 1.5), (0.6, 1.5)] {
+    for at in [math::vec2(1.5, 0.6), math::vec2(1.5, 1.5), math::vec2(0.6, 1.5)] {
         click_at(&mut window, at);
     }
     press(&mut window, Key::Enter);
@@ -263,9 +263,9 @@ fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
     double_click_at(&mut window, math::vec2(1.5, 1.5));
     assert_eq!(waypoints(&mut window), [(1.5, 0.6), (0.6, 1.5)]);
     // All of it moves by the obstacle, the obstacle alone with Shift.
-    drag(&mut window, (0.6, 0.6), (0.6, 0.4));
+    drag(&mut window, math::vec2(0.6, 0.6), math::vec2(0.6, 0.4));
     assert_eq!(waypoints(&mut window), [(1.5, 0.4), (0.6, 1.3)]);
-    hold(&mut window, (0.6, 0.4), (0.2, 0.4), Modifiers::SHIFT);
+    hold(&mut window, math::vec2(0.6, 0.4), math::vec2(0.2, 0.4), Modifiers::SHIFT);
     let_go(&mut window, math::vec2(0.2, 0.4));
     assert_eq!(waypoints(&mut window), [(1.5, 0.4), (0.6, 1.3)]);
     assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(0.2, 0.4));
@@ -274,7 +274,7 @@ fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
 #[test]
 fn the_floor_pushes_the_view_about_and_the_wheel_zooms() {
     let mut window = editing();
-    drag(&mut window, (-1.3, -1.4), (-1.1, -1.4));
+    drag(&mut window, math::vec2(-1.3, -1.4), math::vec2(-1.1, -1.4));
     let [x, y] = window.state().view_state.camera.centre_m;
     assert!((x + 0.2).abs() < 1e-3 && y.abs() < 1e-3, "{x} {y}");
     press(&mut window, Key::F);
@@ -308,7 +308,7 @@ fn it_is_left_at_once_or_after_asking_and_time_goes_on_as_before() {
     assert_eq!(click(&mut window, "Test"), [Command::SetMode(SessionMode::Test), Command::Pause(false)]);
     assert!(window.state().view_state.editor.is_none());
     assert_eq!(press(&mut window, Key::E), [], "time stands still already");
-    drag(&mut window, (0.6, 0.6), (1.0, 0.6));
+    drag(&mut window, math::vec2(0.6, 0.6), math::vec2(1.0, 0.6));
     assert_eq!(press(&mut window, Key::E), []);
     assert!(window.query_by_label("The changes of this world are not saved.").is_some());
     assert_eq!(click(&mut window, "Go on editing"), []);
@@ -377,7 +377,7 @@ fn a_world_of_all_sorts_is_edited_in_any_window_without_a_panic() {
             settle(&mut window);
         }
         editor(&mut window).edit("enclosure", |scenario| {
-            let corners_m = vec![math::vec2(0.0, 0.0), math::vec2(f32::NAN, 1.0), (1.0, f32::INFINITY), math::vec2(0.0, 1.0)];
+            let corners_m = vec![math::vec2(0.0, 0.0), math::vec2(f32::NAN, 1.0), math::vec2(1.0, f32::INFINITY), math::vec2(0.0, 1.0)];
             scenario.enclosure = wayfield::scenario::Enclosure::Polygon { corners_m };
             scenario.obstacles[0].position_m.x = f32::NAN;
         });
@@ -415,7 +415,7 @@ fn a_corner_near_the_middle_is_dragged_like_the_others() {
     click_at(&mut window, math::vec2(0.3, 0.3));
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
     // 2.8 cm from the middle are some five points.
-    drag(&mut window, (0.62, 0.62), (0.75, 0.7));
+    drag(&mut window, math::vec2(0.62, 0.62), math::vec2(0.75, 0.7));
     let obstacle = edited_scenario(&mut window).obstacles[0].clone();
     assert_eq!(obstacle.position_m, math::vec2(0.6, 0.6), "it stays");
     let Shape::Polygon { corners_m } = obstacle.shape else { panic!("{:?}", obstacle.shape) };

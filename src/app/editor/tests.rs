@@ -204,7 +204,7 @@ fn a_copy_is_like_the_thing_and_beside_it() {
     let by = copy.position_m - first.position_m;
     assert!(by.x.hypot(by.y) >= 0.3, "two radii");
     let ObstacleMotion::Patrol { waypoints_m, .. } = &copy.motion else { panic!("a patrol") };
-    let expected = vec2vec2(to_mm(1.0 + by.x), to_mm(1.5 + by.y));
+    let expected = vec2(to_mm(1.0 + by.x), to_mm(1.5 + by.y));
     assert_eq!(waypoints_m[0], expected, "its path comes along");
     // To a place, and after the first is gone.
     editor.select(Selection::Wall(0));

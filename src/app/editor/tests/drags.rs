@@ -135,7 +135,7 @@ fn resizing_a_turned_box_keeps_the_opposite_corner() {
     let corner = |editor: &Editor, side: f32| {
         let o = &editor.scenario().obstacles[0];
         let Shape::Rectangle { width_m, height_m } = o.shape else { panic!("a box") };
-        let (vec2(sin, cos), vec2(x, y)) = (o.rotation_rad.sin_cos(), vec2(side * width_m / 2.0, side * height_m / 2.0));
+        let ((sin, cos), (x, y)) = (o.rotation_rad.sin_cos(), (side * width_m / 2.0, side * height_m / 2.0));
         vec2(o.position_m.x + x * cos - y * sin, o.position_m.y + x * sin + y * cos)
     };
     let mut editor = with(turned);

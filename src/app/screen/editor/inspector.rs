@@ -8,8 +8,8 @@ use egui::{Align, Layout, Ui};
 use super::fields::{FieldRows, NumberSpec, button_row_ui, choice_ui};
 use super::scenario_panel;
 use crate::app::editor::{Editor, MotionKind, PlacementRole, Selection, Tool, format_metres};
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
-use crate::app::screen::panels::setup::{section_title_ui, weak_text};
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Region, Shape};
 
 /// What a size may be.
@@ -268,7 +268,7 @@ mod tests {
     #[test]
     fn the_middle_half_is_about_the_middle() {
         let region = middle_half((vec2(10.0, 0.0), vec2(16.0, 6.0)));
-        assert_eq!(vec2(region.min_m, region.max_m), (vec2(11.5, 1.5), vec2(14.5, 4.5)));
+        assert_eq!((region.min_m, region.max_m), (vec2(11.5, 1.5), vec2(14.5, 4.5)));
     }
 
     #[test]
