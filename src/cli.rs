@@ -280,7 +280,7 @@ fn window_command(arguments: Arguments) -> Result<(), RunError> {
         return replay_command(folder);
     }
     let usual = StartOptions::default();
-    let first = StartOptions {
+    let start = StartOptions {
         scenario: arguments.scenario.unwrap_or(usual.scenario),
         preset: arguments.preset.unwrap_or(usual.preset),
         seed: arguments.seed.unwrap_or(usual.seed),
@@ -291,17 +291,17 @@ fn window_command(arguments: Arguments) -> Result<(), RunError> {
     };
     // What cannot be used is said here, not in a window.
     // (But a broken scenario is waited for: the window takes it as soon as it is mended.)
-    match shipped::scenario(&first.scenario) {
-        Err(error) if Path::new(&first.scenario).is_file() && arguments.screenshot.is_none() => {
+    match shipped::scenario(&start.scenario) {
+        Err(error) if Path::new(&start.scenario).is_file() && arguments.screenshot.is_none() => {
             print_stderr(&error.to_string());
         }
         found => drop(found?),
     }
-    shipped::preset(&first.preset)?;
+    shipped::preset(&start.preset)?;
     let shows = |what: OverlayArgument| arguments.show.contains(&what);
     let asked = !arguments.show.is_empty();
     window::run(WindowOptions {
-        first,
+        start,
         screenshot: arguments
             .screenshot
             .map(|file| ScreenshotRequest { file, after_steps: arguments.screenshot_after }),

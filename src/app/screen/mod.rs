@@ -33,7 +33,7 @@ use super::commands::{Command, SessionMode};
 use super::editor::Editor;
 use super::history::History;
 use super::scene::Scene;
-use super::view_state::{ThemeChoice, ViewState};
+use super::view_state::{EditorSource, ThemeChoice, ViewState};
 use panels::{help, notices, setup, toolbar};
 use theme::Palette;
 
@@ -89,10 +89,12 @@ pub fn screen_ui(
         ThemeChoice::Dark => ThemePreference::Dark,
     });
     view_state.followed = view_state.followed.min(view.scene.arenas.len().saturating_sub(1));
-    if std::mem::take(&mut view_state.open_editor) && view_state.editor.is_none() {
+    if let Some(source) = view_state.open_editor.take()
+        && view_state.editor.is_none()
+    {
         editor::confirm_exit::enter_editor(ui.ctx(), view, view_state, commands);
-        if let Some((_, from, world)) = &view.status.draft {
-            view_state.editor = Some(Box::new(Editor::open(world.clone(), from.clone(), true)));
+        if let EditorSource::Draft { from, scenario } = source {
+            view_state.editor = Some(Box::new(Editor::open(scenario, from, true)));
         }
     }
     shortcuts::handle(ui, view, view_state, commands);
@@ -116,7 +118,7 @@ pub fn screen_ui(
         .frame(Frame::new().fill(palette.background))
         .show(ui, |ui| {
             if view_state.editor.is_some() {
-                editor::editor_ui(ui, view.status, view_state);
+                editor::editor_ui(ui, view_state);
             } else {
                 world::arenas_ui(ui, view, view_state, commands);
             }

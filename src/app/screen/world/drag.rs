@@ -1,52 +1,39 @@
-//! The hand on the world: what the pointer can take hold of, and where it may be put.
+//! Dragging objects in an arena: which object is under the pointer, and where it may go.
 //!
-//! In: the pointer, one arena. Out: [`Command::Move`] while something is dragged, and what to draw for it. A place inside
-//! an obstacle or outside the walls is refused. What was under the pointer when the button went down stays in the hand,
-//! though it would drive on meanwhile.
+//! In: the pointer, one arena. Out: [`Command::Move`] while an object is dragged, and what to draw for it. The object under
+//! the pointer when the button went down stays grabbed, although it may drive away from the pointer meanwhile.
 
 use egui::{Id, Pos2, Response, Ui};
 
 use super::silhouette::Silhouette;
 use super::transform::ViewTransform;
-use crate::app::commands::{Command, MoveRequest};
+use crate::app::commands::Command;
+use crate::app::moves::{ArenaView, Movable, MoveRejection, MoveRequest, check_move};
 use crate::app::scene::{ArenaScene, Scene};
 use crate::app::screen::ScreenInput;
-use crate::scenario::{enclosure_distance, inner_wall_distance, shape_distance};
+use crate::scenario::shape_distance;
 
-/// What can be taken hold of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DragTarget {
-    /// The goal.
-    Goal,
-    /// The robot.
-    Robot,
-    /// An obstacle, by its number in the scenario.
-    Obstacle(usize),
-}
-
-impl DragTarget {
-    /// What a tooltip says of it.
-    #[must_use]
-    pub fn tooltip(self) -> &'static str {
-        match self {
-            Self::Goal => "The goal: drag it to another place",
-            Self::Robot => "The robot: drag it to another place",
-            Self::Obstacle(_) => "An obstacle: drag it, and it moves in every arena",
-        }
+/// Text of the tooltip over `object`.
+#[must_use]
+pub fn tooltip(object: Movable) -> &'static str {
+    match object {
+        Movable::Goal => "Goal: drag to move it",
+        Movable::Robot => "Robot: drag to move it",
+        Movable::Obstacle(_) => "Obstacle: drag to move it in every arena",
     }
 }
 
-/// Something in the hand.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// An object that is being dragged.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ActiveDrag {
-    /// In which arena.
+    /// Index of the arena.
     pub arena: usize,
-    /// What.
-    pub drag_target: DragTarget,
-    /// Where its middle is to go, in m.
+    /// The object.
+    pub object: Movable,
+    /// Requested position of its centre, in m.
     pub to_m: [f32; 2],
-    /// Why it cannot go there.
-    pub rejection: Option<&'static str>,
+    /// Why it cannot go there, if it cannot.
+    pub rejection: Option<MoveRejection>,
     offset_m: [f32; 2],
 }
 
@@ -54,7 +41,7 @@ fn hand() -> Id {
     Id::new("wayfield hand")
 }
 
-/// Follows the pointer in the view of arena `index`; gives what it holds there.
+/// Follows the pointer in the view of arena `index`. Returns the drag in progress there, if any.
 pub fn update(
     ui: &Ui,
     response: &Response,
@@ -67,122 +54,89 @@ pub fn update(
     let arena = scene.arenas.get(index)?;
     if response.is_pointer_button_down_on() && ui.input(|input| input.pointer.any_pressed()) {
         let pressed = ui.input(|input| input.pointer.press_origin());
-        let held = pressed.and_then(|at| {
-            let drag_target = hit_test(transform, scene, arena, at)?;
-            let (middle, taken) = (middle_of(drag_target, arena)?, transform.to_world(at));
-            let offset_m = [middle[0] - taken[0], middle[1] - taken[1]];
-            Some(ActiveDrag { arena: index, drag_target, to_m: middle, rejection: None, offset_m })
+        let drag = pressed.and_then(|at| {
+            let object = hit_test(transform, scene, arena, at)?;
+            let (centre, grabbed) = (centre_of(object, arena)?, transform.to_world(at));
+            let offset_m = [centre[0] - grabbed[0], centre[1] - grabbed[1]];
+            Some(ActiveDrag { arena: index, object, to_m: centre, rejection: None, offset_m })
         });
-        ui.data_mut(|data| data.insert_temp(hand(), held));
+        ui.data_mut(|data| data.insert_temp(hand(), drag));
     }
-    let mut held = ui.data(|data| data.get_temp::<Option<ActiveDrag>>(hand())).flatten()?;
-    if held.arena != index {
+    let mut drag = ui.data(|data| data.get_temp::<Option<ActiveDrag>>(hand())).flatten()?;
+    if drag.arena != index {
         return None;
     }
-    if !response.is_pointer_button_down_on() || middle_of(held.drag_target, arena).is_none() {
+    if !response.is_pointer_button_down_on() || centre_of(drag.object, arena).is_none() {
         ui.data_mut(|data| data.insert_temp(hand(), None::<ActiveDrag>));
         return None;
     }
-    // Until it is dragged, it may still be a click.
+    // Before the pointer has moved, it may still be a click.
     let pointer = response.interact_pointer_pos().filter(|_| response.dragged())?;
     let at = transform.to_world(pointer);
-    held.to_m = [at[0] + held.offset_m[0], at[1] + held.offset_m[1]];
-    held.rejection = rejection_at(arena, held.drag_target, held.to_m);
-    // A robot would drive out of a hand that rests, and a goal that it reaches would go elsewhere.
-    let slips = !view.status.paused && !matches!(held.drag_target, DragTarget::Obstacle(_));
+    drag.to_m = [at[0] + drag.offset_m[0], at[1] + drag.offset_m[1]];
+    drag.rejection = check_move(&arena_view(scene, arena), drag.object, drag.to_m.into()).err();
+    // While time runs, the robot drives away from a pointer at rest, and a goal that is reached is drawn elsewhere.
+    let drifts = !view.status.paused && !matches!(drag.object, Movable::Obstacle(_));
     let moves = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
-    if held.rejection.is_none() && (moves || slips) {
-        let to_m = (held.to_m[0], held.to_m[1]);
-        commands.push(Command::Move(match held.drag_target {
-            DragTarget::Goal => MoveRequest::Goal { arena: index, to_m },
-            DragTarget::Robot => MoveRequest::Robot { arena: index, to_m },
-            DragTarget::Obstacle(obstacle) => MoveRequest::Obstacle { arena: index, index: obstacle, to_m },
-        }));
+    if drag.rejection.is_none() && (moves || drifts) {
+        let request = MoveRequest { arena: index, object: drag.object, to_m: drag.to_m.into() };
+        commands.push(Command::Move(request));
     }
-    ui.data_mut(|data| data.insert_temp(hand(), Some(held)));
-    Some(held)
+    ui.data_mut(|data| data.insert_temp(hand(), Some(drag.clone())));
+    Some(drag)
 }
 
-/// What is under the pointer, with a little slack for small things: the robot before the goal before the obstacles. An
-/// obstacle that was drawn for this episode alone can't be taken hold of: the world's file doesn't have it.
+fn arena_view<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> ArenaView<'a> {
+    ArenaView {
+        scenario: &scene.scenario,
+        layout: &arena.scenario,
+        obstacles: &arena.obstacles,
+        robot_m: (arena.pose.x_m, arena.pose.y_m),
+        goal_m: (arena.goal.x_m, arena.goal.y_m),
+    }
+}
+
+/// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the obstacles.
+/// Generated obstacles are not among them, because they are not in the scenario's file.
 #[must_use]
-pub fn hit_test(
-    transform: &ViewTransform,
-    scene: &Scene,
-    arena: &ArenaScene,
-    at: Pos2,
-) -> Option<DragTarget> {
+pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
     let scenario = &*scene.scenario;
     let [x, y] = transform.to_world(at);
     let slack_m = 3.0 / transform.scale;
     let from = |px: f32, py: f32| (px - x).hypot(py - y);
     let least_m = 10.0 / transform.scale;
     if from(arena.pose.x_m, arena.pose.y_m) <= (scenario.robot.radius_m + slack_m).max(least_m) {
-        return Some(DragTarget::Robot);
+        return Some(Movable::Robot);
     }
     if from(arena.goal.x_m, arena.goal.y_m) <= (scenario.task.goal_radius_m + slack_m).max(least_m) {
-        return Some(DragTarget::Goal);
+        return Some(Movable::Goal);
     }
     let solids = scenario.obstacles.iter().zip(&arena.obstacles);
     let solids = solids.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
     let (index, away) = solids.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (away <= slack_m).then_some(DragTarget::Obstacle(index))
+    (away <= slack_m).then_some(Movable::Obstacle(index))
 }
 
-fn middle_of(drag_target: DragTarget, arena: &ArenaScene) -> Option<[f32; 2]> {
-    match drag_target {
-        DragTarget::Goal => Some([arena.goal.x_m, arena.goal.y_m]),
-        DragTarget::Robot => Some([arena.pose.x_m, arena.pose.y_m]),
-        DragTarget::Obstacle(index) => arena.obstacles.get(index).map(|pose| [pose.0, pose.1]),
+fn centre_of(object: Movable, arena: &ArenaScene) -> Option<[f32; 2]> {
+    match object {
+        Movable::Goal => Some([arena.goal.x_m, arena.goal.y_m]),
+        Movable::Robot => Some([arena.pose.x_m, arena.pose.y_m]),
+        Movable::Obstacle(index) => arena.obstacles.get(index).map(|pose| [pose.0, pose.1]),
     }
 }
 
-/// The outline of `drag_target` where it is, or with its middle at `to_m`.
+/// The outline of `object` where it is, or with its centre at `to_m`.
 #[must_use]
-pub fn silhouette(arena: &ArenaScene, drag_target: DragTarget, to_m: Option<[f32; 2]>) -> Option<Silhouette> {
+pub fn silhouette(arena: &ArenaScene, object: Movable, to_m: Option<[f32; 2]>) -> Option<Silhouette> {
     let scenario = &*arena.scenario;
-    let at_m = to_m.or_else(|| middle_of(drag_target, arena))?;
-    match drag_target {
-        DragTarget::Goal => Some(Silhouette::Disc { at_m, radius_m: scenario.task.goal_radius_m }),
-        DragTarget::Robot => Some(Silhouette::Disc { at_m, radius_m: scenario.robot.radius_m }),
-        DragTarget::Obstacle(index) => {
+    let at_m = to_m.or_else(|| centre_of(object, arena))?;
+    match object {
+        Movable::Goal => Some(Silhouette::Disc { at_m, radius_m: scenario.task.goal_radius_m }),
+        Movable::Robot => Some(Silhouette::Disc { at_m, radius_m: scenario.robot.radius_m }),
+        Movable::Obstacle(index) => {
             let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
             Some(Silhouette::Obstacle { shape: obstacle.shape.clone(), pose: (at_m[0], at_m[1], pose.2) })
         }
-    }
-}
-
-/// Why `drag_target` cannot be put at `to_m`; none if it can.
-fn rejection_at(arena: &ArenaScene, drag_target: DragTarget, to_m: [f32; 2]) -> Option<&'static str> {
-    let scenario = &*arena.scenario;
-    let inside_m = enclosure_distance(&scenario.enclosure, to_m.into());
-    let guard_m = scenario.task.collision_range_m;
-    let solid_m = || {
-        let solids = scenario.obstacles.iter().zip(&arena.obstacles);
-        solids.map(|(o, &pose)| shape_distance(&o.shape, pose, to_m.into())).fold(f32::INFINITY, f32::min)
-    };
-    let wall_m = || {
-        let walls = scenario.walls.iter().map(|wall| inner_wall_distance(wall, to_m.into()));
-        walls.fold(f32::INFINITY, f32::min)
-    };
-    match drag_target {
-        _ if inside_m.is_nan() || inside_m <= 0.0 => Some("Outside the walls"),
-        DragTarget::Goal if solid_m() <= 0.0 => Some("Inside an obstacle"),
-        DragTarget::Goal if wall_m() <= 0.0 => Some("Inside a wall"),
-        DragTarget::Robot if inside_m <= guard_m || wall_m() <= guard_m => Some("Too near the wall"),
-        DragTarget::Robot if solid_m() <= guard_m => Some("Too near an obstacle"),
-        DragTarget::Obstacle(index) => {
-            let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
-            let gap_to = |x_m, y_m| shape_distance(&obstacle.shape, (to_m[0], to_m[1], pose.2), (x_m, y_m));
-            if gap_to(arena.pose.x_m, arena.pose.y_m) <= guard_m {
-                Some("Too near the robot")
-            } else if gap_to(arena.goal.x_m, arena.goal.y_m) <= 0.0 {
-                Some("Over the goal")
-            } else {
-                None
-            }
-        }
-        _ => None,
     }
 }
 
@@ -236,51 +190,28 @@ mod tests {
     }
 
     #[test]
-    fn the_pointer_finds_what_is_under_it() {
+    fn the_object_under_the_pointer_is_found() {
         let (transform, scene) = world();
-        for (point, drag_target) in [
-            ([0.05, 0.05], Some(DragTarget::Robot)),
-            ([-0.85, 0.0], Some(DragTarget::Goal)),
-            ([1.05, 1.45], Some(DragTarget::Obstacle(0))),
+        for (point, expected) in [
+            ([0.05, 0.05], Some(Movable::Robot)),
+            ([-0.85, 0.0], Some(Movable::Goal)),
+            ([1.05, 1.45], Some(Movable::Obstacle(0))),
             ([1.45, 1.05], None),
             ([0.3, 0.3], None),
         ] {
             assert_eq!(
                 hit_test(&transform, &scene, &scene.arenas[0], transform.to_screen(point)),
-                drag_target,
+                expected,
                 "{point:?}"
             );
         }
     }
 
     #[test]
-    fn nothing_is_put_into_an_obstacle_or_out_of_the_walls() {
-        let (_, scene) = world();
-        let may = |drag_target, to_m| rejection_at(&scene.arenas[0], drag_target, to_m).is_none();
-        assert!(
-            may(DragTarget::Goal, [1.2, 1.0])
-                && !may(DragTarget::Goal, [1.0, 1.4])
-                && !may(DragTarget::Goal, [2.1, 0.0])
-        );
-        assert!(
-            may(DragTarget::Robot, [1.3, 1.0]) && !may(DragTarget::Robot, [1.2, 1.0]),
-            "it would collide at once"
-        );
-        assert!(!may(DragTarget::Robot, [1.9, 0.0]) && !may(DragTarget::Robot, [f32::NAN, 0.0]));
-        assert!(may(DragTarget::Obstacle(0), [0.5, 0.0]) && !may(DragTarget::Obstacle(0), [0.2, 0.0]));
-        assert!(!may(DragTarget::Obstacle(0), [-1.0, 0.2]), "over the goal");
-        assert!(
-            !may(DragTarget::Goal, [-1.0, -1.45]) && may(DragTarget::Goal, [-1.0, -1.35]),
-            "into the inner wall"
-        );
-        assert!(!may(DragTarget::Robot, [-1.0, -1.35]) && may(DragTarget::Robot, [-1.0, -1.25]));
-    }
-
-    #[test]
-    fn what_was_drawn_for_an_episode_alone_stays() {
+    fn a_generated_obstacle_cannot_be_dragged() {
         let (transform, mut scene) = world();
         let at = transform.to_screen([1.0, 1.0]);
-        assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), Some(DragTarget::Obstacle(0)));
+        assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), Some(Movable::Obstacle(0)));
         scene.scenario = Arc::new(Scenario::default());
         assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), None);
     }
