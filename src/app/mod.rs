@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `session/` | the training behind the screen: commands, time, records, replay |
 //! | `commands.rs` | everything that the user can ask for |
+//! | `interaction.rs`, `setup_form.rs` | unfinished actions of the user: a drag, choices on the setup panel |
 //! | `moves.rs` | which objects can be moved by hand, and where to |
 //! | `extract.rs` | the world -> the scene and the app snapshot, read-only |
 //! | `scalar_fields.rs` | the potential and the value over the plane, read-only |
@@ -30,12 +31,14 @@ mod extract;
 #[cfg(not(target_arch = "wasm32"))]
 mod file_dialogs;
 pub mod history;
+pub mod interaction;
 pub mod moves;
 mod preferences;
 mod scalar_fields;
 pub mod scene;
 pub mod screen;
 pub mod session;
+pub mod setup_form;
 pub mod view_state;
 pub mod window;
 

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::commands::EditorReply;
 use super::editor::Editor;
+use super::interaction::Interaction;
 use crate::scenario::Scenario;
 
 /// The colour theme.
@@ -106,6 +107,9 @@ pub struct ViewState {
     /// A request to open the editor in the next frame.
     #[serde(skip)]
     pub open_editor: Option<EditorSource>,
+    /// Unfinished actions of the user.
+    #[serde(skip)]
+    pub interaction: Interaction,
 }
 
 impl Default for ViewState {
@@ -122,6 +126,7 @@ impl Default for ViewState {
             help_open: false,
             editor: None,
             open_editor: None,
+            interaction: Interaction::default(),
         }
     }
 }

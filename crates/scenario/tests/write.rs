@@ -383,7 +383,7 @@ const ODD: &str = "// Head (with a bracket)\n#![enable(implicit_some)] /* so */\
   \t\t(shape: Circle(radius_m: 0.2), position_m: (-1.0, 1.0)) // three, without a comma\n\
   \t\t// the end\n\t],\n\
   \tstarts: OneOf(positions_m: [(0.0, 0.0), /* b */ (1.0, 1.0) /* c */, (2.0, 2.0)]),\n\
-  \ttargets: Fixed(position_m: (1.0, 1.0), heading_rad: Some(1.0)) /* last */\n) // done\n/* really */";
+  \tgoals: Fixed(position_m: (1.0, 1.0), heading_rad: Some(1.0)) /* last */\n) // done\n/* really */";
 
 #[test]
 fn odd_comments_stay() {
@@ -413,7 +413,7 @@ fn odd_comments_stay() {
     same(
         &|s| s.benchmark_route.heading_rad = 0.5,
         " /* last */\n)",
-        ", /* last */\n\tcourse: (heading_rad: 0.5),\n)",
+        ", /* last */\n\tbenchmark_route: (heading_rad: 0.5),\n)",
     );
 }
 

@@ -12,10 +12,11 @@ use super::open::{OpenedFiles, check_can_drive};
 use super::pacer::Pacer;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
-use crate::agent::{ActionSelection, ActionSource, ActionSources, Decisions, TrainingStats};
+use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions, TrainingStats};
 use crate::app::commands::{Pace, SessionMode};
+use crate::learning::QNetwork;
 use crate::random::Stream;
-use crate::run::{RunError, evaluate, metrics};
+use crate::run::{RunError, evaluate};
 use crate::scenario::{Motion, Scenario};
 use crate::sim;
 use crate::task::{Actions, Arena, ArenaState, CurrentScenario, Episode, EpisodeEnded, TaskMode};
@@ -157,7 +158,7 @@ fn spawn_demo_arenas(world: &mut World, mode: SessionMode, sources: Vec<ActionSo
 /// The action source of each arena in `mode`.
 fn action_sources(world: &World, mode: SessionMode) -> Result<Vec<ActionSource>, RunError> {
     let config = &world.resource::<TrainingRun>().config;
-    let present = || ActionSource::Policy(metrics::policy(config, world));
+    let present = || ActionSource::Policy(world.resource::<ActiveLearner>().0.network().clone());
     Ok(match mode {
         SessionMode::Train | SessionMode::Test => vec![present()],
         SessionMode::Drive => {
@@ -171,7 +172,9 @@ fn action_sources(world: &World, mode: SessionMode) -> Result<Vec<ActionSource>,
                 ));
             };
             check_can_drive(config, name, policy)?;
-            vec![present(), ActionSource::Policy(policy.clone())]
+            let network =
+                QNetwork::from_policy(policy).map_err(|error| RunError::InvalidInput(error.to_string()))?;
+            vec![present(), ActionSource::Policy(network)]
         }
     })
 }

@@ -20,7 +20,8 @@ use crate::agent::TrainingWarning;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::Command;
 use crate::run::background_evaluator::RUNS_ON_CALLER_THREAD;
-use crate::run::{RunError, metrics, simulation};
+use crate::run::{RunError, metrics};
+use crate::simulation;
 use crate::task::{CurrentScenario, EpisodeEnded, Fault, StepOutcomes, TaskFault};
 
 /// Executes the commands that arrived since the last frame.
@@ -100,7 +101,7 @@ fn step(world: &mut World) -> Result<(), RunError> {
         let is_repairable = matches!(fault, Some(Fault::NoFreeSpace { .. }));
         world.resource_mut::<TrainingRun>().has_failed |= !is_repairable && is_training;
     }
-    stepped
+    stepped.map_err(RunError::from)
 }
 
 /// Adds the episodes that ended in the last step to the curves.

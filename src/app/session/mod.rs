@@ -41,13 +41,14 @@ pub mod trails;
 pub mod training_run;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
 use super::commands::{Command, EditorReply, Pace};
 use super::history::History;
 use crate::agent::ActionSources;
-use crate::run::simulation;
+use crate::simulation::SimulationBuilder;
 
 pub use active_mode::ActiveMode;
 pub use evaluations::Evaluations;
@@ -109,7 +110,7 @@ pub struct SessionPlugin {
 
 impl Plugin for SessionPlugin {
     fn build(&self, app: &mut App) {
-        simulation::add_training_plugins(app);
+        SimulationBuilder::new(&Arc::default()).training().add_to(app);
         let start = self.start.clone();
         app.add_message::<Command>()
             .add_message::<EditorReply>()

@@ -14,7 +14,7 @@ use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::{Choice, Severity};
 use crate::app::commands::SessionMode;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, shipped};
@@ -159,7 +159,8 @@ pub(crate) fn expert(config: &RunConfig) -> Option<(String, &'static Policy)> {
 /// It cannot, and why.
 pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -> Result<(), RunError> {
     let unusable = |why: String| RunError::InvalidInput(format!("{name}: {why}"));
-    evaluate::check_compatible(policy, &config.scenario).map_err(|error| unusable(error.to_string()))?;
+    evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())
+        .map_err(|error| unusable(error.to_string()))?;
     if policy_card::encoding(policy)? != config.preset.observation {
         return Err(unusable(
             "its observations are encoded differently from those of the present preset".into(),

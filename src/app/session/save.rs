@@ -125,7 +125,7 @@ fn write_rows(world: &mut World, run: &mut TrainingRun, folder: &RunFolder) -> R
     let failed = |name: &str, error: String| RunError::failed(&file(name), error);
     let rows = world.resource_mut::<TrainingHistory>().0.write_csv(&file("episodes.csv"));
     rows.map_err(|error| failed("episodes.csv", error.to_string()))?;
-    let mut evaluations = folder.csv::<EvaluationRow>("evaluations.csv", 0)?;
+    let mut evaluations = folder.csv::<EvaluationRow>("evaluations.csv", 0, &[])?;
     for row in &world.resource::<Evaluations>().rows {
         evaluations.serialize(row).map_err(|error| failed("evaluations.csv", error.to_string()))?;
     }

@@ -21,11 +21,12 @@ use super::trails::Trails;
 use super::training_run::TrainingRun;
 use super::{StartOptions, TrainingHistory};
 use crate::app::app_snapshot::Severity;
-use crate::learning::{Learner, Policy};
+use crate::learning::Learner;
+use crate::policy::Policy;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
-use crate::run::{RunError, learner_setup, simulation};
+use crate::run::{RunError, training_setup};
 use crate::scenario::Scenario;
 
 /// A training that is ready to start.
@@ -77,7 +78,7 @@ fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
 }
 
 fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<PreparedTraining, RunError> {
-    let learner = learner_setup::create_learner(&config, initial_policy.as_ref())?;
+    let learner = training_setup::create_learner(&config, initial_policy.as_ref())?;
     let next_evaluation = config.preset.evaluation.every_env_steps;
     let trainer_state = TrainerState { next_evaluation, ..TrainerState::default() };
     Ok(PreparedTraining { config, initial_policy, learner, trainer_state })
@@ -91,7 +92,7 @@ fn prepare_new(scenario: &str, preset: &str, seed: u64) -> Result<PreparedTraini
 fn insert_run(world: &mut World, prepared: PreparedTraining) {
     let PreparedTraining { config, initial_policy, learner, trainer_state } = prepared;
     let scenario = Arc::new(config.scenario.clone());
-    simulation::start_training(world, &scenario, &config.preset, config.seed, learner);
+    training_setup::start_training(world, &scenario, &config.preset, config.seed, learner);
     world.resource_mut::<Trails>().restart(config.preset.arenas);
     world.resource_mut::<TrainingHistory>().0.clear();
     world.insert_resource(Evaluations::new(&config, &scenario));

@@ -5,7 +5,7 @@
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;
 

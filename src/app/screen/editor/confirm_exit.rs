@@ -10,7 +10,7 @@ use egui::{
 use super::{panel, unfinished_drawing};
 use crate::app::commands::Command;
 use crate::app::editor::Editor;
-use crate::app::screen::ScreenInput;
+use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::{BODY, Palette};
 use crate::app::view_state::ViewState;
 

@@ -11,12 +11,13 @@ use egui::{Align2, Color32, FontId, Id, Pos2, Rect, Shape, Stroke, Ui, pos2, vec
 use super::marks;
 use super::pointer::PointerHit;
 use crate::app::editor::{Editor, Selection, Tool};
+use crate::app::screen::arena_view::arena;
+use crate::app::screen::arena_view::canvas::Canvas;
+use crate::app::screen::arena_view::floor;
+use crate::app::screen::arena_view::obstacle_paths;
+use crate::app::screen::arena_view::silhouette::{self, Silhouette};
+use crate::app::screen::arena_view::transform::constrain_to;
 use crate::app::screen::theme::SMALL;
-use crate::app::screen::world::arena;
-use crate::app::screen::world::canvas::Canvas;
-use crate::app::screen::world::obstacle_paths;
-use crate::app::screen::world::silhouette::{self, Silhouette};
-use crate::app::screen::world::transform::constrain_to;
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Wall, pose_at};
 
 /// The grid that things snap to is drawn when its lines are at least so many points apart.
@@ -29,13 +30,13 @@ const NOTE: f32 = 250.0;
 /// Draws the world.
 pub fn draw(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor, under: PointerHit) {
     let (scenario, palette) = (&**editor.scenario(), &canvas.palette);
-    arena::draw_floor(canvas, &scenario.enclosure);
+    floor::draw_floor(canvas, &scenario.enclosure);
     let (corners, seen) = (scenario.enclosure.corners_m(), canvas.painter.clip_rect());
     if editor.snap.on && canvas.transform.to_screen_length(editor.snap.step_m) >= GRID {
-        arena::draw_grid_lines(canvas, seen, &corners, editor.snap.step_m, Stroke::new(1.0, palette.grid));
+        floor::draw_grid_lines(canvas, seen, &corners, editor.snap.step_m, Stroke::new(1.0, palette.grid));
     }
     let round = Stroke::new(1.0, palette.border.gamma_multiply(0.8));
-    arena::draw_grid_lines(canvas, seen, &corners, arena::grid_step_m(canvas.transform.scale), round);
+    floor::draw_grid_lines(canvas, seen, &corners, floor::grid_step_m(canvas.transform.scale), round);
     marks::draw_regions(canvas, editor);
     drawn_anew(ui, canvas, id, editor);
     let selected = editor.selection();

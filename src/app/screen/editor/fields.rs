@@ -6,9 +6,9 @@
 use egui::{Align, ComboBox, DragValue, Id, Label, Layout, Response, RichText, Ui, vec2};
 
 use crate::app::editor::{Editor, Point};
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
-use crate::app::screen::panels::setup::weak_text;
 use crate::app::screen::theme::{BODY, Palette};
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::Scenario;
 
 /// The width of a number's box.

@@ -6,10 +6,10 @@ use egui::{Align2, FontId, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
 use super::pointer::PointerHit;
 use crate::app::editor::{Editor, Handle, HandleKind, Selection};
+use crate::app::screen::arena_view::canvas::Canvas;
+use crate::app::screen::arena_view::silhouette::Silhouette;
+use crate::app::screen::arena_view::transform::ViewTransform;
 use crate::app::screen::theme::SMALL;
-use crate::app::screen::world::canvas::Canvas;
-use crate::app::screen::world::silhouette::Silhouette;
-use crate::app::screen::world::transform::ViewTransform;
 
 /// Half the side of a knob, in points.
 const HALF: f32 = 4.0;
@@ -197,7 +197,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::app::screen::world::transform::ArenaBounds;
+    use crate::app::screen::arena_view::transform::ArenaBounds;
     use crate::app::view_state::ViewCamera;
     use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
 

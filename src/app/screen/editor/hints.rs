@@ -7,8 +7,8 @@ use egui::{FontId, Rect, vec2};
 
 use super::pointer::PointerHit;
 use crate::app::editor::{Editor, HandleKind, Selection, Tool};
+use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::theme::SMALL;
-use crate::app::screen::world::canvas::Canvas;
 
 /// Draws it.
 pub fn draw(canvas: &Canvas, editor: &Editor, under: PointerHit) {

@@ -7,8 +7,8 @@ use egui::{Align, Layout, Ui};
 use super::fields::{FieldRows, NumberSpec, button_row_ui, choice_ui};
 use super::scenario_panel;
 use crate::app::editor::{Editor, MotionKind, PlacementRole, Point, Selection, Tool, format_metres};
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
-use crate::app::screen::panels::setup::{section_title_ui, weak_text};
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Region, Shape};
 
 /// What a size may be.

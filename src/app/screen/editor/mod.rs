@@ -31,10 +31,10 @@ pub mod shortcuts;
 use egui::{EventFilter, Id, Rect, Sense, Ui, Vec2, WidgetInfo, WidgetType, vec2};
 
 use self::pointer::PointerHit;
+use super::arena_view::camera::steer_camera;
+use super::arena_view::canvas::Canvas;
+use super::arena_view::transform::{ArenaBounds, ViewTransform};
 use super::theme::Palette;
-use super::world::canvas::Canvas;
-use super::world::steer_camera;
-use super::world::transform::{ArenaBounds, ViewTransform};
 use crate::app::editor::{Editor, Tool};
 use crate::app::view_state::{ViewCamera, ViewState};
 

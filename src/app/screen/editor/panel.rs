@@ -15,11 +15,12 @@ use super::fields::{button_row_ui, choice_ui, set_accessible_name};
 use super::{confirm_exit, diagnostics, finish_drawing, inspector, unfinished_drawing, view_center_m};
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, NewItem, Point, Snap, Tool, format_metres};
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::input::ScreenInput;
 use crate::app::screen::numbers;
-use crate::app::screen::panels::setup::{section_title_ui, weak_text};
 use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
-use crate::app::screen::{ScreenInput, panels::buttons};
+use crate::app::screen::widgets::buttons;
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::app::view_state::{ViewCamera, ViewState};
 
 /// The height of the wide buttons.

@@ -7,7 +7,7 @@ use egui::{CursorIcon, Id, PointerButton, Pos2, Response, Ui, Vec2};
 
 use super::handles;
 use crate::app::editor::{Editor, HandleKind, Selection, Tool};
-use crate::app::screen::world::transform::ViewTransform;
+use crate::app::screen::arena_view::transform::ViewTransform;
 
 /// So far beside a small thing, in points, it is still hit.
 const SLACK: f32 = 5.0;

@@ -6,8 +6,8 @@ use egui::{CollapsingHeader, Context, Id, RichText, TextEdit, Ui};
 
 use super::fields::{FieldRows, NumberSpec, button_row_ui, choice_ui, set_accessible_name};
 use crate::app::editor::{Editor, EnclosureKind, PlacementKind, PlacementRole, Point, Selection, Tool};
-use crate::app::screen::panels::setup::weak_text;
 use crate::app::screen::theme::BODY;
+use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::{Enclosure, Motion, PlacementRule};
 
 /// A full turn, as the schema's default has it.

@@ -1,0 +1,34 @@
+//! The user's unfinished actions: a drag, a motion key held down, a choice not yet started, an open question.
+//!
+//! In: the widgets. Out: the same widgets, in the next frame. Never saved.
+
+use super::moves::{Movable, MoveRejection};
+use super::setup_form::SetupForm;
+
+/// A drag in progress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActiveDrag {
+    /// Index of the arena.
+    pub arena: usize,
+    /// The object.
+    pub object: Movable,
+    /// Requested position of its centre, in m.
+    pub to_m: [f32; 2],
+    /// Why it cannot go there, if it cannot.
+    pub rejection: Option<MoveRejection>,
+    /// From the pointer to the centre, in m.
+    pub offset_m: [f32; 2],
+}
+
+/// The user's unfinished actions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Interaction {
+    /// The object being dragged.
+    pub drag: Option<ActiveDrag>,
+    /// The last motion that the arrow keys asked for, an index into the robot's motions, and the scenario it is for.
+    pub steered: Option<(String, usize)>,
+    /// The choices made on the setup panel and not started yet; none before the panel is shown first.
+    pub setup_form: Option<SetupForm>,
+    /// Whether the plots under "More" are shown.
+    pub more_plots_open: bool,
+}

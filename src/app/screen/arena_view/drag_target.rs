@@ -1,0 +1,141 @@
+//! The objects that can be dragged: which one is under the pointer, its outline, and what decides where it may go.
+
+use egui::Pos2;
+
+use super::silhouette::Silhouette;
+use super::transform::ViewTransform;
+use crate::app::moves::{ArenaView, Movable};
+use crate::app::scene::{ArenaScene, Scene};
+use crate::scenario::shape_distance;
+
+/// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the obstacles.
+/// Generated obstacles are not among them, because they are not in the scenario's file.
+#[must_use]
+pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
+    let scenario = &*scene.scenario;
+    let [x, y] = transform.to_world(at);
+    let slack_m = 3.0 / transform.scale;
+    let from = |px: f32, py: f32| (px - x).hypot(py - y);
+    let least_m = 10.0 / transform.scale;
+    if from(arena.pose.x_m, arena.pose.y_m) <= (scenario.robot.radius_m + slack_m).max(least_m) {
+        return Some(Movable::Robot);
+    }
+    if from(arena.goal.x_m, arena.goal.y_m) <= (scenario.task.goal_radius_m + slack_m).max(least_m) {
+        return Some(Movable::Goal);
+    }
+    let solids = scenario.obstacles.iter().zip(&arena.obstacles);
+    let solids = solids.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
+    let (index, away) = solids.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (away <= slack_m).then_some(Movable::Obstacle(index))
+}
+
+pub fn centre_of(object: Movable, arena: &ArenaScene) -> Option<[f32; 2]> {
+    match object {
+        Movable::Goal => Some([arena.goal.x_m, arena.goal.y_m]),
+        Movable::Robot => Some([arena.pose.x_m, arena.pose.y_m]),
+        Movable::Obstacle(index) => arena.obstacles.get(index).map(|pose| [pose.0, pose.1]),
+    }
+}
+
+/// The outline of `object` where it is, or with its centre at `to_m`.
+#[must_use]
+pub fn silhouette(arena: &ArenaScene, object: Movable, to_m: Option<[f32; 2]>) -> Option<Silhouette> {
+    let scenario = &*arena.scenario;
+    let at_m = to_m.or_else(|| centre_of(object, arena))?;
+    match object {
+        Movable::Goal => Some(Silhouette::Disc { at_m, radius_m: scenario.task.goal_radius_m }),
+        Movable::Robot => Some(Silhouette::Disc { at_m, radius_m: scenario.robot.radius_m }),
+        Movable::Obstacle(index) => {
+            let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
+            Some(Silhouette::Obstacle { shape: obstacle.shape.clone(), pose: (at_m[0], at_m[1], pose.2) })
+        }
+    }
+}
+
+/// The parts of `arena` that decide where an object may go.
+pub fn arena_view<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> ArenaView<'a> {
+    ArenaView {
+        scenario: &scene.scenario,
+        layout: &arena.scenario,
+        obstacles: &arena.obstacles,
+        robot_m: (arena.pose.x_m, arena.pose.y_m),
+        goal_m: (arena.goal.x_m, arena.goal.y_m),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use egui::{Rect, pos2};
+
+    use super::super::transform::ArenaBounds;
+    use super::*;
+    use crate::app::scene::DriverLabel;
+    use crate::app::view_state::ViewCamera;
+    use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, Wall};
+    use crate::task::{Goal, Pose};
+
+    fn world() -> (ViewTransform, Scene) {
+        let shape = Shape::Rectangle { width_m: 1.0, height_m: 0.2 };
+        let turned = std::f32::consts::FRAC_PI_2;
+        let obstacle =
+            Obstacle { shape, position_m: (1.0, 1.0), rotation_rad: turned, motion: ObstacleMotion::Static };
+        let wall = Wall { corners_m: vec![(-2.0, -1.5), (0.0, -1.5)], thickness_m: 0.2 };
+        let world = Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() };
+        let scenario = Arc::new(world);
+        let pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
+        let arena = ArenaScene {
+            scenario: scenario.clone(),
+            pose,
+            goal: Goal { x_m: -1.0, y_m: 0.0 },
+            obstacles: vec![(1.0, 1.0, turned)],
+            ranges_m: vec![],
+            scan_pose: pose,
+            driver: DriverLabel::Learner,
+            action: 0,
+            explored: false,
+            q_values: vec![],
+            path_m: vec![],
+            trails: vec![],
+            collisions: 0,
+            goals_reached: 0,
+            inactive: false,
+        };
+        let view = Rect::from_min_size(pos2(0.0, 0.0), egui::vec2(400.0, 400.0));
+        let transform = ViewTransform::new(
+            view,
+            egui::Vec2::ZERO,
+            ViewCamera::default(),
+            ArenaBounds::from_enclosure(&scenario.enclosure),
+        );
+        (transform, Scene { scenario, arenas: vec![arena], potential: None, value: None })
+    }
+
+    #[test]
+    fn the_object_under_the_pointer_is_found() {
+        let (transform, scene) = world();
+        for (point, expected) in [
+            ([0.05, 0.05], Some(Movable::Robot)),
+            ([-0.85, 0.0], Some(Movable::Goal)),
+            ([1.05, 1.45], Some(Movable::Obstacle(0))),
+            ([1.45, 1.05], None),
+            ([0.3, 0.3], None),
+        ] {
+            assert_eq!(
+                hit_test(&transform, &scene, &scene.arenas[0], transform.to_screen(point)),
+                expected,
+                "{point:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_generated_obstacle_cannot_be_dragged() {
+        let (transform, mut scene) = world();
+        let at = transform.to_screen([1.0, 1.0]);
+        assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), Some(Movable::Obstacle(0)));
+        scene.scenario = Arc::new(Scenario::default());
+        assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), None);
+    }
+}
