@@ -4,7 +4,7 @@
 mod cli_support;
 
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 
 /// A workspace with a valid preset and a run of one step.
 fn workspace() -> Workspace {

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
 use serde_json::Value;
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 
 /// A workspace, shared by all tests, with a run of the default preset: 30,000 env steps, seed 1, in `trained`.
 fn trained() -> &'static Workspace {

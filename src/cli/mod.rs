@@ -9,6 +9,8 @@
 mod check;
 mod draw;
 mod eval;
+#[cfg(all(test, feature = "gui"))]
+mod flag_tables;
 mod modes;
 mod output;
 mod policy;

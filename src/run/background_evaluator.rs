@@ -20,7 +20,7 @@ use bevy::platform::time::Instant;
 
 use super::RunError;
 use super::evaluate::Evaluation;
-use crate::learning::Policy;
+use crate::policy::Policy;
 
 /// Whether [`BackgroundEvaluator::poll`] does the work itself, on the caller's thread.
 pub const RUNS_ON_CALLER_THREAD: bool = cfg!(target_arch = "wasm32");

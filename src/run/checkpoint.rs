@@ -30,13 +30,15 @@ const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
 const MAGIC: &[u8; 8] = b"wayfrun\n";
 /// The version of the format. It increases whenever an older reader would misread a newer file.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// The state of a run, apart from its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrainerState {
     /// The arenas.
     pub arenas: Vec<ArenaState>,
+    /// What plugins added to every arena; empty without plugins.
+    pub arena_extensions: Vec<ArenaExtension>,
     /// The random streams of exploration, one per arena.
     pub exploration: Vec<Stream>,
     /// Sums over the gradient steps since the last row of `episodes.csv`.
@@ -63,6 +65,25 @@ pub struct TrainerState {
     pub first_99: Option<Milestone>,
     /// Wall time up to this checkpoint, in s, over all processes of the run.
     pub wall_s: f64,
+}
+
+/// What plugins added to one arena: the sensors' readings and the sums of reward terms in the running episode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ArenaExtension {
+    /// The sensors' readings.
+    pub readings: Vec<f32>,
+    /// The sums of the reward terms.
+    pub extra_rewards: Vec<f32>,
+}
+
+impl ArenaExtension {
+    fn from_state(state: &ArenaState) -> Self {
+        Self { readings: state.readings.clone(), extra_rewards: state.episode.extra_rewards.clone() }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.readings.is_empty() && self.extra_rewards.is_empty()
+    }
 }
 
 /// The best policy so far: the latest one whose mean cost is within [`BestPolicy::COST_TOLERANCE`] of the minimum.
@@ -111,6 +132,10 @@ pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerSt
 /// `file` cannot be written.
 pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut TrainerState) -> io::Result<()> {
     trainer_state.arenas = sim::snapshot(world);
+    trainer_state.arena_extensions = trainer_state.arenas.iter().map(ArenaExtension::from_state).collect();
+    if trainer_state.arena_extensions.iter().all(ArenaExtension::is_empty) {
+        trainer_state.arena_extensions.clear();
+    }
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
     let head = postcard::to_allocvec(trainer_state).map_err(io::Error::other)?;
@@ -221,7 +246,7 @@ impl TrainerState {
         }
         for (number, arena) in self.arenas.iter().enumerate() {
             arena
-                .check(&config.scenario)
+                .check(&config.scenario, &config.observation_layout())
                 .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
         }
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());

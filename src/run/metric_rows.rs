@@ -32,6 +32,9 @@ pub struct EpisodeRow {
     pub reward_attraction: f32,
     /// Part of the return: the decrease of the repulsive potential U_r.
     pub reward_repulsion: f32,
+    /// Of which the reward terms of plugins: columns of their own behind all others, called `reward_<name>`.
+    #[serde(skip)]
+    pub extra_rewards: Vec<f32>,
     /// Number of goals reached.
     pub goals: u32,
     /// 1 if the episode ended in a collision, 0 if at the time limit.

@@ -8,8 +8,7 @@
 //! | `limits.rs`, `memory.rs` | the limits of all input, and of a run's memory |
 //! | `check_files.rs` | checks of scenario and preset files |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
-//! | `simulation.rs` | the headless app |
-//! | `learner_setup.rs` | the learner of a new run |
+//! | `training_setup.rs` | the learner and the simulation of a new run |
 //! | `train.rs` | the training loop |
 //! | `metrics.rs` | metrics of episodes and evaluations, and the best policy |
 //! | `evaluate.rs` | success over rounds of episodes and on the benchmark route; comparison with optimal times |
@@ -30,7 +29,6 @@ pub mod checkpoint;
 pub mod evaluate;
 pub mod fingerprint;
 pub mod folder;
-pub mod learner_setup;
 pub mod limits;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
@@ -46,11 +44,11 @@ pub mod progress;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod scenario_image;
 pub mod shipped;
-pub mod simulation;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod tensorboard;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod train;
+pub mod training_setup;
 
 /// The reason why a command failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -81,6 +79,12 @@ impl RunError {
     /// The error for a file that failed during the work.
     pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
         Self::Failed(format!("{}: {why}", path.display()))
+    }
+}
+
+impl From<crate::simulation::StepError> for RunError {
+    fn from(error: crate::simulation::StepError) -> Self {
+        Self::Failed(error.to_string())
     }
 }
 

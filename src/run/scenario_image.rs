@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::RunError;
 use super::folder::write_atomic;
-use crate::report::chart::{MapObstacle, MapObstacleKind, ScenarioMap, Silhouette, Track};
+use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, ScenarioMap};
 use crate::report::{DrawError, raster};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
@@ -72,13 +72,13 @@ fn heading(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Option<f64> 
 }
 
 /// The area an obstacle covers at control step `clock`.
-fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Silhouette {
+fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> MapShape {
     let (x, y, rotation) = pose_at(obstacle, clock, scenario.task.control_period_s);
     let (x, y) = wide((x, y));
     let (sin, cos) = f64::from(rotation).sin_cos();
     let to_map = |(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy);
     let corners: Vec<(f64, f64)> = match &obstacle.shape {
-        Shape::Circle { radius_m } => return Silhouette::Disc(x, y, f64::from(*radius_m)),
+        Shape::Circle { radius_m } => return MapShape::Disc(x, y, f64::from(*radius_m)),
         Shape::Rectangle { width_m, height_m } => {
             let (w, h) = (f64::from(*width_m) / 2.0, f64::from(*height_m) / 2.0);
             vec![(w, h), (-w, h), (-w, -h), (w, -h)]
@@ -95,23 +95,23 @@ fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Silhouette {
             end(half, -FRAC_PI_2).chain(end(-half, FRAC_PI_2)).collect()
         }
     };
-    Silhouette::Polygon(corners.into_iter().map(to_map).collect())
+    MapShape::Polygon(corners.into_iter().map(to_map).collect())
 }
 
 /// The path of an obstacle; `None` if it stands still.
-fn track(obstacle: &Obstacle) -> Option<Track> {
+fn track(obstacle: &Obstacle) -> Option<MapTrack> {
     let (x, y) = wide(obstacle.position_m);
     match &obstacle.motion {
         ObstacleMotion::Static => None,
         ObstacleMotion::Orbit { centre_m, .. } => {
             let (centre_x, centre_y) = wide(*centre_m);
-            Some(Track::Ring(centre_x, centre_y, (x - centre_x).hypot(y - centre_y)))
+            Some(MapTrack::Ring(centre_x, centre_y, (x - centre_x).hypot(y - centre_y)))
         }
         ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
             let (path, closed) = obstacle.path_m()?;
-            Some(Track::Lines(path.into_iter().map(wide).chain(closed.then_some((x, y))).collect()))
+            Some(MapTrack::Lines(path.into_iter().map(wide).chain(closed.then_some((x, y))).collect()))
         }
-        ObstacleMotion::RandomWalk { radius_m, .. } => Some(Track::Ring(x, y, f64::from(*radius_m))),
+        ObstacleMotion::RandomWalk { radius_m, .. } => Some(MapTrack::Ring(x, y, f64::from(*radius_m))),
     }
 }
 
@@ -172,8 +172,8 @@ mod tests {
             "{kinds:?}"
         );
         let corners = |index: usize| match &map.obstacles[index].outline {
-            Silhouette::Polygon(corners) => corners.clone(),
-            Silhouette::Disc(..) => panic!("a circle"),
+            MapShape::Polygon(corners) => corners.clone(),
+            MapShape::Disc(..) => panic!("a circle"),
         };
         // The wall segment is vertical and 1.2 m long with its ends; the rectangle is rotated by 90 degrees.
         assert_near(&corners(0), &[(-0.1, 1.1), (-0.1, -0.1), (0.1, -0.1), (0.1, 1.1)]);
@@ -187,7 +187,7 @@ mod tests {
         assert_near(&extent(|at| at.1), &[(0.25, 1.75)]);
         let MapObstacleKind::Moving(heading) = kinds[2] else { panic!("the obstacle moves") };
         assert!((heading.abs() - PI).abs() < 1e-3, "it moves to the left, not to {heading}");
-        let [Track::Lines(loop_m)] = &map.tracks[..] else { panic!("one obstacle moves") };
+        let [MapTrack::Lines(loop_m)] = &map.tracks[..] else { panic!("one obstacle moves") };
         assert_near(loop_m, &[(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0)]);
         assert_eq!((map.start, map.goal.2), ((0.0, 0.0, 0.0), f64::from(0.2_f32)));
     }
@@ -196,9 +196,9 @@ mod tests {
     fn orbits_and_random_walks_are_shown_as_rings() {
         let disc = || Shape::Circle { radius_m: 0.1 };
         let orbit = ObstacleMotion::Orbit { centre_m: (1.0, 2.0), speed_rad_s: 0.1 };
-        assert_eq!(track(&obstacle(disc(), orbit)), Some(Track::Ring(1.0, 2.0, 2.0)));
+        assert_eq!(track(&obstacle(disc(), orbit)), Some(MapTrack::Ring(1.0, 2.0, 2.0)));
         let walk = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
-        assert_eq!(track(&obstacle(disc(), walk)), Some(Track::Ring(1.0, 0.0, 0.5)));
+        assert_eq!(track(&obstacle(disc(), walk)), Some(MapTrack::Ring(1.0, 0.0, 0.5)));
         assert_eq!(track(&obstacle(disc(), ObstacleMotion::Static)), None);
     }
 

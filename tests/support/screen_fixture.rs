@@ -317,6 +317,7 @@ fn history() -> History {
             total_return: -180.0 + 900.0 * learnt * chance,
             reward_goal: 250.0 * goals as f32,
             reward_collision: -200.0,
+            extra_rewards: Vec::new(),
             reward_attraction: 80.0 * learnt as f32,
             reward_repulsion: -30.0,
             goals,

@@ -10,6 +10,7 @@ use super::{Candidate, EvalResult};
 use crate::run::RunError;
 use crate::run::evaluate::{Evaluation, EvaluationRun, Evaluator};
 use crate::scenario::Scenario;
+use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
 /// Duration of a time slice; at least one control step is taken.
@@ -28,9 +29,9 @@ pub struct BackgroundEvaluator {
 impl BackgroundEvaluator {
     /// An evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
         // Built here, because building a simulation takes longer than a slice.
-        let evaluator = Evaluator::new(scenario, count);
+        let evaluator = Evaluator::with_extensions(scenario, count, extensions);
         let scenario = scenario.clone();
         Self { scenario, count, seed, pending: VecDeque::new(), evaluator, run: None }
     }
@@ -100,10 +101,10 @@ mod tests {
         let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
         let (_, policy) = &shipped::policies()[0];
         let candidate = || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0 };
-        let mut threaded = threaded::BackgroundEvaluator::new(&scenario, 40, 3);
+        let mut threaded = threaded::BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
         threaded.submit(candidate()).expect("submitted");
         let expected = threaded.poll(true).expect("no panic").expect("a result").result.expect("an evaluation");
-        let mut sliced = BackgroundEvaluator::new(&scenario, 40, 3);
+        let mut sliced = BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
         sliced.submit(candidate()).expect("submitted");
         let evaluation = loop {
             if let Some(done) = sliced.poll(false).expect("no error") {

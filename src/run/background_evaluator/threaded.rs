@@ -10,6 +10,7 @@ use super::{Candidate, EvalResult};
 use crate::run::RunError;
 use crate::run::evaluate::{Evaluation, Evaluator};
 use crate::scenario::Scenario;
+use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
 /// The training loop's handle to the evaluator thread.
@@ -23,12 +24,12 @@ pub struct BackgroundEvaluator {
 impl BackgroundEvaluator {
     /// Starts an evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
         let (candidates, inbox) = channel::<Candidate>();
         let (outbox, results) = channel();
-        let scenario = scenario.clone();
+        let (scenario, extensions) = (scenario.clone(), extensions.clone());
         thread::spawn(move || {
-            let mut evaluator = Evaluator::new(&scenario, count);
+            let mut evaluator = Evaluator::with_extensions(&scenario, count, &extensions);
             for candidate in inbox {
                 let episodes = evaluator.run(&candidate.policy, seed, count, EpisodeSetup::Random);
                 let result = episodes

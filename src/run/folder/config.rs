@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::run::preset::Preset;
 use crate::run::shipped;
 use crate::scenario::{FileError, Scenario};
+use crate::simulation::Extensions;
+use crate::task::{ObservationLayout, ObservationSlice};
 
 /// The resolved configuration of a run: everything that another run needs to be bit-identical.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,6 +29,15 @@ pub struct RunConfig {
     /// ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub save_policy_after_episodes: Vec<u64>,
+    /// The observation slices of plugin sensors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<ObservationSlice>,
+    /// The names of plugin reward terms.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reward_terms: Vec<String>,
+    /// The plugins, which are not part of the file.
+    #[serde(skip)]
+    pub extensions: Extensions,
     /// The scenario.
     pub scenario: Scenario,
     /// The preset, including changes from the command line.
@@ -46,9 +57,25 @@ impl RunConfig {
             preset_from: preset_from.into(),
             transfer: None,
             save_policy_after_episodes: Vec::new(),
+            sensors: Vec::new(),
+            reward_terms: Vec::new(),
+            extensions: Extensions::default(),
             scenario: shipped::scenario(scenario_from)?,
             preset: shipped::preset(preset_from)?,
         })
+    }
+
+    /// This configuration with the user's plugins; their sensors and reward terms are recorded.
+    #[must_use]
+    pub fn with_extensions(self, extensions: &Extensions) -> Self {
+        let (sensors, reward_terms) = extensions.describe();
+        Self { sensors, reward_terms, extensions: extensions.clone(), ..self }
+    }
+
+    /// The layout of the run's observations.
+    #[must_use]
+    pub fn observation_layout(&self) -> ObservationLayout {
+        ObservationLayout::new(self.preset.observation, self.sensors.clone())
     }
 
     /// A one-line description.

@@ -21,7 +21,7 @@ impl RunFolder {
     }
 
     /// A writer that appends rows to the CSV file `name` after truncating it to `bytes` bytes. A new file starts with the
-    /// header of `Row`.
+    /// header of `Row`, followed by `extra_columns`.
     ///
     /// # Errors
     /// The file cannot be opened, or is shorter than `bytes`.
@@ -29,6 +29,7 @@ impl RunFolder {
         &self,
         name: &str,
         bytes: u64,
+        extra_columns: &[String],
     ) -> Result<csv::Writer<File>, RunError> {
         let path = self.path.join(name);
         let open = || -> io::Result<File> {
@@ -39,7 +40,9 @@ impl RunFolder {
             file.set_len(bytes)?;
             file.seek(SeekFrom::End(0))?;
             if bytes == 0 {
-                file.write_all(header::<Row>()?.as_bytes())?;
+                let header = header::<Row>()?;
+                let extra: String = extra_columns.iter().map(|column| format!(",{column}")).collect();
+                file.write_all(format!("{}{extra}\n", header.trim_end()).as_bytes())?;
             }
             Ok(file)
         };

@@ -6,7 +6,7 @@ use egui_plot::GridMark;
 
 use crate::app::history::DownsampledSeries;
 use crate::app::screen::numbers;
-use crate::report::table::number;
+use crate::report::format::number;
 
 /// What a y axis measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
