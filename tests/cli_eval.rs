@@ -147,7 +147,7 @@ fn with_actuator_lag_no_optimal_time_is_reported() {
         (&Value::Null, &Value::Null),
         "{report}"
     );
-    for needle in ["note: ", "a lag of the drive", "Scenario I", "actuator_lag_s is 0.3"] {
+    for needle in ["note: ", "actuator lag", "Scenario I", "actuator_lag_s is 0.3"] {
         assert!(with_lag.stderr.contains(needle), "`{needle}` is not in {}", with_lag.stderr);
     }
     assert_eq!(with_lag.stderr.lines().count(), 1, "{}", with_lag.stderr);
