@@ -73,12 +73,12 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
             .into_iter()
             .chain(names(&workspace, &format!("{run}/checkpoint")))
             .collect();
-        assert!(
-            !left.iter().any(|name| name.starts_with('.')),
-            "{run}: temporary files are left: {left:?}"
-        );
+        assert!(!left.iter().any(|name| name.starts_with('.')), "{run}: temporary files are left: {left:?}");
     }
-    assert!(killed >= 30, "only {killed} of 50 runs were killed, {killed_before_start} of them before they started");
+    assert!(
+        killed >= 30,
+        "only {killed} of 50 runs were killed, {killed_before_start} of them before they started"
+    );
 }
 
 #[test]
@@ -133,7 +133,12 @@ fn two_processes_cannot_write_in_one_run_folder() {
     wait_until(&mut child, "a checkpoint", || workspace.path("run/checkpoint/latest.bin").exists());
     for second_command in ["--train --resume run", "--train --scenario one.ron --preset fast.ron --out run"] {
         let rejected = workspace.run(second_command);
-        assert_eq!((rejected.status, rejected.stdout.as_str()), (Some(2), ""), "{second_command}: {}", rejected.stderr);
+        assert_eq!(
+            (rejected.status, rejected.stdout.as_str()),
+            (Some(2), ""),
+            "{second_command}: {}",
+            rejected.stderr
+        );
         assert!(rejected.stderr.starts_with("error: run: "), "{}", rejected.stderr);
         let why = if second_command.contains("resume") {
             "another wayfield process is writing in it"
@@ -227,6 +232,9 @@ fn links_in_a_run_folder_are_not_followed() {
         std::fs::remove_file(&file).expect("the link");
         std::fs::write(&file, kept).expect("it can be put back");
     }
-    assert_eq!(std::fs::read_to_string(workspace.path("precious.txt")).expect("it is there"), "not part of a run");
+    assert_eq!(
+        std::fs::read_to_string(workspace.path("precious.txt")).expect("it is there"),
+        "not part of a run"
+    );
     workspace.run_ok("--train --resume run --episodes 40");
 }

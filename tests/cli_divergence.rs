@@ -28,10 +28,7 @@ fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
         assert!(message.contains(needle), "`{needle}` is not in: {}", done.stderr);
     }
     assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
-    assert!(
-        !workspace.path("run/policy.safetensors").exists(),
-        "no policy with NaN weights is saved"
-    );
+    assert!(!workspace.path("run/policy.safetensors").exists(), "no policy with NaN weights is saved");
     assert!(workspace.rows("run/episodes.csv").len() > 1, "the episodes are recorded");
 
     // A resumed run diverges at the same step; one that stops earlier doesn't, so the checkpoint is valid.

@@ -112,7 +112,8 @@ fn an_evaluation_depends_only_on_its_seed() {
 
     // The number of parallel episodes changes nothing: two rounds equal the first two of four.
     let two: Value = serde_json::from_str(&evaluate("--seed 5")).unwrap();
-    let short = trained().run_ok("--eval trained/policy.safetensors --rounds 2 --episodes 50 --seed 5 --json");
+    let short =
+        trained().run_ok("--eval trained/policy.safetensors --rounds 2 --episodes 50 --seed 5 --json");
     assert_eq!(numbers(&short.json(), "rounds"), numbers(&two, "rounds")[..2]);
 }
 
@@ -137,7 +138,8 @@ fn with_actuator_lag_no_optimal_time_is_reported() {
         edited(SCENARIO_1, &[("    obstacles: [", "    robot: (actuator_lag_s: 0.3),\n    obstacles: [")]),
     );
     let what = "--eval trained/policy.safetensors --rounds 1 --episodes 20 --optimum --json";
-    let (with_lag, without_lag) = (workspace.run_ok(&format!("{what} --scenario lag.ron")), workspace.run_ok(what));
+    let (with_lag, without_lag) =
+        (workspace.run_ok(&format!("{what} --scenario lag.ron")), workspace.run_ok(what));
     assert_eq!(without_lag.stderr, "");
     assert!(number(&without_lag.json(), "time_ratio") >= 1.0, "{}", without_lag.stdout);
     let report = with_lag.json();
@@ -178,7 +180,10 @@ fn a_policy_trained_on_raw_observations_is_evaluated_on_raw_observations() {
     let scaled = Policy::from_bytes(&trained().read("trained/policy.safetensors")).unwrap();
     assert_eq!(scaled.metadata["encoding"], "scaled");
     let observation = &scaled.metadata["observation"];
-    assert!(observation.starts_with("24 LIDAR ranges / 3.5 m (") && observation.contains("/ pi rad"), "{observation}");
+    assert!(
+        observation.starts_with("24 LIDAR ranges / 3.5 m (") && observation.contains("/ pi rad"),
+        "{observation}"
+    );
 
     // The same weights with another encoding in the card, or with none (as in old policies, which are scaled).
     policy.metadata.insert("encoding".into(), "scaled".into());
@@ -186,7 +191,10 @@ fn a_policy_trained_on_raw_observations_is_evaluated_on_raw_observations() {
     policy.metadata.remove("encoding");
     workspace.write("old.safetensors", policy.to_bytes().unwrap());
     let (relabelled, old) = (success("relabelled.safetensors"), success("old.safetensors"));
-    assert!(relabelled < 0.5 && relabelled == old, "{relabelled}, {old}: the card sets the encoding, and scaled is the default");
+    assert!(
+        relabelled < 0.5 && relabelled == old,
+        "{relabelled}, {old}: the card sets the encoding, and scaled is the default"
+    );
 }
 
 /// The weights in a safetensors file: the bytes after the header.
@@ -210,7 +218,10 @@ fn transfer_starts_with_the_weights_of_the_policy_and_the_given_epsilon() {
 
     let (trained, transferred) =
         (workspace.read("trained/policy.safetensors"), workspace.read("transferred/policy-last.safetensors"));
-    assert!(weights(&trained) == weights(&transferred), "before learning starts, the weights are the policy's");
+    assert!(
+        weights(&trained) == weights(&transferred),
+        "before learning starts, the weights are the policy's"
+    );
     assert!(weights(&trained) != weights(&workspace.read("scratch/policy-last.safetensors")));
     let first_success = |run: &str| -> f64 {
         workspace.rows(&format!("{run}/evaluations.csv"))[0]["success_rate"].parse().unwrap()

@@ -82,7 +82,10 @@ fn the_summary_agrees_with_the_csv_files() {
     let min_cost = evaluations.iter().map(cost).reduce(f64::min).unwrap();
     let best = evaluations.iter().rfind(|row| cost(row) <= 1.01 * min_cost).unwrap();
     let rate: f64 = best["success_rate"].parse().unwrap();
-    assert_eq!(summary["best_success_rate"], rate, "the best policy is the latest one close to the minimum cost");
+    assert_eq!(
+        summary["best_success_rate"], rate,
+        "the best policy is the latest one close to the minimum cost"
+    );
     for first in ["first_96", "first_99"] {
         let milestone = summary.get(first).expect(first);
         let keys = ["env_steps", "episodes", "wall_s"];
@@ -137,7 +140,11 @@ fn a_config_ron_without_lag_and_encoding_loads_with_the_defaults() {
         text.lines().filter(|l| !l.contains("actuator_lag_s:") && !l.contains("observation:")).collect();
     assert_eq!(old.len(), text.lines().count() - 2, "{text}");
     workspace.write("old.ron", old.join("\n"));
-    assert_eq!(read_ron::<RunConfig>(workspace.path("old.ron")).unwrap(), config, "no lag, scaled observations");
+    assert_eq!(
+        read_ron::<RunConfig>(workspace.path("old.ron")).unwrap(),
+        config,
+        "no lag, scaled observations"
+    );
 }
 
 #[test]

@@ -228,7 +228,8 @@ pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerStat
     if head.len() as u64 != length || crc32c::crc32c(&head) != crc {
         return Err("is damaged: the checksum of the head does not match".into());
     }
-    let trainer_state: TrainerState = postcard::from_bytes(&head).map_err(|_| "is damaged: the head cannot be decoded")?;
+    let trainer_state: TrainerState =
+        postcard::from_bytes(&head).map_err(|_| "is damaged: the head cannot be decoded")?;
     trainer_state.check(config)?;
     let inputs = observation::width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
@@ -259,7 +260,8 @@ impl TrainerState {
             ("the means of the last row", self.means.is_none_or(|(a, b, c)| finite(&[a, b, c]))),
             (
                 "the recent returns",
-                self.recent_returns.len() <= MAX_RECENT_RETURNS && self.recent_returns.iter().all(|value| value.is_finite()),
+                self.recent_returns.len() <= MAX_RECENT_RETURNS
+                    && self.recent_returns.iter().all(|value| value.is_finite()),
             ),
             ("the next evaluation", self.next_evaluation <= 1 << 62),
             ("the last success rate", self.last_success_rate.is_none_or(is_share)),

@@ -82,7 +82,8 @@ mod tests {
         for Expected { scenario, preset, seed, control_steps, fingerprint: expected } in expected {
             let file = format!("{}/tests/fixtures/{scenario}", env!("CARGO_MANIFEST_DIR"));
             let path_or_name = if scenario.ends_with(".ron") { file } else { scenario.clone() };
-            let actual = fingerprint(&path_or_name, &preset, seed, control_steps).expect("shipped").to_string();
+            let actual =
+                fingerprint(&path_or_name, &preset, seed, control_steps).expect("shipped").to_string();
             recorded.push(format!("{scenario} {preset} {seed}: {expected}"));
             found.push(format!("{scenario} {preset} {seed}: {actual}"));
         }

@@ -26,8 +26,7 @@ impl Lock {
             // On a file system without locks, an unlocked folder is better than no run.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Self(file)),
             Err(TryLockError::WouldBlock) => {
-                let why =
-                    "another wayfield process is writing in it; help: wait until that ends, or use another folder";
+                let why = "another wayfield process is writing in it; help: wait until that ends, or use another folder";
                 Err(RunError::invalid_input(folder, why))
             }
         }

@@ -387,7 +387,11 @@ mod tests {
                 &progress(10_000 + u64::from(tenth as u32) * 400),
             );
         }
-        assert_eq!(rates.of(|s| s.env_steps).map(f64::round), Some(4000.0), "the slow start no longer counts");
+        assert_eq!(
+            rates.of(|s| s.env_steps).map(f64::round),
+            Some(4000.0),
+            "the slow start no longer counts"
+        );
         assert!(rates.samples.len() < 60, "old samples are dropped");
     }
 

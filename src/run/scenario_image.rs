@@ -23,8 +23,10 @@ const END_SEGMENTS: u32 = 16;
 pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     let generated = scenario.with_generated_obstacles(layout_seed);
     let segments = generated.walls.iter().flat_map(|wall| wall.segments());
-    let walls = segments
-        .map(|segment| MapObstacle { kind: MapObstacleKind::Wall, outline: outline(&segment, &generated, 0) });
+    let walls = segments.map(|segment| MapObstacle {
+        kind: MapObstacleKind::Wall,
+        outline: outline(&segment, &generated, 0),
+    });
     let obstacles = generated.obstacles.iter().enumerate().map(|(index, obstacle)| {
         let kind = match heading(obstacle, &generated, clock) {
             Some(heading) => MapObstacleKind::Moving(heading),
@@ -57,7 +59,12 @@ pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
     let bytes = match extension.as_ref().and_then(|extension| extension.to_str()) {
         Some("svg") => svg()?.into_bytes(),
         Some("png") => raster::png(&svg()?, 1.0).map_err(failed)?,
-        _ => return Err(RunError::invalid_input(path, "unknown image format; help: give a file name that ends in .svg or .png")),
+        _ => {
+            return Err(RunError::invalid_input(
+                path,
+                "unknown image format; help: give a file name that ends in .svg or .png",
+            ));
+        }
     };
     write_atomic(path, |file| file.write_all(&bytes))
         .map_err(|error| RunError::failed(path, format!("can't be written: {error}")))
@@ -180,7 +187,8 @@ mod tests {
         assert_near(&corners(1), &[(0.9, 0.2), (0.9, -0.2), (1.1, -0.2), (1.1, 0.2)]);
         let capsule = corners(2);
         let extent = |of: fn(&(f64, f64)) -> f64| {
-            let (low, high) = capsule.iter().map(of).fold((9.0_f64, -9.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+            let (low, high) =
+                capsule.iter().map(of).fold((9.0_f64, -9.0_f64), |(l, h), v| (l.min(v), h.max(v)));
             [(low, high)]
         };
         assert_near(&extent(|at| at.0), &[(0.25, 0.75)]);
@@ -213,7 +221,12 @@ mod tests {
         }
         let error = draw(&Scenario::default(), &file("c.gif")).expect_err("no such picture");
         assert_eq!(error.exit_status(), 2);
-        assert!(error.to_string().ends_with("c.gif: unknown image format; help: give a file name that ends in .svg or .png"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .ends_with("c.gif: unknown image format; help: give a file name that ends in .svg or .png"),
+            "{error}"
+        );
         assert!(!file("c.gif").exists());
         let error = draw(&Scenario::default(), &file("no/d.svg")).expect_err("the folder is missing");
         assert!(error.to_string().contains("can't be written"), "{error}");

@@ -228,7 +228,11 @@ mod tests {
         assert!(name.starts_with("events.out.tfevents.") && name.ends_with(".wayfield.test"), "{name}");
         let records = records(&std::fs::read(entry.path()).expect("the file"));
         assert_eq!(records.len(), 1 + points.len());
-        assert_eq!(fields(&records[0])[1], (3, b"brain.Event:2".to_vec()), "the first event holds the version");
+        assert_eq!(
+            fields(&records[0])[1],
+            (3, b"brain.Event:2".to_vec()),
+            "the first event holds the version"
+        );
         for (record, (tag, step, value)) in records[1..].iter().zip(points) {
             let event = fields(record);
             assert_eq!(event.iter().map(|f| f.0).collect::<Vec<_>>(), [1, 2, 5]);

@@ -103,7 +103,8 @@ mod tests {
         let candidate = || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0 };
         let mut threaded = threaded::BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
         threaded.submit(candidate()).expect("submitted");
-        let expected = threaded.poll(true).expect("no panic").expect("a result").result.expect("an evaluation");
+        let expected =
+            threaded.poll(true).expect("no panic").expect("a result").result.expect("an evaluation");
         let mut sliced = BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
         sliced.submit(candidate()).expect("submitted");
         let evaluation = loop {

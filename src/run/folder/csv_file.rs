@@ -35,7 +35,9 @@ impl RunFolder {
         let open = || -> io::Result<File> {
             let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;
             if file.metadata()?.len() < bytes {
-                return Err(io::Error::other("rows are missing: the file is shorter than the checkpoint records"));
+                return Err(io::Error::other(
+                    "rows are missing: the file is shorter than the checkpoint records",
+                ));
             }
             file.set_len(bytes)?;
             file.seek(SeekFrom::End(0))?;

@@ -227,8 +227,5 @@ fn create_default_folder(config: &RunConfig) -> Result<PathBuf, RunError> {
 
 /// The error for an output folder that cannot be written.
 pub(super) fn not_writable(folder: &Path, error: &io::Error) -> RunError {
-    RunError::invalid_input(
-        folder,
-        format!("can't be written ({error}); help: give --out another folder"),
-    )
+    RunError::invalid_input(folder, format!("can't be written ({error}); help: give --out another folder"))
 }
