@@ -11,7 +11,8 @@ use super::{
     trajectories,
 };
 use crate::app::commands::Command;
-use crate::app::interaction::{ActiveDrag, DragTarget};
+use crate::app::interaction::ActiveDrag;
+use crate::app::moves::Movable;
 use crate::app::scene::{ArenaScene, Scene};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::Palette;
@@ -51,19 +52,19 @@ pub fn large(
         view_state.followed = index;
     }
     let pointed = response.hover_pos().filter(|_| response.contains_pointer());
-    let drag_target = match (&held, pointed, scene.arenas.get(index)) {
-        (Some(held), _, _) => Some(held.drag_target),
+    let object = match (&held, pointed, scene.arenas.get(index)) {
+        (Some(held), _, _) => Some(held.object),
         (None, Some(at), Some(arena)) if !response.dragged() => {
             drag_target::hit_test(&transform, scene, arena, at)
         }
         _ => None,
     };
-    steer_camera(ui, &response, &mut transform, &mut view_state.camera, drag_target.is_none());
+    steer_camera(ui, &response, &mut transform, &mut view_state.camera, object.is_none());
     let canvas =
         Canvas { painter: ui.painter_at(rect), transform, palette: Palette::from_ui(ui), compact: false };
     if let Some(arena) = scene.arenas.get(index) {
         draw_large(ui, &canvas, scene, index, arena, view_state, id);
-        draw_drag_feedback(ui, &response, &canvas, arena, drag_target, held);
+        draw_drag_feedback(ui, &response, &canvas, arena, object, held.as_ref());
     }
     canvas
 }
@@ -116,13 +117,13 @@ fn draw_drag_feedback(
     response: &Response,
     canvas: &Canvas,
     arena: &ArenaScene,
-    drag_target: Option<DragTarget>,
-    held: Option<ActiveDrag>,
+    object: Option<Movable>,
+    held: Option<&ActiveDrag>,
 ) {
-    let (palette, Some(drag_target)) = (&canvas.palette, drag_target) else { return };
-    let to_m = held.and_then(|held| held.rejection.map(|_| held.to_m));
-    let Some(outline) = drag_target::silhouette(arena, drag_target, to_m) else { return };
-    if let DragTarget::Obstacle(obstacle) = drag_target
+    let (palette, Some(object)) = (&canvas.palette, object) else { return };
+    let to_m = held.filter(|held| held.rejection.is_some()).map(|held| held.to_m);
+    let Some(outline) = drag_target::silhouette(arena, object, to_m) else { return };
+    if let Movable::Obstacle(obstacle) = object
         && let Some(obstacle) = arena.scenario.obstacles.get(obstacle)
     {
         obstacle_paths::draw(canvas, obstacle, palette.weak_text);
@@ -139,7 +140,12 @@ fn draw_drag_feedback(
                 Stroke::new(2.0, palette.error),
             );
             let below = vec2(0.0, canvas.transform.to_screen_length(outline.reach_m()) + 7.0);
-            canvas.label(canvas.to_screen(to_m) + below, Align2::CENTER_TOP, why, palette.error);
+            canvas.label(
+                canvas.to_screen(*to_m) + below,
+                Align2::CENTER_TOP,
+                &why.to_string(),
+                palette.error,
+            );
         }
         Some(_) => {
             ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
@@ -148,7 +154,7 @@ fn draw_drag_feedback(
         None => {
             ui.ctx().set_cursor_icon(CursorIcon::Grab);
             silhouette::draw(canvas, &around, clear, Stroke::new(1.5, palette.text.gamma_multiply(0.8)));
-            response.clone().on_hover_text_at_pointer(drag::tooltip(drag_target));
+            response.clone().on_hover_text_at_pointer(drag::tooltip(object));
         }
     }
 }
