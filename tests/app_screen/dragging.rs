@@ -2,7 +2,8 @@
 
 use egui::{Event, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use wayfield::app::commands::{Command, MoveRequest};
+use wayfield::app::commands::Command;
+use wayfield::app::moves::{Movable, MoveRequest};
 
 use super::{Window, release_event, sent_commands, settle, window};
 use crate::screen_fixture::ScreenFixture;
@@ -74,7 +75,7 @@ fn an_obstacle_is_moved_in_the_followed_arena_and_only_with_the_pointer() {
     screen_fixture.view_state.followed = 2;
     let mut window = window(screen_fixture);
     let (moved, rested) = drag(&mut window, (-0.6, -0.6));
-    let [Command::Move(MoveRequest::Obstacle { arena: 2, index: 2, to_m })] = moved[..] else {
+    let [Command::Move(MoveRequest { arena: 2, object: Movable::Obstacle(2), to_m })] = moved[..] else {
         panic!("{moved:?}")
     };
     assert!((to_m.0 + 0.6).abs() < 1e-3 && to_m.1 < -0.6, "{to_m:?}");
@@ -93,5 +94,8 @@ fn the_object_pressed_is_dragged_even_if_it_has_moved_on() {
     settle(&mut window);
     window.hover_at(pos2(at.x, at.y + 14.0));
     let moved = sent_commands(&mut window);
-    assert!(matches!(moved.first(), Some(Command::Move(MoveRequest::Robot { arena: 0, .. }))), "{moved:?}");
+    assert!(
+        matches!(moved.first(), Some(Command::Move(MoveRequest { arena: 0, object: Movable::Robot, .. }))),
+        "{moved:?}"
+    );
 }

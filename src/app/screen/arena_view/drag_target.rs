@@ -1,96 +1,68 @@
-//! The objects that can be dragged: which one is under the pointer, its outline, and where it may be put.
+//! The objects that can be dragged: which one is under the pointer, its outline, and what decides where it may go.
 
 use egui::Pos2;
 
 use super::silhouette::Silhouette;
 use super::transform::ViewTransform;
-use crate::app::interaction::DragTarget;
+use crate::app::moves::{ArenaView, Movable};
 use crate::app::scene::{ArenaScene, Scene};
-use crate::scenario::{enclosure_distance, inner_wall_distance, shape_distance};
+use crate::scenario::shape_distance;
 
-/// The object at `at`, with some tolerance for small ones: the robot first, then the goal, then the nearest obstacle.
-/// Generated obstacles cannot be dragged, since the scenario file does not list them.
+/// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the obstacles.
+/// Generated obstacles are not among them, because they are not in the scenario's file.
 #[must_use]
-pub fn hit_test(
-    transform: &ViewTransform,
-    scene: &Scene,
-    arena: &ArenaScene,
-    at: Pos2,
-) -> Option<DragTarget> {
+pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
     let scenario = &*scene.scenario;
     let [x, y] = transform.to_world(at);
     let slack_m = 3.0 / transform.scale;
     let distance_to = |px: f32, py: f32| (px - x).hypot(py - y);
     let min_radius_m = 10.0 / transform.scale;
     if distance_to(arena.pose.x_m, arena.pose.y_m) <= (scenario.robot.radius_m + slack_m).max(min_radius_m) {
-        return Some(DragTarget::Robot);
+        return Some(Movable::Robot);
     }
     if distance_to(arena.goal.x_m, arena.goal.y_m)
         <= (scenario.task.goal_radius_m + slack_m).max(min_radius_m)
     {
-        return Some(DragTarget::Goal);
+        return Some(Movable::Goal);
     }
-    let distances = scenario.obstacles.iter().zip(&arena.obstacles);
-    let distances = distances.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
+    let obstacles = scenario.obstacles.iter().zip(&arena.obstacles);
+    let distances = obstacles.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
     let (index, distance_m) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (distance_m <= slack_m).then_some(DragTarget::Obstacle(index))
+    (distance_m <= slack_m).then_some(Movable::Obstacle(index))
 }
 
-/// The centre of `drag_target`, in m.
-pub fn centre_m(drag_target: DragTarget, arena: &ArenaScene) -> Option<[f32; 2]> {
-    match drag_target {
-        DragTarget::Goal => Some([arena.goal.x_m, arena.goal.y_m]),
-        DragTarget::Robot => Some([arena.pose.x_m, arena.pose.y_m]),
-        DragTarget::Obstacle(index) => arena.obstacles.get(index).map(|pose| [pose.0, pose.1]),
+/// The centre of `object`, in m; `None` if there is no such obstacle.
+pub fn centre_of(object: Movable, arena: &ArenaScene) -> Option<[f32; 2]> {
+    match object {
+        Movable::Goal => Some([arena.goal.x_m, arena.goal.y_m]),
+        Movable::Robot => Some([arena.pose.x_m, arena.pose.y_m]),
+        Movable::Obstacle(index) => arena.obstacles.get(index).map(|pose| [pose.0, pose.1]),
     }
 }
 
-/// The outline of `drag_target` where it is, or with its centre at `to_m`.
+/// The outline of `object` where it is, or with its centre at `to_m`.
 #[must_use]
-pub fn silhouette(arena: &ArenaScene, drag_target: DragTarget, to_m: Option<[f32; 2]>) -> Option<Silhouette> {
+pub fn silhouette(arena: &ArenaScene, object: Movable, to_m: Option<[f32; 2]>) -> Option<Silhouette> {
     let scenario = &*arena.scenario;
-    let at_m = to_m.or_else(|| centre_m(drag_target, arena))?;
-    match drag_target {
-        DragTarget::Goal => Some(Silhouette::Disc { at_m, radius_m: scenario.task.goal_radius_m }),
-        DragTarget::Robot => Some(Silhouette::Disc { at_m, radius_m: scenario.robot.radius_m }),
-        DragTarget::Obstacle(index) => {
+    let at_m = to_m.or_else(|| centre_of(object, arena))?;
+    match object {
+        Movable::Goal => Some(Silhouette::Disc { at_m, radius_m: scenario.task.goal_radius_m }),
+        Movable::Robot => Some(Silhouette::Disc { at_m, radius_m: scenario.robot.radius_m }),
+        Movable::Obstacle(index) => {
             let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
             Some(Silhouette::Obstacle { shape: obstacle.shape.clone(), pose: (at_m[0], at_m[1], pose.2) })
         }
     }
 }
 
-/// Why `drag_target` cannot be put with its centre at `to_m`; `None` if it can.
-pub fn rejection_at(arena: &ArenaScene, drag_target: DragTarget, to_m: [f32; 2]) -> Option<&'static str> {
-    let scenario = &*arena.scenario;
-    let enclosure_m = enclosure_distance(&scenario.enclosure, to_m.into());
-    let guard_m = scenario.task.collision_range_m;
-    let obstacle_m = || {
-        let distances = scenario.obstacles.iter().zip(&arena.obstacles);
-        distances.map(|(o, &pose)| shape_distance(&o.shape, pose, to_m.into())).fold(f32::INFINITY, f32::min)
-    };
-    let wall_m = || {
-        let walls = scenario.walls.iter().map(|wall| inner_wall_distance(wall, to_m.into()));
-        walls.fold(f32::INFINITY, f32::min)
-    };
-    match drag_target {
-        _ if enclosure_m.is_nan() || enclosure_m <= 0.0 => Some("Outside the walls"),
-        DragTarget::Goal if obstacle_m() <= 0.0 => Some("Inside an obstacle"),
-        DragTarget::Goal if wall_m() <= 0.0 => Some("Inside a wall"),
-        DragTarget::Robot if enclosure_m <= guard_m || wall_m() <= guard_m => Some("Too close to a wall"),
-        DragTarget::Robot if obstacle_m() <= guard_m => Some("Too close to an obstacle"),
-        DragTarget::Obstacle(index) => {
-            let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
-            let gap_to = |x_m, y_m| shape_distance(&obstacle.shape, (to_m[0], to_m[1], pose.2), (x_m, y_m));
-            if gap_to(arena.pose.x_m, arena.pose.y_m) <= guard_m {
-                Some("Too close to the robot")
-            } else if gap_to(arena.goal.x_m, arena.goal.y_m) <= 0.0 {
-                Some("On the goal")
-            } else {
-                None
-            }
-        }
-        _ => None,
+/// The parts of `arena` that decide where an object may go.
+pub fn arena_view<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> ArenaView<'a> {
+    ArenaView {
+        scenario: &scene.scenario,
+        layout: &arena.scenario,
+        obstacles: &arena.obstacles,
+        robot_m: (arena.pose.x_m, arena.pose.y_m),
+        goal_m: (arena.goal.x_m, arena.goal.y_m),
     }
 }
 
@@ -148,58 +120,28 @@ mod tests {
     }
 
     #[test]
-    fn the_pointer_finds_the_object_under_it() {
+    fn the_object_under_the_pointer_is_found() {
         let (transform, scene) = scene();
-        for (point, drag_target) in [
-            ([0.05, 0.05], Some(DragTarget::Robot)),
-            ([-0.85, 0.0], Some(DragTarget::Goal)),
-            ([1.05, 1.45], Some(DragTarget::Obstacle(0))),
+        for (point, expected) in [
+            ([0.05, 0.05], Some(Movable::Robot)),
+            ([-0.85, 0.0], Some(Movable::Goal)),
+            ([1.05, 1.45], Some(Movable::Obstacle(0))),
             ([1.45, 1.05], None),
             ([0.3, 0.3], None),
         ] {
             assert_eq!(
                 hit_test(&transform, &scene, &scene.arenas[0], transform.to_screen(point)),
-                drag_target,
+                expected,
                 "{point:?}"
             );
         }
     }
 
     #[test]
-    fn objects_cannot_be_put_into_obstacles_or_outside_the_walls() {
-        let (_, scene) = scene();
-        let is_allowed = |drag_target, to_m| rejection_at(&scene.arenas[0], drag_target, to_m).is_none();
-        assert!(
-            is_allowed(DragTarget::Goal, [1.2, 1.0])
-                && !is_allowed(DragTarget::Goal, [1.0, 1.4])
-                && !is_allowed(DragTarget::Goal, [2.1, 0.0])
-        );
-        assert!(
-            is_allowed(DragTarget::Robot, [1.3, 1.0]) && !is_allowed(DragTarget::Robot, [1.2, 1.0]),
-            "the robot would collide at once"
-        );
-        assert!(
-            !is_allowed(DragTarget::Robot, [1.9, 0.0]) && !is_allowed(DragTarget::Robot, [f32::NAN, 0.0])
-        );
-        assert!(
-            is_allowed(DragTarget::Obstacle(0), [0.5, 0.0])
-                && !is_allowed(DragTarget::Obstacle(0), [0.2, 0.0])
-        );
-        assert!(!is_allowed(DragTarget::Obstacle(0), [-1.0, 0.2]), "on the goal");
-        assert!(
-            !is_allowed(DragTarget::Goal, [-1.0, -1.45]) && is_allowed(DragTarget::Goal, [-1.0, -1.35]),
-            "inside the inner wall"
-        );
-        assert!(
-            !is_allowed(DragTarget::Robot, [-1.0, -1.35]) && is_allowed(DragTarget::Robot, [-1.0, -1.25])
-        );
-    }
-
-    #[test]
-    fn generated_obstacles_cannot_be_dragged() {
+    fn a_generated_obstacle_cannot_be_dragged() {
         let (transform, mut scene) = scene();
         let at = transform.to_screen([1.0, 1.0]);
-        assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), Some(DragTarget::Obstacle(0)));
+        assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), Some(Movable::Obstacle(0)));
         scene.scenario = Arc::new(Scenario::default());
         assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), None);
     }

@@ -11,7 +11,8 @@ use super::{
     trajectories,
 };
 use crate::app::commands::Command;
-use crate::app::interaction::{ActiveDrag, DragTarget};
+use crate::app::interaction::ActiveDrag;
+use crate::app::moves::Movable;
 use crate::app::scene::{ArenaScene, Scene};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::Palette;
@@ -51,19 +52,19 @@ pub fn single_arena(
         view_state.followed = index;
     }
     let hovered = response.hover_pos().filter(|_| response.contains_pointer());
-    let drag_target = match (&active, hovered, scene.arenas.get(index)) {
-        (Some(active), _, _) => Some(active.drag_target),
+    let object = match (&active, hovered, scene.arenas.get(index)) {
+        (Some(active), _, _) => Some(active.object),
         (None, Some(at), Some(arena)) if !response.dragged() => {
             drag_target::hit_test(&transform, scene, arena, at)
         }
         _ => None,
     };
-    steer_camera(ui, &response, &mut transform, &mut view_state.camera, drag_target.is_none());
+    steer_camera(ui, &response, &mut transform, &mut view_state.camera, object.is_none());
     let canvas =
         Canvas { painter: ui.painter_at(rect), transform, palette: Palette::from_ui(ui), compact: false };
     if let Some(arena) = scene.arenas.get(index) {
         draw_arena(ui, &canvas, scene, index, arena, view_state, id);
-        draw_drag_feedback(ui, &response, &canvas, arena, drag_target, active);
+        draw_drag_feedback(ui, &response, &canvas, arena, object, active.as_ref());
     }
     canvas
 }
@@ -117,13 +118,13 @@ fn draw_drag_feedback(
     response: &Response,
     canvas: &Canvas,
     arena: &ArenaScene,
-    drag_target: Option<DragTarget>,
-    active: Option<ActiveDrag>,
+    object: Option<Movable>,
+    active: Option<&ActiveDrag>,
 ) {
-    let (palette, Some(drag_target)) = (&canvas.palette, drag_target) else { return };
-    let to_m = active.and_then(|drag| drag.rejection.map(|_| drag.to_m));
-    let Some(outline) = drag_target::silhouette(arena, drag_target, to_m) else { return };
-    if let DragTarget::Obstacle(obstacle) = drag_target
+    let (palette, Some(object)) = (&canvas.palette, object) else { return };
+    let to_m = active.filter(|drag| drag.rejection.is_some()).map(|drag| drag.to_m);
+    let Some(outline) = drag_target::silhouette(arena, object, to_m) else { return };
+    if let Movable::Obstacle(obstacle) = object
         && let Some(obstacle) = arena.scenario.obstacles.get(obstacle)
     {
         obstacle_paths::draw(canvas, obstacle, palette.weak_text);
@@ -140,7 +141,12 @@ fn draw_drag_feedback(
                 Stroke::new(2.0, palette.error),
             );
             let below = vec2(0.0, canvas.transform.to_screen_length(outline.reach_m()) + 7.0);
-            canvas.label(canvas.to_screen(to_m) + below, Align2::CENTER_TOP, reason, palette.error);
+            canvas.label(
+                canvas.to_screen(*to_m) + below,
+                Align2::CENTER_TOP,
+                &reason.to_string(),
+                palette.error,
+            );
         }
         Some(_) => {
             ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
@@ -149,7 +155,7 @@ fn draw_drag_feedback(
         None => {
             ui.ctx().set_cursor_icon(CursorIcon::Grab);
             silhouette::draw(canvas, &around, clear, Stroke::new(1.5, palette.text.gamma_multiply(0.8)));
-            response.clone().on_hover_text_at_pointer(drag::tooltip(drag_target));
+            response.clone().on_hover_text_at_pointer(drag::tooltip(object));
         }
     }
 }

@@ -4,7 +4,7 @@ use egui_plot::GridMark;
 
 use crate::app::history::DownsampledSeries;
 use crate::app::screen::numbers;
-use crate::report::table::number;
+use crate::report::format::number;
 
 /// The scale of a y axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
