@@ -2,7 +2,7 @@
 //! bits as a bare loop under `MinimalPlugins`. And a training with interventions can be replayed from its journal.
 #![cfg(feature = "gui")]
 
-#[path = "support/app.rs"]
+#[path = "support/headless_app.rs"]
 mod headless_app;
 
 use std::sync::Arc;
@@ -42,7 +42,8 @@ fn train_headless(seed: u64, steps: u64) -> (Vec<u8>, Vec<ArenaState>) {
     let preset = shipped::preset("fast").expect("shipped");
     let inputs = observation::width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();
-    let learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, seed).expect("the preset is valid");
+    let learner =
+        Learner::new(&preset.learning, inputs, actions, preset.arenas, seed).expect("the preset is valid");
     let mut simulation = training_setup::training(&scenario, &preset, seed, learner, &Extensions::default());
     for _ in 0..steps {
         simulation.step().expect("training continues");
@@ -85,11 +86,9 @@ fn two_thousand_steps_in_the_app_learn_the_same_bits_as_a_bare_loop() {
             15 => app.command(Command::SetMode(SessionMode::Drive)),
             16 => app.command(Command::Steer(0)),
             17 => app.command(Command::Open(policy.clone())),
-            18 => app.command(Command::Move(MoveRequest {
-                arena: 0,
-                object: Movable::Robot,
-                to_m: (1.2, 0.1),
-            })),
+            18 => {
+                app.command(Command::Move(MoveRequest { arena: 0, object: Movable::Robot, to_m: (1.2, 0.1) }))
+            }
             20 => app.command(Command::SetMode(SessionMode::Train)),
             22 => app.command(Command::SetPace(Pace::Times(7.0))),
             24 => app.view_state().overlays = all_overlays,
@@ -133,11 +132,7 @@ fn a_training_with_interventions_can_be_replayed() {
     app.step_to(150);
     // Dragged over several positions between two steps: only the last one counts.
     for x_m in [1.3, 1.4, 1.5] {
-        app.command(Command::Move(MoveRequest {
-            arena: 0,
-            object: Movable::Goal,
-            to_m: (x_m, 0.0),
-        }));
+        app.command(Command::Move(MoveRequest { arena: 0, object: Movable::Goal, to_m: (x_m, 0.0) }));
     }
     app.step_to(180);
     app.command(Command::Move(MoveRequest { arena: 3, object: Movable::Robot, to_m: (-1.4, 0.2) }));
@@ -283,7 +278,8 @@ fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
     // A modified journal is detected.
     let journal = second_run.join("journal.ron");
     let text = std::fs::read_to_string(&journal).expect("the file exists");
-    std::fs::write(&journal, text.replace("after_steps: 120", "after_steps: 121")).expect("the file can be written");
+    std::fs::write(&journal, text.replace("after_steps: 120", "after_steps: 121"))
+        .expect("the file can be written");
     assert_eq!(verify(&second_run).map(|replayed| replayed.bit_identical), Ok(false));
 }
 
@@ -294,9 +290,8 @@ fn transfer_keeps_the_weights_and_can_be_replayed() {
     let mut app = HeadlessApp::new(StartOptions { scenario: "scenario-1".into(), ..options(10) });
     app.command(Command::Pause(true));
     app.step_to(150);
-    let weights = |app: &mut HeadlessApp| {
-        app.world().resource::<ActiveLearner>().0.network().parameters().to_vec()
-    };
+    let weights =
+        |app: &mut HeadlessApp| app.world().resource::<ActiveLearner>().0.network().parameters().to_vec();
     let before = weights(&mut app);
     app.command(Command::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 });
     app.frame(Duration::from_millis(10));
@@ -336,12 +331,7 @@ fn a_file_that_cannot_be_opened_is_reported_and_training_continues() {
     app.command(Command::SetMode(SessionMode::Compare));
     app.command(Command::Save(SaveKind::Policy, folder.path().join("nowhere/policy.safetensors")));
     app.frame(Duration::from_millis(10));
-    assert_eq!(
-        app.error_notices().len(),
-        4,
-        "at most four notices: {:?}",
-        app.error_notices()
-    );
+    assert_eq!(app.error_notices().len(), 4, "at most four notices: {:?}", app.error_notices());
     assert!(state(app.world()) == before, "the training is unchanged");
     app.step_to(30);
 }
