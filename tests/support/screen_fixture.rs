@@ -297,7 +297,6 @@ fn status() -> AppSnapshot {
         expert: Some("Expert of Scenario I".into()),
         has_disk: true,
         saved_scenario: None,
-        draft: None,
     }
 }
 
