@@ -105,7 +105,11 @@ fn headings(scenario: &Scenario) -> Vec<EpisodeResult> {
 fn in_scenario_i_the_benchmark_route_takes_10_8_s_and_no_heading_is_faster() {
     let scenario = scenario("scenario-1");
     let found = checked_bounds("benchmark route, 24 headings", &scenario, &headings(&scenario));
-    assert_eq!(found[0], StepBounds { lower_steps: 54, plan_steps: Some(54) }, "the time from heading 0 is proven optimal");
+    assert_eq!(
+        found[0],
+        StepBounds { lower_steps: 54, plan_steps: Some(54) },
+        "the time from heading 0 is proven optimal"
+    );
     let (min, _, max) = min_mean_max(&plans(&found));
     assert_eq!((min, max), (54, 63));
     assert!(found.iter().all(|b| b.lower_steps >= 53));
@@ -115,7 +119,8 @@ fn in_scenario_i_the_benchmark_route_takes_10_8_s_and_no_heading_is_faster() {
 fn with_the_24_beam_collision_check_53_steps_may_suffice_but_52_do_not() {
     let mut lenient = scenario("scenario-1");
     lenient.task.collision_range_m -= 0.0021;
-    let found = checked_bounds("benchmark route, collision range reduced by 2.1 mm", &lenient, &headings(&lenient));
+    let found =
+        checked_bounds("benchmark route, collision range reduced by 2.1 mm", &lenient, &headings(&lenient));
     assert_eq!(found.iter().map(|b| b.lower_steps).min(), Some(53));
 }
 
@@ -159,7 +164,10 @@ fn the_upper_and_lower_bounds_are_close_to_each_other() {
         println!("  on all cores in {:.2} s", began.elapsed().as_secs_f64());
         let planned: u32 = plans(&found).iter().sum();
         let proven: u32 = found.iter().map(|b| b.lower_steps).sum();
-        assert!(f64::from(planned) < max_ratio * f64::from(proven), "{name}: {planned} planned steps, lower bound {proven}");
+        assert!(
+            f64::from(planned) < max_ratio * f64::from(proven),
+            "{name}: {planned} planned steps, lower bound {proven}"
+        );
     }
 }
 

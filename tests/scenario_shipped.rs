@@ -19,8 +19,9 @@ fn project(path: &str) -> PathBuf {
 #[test]
 fn every_scenario_file_is_shipped_under_its_name_and_is_valid() {
     let entries = std::fs::read_dir(project("scenarios")).expect("the folder exists");
-    let files: BTreeSet<String> =
-        entries.map(|entry| entry.expect("a readable entry").file_name().to_string_lossy().into_owned()).collect();
+    let files: BTreeSet<String> = entries
+        .map(|entry| entry.expect("a readable entry").file_name().to_string_lossy().into_owned())
+        .collect();
     let names: Vec<&str> = shipped::scenarios().map(|(name, _)| name).collect();
     assert_eq!(names.len(), 12, "{names:?}");
     assert_eq!(
@@ -30,7 +31,8 @@ fn every_scenario_file_is_shipped_under_its_name_and_is_valid() {
     );
     for (name, scenario) in shipped::scenarios() {
         assert!(diagnostics(&scenario).is_empty(), "{name}: {:?}", diagnostics(&scenario));
-        let text = std::fs::read_to_string(project(&format!("scenarios/{name}.ron"))).expect("the file exists");
+        let text =
+            std::fs::read_to_string(project(&format!("scenarios/{name}.ron"))).expect("the file exists");
         assert_eq!(shipped::scenario_text(name), Some(text.as_str()), "{name}");
         assert_eq!(Scenario::load(project(&format!("scenarios/{name}.ron"))), Ok(scenario.clone()));
         assert!(text.starts_with("// "), "{name}: the file starts with a comment");
@@ -39,7 +41,11 @@ fn every_scenario_file_is_shipped_under_its_name_and_is_valid() {
             "{name}: `about` must fit into a few lines of the window"
         );
         assert_eq!(scenario.lidar.beams, 24, "{name}: policies must be transferable between scenarios");
-        assert_eq!(scenario.robot.motions.len(), 5, "{name}: policies must be transferable between scenarios");
+        assert_eq!(
+            scenario.robot.motions.len(),
+            5,
+            "{name}: policies must be transferable between scenarios"
+        );
     }
 }
 
@@ -185,7 +191,8 @@ fn every_scenario_can_be_trained_in() {
         let scenario = Arc::new(scenario);
         let inputs = observation::width(scenario.lidar.beams);
         let actions = scenario.robot.motions.len();
-        let learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, 7).expect("a valid configuration");
+        let learner =
+            Learner::new(&preset.learning, inputs, actions, preset.arenas, 7).expect("a valid configuration");
         let first = learner.network().parameters().to_vec();
         let mut simulation = training_setup::training(&scenario, &preset, 7, learner, &Extensions::default());
         let mut ended = 0;

@@ -223,7 +223,10 @@ fn mutated(bytes: &[u8], text: bool, random: &mut Stream) -> Vec<u8> {
                     continue;
                 };
                 let end = start + bytes[start..].iter().take_while(|byte| digit(byte)).count();
-                bytes.splice(start..end, EXTREME_NUMBERS[uniform_index(random, EXTREME_NUMBERS.len())].bytes());
+                bytes.splice(
+                    start..end,
+                    EXTREME_NUMBERS[uniform_index(random, EXTREME_NUMBERS.len())].bytes(),
+                );
             }
             _ => {
                 let extreme = [0_u8, 0xFF, 0x7F, 0x80][uniform_index(random, 4)];
@@ -377,7 +380,11 @@ fn long_lists_of_well_formed_values_are_read_or_rejected_quickly() {
         format!("(title: \"x\", seeds: 1000, arms: [{}], {table})", arms(0, 100)),
     ];
     for (number, text) in cases.iter().enumerate() {
-        assert!(!check_read(&format!("long experiment {number}"), untrusted_input::experiment, text.as_bytes()));
+        assert!(!check_read(
+            &format!("long experiment {number}"),
+            untrusted_input::experiment,
+            text.as_bytes()
+        ));
     }
     let fast = fs::read_to_string(project("assets/presets/fast.ron")).expect("the fixture exists");
     let hidden = fast.replacen("hidden: [", &format!("hidden: [{}", "9,".repeat(300_000)), 1);

@@ -26,8 +26,9 @@ pub const SENSORS: &str = "sensors";
 /// # Errors
 /// The file cannot be read, or is not a policy.
 pub fn read(path: &Path) -> Result<Policy, RunError> {
-    let invalid_input =
-        |why: String| RunError::invalid_input(path, format!("{why}; help: give the policy.safetensors of a run"));
+    let invalid_input = |why: String| {
+        RunError::invalid_input(path, format!("{why}; help: give the policy.safetensors of a run"))
+    };
     if path.is_dir() {
         return Err(RunError::invalid_input(path, "is a folder; help: give the policy.safetensors in it"));
     }

@@ -51,8 +51,7 @@ pub fn policy(bytes: &[u8]) -> bool {
     let _ = policy_card::encoding(&policy).map_err(|error| error.to_string());
     let _ = evaluate::check_compatible(&policy, &Scenario::default(), &ObservationLayout::default())
         .map_err(|error| error.to_string());
-    let again =
-        Policy::from_bytes(&policy.to_bytes().expect("finite weights")).expect("a valid policy");
+    let again = Policy::from_bytes(&policy.to_bytes().expect("finite weights")).expect("a valid policy");
     assert!(again == policy, "writing and reading changes nothing");
     true
 }
@@ -260,7 +259,8 @@ pub fn checkpoint(bytes: &[u8]) -> bool {
         world.insert_resource(TrainingFault::default());
         checkpoint::restore(world, &trainer_state);
         let again = written(world, &mut trainer_state.clone());
-        let (there, _) = checkpoint::read_from(&again[..], config).expect("writing and reading changes nothing");
+        let (there, _) =
+            checkpoint::read_from(&again[..], config).expect("writing and reading changes nothing");
         assert!(there == trainer_state, "writing and reading changes nothing");
         for _ in 0..2 {
             // There may be no free space, or learning may diverge; then it returns an error.
