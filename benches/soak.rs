@@ -110,7 +110,7 @@ mod window {
     use wayfield::app::Snapshot;
     use wayfield::app::app_snapshot::Severity;
     use wayfield::app::commands::{Command, Pace, SaveKind};
-    use wayfield::app::session::{Session, StartOptions};
+    use wayfield::app::session::{Journal, StartOptions};
     use wayfield::app::view_state::Overlays;
     use wayfield::app::window::{WindowOptions, app};
 
@@ -145,11 +145,11 @@ mod window {
     /// An hour of training in the window, with what most people look at drawn over the world.
     pub fn soak(minutes: u64) -> Result<bool, Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
-        let first = StartOptions { pace: Pace::Full, ..StartOptions::default() };
-        let preset = wayfield::run::shipped::preset(&first.preset)?;
+        let start = StartOptions { pace: Pace::Full, ..StartOptions::default() };
+        let preset = wayfield::run::shipped::preset(&start.preset)?;
         let overlays = Overlays { beams: true, path: true, trails: true, value: true, ..Default::default() };
         let opening = WindowOptions {
-            first,
+            start,
             overlays: Some(overlays),
             size: Some((1000.0, 640.0)),
             ..WindowOptions::default()
@@ -188,13 +188,13 @@ mod window {
     fn watch(
         mut soak: ResMut<Soak>,
         shown: Res<Snapshot>,
-        session: Option<Res<Session>>,
+        journal: Option<Res<Journal>>,
         trainer: Option<Res<ActiveLearner>>,
         end: Res<End>,
         mut commands: MessageWriter<Command>,
         mut exit: MessageWriter<AppExit>,
     ) {
-        let (Some(session), Some(trainer), Some((_, status))) = (session, trainer, &shown.now) else {
+        let (Some(journal), Some(trainer), Some((_, status))) = (journal, trainer, &shown.now) else {
             return;
         };
         let soak = &mut *soak;
@@ -207,9 +207,9 @@ mod window {
             soak.samples.push(sample);
         }
         // (Only the last few stand at any time.)
-        for notice in session.notices().into_iter().filter(|notice| notice.severity == Severity::Error) {
+        for notice in status.notices.iter().filter(|notice| notice.severity == Severity::Error) {
             if !soak.error_notices.contains(&notice.text) {
-                soak.error_notices.push(notice.text);
+                soak.error_notices.push(notice.text.clone());
             }
         }
         if soak.began.elapsed() < soak.lasts {
@@ -225,12 +225,7 @@ mod window {
             let learner = &trainer.0;
             *end.0.lock().expect("nobody panics while holding it") = Some(Known {
                 samples: soak.samples.clone(),
-                counts: [
-                    session.journal.steps,
-                    learner.env_steps(),
-                    learner.episodes(),
-                    learner.gradient_steps(),
-                ],
+                counts: [journal.steps, learner.env_steps(), learner.episodes(), learner.gradient_steps()],
                 error_notices: std::mem::take(&mut soak.error_notices),
             });
             exit.write(AppExit::Success);

@@ -11,16 +11,18 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use wayfield::agent::ActiveLearner;
-use wayfield::app::commands::{Command, MoveRequest, Pace, SaveKind, SessionMode};
+use wayfield::app::commands::{Command, Pace, SaveKind, SessionMode};
+use wayfield::app::moves::{Movable, MoveRequest};
+use wayfield::app::session::StartOptions;
 use wayfield::app::session::journal::{ReplayResult, verify};
-use wayfield::app::session::{Session, StartOptions};
 use wayfield::app::view_state::Overlays;
 use wayfield::learning::Learner;
 use wayfield::run::preset::Budget;
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
-use wayfield::run::{shipped, simulation};
+use wayfield::run::{shipped, training_setup};
 use wayfield::scenario::pose_at;
 use wayfield::sim;
+use wayfield::simulation::Extensions;
 use wayfield::task::{ArenaState, Clock, CurrentScenario, observation};
 
 use headless_app::HeadlessApp;
@@ -41,11 +43,11 @@ fn headless(seed: u64, steps: u64) -> (Vec<u8>, Vec<ArenaState>) {
     let inputs = observation::width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();
     let learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, seed).expect("it is sound");
-    let mut app = simulation::training_app(&scenario, &preset, seed, learner);
+    let mut simulation = training_setup::training(&scenario, &preset, seed, learner, &Extensions::default());
     for _ in 0..steps {
-        simulation::step(app.world_mut()).expect("it goes on");
+        simulation.step().expect("it goes on");
     }
-    state(app.world_mut())
+    state(simulation.world_mut())
 }
 
 /// A policy that can drive in Scenario II.
@@ -84,7 +86,11 @@ fn two_thousand_steps_in_the_window_learn_what_a_bare_loop_learns() {
             15 => headless_app.command(Command::SetMode(SessionMode::Drive)),
             16 => headless_app.command(Command::Steer(0)),
             17 => headless_app.command(Command::Open(policy.clone())),
-            18 => headless_app.command(Command::Move(MoveRequest::Robot { arena: 0, to_m: (1.2, 0.1) })),
+            18 => headless_app.command(Command::Move(MoveRequest {
+                arena: 0,
+                object: Movable::Robot,
+                to_m: (1.2, 0.1),
+            })),
             20 => headless_app.command(Command::SetMode(SessionMode::Train)),
             22 => headless_app.command(Command::SetPace(Pace::Times(7.0))),
             24 => headless_app.view_state().overlays = everything,
@@ -97,7 +103,7 @@ fn two_thousand_steps_in_the_window_learn_what_a_bare_loop_learns() {
         frame += 1;
     }
     assert!(frame > 40, "all of it has happened");
-    assert!(headless_app.session().opened_policy.is_some(), "{:?}", headless_app.error_notices());
+    assert!(headless_app.opened_files().policy.is_some(), "{:?}", headless_app.error_notices());
     headless_app.command(Command::SetMode(SessionMode::Train));
     headless_app.command(Command::Pause(true));
     headless_app.frame(Duration::from_millis(10));
@@ -114,9 +120,9 @@ fn nudge(headless_app: &mut HeadlessApp, index: usize) {
     let scenario = world.resource::<CurrentScenario>().0.clone();
     let clock = world.query::<&Clock>().iter(world).next().expect("an arena").0;
     let (x, y, _) = pose_at(&scenario.obstacles[index], clock, scenario.task.control_period_s);
-    headless_app.command(Command::Move(MoveRequest::Obstacle {
+    headless_app.command(Command::Move(MoveRequest {
         arena: 0,
-        index,
+        object: Movable::Obstacle(index),
         to_m: (x + 0.04, y - 0.03),
     }));
 }
@@ -128,10 +134,14 @@ fn what_the_hand_does_can_be_had_again() {
     headless_app.step_to(150);
     // Dragged over several places between two steps: the last one counts.
     for x_m in [1.3, 1.4, 1.5] {
-        headless_app.command(Command::Move(MoveRequest::Goal { arena: 0, to_m: (x_m, 0.0) }));
+        headless_app.command(Command::Move(MoveRequest {
+            arena: 0,
+            object: Movable::Goal,
+            to_m: (x_m, 0.0),
+        }));
     }
     headless_app.step_to(180);
-    headless_app.command(Command::Move(MoveRequest::Robot { arena: 3, to_m: (-1.4, 0.2) }));
+    headless_app.command(Command::Move(MoveRequest { arena: 3, object: Movable::Robot, to_m: (-1.4, 0.2) }));
     nudge(&mut headless_app, 1);
     headless_app.step_to(240);
     // The world is changed while somebody else drives; the training finds it changed.
@@ -145,7 +155,7 @@ fn what_the_hand_does_can_be_had_again() {
     headless_app.command(Command::SetMode(SessionMode::Train));
     headless_app.step_to(400);
 
-    let journal = headless_app.session().journal.clone();
+    let journal = headless_app.journal().clone();
     assert_eq!((journal.steps, journal.entries.len()), (400, 4));
     let (learnt, arenas) = state(headless_app.world());
     let mut again = journal.replay(None).expect("it can be had again");
@@ -165,18 +175,18 @@ fn the_hand_cannot_put_things_where_they_cannot_be() {
     headless_app.step_to(3);
     let before = state(headless_app.world());
     for nowhere in [
-        MoveRequest::Goal { arena: 0, to_m: (9.0, 0.0) },
-        MoveRequest::Goal { arena: 99, to_m: (0.0, 0.0) },
-        MoveRequest::Robot { arena: 0, to_m: (1.95, 1.95) },
-        MoveRequest::Robot { arena: 0, to_m: (f32::NAN, 0.0) },
-        MoveRequest::Obstacle { arena: 0, index: 0, to_m: (5.0, 5.0) },
-        MoveRequest::Obstacle { arena: 0, index: 99, to_m: (0.0, 0.0) },
-        MoveRequest::Obstacle { arena: 99, index: 0, to_m: (0.6, 0.6) },
+        MoveRequest { arena: 0, object: Movable::Goal, to_m: (9.0, 0.0) },
+        MoveRequest { arena: 99, object: Movable::Goal, to_m: (0.0, 0.0) },
+        MoveRequest { arena: 0, object: Movable::Robot, to_m: (1.95, 1.95) },
+        MoveRequest { arena: 0, object: Movable::Robot, to_m: (f32::NAN, 0.0) },
+        MoveRequest { arena: 0, object: Movable::Obstacle(0), to_m: (5.0, 5.0) },
+        MoveRequest { arena: 0, object: Movable::Obstacle(99), to_m: (0.0, 0.0) },
+        MoveRequest { arena: 99, object: Movable::Obstacle(0), to_m: (0.6, 0.6) },
     ] {
         headless_app.command(Command::Move(nowhere));
         headless_app.frame(Duration::from_millis(10));
     }
-    assert_eq!(headless_app.session().journal.entries, []);
+    assert_eq!(headless_app.journal().entries, []);
     assert!(state(headless_app.world()) == before, "nothing has changed");
 }
 
@@ -203,7 +213,7 @@ fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_it_is_seen() {
     }
     let (x, y, _) = headless_app.shown().0.arenas[running].obstacles[3];
     let to_m = (x + 0.03, y + 0.02);
-    headless_app.command(Command::Move(MoveRequest::Obstacle { arena: running, index: 3, to_m }));
+    headless_app.command(Command::Move(MoveRequest { arena: running, object: Movable::Obstacle(3), to_m }));
     headless_app.frame(Duration::from_millis(10));
     let (now_x, now_y, _) = headless_app.shown().0.arenas[running].obstacles[3];
     assert!(
@@ -232,8 +242,7 @@ fn a_saved_run_goes_on_as_if_it_had_not_been_saved() {
     assert_eq!(other.error_notices(), Vec::<String>::new());
     other.step_to(700);
     assert!(state(other.world()) == whole, "500 steps, saved, opened, 200 more: the same as 700");
-    let session: &Session = other.session();
-    assert_eq!(session.config.seed, 8);
+    assert_eq!(other.run().config.seed, 8);
 }
 
 #[test]
@@ -243,7 +252,7 @@ fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between()
     let mut headless_app = HeadlessApp::new(first(9));
     headless_app.command(Command::Pause(true));
     headless_app.step_to(120);
-    headless_app.command(Command::Move(MoveRequest::Goal { arena: 2, to_m: (1.5, 0.1) }));
+    headless_app.command(Command::Move(MoveRequest { arena: 2, object: Movable::Goal, to_m: (1.5, 0.1) }));
     headless_app.step_to(200);
     headless_app.command(Command::Save(SaveKind::Run, first_run.clone()));
     headless_app.frame(Duration::from_millis(10));
@@ -262,7 +271,11 @@ fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between()
     assert_eq!(verify(&second_run), Ok(ReplayResult { steps: 260, interventions: 2, bit_identical: true }));
 
     // It goes on without a window: the journal ends earlier than the run, which is replayed all the same.
-    let job = Job::Resume { folder: second_run.clone(), budget: Some(Budget::EnvSteps(300 * 16)) };
+    let job = Job::Resume {
+        folder: second_run.clone(),
+        budget: Some(Budget::EnvSteps(300 * 16)),
+        extensions: Extensions::default(),
+    };
     let stop = AtomicBool::new(false);
     train(job, CHECKPOINT_INTERVAL, &stop, std::time::Instant::now(), Some(Box::new(|_| {})))
         .expect("it goes on");
@@ -292,10 +305,7 @@ fn transfer_keeps_the_weights_and_can_be_replayed() {
     assert!(weights(&mut headless_app) == before, "it goes on with what it has learnt");
     let epsilon = headless_app.world().resource::<ActiveLearner>().0.epsilon();
     assert!((epsilon - 0.5).abs() < 1e-6, "and explores from 0.5: {epsilon}");
-    assert_eq!(
-        (headless_app.session().config.scenario.name.as_str(), headless_app.steps()),
-        ("Scenario II", 0)
-    );
+    assert_eq!((headless_app.run().config.scenario.name.as_str(), headless_app.steps()), ("Scenario II", 0));
     headless_app.step_to(90);
     headless_app.command(Command::Save(SaveKind::Run, run.clone()));
     headless_app.frame(Duration::from_millis(10));
@@ -313,7 +323,7 @@ fn what_cannot_be_opened_is_told_and_everything_goes_on() {
     for (name, content, told) in [
         ("world.ron", "(name: \"A\", radius_cm: 1)", "world.ron:1:13"),
         ("policy.safetensors", "nonsense", "not a safetensors file"),
-        ("notes.txt", "", "neither a policy"),
+        ("notes.txt", "", "not a policy"),
     ] {
         let file = folder.path().join(name);
         std::fs::write(&file, content).expect("it is written");

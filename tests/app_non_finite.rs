@@ -68,7 +68,7 @@ fn a_number_that_is_none_ends_the_training_and_nothing_else() {
     assert_eq!(rows.lines().count() as u64, episodes + 1, "no episode ends with such a step");
     wayfield::run::policy_card::read(&folder.path().join("policy.safetensors")).expect("a policy");
     assert!(
-        headless_app.error_notices().iter().any(|told| told.contains("cannot go on")),
+        headless_app.error_notices().iter().any(|told| told.contains("cannot continue")),
         "{:?}",
         headless_app.error_notices()
     );

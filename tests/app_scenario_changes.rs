@@ -9,7 +9,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use wayfield::app::commands::{Command, MoveRequest, Pace, SaveKind, SessionMode};
+use wayfield::app::commands::{Command, EditorReply, Pace, SaveKind, SessionMode};
+use wayfield::app::moves::{Movable, MoveRequest};
 use wayfield::app::session::StartOptions;
 use wayfield::app::session::journal::{ReplayResult, verify};
 use wayfield::scenario::Scenario;
@@ -44,7 +45,7 @@ fn first(file: &Path) -> StartOptions {
 fn wait(headless_app: &mut HeadlessApp, what: &str, done: impl Fn(&HeadlessApp) -> bool) {
     let began = Instant::now();
     while !done(headless_app) {
-        assert!(began.elapsed() < Duration::from_secs(60), "{what}: {:?}", headless_app.session().notices());
+        assert!(began.elapsed() < Duration::from_secs(60), "{what}: {:?}", headless_app.notices());
         headless_app.frame(Duration::from_millis(20));
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -55,7 +56,7 @@ fn x_m(headless_app: &HeadlessApp) -> f32 {
 }
 
 fn told(headless_app: &HeadlessApp, words: &str) -> bool {
-    headless_app.session().notices().iter().any(|notice| notice.text.contains(words))
+    headless_app.notices().iter().any(|notice| notice.text.contains(words))
 }
 
 #[test]
@@ -84,7 +85,7 @@ fn a_saved_file_is_taken_at_an_episodes_end_however_often_it_was_broken() {
             Vec::<String>::new(),
             "what was mended is not told any more"
         );
-        assert!(!headless_app.session().scenario_modified(), "the world is that of the file");
+        assert!(!headless_app.scenario_modified(), "the world is that of the file");
     }
     // What the network can't take is told, and the last good world goes on.
     write(&file, &world(0.5).replace("    task:", "    lidar: (beams: 12),\n    task:"));
@@ -109,7 +110,7 @@ fn a_file_that_was_broken_at_first_is_taken_as_soon_as_it_is_mended() {
     write(&file, "(name: \"Mine\", obstacles: [");
     let mut headless_app = HeadlessApp::new(StartOptions { preset: "per_d3qn".into(), ..first(&file) });
     headless_app.frame(Duration::from_millis(10));
-    assert!(told(&headless_app, "mine.ron:1:"), "{:?}", headless_app.session().notices());
+    assert!(told(&headless_app, "mine.ron:1:"), "{:?}", headless_app.notices());
     assert_eq!(headless_app.shown().0.scenario.name, "Scenario I", "something goes on meanwhile");
     write(&file, "(name: \"Mine\", obstacles: [}");
     wait(&mut headless_app, "broken in another way", |headless_app| {
@@ -144,7 +145,9 @@ fn a_file_that_was_broken_at_first_is_taken_as_soon_as_it_is_mended() {
     let steps = headless_app.steps();
     wait(&mut headless_app, "it goes on without its file", |headless_app| headless_app.steps() > steps + 30);
     write(&other, "(name: \"Back\", task: (max_episode_steps: 40))");
-    wait(&mut headless_app, "it is there again", |headless_app| told(headless_app, "its new world is taken"));
+    wait(&mut headless_app, "it is there again", |headless_app| {
+        told(headless_app, "the changed scenario runs when the next episode ends")
+    });
 }
 
 #[test]
@@ -159,7 +162,7 @@ fn a_mended_file_takes_no_training_away() {
     for k in 0..2 {
         write(&file, &format!("(name: \"Mine {k}\")"));
         wait(&mut headless_app, "it is told", |headless_app| {
-            k > 0 || told(headless_app, "it can be used now")
+            k > 0 || told(headless_app, "the file is valid now")
         });
     }
     let steps = headless_app.steps();
@@ -176,10 +179,10 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
     headless_app.step_to(60);
     let mut edited = Scenario::clone(&headless_app.shown().0.scenario);
     edited.obstacles[0].position_m = (0.9, 0.9);
-    let take = |scenario: &Scenario, again| Command::ApplyScenario {
+    let take = |scenario: &Scenario, restart| Command::ApplyScenario {
         scenario: Arc::new(scenario.clone()),
         from: "scenario-1".into(),
-        again,
+        restart,
     };
     let learnt = headless_app.shown().1.env_steps;
     headless_app.command(Command::SetMode(SessionMode::Test));
@@ -225,7 +228,11 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
     noisy.lidar.noise_std_m = 0.02;
     headless_app.command(take(&noisy, false));
     for x_m in [0.05, 0.1] {
-        headless_app.command(Command::Move(MoveRequest::Robot { arena: 1, to_m: (x_m, 0.0) }));
+        headless_app.command(Command::Move(MoveRequest {
+            arena: 1,
+            object: Movable::Robot,
+            to_m: (x_m, 0.0),
+        }));
     }
     headless_app.frame(Duration::from_millis(10));
     headless_app.step_to(140);
@@ -252,40 +259,40 @@ fn an_edited_world_is_saved_with_the_comments_of_its_file_and_opened_to_be_edite
     let mut edited = Scenario::clone(&headless_app.shown().0.scenario);
     edited.obstacles[0].position_m = (3.0, 0.6);
     let scenario = Arc::new(edited.clone());
-    let like = file.display().to_string();
+    let based_on = file.display().to_string();
     headless_app.command(Command::SaveScenario {
         scenario: scenario.clone(),
-        like,
+        based_on,
         path: Some(file.clone()),
     });
     headless_app.frame(Duration::from_millis(10));
     let saved = std::fs::read_to_string(&file).expect("it is there");
     assert_eq!(saved, world(3.0), "one number is another");
-    assert_eq!(headless_app.shown().1.saved_scenario, Some((file.display().to_string(), scenario.clone())));
+    let saved = (file.display().to_string(), scenario.clone());
+    assert_eq!(headless_app.shown().1.saved_scenario, Some(saved.clone()));
+    assert_eq!(headless_app.editor_replies(), [EditorReply::Saved { file: saved.0, scenario: saved.1 }]);
     // Whether the training goes on in it, the user says; that it doesn't fit yet, the editor.
     let began = Instant::now();
     wait(&mut headless_app, "the file was looked at", |_| began.elapsed() > Duration::from_millis(900));
     assert_eq!((x_m(&headless_app), headless_app.error_notices()), (0.6, Vec::new()));
     // What somebody else has written meanwhile is not written over but when it is asked for twice.
     write(&file, &world(1.1));
-    let like = file.display().to_string();
+    let based_on = file.display().to_string();
     for k in 0..2 {
-        let (scenario, like) = (scenario.clone(), like.clone());
-        headless_app.command(Command::SaveScenario { scenario, like, path: Some(file.clone()) });
+        let (scenario, based_on) = (scenario.clone(), based_on.clone());
+        headless_app.command(Command::SaveScenario { scenario, based_on, path: Some(file.clone()) });
         headless_app.frame(Duration::from_millis(10));
         let there = std::fs::read_to_string(&file).expect("it is there");
         assert_eq!(there, world(if k == 0 { 1.1 } else { 3.0 }), "asked for {} times", k + 1);
-        assert_eq!(told(&headless_app, "changed since by somebody else"), k == 0);
+        assert_eq!(told(&headless_app, "another program has changed this file"), k == 0);
     }
     headless_app.command(Command::OpenInEditor(Some(file.clone())));
     headless_app.frame(Duration::from_millis(10));
-    let (number, from, draft) = headless_app.shown().1.draft.clone().expect("it was opened");
-    assert_eq!((number, from, Scenario::clone(&draft)), (1, file.display().to_string(), edited));
+    let opened = EditorReply::Opened { from: file.display().to_string(), scenario: Arc::new(edited) };
+    assert_eq!(headless_app.editor_replies().last(), Some(&opened));
     headless_app.command(Command::OpenInEditor(Some("doorway".into())));
     headless_app.frame(Duration::from_millis(10));
-    assert_eq!(
-        headless_app.shown().1.draft.as_ref().map(|draft| (draft.0, draft.1.as_str())),
-        Some((2, "doorway"))
-    );
+    let replies = headless_app.editor_replies();
+    assert!(matches!(&replies[..], [EditorReply::Opened { from, .. }] if from == "doorway"), "{replies:?}");
     assert_eq!(headless_app.error_notices(), Vec::<String>::new());
 }

@@ -115,13 +115,13 @@ fn all_arenas_are_shown_side_by_side_in_the_dark_too() {
 }
 
 #[test]
-fn without_a_display_one_sentence_names_the_way_out() {
+fn without_a_display_the_error_names_the_way_out() {
     let home = tempfile::tempdir().expect("a folder");
     for display in [None, Some(":54321")] {
         let output = wayfield(display, home.path(), &[]);
         let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{said}");
-        assert_eq!(said.lines().count(), 1, "{said}");
+        assert_eq!(said.lines().count(), 2, "one line for the error, one for the help: {said}");
         assert!(said.contains("no display") && said.contains("wayfield --train"), "{said}");
     }
 }

@@ -1,13 +1,12 @@
-//! What a user gets for arguments and files that cannot be used: exit status 2, one clear message on stderr that
-//! names the file, the line and the mend, nothing on stdout, and nothing left behind. And what is said when learning
-//! itself fails, or when somebody asks for help.
+//! Invalid arguments and files: exit status 2, one message on stderr that names the file, the line and a fix, nothing on
+//! stdout, and no file created or changed. Also the help text.
 
 mod cli_support;
 
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 
-/// A desk with a good preset, a run of one step, and its policy.
+/// A workspace with a valid preset and a run of one step.
 fn workspace() -> Workspace {
     let workspace = Workspace::new();
     workspace.write("quick.ron", quick_fast());
@@ -15,34 +14,34 @@ fn workspace() -> Workspace {
     workspace
 }
 
-/// Asserts that `arguments` are refused as they should be, with a message that has every one of `needles`.
-fn assert_refused(workspace: &Workspace, arguments: &str, needles: &[&str]) {
+/// Asserts that `arguments` are rejected, with one message that contains all `needles` and without any change on disk.
+fn assert_rejected(workspace: &Workspace, arguments: &str, needles: &[&str]) {
     let before = workspace.all_files();
     let done = workspace.run(arguments);
-    let said = format!("wayfield {arguments}\n{}", done.stderr);
-    assert_eq!(done.status, Some(2), "{said}");
-    assert_eq!(done.stdout, "", "{said}");
-    assert!(done.stderr.starts_with("error: "), "{said}");
-    assert_eq!(done.stderr.matches("error: ").count(), 1, "one message: {said}");
-    assert!(!done.stderr.contains("panicked") && !done.stderr.contains("RUST_BACKTRACE"), "{said}");
+    let output = format!("wayfield {arguments}\n{}", done.stderr);
+    assert_eq!(done.status, Some(2), "{output}");
+    assert_eq!(done.stdout, "", "{output}");
+    assert!(done.stderr.starts_with("error: "), "{output}");
+    assert_eq!(done.stderr.matches("error: ").count(), 1, "one message: {output}");
+    assert!(!done.stderr.contains("panicked") && !done.stderr.contains("RUST_BACKTRACE"), "{output}");
     for needle in needles {
-        assert!(done.stderr.contains(needle), "`{needle}` is not in: {said}");
+        assert!(done.stderr.contains(needle), "`{needle}` is not in: {output}");
     }
     let after = workspace.all_files();
     let changed: Vec<_> =
         after.keys().chain(before.keys()).filter(|&k| before.get(k) != after.get(k)).collect();
-    assert!(changed.is_empty(), "{said}left behind or changed: {changed:?}");
+    assert!(changed.is_empty(), "{output}created or changed: {changed:?}");
 }
 
-/// Asserts that `arguments` are refused in one line, beside having every one of `needles`.
-fn assert_refused_in_a_line(workspace: &Workspace, arguments: &str, needles: &[&str]) {
-    assert_refused(workspace, arguments, needles);
-    let said = workspace.run(arguments).stderr;
-    assert_eq!(said.lines().count(), 1, "{said}");
+/// Asserts that `arguments` are rejected with a message of one line that contains all `needles`.
+fn assert_rejected_in_one_line(workspace: &Workspace, arguments: &str, needles: &[&str]) {
+    assert_rejected(workspace, arguments, needles);
+    let message = workspace.run(arguments).stderr;
+    assert_eq!(message.lines().count(), 1, "{message}");
 }
 
 #[test]
-fn scenarios_that_cannot_be_used() {
+fn invalid_scenarios_are_rejected() {
     let workspace = workspace();
     let broken = [
         (
@@ -69,12 +68,12 @@ fn scenarios_that_cannot_be_used() {
     for (name, edit, needles) in broken {
         workspace.write(name, edited(SCENARIO_1, &[edit]));
         let needles: Vec<&str> = needles.iter().copied().chain([name]).collect();
-        assert_refused_in_a_line(
+        assert_rejected_in_one_line(
             &workspace,
             &format!("--train --preset quick.ron --scenario {name} --out new"),
             &needles,
         );
-        assert_refused_in_a_line(
+        assert_rejected_in_one_line(
             &workspace,
             &format!("--eval run/policy.safetensors --scenario {name}"),
             &needles,
@@ -86,12 +85,12 @@ fn scenarios_that_cannot_be_used() {
         ("--train --scenario run", &["run", "folder"]),
         ("--eval run/policy.safetensors --scenario run/policy.safetensors", &["run/policy.safetensors"]),
     ] {
-        assert_refused_in_a_line(&workspace, arguments, needles);
+        assert_rejected_in_one_line(&workspace, arguments, needles);
     }
 }
 
 #[test]
-fn presets_that_cannot_be_used() {
+fn invalid_presets_are_rejected() {
     let workspace = workspace();
     let broken = [
         ("comma.ron", ("gamma: 0.95,", "gamma: 0.95"), &["comma.ron:19:9", "comma"][..]),
@@ -127,7 +126,7 @@ fn presets_that_cannot_be_used() {
     ];
     for (name, edit, needles) in broken {
         workspace.write(name, edited(FAST, &[edit]));
-        assert_refused_in_a_line(&workspace, &format!("--train --preset {name} --out new"), needles);
+        assert_rejected_in_one_line(&workspace, &format!("--train --preset {name} --out new"), needles);
     }
     for (arguments, needles) in [
         ("--train --preset nothing.ron", &["nothing.ron: no such file"][..]),
@@ -136,12 +135,12 @@ fn presets_that_cannot_be_used() {
         ("--train --arenas 0", &["--arenas is 0; help: give 1 to 4096"]),
         ("--train --arenas 5000", &["--arenas is 5000; help: give 1 to 4096"]),
     ] {
-        assert_refused_in_a_line(&workspace, arguments, needles);
+        assert_rejected_in_one_line(&workspace, arguments, needles);
     }
 }
 
 #[test]
-fn policies_that_cannot_be_used() {
+fn invalid_policies_are_rejected() {
     let workspace = workspace();
     let good = workspace.read("run/policy.safetensors");
     let mut nan = good.clone();
@@ -151,7 +150,7 @@ fn policies_that_cannot_be_used() {
     workspace.write("truncated.safetensors", &good[..good.len() / 2]);
     workspace.write("header.safetensors", &good[..100]);
     workspace.write("empty.safetensors", b"");
-    workspace.write("text.safetensors", "Dear reader, this is no policy at all.");
+    workspace.write("text.safetensors", "This is not a policy.");
     workspace.write(
         "scenario.ron",
         edited(SCENARIO_1, &[("    obstacles: [", "    lidar: (beams: 12),\n    obstacles: [")]),
@@ -173,21 +172,21 @@ fn policies_that_cannot_be_used() {
         ),
     ] {
         let needles: Vec<&str> = needles.iter().copied().chain([name]).collect();
-        assert_refused_in_a_line(&workspace, &format!("--eval {name}"), &needles);
-        assert_refused_in_a_line(&workspace, &format!("--eval {name} --json"), &needles);
-        assert_refused_in_a_line(
+        assert_rejected_in_one_line(&workspace, &format!("--eval {name}"), &needles);
+        assert_rejected_in_one_line(&workspace, &format!("--eval {name} --json"), &needles);
+        assert_rejected_in_one_line(
             &workspace,
             &format!("--train --preset quick.ron --init {name} --out new"),
             &needles,
         );
     }
-    // The other way round, and another network for the same observations.
-    assert_refused_in_a_line(
+    // Also the policy of a scenario with more beams, and a network of another size.
+    assert_rejected_in_one_line(
         &workspace,
         "--eval run/policy.safetensors --scenario scenario.ron",
         &["run/policy.safetensors", "28 numbers", "16 numbers", "12 beams"],
     );
-    assert_refused_in_a_line(
+    assert_rejected_in_one_line(
         &workspace,
         "--train --preset fast --init run/policy.safetensors --out new",
         &["run/policy.safetensors", "16", "64"],
@@ -195,7 +194,7 @@ fn policies_that_cannot_be_used() {
 }
 
 #[test]
-fn policies_of_another_encoding_cannot_be_started_from() {
+fn a_run_cannot_start_from_a_policy_with_another_encoding() {
     let workspace = workspace();
     workspace.write("raw.ron", raw(&quick_fast()));
     workspace.run_ok("--train --preset raw.ron --steps 1 --out raw");
@@ -205,36 +204,36 @@ fn policies_of_another_encoding_cannot_be_started_from() {
     ] {
         let policy = format!("{init}/policy.safetensors");
         let needles: Vec<&str> = needles.into_iter().chain([policy.as_str()]).collect();
-        assert_refused_in_a_line(
+        assert_rejected_in_one_line(
             &workspace,
             &format!("--train --preset {preset} --init {policy} --out new"),
             &needles,
         );
     }
-    workspace.run_ok("--train --preset raw.ron --init raw/policy.safetensors --steps 1 --out onward");
+    workspace.run_ok("--train --preset raw.ron --init raw/policy.safetensors --steps 1 --out transferred");
 
-    let mut later = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
-    later.metadata.insert("encoding".into(), "logarithmic".into());
-    workspace.write("later.safetensors", later.to_bytes().unwrap());
+    let mut newer = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
+    newer.metadata.insert("encoding".into(), "logarithmic".into());
+    workspace.write("newer.safetensors", newer.to_bytes().unwrap());
     for arguments in
-        ["--eval later.safetensors", "--train --preset quick.ron --init later.safetensors --out new"]
+        ["--eval newer.safetensors", "--train --preset quick.ron --init newer.safetensors --out new"]
     {
-        let needles = ["later.safetensors", "\"logarithmic\"", "newer wayfield"];
-        assert_refused_in_a_line(&workspace, arguments, &needles);
+        let needles = ["newer.safetensors", "\"logarithmic\"", "newer wayfield"];
+        assert_rejected_in_one_line(&workspace, arguments, &needles);
     }
 }
 
 #[test]
-fn places_where_no_run_can_be_written() {
+fn output_folders_that_cannot_be_written_are_rejected() {
     let workspace = workspace();
-    workspace.write("file", "in the way");
+    workspace.write("file", "");
     for out in ["file", "file/below", "/proc/wayfield", "/dev/null/run"] {
         let needles = [out, "can't be written", "give --out another folder"];
-        assert_refused_in_a_line(&workspace, &format!("--train --preset quick.ron --out {out}"), &needles);
+        assert_rejected_in_one_line(&workspace, &format!("--train --preset quick.ron --out {out}"), &needles);
     }
-    // The default folder as well.
-    workspace.write("runs", "in the way");
-    assert_refused_in_a_line(
+    // The default folder too.
+    workspace.write("runs", "");
+    assert_rejected_in_one_line(
         &workspace,
         "--train --preset quick.ron",
         &["runs/scenario-1-quick-0", "can't be written"],
@@ -242,7 +241,7 @@ fn places_where_no_run_can_be_written() {
 }
 
 #[test]
-fn arguments_that_cannot_be_used() {
+fn invalid_arguments_are_rejected() {
     let workspace = workspace();
     for (arguments, needles) in [
         ("--train --seed abc", &["'abc'", "--seed", "give a whole number from 0"][..]),
@@ -276,22 +275,22 @@ fn arguments_that_cannot_be_used() {
         ("--trian", &["--trian", "--train"]),
         ("run", &["'run'"]),
     ] {
-        assert_refused(&workspace, arguments, needles);
+        assert_rejected(&workspace, arguments, needles);
     }
 }
 
 #[test]
-fn runs_that_cannot_be_resumed() {
+fn invalid_run_folders_are_rejected() {
     let workspace = workspace();
-    assert_refused_in_a_line(
+    assert_rejected_in_one_line(
         &workspace,
         "--train --resume absent",
-        &["absent: is no run's folder", "--resume"],
+        &["absent: is not a run folder", "--resume"],
     );
     workspace.write("plain", "");
-    assert_refused_in_a_line(&workspace, "--train --resume plain", &["plain", "no run's folder"]);
+    assert_rejected_in_one_line(&workspace, "--train --resume plain", &["plain", "not a run folder"]);
 
-    // (Or the one before would be taken: tests/cli_crash_recovery.rs.)
+    // Otherwise this checkpoint would be used instead (tests/cli_crash_recovery.rs).
     std::fs::remove_file(workspace.path("run/checkpoint/previous.bin")).unwrap();
     let (checkpoint, config) =
         (workspace.read("run/checkpoint/latest.bin"), workspace.text("run/config.ron"));
@@ -309,23 +308,23 @@ fn runs_that_cannot_be_resumed() {
         (&version[..], "version 99"),
         (&checkpoint[..checkpoint.len() - 10], ""),
         (&checkpoint[..10], "too short"),
-        (b"Dear reader, this is no checkpoint.", "no checkpoint"),
+        (b"This is not a checkpoint of any kind.", "is not a checkpoint"),
     ] {
         workspace.write("run/checkpoint/latest.bin", bytes);
-        assert_refused_in_a_line(&workspace, resume, &["run/checkpoint/latest.bin", needle]);
+        assert_rejected_in_one_line(&workspace, resume, &["run/checkpoint/latest.bin", needle]);
     }
     std::fs::remove_file(workspace.path("run/checkpoint/latest.bin")).unwrap();
-    // (Without a row on record it was killed before its first step, and begins.)
+    // A run without rows was killed before its first step and needs no checkpoint, so add a row.
     let rows = workspace.text("run/episodes.csv");
     workspace.write("run/episodes.csv", format!("{rows}one more\n"));
-    assert_refused_in_a_line(
+    assert_rejected_in_one_line(
         &workspace,
         resume,
-        &["run/checkpoint/latest.bin", "no checkpoint to go on from"],
+        &["run/checkpoint/latest.bin", "no checkpoint to resume from"],
     );
     workspace.write("run/checkpoint/latest.bin", &checkpoint);
 
-    // A config.ron that was edited so that it no longer fits its checkpoint, or anything.
+    // An edited config.ron that no longer fits the checkpoint, or is invalid.
     for (from, to, needle) in [
         ("arenas: 16", "arenas: 8", "number of arenas"),
         ("gamma: 0.95", "gamma: 0.9", ""),
@@ -334,14 +333,14 @@ fn runs_that_cannot_be_resumed() {
         ("gamma: 0.95", "gamma: zebra", "run/config.ron:"),
     ] {
         workspace.write("run/config.ron", edited(&config, &[(from, to)]));
-        assert_refused_in_a_line(&workspace, resume, &["run/", needle]);
+        assert_rejected_in_one_line(&workspace, resume, &["run/", needle]);
     }
     workspace.write("run/config.ron", &config);
     workspace.run_ok(resume);
 }
 
 #[test]
-fn help_tells_of_every_flag_and_version_is_the_crates() {
+fn help_describes_every_flag_and_version_prints_the_crate_version() {
     let workspace = Workspace::new();
     let help = workspace.run_ok("--help");
     assert_eq!(help.stderr, "");
@@ -369,8 +368,8 @@ fn help_tells_of_every_flag_and_version_is_the_crates() {
         let mut lines =
             help.stdout.lines().skip_while(|line| !(line.trim_start().starts_with('-') && has(line)));
         let Some(line) = lines.next() else { panic!("{flag} is not in\n{}", help.stdout) };
-        let tells = line.trim_start().split_once("  ").map(|(_, text)| text.trim()).unwrap_or_default();
-        assert!(tells.len() >= 10, "{flag} has no description in\n{}", help.stdout);
+        let description = line.trim_start().split_once("  ").map(|(_, text)| text.trim()).unwrap_or_default();
+        assert!(description.len() >= 10, "{flag} has no description in\n{}", help.stdout);
     }
     for word in ["scenario-1", "per_d3qn", "fast", "Exit status"] {
         assert!(help.stdout.contains(word), "`{word}` is not in\n{}", help.stdout);
@@ -380,11 +379,11 @@ fn help_tells_of_every_flag_and_version_is_the_crates() {
 }
 
 #[test]
-fn without_arguments_one_sentence_says_what_can_be_done() {
+fn without_a_display_or_window_one_line_names_the_other_modes() {
     let needles: &[&str] = if cfg!(feature = "gui") {
         &["no display", "wayfield --train"]
     } else {
         &["wayfield --train", "wayfield --eval", "--help"]
     };
-    assert_refused_in_a_line(&Workspace::new(), "", needles);
+    assert_rejected_in_one_line(&Workspace::new(), "", needles);
 }

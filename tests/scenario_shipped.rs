@@ -7,8 +7,9 @@ use std::sync::Arc;
 use bevy::ecs::message::Messages;
 use wayfield::agent::ActiveLearner;
 use wayfield::learning::Learner;
-use wayfield::run::{scenario_image, shipped, simulation};
+use wayfield::run::{scenario_image, shipped, training_setup};
 use wayfield::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario, Shape, clearance, diagnostics};
+use wayfield::simulation::Extensions;
 use wayfield::task::{EpisodeEnded, observation};
 
 fn project(path: &str) -> PathBuf {
@@ -186,13 +187,13 @@ fn every_world_trains_a_little() {
         let actions = scenario.robot.motions.len();
         let learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, 7).expect("it is sound");
         let first = learner.network().parameters().to_vec();
-        let mut app = simulation::training_app(&scenario, &preset, 7, learner);
+        let mut simulation = training_setup::training(&scenario, &preset, 7, learner, &Extensions::default());
         let mut ended = 0;
         for step in 0..600 {
-            simulation::step(app.world_mut()).unwrap_or_else(|error| panic!("{name}, step {step}: {error}"));
-            ended += app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().count();
+            simulation.step().unwrap_or_else(|error| panic!("{name}, step {step}: {error}"));
+            ended += simulation.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().count();
         }
-        let learner = &app.world().resource::<ActiveLearner>().0;
+        let learner = &simulation.world().resource::<ActiveLearner>().0;
         let weights = learner.network().parameters();
         assert!(weights.iter().all(|weight| weight.is_finite()), "{name}");
         assert_ne!(weights, first, "{name}: it has learnt something");

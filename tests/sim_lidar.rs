@@ -135,7 +135,7 @@ proptest! {
         }
         let ours = lab.cast(0, &pose(px, py, heading));
         let beams = BeamDirections::from_lidar(&Lidar::default());
-        let world = lab.app.world_mut();
+        let world = lab.simulation.world_mut();
         let mut arenas =
             world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
         let (bodies, context, set, colliders) = arenas.single(world).expect("one arena");

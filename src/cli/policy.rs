@@ -12,6 +12,7 @@ use crate::scenario::Scenario;
 /// It cannot be read, or its inputs or actions are not those of `scenario`.
 pub fn read(path: &Path, scenario: &Scenario) -> Result<Policy, RunError> {
     let policy = policy_card::read(path)?;
-    evaluate::check_compatible(&policy, scenario).map_err(|error| RunError::invalid_input(path, error))?;
+    evaluate::check_compatible(&policy, scenario, &crate::task::ObservationLayout::default())
+        .map_err(|error| RunError::invalid_input(path, error))?;
     Ok(policy)
 }

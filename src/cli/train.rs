@@ -55,7 +55,7 @@ pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), Ru
     let every = args.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
     let budget = shared.episodes.map(Budget::Episodes).or(args.steps.map(Budget::EnvSteps));
     let job = match args.resume {
-        Some(folder) => Job::Resume { folder, budget },
+        Some(folder) => Job::Resume { folder, budget, extensions: crate::simulation::Extensions::default() },
         None => new_run(args, shared, budget)?,
     };
     let (folder, summary) = train(job, every, stop_on_signal(), began, None)?;

@@ -15,12 +15,13 @@ use super::plan::{RunPlan, Training};
 use super::policy_test;
 use super::progress::OverallProgress;
 use super::queue::Queue;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::run::{RunError, checkpoint};
+use crate::simulation::Extensions;
 
 /// Runs all trainings of `plan` in folders below `folder`, `jobs` at a time.
 ///
@@ -110,7 +111,7 @@ fn run_training(
     let mut resumed = None;
     if RunFolder::open(&path).is_ok_and(|(_, config)| config == training.config) && checkpoint::exists(&path)
     {
-        match run(Job::Resume { folder: path.clone(), budget: None }) {
+        match run(Job::Resume { folder: path.clone(), budget: None, extensions: Extensions::default() }) {
             Ok((_, summary)) => resumed = Some(summary),
             // The checkpoint is damaged, or is the final one of a run without a summary: train from the start.
             Err(RunError::InvalidInput(_)) => {}

@@ -7,6 +7,7 @@ use crate::run::folder::RunConfig;
 use crate::run::preset::Budget;
 use crate::run::{RunError, shipped};
 use crate::scenario::{self, FileError, to_ron};
+use crate::simulation::Extensions;
 
 /// The configuration of `stage` under a condition, without its transfer. `from` is the experiment's file.
 ///
@@ -48,6 +49,9 @@ pub fn run_config(
         preset_from: stage.preset.clone(),
         transfer: None,
         save_policy_after_episodes: Vec::new(),
+        sensors: Vec::new(),
+        reward_terms: Vec::new(),
+        extensions: Extensions::default(),
         scenario,
         preset,
     })

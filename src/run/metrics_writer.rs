@@ -1,4 +1,4 @@
-//! The metrics writer: writes the rows of a run as they come, for people, for spreadsheets and for TensorBoard.
+//! The metrics writer: CSV files, TensorBoard events and learning curves of a run.
 //!
 //! In: rows. Out: `episodes.csv`, `evaluations.csv`, TensorBoard events, and at the end `learning-curve.svg`.
 
@@ -15,35 +15,48 @@ use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_sv
 const EPISODES: &str = "episodes.csv";
 const EVALUATIONS: &str = "evaluations.csv";
 
-/// The open files of a run's records.
+/// The open metrics files of a run.
 pub struct MetricsWriter {
     folder: RunFolder,
     episodes: csv::Writer<File>,
     evaluations: csv::Writer<File>,
     events: EventWriter,
+    /// The columns of plugins' reward terms.
+    extra_columns: Vec<String>,
 }
 
 impl MetricsWriter {
-    /// Opens the records to add rows behind what a checkpoint knows of: so many bytes of each CSV file.
+    /// Opens the files, after truncating each CSV file to the length in the checkpoint (`*_bytes`, in bytes).
     ///
     /// # Errors
-    /// A file cannot be opened, or is shorter than that.
-    pub fn open(folder: &RunFolder, episodes_bytes: u64, evaluations_bytes: u64) -> Result<Self, RunError> {
+    /// A file cannot be opened, or is shorter than its length in the checkpoint.
+    pub fn open(
+        folder: &RunFolder,
+        episodes_bytes: u64,
+        evaluations_bytes: u64,
+        reward_terms: &[String],
+    ) -> Result<Self, RunError> {
+        let extra_columns: Vec<String> = reward_terms.iter().map(|name| column(name)).collect();
         Ok(Self {
-            episodes: folder.csv::<EpisodeRow>(EPISODES, episodes_bytes)?,
-            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, evaluations_bytes)?,
+            episodes: folder.csv::<EpisodeRow>(EPISODES, episodes_bytes, &extra_columns)?,
+            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, evaluations_bytes, &[])?,
             events: EventWriter::create(folder.path(), "")
                 .map_err(|error| RunError::invalid_input(folder.path(), error))?,
             folder: folder.clone(),
+            extra_columns,
         })
     }
 
     /// Writes the row of an episode.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The row cannot be written.
     pub fn episode(&mut self, row: &EpisodeRow) -> Result<(), RunError> {
-        self.episodes.serialize(row).map_err(|error| self.failed(EPISODES, error))?;
+        self.episodes.serialize((row, &row.extra_rewards)).map_err(|error| self.failed(EPISODES, error))?;
+        for (column, &reward) in self.extra_columns.iter().zip(&row.extra_rewards) {
+            let tag = format!("episode/{column}");
+            self.events.scalar(&tag, row.env_steps, reward).map_err(|error| self.failed("events", error))?;
+        }
         self.scalars(
             row.env_steps,
             &[
@@ -61,7 +74,7 @@ impl MetricsWriter {
     /// Writes the row of an evaluation.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The row cannot be written.
     pub fn evaluation(&mut self, row: &EvaluationRow) -> Result<(), RunError> {
         self.evaluations.serialize(row).map_err(|error| self.failed(EVALUATIONS, error))?;
         self.scalars(
@@ -74,15 +87,15 @@ impl MetricsWriter {
         )
     }
 
-    /// Brings every row to the disk; gives the lengths of the two CSV files, in bytes.
+    /// Flushes every row to disk. Returns the lengths of `episodes.csv` and `evaluations.csv`, in bytes.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// A file cannot be written.
     pub fn flush(&mut self) -> Result<(u64, u64), RunError> {
         self.events.flush().map_err(|error| self.failed("events", error))?;
         let length = |writer: &mut csv::Writer<File>| {
             writer.flush()?;
-            // The checkpoint that counts on these rows must not outlive them in a power cut.
+            // After a power cut, the rows that a checkpoint counts on must still be there.
             writer.get_ref().sync_data()?;
             Ok(writer.get_ref().metadata()?.len())
         };
@@ -93,11 +106,10 @@ impl MetricsWriter {
         Ok((episodes, evaluations))
     }
 
-    /// Draws `learning-curve.svg` under `title`, from the rows on disk (the first half of a resumed run is only
-    /// there).
+    /// Draws `learning-curve.svg` with the title `title`, from the rows on disk, which include those before a resume.
     ///
     /// # Errors
-    /// The rows cannot be read, or the picture cannot be written.
+    /// The rows cannot be read, or the SVG file cannot be written.
     pub fn draw(&self, title: &str) -> Result<(), RunError> {
         let episodes: Vec<EpisodePoint> = self.rows(EPISODES, |row: EpisodeRow| EpisodePoint {
             env_steps: row.env_steps,
@@ -138,4 +150,10 @@ impl MetricsWriter {
     fn failed(&self, name: &str, error: impl std::fmt::Display) -> RunError {
         RunError::failed(&self.folder.path().join(name), error)
     }
+}
+
+/// The column of a plugin's reward term: its name with anything but letters, digits and underscores replaced.
+fn column(term: &str) -> String {
+    let plain = term.chars().map(|c| if c.is_alphanumeric() { c } else { '_' });
+    format!("reward_{}", plain.collect::<String>())
 }

@@ -12,18 +12,19 @@ use std::sync::Arc;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
-use wayfield::control_step::{ControlStep, ControlStepPlugin};
+use wayfield::control_step::ControlStep;
 use wayfield::random::{self, Stream};
 use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
-use wayfield::sim::{self, Bodies, SimPlugin, lidar};
+use wayfield::sim::{self, Bodies, lidar};
+use wayfield::simulation::{Simulation, SimulationBuilder};
 use wayfield::task::{
-    Actions, Arena, ArenaState, Encoding, EpisodeEnded, Observations, Pose, RewardConfig, StepOutcome,
-    StepOutcomes, TaskMode, TaskPlugin, observation,
+    Actions, Arena, ArenaState, EpisodeEnded, ObservationLayout, Observations, Pose, RewardConfig,
+    SensorReadings, StepOutcome, StepOutcomes, TaskMode, observation,
 };
 
 /// World and task in one headless app.
 pub struct Lab {
-    pub app: App,
+    pub simulation: Simulation,
     pub scenario: Arc<Scenario>,
 }
 
@@ -34,32 +35,31 @@ impl Lab {
     }
 
     pub fn with(scenario: &Scenario, arenas: usize, seed: u64, reward: RewardConfig, mode: TaskMode) -> Self {
-        let mut app = empty_app(reward, mode);
         let scenario = Arc::new(scenario.clone());
-        sim::spawn_arenas(app.world_mut(), &scenario, arenas, seed);
-        Self { app, scenario }
+        let builder = SimulationBuilder::new(&scenario).arenas(arenas).seed(seed).reward(reward).mode(mode);
+        Self { simulation: builder.build(), scenario }
     }
 
     /// Replaces the arenas, as hot reloading does.
     pub fn spawn_arenas(&mut self, scenario: &Scenario, arenas: usize, seed: u64) {
         self.scenario = Arc::new(scenario.clone());
-        sim::spawn_arenas(self.app.world_mut(), &self.scenario, arenas, seed);
+        sim::spawn_arenas(self.simulation.world_mut(), &self.scenario, arenas, seed);
     }
 
     /// One control step; arena k takes `actions[k]`.
     pub fn step(&mut self, actions: &[usize]) {
-        self.app.world_mut().resource_mut::<Actions>().0.copy_from_slice(actions);
-        self.app.world_mut().run_schedule(ControlStep);
+        self.simulation.world_mut().resource_mut::<Actions>().0.copy_from_slice(actions);
+        self.simulation.world_mut().run_schedule(ControlStep);
     }
 
     /// The episodes that have ended since this was last asked.
     pub fn take_ended_episodes(&mut self) -> Vec<EpisodeEnded> {
-        self.app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().collect()
+        self.simulation.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().collect()
     }
 
     /// The state of every arena, by number.
     pub fn states(&mut self) -> Vec<ArenaState> {
-        sim::snapshot(self.app.world_mut())
+        sim::snapshot(self.simulation.world_mut())
     }
 
     pub fn state(&mut self, arena: usize) -> ArenaState {
@@ -70,16 +70,16 @@ impl Lab {
     pub fn edit(&mut self, arena: usize, change: impl FnOnce(&mut ArenaState)) {
         let mut states = self.states();
         change(&mut states[arena]);
-        sim::restore(self.app.world_mut(), &states);
+        sim::restore(self.simulation.world_mut(), &states);
     }
 
     pub fn outcomes(&self) -> &[StepOutcome] {
-        &self.app.world().resource::<StepOutcomes>().0
+        &self.simulation.world().resource::<StepOutcomes>().0
     }
 
     /// What the policy of `arena` sees now.
     pub fn row(&self, arena: usize) -> Vec<f32> {
-        self.app.world().resource::<Observations>().row(arena).to_vec()
+        self.simulation.world().resource::<Observations>().row(arena).to_vec()
     }
 
     /// A scan from `pose` in `arena`, cast anew against the colliders as they are now.
@@ -99,7 +99,7 @@ impl Lab {
         arena: usize,
         ask: impl FnOnce(&Bodies, &RapierRigidBodySet, &RapierContextColliders) -> T,
     ) -> T {
-        let world = self.app.world_mut();
+        let world = self.simulation.world_mut();
         let mut arenas = world.query::<(&Arena, &Bodies, &RapierRigidBodySet, &RapierContextColliders)>();
         let (_, bodies, set, colliders) =
             arenas.iter(world).find(|(number, ..)| number.0 == arena).expect("the arena exists");
@@ -108,10 +108,18 @@ impl Lab {
 
     /// Every arena's observation is eq. (8) of its present scan, pose and goal.
     pub fn assert_observations_current(&mut self, when: &str) {
-        let encoding = *self.app.world().resource::<Encoding>();
+        let layout = self.simulation.world().resource::<ObservationLayout>().clone();
         for (arena, state) in self.states().iter().enumerate() {
-            let mut fresh = vec![f32::NAN; observation::width(state.scan.ranges_m.len())];
-            observation::encode(encoding, &state.scan, &state.pose, &state.goal, &mut fresh);
+            let mut fresh = vec![f32::NAN; layout.width(state.scan.ranges_m.len())];
+            let readings = SensorReadings::default();
+            observation::encode(
+                layout.encoding,
+                &state.scan,
+                &state.pose,
+                &state.goal,
+                &readings,
+                &mut fresh,
+            );
             assert_eq!(
                 bits(&self.row(arena)),
                 bits(&fresh),
@@ -119,21 +127,6 @@ impl Lab {
             );
         }
     }
-}
-
-/// The plugins of world and task, with no arena yet.
-pub fn empty_app(reward: RewardConfig, mode: TaskMode) -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        ControlStepPlugin,
-        TaskPlugin { observation: Encoding::default(), reward, mode },
-        SimPlugin,
-    ));
-    app.finish();
-    app.cleanup();
-    app.update();
-    app
 }
 
 pub fn bits(numbers: &[f32]) -> Vec<u32> {

@@ -199,7 +199,7 @@ fn a_step_tells_contact_where_geometry_does_to_a_millimetre() {
                 state.pose = Pose { x_m: at.0 as f32, y_m: at.1 as f32, heading_rad: 0.0 };
                 clears.push(clear);
             }
-            sim::restore(lab.app.world_mut(), &states);
+            sim::restore(lab.simulation.world_mut(), &states);
             lab.step(&[0; ARENAS]);
             for (arena, (state, clear)) in lab.states().iter().zip(&clears).enumerate() {
                 let gap = clear - radius;

@@ -84,7 +84,7 @@ fn a_free_step_is_the_arc_that_was_commanded_and_has_its_energy() {
                     w_rad_s: uniform(&mut stream, -1.0, 1.0) * (PI as f32 / period_s).min(20.0),
                 };
             }
-            wayfield::sim::restore(lab.app.world_mut(), &states);
+            wayfield::sim::restore(lab.simulation.world_mut(), &states);
             let actions: Vec<usize> = (0..ARENAS).map(|k| (round * ARENAS + k) % 64).collect();
             lab.step(&actions);
             for (arena, (before, after)) in states.iter().zip(lab.states()).enumerate() {
@@ -148,7 +148,7 @@ fn hundreds_of_steps_with_any_lag_do_not_drift() {
             state.pose = Pose::default();
             (state.goal.x_m, state.goal.y_m) = (490.0, 490.0);
         }
-        wayfield::sim::restore(lab.app.world_mut(), &states);
+        wayfield::sim::restore(lab.simulation.world_mut(), &states);
         let mut tracks: Vec<((Point, f64), (f64, f64))> = vec![(((0.0, 0.0), 0.0), (0.0, 0.0)); ARENAS];
         for step in 0..STEPS {
             // Motions are kept for a while, so that robots get somewhere.

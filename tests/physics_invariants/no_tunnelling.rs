@@ -102,7 +102,7 @@ impl ArenaBatch {
         for (state, &(pose, clock, _)) in states.iter_mut().zip(begin) {
             (state.pose, state.clock, state.twist) = (pose, Clock(clock), Twist::default());
         }
-        sim::restore(self.lab.app.world_mut(), &states);
+        sim::restore(self.lab.simulation.world_mut(), &states);
         let actions: Vec<usize> = begin.iter().map(|&(.., action)| action).collect();
         self.lab.step(&actions);
         let states = self.lab.states();

@@ -297,7 +297,6 @@ fn status() -> AppSnapshot {
         expert: Some("Expert of Scenario I".into()),
         has_disk: true,
         saved_scenario: None,
-        draft: None,
     }
 }
 
@@ -317,6 +316,7 @@ fn history() -> History {
             total_return: -180.0 + 900.0 * learnt * chance,
             reward_goal: 250.0 * goals as f32,
             reward_collision: -200.0,
+            extra_rewards: Vec::new(),
             reward_attraction: 80.0 * learnt as f32,
             reward_repulsion: -30.0,
             goals,

@@ -39,7 +39,7 @@ use self::side_panels::{bottom_panel_ui, plots_panel_ui, setup_panel_ui};
 use self::theme::Palette;
 use super::commands::Command;
 use super::editor::Editor;
-use super::view_state::{ThemeChoice, ViewState};
+use super::view_state::{EditorSource, ThemeChoice, ViewState};
 
 pub use self::input::ScreenInput;
 
@@ -62,10 +62,12 @@ pub fn screen_ui(
         ThemeChoice::Dark => ThemePreference::Dark,
     });
     view_state.followed = view_state.followed.min(view.scene.arenas.len().saturating_sub(1));
-    if std::mem::take(&mut view_state.open_editor) && view_state.editor.is_none() {
+    if let Some(source) = view_state.open_editor.take()
+        && view_state.editor.is_none()
+    {
         editor::confirm_exit::enter_editor(ui.ctx(), view, view_state, commands);
-        if let Some((_, from, world)) = &view.status.draft {
-            view_state.editor = Some(Box::new(Editor::open(world.clone(), from.clone(), true)));
+        if let EditorSource::Draft { from, scenario } = source {
+            view_state.editor = Some(Box::new(Editor::open(scenario, from, true)));
         }
     }
     shortcuts::handle(ui, view, view_state, commands);
@@ -89,7 +91,7 @@ pub fn screen_ui(
         .frame(Frame::new().fill(palette.background))
         .show(ui, |ui| {
             if view_state.editor.is_some() {
-                editor::editor_ui(ui, view.status, view_state);
+                editor::editor_ui(ui, view_state);
             } else {
                 arena_view::arenas_ui(ui, view, view_state, commands);
             }
