@@ -1,4 +1,4 @@
-//! The choice of panel below the arena in a narrow window, where only one has room.
+//! The choice of panel below the arena in a narrow window, where only one fits.
 
 use crate::app::view_state::ViewState;
 
