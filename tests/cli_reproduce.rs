@@ -117,9 +117,14 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
     ];
     assert_eq!(names, expected);
     let html = workspace.text("one/report.html");
-    for text in
-        ["A user&#39;s experiment", "Does &lt; it &gt; work?", "Transfer helps", "Seed 2", "per.ron", "13.155"]
-    {
+    for text in [
+        "A user&#39;s experiment",
+        "Does &lt; it &gt; work?",
+        "Transfer helps",
+        "Seed 2",
+        "per.ron",
+        "13.155",
+    ] {
         assert!(
             html.contains(text) || html.contains(&text.replace("&#39;", "'")),
             "{text} is not in the page"
@@ -178,7 +183,11 @@ fn stopped_work_continues_where_it_stopped() {
     signal(&child, "TERM");
     let done = wait_for_output(child);
     assert_eq!(done.status, Some(1), "{}", done.stderr);
-    assert!(done.stderr.contains("of 6 runs; help: the same command continues from there"), "{}", done.stderr);
+    assert!(
+        done.stderr.contains("of 6 runs; help: the same command continues from there"),
+        "{}",
+        done.stderr
+    );
     assert!(!workspace.path("stopped/report.html").exists(), "there is no report of unfinished work");
 
     // It continues from the checkpoint; a run whose checkpoint is missing is repeated.
@@ -194,7 +203,10 @@ fn stopped_work_continues_where_it_stopped() {
         }
     }
     workspace.run_ok(&format!("{arguments} stopped"));
-    assert!(report(&workspace, "stopped") == report(&workspace, "straight"), "the report is the same as without interruptions");
+    assert!(
+        report(&workspace, "stopped") == report(&workspace, "straight"),
+        "the report is the same as without interruptions"
+    );
 }
 
 #[test]
