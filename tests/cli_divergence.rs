@@ -93,7 +93,7 @@ fn q_values_beyond_any_return_are_warned_of_once_and_the_run_goes_on() {
     let [warning] = warnings.as_slice() else { panic!("one warning, not {warnings:?}: {}", done.stderr) };
     for needle in [
         "warning: run: learning seems to diverge at gradient step",
-        "no return is beyond",
+        "no return can exceed",
         "try a lower learning_rate",
     ] {
         assert!(warning.contains(needle), "`{needle}` is not in: {warning}");

@@ -309,7 +309,7 @@ fn runs_that_cannot_be_resumed() {
         (&version[..], "version 99"),
         (&checkpoint[..checkpoint.len() - 10], ""),
         (&checkpoint[..10], "too short"),
-        (b"Dear reader, this is no checkpoint.", "no checkpoint"),
+        (b"Dear reader, this is no checkpoint.", "not a checkpoint"),
     ] {
         workspace.write("run/checkpoint/latest.bin", bytes);
         assert_refused_in_a_line(&workspace, resume, &["run/checkpoint/latest.bin", needle]);

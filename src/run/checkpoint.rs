@@ -17,6 +17,7 @@ use super::RunError;
 use super::folder::{RunConfig, RunFolder};
 use super::metric_rows::Milestone;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
+use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
 use crate::sim;
@@ -25,11 +26,10 @@ use crate::task::{ArenaState, observation};
 /// The last checkpoints, from the newest on. The first is there only for a moment, while the others move up.
 const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
-const MAGIC: &[u8; 8] = b"wayfrun\n";
-/// Raised whenever an older reader would misread a newer file.
-const VERSION: u32 = 4;
-/// The most bytes a head may have: as many numbers as may be seen in all arenas, and a policy.
-const MAX_HEAD_BYTES: u64 = (1 << 30) + (1 << 27);
+/// The header of the file. Raise the version when an older reader would misread a newer file. The maximum length allows
+/// for the observations of all arenas and a policy.
+const FORMAT: HeaderFormat =
+    HeaderFormat { magic: b"wayfrun\n", version: 4, max_bytes: (1 << 30) + (1 << 27), checksum: true };
 /// The longest time that a checkpoint may name, in s: some 30,000 years.
 const MAX_TIME_S: f64 = 1e12;
 
@@ -138,12 +138,7 @@ pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut Tra
     }
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
-    let head = postcard::to_allocvec(trainer_state).map_err(io::Error::other)?;
-    file.write_all(MAGIC)?;
-    file.write_all(&VERSION.to_le_bytes())?;
-    file.write_all(&(head.len() as u64).to_le_bytes())?;
-    file.write_all(&crc32c::crc32c(&head).to_le_bytes())?;
-    file.write_all(&head)?;
+    FORMAT.write(&mut file, trainer_state)?;
     world.resource::<ActiveLearner>().0.save(file).map_err(io::Error::other)
 }
 
@@ -207,35 +202,29 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
 /// # Errors
 /// What is wrong with the file.
 pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerState, Learner), String> {
-    let mut array = [0_u8; 24];
-    file.read_exact(&mut array).map_err(|_| "is too short to be a checkpoint")?;
-    let (magic, rest) = array.split_at(8);
-    if magic != MAGIC {
-        return Err("is no checkpoint of a run".into());
-    }
-    let version = u32::from_le_bytes([rest[0], rest[1], rest[2], rest[3]]);
-    if version != VERSION {
-        return Err(format!("is of checkpoint version {version}, but this wayfield reads version {VERSION}"));
-    }
-    let mut length = [0_u8; 8];
-    length.copy_from_slice(&rest[4..12]);
-    let length = u64::from_le_bytes(length);
-    let crc = u32::from_le_bytes([rest[12], rest[13], rest[14], rest[15]]);
-    if length > MAX_HEAD_BYTES {
-        return Err("is damaged: its head is too long".into());
-    }
-    let mut head = Vec::new();
-    (&mut file).take(length).read_to_end(&mut head).map_err(|error| error.to_string())?;
-    if head.len() as u64 != length || crc32c::crc32c(&head) != crc {
-        return Err("is damaged: the checksum of its head does not agree".into());
-    }
-    let trainer_state: TrainerState = postcard::from_bytes(&head).map_err(|_| "is damaged: its head")?;
+    let trainer_state: TrainerState = FORMAT.read(&mut file).map_err(header_error)?;
     trainer_state.check(config)?;
     let inputs = observation::width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
     let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
     Ok((trainer_state, learner))
+}
+
+/// What is wrong with the header of a checkpoint, as the end of a sentence that starts with the file's path.
+fn header_error(error: HeaderError) -> String {
+    match error {
+        HeaderError::Io(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            "is too short to be a checkpoint".into()
+        }
+        HeaderError::Io(error) => error.to_string(),
+        HeaderError::WrongMagic => "is not a checkpoint of a run".into(),
+        HeaderError::Version { found } => {
+            let supported = FORMAT.version;
+            format!("is of checkpoint version {found}, but this wayfield reads version {supported}")
+        }
+        HeaderError::Corrupt(what) => format!("is damaged: {what}"),
+    }
 }
 
 impl TrainerState {
