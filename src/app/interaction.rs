@@ -2,31 +2,21 @@
 //!
 //! In: the widgets. Out: the same widgets, in the next frame. Never saved.
 
+use super::moves::{Movable, MoveRejection};
 use super::setup_form::SetupForm;
 
-/// What can be taken hold of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DragTarget {
-    /// The goal.
-    Goal,
-    /// The robot.
-    Robot,
-    /// An obstacle, by its number in the scenario.
-    Obstacle(usize),
-}
-
 /// A drag in progress.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ActiveDrag {
-    /// In which arena.
+    /// Index of the arena.
     pub arena: usize,
-    /// What.
-    pub drag_target: DragTarget,
-    /// Where its middle is to go, in m.
+    /// The object.
+    pub object: Movable,
+    /// Requested position of its centre, in m.
     pub to_m: [f32; 2],
-    /// Why it cannot go there.
-    pub rejection: Option<&'static str>,
-    /// From the pointer to its middle, in m.
+    /// Why it cannot go there, if it cannot.
+    pub rejection: Option<MoveRejection>,
+    /// From the pointer to the centre, in m.
     pub offset_m: [f32; 2],
 }
 

@@ -32,14 +32,14 @@ mod side_panels;
 pub mod theme;
 mod widgets;
 
-use egui::{CentralPanel, Frame, Margin, Panel, ThemePreference, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, Rect, ThemePreference, Ui};
 
 use self::panels::{help, notices, toolbar};
 use self::side_panels::{bottom_panel_ui, plots_panel_ui, setup_panel_ui};
 use self::theme::Palette;
 use super::commands::Command;
 use super::editor::Editor;
-use super::view_state::{ThemeChoice, ViewState};
+use super::view_state::{EditorSource, ThemeChoice, ViewState};
 
 pub use self::input::ScreenInput;
 
@@ -62,17 +62,45 @@ pub fn screen_ui(
         ThemeChoice::Dark => ThemePreference::Dark,
     });
     view_state.followed = view_state.followed.min(view.scene.arenas.len().saturating_sub(1));
-    if std::mem::take(&mut view_state.open_editor) && view_state.editor.is_none() {
-        editor::confirm_exit::enter_editor(ui.ctx(), view, view_state, commands);
-        if let Some((_, from, world)) = &view.status.draft {
-            view_state.editor = Some(Box::new(Editor::open(world.clone(), from.clone(), true)));
-        }
-    }
+    open_requested_editor(ui, view, view_state, commands);
     shortcuts::handle(ui, view, view_state, commands);
     if view_state.editor.is_none() {
         arena_view::steer::handle(ui, view, &mut view_state.interaction.steered, commands);
     }
-    let palette = Palette::from_ui(ui);
+    toolbar_and_panels_ui(ui, view, view_state, commands);
+    let middle = middle_ui(ui, view, view_state, commands);
+    if view_state.editor.is_none() {
+        arena_view::welcome::welcome_ui(ui, middle, view, commands);
+    }
+    editor::confirm_exit::confirm_exit_ui(ui, middle, view_state, commands);
+    notices::notices_ui(ui, middle, &view.status.notices, commands);
+    help::help_ui(ui, view_state);
+}
+
+/// Opens the editor if that was requested since the last frame and it is not open.
+fn open_requested_editor(
+    ui: &Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    if let Some(source) = view_state.open_editor.take()
+        && view_state.editor.is_none()
+    {
+        editor::confirm_exit::enter_editor(ui.ctx(), view, view_state, commands);
+        if let EditorSource::Draft { from, scenario } = source {
+            view_state.editor = Some(Box::new(Editor::open(scenario, from, true)));
+        }
+    }
+}
+
+/// Draws the toolbar, and the panels at the sides or, in a narrow window, below.
+fn toolbar_and_panels_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
     if ui.available_width() < NARROW {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(6, 0));
         let panel = Panel::top("bar").exact_size(NARROW_BAR_HEIGHT).frame(bar);
@@ -85,21 +113,22 @@ pub fn screen_ui(
         setup_panel_ui(ui, view, view_state, commands);
         plots_panel_ui(ui, view, view_state, commands);
     }
-    let middle = CentralPanel::default()
-        .frame(Frame::new().fill(palette.background))
-        .show(ui, |ui| {
-            if view_state.editor.is_some() {
-                editor::editor_ui(ui, view.status, view_state);
-            } else {
-                arena_view::arenas_ui(ui, view, view_state, commands);
-            }
-        })
-        .response
-        .rect;
-    if view_state.editor.is_none() {
-        arena_view::welcome::welcome_ui(ui, middle, view, commands);
-    }
-    editor::confirm_exit::confirm_exit_ui(ui, middle, view_state, commands);
-    notices::notices_ui(ui, middle, &view.status.notices, commands);
-    help::help_ui(ui, view_state);
+}
+
+/// Draws the arenas, or the scenario that is edited; returns their rectangle.
+fn middle_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) -> Rect {
+    let frame = Frame::new().fill(Palette::from_ui(ui).background);
+    let panel = CentralPanel::default().frame(frame).show(ui, |ui| {
+        if view_state.editor.is_some() {
+            editor::editor_ui(ui, view_state);
+        } else {
+            arena_view::arenas_ui(ui, view, view_state, commands);
+        }
+    });
+    panel.response.rect
 }
