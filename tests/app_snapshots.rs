@@ -129,11 +129,11 @@ fn asked_back_before_a_training_is_given_up() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.status.restart_loses_training = true;
     let mut window = window([1100.0, 720.0], ThemeChoice::Dark, screen_fixture);
-    window.get_by_label("World").click();
+    window.get_by_label("Scenario").click();
     window.run_steps(4);
     window.get_by_label("Scenario II").click();
     window.run_steps(4);
-    window.get_by_label("Start again").click();
+    window.get_by_label("Restart training").click();
     window.run_steps(10);
     window.get_by_label("More").click();
     window.run_steps(20);

@@ -30,7 +30,7 @@ const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
 const MAGIC: &[u8; 8] = b"wayfrun\n";
 /// The version of the format. It increases whenever an older reader would misread a newer file.
-const VERSION: u32 = 4;
+pub const VERSION: u32 = 4;
 
 /// The state of a run, apart from its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -15,13 +15,13 @@ use crate::app::screen::input::ScreenInput;
 /// The tooltip of an object that can be dragged.
 pub fn tooltip(object: Movable) -> &'static str {
     match object {
-        Movable::Goal => "Goal: drag to move it",
-        Movable::Robot => "Robot: drag to move it",
-        Movable::Obstacle(_) => "Obstacle: drag to move it in every arena",
+        Movable::Goal => "Goal: drag to move",
+        Movable::Robot => "Robot: drag to move",
+        Movable::Obstacle(_) => "Obstacle: drag to move it in all arenas",
     }
 }
 
-/// Follows the pointer in the view of arena `index`. Returns the drag in progress there, if any.
+/// Starts, continues or ends the drag in the view of arena `index`. Returns the drag in progress there, if any.
 pub fn update(
     ui: &Ui,
     response: &Response,
@@ -52,10 +52,11 @@ pub fn update(
     let at = transform.to_world(pointer);
     active.to_m = [at[0] + active.offset_m[0], at[1] + active.offset_m[1]];
     active.rejection = check_move(&arena_view(scene, arena), active.object, active.to_m.into()).err();
-    // While time runs, the robot drives away from a pointer at rest, and a goal that is reached is drawn elsewhere.
+    // Unless paused, the robot would drive away from a resting pointer, and a reached goal would be replaced: send a
+    // command in every frame.
     let drifts = !view.status.paused && !matches!(active.object, Movable::Obstacle(_));
-    let moves = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
-    if active.rejection.is_none() && (moves || drifts) {
+    let pointer_moved = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
+    if active.rejection.is_none() && (pointer_moved || drifts) {
         let request = MoveRequest { arena: index, object: active.object, to_m: active.to_m.into() };
         commands.push(Command::Move(request));
     }

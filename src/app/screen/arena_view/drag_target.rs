@@ -15,20 +15,23 @@ pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at
     let scenario = &*scene.scenario;
     let [x, y] = transform.to_world(at);
     let slack_m = 3.0 / transform.scale;
-    let from = |px: f32, py: f32| (px - x).hypot(py - y);
-    let least_m = 10.0 / transform.scale;
-    if from(arena.pose.x_m, arena.pose.y_m) <= (scenario.robot.radius_m + slack_m).max(least_m) {
+    let distance_to = |px: f32, py: f32| (px - x).hypot(py - y);
+    let min_radius_m = 10.0 / transform.scale;
+    if distance_to(arena.pose.x_m, arena.pose.y_m) <= (scenario.robot.radius_m + slack_m).max(min_radius_m) {
         return Some(Movable::Robot);
     }
-    if from(arena.goal.x_m, arena.goal.y_m) <= (scenario.task.goal_radius_m + slack_m).max(least_m) {
+    if distance_to(arena.goal.x_m, arena.goal.y_m)
+        <= (scenario.task.goal_radius_m + slack_m).max(min_radius_m)
+    {
         return Some(Movable::Goal);
     }
-    let solids = scenario.obstacles.iter().zip(&arena.obstacles);
-    let solids = solids.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
-    let (index, away) = solids.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (away <= slack_m).then_some(Movable::Obstacle(index))
+    let obstacles = scenario.obstacles.iter().zip(&arena.obstacles);
+    let distances = obstacles.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
+    let (index, distance_m) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (distance_m <= slack_m).then_some(Movable::Obstacle(index))
 }
 
+/// The centre of `object`, in m; `None` if there is no such obstacle.
 pub fn centre_of(object: Movable, arena: &ArenaScene) -> Option<[f32; 2]> {
     match object {
         Movable::Goal => Some([arena.goal.x_m, arena.goal.y_m]),
@@ -76,20 +79,24 @@ mod tests {
     use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, Wall};
     use crate::task::{Goal, Pose};
 
-    fn world() -> (ViewTransform, Scene) {
+    fn scene() -> (ViewTransform, Scene) {
         let shape = Shape::Rectangle { width_m: 1.0, height_m: 0.2 };
-        let turned = std::f32::consts::FRAC_PI_2;
-        let obstacle =
-            Obstacle { shape, position_m: (1.0, 1.0), rotation_rad: turned, motion: ObstacleMotion::Static };
+        let quarter_turn = std::f32::consts::FRAC_PI_2;
+        let obstacle = Obstacle {
+            shape,
+            position_m: (1.0, 1.0),
+            rotation_rad: quarter_turn,
+            motion: ObstacleMotion::Static,
+        };
         let wall = Wall { corners_m: vec![(-2.0, -1.5), (0.0, -1.5)], thickness_m: 0.2 };
-        let world = Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() };
-        let scenario = Arc::new(world);
+        let scenario = Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() };
+        let scenario = Arc::new(scenario);
         let pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
         let arena = ArenaScene {
             scenario: scenario.clone(),
             pose,
             goal: Goal { x_m: -1.0, y_m: 0.0 },
-            obstacles: vec![(1.0, 1.0, turned)],
+            obstacles: vec![(1.0, 1.0, quarter_turn)],
             ranges_m: vec![],
             scan_pose: pose,
             driver: DriverLabel::Learner,
@@ -114,7 +121,7 @@ mod tests {
 
     #[test]
     fn the_object_under_the_pointer_is_found() {
-        let (transform, scene) = world();
+        let (transform, scene) = scene();
         for (point, expected) in [
             ([0.05, 0.05], Some(Movable::Robot)),
             ([-0.85, 0.0], Some(Movable::Goal)),
@@ -132,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_generated_obstacle_cannot_be_dragged() {
-        let (transform, mut scene) = world();
+        let (transform, mut scene) = scene();
         let at = transform.to_screen([1.0, 1.0]);
         assert_eq!(hit_test(&transform, &scene, &scene.arenas[0], at), Some(Movable::Obstacle(0)));
         scene.scenario = Arc::new(Scenario::default());

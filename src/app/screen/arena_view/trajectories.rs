@@ -1,4 +1,4 @@
-//! Trajectories: the path of the current attempt, and past paths coloured by outcome.
+//! Trajectories: the path since the last goal, and past paths coloured by outcome.
 
 use egui::{Color32, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 
@@ -7,13 +7,13 @@ use crate::app::scene::{ArenaScene, Trail, TrailEnd};
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::Overlays;
 
-/// The path of this navigation, fading out towards its start, and the last navigations by outcome.
+/// Draws the past paths by outcome and the current path, which fades towards its start, as far as the overlays are on.
 pub fn draw(canvas: &Canvas, arena: &ArenaScene, overlays: &Overlays) {
     if overlays.trails {
         let count = arena.trails.len().min(if canvas.compact { 3 } else { usize::MAX });
         for (age, trail) in arena.trails.iter().rev().take(count).enumerate().rev() {
-            let newness = 1.0 - age as f32 / count as f32;
-            draw_trail(canvas, trail, 0.22 + 0.38 * newness);
+            let recency = 1.0 - age as f32 / count as f32;
+            draw_trail(canvas, trail, 0.22 + 0.38 * recency);
         }
     }
     if overlays.path && !arena.path_m.is_empty() {
@@ -34,6 +34,7 @@ pub fn outcome_color(palette: &Palette, end: TrailEnd) -> Color32 {
     }
 }
 
+/// Draws a past path with the opacity `strength`.
 fn draw_trail(canvas: &Canvas, trail: &Trail, strength: f32) {
     let ink = outcome_color(&canvas.palette, trail.end);
     let width = if canvas.compact { 1.0 } else { 1.5 };
@@ -45,7 +46,7 @@ fn draw_trail(canvas: &Canvas, trail: &Trail, strength: f32) {
     }
 }
 
-/// The mark at a trail's end: a dot where the goal was reached, a cross at a collision, a square out of time.
+/// Draws the mark at the end of a past path: a dot for a reached goal, a cross for a collision, a square for a timeout.
 pub fn outcome_mark(painter: &Painter, at: Pos2, end: TrailEnd, ink: Color32) {
     let stroke = Stroke::new(1.75, ink);
     match end {

@@ -13,14 +13,14 @@ use super::card::{Card, CardContext, CardResponse, Trace, TraceStyle};
 use super::marks::label_marks;
 use crate::app::screen::theme::{Palette, SMALL};
 
-/// The height of a plot with its axis, in points.
+/// The height of a plot including its axis, in points.
 const HEIGHT: f32 = 112.0;
-/// The width of the y axis, in points: the same for all, so that they stand in line.
+/// The width of the y axis, in points; equal on all cards, so that the plots are aligned.
 const AXIS_WIDTH: f32 = 44.0;
-/// Up to so many points each has a dot.
+/// The most points of a line that are drawn with a dot each.
 const MAX_DOTS: usize = 40;
 
-/// Shows a card; `labelled` if its marks have their words, too.
+/// Draws a card; `labelled` adds the texts of the vertical marks.
 pub fn card_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, labelled: bool) -> CardResponse {
     let palette = Palette::from_ui(ui);
     ui.scope(|ui| {
@@ -30,11 +30,11 @@ pub fn card_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, lab
         legend_ui(ui, card, shared, palette);
         ui.add_space(2.0);
         let size = vec2(ui.available_width(), HEIGHT);
-        let place = Rect::from_min_size(ui.cursor().min, size);
+        let rect = Rect::from_min_size(ui.cursor().min, size);
         if card.traces.iter().all(|trace| trace.series.points().is_empty()) {
             empty_card_ui(ui, card.empty_text, size, palette);
             CardResponse::default()
-        } else if ui.is_rect_visible(place) {
+        } else if ui.is_rect_visible(rect) {
             plot_ui(ui, card, shared, labelled, palette)
         } else {
             ui.allocate_space(size);
@@ -44,7 +44,7 @@ pub fn card_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, lab
     .inner
 }
 
-/// The plot's place between two lines, and a quiet sentence.
+/// Draws the placeholder of a card without data: `text` between two lines.
 fn empty_card_ui(ui: &mut egui::Ui, text: &str, size: Vec2, palette: Palette) {
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let place = rect.with_min_x(rect.left() + AXIS_WIDTH).with_max_y(rect.bottom() - 14.0);
@@ -55,6 +55,7 @@ fn empty_card_ui(ui: &mut egui::Ui, text: &str, size: Vec2, palette: Palette) {
     ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
 }
 
+/// Draws the plot of a card.
 fn plot_ui(
     ui: &mut egui::Ui,
     card: &Card<'_>,
@@ -71,7 +72,7 @@ fn plot_ui(
     let group = "learning";
     let mut plot = Plot::new(card.title)
         .height(HEIGHT)
-        // While there is nothing to drag, a finger that passes over it scrolls the list.
+        // Without zoom there is nothing to drag, and a swipe scrolls the list of plots instead.
         .sense(if shared.zoomed { Sense::click_and_drag() } else { Sense::click() })
         .allow_drag([shared.zoomed, false])
         .allow_zoom([true, false])
@@ -108,12 +109,12 @@ fn plot_ui(
         if shared.reset {
             plot.set_auto_bounds(true);
         } else if !plot.auto_bounds().x {
-            stay_within(plot, shared.range);
+            keep_in_range(plot, shared.range);
         }
-        let marked = palette.weak_text.gamma_multiply(if labelled { 0.8 } else { 0.45 });
+        let mark_color = palette.weak_text.gamma_multiply(if labelled { 0.8 } else { 0.45 });
         for mark in shared.marks {
             let line = VLine::new("", mark.env_steps as f64).allow_hover(false);
-            plot.vline(line.stroke(Stroke::new(1.0, marked)).style(LineStyle::dashed_dense()));
+            plot.vline(line.stroke(Stroke::new(1.0, mark_color)).style(LineStyle::dashed_dense()));
         }
         if let Some((value, _)) = card.reference {
             let line = HLine::new("", value).allow_hover(false).style(LineStyle::dashed_loose());
@@ -132,10 +133,10 @@ fn plot_ui(
     CardResponse { hovered, zoomed: frame.inner }
 }
 
-/// Brings the part that is shown back to where there are rows; if that is all, it grows with them again.
-fn stay_within(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
-    let shown = plot.plot_bounds();
-    let (low, width) = (shown.min()[0], shown.width());
+/// Moves the visible part of the x axis back into the range of the data; if it covers all of that, follow new data again.
+fn keep_in_range(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
+    let visible = plot.plot_bounds();
+    let (low, width) = (visible.min()[0], visible.width());
     if width >= to - from {
         plot.set_auto_bounds(true);
     } else if low < from {
@@ -145,6 +146,7 @@ fn stay_within(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
     }
 }
 
+/// Draws a line of a card in its style.
 fn draw<'a>(plot: &mut PlotUi<'a>, trace: &Trace<'a>) {
     let points = trace.series.points();
     let line = |width: f32, color: Color32| {
@@ -170,7 +172,7 @@ fn draw<'a>(plot: &mut PlotUi<'a>, trace: &Trace<'a>) {
     }
 }
 
-/// All that can be read at the pointer, in a line.
+/// The tooltip: the values of the lines at the pointer.
 fn tooltip(card: &Card<'_>, pointer: &egui_plot::HoverPosition<'_>) -> Option<String> {
     let (egui_plot::HoverPosition::NearDataPoint { position, .. }
     | egui_plot::HoverPosition::Elsewhere { position }) = pointer;
