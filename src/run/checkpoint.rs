@@ -37,8 +37,6 @@ pub const VERSION: u32 = 4;
 pub struct TrainerState {
     /// The arenas.
     pub arenas: Vec<ArenaState>,
-    /// What plugins added to every arena; empty without plugins.
-    pub arena_extensions: Vec<ArenaExtension>,
     /// The random streams of exploration, one per arena.
     pub exploration: Vec<Stream>,
     /// Sums over the gradient steps since the last row of `episodes.csv`.
@@ -65,6 +63,8 @@ pub struct TrainerState {
     pub first_99: Option<Milestone>,
     /// Wall time up to this checkpoint, in s, over all processes of the run.
     pub wall_s: f64,
+    /// What plugins added to every arena; empty without plugins.
+    pub arena_extensions: Vec<ArenaExtension>,
 }
 
 /// What plugins added to one arena: the sensors' readings and the sums of reward terms in the running episode.
