@@ -132,10 +132,7 @@ pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerSt
 /// `file` cannot be written.
 pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut TrainerState) -> io::Result<()> {
     trainer_state.arenas = sim::snapshot(world);
-    trainer_state.arena_extensions = trainer_state.arenas.iter().map(ArenaExtension::from_state).collect();
-    if trainer_state.arena_extensions.iter().all(ArenaExtension::is_empty) {
-        trainer_state.arena_extensions.clear();
-    }
+    trainer_state.collect_extensions();
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
     let head = postcard::to_allocvec(trainer_state).map_err(io::Error::other)?;
@@ -228,10 +225,11 @@ pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerStat
     if head.len() as u64 != length || crc32c::crc32c(&head) != crc {
         return Err("is damaged: the checksum of the head does not match".into());
     }
-    let trainer_state: TrainerState =
+    let mut trainer_state: TrainerState =
         postcard::from_bytes(&head).map_err(|_| "is damaged: the head cannot be decoded")?;
+    trainer_state.distribute_extensions()?;
     trainer_state.check(config)?;
-    let inputs = observation::width(config.scenario.lidar.beams);
+    let inputs = config.observation_layout().width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
     let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
@@ -239,6 +237,27 @@ pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerStat
 }
 
 impl TrainerState {
+    /// Collects what plugins added to the arenas, which the arenas' own bytes leave out.
+    fn collect_extensions(&mut self) {
+        self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
+        if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
+            self.arena_extensions.clear();
+        }
+    }
+
+    /// Gives the arenas back what plugins added to them.
+    fn distribute_extensions(&mut self) -> Result<(), String> {
+        if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
+            return Err("is damaged: it holds plugin data of another number of arenas".into());
+        }
+        for (arena, extension) in self.arenas.iter_mut().zip(&self.arena_extensions) {
+            arena.readings.clone_from(&extension.readings);
+            arena.episode.extra_rewards.clone_from(&extension.extra_rewards);
+        }
+        self.collect_extensions();
+        Ok(())
+    }
+
     /// Checks that a run of `config` can continue from this state.
     fn check(&self, config: &RunConfig) -> Result<(), String> {
         let arenas = config.preset.arenas;
