@@ -23,7 +23,7 @@ use crate::agent::{ActiveLearner, Decisions, TrainingStats};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
 use crate::sim;
-use crate::task::{ArenaState, observation};
+use crate::task::ArenaState;
 
 /// The files of the checkpoints, newest first. `next.bin` exists only until the others are renamed.
 const NAMES: [&str; 4] =
