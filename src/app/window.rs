@@ -26,7 +26,9 @@ use super::commands::Command;
 use super::file_dialogs;
 use super::preferences::{self, Preferences};
 use super::screen::{self, ScreenInput, theme};
-use super::session::{Evaluations, Journal, Pacer, StartOptions, TrainingHistory, TrainingRun};
+#[cfg(not(target_arch = "wasm32"))]
+use super::session::Journal;
+use super::session::{Evaluations, Pacer, StartOptions, TrainingHistory, TrainingRun};
 use super::view_state::{EditorSource, Overlays, ThemeChoice};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
 use crate::run::RunError;

@@ -15,7 +15,7 @@ pub fn draw(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -
     let range = value_range(field, kind.clipped_shares())?;
     let palette = &canvas.palette;
     let font = FontId::proportional(SMALL);
-    let text = |words: String, ink| canvas.painter.layout_no_wrap(words, font.clone(), ink);
+    let text = |words: String, color| canvas.painter.layout_no_wrap(words, font.clone(), color);
     let (title, low, high) = (
         text(kind.title().into(), palette.text),
         text(limit(range.low, range.below, "≤ "), palette.weak_text),

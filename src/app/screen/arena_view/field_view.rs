@@ -96,7 +96,7 @@ pub fn draw_heatmap(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark:
 }
 
 /// Draws arrows downhill on a coarse grid.
-pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
+pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, color: Color32) {
     if !is_complete(field) {
         return;
     }
@@ -107,7 +107,7 @@ pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
     if length < 4.0 {
         return;
     }
-    let stroke = Stroke::new(1.25, ink);
+    let stroke = Stroke::new(1.25, color);
     for iy in (step / 2..height).step_by(step) {
         for ix in (step / 2..width).step_by(step) {
             let Some([dx, dy]) = descent(field, ix, iy) else { continue };
@@ -119,7 +119,7 @@ pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
             }
             let tip = middle + along * length / 2.0;
             canvas.painter.line_segment([tip - along * length, tip - along * 4.9], stroke);
-            canvas.arrow_head(tip, along, 5.0, ink);
+            canvas.arrow_head(tip, along, 5.0, color);
         }
     }
 }

@@ -9,8 +9,8 @@ use crate::scenario::{Obstacle, ObstacleMotion};
 const DASH: (f32, f32) = (6.0, 4.0);
 
 /// Draws the path of `obstacle`; nothing for a static one.
-pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
-    let stroke = Stroke::new(1.5, ink);
+pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
+    let stroke = Stroke::new(1.5, color);
     let at = canvas.to_screen(obstacle.position_m.into());
     match &obstacle.motion {
         ObstacleMotion::Static => {}
@@ -24,7 +24,12 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
             if *speed_rad_s != 0.0 && centre.distance(at) > 12.0 {
                 let direction = -speed_rad_s.signum();
                 let spoke = Vec2::angled((at - centre).angle() + direction * 0.6);
-                canvas.arrow_head(centre + spoke * centre.distance(at), spoke.rot90() * -direction, 8.0, ink);
+                canvas.arrow_head(
+                    centre + spoke * centre.distance(at),
+                    spoke.rot90() * -direction,
+                    8.0,
+                    color,
+                );
             }
         }
         ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
@@ -34,7 +39,7 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
         }
         ObstacleMotion::RandomWalk { radius_m, .. } => {
             let reach = canvas.transform.to_screen_length(*radius_m);
-            canvas.painter.circle_filled(at, reach, ink.gamma_multiply(0.08));
+            canvas.painter.circle_filled(at, reach, color.gamma_multiply(0.08));
             ring(canvas, at, reach, stroke);
         }
     }

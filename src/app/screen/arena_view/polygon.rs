@@ -83,16 +83,16 @@ fn is_ear(corners: &[Corner], remaining: &[usize], [a, b, c]: [usize; 3]) -> boo
 }
 
 /// Fills a polygon, without anti-aliasing.
-pub fn fill(canvas: &Canvas, corners: &[Corner], ink: Color32) {
-    paint(canvas, corners, &triangles(corners), ink);
+pub fn fill(canvas: &Canvas, corners: &[Corner], color: Color32) {
+    paint(canvas, corners, &triangles(corners), color);
 }
 
 /// Fills the area between a polygon and the box from `low` to `high` around it; nothing if the polygon crosses itself.
-pub fn fill_outside(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corner, ink: Color32) {
+pub fn fill_outside(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corner, color: Color32) {
     let ring = ring(corners, low, high);
     let (triangles, valid) = clip_ears(&ring);
     if valid {
-        paint(canvas, &ring, &triangles, ink);
+        paint(canvas, &ring, &triangles, color);
     }
 }
 
@@ -111,11 +111,11 @@ fn ring(corners: &[Corner], low: Corner, high: Corner) -> Vec<Corner> {
     frame.into_iter().chain(hole.iter().copied()).chain(hole.first().copied()).collect()
 }
 
-fn paint(canvas: &Canvas, corners: &[Corner], triangles: &[[usize; 3]], ink: Color32) {
+fn paint(canvas: &Canvas, corners: &[Corner], triangles: &[[usize; 3]], color: Color32) {
     let mut mesh = Mesh::default();
     for &(x, y) in corners {
         let at: Pos2 = canvas.to_screen([x, y]);
-        mesh.colored_vertex(at, ink);
+        mesh.colored_vertex(at, color);
     }
     for &[a, b, c] in triangles {
         mesh.add_triangle(a as u32, b as u32, c as u32);
@@ -140,7 +140,7 @@ pub fn inflated(corners: &[Corner], by_m: f32) -> Vec<Corner> {
     let moved = |k: usize| {
         let (before, after) = (normal(k + n - 1), normal(k));
         let (sx, sy) = (before.0 + after.0, before.1 + after.1);
-        // The sum of two unit vectors is 2 cos of half the bend long, and the corner goes by 1 / cos.
+        // The sum of the two unit normals has length 2 cos(bend / 2), and the corner moves by 1 / cos(bend / 2).
         let square = sx * sx + sy * sy;
         let by = (2.0 / square.max(1e-6)).min(MITRE / square.max(1e-6).sqrt()) * by_m;
         (corners[k].0 + sx * by, corners[k].1 + sy * by)

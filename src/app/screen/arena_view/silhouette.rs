@@ -113,10 +113,10 @@ pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) 
 }
 
 /// Draws a closed line `width` points wide along the outside of a polygon.
-pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[(f32, f32)], width: f32, ink: Color32) {
+pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[(f32, f32)], width: f32, color: Color32) {
     let mut points = on_screen(canvas, counterclockwise);
     points.reverse();
-    canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, ink).outside()));
+    canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, color).outside()));
 }
 
 fn on_screen(canvas: &Canvas, corners: &[(f32, f32)]) -> Vec<Pos2> {

@@ -84,9 +84,9 @@ pub fn segments_ui(
         if response.has_focus() {
             part.painter().rect_stroke(rect, radius, Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
-        let ink = if chosen { palette.accent } else { palette.text };
+        let color = if chosen { palette.accent } else { palette.text };
         let at = rect.center() - text.size() / 2.0;
-        part.painter().galley(at, text, ink);
+        part.painter().galley(at, text, color);
         if response.clicked() {
             clicked = Some(k);
         }
