@@ -24,7 +24,7 @@ use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
 use crate::sim;
-use crate::task::{ArenaState, observation};
+use crate::task::ArenaState;
 
 /// The files of the checkpoints, newest first. `next.bin` exists only until the others are renamed.
 const NAMES: [&str; 4] =
@@ -39,8 +39,6 @@ const FORMAT: HeaderFormat =
 pub struct TrainerState {
     /// The arenas.
     pub arenas: Vec<ArenaState>,
-    /// What plugins added to every arena; empty without plugins.
-    pub arena_extensions: Vec<ArenaExtension>,
     /// The random streams of exploration, one per arena.
     pub exploration: Vec<Stream>,
     /// Sums over the gradient steps since the last row of `episodes.csv`.
@@ -67,6 +65,8 @@ pub struct TrainerState {
     pub first_99: Option<Milestone>,
     /// Wall time up to this checkpoint, in s, over all processes of the run.
     pub wall_s: f64,
+    /// What plugins added to every arena; empty without plugins.
+    pub arena_extensions: Vec<ArenaExtension>,
 }
 
 /// What plugins added to one arena: the sensors' readings and the sums of reward terms in the running episode.
@@ -134,10 +134,7 @@ pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerSt
 /// `file` cannot be written.
 pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut TrainerState) -> io::Result<()> {
     trainer_state.arenas = sim::snapshot(world);
-    trainer_state.arena_extensions = trainer_state.arenas.iter().map(ArenaExtension::from_state).collect();
-    if trainer_state.arena_extensions.iter().all(ArenaExtension::is_empty) {
-        trainer_state.arena_extensions.clear();
-    }
+    trainer_state.collect_extensions();
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
     FORMAT.write(&mut file, trainer_state)?;
@@ -203,9 +200,10 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
 /// # Errors
 /// What is wrong with the file.
 pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerState, Learner), String> {
-    let trainer_state: TrainerState = FORMAT.read(&mut file).map_err(header_error)?;
+    let mut trainer_state: TrainerState = FORMAT.read(&mut file).map_err(header_error)?;
+    trainer_state.distribute_extensions()?;
     trainer_state.check(config)?;
-    let inputs = observation::width(config.scenario.lidar.beams);
+    let inputs = config.observation_layout().width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
     let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
@@ -228,6 +226,27 @@ fn header_error(error: HeaderError) -> String {
 }
 
 impl TrainerState {
+    /// Collects what plugins added to the arenas, which the arenas' own bytes leave out.
+    fn collect_extensions(&mut self) {
+        self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
+        if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
+            self.arena_extensions.clear();
+        }
+    }
+
+    /// Gives the arenas back what plugins added to them.
+    fn distribute_extensions(&mut self) -> Result<(), String> {
+        if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
+            return Err("is damaged: it holds plugin data of another number of arenas".into());
+        }
+        for (arena, extension) in self.arenas.iter_mut().zip(&self.arena_extensions) {
+            arena.readings.clone_from(&extension.readings);
+            arena.episode.extra_rewards.clone_from(&extension.extra_rewards);
+        }
+        self.collect_extensions();
+        Ok(())
+    }
+
     /// Checks that a run of `config` can continue from this state.
     fn check(&self, config: &RunConfig) -> Result<(), String> {
         let arenas = config.preset.arenas;

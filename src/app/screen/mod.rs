@@ -44,7 +44,7 @@ use super::view_state::{EditorSource, ThemeChoice, ViewState};
 pub use self::input::ScreenInput;
 
 const BAR_HEIGHT: f32 = 56.0;
-/// Windows narrower than this, in points, have no room for a panel next to the arena.
+/// Windows narrower than this, in points, have no space for panels next to the arena.
 const NARROW: f32 = 700.0;
 const NARROW_BAR_HEIGHT: f32 = 92.0;
 

@@ -1,4 +1,4 @@
-//! The arrow that stands for a motion: it bends the way the motion turns.
+//! The arrow symbol of a motion: it bends in the direction of the turn.
 
 use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2};
 
@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_arrow_bends_the_way_its_motion_turns() {
+    fn an_arrow_bends_in_the_direction_of_the_turn() {
         let end = |w| arc_points(Motion { v_m_s: 0.15, w_rad_s: w }, 1.5).last().copied().unwrap_or_default();
         assert!(end(1.5).x < -3.0 && end(-1.5).x > 3.0);
         assert!(end(0.0).x.abs() < 1e-3 && end(0.0).y < -8.0);

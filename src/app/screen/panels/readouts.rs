@@ -103,7 +103,10 @@ fn episodes(status: &AppSnapshot) -> Readout {
 
 fn env_steps(status: &AppSnapshot) -> Readout {
     let more = status.budget_env_steps.map_or_else(String::new, |budget| {
-        format!(". The preset is meant for {}; here training continues", numbers::format_count(budget))
+        format!(
+            ". The preset's budget is {}; here training continues beyond it",
+            numbers::format_count(budget)
+        )
     });
     let tip = format!(
         "Control steps of all arenas together. Gradient steps: {}{more}",
