@@ -8,7 +8,7 @@ use bevy::math::{Vec2, vec2};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use wayfield::app::commands::Command;
+use wayfield::app::commands::{Command, EditorReply};
 use wayfield::app::editor::{Editor, PlacementKind, PlacementRole, Selection, Tool};
 use wayfield::app::view_state::ViewCamera;
 use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape};
@@ -257,7 +257,7 @@ fn training_goes_on_or_begins_again_in_the_changed_world() {
     assert!(window.query_by_label("This is the world that runs.").is_some());
     click(&mut window, "Add a circle");
     let scenario = edited_scenario(&mut window);
-    let go_on = Command::ApplyScenario { scenario, from: "scenario-1".into(), again: false };
+    let go_on = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: false };
     assert_eq!(click(&mut window, "Go on here"), [go_on]);
     assert!(window.state().view_state.editor.is_none(), "and the world itself is seen again");
 
@@ -277,7 +277,7 @@ fn training_goes_on_or_begins_again_in_the_changed_world() {
     assert_eq!(click(&mut window, "Keep it"), []);
     assert_eq!(click(&mut window, "Start again here"), []);
     let scenario = edited_scenario(&mut window);
-    let again = Command::ApplyScenario { scenario, from: "scenario-1".into(), again: true };
+    let again = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true };
     assert_eq!(click(&mut window, "Start again"), [again]);
     assert!(window.state().view_state.editor.is_none());
 }
@@ -291,7 +291,7 @@ fn a_network_made_for_other_beams_does_not_go_on() {
     assert_eq!(click(&mut window, "Go on here"), []);
     assert!(window.state().view_state.editor.is_some());
     let commands = click(&mut window, "Start again here");
-    assert!(matches!(commands[..], [Command::ApplyScenario { again: true, .. }]), "{commands:?}");
+    assert!(matches!(commands[..], [Command::ApplyScenario { restart: true, .. }]), "{commands:?}");
 }
 
 #[test]
@@ -299,9 +299,9 @@ fn worlds_are_saved_and_opened() {
     let mut window = editing();
     click(&mut window, "Add a circle");
     let scenario = edited_scenario(&mut window);
-    let save = |path: Option<&str>, like: &str| Command::SaveScenario {
+    let save = |path: Option<&str>, based_on: &str| Command::SaveScenario {
         scenario: scenario.clone(),
-        like: like.into(),
+        based_on: based_on.into(),
         path: path.map(PathBuf::from),
     };
     assert_eq!(
@@ -309,7 +309,8 @@ fn worlds_are_saved_and_opened() {
         [save(None, "scenario-1")],
         "what came with the program has no file"
     );
-    window.state_mut().status.saved_scenario = Some(("worlds/mine.ron".into(), scenario.clone()));
+    let saved = EditorReply::Saved { file: "worlds/mine.ron".into(), scenario: scenario.clone() };
+    window.state_mut().view_state.receive(&saved);
     settle(&mut window);
     assert!(window.query_by_label("mine.ron").is_some(), "not changed any more");
     assert_eq!(click(&mut window, "Save"), [save(Some("worlds/mine.ron"), "worlds/mine.ron")]);
@@ -322,7 +323,8 @@ fn worlds_are_saved_and_opened() {
     assert_eq!(click(&mut window, "New from…"), []);
     assert_eq!(click(&mut window, "Scenario II"), [Command::OpenInEditor(Some("scenario-2".into()))]);
     let opened = Scenario { name: "Two".into(), ..Scenario::default() };
-    window.state_mut().status.draft = Some((1, "scenario-2".into(), Arc::new(opened.clone())));
+    let reply = EditorReply::Opened { from: "scenario-2".into(), scenario: Arc::new(opened.clone()) };
+    window.state_mut().view_state.receive(&reply);
     settle(&mut window);
     assert_eq!(*edited_scenario(&mut window), opened);
     click(&mut window, "Undo");

@@ -350,7 +350,7 @@ fn the_world_is_saved_and_another_opened_by_key() {
     let mut window = editing();
     window.state_mut().status.scenario_from = "scenario-1".into();
     let scenario = edited_scenario(&mut window);
-    let saved = Command::SaveScenario { scenario, like: "scenario-1".into(), path: None };
+    let saved = Command::SaveScenario { scenario, based_on: "scenario-1".into(), path: None };
     assert_eq!(command(&mut window, Key::S), [saved], "a world that came with the program has no file");
     assert_eq!(command(&mut window, Key::O), [Command::OpenInEditor(None)]);
 }

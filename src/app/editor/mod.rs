@@ -69,15 +69,6 @@ pub struct Editor {
     from: String,
     /// As the file has it, if there is one.
     saved: Option<Arc<Scenario>>,
-    /// What of the session's answers was there already; nothing until it was looked at once.
-    seen: Option<Seen>,
-}
-
-/// What was saved and opened last, as the status had it.
-#[derive(Clone, Debug, PartialEq)]
-struct Seen {
-    saved: Option<(String, Arc<Scenario>)>,
-    draft: Option<u64>,
 }
 
 impl Editor {
@@ -97,33 +88,19 @@ impl Editor {
             from,
             saved: saved.then(|| Arc::clone(&scenario)),
             scenario,
-            seen: None,
         }
     }
 
-    /// Takes what was saved or opened since the last time: of the status, once a frame. What is there at the first time
-    /// is old.
-    pub fn sync_with_session(
-        &mut self,
-        saved: Option<&(String, Arc<Scenario>)>,
-        draft: Option<&(u64, String, Arc<Scenario>)>,
-    ) {
-        let now = Seen { saved: saved.cloned(), draft: draft.map(|draft| draft.0) };
-        let Some(seen) = self.seen.replace(now) else { return };
-        if let Some((path, world)) = saved
-            && !seen.saved.is_some_and(|(before, old)| before == *path && Arc::ptr_eq(&old, world))
-            && self.has_had(world)
-        {
-            // What is changed from now on is another step: undo stops at what was saved.
-            self.close_group();
-            self.from.clone_from(path);
-            self.saved = Some(Arc::clone(world));
+    /// Takes note that `scenario` was saved to `file`. Ignored if it is not a state of this document: the file dialog may
+    /// answer after another document was opened.
+    pub fn mark_saved(&mut self, file: &str, scenario: &Arc<Scenario>) {
+        if !self.has_had(scenario) {
+            return;
         }
-        if let Some((serial, from, world)) = draft
-            && seen.draft != Some(*serial)
-        {
-            self.turn_to(world, from);
-        }
+        // The next change begins a new undo step, so that undo stops at what was saved.
+        self.close_group();
+        file.clone_into(&mut self.from);
+        self.saved = Some(Arc::clone(scenario));
     }
 
     /// Whether it is this world, now or some steps ago, and not one that was edited before it was opened: files are
@@ -133,8 +110,8 @@ impl Editor {
         all.any(|had| Arc::ptr_eq(had, world) || had == world)
     }
 
-    /// Another world is edited from now on; one step back is the one before.
-    fn turn_to(&mut self, world: &Arc<Scenario>, from: &str) {
+    /// Edits another scenario from now on, opened from `from`. Undo leads back to the previous one.
+    pub fn open_other(&mut self, from: &str, world: &Arc<Scenario>) {
         self.end_drag();
         let before = self.now();
         self.undo_stack.push(before);

@@ -1,56 +1,44 @@
-//! What was saved, of which world; and what is not saved yet.
+//! Saved and unsaved changes of a document.
 
 use bevy::math::vec2;
 use super::*;
 
-fn saved(path: &str, world: &Arc<Scenario>) -> (String, Arc<Scenario>) {
-    (path.to_owned(), Arc::clone(world))
-}
-
-/// Like [`editor`], and it has looked at the status once.
-fn followed() -> Editor {
-    let mut editor = editor(full());
-    editor.sync_with_session(None, None);
-    editor
-}
-
 #[test]
-fn an_answer_about_the_world_before_is_not_about_this_one() {
-    let mut editor = followed();
+fn a_late_answer_about_the_previous_document_is_ignored() {
+    let mut editor = editor(full());
     editor.edit("name", |s| s.name = "Mine".into());
-    let late = saved("worlds/other.ron", editor.scenario());
-    let draft = (1, "empty".to_owned(), Arc::new(Scenario::default()));
-    editor.sync_with_session(None, Some(&draft));
+    let late = Arc::clone(editor.scenario());
+    editor.open_other("empty", &Arc::new(Scenario::default()));
     editor.edit("name", |s| s.name = "Ours".into());
-    editor.sync_with_session(Some(&late), Some(&draft));
-    assert_eq!(editor.from(), "empty", "that file holds another world");
+    editor.mark_saved("worlds/other.ron", &late);
+    assert_eq!(editor.from(), "empty", "the file holds another document");
     assert!(editor.is_modified());
-    // Back in the world before, the way forward is not its own either.
-    let ours = saved("worlds/ours.ron", editor.scenario());
+    // After undoing to the previous document, the next one is the other document.
+    let ours = Arc::clone(editor.scenario());
     editor.undo();
     editor.undo();
     assert_eq!(editor.scenario().name, "Mine");
-    editor.sync_with_session(Some(&ours), Some(&draft));
+    editor.mark_saved("worlds/ours.ron", &ours);
     assert_eq!(editor.from(), "worlds/mine.ron");
 }
 
 #[test]
-fn an_answer_may_come_after_further_changes() {
-    let mut editor = followed();
+fn a_save_may_be_confirmed_after_further_changes() {
+    let mut editor = editor(full());
     editor.edit("name", |s| s.name = "Mine".into());
-    let late = saved("worlds/other.ron", editor.scenario());
+    let late = Arc::clone(editor.scenario());
     editor.close_group();
     editor.edit("name", |s| s.name = "Ours".into());
-    editor.sync_with_session(Some(&late), None);
+    editor.mark_saved("worlds/other.ron", &late);
     assert_eq!(editor.from(), "worlds/other.ron");
     assert!(editor.is_modified());
     editor.undo();
     assert!(!editor.is_modified());
-    // Or after a step back.
+    // It may also be confirmed after an undo.
     editor.redo();
-    let late = saved("worlds/third.ron", editor.scenario());
+    let late = Arc::clone(editor.scenario());
     editor.undo();
-    editor.sync_with_session(Some(&late), None);
+    editor.mark_saved("worlds/third.ron", &late);
     assert_eq!(editor.from(), "worlds/third.ron");
     editor.redo();
     assert!(!editor.is_modified());
@@ -58,19 +46,19 @@ fn an_answer_may_come_after_further_changes() {
 
 #[test]
 fn undo_stops_at_what_was_saved() {
-    let mut editor = followed();
+    let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     editor.nudge(1, 0, false);
-    let now = saved("worlds/mine.ron", editor.scenario());
-    editor.sync_with_session(Some(&now), None);
+    let saved = Arc::clone(editor.scenario());
+    editor.mark_saved("worlds/mine.ron", &saved);
     editor.nudge(1, 0, false);
     editor.undo();
-    assert_eq!(*editor.scenario(), now.1);
+    assert_eq!(*editor.scenario(), saved);
     assert!(!editor.is_modified());
 }
 
 #[test]
-fn what_is_half_drawn_is_not_saved() {
+fn an_unfinished_drawing_counts_as_an_unsaved_change() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     for tool in [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }] {

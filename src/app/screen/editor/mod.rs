@@ -36,7 +36,6 @@ use super::arena_view::camera::steer_camera;
 use super::arena_view::canvas::Canvas;
 use super::arena_view::transform::{ArenaBounds, ViewTransform};
 use super::theme::Palette;
-use crate::app::app_snapshot::AppSnapshot;
 use crate::app::editor::{Editor, Tool};
 use crate::app::view_state::{ViewCamera, ViewState};
 
@@ -49,12 +48,10 @@ fn canvas_id() -> Id {
 }
 
 /// Fills what is left of `ui` with the world that is edited.
-pub fn editor_ui(ui: &mut Ui, status: &AppSnapshot, view_state: &mut ViewState) {
+pub fn editor_ui(ui: &mut Ui, view_state: &mut ViewState) {
     let rect = ui.available_rect_before_wrap();
     ui.advance_cursor_after_rect(rect);
     let ViewState { editor: Some(editor), camera, .. } = view_state else { return };
-    // The panel may be closed.
-    editor.sync_with_session(status.saved_scenario.as_ref(), status.draft.as_ref());
     if !rect.is_positive() {
         return;
     }

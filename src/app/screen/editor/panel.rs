@@ -90,7 +90,7 @@ pub fn panel_ui(
     match wish {
         Some(Wish::Close) => confirm_exit::request_exit(ui.ctx(), view_state, None, commands),
         Some(wish) => {
-            let taken = Command::ApplyScenario { scenario, from, again: wish == Wish::Again };
+            let taken = Command::ApplyScenario { scenario, from, restart: wish == Wish::Again };
             confirm_exit::exit_editor(ui.ctx(), view_state, Some(taken), commands);
         }
         None => {}
@@ -315,7 +315,7 @@ fn files_ui(ui: &mut Ui, view: &ScreenInput<'_>, editor: &mut Editor, commands: 
     finish_drawing(editor);
     commands.push(Command::SaveScenario {
         scenario: editor.scenario().clone(),
-        like: editor.from().to_owned(),
+        based_on: editor.from().to_owned(),
         path: editor.file().filter(|_| pressed == 0 && view.status.has_disk),
     });
 }

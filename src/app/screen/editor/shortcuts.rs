@@ -69,7 +69,7 @@ fn with_command(
             finish_drawing(editor);
             commands.push(Command::SaveScenario {
                 scenario: editor.scenario().clone(),
-                like: editor.from().to_owned(),
+                based_on: editor.from().to_owned(),
                 path: editor.file().filter(|_| status.has_disk),
             });
         }
