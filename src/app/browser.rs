@@ -245,9 +245,9 @@ pub(super) fn report_to_page(
         return;
     }
     *reported_s = now_s;
-    if linked.as_ref() != Some(&session.journal.begun) {
-        update_share_link(&session.journal.begun);
-        *linked = Some(session.journal.begun.clone());
+    if linked.as_ref() != Some(&session.journal.config) {
+        update_share_link(&session.journal.config);
+        *linked = Some(session.journal.config.clone());
     }
     update(&mut status, &session);
     if let Ok(json) = serde_json::to_string(&*status) {

@@ -12,7 +12,8 @@ use bevy::prelude::*;
 
 use super::notices::{NoticeTopic, Notices, notify};
 use super::pacer::Pacer;
-use super::scenario_changes::{ScenarioSource, check_can_switch};
+use super::scenario_changes::check_can_switch;
+use super::scenario_source::ScenarioSource;
 use super::training_run::TrainingRun;
 use super::{open, start_training};
 use crate::agent::ActiveLearner;
