@@ -25,9 +25,9 @@ pub struct ActiveDrag {
 pub struct Interaction {
     /// The object being dragged.
     pub drag: Option<ActiveDrag>,
-    /// The last motion that the arrow keys asked for, an index into the robot's motions, and the scenario it is for.
+    /// Scenario name and motion (an index into the robot's motions) of the last steering command from the arrow keys.
     pub steered: Option<(String, usize)>,
-    /// The choices made on the setup panel and not started yet; none before the panel is shown first.
+    /// Choices on the setup panel that have not been started yet; `None` before the panel is first shown.
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,
