@@ -5,6 +5,8 @@
 // Each test binary compiles its own copy and uses only a part.
 #![allow(dead_code)]
 
+pub mod messages;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,14 +1,15 @@
 //! The objects of an arena: walls, obstacles, goal and robot.
 //!
-//! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`]. The order of drawing is floor, field, trajectories,
-//! solids, goal, beams, robot.
+//! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`]. The order of drawing is floor, field,
+//! trajectories, solids, goal, beams, robot.
 
 use egui::{Color32, Shape as Mark, Stroke, StrokeKind};
 
 use super::canvas::Canvas;
 use super::polygon;
-use super::silhouette::{self, ObstaclePose, Silhouette};
+use super::silhouette::{self, Silhouette};
 use super::transform::{ArenaBounds, screen_direction};
+use crate::app::moves::ObstaclePose;
 use crate::app::scene::ArenaScene;
 use crate::scenario::{Enclosure, Scenario, Wall};
 use crate::task::Pose;
@@ -23,10 +24,10 @@ pub fn draw_solids(canvas: &Canvas, scenario: &Scenario, poses: &[ObstaclePose])
 }
 
 /// Draws the inner walls, then the enclosure, which hides the ends of inner walls that reach beyond it.
-fn walls(canvas: &Canvas, scenario: &Scenario, ink: Color32) {
+fn walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
     let thickness = if canvas.compact { 1.5 } else { 4.0 };
     for piece in scenario.walls.iter().flat_map(Wall::segments) {
-        silhouette::draw(canvas, &Silhouette::from_obstacle(&piece), ink, Stroke::NONE);
+        silhouette::draw(canvas, &Silhouette::from_obstacle(&piece), color, Stroke::NONE);
     }
     if !scenario.walls.is_empty() {
         let margin_m = scenario.walls.iter().map(|wall| wall.thickness_m).fold(0.0, f32::max);
@@ -39,10 +40,10 @@ fn walls(canvas: &Canvas, scenario: &Scenario, ink: Color32) {
         Enclosure::Rectangle { .. } => {
             let bounds = ArenaBounds::from_enclosure(&scenario.enclosure);
             let inside = canvas.transform.to_screen_rect(bounds.min_m, bounds.max_m);
-            canvas.painter.rect_stroke(inside, 0.0, Stroke::new(thickness, ink), StrokeKind::Outside);
+            canvas.painter.rect_stroke(inside, 0.0, Stroke::new(thickness, color), StrokeKind::Outside);
         }
         Enclosure::Polygon { .. } => {
-            silhouette::draw_closed_line(canvas, &scenario.enclosure.corners_m(), thickness, ink)
+            silhouette::draw_closed_line(canvas, &scenario.enclosure.corners_m(), thickness, color)
         }
     }
 }

@@ -1,8 +1,9 @@
 //! The grid of all arenas.
 //!
-//! In: the scene. Out: a cell with a small view of each arena; a click on one follows that arena and leaves the grid.
+//! In: the scene. Out: a cell with a small view of each arena; a click on one follows that arena and leaves
+//! the grid.
 
-use egui::{Align2, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 
 use super::canvas::Canvas;
 use super::single_arena::set_arena_name;
@@ -62,6 +63,7 @@ pub(super) fn arena_grid_ui(ui: &Ui, rect: Rect, scene: &Scene, view_state: &mut
     }
 }
 
+/// Draws a small view of an arena, with a caption if the cell is large enough.
 fn draw_cell(
     ui: &Ui,
     cell: Rect,
@@ -91,25 +93,31 @@ fn draw_cell(
         beams::draw(&canvas, scenario, arena);
     }
     arena::draw_robot(&canvas, scenario, arena.pose, arena::robot_color(&canvas, arena));
+    let followed = index == view_state.followed;
     if caption > 0.0 {
-        let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
-        let y = cell.top() + 2.0 + caption / 2.0;
-        let ink = if index == view_state.followed { palette.accent } else { palette.weak_text };
-        canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), ink);
-        let collisions = arena.collisions.to_string();
-        let right = canvas.small_text(pos2(right, y), Align2::RIGHT_CENTER, &collisions, palette.error);
-        let reached = arena.goals_reached.to_string();
-        canvas.small_text(pos2(right.left() - 8.0, y), Align2::RIGHT_CENTER, &reached, palette.success);
+        let color = if followed { palette.accent } else { palette.weak_text };
+        draw_caption(&canvas, cell, cell.top() + 2.0 + caption / 2.0, arena, index, color);
     }
-    let (width, ink) = match (index == view_state.followed, hovered) {
+    let (width, color) = match (followed, hovered) {
         (true, _) => (2.0, palette.accent),
         (false, true) => (1.5, palette.weak_text),
         (false, false) => (1.0, palette.border),
     };
-    painter.rect_stroke(cell, 4.0, Stroke::new(width, ink), StrokeKind::Inside);
+    painter.rect_stroke(cell, 4.0, Stroke::new(width, color), StrokeKind::Inside);
     if hovered {
         ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
     }
+}
+
+/// Draws the number of the arena on the left, its goals reached and its collisions on the right.
+fn draw_caption(canvas: &Canvas, cell: Rect, y: f32, arena: &ArenaScene, index: usize, color: Color32) {
+    let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
+    canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), color);
+    let collisions = arena.collisions.to_string();
+    let right = canvas.small_text(pos2(right, y), Align2::RIGHT_CENTER, &collisions, canvas.palette.error);
+    let reached = arena.goals_reached.to_string();
+    let at = pos2(right.left() - 8.0, y);
+    canvas.small_text(at, Align2::RIGHT_CENTER, &reached, canvas.palette.success);
 }
 
 #[cfg(test)]

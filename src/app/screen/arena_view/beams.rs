@@ -51,28 +51,29 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
         if !range_m.is_finite() || reach <= body || shortest.is_some_and(|(index, _)| index == beam) {
             continue;
         }
-        let ink = beam_color(palette, nearness(range_m, max_m)).gamma_multiply(strength);
-        painter.line_segment([from + along * body, from + along * reach], Stroke::new(1.0, ink));
+        let color = beam_color(palette, nearness(range_m, max_m)).gamma_multiply(strength);
+        painter.line_segment([from + along * body, from + along * reach], Stroke::new(1.0, color));
         if range_m < max_m && ranges.len() <= 128 && !canvas.compact {
-            painter.circle_filled(from + along * reach, 1.75, ink.gamma_multiply(1.6));
+            painter.circle_filled(from + along * reach, 1.75, color.gamma_multiply(1.6));
         }
     }
     let (beam, range_m) = shortest?;
     let (along, reach) = (towards(beam), canvas.transform.to_screen_length(range_m));
-    let (hit, ink) = (from + along * reach, palette.error);
+    let (hit, color) = (from + along * reach, palette.error);
     let width = if canvas.compact { 1.25 } else { 2.0 };
-    painter.line_segment([from + along * body.min(reach), hit], Stroke::new(width, ink));
+    painter.line_segment([from + along * body.min(reach), hit], Stroke::new(width, color));
     if canvas.compact {
-        painter.circle_filled(hit, 2.0, ink);
+        painter.circle_filled(hit, 2.0, color);
         return None;
     }
     painter.circle_filled(hit, 4.5, palette.floor);
-    painter.circle_filled(hit, 3.25, ink);
+    painter.circle_filled(hit, 3.25, color);
     let label = format!("{range_m:.2} m");
     Some(canvas.label(hit + along * 9.0 + label_shift(along), Align2::CENTER_CENTER, &label, palette.text))
 }
 
-/// Draws the field of view of a sensor that does not cover the full circle: a wedge between its outermost beams.
+/// Draws the field of view of a sensor that does not cover the full circle: a wedge between its outermost
+/// beams.
 fn draw_field_of_view(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, from: Pos2) {
     let half = scenario.lidar.field_of_view_rad / 2.0;
     let body = canvas.transform.to_screen_length(scenario.robot.radius_m);
@@ -93,7 +94,8 @@ fn draw_field_of_view(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, 
     canvas.painter.add(Shape::line(arc.collect(), stroke));
 }
 
-/// The offset from the end of a beam in direction `along` to the centre of its label, so that the label is beyond the end.
+/// The offset from the end of a beam in direction `along` to the centre of its label, so that the label is
+/// beyond the end.
 fn label_shift(along: Vec2) -> Vec2 {
     Vec2::new(along.x * 23.0, along.y * 9.0)
 }

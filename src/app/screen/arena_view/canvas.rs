@@ -1,5 +1,5 @@
-//! The canvas that arenas are drawn on, with drawing functions that egui's painter lacks: lines with a colour gradient,
-//! labels that are legible on any background, arrow heads.
+//! The canvas that arenas are drawn on, with drawing functions that egui's painter lacks: lines with a colour
+//! gradient, labels that are legible on any background, arrow heads.
 
 use egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
@@ -28,28 +28,29 @@ impl Canvas {
         self.transform.to_screen(point_m)
     }
 
-    /// Draws a line `width` points wide through points in m; `colour` maps the position along it, 0 to 1, to a colour.
+    /// Draws a line `width` points wide through points in m; `color_at` maps the position along it, 0 to 1,
+    /// to a colour.
     pub fn gradient_line(
         &self,
         points_m: impl Iterator<Item = [f32; 2]>,
         width: f32,
-        colour: impl Fn(f32) -> Color32,
+        color_at: impl Fn(f32) -> Color32,
     ) {
         let min_distance = if self.compact { 3.0 } else { 1.2 };
         let points = thinned(points_m.map(|point| self.to_screen(point)), min_distance);
-        if let Some(mesh) = line_mesh(&points, width, 1.0 / self.painter.pixels_per_point(), colour) {
+        if let Some(mesh) = line_mesh(&points, width, 1.0 / self.painter.pixels_per_point(), color_at) {
             self.painter.add(Shape::mesh(mesh));
         }
     }
 
     /// Draws a small label at `at`, moved into the view if necessary, and returns its rectangle.
-    pub fn label(&self, at: Pos2, anchor: Align2, text: &str, ink: Color32) -> Rect {
-        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(SMALL), ink);
+    pub fn label(&self, at: Pos2, anchor: Align2, text: &str, color: Color32) -> Rect {
+        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(SMALL), color);
         let size = galley.size() + vec2(8.0, 3.0);
         let rect = constrain_to(anchor.anchor_size(at, size), self.transform.rect.shrink(3.0));
         let background = self.palette.panel.gamma_multiply(0.9);
         self.painter.rect_filled(rect, CornerRadius::same(4), background);
-        self.painter.galley(rect.center() - galley.size() / 2.0, galley, ink);
+        self.painter.galley(rect.center() - galley.size() / 2.0, galley, color);
         rect
     }
 
@@ -59,21 +60,22 @@ impl Canvas {
         self.painter.rect(rect, radius, self.palette.panel, border, egui::StrokeKind::Inside);
     }
 
-    /// Draws the background of a line of text in the colour around the arena, so that it shows only over the arena.
+    /// Draws the background of a line of text in the colour around the arena, so that it shows only over the
+    /// arena.
     pub fn strip_background(&self, rect: Rect) {
         self.painter.rect_filled(rect, CornerRadius::same(4), self.palette.background);
     }
 
     /// Draws small text and returns its rectangle.
-    pub fn small_text(&self, at: Pos2, anchor: Align2, text: &str, ink: Color32) -> Rect {
-        self.painter.text(at, anchor, text, FontId::proportional(SMALL), ink)
+    pub fn small_text(&self, at: Pos2, anchor: Align2, text: &str, color: Color32) -> Rect {
+        self.painter.text(at, anchor, text, FontId::proportional(SMALL), color)
     }
 
     /// Draws an arrow head of `length` points with its tip at `tip`, pointing along the unit vector `along`.
-    pub fn arrow_head(&self, tip: Pos2, along: Vec2, length: f32, colour: Color32) {
+    pub fn arrow_head(&self, tip: Pos2, along: Vec2, length: f32, color: Color32) {
         let (back, side) = (tip - along * length, along.rot90() * length * 0.55);
         let corners = vec![tip, back + side, back - side];
-        self.painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
+        self.painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
     }
 }
 
@@ -96,7 +98,7 @@ fn thinned(points: impl Iterator<Item = Pos2>, min_distance: f32) -> Vec<Pos2> {
 }
 
 /// A line through `points` as a mesh with soft edges one `pixel` wide; `None` for fewer than two points.
-fn line_mesh(points: &[Pos2], width: f32, pixel: f32, colour: impl Fn(f32) -> Color32) -> Option<Mesh> {
+fn line_mesh(points: &[Pos2], width: f32, pixel: f32, color_at: impl Fn(f32) -> Color32) -> Option<Mesh> {
     if points.len() < 2 {
         return None;
     }
@@ -110,13 +112,13 @@ fn line_mesh(points: &[Pos2], width: f32, pixel: f32, colour: impl Fn(f32) -> Co
         let before = points[i.saturating_sub(1)];
         let after = points[(i + 1).min(points.len() - 1)];
         so_far += before.distance(point);
-        let ink = colour(if total > 0.0 { so_far / total } else { 1.0 });
+        let color = color_at(if total > 0.0 { so_far / total } else { 1.0 });
         let across = (after - before).normalized().rot90();
-        for (side, ink) in
-            [(-outer, Color32::TRANSPARENT), (-inner, ink), (inner, ink), (outer, Color32::TRANSPARENT)]
+        for (side, color) in
+            [(-outer, Color32::TRANSPARENT), (-inner, color), (inner, color), (outer, Color32::TRANSPARENT)]
         {
             let corner = point + across * side;
-            mesh.colored_vertex(pos2(corner.x, corner.y), ink);
+            mesh.colored_vertex(pos2(corner.x, corner.y), color);
         }
         if i > 0 {
             let first = 4 * (i as u32 - 1);

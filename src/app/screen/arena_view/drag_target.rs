@@ -1,15 +1,16 @@
-//! The objects that can be dragged: which one is under the pointer, its outline, and what decides where it may go.
+//! The objects that can be dragged: which one is under the pointer, its outline, and what decides where it
+//! may go.
 
 use egui::Pos2;
 
 use super::silhouette::Silhouette;
 use super::transform::ViewTransform;
-use crate::app::moves::{ArenaView, Movable};
+use crate::app::moves::{Movable, MoveContext};
 use crate::app::scene::{ArenaScene, Scene};
 use crate::scenario::shape_distance;
 
-/// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the obstacles.
-/// Generated obstacles are not among them, because they are not in the scenario's file.
+/// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the
+/// obstacles. Generated obstacles are not among them, because they are not in the scenario's file.
 #[must_use]
 pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
     let scenario = &*scene.scenario;
@@ -56,8 +57,8 @@ pub fn silhouette(arena: &ArenaScene, object: Movable, to_m: Option<[f32; 2]>) -
 }
 
 /// The parts of `arena` that decide where an object may go.
-pub fn arena_view<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> ArenaView<'a> {
-    ArenaView {
+pub fn move_context<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> MoveContext<'a> {
+    MoveContext {
         scenario: &scene.scenario,
         layout: &arena.scenario,
         obstacles: &arena.obstacles,

@@ -1,6 +1,7 @@
 //! Field overlays: the potential and the state value as colours and as arrows.
 //!
-//! In: a [`ScalarField`]. Out: a texture, made again only when the version of the field changes, and arrows downhill.
+//! In: a [`ScalarField`]. Out: a texture, made again only when the version of the field changes, and arrows
+//! downhill.
 
 use egui::{Color32, Context, Id, Rect, Stroke, TextureHandle, pos2};
 
@@ -31,8 +32,8 @@ impl FieldKind {
         }
     }
 
-    /// The shares of the lowest and of the highest values that the colours do not cover: the extremes of a network at both
-    /// ends, and the potential close to obstacles.
+    /// The shares of the lowest and of the highest values that the colours do not cover: the extremes of a
+    /// network at both ends, and the potential close to obstacles.
     pub fn clipped_shares(self) -> (f32, f32) {
         match self {
             Self::Potential => (0.0, 0.03),
@@ -54,7 +55,8 @@ struct Cached {
     texture: TextureHandle,
 }
 
-/// The texture of `field`, from the cache if it is up to date; `None` if no value is finite or it is too large.
+/// The texture of `field`, from the cache if it is up to date; `None` if no value is finite or it is too
+/// large.
 fn texture(ctx: &Context, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<TextureHandle> {
     let id = Id::new(("wayfield field", kind));
     let key = (field.version, field.size, dark);
@@ -96,7 +98,7 @@ pub fn draw_heatmap(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark:
 }
 
 /// Draws arrows downhill on a coarse grid.
-pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
+pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, color: Color32) {
     if !is_complete(field) {
         return;
     }
@@ -107,7 +109,7 @@ pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
     if length < 4.0 {
         return;
     }
-    let stroke = Stroke::new(1.25, ink);
+    let stroke = Stroke::new(1.25, color);
     for iy in (step / 2..height).step_by(step) {
         for ix in (step / 2..width).step_by(step) {
             let Some([dx, dy]) = descent(field, ix, iy) else { continue };
@@ -119,12 +121,13 @@ pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
             }
             let tip = middle + along * length / 2.0;
             canvas.painter.line_segment([tip - along * length, tip - along * 4.9], stroke);
-            canvas.arrow_head(tip, along, 5.0, ink);
+            canvas.arrow_head(tip, along, 5.0, color);
         }
     }
 }
 
-/// The unit vector downhill at a cell; `None` at the edge of the field, where it is flat, or next to a non-finite value.
+/// The unit vector downhill at a cell; `None` at the edge of the field, where it is flat, or next to a
+/// non-finite value.
 fn descent(field: &ScalarField, ix: usize, iy: usize) -> Option<[f32; 2]> {
     let [width, height] = field.size;
     if ix == 0 || iy == 0 || ix + 1 >= width || iy + 1 >= height {

@@ -45,8 +45,8 @@ fn entries(overlays: &Overlays) -> Vec<Entry> {
     entries
 }
 
-/// Draws the legend along the bottom of the view, in as many lines as necessary, and returns its rectangle; `None` if the
-/// view is too small.
+/// Draws the legend along the bottom of the view, in as many lines as necessary, and returns its rectangle;
+/// `None` if the view is too small.
 pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
     let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
     if view.width() < 220.0 || view.height() < 220.0 {
@@ -118,9 +118,9 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
             fading(canvas, left, right, 2.5, |part| palette.accent.gamma_multiply(0.06 + 0.84 * part * part));
         }
         Entry::Trail(end) => {
-            let ink = outcome_color(palette, end);
-            fading(canvas, left, right, 1.5, |part| ink.gamma_multiply(0.3 + 0.7 * part));
-            outcome_mark(painter, right - vec2(3.0, 0.0), end, ink);
+            let color = outcome_color(palette, end);
+            fading(canvas, left, right, 1.5, |part| color.gamma_multiply(0.3 + 0.7 * part));
+            outcome_mark(painter, right - vec2(3.0, 0.0), end, color);
         }
         Entry::Downhill => {
             let along = vec2(1.0, 0.0);
@@ -133,10 +133,10 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
     }
 }
 
-/// Draws a line with the colour gradient `ink`.
-fn fading(canvas: &Canvas, left: Pos2, right: Pos2, width: f32, ink: impl Fn(f32) -> egui::Color32) {
+/// Draws a line with the colour gradient `color`.
+fn fading(canvas: &Canvas, left: Pos2, right: Pos2, width: f32, color: impl Fn(f32) -> egui::Color32) {
     let points = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| canvas.transform.to_world(left.lerp(right, part)));
-    canvas.gradient_line(points.into_iter(), width, ink);
+    canvas.gradient_line(points.into_iter(), width, color);
 }
 
 /// A round length in m, without trailing zeros.

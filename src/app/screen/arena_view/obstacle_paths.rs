@@ -1,4 +1,5 @@
-//! The paths of moving obstacles as dashed lines: the circle of an orbit, the legs of a patrol, the reach of a random walk.
+//! The paths of moving obstacles as dashed lines: the circle of an orbit, the legs of a patrol, the reach of
+//! a random walk.
 
 use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
 
@@ -9,8 +10,8 @@ use crate::scenario::{Obstacle, ObstacleMotion};
 const DASH: (f32, f32) = (6.0, 4.0);
 
 /// Draws the path of `obstacle`; nothing for a static one.
-pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
-    let stroke = Stroke::new(1.5, ink);
+pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
+    let stroke = Stroke::new(1.5, color);
     let at = canvas.to_screen(obstacle.position_m.into());
     match &obstacle.motion {
         ObstacleMotion::Static => {}
@@ -24,7 +25,12 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
             if *speed_rad_s != 0.0 && centre.distance(at) > 12.0 {
                 let direction = -speed_rad_s.signum();
                 let spoke = Vec2::angled((at - centre).angle() + direction * 0.6);
-                canvas.arrow_head(centre + spoke * centre.distance(at), spoke.rot90() * -direction, 8.0, ink);
+                canvas.arrow_head(
+                    centre + spoke * centre.distance(at),
+                    spoke.rot90() * -direction,
+                    8.0,
+                    color,
+                );
             }
         }
         ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
@@ -34,13 +40,14 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
         }
         ObstacleMotion::RandomWalk { radius_m, .. } => {
             let reach = canvas.transform.to_screen_length(*radius_m);
-            canvas.painter.circle_filled(at, reach, ink.gamma_multiply(0.08));
+            canvas.painter.circle_filled(at, reach, color.gamma_multiply(0.08));
             ring(canvas, at, reach, stroke);
         }
     }
 }
 
-/// Draws a dashed line through the corners, with an arrow on each long leg, in both directions if the path is not closed.
+/// Draws a dashed line through the corners, with an arrow on each long leg, in both directions if the path is
+/// not closed.
 fn legs(canvas: &Canvas, corners: Vec<(f32, f32)>, closed: bool, stroke: Stroke) {
     let mut points: Vec<Pos2> = corners.into_iter().map(|corner| canvas.to_screen(corner.into())).collect();
     for &corner in points.iter().skip(1) {

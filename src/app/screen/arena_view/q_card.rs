@@ -1,8 +1,8 @@
-//! The card of Q-values next to the robot: for each motion, from left to right, its advantage (Q-value minus the mean) as a bar
-//! and its Q-value as a number, with the chosen motion highlighted.
+//! The card of Q-values next to the robot: for each motion, from left to right, its advantage (Q-value minus
+//! the mean) as a bar and its Q-value as a number, with the chosen motion highlighted.
 //!
-//! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and a line that
-//! connects the two.
+//! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and
+//! a line that connects the two.
 
 use std::cmp::Ordering;
 
@@ -49,7 +49,8 @@ fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
     order
 }
 
-/// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`; `id` keeps its side of the robot.
+/// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`; `id` keeps its side of
+/// the robot.
 pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
     let (motions, q) = (&scenario.robot.motions, &arena.q_values);
     if q.is_empty() || !q.iter().all(|value| value.is_finite()) {
@@ -69,35 +70,50 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
     let card = card_rect(canvas, scenario, arena, size, body, avoid, id);
     leader(canvas, card, robot, body);
     canvas.card_background(card);
+    draw_captions(canvas, card, arena, foot > 0.0);
+    draw_rows(canvas, card.with_max_y(card.bottom() - foot), motions, arena, &rows);
+}
+
+/// Draws the column titles, and in the last line whether the action was random.
+fn draw_captions(canvas: &Canvas, card: Rect, arena: &ArenaScene, has_last_line: bool) {
     let palette = &canvas.palette;
-    let zero = card.left() + PAD + ARROW + BAR / 2.0;
     let (top, right) = (card.top() + 4.0, card.right() - PAD);
-    canvas.small_text(pos2(zero, top), Align2::CENTER_TOP, "advantage", palette.weak_text);
+    canvas.small_text(pos2(zero_x(card), top), Align2::CENTER_TOP, "advantage", palette.weak_text);
     canvas.small_text(pos2(right, top), Align2::RIGHT_TOP, "Q-values", palette.weak_text);
-    let highlight = if arena.explored { palette.warning } else { palette.accent };
-    if foot > 0.0 {
-        let (words, ink) =
+    if has_last_line {
+        let (words, color) =
             if arena.explored { ("exploring", palette.warning) } else { ("greedy", palette.weak_text) };
         let at = pos2(card.left() + PAD, card.bottom() - 5.0);
-        canvas.small_text(at, Align2::LEFT_BOTTOM, words, ink);
+        canvas.small_text(at, Align2::LEFT_BOTTOM, words, color);
     }
+}
+
+/// The x of an advantage of zero.
+fn zero_x(card: Rect) -> f32 {
+    card.left() + PAD + ARROW + BAR / 2.0
+}
+
+/// Draws a row for each motion in `rows`: arrow, bar and number.
+fn draw_rows(canvas: &Canvas, card: Rect, motions: &[Motion], arena: &ArenaScene, rows: &[usize]) {
+    let (palette, q, zero) = (&canvas.palette, &arena.q_values, zero_x(card));
+    let highlight = if arena.explored { palette.warning } else { palette.accent };
     let mean = q.iter().sum::<f32>() / q.len() as f32;
     let max_advantage = q.iter().map(|value| (value - mean).abs()).fold(1e-6, f32::max);
     let decimals = decimals_for(q.iter().copied().fold(0.0, |max: f32, value| max.max(value.abs())));
     let fastest = motions.iter().map(|motion| motion.w_rad_s.abs()).fold(1e-6, f32::max);
-    let lines = card.top() + HEAD..=card.bottom() - foot - PAD + 2.0;
-    canvas.painter.vline(zero, lines, Stroke::new(1.0, palette.border));
+    let axis = card.top() + HEAD..=card.bottom() - PAD + 2.0;
+    canvas.painter.vline(zero, axis, Stroke::new(1.0, palette.border));
     for (row, &k) in rows.iter().enumerate() {
         let y = card.top() + HEAD + (row as f32 + 0.5) * ROW;
         let chosen = k == arena.action;
-        let ink = if chosen { highlight } else { palette.weak_text };
-        motion_arrow::draw(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, ink);
+        let color = if chosen { highlight } else { palette.weak_text };
+        motion_arrow::draw(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, color);
         let end = zero + (q[k] - mean) / max_advantage * (BAR / 2.0 - 4.0);
         let bar = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), y - 4.0..=y + 4.0);
         let fill = if chosen { highlight } else { palette.weak_text.gamma_multiply(0.55) };
         canvas.painter.rect_filled(bar, 1.5, fill);
-        let (at, words) = (pos2(right, y), format_decimals(q[k], decimals));
-        canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { palette.text } else { ink });
+        let (at, words) = (pos2(card.right() - PAD, y), format_decimals(q[k], decimals));
+        canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { palette.text } else { color });
     }
 }
 

@@ -24,7 +24,7 @@ pub fn draw(ui: &Ui, header: Rect, width: f32, arena: &ArenaScene) {
     let (palette, painter) = (Palette::from_ui(ui), ui.painter_at(header));
     let mut right = header.right_center() + vec2(0.0, 1.0);
     let noun = |count: u32, one: &str, many: &str| format!(" {}", if count == 1 { one } else { many });
-    for (count, noun, ink) in [
+    for (count, noun, color) in [
         (arena.collisions, noun(arena.collisions, "collision", "collisions"), palette.error),
         (arena.goals_reached, noun(arena.goals_reached, "goal", "goals"), palette.success),
     ] {
@@ -32,7 +32,7 @@ pub fn draw(ui: &Ui, header: Rect, width: f32, arena: &ArenaScene) {
         let label = painter.text(right, Align2::RIGHT_CENTER, noun, plain, palette.weak_text);
         let figure = FontId::proportional(HEADING);
         let at = label.left_center() - vec2(0.0, 1.0);
-        let number = painter.text(at, Align2::RIGHT_CENTER, count, figure, ink);
+        let number = painter.text(at, Align2::RIGHT_CENTER, count, figure, color);
         right.x = number.left() - 14.0;
     }
     let name_width = (right.x - header.left()).max(0.0);

@@ -7,10 +7,8 @@ use egui::{Color32, Pos2, Rect, Shape as Mark, Stroke, vec2};
 
 use super::canvas::Canvas;
 use super::polygon;
+use crate::app::moves::ObstaclePose;
 use crate::scenario::{Obstacle, Shape};
-
-/// The pose of an obstacle: x in m, y in m, rotation in rad.
-pub type ObstaclePose = (f32, f32, f32);
 
 /// The outline of an object, in m.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,10 +111,10 @@ pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) 
 }
 
 /// Draws a closed line `width` points wide along the outside of a polygon.
-pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[(f32, f32)], width: f32, ink: Color32) {
+pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[(f32, f32)], width: f32, color: Color32) {
     let mut points = on_screen(canvas, counterclockwise);
     points.reverse();
-    canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, ink).outside()));
+    canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, color).outside()));
 }
 
 fn on_screen(canvas: &Canvas, corners: &[(f32, f32)]) -> Vec<Pos2> {

@@ -42,7 +42,7 @@ pub fn overlays_ui(ui: &mut Ui, overlays: &mut Overlays) {
         &mut overlays.value,
         "State value",
         Shortcut::Value,
-        "State value if the robot stood there",
+        "State value of each position, at the robot's current heading",
     );
     ui.spacing_mut().item_spacing.y = spacing;
 }
@@ -74,11 +74,11 @@ fn overlay_row_ui(ui: &mut Ui, on: &mut bool, name: &str, shortcut: Shortcut, ab
         Rect::from_center_size(pos2(rect.left() + 40.0, middle), vec2(26.0, 14.0)),
         palette,
     );
-    let text = |x, side, words, size, ink| {
-        painter.text(pos2(x, middle), side, words, FontId::proportional(size), ink)
+    let text = |x, side, words, size, color| {
+        painter.text(pos2(x, middle), side, words, FontId::proportional(size), color)
     };
-    let ink = if *on { palette.text } else { palette.weak_text };
-    text(rect.left() + 62.0, Align2::LEFT_CENTER, name, BODY, ink);
+    let color = if *on { palette.text } else { palette.weak_text };
+    text(rect.left() + 62.0, Align2::LEFT_CENTER, name, BODY, color);
     text(rect.right(), Align2::RIGHT_CENTER, key_label(shortcut), SMALL, palette.weak_text);
     response.on_hover_text(about);
 }
@@ -86,15 +86,15 @@ fn overlay_row_ui(ui: &mut Ui, on: &mut bool, name: &str, shortcut: Shortcut, ab
 /// A small sample of what the overlay draws.
 fn sample(painter: &Painter, shortcut: Shortcut, rect: Rect, palette: Palette) {
     let at = |x: f32, y: f32| rect.lerp_inside(vec2(x, y));
-    let line = |from, to, ink| {
-        painter.line_segment([from, to], Stroke::new(1.5, ink));
+    let line = |from, to, color| {
+        painter.line_segment([from, to], Stroke::new(1.5, color));
     };
     match shortcut {
         Shortcut::Beams => {
-            for (x, y, ink) in
+            for (x, y, color) in
                 [(0.95, 0.0, palette.weak_text), (1.0, 0.5, palette.error), (0.95, 1.0, palette.weak_text)]
             {
-                line(at(0.1, 0.5), at(x, y), ink);
+                line(at(0.1, 0.5), at(x, y), color);
             }
             painter.circle_filled(at(0.1, 0.5), 2.5, palette.accent);
         }
@@ -104,18 +104,18 @@ fn sample(painter: &Painter, shortcut: Shortcut, rect: Rect, palette: Palette) {
             painter.add(Shape::line(points, Stroke::new(1.5, palette.accent)));
         }
         Shortcut::Trails => {
-            for (y, ink) in [(0.1, palette.success), (0.5, palette.warning), (0.9, palette.error)] {
-                line(at(0.0, y), at(1.0, y), ink);
+            for (y, color) in [(0.1, palette.success), (0.5, palette.warning), (0.9, palette.error)] {
+                line(at(0.0, y), at(1.0, y), color);
             }
         }
         Shortcut::QValues => {
             for (k, height) in [0.35, 0.6, 1.0, 0.7, 0.25].into_iter().enumerate() {
                 let x = 0.1 + k as f32 * 0.19;
-                let ink = if k == 2 { palette.accent } else { palette.obstacle };
+                let color = if k == 2 { palette.accent } else { palette.obstacle };
                 painter.rect_filled(
                     Rect::from_min_max(at(x - 0.07, 1.0 - height), at(x + 0.07, 1.0)),
                     0.5,
-                    ink,
+                    color,
                 );
             }
         }
@@ -136,9 +136,9 @@ fn sample(painter: &Painter, shortcut: Shortcut, rect: Rect, palette: Palette) {
 fn gradient(painter: &Painter, rect: Rect, palette: Palette) {
     let [from, to] = palette.field_colors;
     let mut mesh = Mesh::default();
-    for (x, ink) in [(rect.left(), from), (rect.right(), to)] {
-        mesh.colored_vertex(pos2(x, rect.top()), ink);
-        mesh.colored_vertex(pos2(x, rect.bottom()), ink);
+    for (x, color) in [(rect.left(), from), (rect.right(), to)] {
+        mesh.colored_vertex(pos2(x, rect.top()), color);
+        mesh.colored_vertex(pos2(x, rect.bottom()), color);
     }
     mesh.add_triangle(0, 1, 2);
     mesh.add_triangle(1, 2, 3);

@@ -25,8 +25,8 @@ impl Readout {
 
 const HEIGHT: f32 = 40.0;
 
-/// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight` saves space in
-/// the toolbar of a narrow window.
+/// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight`
+/// saves space in the toolbar of a narrow window.
 pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
     // In a tight toolbar there is no gap after the last one.
     let mut free = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };
@@ -58,17 +58,23 @@ fn readout_ui(ui: &mut Ui, readout: &Readout) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(readout.width, HEIGHT), Sense::hover());
     let words = format!("{} {}", readout.caption, readout.value);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &words));
-    let (size, ink) = if readout.large {
+    let (size, color) = if readout.large {
         (DISPLAY, if readout.known { palette.accent } else { palette.weak_text })
     } else {
         (BODY, palette.text)
     };
     // Captions share a baseline, and so do numbers; the larger font needs a shift by its descenders.
-    let text = |y, words: &String, size, ink| {
-        ui.painter().text(pos2(rect.left(), y), Align2::LEFT_BOTTOM, words, FontId::proportional(size), ink);
+    let text = |y, words: &String, size, color| {
+        ui.painter().text(
+            pos2(rect.left(), y),
+            Align2::LEFT_BOTTOM,
+            words,
+            FontId::proportional(size),
+            color,
+        );
     };
     let bottom = rect.bottom() - 3.0;
-    text(bottom - 15.0 + (size - BODY) * 0.24, &readout.value, size, ink);
+    text(bottom - 15.0 + (size - BODY) * 0.24, &readout.value, size, color);
     text(bottom, &readout.caption, SMALL, palette.weak_text);
     response
 }
@@ -97,7 +103,10 @@ fn episodes(status: &AppSnapshot) -> Readout {
 
 fn env_steps(status: &AppSnapshot) -> Readout {
     let more = status.budget_env_steps.map_or_else(String::new, |budget| {
-        format!(". The preset is meant for {}; here training continues", numbers::format_count(budget))
+        format!(
+            ". The preset's budget is {}; here training continues beyond it",
+            numbers::format_count(budget)
+        )
     });
     let tip = format!(
         "Control steps of all arenas together. Gradient steps: {}{more}",

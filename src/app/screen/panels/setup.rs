@@ -1,6 +1,7 @@
 //! The setup panel on the left: training (`training.rs`), overlays, view and files.
 //!
-//! In: the session state and the view state. Out: commands. Choices wait in [`SetupForm`] until a button is clicked.
+//! In: the session state and the view state. Out: commands. Choices wait in [`SetupForm`] until a button is
+//! clicked.
 
 use egui::{Button, Frame, Margin, ScrollArea, Ui, vec2};
 
@@ -100,6 +101,8 @@ fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
     let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
     for row in file_buttons(status.has_disk).chunks(2) {
         ui.horizontal(|ui| {
+            // Less padding, so that the longest text fits.
+            ui.spacing_mut().button_padding.x = 4.0;
             for (text, about, command) in row {
                 let button = ui.add_sized(vec2(width, FILE_BUTTON_HEIGHT), Button::new(*text));
                 if button.on_hover_text(about).clicked() {
@@ -130,8 +133,8 @@ fn driving_help_ui(ui: &mut Ui) {
     section_title_ui(ui, "Steering");
     for (keys, effect) in [
         (&["↑"][..], "straight ahead (also without a key)"),
-        (&["↑", "←"], "or ↑ → : gentle turn"),
-        (&["←"], "or → : sharp turn"),
+        (&["↑", "←"], "or ↑ →: gentle turn"),
+        (&["←"], "or →: sharp turn"),
     ] {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;

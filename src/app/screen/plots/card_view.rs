@@ -1,7 +1,7 @@
 //! The drawing of a plot card: title, legend, and a plot over env steps.
 //!
-//! In: a [`Card`] with borrowed series. Out: shapes, and the pointer's position on the x axis. All cards share that axis:
-//! panning or zooming one moves all, and each shows its values at the pointer.
+//! In: a [`Card`] with borrowed series. Out: shapes, and the pointer's position on the x axis. All cards
+//! share that axis: panning or zooming one moves all, and each shows its values at the pointer.
 
 use egui::{Color32, FontId, Rect, Sense, Stroke, Vec2, vec2};
 use egui_plot::{AxisHints, HLine, Line, LineStyle, Plot, PlotPoints, PlotUi, Points, VLine};
@@ -63,49 +63,7 @@ fn plot_ui(
     labelled: bool,
     palette: Palette,
 ) -> CardResponse {
-    let font = FontId::proportional(SMALL);
-    let axis = |hints: AxisHints<'static>| {
-        let hints = hints.tick_label_font(font.clone()).tick_label_color(palette.weak_text);
-        hints.label_spacing(egui::Rangef::new(0.0, 1.0))
-    };
-    let scale = card.scale;
-    let group = "learning";
-    let mut plot = Plot::new(card.title)
-        .height(HEIGHT)
-        // Without zoom there is nothing to drag, and a swipe scrolls the list of plots instead.
-        .sense(if shared.zoomed { Sense::click_and_drag() } else { Sense::click() })
-        .allow_drag([shared.zoomed, false])
-        .allow_zoom([true, false])
-        .allow_scroll(false)
-        .allow_axis_zoom_drag(false)
-        .allow_boxed_zoom(false)
-        .link_axis(group, [true, false])
-        .link_cursor(group, [true, false])
-        .cursor_color(palette.text.gamma_multiply(0.5))
-        .show_y(false)
-        .show_background(false)
-        .grid_color(palette.border)
-        .grid_fade(0.0)
-        .set_margin_fraction(vec2(0.0, 0.06))
-        .include_x(shared.range.0)
-        .include_x(shared.range.1)
-        .custom_x_axes(vec![axis(AxisHints::new_x()).formatter(|mark, _| axis::format_env_steps(mark.value))])
-        .custom_y_axes(vec![
-            axis(AxisHints::new_y())
-                .min_thickness(AXIS_WIDTH)
-                .formatter(move |mark, _| scale.tick_label(mark.value, mark.step_size)),
-        ])
-        .x_grid_spacer(|input| axis::round_grid_marks(input.bounds, 4.0))
-        .y_grid_spacer(move |input| scale.grid_marks(input.bounds))
-        .label_formatter(|pointer| tooltip(card, pointer));
-    plot = match scale.fixed_range() {
-        Some((low, high)) => plot.default_y_bounds(low, high),
-        None => scale
-            .included_values(card.traces.iter().map(|trace| trace.series), card.reference.map(|r| r.0))
-            .into_iter()
-            .fold(plot, Plot::include_y),
-    };
-    let frame = plot.show(ui, |plot| {
+    let frame = configure(card, shared, palette).show(ui, |plot| {
         if shared.reset {
             plot.set_auto_bounds(true);
         } else if !plot.auto_bounds().x {
@@ -133,7 +91,56 @@ fn plot_ui(
     CardResponse { hovered, zoomed: frame.inner }
 }
 
-/// Moves the visible part of the x axis back into the range of the data; if it covers all of that, follow new data again.
+/// An empty plot with the axes, the bounds and the interactions of a card.
+fn configure<'a>(card: &'a Card<'_>, shared: &CardContext<'_>, palette: Palette) -> Plot<'a> {
+    let scale = card.scale;
+    let group = "learning";
+    let plot = Plot::new(card.title)
+        .height(HEIGHT)
+        // Without zoom there is nothing to drag, and a swipe scrolls the list of plots instead.
+        .sense(if shared.zoomed { Sense::click_and_drag() } else { Sense::click() })
+        .allow_drag([shared.zoomed, false])
+        .allow_zoom([true, false])
+        .allow_scroll(false)
+        .allow_axis_zoom_drag(false)
+        .allow_boxed_zoom(false)
+        .link_axis(group, [true, false])
+        .link_cursor(group, [true, false])
+        .cursor_color(palette.text.gamma_multiply(0.5))
+        .show_y(false)
+        .show_background(false)
+        .grid_color(palette.border)
+        .grid_fade(0.0)
+        .set_margin_fraction(vec2(0.0, 0.06))
+        .include_x(shared.range.0)
+        .include_x(shared.range.1)
+        .custom_x_axes(vec![
+            axis_hints(AxisHints::new_x(), palette).formatter(|mark, _| axis::format_env_steps(mark.value)),
+        ])
+        .custom_y_axes(vec![
+            axis_hints(AxisHints::new_y(), palette)
+                .min_thickness(AXIS_WIDTH)
+                .formatter(move |mark, _| scale.tick_label(mark.value, mark.step_size)),
+        ])
+        .x_grid_spacer(|input| axis::round_grid_marks(input.bounds, 4.0))
+        .y_grid_spacer(move |input| scale.grid_marks(input.bounds))
+        .label_formatter(|pointer| tooltip(card, pointer));
+    match scale.fixed_range() {
+        Some((low, high)) => plot.default_y_bounds(low, high),
+        None => scale
+            .included_values(card.traces.iter().map(|trace| trace.series), card.reference.map(|r| r.0))
+            .into_iter()
+            .fold(plot, Plot::include_y),
+    }
+}
+
+fn axis_hints(hints: AxisHints<'static>, palette: Palette) -> AxisHints<'static> {
+    let hints = hints.tick_label_font(FontId::proportional(SMALL)).tick_label_color(palette.weak_text);
+    hints.label_spacing(egui::Rangef::new(0.0, 1.0))
+}
+
+/// Moves the visible part of the x axis back into the range of the data; if it covers all of that, follow new
+/// data again.
 fn keep_in_range(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
     let visible = plot.plot_bounds();
     let (low, width) = (visible.min()[0], visible.width());

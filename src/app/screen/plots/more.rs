@@ -27,16 +27,16 @@ pub(super) fn more_ui(ui: &mut egui::Ui, open: &mut bool, body: impl FnOnce(&mut
     let middle = rect.left_center() + vec2(4.0, 0.0);
     let along = Vec2::angled(state.openness(ui.ctx()) * FRAC_PI_2);
     let corners = [along * 5.0, along.rot90() * 5.0 - along * 3.5, -along.rot90() * 5.0 - along * 3.5];
-    let ink = if highlighted { palette.text } else { palette.weak_text };
+    let color = if highlighted { palette.text } else { palette.weak_text };
     let corners = corners.map(|corner| middle + corner).to_vec();
-    ui.painter().add(egui::Shape::convex_polygon(corners, ink, egui::Stroke::NONE));
+    ui.painter().add(egui::Shape::convex_polygon(corners, color, egui::Stroke::NONE));
     // Truncated where the row ends.
-    let text = |x, words: &str, size, ink| {
-        let mut job = LayoutJob::simple_singleline(words.into(), FontId::proportional(size), ink);
+    let text = |x, words: &str, size, color| {
+        let mut job = LayoutJob::simple_singleline(words.into(), FontId::proportional(size), color);
         job.wrap = TextWrapping::truncate_at_width(rect.right() - x);
         let galley = ui.painter().layout_job(job);
         let rect_of_text = Align2::LEFT_CENTER.anchor_size(pos2(x, rect.center().y), galley.size());
-        ui.painter().galley(rect_of_text.min, galley, ink);
+        ui.painter().galley(rect_of_text.min, galley, color);
         rect_of_text
     };
     let more = text(rect.left() + 16.0, "More", BODY, palette.text);

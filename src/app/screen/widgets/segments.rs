@@ -30,8 +30,8 @@ const SIDE: f32 = 10.0;
 /// The most by which the padding of a segment, left and right together, shrinks where space is short.
 const MAX_SHRINK: f32 = 6.0;
 
-/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts need, or `width`
-/// points in all, as far as the padding can shrink.
+/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts need,
+/// or `width` points in all, as far as the padding can shrink.
 pub fn segments_ui(
     ui: &mut Ui,
     id: &str,
@@ -84,9 +84,9 @@ pub fn segments_ui(
         if response.has_focus() {
             part.painter().rect_stroke(rect, radius, Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
-        let ink = if chosen { palette.accent } else { palette.text };
+        let color = if chosen { palette.accent } else { palette.text };
         let at = rect.center() - text.size() / 2.0;
-        part.painter().galley(at, text, ink);
+        part.painter().galley(at, text, color);
         if response.clicked() {
             clicked = Some(k);
         }
