@@ -36,7 +36,7 @@ pub struct ScalarFields {
     pub value: Option<Arc<ScalarField>>,
     version: u64,
     computed_at_s: f64,
-    /// Inputs of the present fields.
+    /// Inputs of the current fields.
     inputs: Option<FieldInputs>,
 }
 

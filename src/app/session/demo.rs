@@ -64,12 +64,12 @@ pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<Ac
 /// There is no second policy, or it cannot drive here.
 pub(super) fn action_sources(world: &World, mode: SessionMode) -> Result<Vec<ActionSource>, RunError> {
     let config = &world.resource::<TrainingRun>().config;
-    let present = || ActionSource::Policy(world.resource::<ActiveLearner>().0.network().clone());
+    let current = || ActionSource::Policy(world.resource::<ActiveLearner>().0.network().clone());
     Ok(match mode {
-        SessionMode::Train | SessionMode::Test => vec![present()],
+        SessionMode::Train | SessionMode::Test => vec![current()],
         SessionMode::Drive => {
             let ahead = straightest_motion(&config.scenario.robot.motions);
-            vec![ActionSource::Manual(ahead), present()]
+            vec![ActionSource::Manual(ahead), current()]
         }
         SessionMode::Compare => {
             let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else {
@@ -80,7 +80,7 @@ pub(super) fn action_sources(world: &World, mode: SessionMode) -> Result<Vec<Act
             check_can_drive(config, name, policy)?;
             let network =
                 QNetwork::from_policy(policy).map_err(|error| RunError::InvalidInput(error.to_string()))?;
-            vec![present(), ActionSource::Policy(network)]
+            vec![current(), ActionSource::Policy(network)]
         }
     })
 }

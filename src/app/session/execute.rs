@@ -75,7 +75,7 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Continues in another scenario with the present weights.
+/// Continues in another scenario with the current weights.
 fn transfer(world: &mut World, scenario: &str, epsilon: f32) -> Result<(), RunError> {
     let config = &world.resource::<TrainingRun>().config;
     let episodes = world.resource::<ActiveLearner>().0.episodes();

@@ -65,7 +65,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
     }
 }
 
-/// The present policy as a file; after a failure of the training, its best policy.
+/// The current policy as a file; after a failure of the training, its best policy.
 fn policy_bytes(world: &World) -> Result<Vec<u8>, RunError> {
     let run = world.resource::<TrainingRun>();
     match &run.trainer_state.best {

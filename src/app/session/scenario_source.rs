@@ -94,7 +94,7 @@ impl ScenarioSource {
     }
 }
 
-/// The present content of `from`, a shipped scenario's name or a file.
+/// The current content of `from`, a shipped scenario's name or a file.
 pub(super) fn load_source(from: &str) -> Option<Scenario> {
     shipped::scenario(from).ok()
 }

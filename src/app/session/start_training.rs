@@ -57,7 +57,7 @@ pub(super) fn prepare_new(scenario: &str, preset: &str, seed: u64) -> Result<Pre
     prepare(RunConfig::resolve(scenario, preset, seed)?, None)
 }
 
-/// Inserts the resources of a prepared training, and puts its arenas in place of the present ones.
+/// Inserts the resources of a prepared training, and puts its arenas in place of the current ones.
 pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
     let PreparedTraining { config, initial_policy, learner, trainer_state } = prepared;
     let scenario = Arc::new(config.scenario.clone());
@@ -73,7 +73,7 @@ pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
     world.insert_resource(TrainingRun::new(config, initial_policy, trainer_state));
 }
 
-/// Replaces the present training. What the user has opened or saved, and notices about anything else, stay.
+/// Replaces the current training. What the user has opened or saved, and notices about anything else, stay.
 fn replace(world: &mut World, prepared: PreparedTraining) {
     if let Some(pace) = world.resource::<ActiveMode>().suspended_pace() {
         world.resource_mut::<Pacer>().pace = pace;
@@ -114,7 +114,7 @@ pub(super) fn start_training(
     Ok(())
 }
 
-/// Starts a training from random weights in `scenario`, which comes from `from`, with the present preset and seed.
+/// Starts a training from random weights in `scenario`, which comes from `from`, with the current preset and seed.
 ///
 /// # Errors
 /// The preset does not fit the scenario.
@@ -129,7 +129,7 @@ pub(super) fn start_in_scenario(world: &mut World, scenario: Scenario, from: Str
     Ok(())
 }
 
-/// Starts a training from `policy`, called `name`, with the present preset and seed, in the present scenario or another.
+/// Starts a training from `policy`, called `name`, with the current preset and seed, in the current scenario or another.
 /// Exploration starts at `epsilon`, limited to 0..1.
 ///
 /// # Errors
