@@ -7,23 +7,23 @@
 //! and the learner's checkpoint, which has a separate checksum. Checksums detect accidental damage only, so every value is
 //! also checked after it is read.
 
-use std::collections::VecDeque;
+mod state;
+
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::World;
-use serde::{Deserialize, Serialize};
 
 use super::RunError;
 use super::folder::{RunConfig, RunFolder};
-use super::limits::{MAX_HEAD_BYTES, MAX_RECENT_RETURNS, MAX_TIME_S};
-use super::metric_rows::Milestone;
+use super::limits::MAX_HEAD_BYTES;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
-use crate::learning::{Learner, Policy};
-use crate::random::{self, Stream};
+use crate::learning::Learner;
 use crate::sim;
-use crate::task::{ArenaState, observation};
+use crate::task::observation;
+
+pub use state::{ArenaExtension, BestPolicy, TrainerState};
 
 /// The files of the checkpoints, newest first. `next.bin` exists only until the others are renamed.
 const NAMES: [&str; 4] =
@@ -31,83 +31,6 @@ const NAMES: [&str; 4] =
 const MAGIC: &[u8; 8] = b"wayfrun\n";
 /// The version of the format. It increases whenever an older reader would misread a newer file.
 pub const VERSION: u32 = 4;
-
-/// The state of a run, apart from its learner.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct TrainerState {
-    /// The arenas.
-    pub arenas: Vec<ArenaState>,
-    /// What plugins added to every arena; empty without plugins.
-    pub arena_extensions: Vec<ArenaExtension>,
-    /// The random streams of exploration, one per arena.
-    pub exploration: Vec<Stream>,
-    /// Sums over the gradient steps since the last row of `episodes.csv`.
-    pub stats: TrainingStats,
-    /// Mean loss, TD error and Q-value in the last row.
-    pub means: Option<(f64, f64, f64)>,
-    /// Returns of the last episodes, at most [`MAX_RECENT_RETURNS`].
-    pub recent_returns: VecDeque<f64>,
-    /// Length of `episodes.csv` in bytes.
-    pub episodes_bytes: u64,
-    /// Length of `evaluations.csv` in bytes.
-    pub evaluations_bytes: u64,
-    /// Env steps at which the next evaluation is due.
-    pub next_evaluation: u64,
-    /// Env steps at the last evaluation; `None` before the first.
-    pub evaluated_at: Option<u64>,
-    /// Success rate of the last evaluation, 0 to 1.
-    pub last_success_rate: Option<f64>,
-    /// The best policy so far.
-    pub best: Option<BestPolicy>,
-    /// When a success rate of 96 % was first reached.
-    pub first_96: Option<Milestone>,
-    /// When a success rate of 99 % was first reached.
-    pub first_99: Option<Milestone>,
-    /// Wall time up to this checkpoint, in s, over all processes of the run.
-    pub wall_s: f64,
-}
-
-/// What plugins added to one arena: the sensors' readings and the sums of reward terms in the running episode.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ArenaExtension {
-    /// The sensors' readings.
-    pub readings: Vec<f32>,
-    /// The sums of the reward terms.
-    pub extra_rewards: Vec<f32>,
-}
-
-impl ArenaExtension {
-    fn from_state(state: &ArenaState) -> Self {
-        Self { readings: state.readings.clone(), extra_rewards: state.episode.extra_rewards.clone() }
-    }
-
-    fn is_empty(&self) -> bool {
-        self.readings.is_empty() && self.extra_rewards.is_empty()
-    }
-}
-
-/// The best policy so far: the latest one whose mean cost is within [`BestPolicy::COST_TOLERANCE`] of the minimum.
-///
-/// The cost of an episode is its simulated time; a failure costs the whole time limit. A smaller difference over some
-/// hundred episodes is noise, and of two equally good policies the one trained longer is the better bet.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BestPolicy {
-    /// Share of episodes that succeeded, 0 to 1.
-    pub success_rate: f64,
-    /// Mean simulated time of those, in s.
-    pub mean_time_s: Option<f64>,
-    /// Mean cost of all episodes, in s.
-    pub mean_cost_s: f64,
-    /// Minimum mean cost of all policies so far, in s.
-    pub min_cost_s: f64,
-    /// The contents of the policy file.
-    pub bytes: Vec<u8>,
-}
-
-impl BestPolicy {
-    /// Policies count as equally good up to this multiple of the minimum mean cost.
-    pub const COST_TOLERANCE: f64 = 1.01;
-}
 
 /// Updates `trainer_state` from `world` and writes a checkpoint.
 ///
@@ -236,55 +159,6 @@ pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerStat
     let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
     Ok((trainer_state, learner))
-}
-
-impl TrainerState {
-    /// Checks that a run of `config` can continue from this state.
-    fn check(&self, config: &RunConfig) -> Result<(), String> {
-        let arenas = config.preset.arenas;
-        if self.arenas.len() != arenas || self.exploration.len() != arenas {
-            return Err("has a different number of arenas than config.ron".into());
-        }
-        for (number, arena) in self.arenas.iter().enumerate() {
-            arena
-                .check(&config.scenario, &config.observation_layout())
-                .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
-        }
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        let TrainingStats { loss, td_error, q, .. } = self.stats;
-        let is_share = |rate: f64| (0.0..=1.0).contains(&rate);
-        let milestones = [self.first_96, self.first_99];
-        for (what, is_valid) in [
-            ("a random stream of exploration", self.exploration.iter().all(random::is_valid)),
-            ("the sums over gradient steps", finite(&[loss, td_error, q])),
-            ("the means of the last row", self.means.is_none_or(|(a, b, c)| finite(&[a, b, c]))),
-            (
-                "the recent returns",
-                self.recent_returns.len() <= MAX_RECENT_RETURNS
-                    && self.recent_returns.iter().all(|value| value.is_finite()),
-            ),
-            ("the next evaluation", self.next_evaluation <= 1 << 62),
-            ("the last success rate", self.last_success_rate.is_none_or(is_share)),
-            ("the best policy", self.best.as_ref().is_none_or(BestPolicy::is_valid)),
-            ("the milestones", milestones.iter().flatten().all(|milestone| milestone.wall_s.is_finite())),
-            ("the wall time", (0.0..=MAX_TIME_S).contains(&self.wall_s)),
-        ] {
-            if !is_valid {
-                return Err(format!("is damaged: invalid value for {what}"));
-            }
-        }
-        Ok(())
-    }
-}
-
-impl BestPolicy {
-    /// Whether the policy can be read and the numbers are possible results of an evaluation.
-    fn is_valid(&self) -> bool {
-        let times = [self.mean_cost_s, self.min_cost_s].into_iter().chain(self.mean_time_s);
-        (0.0..=1.0).contains(&self.success_rate)
-            && times.into_iter().all(|time| (0.0..=MAX_TIME_S).contains(&time))
-            && Policy::from_bytes(&self.bytes).is_ok()
-    }
 }
 
 /// Restores `world`, which must already have its arenas, to `trainer_state`.
