@@ -109,7 +109,7 @@ fn two_policies_side_by_side() {
     screen_fixture.scene.arenas =
         vec![screen_fixture.scene.arenas[0].clone(), screen_fixture.scene.arenas[6].clone()];
     (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) =
-        (DriverLabel::Policy("Present policy".into()), DriverLabel::Policy("best.safetensors".into()));
+        (DriverLabel::Policy("Current policy".into()), DriverLabel::Policy("best.safetensors".into()));
     (screen_fixture.status.mode, screen_fixture.status.opened_policy) =
         (SessionMode::Compare, Some("best.safetensors".into()));
     compare("compare_light", [1000.0, 600.0], ThemeChoice::Light, without_panels(screen_fixture));

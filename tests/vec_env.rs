@@ -178,3 +178,52 @@ fn one_builder_serves_plain_simulations_too() {
     let outcomes = &simulation.world().resource::<StepOutcomes>().0;
     assert_eq!(outcomes.iter().map(|outcome| outcome.extra_reward).collect::<Vec<_>>(), [1.0, -1.0]);
 }
+
+#[test]
+fn a_run_with_plugins_resumes_to_the_bit_and_only_with_the_same_plugins() {
+    use std::sync::atomic::AtomicBool;
+    use std::time::Instant;
+    use wayfield::run::folder::RunConfig;
+    use wayfield::run::preset::Budget;
+    use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let extensions = Extensions::default().plugin(Extras);
+    let never = AtomicBool::new(false);
+    let run = |job| train(job, CHECKPOINT_INTERVAL, &never, Instant::now(), Some(Box::new(|_| ())));
+    let new = |name: &str, env_steps| {
+        let mut config =
+            RunConfig::resolve("scenario-1", "fast", 3).expect("shipped").with_extensions(&extensions);
+        config.preset.budget = Budget::EnvSteps(env_steps);
+        Job::New { config: Box::new(config), policy: None, out: Some(folder.path().join(name)) }
+    };
+    run(new("whole", 6_400)).expect("it trains");
+    run(new("parts", 3_200)).expect("it trains");
+    let resume = |extensions: &Extensions| Job::Resume {
+        folder: folder.path().join("parts"),
+        budget: Some(Budget::EnvSteps(6_400)),
+        extensions: extensions.clone(),
+    };
+    let error = run(resume(&Extensions::default())).expect_err("it lacks the plugins").to_string();
+    assert!(error.contains("other sensor or reward plugins"), "{error}");
+    run(resume(&extensions)).expect("it resumes");
+    let policy =
+        |name: &str| std::fs::read(folder.path().join(name).join("policy-last.safetensors")).expect("kept");
+    assert!(policy("whole") == policy("parts"), "the same weights to the bit");
+    let rows = |name: &str| {
+        let text = std::fs::read_to_string(folder.path().join(name).join("episodes.csv")).expect("kept");
+        // Without the wall time.
+        let wall =
+            text.lines().next().and_then(|header| header.split(',').position(|column| column == "wall_s"));
+        let keep = |line: &str| -> Vec<String> {
+            line.split(',')
+                .enumerate()
+                .filter(|(k, _)| Some(*k) != wall)
+                .map(|(_, cell)| cell.into())
+                .collect()
+        };
+        text.lines().map(keep).collect::<Vec<_>>()
+    };
+    assert!(rows("whole")[0].ends_with(&["reward_alive".to_string(), "reward_odd".to_string()]));
+    assert_eq!(rows("whole"), rows("parts"));
+}

@@ -143,7 +143,7 @@ fn driver(mode: SessionMode, arena: usize, opened: &OpenedFiles) -> DriverLabel 
         (SessionMode::Train, ..) => DriverLabel::Learner,
         (SessionMode::Drive, 0, _) => DriverLabel::User,
         (SessionMode::Compare, 1, Some((name, _))) => DriverLabel::Policy(name.clone()),
-        _ => DriverLabel::Policy("Present policy".into()),
+        _ => DriverLabel::Policy("Current policy".into()),
     }
 }
 

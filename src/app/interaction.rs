@@ -1,6 +1,7 @@
-//! The user's unfinished actions: a drag, a motion key held down, a choice not yet started, an open question.
+//! The user's unfinished actions: a drag, the motion steered last, choices not started yet, which plots are
+//! open.
 //!
-//! In: the widgets. Out: the same widgets, in the next frame. Never saved.
+//! Written by the widgets of the screen and read by them in the next frame. Never saved.
 
 use super::moves::{Movable, MoveRejection};
 use super::setup_form::SetupForm;
@@ -25,9 +26,9 @@ pub struct ActiveDrag {
 pub struct Interaction {
     /// The object being dragged.
     pub drag: Option<ActiveDrag>,
-    /// The last motion that the arrow keys asked for, an index into the robot's motions, and the scenario it is for.
+    /// The scenario and the motion (an index into the robot's motions) that the arrow keys sent last.
     pub steered: Option<(String, usize)>,
-    /// The choices made on the setup panel and not started yet; none before the panel is shown first.
+    /// The choices on the setup panel that are not started yet; `None` until the panel has been shown.
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,

@@ -95,7 +95,7 @@ impl ScreenFixture {
     /// A test of the present policy in one arena.
     pub fn with_single_policy(mut self) -> Self {
         self.scene.arenas.truncate(1);
-        self.scene.arenas[0].driver = DriverLabel::Policy("Present policy".into());
+        self.scene.arenas[0].driver = DriverLabel::Policy("Current policy".into());
         self.status.mode = SessionMode::Test;
         self
     }

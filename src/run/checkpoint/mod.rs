@@ -19,18 +19,19 @@ use super::RunError;
 use super::folder::{RunConfig, RunFolder};
 use super::limits::MAX_HEAD_BYTES;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
+use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::learning::Learner;
 use crate::sim;
-use crate::task::observation;
 
 pub use state::{ArenaExtension, BestPolicy, TrainerState};
 
 /// The files of the checkpoints, newest first. `next.bin` exists only until the others are renamed.
 const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
-const MAGIC: &[u8; 8] = b"wayfrun\n";
 /// The version of the format. It increases whenever an older reader would misread a newer file.
 pub const VERSION: u32 = 4;
+const FORMAT: HeaderFormat =
+    HeaderFormat { magic: b"wayfrun\n", version: VERSION, max_bytes: MAX_HEAD_BYTES, checksum: true };
 
 /// Updates `trainer_state` from `world` and writes a checkpoint.
 ///
@@ -55,18 +56,10 @@ pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerSt
 /// `file` cannot be written.
 pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut TrainerState) -> io::Result<()> {
     trainer_state.arenas = sim::snapshot(world);
-    trainer_state.arena_extensions = trainer_state.arenas.iter().map(ArenaExtension::from_state).collect();
-    if trainer_state.arena_extensions.iter().all(ArenaExtension::is_empty) {
-        trainer_state.arena_extensions.clear();
-    }
+    trainer_state.collect_extensions();
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
-    let head = postcard::to_allocvec(trainer_state).map_err(io::Error::other)?;
-    file.write_all(MAGIC)?;
-    file.write_all(&VERSION.to_le_bytes())?;
-    file.write_all(&(head.len() as u64).to_le_bytes())?;
-    file.write_all(&crc32c::crc32c(&head).to_le_bytes())?;
-    file.write_all(&head)?;
+    FORMAT.write(&mut file, trainer_state)?;
     world.resource::<ActiveLearner>().0.save(file).map_err(io::Error::other)
 }
 
@@ -129,36 +122,29 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
 /// # Errors
 /// What is wrong with the file.
 pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerState, Learner), String> {
-    let mut array = [0_u8; 24];
-    file.read_exact(&mut array).map_err(|_| "is too short to be a checkpoint")?;
-    let (magic, rest) = array.split_at(8);
-    if magic != MAGIC {
-        return Err("is not a checkpoint of a run".into());
-    }
-    let version = u32::from_le_bytes([rest[0], rest[1], rest[2], rest[3]]);
-    if version != VERSION {
-        return Err(format!("has checkpoint version {version}, but this wayfield reads version {VERSION}"));
-    }
-    let mut length = [0_u8; 8];
-    length.copy_from_slice(&rest[4..12]);
-    let length = u64::from_le_bytes(length);
-    let crc = u32::from_le_bytes([rest[12], rest[13], rest[14], rest[15]]);
-    if length > MAX_HEAD_BYTES {
-        return Err("is damaged: the head is too long".into());
-    }
-    let mut head = Vec::new();
-    (&mut file).take(length).read_to_end(&mut head).map_err(|error| error.to_string())?;
-    if head.len() as u64 != length || crc32c::crc32c(&head) != crc {
-        return Err("is damaged: the checksum of the head does not match".into());
-    }
-    let trainer_state: TrainerState =
-        postcard::from_bytes(&head).map_err(|_| "is damaged: the head cannot be decoded")?;
+    let mut trainer_state: TrainerState = FORMAT.read(&mut file).map_err(header_error)?;
+    trainer_state.distribute_extensions()?;
     trainer_state.check(config)?;
-    let inputs = observation::width(config.scenario.lidar.beams);
+    let inputs = config.observation_layout().width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
     let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
     Ok((trainer_state, learner))
+}
+
+/// The message for an invalid header, which continues a sentence that starts with the file's path.
+fn header_error(error: HeaderError) -> String {
+    match error {
+        HeaderError::Io(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            "is too short to be a checkpoint".into()
+        }
+        HeaderError::Io(error) => error.to_string(),
+        HeaderError::WrongMagic => "is not a checkpoint of a run".into(),
+        HeaderError::Version { found } => {
+            format!("has checkpoint version {found}, but this wayfield reads version {VERSION}")
+        }
+        HeaderError::Corrupt(what) => format!("is damaged: {what}"),
+    }
 }
 
 /// Restores `world`, which must already have its arenas, to `trainer_state`.

@@ -17,8 +17,6 @@ use crate::task::ArenaState;
 pub struct TrainerState {
     /// The arenas.
     pub arenas: Vec<ArenaState>,
-    /// The plugin data of every arena; empty without plugins.
-    pub arena_extensions: Vec<ArenaExtension>,
     /// The random streams of exploration, one per arena.
     pub exploration: Vec<Stream>,
     /// Sums over the gradient steps since the last row of `episodes.csv`.
@@ -45,6 +43,8 @@ pub struct TrainerState {
     pub first_99: Option<Milestone>,
     /// Wall time up to this checkpoint, in s, over all processes of the run.
     pub wall_s: f64,
+    /// The plugin data of every arena; empty without plugins.
+    pub arena_extensions: Vec<ArenaExtension>,
 }
 
 /// The plugin data of an arena: sensor readings, and the sums of reward terms in the current episode.
@@ -57,11 +57,11 @@ pub struct ArenaExtension {
 }
 
 impl ArenaExtension {
-    pub(super) fn from_state(state: &ArenaState) -> Self {
+    fn from_state(state: &ArenaState) -> Self {
         Self { readings: state.readings.clone(), extra_rewards: state.episode.extra_rewards.clone() }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    fn is_empty(&self) -> bool {
         self.readings.is_empty() && self.extra_rewards.is_empty()
     }
 }
@@ -90,6 +90,27 @@ impl BestPolicy {
 }
 
 impl TrainerState {
+    /// Copies the plugin data out of the arenas, whose serialized form does not include it.
+    pub(super) fn collect_extensions(&mut self) {
+        self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
+        if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
+            self.arena_extensions.clear();
+        }
+    }
+
+    /// Copies the plugin data back into the arenas.
+    pub(super) fn distribute_extensions(&mut self) -> Result<(), String> {
+        if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
+            return Err("is damaged: it has plugin data of a different number of arenas".into());
+        }
+        for (arena, extension) in self.arenas.iter_mut().zip(&self.arena_extensions) {
+            arena.readings.clone_from(&extension.readings);
+            arena.episode.extra_rewards.clone_from(&extension.extra_rewards);
+        }
+        self.collect_extensions();
+        Ok(())
+    }
+
     /// Checks that a run of `config` can continue from this state.
     pub(super) fn check(&self, config: &RunConfig) -> Result<(), String> {
         let arenas = config.preset.arenas;

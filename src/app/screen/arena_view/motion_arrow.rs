@@ -1,4 +1,4 @@
-//! The arrow that stands for a motion: it bends the way the motion turns.
+//! The arrow symbol of a motion: it bends in the direction of the turn.
 
 use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2};
 
@@ -6,7 +6,8 @@ use super::canvas::Canvas;
 use super::transform::screen_direction;
 use crate::scenario::Motion;
 
-/// Draws the arrow of `motion` centred at `middle`; `fastest` is the largest turn rate of the robot, in rad/s.
+/// Draws the arrow of `motion` centred at `middle`; `fastest` is the largest turn rate of the robot, in
+/// rad/s.
 pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, color: Color32) {
     let points = arc_points(motion, fastest);
     let (Some(&last), Some(&before)) = (points.last(), points.iter().rev().nth(1)) else { return };
@@ -18,8 +19,8 @@ pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, color: 
     canvas.arrow_head(tip, along, 5.0, color);
 }
 
-/// The points of the arrow for a robot that faces up, in points with y down: an arc of up to 110°, or most of a circle for a
-/// turn on the spot.
+/// The points of the arrow for a robot that faces up, in points with y down: an arc of up to 110°, or most of
+/// a circle for a turn on the spot.
 fn arc_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
     const PARTS: usize = 10;
     let turn = (motion.w_rad_s / fastest).clamp(-1.0, 1.0) * 1.92;
@@ -42,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_arrow_bends_the_way_its_motion_turns() {
+    fn an_arrow_bends_in_the_direction_of_the_turn() {
         let end = |w| arc_points(Motion { v_m_s: 0.15, w_rad_s: w }, 1.5).last().copied().unwrap_or_default();
         assert!(end(1.5).x < -3.0 && end(-1.5).x > 3.0);
         assert!(end(0.0).x.abs() < 1e-3 && end(0.0).y < -8.0);

@@ -42,7 +42,7 @@ pub fn overlays_ui(ui: &mut Ui, overlays: &mut Overlays) {
         &mut overlays.value,
         "State value",
         Shortcut::Value,
-        "State value if the robot stood there",
+        "State value of each position, at the robot's current heading",
     );
     ui.spacing_mut().item_spacing.y = spacing;
 }

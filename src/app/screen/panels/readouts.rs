@@ -25,8 +25,8 @@ impl Readout {
 
 const HEIGHT: f32 = 40.0;
 
-/// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight` saves space in
-/// the toolbar of a narrow window.
+/// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight`
+/// saves space in the toolbar of a narrow window.
 pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
     // In a tight toolbar there is no gap after the last one.
     let mut free = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };
@@ -103,7 +103,10 @@ fn episodes(status: &AppSnapshot) -> Readout {
 
 fn env_steps(status: &AppSnapshot) -> Readout {
     let more = status.budget_env_steps.map_or_else(String::new, |budget| {
-        format!(". The preset is meant for {}; here training continues", numbers::format_count(budget))
+        format!(
+            ". The preset's budget is {}; here training continues beyond it",
+            numbers::format_count(budget)
+        )
     });
     let tip = format!(
         "Control steps of all arenas together. Gradient steps: {}{more}",
