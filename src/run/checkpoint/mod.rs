@@ -19,8 +19,8 @@ use super::RunError;
 use super::folder::{RunConfig, RunFolder};
 use super::limits::MAX_HEAD_BYTES;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
-use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::learning::Learner;
+use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::sim;
 
 pub use state::{ArenaExtension, BestPolicy, TrainerState};

@@ -16,7 +16,8 @@ use crate::scenario::Scenario;
 use crate::sim;
 use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, Pose, Streams, TaskMode,
+    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, Pose, Streams,
+    TaskMode,
 };
 
 /// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a frame.

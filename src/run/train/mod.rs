@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::RunError;
 use super::background_evaluator::{BackgroundEvaluator, EvalResult};
 use super::checkpoint::{self, TrainerState};
 use super::folder::{RunConfig, RunFolder};
@@ -17,7 +18,6 @@ use super::metrics;
 use super::metrics_writer::MetricsWriter;
 use super::preset::Budget;
 use super::progress::{Progress, ProgressListener, ProgressReporter};
-use super::RunError;
 use crate::agent::{ActiveLearner, TrainingWarning};
 use crate::learning::Learner;
 use crate::policy::Policy;
