@@ -144,7 +144,7 @@ fn a_wall_is_drawn_with_the_tool() {
     click(&mut window, "The wall is done");
     assert_eq!(editor(&mut window).selection(), Selection::Wall(0));
     write(&mut window, "Corner 2 y", "1");
-    assert_eq!(edited_scenario(&mut window).walls[0].corners_m, [(-1.0, 1.2), (1.0, 1.0)]);
+    assert_eq!(edited_scenario(&mut window).walls[0].corners_m, [vec2(-1.0, 1.2), vec2(1.0, 1.0)]);
     assert!(window.query_by_label("Remove corner 1").is_none(), "two are left");
 }
 
@@ -186,7 +186,10 @@ fn motions_and_rules_are_chosen_by_kind() {
         PlacementRule::OneOf { positions_m: vec![vec2(0.0, 0.0), vec2(1.5, 0.0)] }
     );
     click(&mut window, "Remove start 1");
-    assert_eq!(edited_scenario(&mut window).starts, PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0)] });
+    assert_eq!(
+        edited_scenario(&mut window).starts,
+        PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0)] }
+    );
 }
 
 #[test]

@@ -108,7 +108,11 @@ fn command(window: &mut Window, key: Key) -> Vec<Command> {
 fn an_obstacle_is_dragged_and_it_is_undone_and_done_again() {
     let mut window = editing();
     drag(&mut window, math::vec2(0.6, 0.6), math::vec2(1.08, 0.21));
-    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(1.1, 0.2), "on the grid of 5 cm");
+    assert_eq!(
+        edited_scenario(&mut window).obstacles[0].position_m,
+        math::vec2(1.1, 0.2),
+        "on the grid of 5 cm"
+    );
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
     command(&mut window, Key::Z);
     assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(0.6, 0.6));
@@ -208,14 +212,14 @@ fn a_wall_is_drawn_by_clicks() {
     assert_eq!(edited_scenario(&mut window).walls, [], "not yet");
     press(&mut window, Key::Enter);
     let corners = edited_scenario(&mut window).walls[0].corners_m.clone();
-    assert_eq!(corners, [(-1.5, -1.0), (-1.5, -1.5), (1.0, -1.5)]);
+    assert_eq!(corners, [math::vec2(-1.5, -1.0), math::vec2(-1.5, -1.5), math::vec2(1.0, -1.5)]);
     // Once more, ended by a double click, and given up.
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
     click_at(&mut window, math::vec2(-1.0, 1.5));
     click_at(&mut window, math::vec2(1.0, 1.7));
     double_click_at(&mut window, math::vec2(1.0, 1.7));
     let world = self::edited_scenario(&mut window);
-    assert_eq!(world.walls[1].corners_m, [(-1.0, 1.5), (1.0, 1.7)]);
+    assert_eq!(world.walls[1].corners_m, [math::vec2(-1.0, 1.5), math::vec2(1.0, 1.7)]);
     assert_eq!(editor(&mut window).tool(), &Tool::Select);
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
     click_at(&mut window, math::vec2(0.0, 0.0));
@@ -243,7 +247,10 @@ fn places_for_targets_are_set_by_clicks_and_the_other_button_ends_it() {
     // One is dragged, and one taken out by a double click.
     drag(&mut window, math::vec2(1.5, 0.0), math::vec2(1.5, -0.5));
     double_click_at(&mut window, math::vec2(-1.5, 0.0));
-    assert_eq!(edited_scenario(&mut window).goals, PlacementRule::OneOf { positions_m: vec![math::vec2(1.5, -0.5)] });
+    assert_eq!(
+        edited_scenario(&mut window).goals,
+        PlacementRule::OneOf { positions_m: vec![math::vec2(1.5, -0.5)] }
+    );
 }
 
 #[test]
@@ -259,15 +266,15 @@ fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
         ObstacleMotion::Patrol { waypoints_m, .. } => waypoints_m.clone(),
         other => panic!("{other:?}"),
     };
-    assert_eq!(waypoints(&mut window), [(1.5, 0.6), (1.5, 1.5), (0.6, 1.5)]);
+    assert_eq!(waypoints(&mut window), [math::vec2(1.5, 0.6), math::vec2(1.5, 1.5), math::vec2(0.6, 1.5)]);
     double_click_at(&mut window, math::vec2(1.5, 1.5));
-    assert_eq!(waypoints(&mut window), [(1.5, 0.6), (0.6, 1.5)]);
+    assert_eq!(waypoints(&mut window), [math::vec2(1.5, 0.6), math::vec2(0.6, 1.5)]);
     // All of it moves by the obstacle, the obstacle alone with Shift.
     drag(&mut window, math::vec2(0.6, 0.6), math::vec2(0.6, 0.4));
-    assert_eq!(waypoints(&mut window), [(1.5, 0.4), (0.6, 1.3)]);
+    assert_eq!(waypoints(&mut window), [math::vec2(1.5, 0.4), math::vec2(0.6, 1.3)]);
     hold(&mut window, math::vec2(0.6, 0.4), math::vec2(0.2, 0.4), Modifiers::SHIFT);
     let_go(&mut window, math::vec2(0.2, 0.4));
-    assert_eq!(waypoints(&mut window), [(1.5, 0.4), (0.6, 1.3)]);
+    assert_eq!(waypoints(&mut window), [math::vec2(1.5, 0.4), math::vec2(0.6, 1.3)]);
     assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(0.2, 0.4));
 }
 
@@ -377,7 +384,12 @@ fn a_world_of_all_sorts_is_edited_in_any_window_without_a_panic() {
             settle(&mut window);
         }
         editor(&mut window).edit("enclosure", |scenario| {
-            let corners_m = vec![math::vec2(0.0, 0.0), math::vec2(f32::NAN, 1.0), math::vec2(1.0, f32::INFINITY), math::vec2(0.0, 1.0)];
+            let corners_m = vec![
+                math::vec2(0.0, 0.0),
+                math::vec2(f32::NAN, 1.0),
+                math::vec2(1.0, f32::INFINITY),
+                math::vec2(0.0, 1.0),
+            ];
             scenario.enclosure = wayfield::scenario::Enclosure::Polygon { corners_m };
             scenario.obstacles[0].position_m.x = f32::NAN;
         });
@@ -408,7 +420,12 @@ fn escape_closes_an_open_list_and_nothing_more() {
 fn a_corner_near_the_middle_is_dragged_like_the_others() {
     let mut window = editing();
     editor(&mut window).edit("shape", |scenario| {
-        let corners_m = vec![math::vec2(0.5, -0.4), math::vec2(0.02, 0.02), math::vec2(-0.4, 0.5), math::vec2(-0.4, -0.4)];
+        let corners_m = vec![
+            math::vec2(0.5, -0.4),
+            math::vec2(0.02, 0.02),
+            math::vec2(-0.4, 0.5),
+            math::vec2(-0.4, -0.4),
+        ];
         scenario.obstacles[0].shape = Shape::Polygon { corners_m };
     });
     settle(&mut window);

@@ -3,13 +3,13 @@
 //! In: the obstacle, a handle. Out: the obstacle, resized in its own frame so that what is opposite stays, or turned.
 //! Where its middle goes by that, its way goes along.
 
-use bevy::math::{Vec2, vec2};
 use super::corners;
 use super::handles::{Handle, HandleKind};
 use super::obstacle_path;
 use super::points::{LocalFrame, degrees_text, format_metres, minus, place_text, point_to_mm, size_text};
 use super::snap::Snap;
 use crate::scenario::{Obstacle, Shape};
+use bevy::math::{Vec2, vec2};
 
 /// How few and how many corners a polygon has.
 const POLYGON: (usize, usize) = (3, 32);

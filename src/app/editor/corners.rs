@@ -2,9 +2,9 @@
 //!
 //! In: the corners, a handle. Out: the corners, one of them dragged, put in or taken out.
 
-use bevy::math::Vec2;
 use super::handles::{Handle, HandleKind};
 use super::points::{middle, minus, place_text, plus, point_to_mm};
+use bevy::math::Vec2;
 
 /// How few and how many corners a wall has.
 pub(super) const WALL: (usize, usize) = (2, 256);

@@ -2,8 +2,9 @@
 //!
 //! In: the pointer. Out: the world at each moment of it, worked from the world at its beginning; one step for undo.
 
-use bevy::math::{Vec2, vec2};
 use std::sync::Arc;
+
+use bevy::math::{Vec2, vec2};
 
 use super::handles::{self, HandleKind};
 use super::points::{distance, is_finite, minus, plus};

@@ -3,11 +3,11 @@
 //! In: a scenario, the selection. Out: the [`Handle`]s; a scenario in which one of them was dragged, put in or taken
 //! out. Where a handle goes is worked from the scenario at the drag's beginning, so that nothing adds up meanwhile.
 
-use bevy::math::Vec2;
 use super::selection::Selection;
 use super::snap::Snap;
 use super::{body, corners, obstacle_path, rectangles, start_goal_handles};
 use crate::scenario::{Enclosure, PlacementRule, Scenario};
+use bevy::math::Vec2;
 
 /// What a handle changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

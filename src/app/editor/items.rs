@@ -2,8 +2,9 @@
 //!
 //! In: what is asked for, and near which place. Out: the world with it, in the clear where there is room, and selected.
 
-use bevy::math::{Vec2, vec2};
 use std::f32::consts::{FRAC_PI_2, TAU};
+
+use bevy::math::{Vec2, vec2};
 
 use super::body::bounding_radius;
 use super::handles;

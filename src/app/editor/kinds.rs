@@ -2,7 +2,6 @@
 //!
 //! In: the kind. Out: the world with it. What the kind before had in common with it is kept.
 
-use bevy::math::{Vec2, vec2};
 use super::body::bounding_radius;
 use super::handles::middle_of;
 use super::items::near;
@@ -13,6 +12,7 @@ use super::{Editor, Snap};
 use crate::scenario::{
     Enclosure, Obstacle, ObstacleMotion, PlacementRule, Scenario, clearance, enclosure_distance,
 };
+use bevy::math::{Vec2, vec2};
 
 /// The speed of a new orbit, in rad/s: the paper's Scenario II has about as much.
 const SPEED_RAD_S: f32 = 0.15;
@@ -290,9 +290,8 @@ fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Vec2> {
         legs.chain(square.then(|| middle(at, *corners.last().unwrap_or(&at)))).collect()
     };
     let clear = |path: &&Vec<Vec2>| along(path).iter().all(|&p| clearance(&others, p, 0) >= radius_m);
-    let inside = |path: &&Vec<Vec2>| {
-        along(path).iter().all(|&p| enclosure_distance(&others.enclosure, p) >= radius_m)
-    };
+    let inside =
+        |path: &&Vec<Vec2>| along(path).iter().all(|&p| enclosure_distance(&others.enclosure, p) >= radius_m);
     let found = all.iter().find(clear).or_else(|| all.iter().find(inside)).or(all.last());
     found.cloned().unwrap_or_default()
 }

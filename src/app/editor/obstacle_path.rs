@@ -2,12 +2,12 @@
 //!
 //! In: the obstacle, a handle. Out: the obstacle with its motion changed.
 
-use bevy::math::{Vec2, vec2};
 use super::corners::{self, shift as shift_all};
 use super::handles::{Handle, HandleKind};
 use super::points::{distance, format_metres, middle, place_text, plus, point_to_mm};
 use super::snap::Snap;
 use crate::scenario::{Obstacle, ObstacleMotion};
+use bevy::math::{Vec2, vec2};
 
 /// The most waypoints of a path.
 const MAX_WAYPOINTS: usize = 256;

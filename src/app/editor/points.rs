@@ -2,8 +2,9 @@
 //!
 //! In: what the pointer or a number field says. Out: what goes into the scenario, and what is written beside a handle.
 
-use bevy::math::{Vec2, vec2};
 use std::f32::consts::{PI, TAU};
+
+use bevy::math::{Vec2, vec2};
 
 /// The least size that a drag leaves, in m.
 pub(super) const MIN_SIZE_M: f32 = 0.01;
@@ -129,7 +130,11 @@ mod tests {
     #[test]
     fn a_frame_goes_there_and_back() {
         let frame = LocalFrame::new(vec2(1.0, 2.0), 1.5708);
-        assert_eq!(frame.to_world(vec2(0.5, 0.25)), vec2(0.75, 2.5), "a quarter turn: x goes up, y to the left");
+        assert_eq!(
+            frame.to_world(vec2(0.5, 0.25)),
+            vec2(0.75, 2.5),
+            "a quarter turn: x goes up, y to the left"
+        );
         assert_eq!(frame.to_local(vec2(0.75, 2.5)), vec2(0.5, 0.25));
     }
 }

@@ -2,12 +2,12 @@
 //!
 //! In: the rectangle, a handle. Out: the rectangle, resized or moved.
 
-use bevy::math::{Vec2, vec2};
 use super::body::SIDES;
 use super::handles::{Handle, HandleKind};
 use super::points::{middle, minus, plus, point_to_mm, size_text};
 use super::snap::Snap;
 use crate::scenario::Region;
+use bevy::math::{Vec2, vec2};
 
 /// The least extent of an enclosure, in m.
 const MIN_ENCLOSURE_M: f32 = 0.5;

@@ -2,12 +2,12 @@
 //!
 //! In: a scenario, a point or a field's path. Out: a [`Selection`].
 
-use bevy::math::{Vec2, vec2};
-use super::points::{distance};
+use super::points::distance;
 use crate::scenario::{
     Obstacle, PlacementRule, Region, Scenario, enclosure_distance, inner_wall_distance, polygon,
     shape_distance,
 };
+use bevy::math::{Vec2, vec2};
 
 /// What the handles and the inspector are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -198,8 +198,16 @@ mod tests {
         let pick = |now, at| super::pick(&scenario, now, at, 0.03);
         let none = Selection::Nothing;
         assert_eq!(pick(none, vec2(-0.9, 0.0)), Selection::Obstacle(1), "the one drawn last");
-        assert_eq!(pick(Selection::Obstacle(0), vec2(-0.9, 0.0)), Selection::Obstacle(0), "or the selected one");
-        assert_eq!(pick(Selection::Obstacle(0), vec2(-0.55, 0.0)), Selection::Obstacle(1), "not where it isn't");
+        assert_eq!(
+            pick(Selection::Obstacle(0), vec2(-0.9, 0.0)),
+            Selection::Obstacle(0),
+            "or the selected one"
+        );
+        assert_eq!(
+            pick(Selection::Obstacle(0), vec2(-0.55, 0.0)),
+            Selection::Obstacle(1),
+            "not where it isn't"
+        );
         assert_eq!(pick(none, vec2(-1.32, 0.0)), Selection::Obstacle(0), "2 cm beside it");
         assert_eq!(pick(none, vec2(-1.34, 0.0)), none);
         assert_eq!(pick(none, vec2(0.5, -1.47)), Selection::Wall(0));

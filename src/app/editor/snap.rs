@@ -2,8 +2,8 @@
 //!
 //! In: where the pointer is. Out: where the thing goes; to the millimetre and 0.0001 rad in any case.
 
-use bevy::math::{Vec2, vec2};
 use super::points::{MIN_SIZE_M, to_angle, to_mm};
+use bevy::math::{Vec2, vec2};
 
 /// Whether and how finely.
 #[derive(Clone, Copy, Debug, PartialEq)]

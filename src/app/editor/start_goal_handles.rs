@@ -2,7 +2,6 @@
 //!
 //! In: a rule or the benchmark route, a handle. Out: the same with a place moved or taken out.
 
-use bevy::math::{Vec2, vec2};
 use super::corners;
 use super::handles::{Handle, HandleKind};
 use super::points::{LocalFrame, degrees_text, place_text};
@@ -10,6 +9,7 @@ use super::rectangles;
 use super::selection::{Selection, region};
 use super::snap::Snap;
 use crate::scenario::{BenchmarkRoute, PlacementRule};
+use bevy::math::{Vec2, vec2};
 
 /// How far from a start the handle is that turns it, in m.
 const TURN_M: f32 = 0.3;

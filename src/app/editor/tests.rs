@@ -6,7 +6,6 @@ mod random_edits;
 mod saving;
 mod tools;
 
-use bevy::math::{Vec2, vec2};
 use super::body::bounding_radius;
 use super::points::to_mm;
 use super::*;
@@ -14,6 +13,7 @@ use crate::scenario::{
     Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Shape, Wall,
     clearance, parse_ron, to_ron,
 };
+use bevy::math::{Vec2, vec2};
 
 /// An editor of this world, as opened from its file.
 fn editor(scenario: Scenario) -> Editor {
@@ -33,7 +33,10 @@ fn full() -> Scenario {
     let patrol = ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
     Scenario {
         obstacles: vec![disc(-1.0, -1.0), Obstacle { motion: patrol, ..disc(1.0, 0.0) }],
-        walls: vec![Wall { corners_m: vec![vec2(-1.5, 0.5), vec2(-1.0, 0.5), vec2(-1.0, 1.0)], thickness_m: 0.1 }],
+        walls: vec![Wall {
+            corners_m: vec![vec2(-1.5, 0.5), vec2(-1.0, 0.5), vec2(-1.0, 1.0)],
+            thickness_m: 0.1,
+        }],
         generators: vec![Generator {
             count: 2,
             shape: RandomShape::Circle { radius_m: (0.05, 0.1) },
@@ -191,7 +194,7 @@ fn a_polygon_to_begin_with_has_even_corners() {
     assert_eq!(editor.scenario().obstacles[0].shape, Shape::Polygon { corners_m });
     editor.add(NewItem::Hexagon, vec2(1.0, -1.0));
     let Shape::Polygon { corners_m } = &editor.scenario().obstacles[1].shape else { panic!("a polygon") };
-    assert_eq!(corners_m[..3], [(0.2, 0.0), (0.1, 0.173), (-0.1, 0.173)]);
+    assert_eq!(corners_m[..3], [vec2(0.2, 0.0), vec2(0.1, 0.173), vec2(-0.1, 0.173)]);
 }
 
 #[test]
@@ -211,7 +214,7 @@ fn a_copy_is_like_the_thing_and_beside_it() {
     editor.cut();
     assert!(editor.scenario().walls.is_empty() && editor.can_paste());
     editor.paste(Some(vec2(0.02, 0.51)));
-    assert_eq!(editor.scenario().walls[0].corners_m, [(0.0, 0.5), (0.5, 0.5), (0.5, 1.0)]);
+    assert_eq!(editor.scenario().walls[0].corners_m, [vec2(0.0, 0.5), vec2(0.5, 0.5), vec2(0.5, 1.0)]);
     assert_eq!(editor.selection(), Selection::Wall(0));
     // Again and again: each beside the last.
     editor.paste(None);
@@ -262,7 +265,8 @@ fn a_patrol_and_a_way_back_share_their_path() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
     editor.set_motion(MotionKind::BackAndForth);
-    let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
+    let expected =
+        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
     assert_eq!(editor.scenario().obstacles[1].motion, expected);
     editor.set_motion(MotionKind::Patrol);
     assert_eq!(editor.scenario().obstacles[1], full().obstacles[1]);
@@ -287,7 +291,10 @@ fn rules_keep_what_they_have_in_common() {
     let mut editor = editor(full());
     editor.set_rule(PlacementRole::Goals, PlacementKind::Fixed);
     assert_eq!(editor.selection(), Selection::Goals);
-    assert_eq!(editor.scenario().goals, PlacementRule::Fixed { position_m: vec2(0.0, 1.5), heading_rad: None });
+    assert_eq!(
+        editor.scenario().goals,
+        PlacementRule::Fixed { position_m: vec2(0.0, 1.5), heading_rad: None }
+    );
     editor.set_rule(PlacementRole::Goals, PlacementKind::OneOf);
     assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5)] });
     editor.edit("clearance", |s| s.starts = PlacementRule::Random { clearance_m: 0.5 });
@@ -295,7 +302,10 @@ fn rules_keep_what_they_have_in_common() {
     let (min_m, max_m) = (vec2(-1.0, -1.0), vec2(1.0, 1.0));
     assert_eq!(editor.scenario().starts, PlacementRule::Within { min_m, max_m, clearance_m: 0.5 });
     editor.set_rule(PlacementRole::Starts, PlacementKind::Fixed);
-    assert_eq!(editor.scenario().starts, PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: None });
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: None }
+    );
     editor.delete();
     assert_eq!(editor.scenario().starts, PlacementRule::default());
     assert!(!editor.can_delete(), "there is nothing more to take away");
@@ -327,7 +337,10 @@ fn a_wall_is_drawn_corner_by_corner_in_one_step() {
     editor.undo_tool_point();
     assert!(!editor.can_undo(), "nothing is in the world yet");
     let after = one_step(&mut editor, Editor::finish_tool);
-    assert_eq!(after.walls, [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]);
+    assert_eq!(
+        after.walls,
+        [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]
+    );
     assert_eq!(*editor.tool(), Tool::Select);
     // One corner is no wall.
     editor.set_tool(Tool::Wall { corners_m: Vec::new() });
@@ -356,7 +369,10 @@ fn a_path_and_places_are_drawn_for_what_is_selected() {
     for at in [vec2(0.5, 0.5), vec2(0.51, 0.5), vec2(-0.5, 0.0)] {
         editor.click_with_tool(at, false);
     }
-    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] });
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] }
+    );
     editor.undo();
     assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });
     editor.set_tool(Tool::Places);
@@ -374,7 +390,7 @@ fn arrows_go_by_the_grids_step_with_all_that_belongs_to_it() {
     let moved = &editor.scenario().obstacles[1];
     assert_eq!(moved.position_m, vec2(1.11, -0.05));
     let ObstacleMotion::Patrol { waypoints_m, .. } = &moved.motion else { panic!("a patrol") };
-    assert_eq!(waypoints_m[..], [(1.11, 1.45), (0.61, 1.45)]);
+    assert_eq!(waypoints_m[..], [vec2(1.11, 1.45), vec2(0.61, 1.45)]);
     editor.undo();
     assert_eq!(
         editor.scenario().obstacles[1].position_m,

@@ -3,12 +3,12 @@
 //! In: clicks. Out: a wall, the path of an obstacle, or places for starts or goals; a wall or a path is one step for
 //! undo, a place is one each.
 
-use bevy::math::Vec2;
 use super::items::EditorItem;
 use super::points::{distance, is_finite};
 use super::selection::{Selection, places};
 use super::{Editor, PlacementKind};
 use crate::scenario::{ObstacleMotion, PlacementRule, Scenario, Wall};
+use bevy::math::Vec2;
 
 /// How thick a new wall is, in m.
 const WALL_THICKNESS_M: f32 = 0.1;

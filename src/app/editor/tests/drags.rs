@@ -1,7 +1,7 @@
 //! Drags of every handle, with numbers worked by hand.
 
-use bevy::math::{Vec2, vec2};
 use super::*;
+use bevy::math::{Vec2, vec2};
 
 /// Drags the handle `kind` of what is selected from where it is by `by`, in two goes.
 fn drag(editor: &mut Editor, kind: HandleKind, by: Vec2, free: bool) {
@@ -114,7 +114,8 @@ fn resizing_what_moves_takes_its_way_along() {
     let expected = ObstacleMotion::Orbit { centre_m: vec2(0.5, 1.4), speed_rad_s: 0.15 };
     assert_eq!(o.motion, expected, "its radius is 1 m as before");
     let shape = Shape::Capsule { length_m: 1.0, radius_m: 0.1 };
-    let motion = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.0, 1.0), vec2(1.0, 1.0)], speed_m_s: 0.1 };
+    let motion =
+        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.0, 1.0), vec2(1.0, 1.0)], speed_m_s: 0.1 };
     let mut editor = with(Obstacle { motion, ..still(shape, vec2(0.0, 0.0)) });
     // The left end from -0.5 to -0.9.
     drag(&mut editor, HandleKind::CapsuleEnd(false), vec2(-0.4, 0.0), false);
@@ -199,7 +200,7 @@ fn a_polygons_corners_are_dragged_put_in_and_taken_out() {
         editor.end_drag();
     });
     let Shape::Polygon { corners_m } = &after.obstacles[0].shape else { panic!("a polygon") };
-    assert_eq!(corners_m[..], [(-0.2, -0.2), (0.0, -0.3), (0.2, -0.2), (0.05, 0.3)]);
+    assert_eq!(corners_m[..], [vec2(-0.2, -0.2), vec2(0.0, -0.3), vec2(0.2, -0.2), vec2(0.05, 0.3)]);
     assert!(editor.remove_handle(HandleKind::Corner(1)));
     assert_eq!(corners(&editor).len(), 3);
     assert!(!editor.remove_handle(HandleKind::Corner(1)), "three are left");
@@ -240,15 +241,18 @@ fn a_walls_corners_and_the_whole_of_it() {
 fn a_path_is_dragged_in_parts_or_as_a_whole() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
-    assert_eq!(full().obstacles[1].path_m(), Some((vec![vec2(1.0, 0.0), vec2(1.0, 1.5), vec2(0.5, 1.5)], true)));
+    assert_eq!(
+        full().obstacles[1].path_m(),
+        Some((vec![vec2(1.0, 0.0), vec2(1.0, 1.5), vec2(0.5, 1.5)], true))
+    );
     drag(&mut editor, HandleKind::Waypoint(0), vec2(0.3, -0.1), false);
     drag(&mut editor, HandleKind::PathStart, vec2(0.1, 0.1), false);
     drag(&mut editor, HandleKind::InsertWaypoint(2), vec2(-0.2, 0.0), false);
     let path = |editor: &Editor| editor.scenario().obstacles[1].path_m().expect("a path").0;
     // The middle of (0.5, 1.5) and (1.1, 0.1) is (0.8, 0.8).
-    assert_eq!(path(&editor), [(1.1, 0.1), (1.3, 1.4), (0.5, 1.5), (0.6, 0.8)]);
+    assert_eq!(path(&editor), [vec2(1.1, 0.1), vec2(1.3, 1.4), vec2(0.5, 1.5), vec2(0.6, 0.8)]);
     drag(&mut editor, HandleKind::Middle, vec2(-0.1, -0.1), false);
-    assert_eq!(path(&editor), [(1.0, 0.0), (1.2, 1.3), (0.4, 1.4), (0.5, 0.7)]);
+    assert_eq!(path(&editor), [vec2(1.0, 0.0), vec2(1.2, 1.3), vec2(0.4, 1.4), vec2(0.5, 0.7)]);
     for left in [2, 1] {
         assert!(editor.remove_handle(HandleKind::Waypoint(0)));
         assert_eq!(path(&editor).len(), 1 + left);
@@ -291,7 +295,7 @@ fn the_enclosure_keeps_its_middle_or_goes_corner_by_corner() {
     editor.drag_to(vec2(-2.0, 0.1), false);
     editor.end_drag();
     let Enclosure::Polygon { corners_m } = &editor.scenario().enclosure else { panic!("a polygon") };
-    assert_eq!(corners_m[3..], [(-0.25, 1.5), (-2.0, 0.1)]);
+    assert_eq!(corners_m[3..], [vec2(-0.25, 1.5), vec2(-2.0, 0.1)]);
     assert!(!editor.begin_drag(HandleKind::Middle, vec2(0.0, 0.0)), "the world itself stays where it is");
 }
 
@@ -320,7 +324,10 @@ fn places_and_the_courses_ends() {
     let mut editor = editor(full());
     editor.select(Selection::Goals);
     drag(&mut editor, HandleKind::Place(1), vec2(-0.5, 0.1), false);
-    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.0, -1.4)] });
+    assert_eq!(
+        editor.scenario().goals,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.0, -1.4)] }
+    );
     assert!(editor.remove_handle(HandleKind::Place(0)) && !editor.remove_handle(HandleKind::Place(0)));
     editor.select(Selection::BenchmarkGoal);
     drag(&mut editor, HandleKind::Middle, vec2(0.1, -0.2), false);
@@ -386,5 +393,8 @@ fn by_the_body_the_nearest_place_is_taken() {
     assert_eq!(editor.dragged(), Some(HandleKind::Place(1)));
     editor.drag_to(vec2(1.25, -1.5), false);
     editor.end_drag();
-    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.3, -1.5)] });
+    assert_eq!(
+        editor.scenario().goals,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.3, -1.5)] }
+    );
 }

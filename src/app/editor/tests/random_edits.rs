@@ -1,8 +1,8 @@
 //! Whatever is done in whatever order: nothing breaks, and all of it can be undone.
 
-use bevy::math::{Vec2, vec2};
 use super::*;
 use crate::random::{Stream, stream, uniform};
+use bevy::math::{Vec2, vec2};
 
 /// One of `count`.
 fn one_of(stream: &mut Stream, count: usize) -> usize {

@@ -1,7 +1,7 @@
 //! Saved and unsaved changes of a document.
 
-use bevy::math::vec2;
 use super::*;
+use bevy::math::vec2;
 
 #[test]
 fn a_late_answer_about_the_previous_document_is_ignored() {

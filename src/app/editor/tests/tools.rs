@@ -1,7 +1,7 @@
 //! Tools end with what they are for, and what is drawn is not lost unnoticed.
 
-use bevy::math::vec2;
 use super::*;
+use bevy::math::vec2;
 
 fn path() -> Tool {
     Tool::Path { waypoints_m: Vec::new() }

@@ -184,7 +184,9 @@ impl<'u> FieldRows<'u> {
     /// A list of places.
     pub fn positions(&mut self, name: &str, places: &mut Vec<math::Vec2>, least: usize) {
         let further = "drag them in the world";
-        self.list(name, places, least, further, [NumberSpec::POSITION; 2], |math::Vec2 { x, y }| [("x", x), ("y", y)]);
+        self.list(name, places, least, further, [NumberSpec::POSITION; 2], |math::Vec2 { x, y }| {
+            [("x", x), ("y", y)]
+        });
     }
 
     /// Something was changed otherwise, and at once.
