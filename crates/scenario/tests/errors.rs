@@ -1,4 +1,4 @@
-//! Every message about a scenario file, to the letter: file, line, column, what is wrong, how to mend it.
+//! The exact messages for invalid scenario files: file, line, column, problem and fix.
 
 use std::path::Path;
 
@@ -7,18 +7,18 @@ use wayfield_scenario::{Obstacle, ObstacleMotion, Scenario, Shape, diagnostics, 
 
 const FIXTURES: &str = "tests/fixtures";
 
-/// What is said of a file that must not load. (Tests run in the package's root, so paths are short.)
+/// The message for a file that must not load. Tests run in the root of the package, so paths are short.
 fn load_error(path: &str) -> String {
     Scenario::load(path).expect_err(path).to_string()
 }
 
-/// What is said of a text that must not parse.
+/// The message for a text that must not parse.
 fn parse_error(text: &str) -> String {
     Scenario::parse(text, "w.ron").expect_err(text).to_string()
 }
 
 #[test]
-fn each_broken_file_is_explained_as_written_beside_it() {
+fn each_invalid_file_gives_the_message_in_its_fixture() {
     for name in [
         "typo",
         "broken",
@@ -34,9 +34,17 @@ fn each_broken_file_is_explained_as_written_beside_it() {
         "places",
         "unreachable",
     ] {
-        let told = load_error(&format!("{FIXTURES}/{name}.ron"));
-        let expected = std::fs::read_to_string(format!("{FIXTURES}/{name}.txt")).unwrap_or_default();
-        assert_eq!(told, expected.trim_end(), "{name}.txt is what {name}.ron should say; it says:\n{told}\n");
+        let message = load_error(&format!("{FIXTURES}/{name}.ron"));
+        let file = format!("{FIXTURES}/{name}.txt");
+        if std::env::var_os("WAYFIELD_RENEW").is_some() {
+            std::fs::write(&file, format!("{message}\n")).expect("the fixture can be written");
+        }
+        let expected = std::fs::read_to_string(&file).unwrap_or_default();
+        assert_eq!(
+            message,
+            expected.trim_end(),
+            "{file} is out of date; renew it with WAYFIELD_RENEW=1. The message is now:\n{message}\n"
+        );
     }
 }
 
@@ -69,7 +77,7 @@ fn a_file_over_a_mebibyte_is_refused() {
     let path = folder.path().join("large.ron");
     std::fs::write(&path, " ".repeat((1 << 20) + 1)).expect("it can be written");
     let told = load_error(path.to_str().expect("a plain path"));
-    assert_eq!(told, format!("{}: larger than 1 MiB: that is no file of this kind", path.display()));
+    assert_eq!(told, format!("{}: larger than 1 MiB, the limit for this kind of file", path.display()));
 }
 
 #[test]
@@ -126,7 +134,7 @@ fn mistakes_of_form_are_explained_where_they_are() {
         ),
         (
             r#"(name: "a", lidar: (dropout: 1, dropout: 0))"#,
-            "1:33: `dropout` is written twice in `lidar`: keep one",
+            "1:33: `dropout` appears twice in `lidar`: remove one",
         ),
         (r#"(name: "a", lidar: (beams: "x"))"#, "1:28: `lidar.beams` must be a whole number"),
         (
@@ -164,7 +172,7 @@ fn mistakes_of_form_are_explained_where_they_are() {
         ),
         (r#"(name: "a", lidar: (3))"#, "1:21: a field's name is missing here: write `name: value`"),
         (r#"(name: "a") x"#, "1:13: the file's value ends before this: remove what follows"),
-        (r#"(name: "a", "#, "1:13: the file ends in the middle: a closing bracket is missing"),
+        (r#"(name: "a", "#, "1:13: the file ends too early: a closing bracket is missing"),
         ("", "1:1: the file must be written in parentheses: (...)"),
         ("Scenrio(name: \"a\")", "1:1: this must be `Scenario(...)` or only `(...)`, not `Scenrio`"),
         ("/* (name", "1:3: this comment has no end: close it with `*/`"),
@@ -189,7 +197,7 @@ fn other_files_of_the_project_are_explained_alike() {
     let deep = "[".repeat(1 << 20);
     assert_eq!(
         told::<ron::Value>(&deep),
-        "p.ron:1:34: brackets are nested too deep here: nothing in this file needs so many"
+        "p.ron:1:34: brackets are nested too deeply here: no value in this kind of file needs that many"
     );
     assert_eq!(parse_ron::<Option<u8>>("7", "p.ron"), Ok(Some(7)), "Some(...) need not be written");
 }
