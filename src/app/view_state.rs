@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::editor::Editor;
+use super::editor::{Editor, EditorView};
 
 /// Light, dark, or as the system has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -85,6 +85,9 @@ pub struct ViewState {
     /// The world that is being edited, in place of the one that runs.
     #[serde(skip)]
     pub editor: Option<Box<Editor>>,
+    /// The state of the editor's screen.
+    #[serde(skip)]
+    pub editor_view: EditorView,
     /// It is to be opened on the world that runs.
     #[serde(skip)]
     pub open_editor: bool,
@@ -103,6 +106,7 @@ impl Default for ViewState {
             plots_width: None,
             help_open: false,
             editor: None,
+            editor_view: EditorView::default(),
             open_editor: false,
         }
     }

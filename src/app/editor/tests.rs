@@ -6,12 +6,16 @@ mod random_edits;
 mod saving;
 mod tools;
 
-use super::body::bounding_radius;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::items::bounding_radius;
+use super::limits::item_count;
 use super::points::to_mm;
 use super::*;
 use crate::scenario::{
-    Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Shape, Wall,
-    clearance, parse_ron, to_ron,
+    Diagnostic, Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Scenario,
+    Shape, Wall, clearance, diagnostics, parse_ron, to_ron,
 };
 
 /// An editor of this world, as opened from its file.

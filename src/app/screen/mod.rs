@@ -90,7 +90,7 @@ pub fn screen_ui(
     });
     view_state.followed = view_state.followed.min(view.scene.arenas.len().saturating_sub(1));
     if std::mem::take(&mut view_state.open_editor) && view_state.editor.is_none() {
-        editor::confirm_exit::enter_editor(ui.ctx(), view, view_state, commands);
+        editor::confirm_exit::enter_editor(view, view_state, commands);
         if let Some((_, from, world)) = &view.status.draft {
             view_state.editor = Some(Box::new(Editor::open(world.clone(), from.clone(), true)));
         }

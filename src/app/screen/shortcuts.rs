@@ -133,9 +133,8 @@ pub fn handle(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, c
     if ctx.text_edit_focused() {
         return;
     }
-    if let Some(editor) =
-        view_state.editor.as_mut().filter(|_| !(view_state.help_open || confirm_exit::is_open(&ctx)))
-    {
+    let dialog_open = view_state.help_open || confirm_exit::is_open(view_state);
+    if let Some(editor) = view_state.editor.as_mut().filter(|_| !dialog_open) {
         editor::shortcuts::handle(ui, editor, view.status, commands);
     }
     // In the editor the others are the editor's own, or of a world that can't be seen.
@@ -204,9 +203,9 @@ fn execute(
         Shortcut::Value => over.value = !over.value,
         Shortcut::QValues => over.q_values = !over.q_values,
         Shortcut::Edit if view_state.editor.is_some() => {
-            confirm_exit::request_exit(ui.ctx(), view_state, None, commands)
+            confirm_exit::request_exit(view_state, None, commands)
         }
-        Shortcut::Edit => confirm_exit::enter_editor(ui.ctx(), view, view_state, commands),
+        Shortcut::Edit => confirm_exit::enter_editor(view, view_state, commands),
         Shortcut::ThemeChoice => {
             view_state.theme = if ui.visuals().dark_mode { ThemeChoice::Light } else { ThemeChoice::Dark }
         }

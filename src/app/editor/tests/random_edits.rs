@@ -119,7 +119,7 @@ fn whatever_is_done_can_be_undone_and_written_down() {
             led += usize::from(matches!(editor.tool(), Tool::Path { .. }));
             placed += usize::from(*editor.tool() == Tool::Places);
             assert_eq!(editor.selection(), editor.selection().if_present(editor.scenario()));
-            most = most.max(things(editor.scenario()));
+            most = most.max(item_count(editor.scenario()));
             if editor.dragged().is_none() {
                 assert_eq!(editor.diagnostics(), diagnostics(editor.scenario()), "of the world as it is");
             }

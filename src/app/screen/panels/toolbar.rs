@@ -190,10 +190,10 @@ fn mode_ui(
     });
     match command {
         Some(command) if editing => {
-            confirm_exit::request_exit(ui.ctx(), view_state, (Some(k) != now).then_some(command), commands)
+            confirm_exit::request_exit(view_state, (Some(k) != now).then_some(command), commands)
         }
         Some(command) => commands.push(command),
-        None if !editing => confirm_exit::enter_editor(ui.ctx(), view, view_state, commands),
+        None if !editing => confirm_exit::enter_editor(view, view_state, commands),
         None => {}
     }
 }

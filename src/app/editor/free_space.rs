@@ -1,0 +1,42 @@
+//! Free space for new items.
+
+use std::f32::consts::TAU;
+
+use super::items::places;
+use super::points::{Point, centre_of, distance, plus};
+use super::snap::Snap;
+use crate::scenario::{Scenario, clearance};
+
+/// Space that a new item leaves around starts and goals beyond the collision range, in m.
+const MARGIN_M: f32 = 0.02;
+/// Number of rings that are searched around the wanted position.
+const RINGS: u8 = 24;
+
+/// The free position nearest to `wanted_m` for an item with this bounding radius, snapped to the grid. Free means clear
+/// of all items, of the benchmark route's ends and of the given starts and goals. Returns `wanted_m`, snapped, if
+/// nothing is free.
+pub(super) fn nearest(scenario: &Scenario, wanted_m: Point, radius_m: f32, snap: Snap) -> Point {
+    let centre = centre_of(scenario);
+    let ends = [scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m];
+    let rules = [&scenario.starts, &scenario.goals].into_iter().flat_map(places);
+    let reserved: Vec<Point> = ends.into_iter().chain(rules.copied()).collect();
+    let apart_m = radius_m + scenario.task.collision_range_m + MARGIN_M;
+    let is_free = |at: &Point| {
+        clearance(scenario, *at, 0) >= radius_m && reserved.iter().all(|&place| distance(place, *at) >= apart_m)
+    };
+    ring_offsets(radius_m.max(0.1))
+        .map(|offset| snap.point(plus(wanted_m, offset), centre))
+        .find(is_free)
+        .unwrap_or_else(|| snap.point(wanted_m, centre))
+}
+
+/// (0, 0), then six offsets on a ring of radius `ring_m`, twelve on the next ring, and so on.
+fn ring_offsets(ring_m: f32) -> impl Iterator<Item = Point> {
+    let count = |ring: u8| ring.saturating_mul(6).max(1);
+    let steps = (0..RINGS).flat_map(move |ring| (0..count(ring)).map(move |k| (ring, k)));
+    steps.map(move |(ring, k)| {
+        let angle = f32::from(k) / f32::from(count(ring)) * TAU;
+        let away = f32::from(ring) * ring_m;
+        (away * angle.cos(), away * angle.sin())
+    })
+}
