@@ -1,4 +1,4 @@
-//! The editor's world: what the pointer and the keys do to the document.
+//! The editor's canvas: editing with the pointer and the keys.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use wayfield::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario, Sha
 use super::{Window, click, press, release_event, sent_commands, settle};
 use crate::screen_fixture::{self, ScreenFixture};
 
-/// A window of sixty frames a second, so that a double click is one.
+/// A window at 60 frames per second, so that double-clicks are recognized.
 fn window_at_60_fps(size: [f32; 2], screen_fixture: ScreenFixture) -> Window {
     let build = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).with_max_steps(40);
     let mut window = build
@@ -21,7 +21,7 @@ fn window_at_60_fps(size: [f32; 2], screen_fixture: ScreenFixture) -> Window {
     window
 }
 
-/// The editor on the screen_fixture's own world, four cylinders of 0.15 m in a square of 4 m.
+/// The editor on the fixture's scenario: four circles of radius 0.15 m in a square of 4 m.
 fn editing() -> Window {
     let mut window = window_at_60_fps([1280.0, 860.0], ScreenFixture::default());
     assert_eq!(click(&mut window, "Edit"), [Command::Pause(true)]);
@@ -36,10 +36,10 @@ fn edited_scenario(window: &mut Window) -> Arc<Scenario> {
     editor(window).scenario().clone()
 }
 
-/// Where a point of the world is on the screen.
+/// The screen position of a point in m.
 fn screen_pos(window: &Window, (x_m, y_m): (f32, f32)) -> Pos2 {
-    let view = window.get_by_label("World being edited").rect().expand2(vec2(4.0, 0.0));
-    // The enclosure is 4 m by 4 m; around it is room for handles and the hint.
+    let view = window.get_by_label("Scenario editor").rect().expand2(vec2(4.0, 0.0));
+    // The enclosure is 4 m by 4 m, with a margin for handles and the hint line.
     let scale = ((view.width() - 60.0) / 4.0).min((view.height() - 76.0) / 4.0);
     view.center() + vec2(x_m, -y_m) * scale
 }
@@ -55,7 +55,7 @@ fn click_at(window: &mut Window, position_m: (f32, f32)) {
     window.drag_at(at);
     window.step();
     window.event(release_event(at));
-    // Or the next click would be a double one.
+    // Wait, or the next click would be a double-click.
     window.run_steps(40);
 }
 
@@ -71,7 +71,7 @@ fn double_click_at(window: &mut Window, position_m: (f32, f32)) {
     window.run_steps(40);
 }
 
-/// Presses at one point, moves to another, and holds.
+/// Drags from one point to another without releasing.
 fn hold(window: &mut Window, from_m: (f32, f32), to_m: (f32, f32), held: Modifiers) {
     let (from, to) = (screen_pos(window, from_m), screen_pos(window, to_m));
     window.event(Event::PointerMoved(from));
@@ -104,10 +104,10 @@ fn command(window: &mut Window, key: Key) -> Vec<Command> {
 }
 
 #[test]
-fn an_obstacle_is_dragged_and_it_is_undone_and_done_again() {
+fn a_drag_can_be_undone_and_redone() {
     let mut window = editing();
     drag(&mut window, (0.6, 0.6), (1.08, 0.21));
-    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (1.1, 0.2), "on the grid of 5 cm");
+    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (1.1, 0.2), "on the 5 cm grid");
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
     command(&mut window, Key::Z);
     assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (0.6, 0.6));
@@ -117,11 +117,11 @@ fn an_obstacle_is_dragged_and_it_is_undone_and_done_again() {
     window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     settle(&mut window);
     assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (1.1, 0.2));
-    assert_eq!(sent_commands(&mut window), [], "the world that runs is not touched");
+    assert_eq!(sent_commands(&mut window), [], "the running scenario is not touched");
 }
 
 #[test]
-fn with_alt_nothing_snaps_and_escape_gives_a_drag_up() {
+fn alt_disables_snapping_and_escape_cancels_a_drag() {
     let mut window = editing();
     hold(&mut window, (-0.6, -0.6), (-1.013, -0.337), Modifiers::ALT);
     let (x, y) = edited_scenario(&mut window).obstacles[2].position_m;
@@ -131,11 +131,11 @@ fn with_alt_nothing_snaps_and_escape_gives_a_drag_up() {
     let before = window.state().view_state.camera;
     let_go(&mut window, (-1.5, -0.337));
     assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, (-0.6, -0.6));
-    assert_eq!(window.state().view_state.camera, before, "and the world is not pushed about instead");
+    assert_eq!(window.state().view_state.camera, before, "the view is not panned instead");
 }
 
 #[test]
-fn a_handle_resizes_and_a_press_beside_it_does_not() {
+fn dragging_a_handle_resizes_and_does_not_move() {
     let mut window = editing();
     click_at(&mut window, (0.6, 0.6));
     drag(&mut window, (0.75, 0.6), (0.9, 0.6));
@@ -145,17 +145,17 @@ fn a_handle_resizes_and_a_press_beside_it_does_not() {
 }
 
 #[test]
-fn the_enclosure_is_resized_by_its_side_under_a_view_that_stays() {
+fn the_view_stays_while_the_enclosure_is_resized() {
     let mut window = editing();
     click_at(&mut window, (2.0, -1.0));
-    // Half a metre further out on either side; the picture is shrunk only when it is let go.
+    // Half a metre on either side; the view is fitted only after the drag.
     drag(&mut window, (2.0, 0.0), (2.5, 0.0));
     assert_eq!(edited_scenario(&mut window).enclosure, Enclosure::Rectangle { width_m: 5.0, height_m: 4.0 });
     assert_eq!(window.state().view_state.camera.centre_m, [0.0, 0.0]);
 }
 
 #[test]
-fn a_click_selects_and_the_floor_or_escape_selects_nothing() {
+fn a_click_selects_and_the_floor_or_escape_deselects() {
     let mut window = editing();
     for (at, selected) in [
         ((-0.6, 0.6), Selection::Obstacle(1)),
@@ -173,7 +173,7 @@ fn a_click_selects_and_the_floor_or_escape_selects_nothing() {
 }
 
 #[test]
-fn keys_delete_double_copy_and_nudge() {
+fn keys_delete_duplicate_copy_and_nudge() {
     let mut window = editing();
     click_at(&mut window, (-0.6, 0.6));
     command(&mut window, Key::D);
@@ -196,7 +196,7 @@ fn keys_delete_double_copy_and_nudge() {
 }
 
 #[test]
-fn a_wall_is_drawn_by_clicks() {
+fn a_wall_is_drawn_click_by_click() {
     let mut window = editing();
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
     for at in [(-1.5, -1.0), (-1.5, -1.5), (0.52, -1.48)] {
@@ -204,11 +204,11 @@ fn a_wall_is_drawn_by_clicks() {
     }
     press(&mut window, Key::Backspace);
     click_at(&mut window, (1.01, -1.49));
-    assert_eq!(edited_scenario(&mut window).walls, [], "not yet");
+    assert_eq!(edited_scenario(&mut window).walls, [], "not finished");
     press(&mut window, Key::Enter);
     let corners = edited_scenario(&mut window).walls[0].corners_m.clone();
     assert_eq!(corners, [(-1.5, -1.0), (-1.5, -1.5), (1.0, -1.5)]);
-    // Once more, ended by a double click, and given up.
+    // Again, finished by a double-click, and cancelled.
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
     click_at(&mut window, (-1.0, 1.5));
     click_at(&mut window, (1.0, 1.7));
@@ -223,7 +223,7 @@ fn a_wall_is_drawn_by_clicks() {
 }
 
 #[test]
-fn places_for_targets_are_set_by_clicks_and_the_other_button_ends_it() {
+fn goal_positions_are_added_by_clicks_until_a_secondary_click() {
     let mut window = editing();
     editor(&mut window).select(Selection::Goals);
     editor(&mut window).set_tool(Tool::Places);
@@ -239,14 +239,14 @@ fn places_for_targets_are_set_by_clicks_and_the_other_button_ends_it() {
     }
     assert_eq!(editor(&mut window).tool(), &Tool::Select);
     assert_eq!(edited_scenario(&mut window).goals, expected);
-    // One is dragged, and one taken out by a double click.
+    // One is dragged, the other is removed by a double-click.
     drag(&mut window, (1.5, 0.0), (1.5, -0.5));
     double_click_at(&mut window, (-1.5, 0.0));
     assert_eq!(edited_scenario(&mut window).goals, PlacementRule::OneOf { positions_m: vec![(1.5, -0.5)] });
 }
 
 #[test]
-fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
+fn a_path_is_drawn_by_clicks_and_a_double_click_removes_a_waypoint() {
     let mut window = editing();
     click_at(&mut window, (0.6, 0.6));
     editor(&mut window).set_tool(Tool::Path { waypoints_m: Vec::new() });
@@ -261,7 +261,7 @@ fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
     assert_eq!(waypoints(&mut window), [(1.5, 0.6), (1.5, 1.5), (0.6, 1.5)]);
     double_click_at(&mut window, (1.5, 1.5));
     assert_eq!(waypoints(&mut window), [(1.5, 0.6), (0.6, 1.5)]);
-    // All of it moves by the obstacle, the obstacle alone with Shift.
+    // The path moves with the obstacle; with Shift, the obstacle moves alone.
     drag(&mut window, (0.6, 0.6), (0.6, 0.4));
     assert_eq!(waypoints(&mut window), [(1.5, 0.4), (0.6, 1.3)]);
     hold(&mut window, (0.6, 0.4), (0.2, 0.4), Modifiers::SHIFT);
@@ -271,7 +271,7 @@ fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
 }
 
 #[test]
-fn the_floor_pushes_the_view_about_and_the_wheel_zooms() {
+fn dragging_the_floor_pans_and_the_wheel_zooms() {
     let mut window = editing();
     drag(&mut window, (-1.3, -1.4), (-1.1, -1.4));
     let [x, y] = window.state().view_state.camera.centre_m;
@@ -289,7 +289,7 @@ fn the_floor_pushes_the_view_about_and_the_wheel_zooms() {
 }
 
 #[test]
-fn keys_of_the_world_that_runs_do_nothing_in_the_editor() {
+fn the_keys_of_the_simulation_do_nothing_in_the_editor() {
     let mut window = editing();
     window.state_mut().status.mode = SessionMode::Drive;
     let before = window.state().view_state.overlays;
@@ -301,27 +301,27 @@ fn keys_of_the_world_that_runs_do_nothing_in_the_editor() {
 }
 
 #[test]
-fn it_is_left_at_once_or_after_asking_and_time_goes_on_as_before() {
+fn leaving_asks_about_unsaved_changes_and_resumes_the_simulation() {
     let mut window = editing();
     window.state_mut().status.paused = true;
     assert_eq!(click(&mut window, "Test"), [Command::SetMode(SessionMode::Test), Command::Pause(false)]);
     assert!(window.state().view_state.editor.is_none());
-    assert_eq!(press(&mut window, Key::E), [], "time stands still already");
+    assert_eq!(press(&mut window, Key::E), [], "the simulation is paused already");
     drag(&mut window, (0.6, 0.6), (1.0, 0.6));
     assert_eq!(press(&mut window, Key::E), []);
-    assert!(window.query_by_label("The changes of this world are not saved.").is_some());
-    assert_eq!(click(&mut window, "Go on editing"), []);
+    assert!(window.query_by_label("Unsaved changes will be lost.").is_some());
+    assert_eq!(click(&mut window, "Keep editing"), []);
     assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (1.0, 0.6));
     assert_eq!(click(&mut window, "Train"), []);
-    assert_eq!(click(&mut window, "Leave without them"), [], "it trained before");
+    assert_eq!(click(&mut window, "Discard changes"), [], "it was training before");
     assert!(window.state().view_state.editor.is_none());
 }
 
 #[test]
-fn a_narrow_window_has_the_panel_below_the_world_though_the_curves_are_open() {
+fn a_narrow_window_shows_the_panel_below_the_canvas_instead_of_the_plots() {
     let mut window = window_at_60_fps([390.0, 844.0], ScreenFixture::default());
     press(&mut window, Key::E);
-    let world = window.get_by_label("World being edited").rect();
+    let world = window.get_by_label("Scenario editor").rect();
     let panel = window.get_by_label("Close the editor").rect();
     assert!(world.width() > 370.0 && world.max.y < panel.min.y, "{world} {panel}");
     assert!(window.query_by_label("Learning").is_none());
@@ -332,10 +332,10 @@ fn a_narrow_window_has_the_panel_below_the_world_though_the_curves_are_open() {
 }
 
 #[test]
-fn the_world_has_the_keyboards_focus_and_moves_things_by_it() {
+fn arrow_keys_move_the_item_while_the_canvas_has_the_focus() {
     let mut window = editing();
     click_at(&mut window, (-0.6, 0.6));
-    window.get_by_label("World being edited").focus();
+    window.get_by_label("Scenario editor").focus();
     settle(&mut window);
     for _ in 0..2 {
         press(&mut window, Key::ArrowUp);
@@ -345,17 +345,17 @@ fn the_world_has_the_keyboards_focus_and_moves_things_by_it() {
 }
 
 #[test]
-fn the_world_is_saved_and_another_opened_by_key() {
+fn scenarios_are_saved_and_opened_by_key() {
     let mut window = editing();
     window.state_mut().status.scenario_from = "scenario-1".into();
     let scenario = edited_scenario(&mut window);
     let saved = Command::SaveScenario { scenario, like: "scenario-1".into(), path: None };
-    assert_eq!(command(&mut window, Key::S), [saved], "a world that came with the program has no file");
+    assert_eq!(command(&mut window, Key::S), [saved], "a built-in scenario has no file");
     assert_eq!(command(&mut window, Key::O), [Command::OpenInEditor(None)]);
 }
 
 #[test]
-fn a_world_of_all_sorts_is_edited_in_any_window_without_a_panic() {
+fn a_mixed_scenario_is_edited_in_any_window_without_a_panic() {
     assert_eq!(diagnostics(&screen_fixture::mixed_scenario()), []);
     for size in [[1280.0, 860.0], [390.0, 844.0], [200.0, 200.0]] {
         let mut window =
@@ -385,7 +385,7 @@ fn a_world_of_all_sorts_is_edited_in_any_window_without_a_panic() {
 }
 
 #[test]
-fn escape_closes_an_open_list_and_nothing_more() {
+fn escape_closes_an_open_list_and_does_nothing_else() {
     let mut window = editing();
     click_at(&mut window, (0.6, 0.6));
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
@@ -404,7 +404,7 @@ fn escape_closes_an_open_list_and_nothing_more() {
 }
 
 #[test]
-fn a_corner_near_the_middle_is_dragged_like_the_others() {
+fn a_corner_near_the_middle_can_be_dragged() {
     let mut window = editing();
     editor(&mut window).edit("shape", |scenario| {
         let corners_m = vec![(0.5, -0.4), (0.02, 0.02), (-0.4, 0.5), (-0.4, -0.4)];
@@ -413,16 +413,16 @@ fn a_corner_near_the_middle_is_dragged_like_the_others() {
     settle(&mut window);
     click_at(&mut window, (0.3, 0.3));
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
-    // 2.8 cm from the middle are some five points.
+    // 2.8 cm from the middle are about five points.
     drag(&mut window, (0.62, 0.62), (0.75, 0.7));
     let obstacle = edited_scenario(&mut window).obstacles[0].clone();
-    assert_eq!(obstacle.position_m, (0.6, 0.6), "it stays");
+    assert_eq!(obstacle.position_m, (0.6, 0.6), "the obstacle stays");
     let Shape::Polygon { corners_m } = obstacle.shape else { panic!("{:?}", obstacle.shape) };
     assert!((corners_m[1].0 - 0.15).hypot(corners_m[1].1 - 0.1) < 0.001, "{corners_m:?}");
 }
 
 #[test]
-fn the_example_of_what_is_drawn_anew_is_of_this_world() {
+fn the_example_of_generated_obstacles_belongs_to_the_edited_scenario() {
     let drawn = |window: &Window| {
         let shapes = window.output().shapes.iter();
         shapes.filter(|clipped| matches!(clipped.shape, egui::Shape::Circle(_))).count()
@@ -442,6 +442,6 @@ fn the_example_of_what_is_drawn_anew_is_of_this_world() {
     click(&mut window, "Edit");
     let before = drawn(&window);
     open(&mut window);
-    assert_eq!(drawn(&window), drawn(&fresh), "one is drawn, and not the three of before");
+    assert_eq!(drawn(&window), drawn(&fresh), "one is drawn, not the former three");
     assert_eq!(before - drawn(&window), 2);
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::document::Editor;
 use super::items::{self, ListItem};
 use super::points::Point;
+use super::selection::Selection;
 
 impl Editor {
     fn selected_copy(&self) -> Option<ListItem> {
@@ -76,7 +77,7 @@ impl Editor {
         self.step(|scenario, selection| {
             let deleted = items::selected(*selection).and_then(|item| item.delete(scenario));
             if deleted.is_some() {
-                *selection = super::selection::Selection::Nothing;
+                *selection = Selection::Nothing;
             }
         });
     }

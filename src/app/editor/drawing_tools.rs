@@ -3,7 +3,8 @@
 //! A wall or a path is one undo step, each position is one.
 
 use super::document::Editor;
-use super::items::{ListItem, places};
+use super::items::ListItem;
+use super::items::rule_points::places;
 use super::kinds::{PlacementKind, PlacementRole};
 use super::limits::{MAX_POINTS, NEW_SPEED_M_S, NEW_WALL_THICKNESS_M, WALL_CORNERS};
 use super::points::{Point, distance, is_finite};

@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-use super::items::places;
+use super::items::rule_points::places;
 use super::points::{Point, centre_of, distance, plus};
 use super::snap::Snap;
 use crate::scenario::{Scenario, clearance};

@@ -14,7 +14,7 @@
 //! | `new_items.rs`, `free_space.rs`, `clipboard.rs` | add, copy, paste, delete; free space for new items |
 //! | `kinds.rs`, `set_kind.rs`, `new_motion.rs` | kinds of motion, rule and enclosure; changing them |
 //! | `undo.rs` | undo and redo |
-//! | `saving.rs` | the file, and whether the scenario is saved |
+//! | `saving.rs`, `session_state.rs` | the file, and whether the scenario is saved |
 //! | `view.rs` | the state of the editor's screen: the pressed item, open questions |
 //! | `points.rs`, `snap.rs`, `limits.rs` | positions and their texts, snapping, limits and defaults |
 
@@ -34,6 +34,7 @@ mod pick;
 mod points;
 mod saving;
 mod selection;
+mod session_state;
 mod set_kind;
 mod snap;
 #[cfg(test)]

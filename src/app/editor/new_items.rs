@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 
 use super::document::Editor;
 use super::free_space;
-use super::items::{ListItem, bounding_radius};
+use super::items::ListItem;
 use super::points::{Point, to_mm};
 use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Shape};
 
@@ -47,7 +47,7 @@ impl Editor {
                 position_m: free_space::nearest(
                     self.scenario(),
                     near_m,
-                    bounding_radius(&shape),
+                    shape.bounding_radius_m(),
                     self.snap,
                 ),
                 shape,

@@ -1,6 +1,5 @@
 //! Orbits and paths that fit into the scenario, for an obstacle that gets a new motion.
 
-use super::items::bounding_radius;
 use super::limits::{MAX_SPEED_M_S, NEW_ORBIT_SPEED_RAD_S};
 use super::points::{Point, centre_of, distance, middle, minus, plus, point_to_mm};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, clearance, enclosure_distance};
@@ -10,7 +9,7 @@ const DIRECTIONS: [Point; 4] = [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)
 
 /// An orbit around the centre of the scenario if it stays inside the enclosure, else a small orbit next to the obstacle.
 pub(super) fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
-    let (at, radius_m) = (obstacle.position_m, bounding_radius(&obstacle.shape));
+    let (at, radius_m) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
     let centre = point_to_mm(centre_of(scenario));
     let radii = [0.5, 0.3, 0.2, 0.1];
     let nearby = radii.into_iter().flat_map(|r| DIRECTIONS.map(|(x, y)| plus(at, (r * x, r * y))));
@@ -31,7 +30,7 @@ pub(super) fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion 
 pub(super) fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Point> {
     let mut others = scenario.clone();
     let obstacle = others.obstacles.remove(index);
-    let (at, radius_m) = (obstacle.position_m, bounding_radius(&obstacle.shape));
+    let (at, radius_m) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
     let lengths = [1.0, 0.75, 0.5, 0.3, 0.2, 0.1];
     let candidates: Vec<Vec<Point>> = lengths
         .into_iter()

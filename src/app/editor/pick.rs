@@ -1,6 +1,7 @@
 //! The item under the pointer.
 
-use super::items::{self, places, region};
+use super::items;
+use super::items::rule_points::{places, region};
 use super::points::{Point, distance};
 use super::selection::Selection;
 use crate::scenario::{Region, Scenario, enclosure_distance, polygon};

@@ -5,21 +5,9 @@ use std::sync::Arc;
 
 use super::document::Editor;
 use super::selection::Selection;
+use super::session_state::SessionState;
 use super::tool::Tool;
 use crate::scenario::Scenario;
-
-/// The last scenario that the session saved, and the serial number of the last one it opened.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct SessionState {
-    saved: Option<(String, Arc<Scenario>)>,
-    draft: Option<u64>,
-}
-
-impl SessionState {
-    fn has_saved(&self, path: &str, scenario: &Arc<Scenario>) -> bool {
-        self.saved.as_ref().is_some_and(|(before, old)| before == path && Arc::ptr_eq(old, scenario))
-    }
-}
 
 impl Editor {
     /// Takes over what the session has saved or opened since the last frame: `saved` is a path and the scenario saved
@@ -30,7 +18,7 @@ impl Editor {
         saved: Option<&(String, Arc<Scenario>)>,
         draft: Option<&(u64, String, Arc<Scenario>)>,
     ) {
-        let now = SessionState { saved: saved.cloned(), draft: draft.map(|draft| draft.0) };
+        let now = SessionState::new(saved.cloned(), draft.map(|draft| draft.0));
         let Some(last) = self.last_session.replace(now) else { return };
         if let Some((path, scenario)) = saved
             && !last.has_saved(path, scenario)
@@ -42,7 +30,7 @@ impl Editor {
             self.saved = Some(Arc::clone(scenario));
         }
         if let Some((serial, from, scenario)) = draft
-            && last.draft != Some(*serial)
+            && !last.has_opened(*serial)
         {
             self.replace(scenario, from);
         }

@@ -3,7 +3,7 @@
 
 use super::document::Editor;
 use super::free_space;
-use super::items::{bounding_radius, places};
+use super::items::rule_points::places;
 use super::kinds::{EnclosureKind, MotionKind, PlacementKind, PlacementRole};
 use super::limits::{NEW_CLEARANCE_M, NEW_SPEED_M_S};
 use super::new_motion;
@@ -86,7 +86,7 @@ fn converted_motion(
         }
         MotionKind::RandomWalk => {
             let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);
-            let radius_m = (free_m - bounding_radius(&obstacle.shape)).min(0.5);
+            let radius_m = (free_m - obstacle.shape.bounding_radius_m()).min(0.5);
             // The index as the seed, so that no two obstacles walk alike.
             let seed = u32::try_from(index).unwrap_or_default();
             let radius_m = snap.disabled_if(true).size(radius_m);

@@ -9,7 +9,6 @@ mod tools;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::items::bounding_radius;
 use super::limits::item_count;
 use super::points::to_mm;
 use super::*;
@@ -171,7 +170,7 @@ fn what_is_added_stands_in_the_clear() {
         assert_eq!(editor.selection(), Selection::Obstacle(k));
         let added = others.obstacles.remove(k);
         assert!(
-            clearance(&others, added.position_m, 0) >= bounding_radius(&added.shape),
+            clearance(&others, added.position_m, 0) >= added.shape.bounding_radius_m(),
             "{form:?} {added:?}"
         );
         let on_grid = (added.position_m.0 / 0.05).round() * 0.05;

@@ -2,7 +2,8 @@
 
 use super::super::handle::{Handle, HandleKind};
 use super::super::points::{Point, place_text};
-use super::{Body, DragTarget, Editable, corners};
+use super::editable::{Body, DragTarget, Editable};
+use super::corners;
 use crate::scenario::Scenario;
 
 pub(super) struct BenchmarkGoalItem;

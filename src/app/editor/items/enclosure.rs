@@ -3,7 +3,8 @@
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::{ENCLOSURE_CORNERS, MIN_ENCLOSURE_M};
 use super::super::points::Point;
-use super::{Body, DragTarget, Editable, corners, rectangles};
+use super::editable::{Body, DragTarget, Editable};
+use super::{corners, rectangles};
 use crate::scenario::{Enclosure, Scenario};
 
 pub(super) struct EnclosureItem;

@@ -2,7 +2,8 @@
 
 use super::super::handle::{Handle, HandleKind};
 use super::super::points::Point;
-use super::{Body, DragTarget, Editable, ListItem, corners, numbered, rectangles, remove_at};
+use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
+use super::{corners, rectangles};
 use crate::scenario::{Region, Scenario};
 
 pub(super) struct GeneratorItem(pub usize);

@@ -4,9 +4,8 @@ use super::super::free_space;
 use super::super::handle::{Handle, HandleKind};
 use super::super::points::{Point, plus};
 use super::super::snap::Snap;
-use super::{
-    Body, DragTarget, Editable, ListItem, bounding_radius, numbered, obstacle_body, obstacle_path, remove_at,
-};
+use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
+use super::{obstacle_body, obstacle_path};
 use crate::scenario::{ObstacleMotion, Scenario, shape_distance};
 
 pub(super) struct ObstacleItem(pub usize);
@@ -86,7 +85,7 @@ impl Editable for ObstacleItem {
 
     fn copy_anchor_m(&self, scenario: &Scenario, others: &Scenario, snap: Snap) -> Option<Point> {
         let obstacle = scenario.obstacles.get(self.0)?;
-        let radius_m = bounding_radius(&obstacle.shape);
+        let radius_m = obstacle.shape.bounding_radius_m();
         let wanted = plus(obstacle.position_m, (2.0 * radius_m + 0.1, 0.0));
         Some(free_space::nearest(others, wanted, radius_m, snap))
     }

@@ -10,21 +10,12 @@ use super::super::points::{
 };
 use super::super::snap::Snap;
 use super::rectangles::SIDES;
-use super::{DragTarget, corners, obstacle_path};
+use super::editable::DragTarget;
+use super::{corners, obstacle_path};
 use crate::scenario::{Obstacle, Shape};
 
 /// Distance of the rotation handle from the shape, in m.
 const ROTATION_HANDLE_M: f32 = 0.15;
-
-/// Distance from the shape's centre to its farthest point, in m.
-pub(in super::super) fn bounding_radius(shape: &Shape) -> f32 {
-    match shape {
-        Shape::Circle { radius_m } => *radius_m,
-        Shape::Rectangle { width_m, height_m } => (width_m / 2.0).hypot(height_m / 2.0),
-        Shape::Polygon { corners_m } => corners_m.iter().map(|&(x, y)| x.hypot(y)).fold(0.0, f32::max),
-        Shape::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
-    }
-}
 
 /// Whether rotating the shape changes it.
 pub(super) fn can_rotate(shape: &Shape) -> bool {
@@ -40,7 +31,7 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
     let frame = frame_of(obstacle);
     let mut handles = shape_handles(&obstacle.shape, frame);
     if can_rotate(&obstacle.shape) {
-        let at = frame.to_world((bounding_radius(&obstacle.shape) + ROTATION_HANDLE_M, 0.0));
+        let at = frame.to_world((obstacle.shape.bounding_radius_m() + ROTATION_HANDLE_M, 0.0));
         handles.push(Handle::new(HandleKind::Rotate, at, degrees_text(obstacle.rotation_rad), "Rotate"));
     }
     let at = obstacle.position_m;

@@ -3,7 +3,8 @@
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::MAX_POINTS;
 use super::super::points::{Point, distance, format_metres, middle, place_text, plus, point_to_mm};
-use super::{DragTarget, corners};
+use super::editable::DragTarget;
+use super::corners;
 use crate::scenario::{Obstacle, ObstacleMotion};
 
 /// Handles of the path, the orbit or the random walk.

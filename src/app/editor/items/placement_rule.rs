@@ -3,8 +3,10 @@
 use super::super::handle::{Handle, HandleKind};
 use super::super::kinds::PlacementRole;
 use super::super::points::{LocalFrame, Point, degrees_text, distance, place_text};
-use super::{Body, DragTarget, Editable, corners, rectangles};
-use crate::scenario::{PlacementRule, Region, Scenario};
+use super::editable::{Body, DragTarget, Editable};
+use super::rule_points::{places, points_mut, region};
+use super::{corners, rectangles};
+use crate::scenario::{PlacementRule, Scenario};
 
 /// Distance of the heading handle from its start, in m.
 const HEADING_HANDLE_M: f32 = 0.3;
@@ -126,31 +128,4 @@ impl Editable for RuleItem {
 pub(super) fn heading_handle(start_m: Point, heading_rad: f32) -> Handle {
     let tip = LocalFrame::new(start_m, heading_rad).to_world((HEADING_HANDLE_M, 0.0));
     Handle::new(HandleKind::Rotate, tip, degrees_text(heading_rad), "Turn the heading")
-}
-
-/// The given positions of a rule, in m.
-pub(in super::super) fn places(rule: &PlacementRule) -> &[Point] {
-    match rule {
-        PlacementRule::Fixed { position_m, .. } => std::slice::from_ref(position_m),
-        PlacementRule::OneOf { positions_m } => positions_m,
-        PlacementRule::Random { .. } | PlacementRule::Within { .. } => &[],
-    }
-}
-
-/// The region of a rule.
-pub(in super::super) fn region(rule: &PlacementRule) -> Option<Region> {
-    match *rule {
-        PlacementRule::Within { min_m, max_m, .. } => Some(Region { min_m, max_m }),
-        _ => None,
-    }
-}
-
-/// All points of a rule: its positions, or the corners of its region.
-fn points_mut(rule: &mut PlacementRule) -> Vec<&mut Point> {
-    match rule {
-        PlacementRule::Random { .. } => Vec::new(),
-        PlacementRule::Within { min_m, max_m, .. } => vec![min_m, max_m],
-        PlacementRule::Fixed { position_m, .. } => vec![position_m],
-        PlacementRule::OneOf { positions_m } => positions_m.iter_mut().collect(),
-    }
 }

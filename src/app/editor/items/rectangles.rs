@@ -2,7 +2,7 @@
 
 use super::super::handle::{Handle, HandleKind};
 use super::super::points::{Point, middle, minus, plus, point_to_mm, size_text};
-use super::DragTarget;
+use super::editable::DragTarget;
 use crate::scenario::Region;
 
 /// The sides of a rectangle, then its corners, as directions from its centre.

@@ -3,7 +3,8 @@
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::WALL_CORNERS;
 use super::super::points::{Point, minus};
-use super::{Body, DragTarget, Editable, ListItem, corners, numbered, remove_at};
+use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
+use super::corners;
 use crate::scenario::{Scenario, inner_wall_distance};
 
 pub(super) struct WallItem(pub usize);

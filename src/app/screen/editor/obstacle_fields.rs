@@ -92,14 +92,14 @@ fn motion_rows(rows: &mut FieldRows<'_>, obstacle: &mut Obstacle) {
         ObstacleMotion::Patrol { waypoints_m, speed_m_s }
         | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
             rows.number("Speed", "Along the path", speed_m_s, NumberSpec::SPEED);
-            rows.positions("Waypoint", waypoints_m, 1);
+            rows.positions("Point", waypoints_m, 1);
             if let Some((corners, closed)) = path {
                 rows.ui.label(weak_text(&round_trip(&corners, closed, *speed_m_s)));
             }
         }
         ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed } => {
             let reach = NumberSpec::length(0.01, 500.0);
-            rows.number("Radius", "Largest distance from its position", radius_m, reach);
+            rows.number("Walk radius", "Largest distance from its position", radius_m, reach);
             rows.number("Speed", "Largest speed", speed_m_s, NumberSpec::SPEED);
             rows.count("Seed", "Obstacles with the same seed walk alike", seed, 0..=u32::MAX);
         }
