@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use bevy::math::vec2;
 use wayfield::agent::ActiveLearner;
 use wayfield::app::commands::{Command, MoveRequest, Pace, SaveKind, SessionMode};
 use wayfield::app::session::journal::{ReplayResult, verify};
@@ -84,7 +85,7 @@ fn two_thousand_steps_in_the_window_learn_what_a_bare_loop_learns() {
             15 => headless_app.command(Command::SetMode(SessionMode::Drive)),
             16 => headless_app.command(Command::Steer(0)),
             17 => headless_app.command(Command::Open(policy.clone())),
-            18 => headless_app.command(Command::Move(MoveRequest::Robot { arena: 0, to_m: (1.2, 0.1) })),
+            18 => headless_app.command(Command::Move(MoveRequest::Robot { arena: 0, to_m: vec2(1.2, 0.1) })),
             20 => headless_app.command(Command::SetMode(SessionMode::Train)),
             22 => headless_app.command(Command::SetPace(Pace::Times(7.0))),
             24 => headless_app.view_state().overlays = everything,
@@ -117,7 +118,7 @@ fn nudge(headless_app: &mut HeadlessApp, index: usize) {
     headless_app.command(Command::Move(MoveRequest::Obstacle {
         arena: 0,
         index,
-        to_m: (x + 0.04, y - 0.03),
+        to_m: vec2(x + 0.04, y - 0.03),
     }));
 }
 
@@ -128,10 +129,10 @@ fn what_the_hand_does_can_be_had_again() {
     headless_app.step_to(150);
     // Dragged over several places between two steps: the last one counts.
     for x_m in [1.3, 1.4, 1.5] {
-        headless_app.command(Command::Move(MoveRequest::Goal { arena: 0, to_m: (x_m, 0.0) }));
+        headless_app.command(Command::Move(MoveRequest::Goal { arena: 0, to_m: vec2(x_m, 0.0) }));
     }
     headless_app.step_to(180);
-    headless_app.command(Command::Move(MoveRequest::Robot { arena: 3, to_m: (-1.4, 0.2) }));
+    headless_app.command(Command::Move(MoveRequest::Robot { arena: 3, to_m: vec2(-1.4, 0.2) }));
     nudge(&mut headless_app, 1);
     headless_app.step_to(240);
     // The world is changed while somebody else drives; the training finds it changed.
@@ -165,13 +166,13 @@ fn the_hand_cannot_put_things_where_they_cannot_be() {
     headless_app.step_to(3);
     let before = state(headless_app.world());
     for nowhere in [
-        MoveRequest::Goal { arena: 0, to_m: (9.0, 0.0) },
-        MoveRequest::Goal { arena: 99, to_m: (0.0, 0.0) },
-        MoveRequest::Robot { arena: 0, to_m: (1.95, 1.95) },
-        MoveRequest::Robot { arena: 0, to_m: (f32::NAN, 0.0) },
-        MoveRequest::Obstacle { arena: 0, index: 0, to_m: (5.0, 5.0) },
-        MoveRequest::Obstacle { arena: 0, index: 99, to_m: (0.0, 0.0) },
-        MoveRequest::Obstacle { arena: 99, index: 0, to_m: (0.6, 0.6) },
+        MoveRequest::Goal { arena: 0, to_m: vec2(9.0, 0.0) },
+        MoveRequest::Goal { arena: 99, to_m: vec2(0.0, 0.0) },
+        MoveRequest::Robot { arena: 0, to_m: vec2(1.95, 1.95) },
+        MoveRequest::Robot { arena: 0, to_m: vec2(f32::NAN, 0.0) },
+        MoveRequest::Obstacle { arena: 0, index: 0, to_m: vec2(5.0, 5.0) },
+        MoveRequest::Obstacle { arena: 0, index: 99, to_m: vec2(0.0, 0.0) },
+        MoveRequest::Obstacle { arena: 99, index: 0, to_m: vec2(0.6, 0.6) },
     ] {
         headless_app.command(Command::Move(nowhere));
         headless_app.frame(Duration::from_millis(10));
@@ -202,7 +203,7 @@ fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_it_is_seen() {
         headless_app.frame(Duration::from_millis(10));
     }
     let (x, y, _) = headless_app.shown().0.arenas[running].obstacles[3];
-    let to_m = (x + 0.03, y + 0.02);
+    let to_m = vec2(x + 0.03, y + 0.02);
     headless_app.command(Command::Move(MoveRequest::Obstacle { arena: running, index: 3, to_m }));
     headless_app.frame(Duration::from_millis(10));
     let (now_x, now_y, _) = headless_app.shown().0.arenas[running].obstacles[3];
@@ -243,7 +244,7 @@ fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between()
     let mut headless_app = HeadlessApp::new(first(9));
     headless_app.command(Command::Pause(true));
     headless_app.step_to(120);
-    headless_app.command(Command::Move(MoveRequest::Goal { arena: 2, to_m: (1.5, 0.1) }));
+    headless_app.command(Command::Move(MoveRequest::Goal { arena: 2, to_m: vec2(1.5, 0.1) }));
     headless_app.step_to(200);
     headless_app.command(Command::Save(SaveKind::Run, first_run.clone()));
     headless_app.frame(Duration::from_millis(10));

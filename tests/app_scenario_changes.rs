@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use bevy::math::vec2;
 use wayfield::app::commands::{Command, MoveRequest, Pace, SaveKind, SessionMode};
 use wayfield::app::session::StartOptions;
 use wayfield::app::session::journal::{ReplayResult, verify};
@@ -51,7 +52,7 @@ fn wait(headless_app: &mut HeadlessApp, what: &str, done: impl Fn(&HeadlessApp) 
 }
 
 fn x_m(headless_app: &HeadlessApp) -> f32 {
-    headless_app.shown().0.scenario.obstacles[0].position_m.0
+    headless_app.shown().0.scenario.obstacles[0].position_m.x
 }
 
 fn told(headless_app: &HeadlessApp, words: &str) -> bool {
@@ -175,7 +176,7 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
     headless_app.command(Command::Pause(true));
     headless_app.step_to(60);
     let mut edited = Scenario::clone(&headless_app.shown().0.scenario);
-    edited.obstacles[0].position_m = (0.9, 0.9);
+    edited.obstacles[0].position_m = vec2(0.9, 0.9);
     let take = |scenario: &Scenario, again| Command::ApplyScenario {
         scenario: Arc::new(scenario.clone()),
         from: "scenario-1".into(),
@@ -187,7 +188,7 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
     headless_app.command(take(&edited, false));
     headless_app.frame(Duration::from_millis(10));
     assert_eq!(headless_app.error_notices(), Vec::<String>::new());
-    assert_eq!(headless_app.shown().0.scenario.obstacles[0].position_m, (0.9, 0.9));
+    assert_eq!(headless_app.shown().0.scenario.obstacles[0].position_m, vec2(0.9, 0.9));
     assert_eq!(
         (headless_app.shown().1.mode, headless_app.shown().1.env_steps),
         (SessionMode::Test, learnt),
@@ -204,7 +205,7 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
 
     // What can't be is refused, and nothing happens.
     let mut wrong = edited.clone();
-    wrong.obstacles[0].position_m = (1.95, 0.9);
+    wrong.obstacles[0].position_m = vec2(1.95, 0.9);
     headless_app.command(take(&wrong, false));
     headless_app.frame(Duration::from_millis(10));
     assert!(told(&headless_app, "beyond the enclosure"), "{:?}", headless_app.error_notices());
@@ -225,7 +226,7 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
     noisy.lidar.noise_std_m = 0.02;
     headless_app.command(take(&noisy, false));
     for x_m in [0.05, 0.1] {
-        headless_app.command(Command::Move(MoveRequest::Robot { arena: 1, to_m: (x_m, 0.0) }));
+        headless_app.command(Command::Move(MoveRequest::Robot { arena: 1, to_m: vec2(x_m, 0.0) }));
     }
     headless_app.frame(Duration::from_millis(10));
     headless_app.step_to(140);
@@ -236,7 +237,7 @@ fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
 
     headless_app.command(take(&edited, true));
     headless_app.frame(Duration::from_millis(10));
-    assert_eq!(headless_app.shown().0.scenario.obstacles[0].position_m, (0.9, 0.9));
+    assert_eq!(headless_app.shown().0.scenario.obstacles[0].position_m, vec2(0.9, 0.9));
     assert!(headless_app.steps() < 60, "a new training");
     assert!(headless_app.shown().1.scenario_modified && !headless_app.shown().1.is_paper_scenario_1);
 }
@@ -250,7 +251,7 @@ fn an_edited_world_is_saved_with_the_comments_of_its_file_and_opened_to_be_edite
     let mut headless_app = HeadlessApp::new(StartOptions { paused: true, ..first(&file) });
     headless_app.frame(Duration::from_millis(10));
     let mut edited = Scenario::clone(&headless_app.shown().0.scenario);
-    edited.obstacles[0].position_m = (3.0, 0.6);
+    edited.obstacles[0].position_m = vec2(3.0, 0.6);
     let scenario = Arc::new(edited.clone());
     let like = file.display().to_string();
     headless_app.command(Command::SaveScenario {

@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use bevy::math::{Vec2, vec2};
 use bevy::ecs::message::Messages;
 use wayfield::agent::ActiveLearner;
 use wayfield::learning::Learner;
@@ -115,11 +116,11 @@ fn course_is_open(world: &Scenario) -> bool {
     world.obstacles.retain(|obstacle| obstacle.motion == ObstacleMotion::Static);
     let side = 0.05_f32;
     let (low, high) = world.enclosure.bounds_m();
-    let columns = ((high.0 - low.0) / side) as usize + 1;
-    let rows = ((high.1 - low.1) / side) as usize + 1;
-    let place = |column: usize, row: usize| (low.0 + column as f32 * side, low.1 + row as f32 * side);
+    let columns = ((high.x - low.x) / side) as usize + 1;
+    let rows = ((high.y - low.y) / side) as usize + 1;
+    let place = |column: usize, row: usize| vec2(low.x + column as f32 * side, low.y + row as f32 * side);
     let cell =
-        |(x, y): (f32, f32)| (((x - low.0) / side).round() as usize, ((y - low.1) / side).round() as usize);
+        |Vec2 { x, y }: Vec2| (((x - low.x) / side).round() as usize, ((y - low.y) / side).round() as usize);
     let free = |column, row| clearance(&world, place(column, row), 0) > world.task.collision_range_m;
     let (start, goal) = (cell(world.benchmark_route.start_m), cell(world.benchmark_route.goal_m));
     let mut seen = vec![false; columns * rows];
@@ -153,7 +154,7 @@ fn the_ends_of_each_course_are_connected() {
         }
     }
     let mut shut = shipped::scenario("doorway").expect("it is shipped");
-    shut.walls[0].corners_m = vec![(0.0, 2.0), (0.0, -2.0)];
+    shut.walls[0].corners_m = vec![vec2(0.0, 2.0), (0.0, -2.0)];
     assert!(!course_is_open(&shut), "a shut door is seen");
 }
 

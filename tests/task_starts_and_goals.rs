@@ -2,14 +2,15 @@
 
 mod common;
 
+use bevy::math::{Vec2, vec2};
 use common::{Lab, closed_form};
 use wayfield::scenario::{PlacementRule, Scenario, Shape};
 use wayfield::sim;
 use wayfield::task::{Arena, ArenaState, EpisodeSetup, RewardConfig, TaskFault, TaskMode};
 
-fn assert_clear(scenario: &Scenario, state: &ArenaState, what: &str, at: (f32, f32), rule: &PlacementRule) {
+fn assert_clear(scenario: &Scenario, state: &ArenaState, what: &str, at: Vec2, rule: &PlacementRule) {
     let PlacementRule::Random { clearance_m } = *rule else { panic!("random places") };
-    let clear = closed_form::clearance(scenario, state.clock.0, (f64::from(at.0), f64::from(at.1)));
+    let clear = closed_form::clearance(scenario, state.clock.0, (f64::from(at.x), f64::from(at.y)));
     assert!(
         clear > f64::from(clearance_m) - 1e-6,
         "clock {}: the {what} {at:?} is {clear} m from something, the rule asks for {clearance_m} m",
@@ -84,7 +85,7 @@ fn the_course_always_begins_and_ends_at_the_same_places() {
 
 #[test]
 fn no_room_for_a_start_is_reported_and_names_the_arena() {
-    let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, (0.0, 0.0), 0.0);
+    let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
     let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
     let lab = Lab::new(&scenario, 1, 1);
     let fault = lab.app.world().resource::<TaskFault>().0.clone().expect("the fault is there to be seen");

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
+use bevy::math::Vec2;
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::Scenario;
@@ -57,14 +58,14 @@ pub enum MoveRequest {
         /// Which arena.
         arena: usize,
         /// Where to, in m.
-        to_m: (f32, f32),
+        to_m: Vec2,
     },
     /// The robot of an arena; its heading stays.
     Robot {
         /// Which arena.
         arena: usize,
         /// Where to, in m.
-        to_m: (f32, f32),
+        to_m: Vec2,
     },
     /// An obstacle, in all arenas: the world itself is another then.
     Obstacle {
@@ -73,7 +74,7 @@ pub enum MoveRequest {
         /// Its number in the scenario.
         index: usize,
         /// Where its middle is to be there now, in m.
-        to_m: (f32, f32),
+        to_m: Vec2,
     },
 }
 

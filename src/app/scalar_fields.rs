@@ -62,20 +62,20 @@ struct FieldGrid {
 impl FieldGrid {
     fn over(scenario: &Scenario) -> Self {
         let (min, max) = scenario.enclosure.bounds_m();
-        let (width_m, height_m) = (max.0 - min.0, max.1 - min.1);
+        let (width_m, height_m) = (max.x - min.x, max.y - min.y);
         let longer = width_m.max(height_m);
         let points = |side: f32| ((POINTS as f32 * side / longer).round() as usize).max(2);
         Self { size: [points(width_m), points(height_m)], min_m: min.into(), max_m: max.into() }
     }
 
     /// The middle of each cell, row by row from the bottom.
-    fn points_m(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
+    fn points_m(&self) -> impl Iterator<Item = Vec2> + '_ {
         let at = |k: usize, axis: usize| {
             let (min, max) = (self.min_m[axis], self.max_m[axis]);
             min + (max - min) * (k as f32 + 0.5) / self.size[axis] as f32
         };
         (0..self.size[1])
-            .flat_map(move |row| (0..self.size[0]).map(move |column| (at(column, 0), at(row, 1))))
+            .flat_map(move |row| (0..self.size[0]).map(move |column| vec2(at(column, 0), at(row, 1))))
     }
 
     fn field(&self, values: Vec<f32>, version: u64) -> Arc<ScalarField> {
@@ -144,11 +144,11 @@ pub(super) fn compute_scalar_fields(
     let mut observations = Vec::new();
     let mut potentials = Vec::new();
     let width = observation::width(scenario.lidar.beams);
-    for (x_m, y_m) in grid.points_m() {
+    for Vec2 { x: x_m, y: y_m } in grid.points_m() {
         let there = Pose { x_m, y_m, heading_rad: pose.heading_rad };
         scan_from(&there, &mut scan);
         // From beyond a wall, or within one, the beams may see far.
-        let free = scan.nearest_m >= scenario.task.collision_range_m && is_floor(scenario, (x_m, y_m));
+        let free = scan.nearest_m >= scenario.task.collision_range_m && is_floor(scenario, vec2(x_m, y_m));
         let potential = reward.potential(there.distance_m(goal), scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
         if asked.value {
@@ -177,7 +177,7 @@ pub(super) fn compute_scalar_fields(
 }
 
 /// Whether a point is within the enclosure and not within an inner wall.
-fn is_floor(scenario: &Scenario, point_m: (f32, f32)) -> bool {
+fn is_floor(scenario: &Scenario, point_m: Vec2) -> bool {
     enclosure_distance(&scenario.enclosure, point_m) > 0.0
         && scenario.walls.iter().all(|wall| inner_wall_distance(wall, point_m) > 0.0)
 }
@@ -205,8 +205,8 @@ mod tests {
 
     #[test]
     fn the_grid_lies_over_the_box_around_an_l_and_its_notch_is_no_floor() {
-        let corners_m = vec![(1.0, 0.0), (5.0, 0.0), (5.0, 1.0), (3.0, 1.0), (3.0, 2.0), (1.0, 2.0)];
-        let wall = Wall { corners_m: vec![(1.0, 0.5), (2.0, 0.5)], thickness_m: 0.1 };
+        let corners_m = vec![vec2(1.0, 0.0), vec2(5.0, 0.0), vec2(5.0, 1.0), vec2(3.0, 1.0), vec2(3.0, 2.0), vec2(1.0, 2.0)];
+        let wall = Wall { corners_m: vec![vec2(1.0, 0.5), vec2(2.0, 0.5)], thickness_m: 0.1 };
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
             walls: vec![wall],
@@ -216,7 +216,7 @@ mod tests {
         assert_eq!((grid.size, grid.min_m, grid.max_m), ([POINTS, POINTS / 2], [1.0, 0.0], [5.0, 2.0]));
         assert_eq!(grid.points_m().count(), POINTS * POINTS / 2);
         for (point, floor) in
-            [((2.0, 1.5), true), ((4.0, 1.5), false), ((1.5, 0.52), false), ((1.5, 0.6), true)]
+            [(vec2(2.0, 1.5), true), (vec2(4.0, 1.5), false), (vec2(1.5, 0.52), false), (vec2(1.5, 0.6), true)]
         {
             assert_eq!(is_floor(&scenario, point), floor, "{point:?}");
         }

@@ -179,7 +179,7 @@ fn benchmark_route(
     let (scenario, layout_seed, clock) = world
         .ok_or_else(|| RunError::Failed("a figure of a benchmark route needs at least one arm".into()))?;
     let benchmark_route = &scenario.benchmark_route;
-    let start = (benchmark_route.start_m.0, benchmark_route.start_m.1, benchmark_route.heading_rad);
+    let start = (benchmark_route.start_m.x, benchmark_route.start_m.y, benchmark_route.heading_rad);
     let generated = scenario.with_generated_obstacles(layout_seed);
     if let Some(plan) = plan_path(&generated, start, benchmark_route.goal_m, clock, Resolution::default()) {
         let name = format!("the planner {:.1} s", plan.time_s);

@@ -131,7 +131,7 @@ pub fn round_to_microsecond(seconds: f64) -> f64 {
 pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<StepBounds> {
     let of = |n: &EpisodeResult| {
         let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let goal = (n.goal.x_m, n.goal.y_m);
+        let goal = vec2(n.goal.x_m, n.goal.y_m);
         if scenario.generators.is_empty() {
             return planner::step_bounds(scenario, start, goal, n.clock.0, Resolution::default());
         }

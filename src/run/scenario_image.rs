@@ -2,6 +2,7 @@
 //!
 //! In: a scenario. Out: the plan that figures of it start from, and a small picture of it as an SVG or PNG file.
 
+use bevy::math::{Vec2, vec2};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Write;
 use std::path::Path;
@@ -75,7 +76,7 @@ fn heading(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Option<f64> 
 /// What an obstacle covers at the step `clock`.
 fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Silhouette {
     let (x, y, turn) = pose_at(obstacle, clock, scenario.task.control_period_s);
-    let (x, y) = wide((x, y));
+    let (x, y) = wide(vec2(x, y));
     let (sin, cos) = f64::from(turn).sin_cos();
     let place = |(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy);
     let own: Vec<(f64, f64)> = match &obstacle.shape {
@@ -116,7 +117,7 @@ fn track(obstacle: &Obstacle) -> Option<Track> {
     }
 }
 
-fn wide((x, y): (f32, f32)) -> (f64, f64) {
+fn wide(Vec2 { x, y }: Vec2) -> (f64, f64) {
     (f64::from(x), f64::from(y))
 }
 
@@ -126,7 +127,7 @@ mod tests {
     use crate::scenario::{Enclosure, Generator, RandomShape, Wall};
 
     fn obstacle(shape: Shape, motion: ObstacleMotion) -> Obstacle {
-        Obstacle { shape, position_m: (1.0, 0.0), rotation_rad: std::f32::consts::FRAC_PI_2, motion }
+        Obstacle { shape, position_m: vec2(1.0, 0.0), rotation_rad: std::f32::consts::FRAC_PI_2, motion }
     }
 
     fn assert_near(found: &[(f64, f64)], expected: &[(f64, f64)]) {
@@ -137,13 +138,13 @@ mod tests {
 
     #[test]
     fn the_plan_shows_what_stands_and_moves_where_it_is() {
-        let corners_m = vec![(-3.0, -2.0), (3.0, -2.0), (0.0, 2.0)];
+        let corners_m = vec![vec2(-3.0, -2.0), vec2(3.0, -2.0), vec2(0.0, 2.0)];
         let rectangle = Shape::Rectangle { width_m: 0.4, height_m: 0.2 };
-        let waypoints_m = vec![(1.0, 1.0), (0.0, 1.0)];
+        let waypoints_m = vec![vec2(1.0, 1.0), vec2(0.0, 1.0)];
         let rod = Shape::Capsule { length_m: 1.0, radius_m: 0.25 };
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
-            walls: vec![Wall { corners_m: vec![(0.0, 0.0), (0.0, 1.0)], thickness_m: 0.2 }],
+            walls: vec![Wall { corners_m: vec![vec2(0.0, 0.0), vec2(0.0, 1.0)], thickness_m: 0.2 }],
             obstacles: vec![
                 obstacle(rectangle, ObstacleMotion::Static),
                 obstacle(rod, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.5 }),
@@ -196,7 +197,7 @@ mod tests {
     #[test]
     fn rings_show_an_orbit_and_the_reach_of_a_random_walk() {
         let disc = || Shape::Circle { radius_m: 0.1 };
-        let orbit = ObstacleMotion::Orbit { centre_m: (1.0, 2.0), speed_rad_s: 0.1 };
+        let orbit = ObstacleMotion::Orbit { centre_m: vec2(1.0, 2.0), speed_rad_s: 0.1 };
         assert_eq!(track(&obstacle(disc(), orbit)), Some(Track::Ring(1.0, 2.0, 2.0)));
         let walk = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
         assert_eq!(track(&obstacle(disc(), walk)), Some(Track::Ring(1.0, 0.0, 0.5)));

@@ -151,7 +151,7 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
         }
     }
     let inner = scenario.walls.iter().flat_map(|wall| wall.segments());
-    let inner = inner.map(|Obstacle { shape, position_m: (x, y), rotation_rad, .. }| {
+    let inner = inner.map(|Obstacle { shape, position_m: Vec2 { x, y }, rotation_rad, .. }| {
         (collider(&shape), at(x, y, rotation_rad))
     });
     for (index, (collider, at)) in around(&scenario.enclosure).into_iter().chain(inner).enumerate() {
@@ -177,7 +177,7 @@ fn around(enclosure: &Enclosure) -> Vec<(Collider, Transform)> {
                 .into()
         }
         Enclosure::Polygon { .. } => {
-            let side = |(from, to): ((f32, f32), (f32, f32))| {
+            let side = |(from, to): (Vec2, Vec2)| {
                 (Collider::segment(from.into(), to.into()), Transform::IDENTITY)
             };
             polygon::sides(&enclosure.corners_m()).map(side).collect()

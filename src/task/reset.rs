@@ -100,8 +100,8 @@ pub(super) fn draw(
 /// The benchmark route.
 fn course(scenario: &Scenario) -> StartAndGoalDraw {
     let course = &scenario.benchmark_route;
-    let start = Pose { x_m: course.start_m.0, y_m: course.start_m.1, heading_rad: course.heading_rad };
-    (Some(start), Goal { x_m: course.goal_m.0, y_m: course.goal_m.1 })
+    let start = Pose { x_m: course.start_m.x, y_m: course.start_m.y, heading_rad: course.heading_rad };
+    (Some(start), Goal { x_m: course.goal_m.x, y_m: course.goal_m.y })
 }
 
 /// A goal for a robot that `stays` where it is; if there is none far enough, or it doesn't stay, a start, too.
@@ -112,12 +112,12 @@ fn draw_for(
     streams: &mut Streams,
 ) -> Result<StartAndGoalDraw, NoFreeSpace> {
     let stream = &mut streams.places;
-    let for_it = stays.map(|pose| draw_goal(scenario, step, (pose.x_m, pose.y_m), stream));
-    if let Some(Ok((x_m, y_m))) = for_it {
+    let for_it = stays.map(|pose| draw_goal(scenario, step, vec2(pose.x_m, pose.y_m), stream));
+    if let Some(Ok(Vec2 { x: x_m, y: y_m })) = for_it {
         return Ok((None, Goal { x_m, y_m }));
     }
     let ((x_m, y_m, heading_rad), goal) = draw_start_and_goal(scenario, step, stream)?;
-    Ok((Some(Pose { x_m, y_m, heading_rad }), Goal { x_m: goal.0, y_m: goal.1 }))
+    Ok((Some(Pose { x_m, y_m, heading_rad }), Goal { x_m: goal.x, y_m: goal.y }))
 }
 
 /// `Observe`, last: nothing is owed any more.

@@ -1,5 +1,6 @@
 //! The hand on the world: what is held stays where it is held, and says in which arena.
 
+use bevy::math;
 use egui::{Event, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use wayfield::app::commands::{Command, MoveRequest};
@@ -8,7 +9,7 @@ use super::{Window, release_event, sent_commands, settle, window};
 use crate::screen_fixture::ScreenFixture;
 
 /// Where a point of the followed arena is on the screen.
-fn screen_pos(window: &Window, (x_m, y_m): (f32, f32)) -> Pos2 {
+fn screen_pos(window: &Window, math::Vec2 { x: x_m, y: y_m }: math::Vec2) -> Pos2 {
     let followed = format!("Arena {}", window.state().view_state.followed + 1);
     let view = window.get_by_label(&followed).rect().expand2(vec2(4.0, 0.0));
     // The enclosure is 4 m by 4 m; around it is room for the legend.
@@ -17,7 +18,7 @@ fn screen_pos(window: &Window, (x_m, y_m): (f32, f32)) -> Pos2 {
 }
 
 /// Takes hold of what is at `at_m` and drags it a little; gives what was ordered, and what is while the pointer rests.
-fn drag(window: &mut Window, at_m: (f32, f32)) -> (Vec<Command>, Vec<Command>) {
+fn drag(window: &mut Window, at_m: math::Vec2) -> (Vec<Command>, Vec<Command>) {
     let at = screen_pos(window, at_m);
     window.hover_at(at);
     settle(window);
@@ -42,14 +43,14 @@ fn drag(window: &mut Window, at_m: (f32, f32)) -> (Vec<Command>, Vec<Command>) {
     (moved, rested)
 }
 
-fn robot(window: &Window) -> (f32, f32) {
+fn robot(window: &Window) -> math::Vec2 {
     let arena = &window.state().scene.arenas[window.state().view_state.followed];
-    (arena.pose.x_m, arena.pose.y_m)
+    math::vec2(arena.pose.x_m, arena.pose.y_m)
 }
 
-fn goal(window: &Window) -> (f32, f32) {
+fn goal(window: &Window) -> math::Vec2 {
     let arena = &window.state().scene.arenas[window.state().view_state.followed];
-    (arena.goal.x_m, arena.goal.y_m)
+    math::vec2(arena.goal.x_m, arena.goal.y_m)
 }
 
 #[test]
@@ -73,11 +74,11 @@ fn an_obstacle_moves_with_the_pointer_alone_and_says_in_which_arena() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.view_state.followed = 2;
     let mut window = window(screen_fixture);
-    let (moved, rested) = drag(&mut window, (-0.6, -0.6));
+    let (moved, rested) = drag(&mut window, math::vec2(-0.6, -0.6));
     let [Command::Move(MoveRequest::Obstacle { arena: 2, index: 2, to_m })] = moved[..] else {
         panic!("{moved:?}")
     };
-    assert!((to_m.0 + 0.6).abs() < 1e-3 && to_m.1 < -0.6, "{to_m:?}");
+    assert!((to_m.x + 0.6).abs() < 1e-3 && to_m.y < -0.6, "{to_m:?}");
     assert_eq!(rested, []);
 }
 

@@ -61,7 +61,7 @@ fn towards_nearest(colliders: &ColliderSet, solids: &[ColliderHandle], at: Vec2)
 fn any_place(room: &Scenario, stream: &mut Stream) -> (Point, f64) {
     let (low, high) = room.enclosure.bounds_m();
     loop {
-        let at = (uniform(stream, low.0, high.0), uniform(stream, low.1, high.1));
+        let at = (uniform(stream, low.x, high.x), uniform(stream, low.y, high.y));
         let clear = closed_form::clearance(room, 0, wide(at));
         let outside = closed_form::clearance(&walls_only(room), 0, wide(at)) < 0.0;
         if !outside {

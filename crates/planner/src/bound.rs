@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::MARGIN_M;
 use super::configuration_space::{GoalRegion, InflatedObstacle, State, distance, static_obstacles};
+use glam::Vec2;
 use wayfield_scenario::{Obstacle, Scenario, polygon, pose_at};
 
 /// Corners of the polygon in a circle.
@@ -27,7 +28,7 @@ pub(super) struct LowerBound {
 }
 
 impl LowerBound {
-    pub(super) fn new(scenario: &Scenario, start: (f32, f32, f32), goal: (f32, f32)) -> Self {
+    pub(super) fn new(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2) -> Self {
         let period = f64::from(scenario.task.control_period_s);
         let motions = &scenario.robot.motions;
         let stride = motions.iter().map(|m| f64::from(m.v_m_s).abs() * period).fold(0.0, f64::max);
@@ -141,7 +142,7 @@ impl Geodesic {
         }
         let period = scenario.task.control_period_s;
         let from_line = |o: &Obstacle| {
-            let at = (f64::from(o.position_m.0), f64::from(o.position_m.1));
+            let at = (f64::from(o.position_m.x), f64::from(o.position_m.y));
             distance(start, at) + distance(at, goal)
         };
         let mut still: Vec<_> = static_obstacles(scenario).collect();
@@ -163,7 +164,7 @@ impl Geodesic {
             points.extend(outline);
         }
         // No way bends outside a rectangle that holds it all: the robot's centre's, and the target besides.
-        let (_, (half_width, half_height)) = scenario.enclosure.bounds_m();
+        let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
         let (reach_x, reach_y) = (f64::from(half_width) - range, f64::from(half_height) - range);
         let (reach_x, reach_y) = (reach_x.max(goal_region.x.abs()), reach_y.max(goal_region.y.abs()));
         points.retain(|&(x, y)| x.abs() <= reach_x && y.abs() <= reach_y);

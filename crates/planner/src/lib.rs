@@ -24,6 +24,7 @@ mod bound;
 mod configuration_space;
 mod search;
 
+use glam::Vec2;
 use bound::LowerBound;
 use configuration_space::{ConfigurationSpace, GoalRegion};
 use search::{LOOKAHEAD_STATES, SearchLimits, StateGrid, search, search_lower_bound};
@@ -116,7 +117,7 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
 pub fn plan_path(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     resolution: Resolution,
 ) -> Option<TimedPath> {
@@ -131,7 +132,7 @@ pub fn plan_path(
 pub fn step_bounds(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     resolution: Resolution,
 ) -> StepBounds {
@@ -153,7 +154,7 @@ pub fn step_bounds(
 fn shortest(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     resolution: Resolution,
     bound: &LowerBound,
@@ -194,7 +195,7 @@ fn shortest(
 /// geodesic and the turning bound after every sequence of the first few motions. `u32::MAX` where there is no way. In a
 /// scenario that is not one that [`is_supported`] all that is known is that it takes a step: 1.
 #[must_use]
-pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: (f32, f32), clock: u64) -> u32 {
+pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2, clock: u64) -> u32 {
     if !is_supported(scenario) {
         return 1;
     }

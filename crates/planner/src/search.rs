@@ -10,6 +10,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use super::MARGIN_M;
 use super::bound::{LowerBound, ceil_steps};
 use super::configuration_space::{ConfigurationSpace, GoalRegion, State};
+use glam::Vec2;
 use wayfield_scenario::Scenario;
 
 /// So many states are looked at, without merging any, for the lower bound.
@@ -179,7 +180,7 @@ pub(super) fn search(
 pub(super) fn search_lower_bound(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     bound: &LowerBound,
     states: usize,

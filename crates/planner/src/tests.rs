@@ -1,5 +1,6 @@
 //! The planner against cases worked by hand, and its promises over random ones.
 
+use glam::{Vec2, vec2};
 use proptest::prelude::*;
 
 use super::configuration_space::State;
@@ -8,11 +9,11 @@ use wayfield_random::{stream, uniform};
 use wayfield_scenario::{Obstacle, ObstacleMotion, Shape};
 use wayfield_scenario::{clearance, draw_goal, draw_start};
 
-fn circle(position_m: (f32, f32), radius_m: f32, motion: ObstacleMotion) -> Obstacle {
+fn circle(position_m: Vec2, radius_m: f32, motion: ObstacleMotion) -> Obstacle {
     Obstacle { shape: Shape::Circle { radius_m }, position_m, rotation_rad: 0.0, motion }
 }
 
-fn slab(position_m: (f32, f32), width_m: f32, height_m: f32) -> Obstacle {
+fn slab(position_m: Vec2, width_m: f32, height_m: f32) -> Obstacle {
     let shape = Shape::Rectangle { width_m, height_m };
     Obstacle { shape, position_m, rotation_rad: 0.0, motion: ObstacleMotion::Static }
 }
@@ -22,22 +23,22 @@ fn cylinders(speed_rad_s: f32) -> Scenario {
     let motion = if speed_rad_s == 0.0 {
         ObstacleMotion::Static
     } else {
-        ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s }
+        ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s }
     };
-    let corners = [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)];
+    let corners = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
     let obstacles = corners.map(|corner| circle(corner, 0.15, motion.clone())).into();
     Scenario { obstacles, ..Scenario::default() }
 }
 
 /// Cylinders, and boxes that bar half of the enclosure.
 fn maze() -> Scenario {
-    let tilted = Obstacle { rotation_rad: 0.5, ..slab((-1.0, 0.9), 0.8, 0.1) };
+    let tilted = Obstacle { rotation_rad: 0.5, ..slab(vec2(-1.0, 0.9), 0.8, 0.1) };
     let mut scenario = cylinders(0.0);
-    scenario.obstacles.extend([slab((1.1, 0.0), 1.8, 0.1), slab((0.0, -1.2), 0.2, 1.0), tilted]);
+    scenario.obstacles.extend([slab(vec2(1.1, 0.0), 1.8, 0.1), slab(vec2(0.0, -1.2), 0.2, 1.0), tilted]);
     scenario
 }
 
-fn straight(scenario: &Scenario, to: (f32, f32)) -> Option<TimedPath> {
+fn straight(scenario: &Scenario, to: Vec2) -> Option<TimedPath> {
     plan_path(scenario, (0.0, 0.0, 0.0), to, 0, Resolution::default())
 }
 
@@ -45,7 +46,7 @@ fn straight(scenario: &Scenario, to: (f32, f32)) -> Option<TimedPath> {
 fn replay(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     actions: &[u8],
 ) -> Result<u32, String> {
@@ -59,11 +60,11 @@ fn replay(
         x += cos * (motion.v_m_s * sinc) * period;
         y += sin * (motion.v_m_s * sinc) * period;
         heading = libm::remainderf(heading + motion.w_rad_s * period, std::f32::consts::TAU);
-        let room = clearance(scenario, (x, y), clock + steps);
+        let room = clearance(scenario, vec2(x, y), clock + steps);
         if room < scenario.task.collision_range_m {
             return Err(format!("only {room} m clear after step {steps}"));
         }
-        if libm::hypotf(goal.0 - x, goal.1 - y) < scenario.task.goal_radius_m {
+        if libm::hypotf(goal.x - x, goal.y - y) < scenario.task.goal_radius_m {
             return Ok(steps as u32);
         }
     }
@@ -73,9 +74,9 @@ fn replay(
 #[test]
 fn straight_ahead_it_just_drives() {
     // More than 1.0 m at 0.03 m a step: 34 steps.
-    let plan = straight(&Scenario::default(), (1.2, 0.0)).expect("nothing is in the way");
+    let plan = straight(&Scenario::default(), vec2(1.2, 0.0)).expect("nothing is in the way");
     assert_eq!((plan.steps, plan.time_s, plan.actions.len()), (34, 6.8, 34));
-    assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), (1.2, 0.0), 0), 34);
+    assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), vec2(1.2, 0.0), 0), 34);
 }
 
 #[test]
@@ -83,8 +84,8 @@ fn a_lagging_actuator_is_unsupported() {
     // From rest the robot of the test above is 0.15 m/s x 0.3 s = 0.045 m behind: it needs 35 steps.
     let mut scenario = Scenario::default();
     scenario.robot.actuator_lag_s = 0.3;
-    assert_eq!(straight(&scenario, (1.2, 0.0)), None, "a plan of 34 steps would be a lie");
-    assert_eq!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), (1.2, 0.0), 0), 1);
+    assert_eq!(straight(&scenario, vec2(1.2, 0.0)), None, "a plan of 34 steps would be a lie");
+    assert_eq!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), vec2(1.2, 0.0), 0), 1);
     assert!(!is_supported(&scenario) && is_supported(&Scenario::default()));
 }
 
@@ -95,7 +96,7 @@ fn straight_drives_take_the_way_over_the_stride() {
         // From 0.315 m: (d - 0.2) m over 0.03 m is never near a whole number.
         let (d, heading) = (0.115 + 0.2 * f32::from(k), 0.4 * f32::from(k));
         let start = (-0.5 * d * heading.cos(), -0.5 * d * heading.sin(), heading);
-        let goal = (-start.0, -start.1);
+        let goal = vec2(-start.0, -start.1);
         let steps = ((f64::from(d) - 0.2) / 0.03).ceil() as u32;
         let bounds = step_bounds(&scenario, start, goal, 0, Resolution::default());
         assert_eq!(bounds, StepBounds { lower_steps: steps, plan_steps: Some(steps) }, "{d} m");
@@ -107,19 +108,19 @@ fn a_goal_behind_costs_the_turn() {
     // The turning circle's middle is 1 m ahead of the target and 0.1 m aside, so the tangent is 1 m long; the
     // turn is pi + 2 atan(0.1) = 3.3409 rad on a radius of 0.1 m. (0.33409 + 1 - 0.2) m / 0.03 m = 37.8.
     let start = (0.0, 0.0, 0.0);
-    assert_eq!(lower_bound_steps(&Scenario::default(), start, (-1.0, 0.0), 0), 38);
-    assert_eq!(straight(&Scenario::default(), (-1.0, 0.0)).map(|plan| plan.steps), Some(38));
+    assert_eq!(lower_bound_steps(&Scenario::default(), start, vec2(-1.0, 0.0), 0), 38);
+    assert_eq!(straight(&Scenario::default(), vec2(-1.0, 0.0)).map(|plan| plan.steps), Some(38));
 }
 
 #[test]
 fn on_the_goal_it_still_takes_one_step() {
-    assert_eq!(straight(&Scenario::default(), (0.05, 0.0)).map(|plan| plan.steps), Some(1));
-    assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), (0.05, 0.0), 0), 1);
+    assert_eq!(straight(&Scenario::default(), vec2(0.05, 0.0)).map(|plan| plan.steps), Some(1));
+    assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), vec2(0.05, 0.0), 0), 1);
 }
 
 #[test]
 fn the_benchmark_route_takes_54_steps_and_53_are_proven_too_few() {
-    let (scenario, start, goal) = (cylinders(0.0), (0.0, 0.0, 0.0), (1.2, 1.2));
+    let (scenario, start, goal) = (cylinders(0.0), (0.0, 0.0, 0.0), vec2(1.2, 1.2));
     assert_eq!(lower_bound_steps(&scenario, start, goal, 0), 54);
     for cell_m in [0.04, 0.02, 0.01, 0.005] {
         let resolution =
@@ -137,8 +138,8 @@ fn the_way_round_a_slab_is_the_one_worked_by_hand() {
     // sqrt(1.12361^2 - 0.13^2) = 1.11606, the arc's angle atan(0.6 / 0.95) + asin(0.13 / 1.12361) = 0.67932
     // from the top. In all 2 (1.11606 + 0.13 * 0.67932) + 0.1 - 0.2 = 2.30874 m, 76.96 steps: 77 at least, and
     // the start's heading is along the tangent.
-    let scenario = Scenario { obstacles: vec![slab((0.0, -0.7), 0.1, 2.6)], ..Scenario::default() };
-    let (start, goal) = ((-1.0, 0.0, 0.67932), (1.0, 0.0));
+    let scenario = Scenario { obstacles: vec![slab(vec2(0.0, -0.7), 0.1, 2.6)], ..Scenario::default() };
+    let (start, goal) = ((-1.0, 0.0, 0.67932), vec2(1.0, 0.0));
     let plan = plan_path(&scenario, start, goal, 0, Resolution::default()).expect("there is a way");
     assert!((76..=77).contains(&lower_bound_steps(&scenario, start, goal, 0)));
     assert!((77..=78).contains(&plan.steps), "{} steps", plan.steps);
@@ -146,30 +147,30 @@ fn the_way_round_a_slab_is_the_one_worked_by_hand() {
 
 #[test]
 fn no_way_is_none() {
-    let walled = Scenario { obstacles: vec![slab((0.8, 0.0), 0.1, 4.0)], ..Scenario::default() };
-    assert_eq!(straight(&walled, (1.5, 0.0)), None);
-    assert_eq!(lower_bound_steps(&walled, (0.0, 0.0, 0.0), (1.5, 0.0), 0), u32::MAX);
+    let walled = Scenario { obstacles: vec![slab(vec2(0.8, 0.0), 0.1, 4.0)], ..Scenario::default() };
+    assert_eq!(straight(&walled, vec2(1.5, 0.0)), None);
+    assert_eq!(lower_bound_steps(&walled, (0.0, 0.0, 0.0), vec2(1.5, 0.0), 0), u32::MAX);
     let mut hasty = Scenario::default();
     hasty.task.max_episode_steps = 33;
-    assert_eq!(straight(&hasty, (1.2, 0.0)), None, "34 steps are beyond the time limit");
+    assert_eq!(straight(&hasty, vec2(1.2, 0.0)), None, "34 steps are beyond the time limit");
     hasty.task.max_episode_steps = 34;
-    assert!(straight(&hasty, (1.2, 0.0)).is_some());
+    assert!(straight(&hasty, vec2(1.2, 0.0)).is_some());
 }
 
 #[test]
 fn moving_obstacles_are_met_where_the_clock_puts_them() {
     // A cylinder comes down the line x = 0.6 at 0.15 m/s, 0.03 m a step, as fast as the robot: from 0.6 m above,
     // it is in the robot's way just when the robot comes by. Started later, it has passed.
-    let motion = ObstacleMotion::Patrol { waypoints_m: vec![(0.6, -1.8)], speed_m_s: 0.15 };
-    let scenario = Scenario { obstacles: vec![circle((0.6, 0.6), 0.15, motion)], ..Scenario::default() };
+    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, -1.8)], speed_m_s: 0.15 };
+    let scenario = Scenario { obstacles: vec![circle(vec2(0.6, 0.6), 0.15, motion)], ..Scenario::default() };
     let go = |clock| {
         let start = (0.0, 0.0, 0.0);
-        let plan = plan_path(&scenario, start, (1.2, 0.0), clock, Resolution::default()).expect("a way");
-        assert_eq!(replay(&scenario, start, (1.2, 0.0), clock, &plan.actions), Ok(plan.steps));
-        assert!(lower_bound_steps(&scenario, start, (1.2, 0.0), clock) <= plan.steps);
+        let plan = plan_path(&scenario, start, vec2(1.2, 0.0), clock, Resolution::default()).expect("a way");
+        assert_eq!(replay(&scenario, start, vec2(1.2, 0.0), clock, &plan.actions), Ok(plan.steps));
+        assert!(lower_bound_steps(&scenario, start, vec2(1.2, 0.0), clock) <= plan.steps);
         plan.steps
     };
-    assert!(replay(&scenario, (0.0, 0.0, 0.0), (1.2, 0.0), 0, &[2; 34]).is_err(), "it is in the way");
+    assert!(replay(&scenario, (0.0, 0.0, 0.0), vec2(1.2, 0.0), 0, &[2; 34]).is_err(), "it is in the way");
     assert!((35..45).contains(&go(0)), "{}", go(0));
     assert_eq!(go(30), 34);
 }
@@ -179,14 +180,14 @@ fn driving_backward_standing_still_and_turning_on_the_spot_are_motions_too() {
     let mut scenario = Scenario::default();
     let motion = |v_m_s, w_rad_s| wayfield_scenario::Motion { v_m_s, w_rad_s };
     scenario.robot.motions = vec![motion(0.0, 0.0), motion(0.15, 0.0), motion(0.0, 1.5), motion(-0.15, 0.0)];
-    let plan = straight(&scenario, (-1.2, 0.0)).expect("backward");
+    let plan = straight(&scenario, vec2(-1.2, 0.0)).expect("backward");
     assert_eq!(plan.steps, 34);
-    let plan = straight(&scenario, (0.0, 1.2)).expect("turn, then drive");
+    let plan = straight(&scenario, vec2(0.0, 1.2)).expect("turn, then drive");
     // Five turns make 1.5 rad, 0.07 rad short of a right angle: 34 or 35 steps from there.
     assert!((39..=40).contains(&plan.steps), "{}", plan.steps);
-    assert!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), (0.0, 1.2), 0) <= plan.steps);
+    assert!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), vec2(0.0, 1.2), 0) <= plan.steps);
     scenario.robot.motions.truncate(1);
-    assert_eq!(straight(&scenario, (1.2, 0.0)), None, "it can only stand");
+    assert_eq!(straight(&scenario, vec2(1.2, 0.0)), None, "it can only stand");
 }
 
 #[test]
@@ -196,7 +197,7 @@ fn random_episodes_are_within_a_percent_of_the_proven_bound() {
     let (mut steps, mut least) = (0, 0);
     for _ in 0..100 {
         let start = draw_start(&scenario, 0, &mut draws).expect("room");
-        let goal = draw_goal(&scenario, 0, (start.0, start.1), &mut draws).expect("room");
+        let goal = draw_goal(&scenario, 0, vec2(start.0, start.1), &mut draws).expect("room");
         let plan = plan_path(&scenario, start, goal, 0, Resolution::default()).expect("a way");
         steps += plan.steps;
         least += lower_bound_steps(&scenario, start, goal, 0);
@@ -210,7 +211,7 @@ fn a_search_that_knows_only_the_straight_line_finds_nothing_below_the_bounds() {
     for scenario in [Scenario::default(), cylinders(0.0), maze()] {
         for _ in 0..12 {
             let start = draw_start(&scenario, 0, &mut draws).expect("room");
-            let goal = draw_goal(&scenario, 0, (start.0, start.1), &mut draws).expect("room");
+            let goal = draw_goal(&scenario, 0, vec2(start.0, start.1), &mut draws).expect("room");
             let bound = LowerBound::new(&scenario, start, goal);
             let mut blind = LowerBound::new(&scenario, start, goal);
             blind.turning_radius = None;
@@ -243,7 +244,7 @@ proptest! {
         let scenario = &[Scenario::default(), cylinders(0.0), cylinders(0.15), maze()][world];
         let mut draws = stream(seed, "optimum", 0);
         let start = draw_start(scenario, clock, &mut draws).expect("room");
-        let goal = draw_goal(scenario, clock, (start.0, start.1), &mut draws).expect("room");
+        let goal = draw_goal(scenario, clock, vec2(start.0, start.1), &mut draws).expect("room");
         let coarse = Resolution { refinements: 0, ..Resolution::default() };
         let first = plan_path(scenario, start, goal, clock, coarse).expect("a way");
         let plan = plan_path(scenario, start, goal, clock, Resolution::default()).expect("a way");
@@ -257,9 +258,9 @@ proptest! {
         prop_assert_eq!(plan.poses.len(), plan.actions.len() + 1);
         prop_assert_eq!((plan.poses[0].0, plan.poses[0].1), (start.0, start.1));
         for (step, &(x, y, heading)) in (0..).zip(&plan.poses).skip(1) {
-            prop_assert!(clearance(scenario, (x, y), clock + step) >= scenario.task.collision_range_m);
+            prop_assert!(clearance(scenario, vec2(x, y), clock + step) >= scenario.task.collision_range_m);
             prop_assert!(heading.abs() <= std::f32::consts::PI);
-            let arrived = libm::hypotf(goal.0 - x, goal.1 - y) < scenario.task.goal_radius_m;
+            let arrived = libm::hypotf(goal.x - x, goal.y - y) < scenario.task.goal_radius_m;
             prop_assert_eq!(arrived, step == u64::from(plan.steps));
         }
     }
@@ -286,7 +287,7 @@ proptest! {
         let end = way[way.len() - 1];
         let radius = 0.199 * uniform(&mut draws, 0.0, 1.0);
         let angle = uniform(&mut draws, 0.0, std::f32::consts::TAU);
-        let goal = (end.x as f32 + radius * angle.cos(), end.y as f32 + radius * angle.sin());
+        let goal = vec2(end.x as f32 + radius * angle.cos(), end.y as f32 + radius * angle.sin());
         let bound = LowerBound::new(scenario, start, goal);
         for (before, state) in way.iter().enumerate() {
             let to_go = bound.steps(state);

@@ -27,6 +27,7 @@ mod speeds;
 use std::fmt;
 use std::ops::RangeInclusive;
 
+use glam::Vec2;
 use super::file_error::Diagnostic;
 use super::schema::Scenario;
 
@@ -80,7 +81,7 @@ impl Diagnostics {
     }
 
     /// Reports coordinates that lie beyond the largest enclosure there is.
-    fn check_point(&mut self, path: fmt::Arguments<'_>, (x, y): (f32, f32)) {
+    fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
         self.check_range(format_args!("{path}[0]"), x, -500.0..=500.0, METRES);
         self.check_range(format_args!("{path}[1]"), y, -500.0..=500.0, METRES);
     }
@@ -98,7 +99,7 @@ impl Diagnostics {
     fn check_points(
         &mut self,
         path: fmt::Arguments<'_>,
-        points: &[(f32, f32)],
+        points: &[Vec2],
         range: RangeInclusive<usize>,
     ) {
         let most = *range.end();

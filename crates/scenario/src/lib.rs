@@ -21,6 +21,7 @@ pub mod virtual_files;
 mod write;
 
 pub use check::diagnostics;
+pub use glam::{Vec2, vec2};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use load::{

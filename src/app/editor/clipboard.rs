@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use bevy::math::Vec2;
+
 use super::document::Editor;
 use super::items::{self, ListItem};
-use super::points::Point;
 use super::selection::Selection;
 
 impl Editor {
@@ -45,7 +46,7 @@ impl Editor {
     }
 
     /// Adds the clipboard's item at `position_m`, or next to the place it was copied from or last pasted to.
-    pub fn paste(&mut self, position_m: Option<Point>) {
+    pub fn paste(&mut self, position_m: Option<Vec2>) {
         if let Some(item) = self.clipboard.clone() {
             let to = position_m.map(|at| self.snapped(at, false));
             self.add_copy(item, to);
@@ -54,7 +55,7 @@ impl Editor {
     }
 
     /// Adds a copy with its anchor at `to_m`, or next to its own position.
-    fn add_copy(&mut self, item: ListItem, to_m: Option<Point>) {
+    fn add_copy(&mut self, item: ListItem, to_m: Option<Vec2>) {
         let (others, snap) = (Arc::clone(self.scenario()), self.snap);
         self.step(|scenario, selection| {
             *selection = item.add_to(scenario);

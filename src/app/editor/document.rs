@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use bevy::math::Vec2;
+
 use super::drag::Drag;
 use super::handle::Handle;
 use super::items::{self, ListItem};
 use super::limits::{MAX_ITEMS_CHECKED_WHILE_DRAGGING, item_count};
 use super::pick;
-use super::points::{Point, centre_of};
+use super::points::centre_of;
 use super::selection::Selection;
 use super::session_state::SessionState;
 use super::snap::Snap;
@@ -101,7 +103,7 @@ impl Editor {
     /// The item at `position_m`. Small and thin items are hit within `slack_m`; the selected item wins where solid items
     /// overlap.
     #[must_use]
-    pub fn pick(&self, position_m: Point, slack_m: f32) -> Selection {
+    pub fn pick(&self, position_m: Vec2, slack_m: f32) -> Selection {
         pick::pick(&self.scenario, self.selection, position_m, slack_m)
     }
 
@@ -113,13 +115,13 @@ impl Editor {
 
     /// The centre of rotation of the selected item in m and its angle in rad, if it can be rotated.
     #[must_use]
-    pub fn rotation_of(&self) -> Option<(Point, f32)> {
+    pub fn rotation_of(&self) -> Option<(Vec2, f32)> {
         items::selected(self.selection)?.rotation(&self.scenario)
     }
 
     /// `position_m` snapped, or rounded to a millimetre if `free`.
     #[must_use]
-    pub fn snapped(&self, position_m: Point, free: bool) -> Point {
+    pub fn snapped(&self, position_m: Vec2, free: bool) -> Vec2 {
         self.snap.disabled_if(free).point(position_m, centre_of(&self.scenario))
     }
 

@@ -5,9 +5,11 @@
 
 use std::sync::Arc;
 
+use bevy::math::Vec2;
+
 use super::handle::HandleKind;
 use super::items::{self, DragTarget};
-use super::points::{Point, centre_of, minus, plus, point_to_mm};
+use super::points::{centre_of, point_to_mm};
 use super::selection::Selection;
 use super::snap::Snap;
 use crate::scenario::Scenario;
@@ -24,7 +26,7 @@ pub(super) struct Drag {
     /// `before`, with the point that an insert handle inserted.
     pub begun: Arc<Scenario>,
     /// Offset from the pointer to the handle, in m.
-    offset_m: Point,
+    offset_m: Vec2,
     /// Offset from the pointer's direction to the angle, in rad, for a rotation.
     offset_rad: f32,
 }
@@ -36,7 +38,7 @@ impl Drag {
         scenario: &Arc<Scenario>,
         selection: Selection,
         kind: HandleKind,
-        pointer_m: Point,
+        pointer_m: Vec2,
     ) -> Option<Self> {
         let item = items::selected(selection)?;
         let mut kind = item.dragged_handle(scenario, kind, pointer_m);
@@ -51,12 +53,12 @@ impl Drag {
             (HandleKind::Rotate, Some((centre, angle))) => angle - direction(centre, pointer_m),
             _ => 0.0,
         };
-        let (before, offset_m) = (Arc::clone(scenario), minus(handle_m, pointer_m));
+        let (before, offset_m) = (Arc::clone(scenario), handle_m - pointer_m);
         Some(Self { kind, before, selection, begun, offset_m, offset_rad })
     }
 
     /// The scenario with the pointer at `pointer_m`.
-    pub fn scenario_at(&self, pointer_m: Point, snap: Snap) -> Option<Scenario> {
+    pub fn scenario_at(&self, pointer_m: Vec2, snap: Snap) -> Option<Scenario> {
         let item = items::selected(self.selection)?;
         let mut scenario = Scenario::clone(&self.begun);
         match (self.kind, item.rotation(&self.begun)) {
@@ -65,7 +67,7 @@ impl Drag {
                 item.rotate(&mut scenario, angle_rad)?;
             }
             (kind, _) => {
-                let (position_m, centre_m) = (plus(pointer_m, self.offset_m), centre_of(&scenario));
+                let (position_m, centre_m) = (pointer_m + self.offset_m, centre_of(&scenario));
                 let snapped_m = snap.point(position_m, centre_m);
                 let target = DragTarget { position_m, snapped_m, snap, centre_m };
                 item.drag(&mut scenario, kind, target)?;
@@ -76,7 +78,7 @@ impl Drag {
 }
 
 /// The direction from one point to another, in rad.
-fn direction(from: Point, to: Point) -> f32 {
-    let (x, y) = minus(to, from);
+fn direction(from: Vec2, to: Vec2) -> f32 {
+    let Vec2 { x, y } = to - from;
     y.atan2(x)
 }

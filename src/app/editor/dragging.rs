@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use bevy::math::{Vec2, vec2};
+
 use super::document::Editor;
 use super::drag::Drag;
 use super::handle::HandleKind;
 use super::items;
-use super::points::{Point, is_finite};
 use super::tool::Tool;
 use super::undo::EditSnapshot;
 
@@ -16,10 +17,10 @@ const FINE_STEP_M: f32 = 0.01;
 impl Editor {
     /// Begins to drag a handle of the selected item with the pointer at `position_m`. Returns whether the item has such
     /// a handle. An insert handle inserts its point, which is then dragged.
-    pub fn begin_drag(&mut self, kind: HandleKind, position_m: Point) -> bool {
+    pub fn begin_drag(&mut self, kind: HandleKind, position_m: Vec2) -> bool {
         self.end_drag();
         self.close_group();
-        if !is_finite(position_m) {
+        if !position_m.is_finite() {
             return false;
         }
         let Some(drag) = Drag::begin(&self.scenario, self.selection, kind, position_m) else { return false };
@@ -34,8 +35,8 @@ impl Editor {
     }
 
     /// Continues the drag with the pointer at `position_m`; `free` disables snapping.
-    pub fn drag_to(&mut self, position_m: Point, free: bool) {
-        let Some(drag) = self.drag.as_ref().filter(|_| is_finite(position_m)) else { return };
+    pub fn drag_to(&mut self, position_m: Vec2, free: bool) {
+        let Some(drag) = self.drag.as_ref().filter(|_| position_m.is_finite()) else { return };
         let scenario = drag.scenario_at(position_m, self.snap.disabled_if(free));
         if let Some(scenario) = scenario.filter(|scenario| *scenario != *self.scenario) {
             self.scenario = Arc::new(scenario);
@@ -80,7 +81,7 @@ impl Editor {
     /// nudges along the same axis are one undo step.
     pub fn nudge(&mut self, right: i32, up: i32, fine: bool) {
         let step_m = if self.snap.on && !fine { self.snap.step_m } else { FINE_STEP_M };
-        let (selection, by_m) = (self.selection, (right as f32 * step_m, up as f32 * step_m));
+        let (selection, by_m) = (self.selection, vec2(right as f32, up as f32) * step_m);
         let field = match (right, up) {
             (_, 0) => "nudge along x",
             (0, _) => "nudge along y",

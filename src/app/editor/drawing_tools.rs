@@ -2,12 +2,14 @@
 //!
 //! A wall or a path is one undo step, each position is one.
 
+use bevy::math::Vec2;
+
 use super::document::Editor;
 use super::items::ListItem;
 use super::items::rule_points::places;
 use super::kinds::{PlacementKind, PlacementRole};
 use super::limits::{MAX_POINTS, NEW_SPEED_M_S, NEW_WALL_THICKNESS_M, WALL_CORNERS};
-use super::points::{Point, distance, is_finite};
+use super::points::distance;
 use super::selection::Selection;
 use super::tool::Tool;
 use crate::scenario::{ObstacleMotion, PlacementRule, Scenario, Wall};
@@ -50,8 +52,8 @@ impl Editor {
     }
 
     /// Uses the tool at `position_m`; `free` disables snapping. A second click on the same point is ignored.
-    pub fn click_with_tool(&mut self, position_m: Point, free: bool) {
-        if !is_finite(position_m) {
+    pub fn click_with_tool(&mut self, position_m: Vec2, free: bool) {
+        if !position_m.is_finite() {
             return;
         }
         let at = self.snapped(position_m, free);
@@ -67,7 +69,7 @@ impl Editor {
     }
 
     /// Adds a position to the selected rule.
-    fn add_place(&mut self, position_m: Point) {
+    fn add_place(&mut self, position_m: Vec2) {
         self.step(|scenario, selection| {
             let Some(role) = PlacementRole::from_selection(*selection) else { return };
             let mut positions_m = places(role.of(scenario)).to_vec();
@@ -97,7 +99,7 @@ impl Editor {
     }
 
     /// Sets the path of the selected obstacle; without a path so far, its motion becomes a patrol.
-    fn set_path(&mut self, path: Vec<Point>) {
+    fn set_path(&mut self, path: Vec<Vec2>) {
         self.step(|scenario, selection| {
             let Selection::Obstacle(k) = *selection else { return };
             let Some(obstacle) = scenario.obstacles.get_mut(k) else { return };

@@ -1,6 +1,7 @@
 //! Handles: the points by which a selected item is dragged.
 
-use super::points::Point;
+
+use bevy::math::Vec2;
 
 /// The part of an item that a handle changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +49,7 @@ pub struct Handle {
     /// The part that it changes.
     pub kind: HandleKind,
     /// Its position in m.
-    pub position_m: Point,
+    pub position_m: Vec2,
     /// The value that it changes, formatted with its unit.
     pub text: String,
     /// A short description for the hint line.
@@ -56,7 +57,7 @@ pub struct Handle {
 }
 
 impl Handle {
-    pub(super) fn new(kind: HandleKind, position_m: Point, text: String, about: &'static str) -> Self {
+    pub(super) fn new(kind: HandleKind, position_m: Vec2, text: String, about: &'static str) -> Self {
         Self { kind, position_m, text, about }
     }
 }

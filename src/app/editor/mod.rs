@@ -48,7 +48,7 @@ pub use handle::{Handle, HandleKind};
 pub use items::Body;
 pub use kinds::{EnclosureKind, MotionKind, PlacementKind, PlacementRole};
 pub use new_items::NewItem;
-pub use points::{Point, format_metres};
+pub use points::format_metres;
 pub use selection::Selection;
 pub use snap::Snap;
 pub use tool::Tool;

@@ -2,10 +2,12 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
+use bevy::math::{Vec2, vec2};
+
 use super::document::Editor;
 use super::free_space;
 use super::items::ListItem;
-use super::points::{Point, to_mm};
+use super::points::to_mm;
 use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Shape};
 
 /// An item that can be added.
@@ -41,7 +43,7 @@ impl NewItem {
 
 impl Editor {
     /// Adds an item at the free position nearest to `near_m`, and selects it.
-    pub fn add(&mut self, item: NewItem, near_m: Point) {
+    pub fn add(&mut self, item: NewItem, near_m: Vec2) {
         let new = match item.shape() {
             Some(shape) => ListItem::Obstacle(Obstacle {
                 position_m: free_space::nearest(
@@ -73,6 +75,6 @@ impl Editor {
 /// A regular polygon with its first corner in the direction `first_rad`.
 fn regular_polygon(count: u8, radius_m: f32, first_rad: f32) -> Shape {
     let angle = |k: u8| first_rad + f32::from(k) / f32::from(count) * TAU;
-    let corner = |k| (to_mm(radius_m * angle(k).cos()), to_mm(radius_m * angle(k).sin()));
+    let corner = |k| vec2(to_mm(radius_m * angle(k).cos()), to_mm(radius_m * angle(k).sin()));
     Shape::Polygon { corners_m: (0..count).map(corner).collect() }
 }

@@ -1,14 +1,16 @@
 //! The item under the pointer.
 
+use bevy::math::{Vec2, vec2};
+
 use super::items;
 use super::items::rule_points::{places, region};
-use super::points::{Point, distance};
+use super::points::distance;
 use super::selection::Selection;
 use crate::scenario::{Region, Scenario, enclosure_distance, polygon};
 
 /// The item at `point_m`. Small and thin items are hit within `slack_m`. The selected item wins where solid items
 /// overlap.
-pub(super) fn pick(scenario: &Scenario, selected: Selection, point_m: Point, slack_m: f32) -> Selection {
+pub(super) fn pick(scenario: &Scenario, selected: Selection, point_m: Vec2, slack_m: f32) -> Selection {
     let mark_radius_m = |of: Selection| match of {
         Selection::Starts | Selection::BenchmarkStart => scenario.robot.radius_m,
         _ => scenario.task.goal_radius_m,
@@ -23,20 +25,20 @@ pub(super) fn pick(scenario: &Scenario, selected: Selection, point_m: Point, sla
         .unwrap_or_default()
 }
 
-fn is_solid_at(scenario: &Scenario, selection: Selection, point_m: Point, slack_m: f32) -> bool {
+fn is_solid_at(scenario: &Scenario, selection: Selection, point_m: Vec2, slack_m: f32) -> bool {
     let distance_m = items::selected(selection).and_then(|item| item.solid_distance_m(scenario, point_m));
     distance_m.is_some_and(|away| away <= slack_m)
 }
 
 /// The obstacle, else the wall, within `slack_m`; of several, the one drawn last.
-fn solid(scenario: &Scenario, point_m: Point, slack_m: f32) -> Option<Selection> {
+fn solid(scenario: &Scenario, point_m: Vec2, slack_m: f32) -> Option<Selection> {
     let obstacles = (0..scenario.obstacles.len()).rev().map(Selection::Obstacle);
     let mut solids = obstacles.chain((0..scenario.walls.len()).rev().map(Selection::Wall));
     solids.find(|&selection| is_solid_at(scenario, selection, point_m, slack_m))
 }
 
 /// The nearest start or goal whose centre is within `reach_m`.
-fn mark(scenario: &Scenario, point_m: Point, reach_m: impl Fn(Selection) -> f32) -> Option<Selection> {
+fn mark(scenario: &Scenario, point_m: Vec2, reach_m: impl Fn(Selection) -> f32) -> Option<Selection> {
     let route = &scenario.benchmark_route;
     let fixed = |rule, of| places(rule).iter().map(move |&place| (place, of));
     [(route.start_m, Selection::BenchmarkStart), (route.goal_m, Selection::BenchmarkGoal)]
@@ -50,7 +52,7 @@ fn mark(scenario: &Scenario, point_m: Point, reach_m: impl Fn(Selection) -> f32)
 }
 
 /// The region whose outline is within `slack_m`, else the enclosure.
-fn outline(scenario: &Scenario, point_m: Point, slack_m: f32) -> Option<Selection> {
+fn outline(scenario: &Scenario, point_m: Vec2, slack_m: f32) -> Option<Selection> {
     let generators = scenario.generators.iter().enumerate();
     let generators = generators.map(|(k, generator)| (generator.within, Selection::Generator(k)));
     let rules = [(&scenario.starts, Selection::Starts), (&scenario.goals, Selection::Goals)];
@@ -62,8 +64,8 @@ fn outline(scenario: &Scenario, point_m: Point, slack_m: f32) -> Option<Selectio
     found.map(|(_, of)| of).or_else(|| on_boundary().then_some(Selection::Enclosure))
 }
 
-fn outline_distance(Region { min_m, max_m }: Region, point_m: Point) -> f32 {
-    let corners = [min_m, (max_m.0, min_m.1), max_m, (min_m.0, max_m.1)];
+fn outline_distance(Region { min_m, max_m }: Region, point_m: Vec2) -> f32 {
+    let corners = [min_m, vec2(max_m.x, min_m.y), max_m, vec2(min_m.x, max_m.y)];
     polygon::sides(&corners)
         .map(|(from, to)| polygon::distance_to_segment(from, to, point_m))
         .fold(f32::INFINITY, f32::min)
@@ -84,15 +86,15 @@ mod tests {
             motion: ObstacleMotion::Static,
         };
         Scenario {
-            obstacles: vec![disc((-1.0, 0.0), 0.3), disc((-0.8, 0.0), 0.3)],
-            walls: vec![Wall { corners_m: vec![(0.0, -1.5), (1.0, -1.5)], thickness_m: 0.1 }],
+            obstacles: vec![disc(vec2(-1.0, 0.0), 0.3), disc(vec2(-0.8, 0.0), 0.3)],
+            walls: vec![Wall { corners_m: vec![vec2(0.0, -1.5), vec2(1.0, -1.5)], thickness_m: 0.1 }],
             generators: vec![Generator {
                 count: 1,
                 shape: RandomShape::Circle { radius_m: (0.1, 0.2) },
                 gap_m: 0.4,
-                within: Some(Region { min_m: (0.0, 0.5), max_m: (1.0, 1.0) }),
+                within: Some(Region { min_m: vec2(0.0, 0.5), max_m: vec2(1.0, 1.0) }),
             }],
-            goals: PlacementRule::OneOf { positions_m: vec![(1.5, 0.0), (1.5, -1.0)] },
+            goals: PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0), vec2(1.5, -1.0)] },
             ..Scenario::default()
         }
     }
@@ -102,28 +104,28 @@ mod tests {
         let scenario = crowded();
         let pick = |selected, at| super::pick(&scenario, selected, at, 0.03);
         let none = Selection::Nothing;
-        assert_eq!(pick(none, (-0.9, 0.0)), Selection::Obstacle(1), "the one drawn last");
-        assert_eq!(pick(Selection::Obstacle(0), (-0.9, 0.0)), Selection::Obstacle(0), "the selected one");
-        assert_eq!(pick(Selection::Obstacle(0), (-0.55, 0.0)), Selection::Obstacle(1), "no overlap here");
-        assert_eq!(pick(none, (-1.32, 0.0)), Selection::Obstacle(0), "2 cm off");
-        assert_eq!(pick(none, (-1.34, 0.0)), none);
-        assert_eq!(pick(none, (0.5, -1.47)), Selection::Wall(0));
-        assert_eq!(pick(none, (0.5, 0.52)), Selection::Generator(0), "on the outline of its region");
-        assert_eq!(pick(none, (0.5, 0.7)), none, "a region is hit only on its outline");
-        assert_eq!(pick(none, (1.6, -1.0)), Selection::Goals, "within the goal radius");
-        assert_eq!(pick(none, (0.05, 0.0)), Selection::BenchmarkStart);
-        assert_eq!(pick(none, (1.21, 1.19)), Selection::BenchmarkGoal);
-        assert_eq!(pick(none, (1.98, 0.7)), Selection::Enclosure);
-        assert_eq!(pick(none, (2.02, 0.7)), Selection::Enclosure);
+        assert_eq!(pick(none, vec2(-0.9, 0.0)), Selection::Obstacle(1), "the one drawn last");
+        assert_eq!(pick(Selection::Obstacle(0), vec2(-0.9, 0.0)), Selection::Obstacle(0), "the selected one");
+        assert_eq!(pick(Selection::Obstacle(0), vec2(-0.55, 0.0)), Selection::Obstacle(1), "no overlap here");
+        assert_eq!(pick(none, vec2(-1.32, 0.0)), Selection::Obstacle(0), "2 cm off");
+        assert_eq!(pick(none, vec2(-1.34, 0.0)), none);
+        assert_eq!(pick(none, vec2(0.5, -1.47)), Selection::Wall(0));
+        assert_eq!(pick(none, vec2(0.5, 0.52)), Selection::Generator(0), "on the outline of its region");
+        assert_eq!(pick(none, vec2(0.5, 0.7)), none, "a region is hit only on its outline");
+        assert_eq!(pick(none, vec2(1.6, -1.0)), Selection::Goals, "within the goal radius");
+        assert_eq!(pick(none, vec2(0.05, 0.0)), Selection::BenchmarkStart);
+        assert_eq!(pick(none, vec2(1.21, 1.19)), Selection::BenchmarkGoal);
+        assert_eq!(pick(none, vec2(1.98, 0.7)), Selection::Enclosure);
+        assert_eq!(pick(none, vec2(2.02, 0.7)), Selection::Enclosure);
     }
 
     #[test]
     fn a_mark_inside_an_obstacle_can_be_picked() {
         let mut scenario = crowded();
-        scenario.benchmark_route.start_m = (-1.0, 0.0);
+        scenario.benchmark_route.start_m = vec2(-1.0, 0.0);
         let pick = |at| super::pick(&scenario, Selection::Obstacle(0), at, 0.03);
-        assert_eq!(pick((-1.0, 0.01)), Selection::BenchmarkStart);
-        assert_eq!(pick((-1.0, 0.05)), Selection::Obstacle(0));
+        assert_eq!(pick(vec2(-1.0, 0.01)), Selection::BenchmarkStart);
+        assert_eq!(pick(vec2(-1.0, 0.05)), Selection::Obstacle(0));
     }
 
     #[test]

@@ -3,10 +3,9 @@
 
 use std::f32::consts::{PI, TAU};
 
-use crate::scenario::Scenario;
+use bevy::math::{Vec2, vec2};
 
-/// A position or an offset, x and y in m.
-pub type Point = (f32, f32);
+use crate::scenario::Scenario;
 
 /// `value` rounded to a multiple of `1 / steps`, without a negative zero.
 fn round_to(value: f32, steps: f64) -> f32 {
@@ -19,8 +18,8 @@ pub(super) fn to_mm(length_m: f32) -> f32 {
 }
 
 /// A position in m, rounded to 1 mm.
-pub(super) fn point_to_mm((x, y): Point) -> Point {
-    (to_mm(x), to_mm(y))
+pub(super) fn point_to_mm(Vec2 { x, y }: Vec2) -> Vec2 {
+    vec2(to_mm(x), to_mm(y))
 }
 
 /// An angle in rad, wrapped to [-π, π] and rounded to four decimals.
@@ -30,42 +29,27 @@ pub(super) fn to_angle(angle_rad: f32) -> f32 {
     round_to(wrapped, 10_000.0)
 }
 
-pub(super) fn is_finite((x, y): Point) -> bool {
-    x.is_finite() && y.is_finite()
-}
-
-pub(super) fn plus(a: Point, b: Point) -> Point {
-    (a.0 + b.0, a.1 + b.1)
-}
-
-pub(super) fn minus(a: Point, b: Point) -> Point {
-    (a.0 - b.0, a.1 - b.1)
-}
-
-pub(super) fn middle(a: Point, b: Point) -> Point {
-    ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0)
-}
-
-pub(super) fn distance(a: Point, b: Point) -> f32 {
-    (a.0 - b.0).hypot(a.1 - b.1)
+/// The distance between two points, in m, in the precision of `hypot`.
+pub(super) fn distance(a: Vec2, b: Vec2) -> f32 {
+    (a.x - b.x).hypot(a.y - b.y)
 }
 
 /// The centre of the enclosure's bounding box, in m.
-pub(super) fn centre_of(scenario: &Scenario) -> Point {
+pub(super) fn centre_of(scenario: &Scenario) -> Vec2 {
     let (low, high) = scenario.enclosure.bounds_m();
-    middle(low, high)
+    low.midpoint(high)
 }
 
 /// A translated and rotated coordinate frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalFrame {
-    origin: Point,
+    origin: Vec2,
     sin: f32,
     cos: f32,
 }
 
 impl LocalFrame {
-    pub fn new(origin: Point, rotation_rad: f32) -> Self {
+    pub fn new(origin: Vec2, rotation_rad: f32) -> Self {
         // Angles have four decimals; without this, a quarter turn would leave tiny coordinates.
         let (sin, cos) = rotation_rad.sin_cos();
         let tidy = |value: f32| if value.abs() < 1e-4 { 0.0 } else { value };
@@ -73,14 +57,14 @@ impl LocalFrame {
     }
 
     /// A local point in world coordinates.
-    pub fn to_world(self, (x, y): Point) -> Point {
-        plus(self.origin, (x * self.cos - y * self.sin, x * self.sin + y * self.cos))
+    pub fn to_world(self, Vec2 { x, y }: Vec2) -> Vec2 {
+        self.origin + vec2(x * self.cos - y * self.sin, x * self.sin + y * self.cos)
     }
 
     /// A world point in local coordinates.
-    pub fn to_local(self, point: Point) -> Point {
-        let (x, y) = minus(point, self.origin);
-        (x * self.cos + y * self.sin, y * self.cos - x * self.sin)
+    pub fn to_local(self, point: Vec2) -> Vec2 {
+        let Vec2 { x, y } = point - self.origin;
+        vec2(x * self.cos + y * self.sin, y * self.cos - x * self.sin)
     }
 }
 
@@ -92,13 +76,13 @@ pub fn format_metres(length_m: f32) -> String {
 }
 
 /// `x, y m`.
-pub(super) fn place_text((x, y): Point) -> String {
+pub(super) fn place_text(Vec2 { x, y }: Vec2) -> String {
     format!("{}, {} m", format_metres(x), format_metres(y))
 }
 
 /// `w × h m`.
-pub(super) fn size_text(width_m: f32, height_m: f32) -> String {
-    format!("{} × {} m", format_metres(width_m), format_metres(height_m))
+pub(super) fn size_text(size_m: Vec2) -> String {
+    format!("{} × {} m", format_metres(size_m.x), format_metres(size_m.y))
 }
 
 /// An angle in degrees with at most one decimal.
@@ -123,14 +107,14 @@ mod tests {
     #[test]
     fn numbers_have_no_needless_decimals() {
         assert_eq!([0.15, 0.125, 3.0, -0.5].map(format_metres), ["0.15", "0.125", "3.00", "-0.50"]);
-        assert_eq!(size_text(0.6, 0.4), "0.60 × 0.40 m");
+        assert_eq!(size_text(vec2(0.6, 0.4)), "0.60 × 0.40 m");
         assert_eq!([0.5236, -1.5708, 0.0].map(degrees_text), ["30°", "-90°", "0°"]);
     }
 
     #[test]
     fn world_and_local_coordinates_convert_both_ways() {
-        let frame = LocalFrame::new((1.0, 2.0), 1.5708);
-        assert_eq!(frame.to_world((0.5, 0.25)), (0.75, 2.5), "a quarter turn: x points up, y to the left");
-        assert_eq!(frame.to_local((0.75, 2.5)), (0.5, 0.25));
+        let frame = LocalFrame::new(vec2(1.0, 2.0), 1.5708);
+        assert_eq!(frame.to_world(vec2(0.5, 0.25)), vec2(0.75, 2.5), "a quarter turn: x points up, y to the left");
+        assert_eq!(frame.to_local(vec2(0.75, 2.5)), vec2(0.5, 0.25));
     }
 }

@@ -1,13 +1,15 @@
 //! Changes of kind: another motion, another start or goal rule, another enclosure, with numbers that fit the scenario.
 //! Whatever the old and the new kind have in common is kept.
 
+use bevy::math::{Vec2, vec2};
+
 use super::document::Editor;
 use super::free_space;
 use super::items::rule_points::places;
 use super::kinds::{EnclosureKind, MotionKind, PlacementKind, PlacementRole};
 use super::limits::{NEW_CLEARANCE_M, NEW_SPEED_M_S};
 use super::new_motion;
-use super::points::{Point, centre_of, point_to_mm, to_mm};
+use super::points::{centre_of, point_to_mm, to_mm};
 use super::selection::Selection;
 use super::snap::Snap;
 use crate::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario, clearance, enclosure_distance};
@@ -48,7 +50,7 @@ impl Editor {
                 (EnclosureKind::Rectangle, Enclosure::Polygon { .. }) => {
                     let (low, high) = scenario.enclosure.bounds_m();
                     let extent = |a: f32, b: f32| to_mm(2.0 * a.abs().max(b.abs()));
-                    Enclosure::Rectangle { width_m: extent(low.0, high.0), height_m: extent(low.1, high.1) }
+                    Enclosure::Rectangle { width_m: extent(low.x, high.x), height_m: extent(low.y, high.y) }
                 }
                 _ => return,
             };
@@ -116,8 +118,8 @@ fn converted_rule(
         PlacementKind::Within => {
             let (low, high) = scenario.enclosure.bounds_m();
             let quarter = |a: f32, b: f32| to_mm(a + (b - a) / 4.0);
-            let min_m = (quarter(low.0, high.0), quarter(low.1, high.1));
-            let max_m = (quarter(high.0, low.0), quarter(high.1, low.1));
+            let min_m = vec2(quarter(low.x, high.x), quarter(low.y, high.y));
+            let max_m = vec2(quarter(high.x, low.x), quarter(high.y, low.y));
             PlacementRule::Within { min_m, max_m, clearance_m }
         }
         PlacementKind::Fixed => PlacementRule::Fixed { position_m: place(), heading_rad: None },
@@ -126,7 +128,7 @@ fn converted_rule(
 }
 
 /// The start or goal of the benchmark route if it is free, else a free position near the centre.
-fn free_place(scenario: &Scenario, role: PlacementRole, clearance_m: f32, snap: Snap) -> Point {
+fn free_place(scenario: &Scenario, role: PlacementRole, clearance_m: f32, snap: Snap) -> Vec2 {
     let end = match role {
         PlacementRole::Starts => scenario.benchmark_route.start_m,
         PlacementRole::Goals => scenario.benchmark_route.goal_m,

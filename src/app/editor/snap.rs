@@ -1,7 +1,9 @@
 //! Snapping of positions, sizes and angles. Without snapping they are rounded to 1 mm and 0.0001 rad.
 
+use bevy::math::{Vec2, vec2};
+
 use super::limits::MIN_SIZE_M;
-use super::points::{Point, to_angle, to_mm};
+use super::points::{to_angle, to_mm};
 
 /// The settings of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +33,8 @@ impl Snap {
 
     /// A position: each coordinate snaps to the grid through (0, 0) or to that of the scenario's `centre`, whichever is
     /// nearer.
-    pub(super) fn point(self, position: Point, centre: Point) -> Point {
-        (self.coordinate(position.0, centre.0), self.coordinate(position.1, centre.1))
+    pub(super) fn point(self, position: Vec2, centre: Vec2) -> Vec2 {
+        vec2(self.coordinate(position.x, centre.x), self.coordinate(position.y, centre.y))
     }
 
     fn coordinate(self, at: f32, centre: f32) -> f32 {
@@ -66,10 +68,10 @@ mod tests {
     #[test]
     fn positions_snap_to_the_grid_or_to_the_centre() {
         let snap = Snap { on: true, step_m: 0.25 };
-        assert_eq!(snap.point((0.37, -0.38), (0.0, 0.0)), (0.25, -0.5));
-        assert_eq!(snap.point((0.37, -0.38), (0.4, -0.4)), (0.4, -0.4), "the centre is nearer");
-        assert_eq!(snap.point((0.13, 0.1), (0.1, 5.0)), (0.1, 0.0), "each axis snaps on its own");
-        assert_eq!(snap.disabled_if(true).point((0.371_4, -0.38), (0.0, 0.0)), (0.371, -0.38));
+        assert_eq!(snap.point(vec2(0.37, -0.38), vec2(0.0, 0.0)), vec2(0.25, -0.5));
+        assert_eq!(snap.point(vec2(0.37, -0.38), vec2(0.4, -0.4)), vec2(0.4, -0.4), "the centre is nearer");
+        assert_eq!(snap.point(vec2(0.13, 0.1), vec2(0.1, 5.0)), vec2(0.1, 0.0), "each axis snaps on its own");
+        assert_eq!(snap.disabled_if(true).point(vec2(0.371_4, -0.38), vec2(0.0, 0.0)), vec2(0.371, -0.38));
     }
 
     #[test]

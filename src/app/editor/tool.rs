@@ -1,6 +1,7 @@
 //! The tool: what a click in the scenario does.
 
-use super::points::Point;
+
+use bevy::math::Vec2;
 
 /// A tool.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,12 +12,12 @@ pub enum Tool {
     /// Draws a wall; a click sets its next corner.
     Wall {
         /// The corners so far, in m.
-        corners_m: Vec<Point>,
+        corners_m: Vec<Vec2>,
     },
     /// Draws the path of the selected obstacle; a click sets its next waypoint.
     Path {
         /// The waypoints so far, in m.
-        waypoints_m: Vec<Point>,
+        waypoints_m: Vec<Vec2>,
     },
     /// A click adds a position to the selected start or goal rule.
     Places,
@@ -25,14 +26,14 @@ pub enum Tool {
 impl Tool {
     /// The points of an unfinished wall or path, in m; empty for the other tools.
     #[must_use]
-    pub fn points_m(&self) -> &[Point] {
+    pub fn points_m(&self) -> &[Vec2] {
         match self {
             Self::Wall { corners_m: points } | Self::Path { waypoints_m: points } => points,
             Self::Select | Self::Places => &[],
         }
     }
 
-    pub(super) fn points_mut(&mut self) -> Option<&mut Vec<Point>> {
+    pub(super) fn points_mut(&mut self) -> Option<&mut Vec<Vec2>> {
         match self {
             Self::Wall { corners_m: points } | Self::Path { waypoints_m: points } => Some(points),
             Self::Select | Self::Places => None,

@@ -1,7 +1,8 @@
 //! The state of the editor's screen that is not part of the document.
 
+use bevy::math::Vec2;
+
 use super::handle::HandleKind;
-use super::points::Point;
 use super::selection::Selection;
 use crate::app::commands::Command;
 
@@ -22,7 +23,7 @@ pub struct Press {
     /// What was pressed.
     pub hit: PointerHit,
     /// Where it was pressed, in m.
-    pub position_m: Point,
+    pub position_m: Vec2,
 }
 
 /// A request to leave the editor that waits for the user's confirmation.

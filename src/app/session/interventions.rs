@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use bevy::math::{Vec2, vec2};
 use bevy::prelude::World;
 use serde::{Deserialize, Serialize};
 
@@ -23,21 +24,21 @@ pub enum Intervention {
         /// Which arena.
         arena: usize,
         /// Where to, in m.
-        to_m: (f32, f32),
+        to_m: Vec2,
     },
     /// The robot of an arena was put there; its heading stayed.
     Robot {
         /// Which arena.
         arena: usize,
         /// Where to, in m.
-        to_m: (f32, f32),
+        to_m: Vec2,
     },
     /// An obstacle was moved in all arenas: its position at step 0 is this now, and its way is shifted with it.
     Obstacle {
         /// Its number in the scenario.
         index: usize,
         /// Its position at step 0, in m.
-        position_m: (f32, f32),
+        position_m: Vec2,
     },
     /// Another world was taken, from the editor or from its file: all arenas began anew in it.
     World(Box<Scenario>),
@@ -65,7 +66,7 @@ pub fn resolve(world: &mut World, moved: &MoveRequest) -> Result<Intervention, S
     let (MoveRequest::Goal { to_m, .. }
     | MoveRequest::Robot { to_m, .. }
     | MoveRequest::Obstacle { to_m, .. }) = *moved;
-    if !(to_m.0.is_finite() && to_m.1.is_finite()) {
+    if !(to_m.x.is_finite() && to_m.y.is_finite()) {
         return Err("that is no place".into());
     }
     let scenario = world.resource::<CurrentScenario>().0.clone();
@@ -96,7 +97,7 @@ pub fn resolve(world: &mut World, moved: &MoveRequest) -> Result<Intervention, S
             let (x, y, _) = pose_at(obstacle, clock, scenario.task.control_period_s);
             let position_m = match obstacle.motion {
                 ObstacleMotion::Static => to_m,
-                _ => (obstacle.position_m.0 + to_m.0 - x, obstacle.position_m.1 + to_m.1 - y),
+                _ => vec2(obstacle.position_m.x + to_m.x - x, obstacle.position_m.y + to_m.y - y),
             };
             let changed = with_obstacle_at(&scenario, index, position_m).ok_or_else(nowhere)?;
             match diagnostics(&changed).first() {
@@ -136,11 +137,11 @@ pub fn apply(world: &mut World, intervention: &Intervention) {
 }
 
 /// `scenario` with the obstacle `index` at `position_m` at step 0, its way shifted with it.
-fn with_obstacle_at(scenario: &Scenario, index: usize, position_m: (f32, f32)) -> Option<Scenario> {
+fn with_obstacle_at(scenario: &Scenario, index: usize, position_m: Vec2) -> Option<Scenario> {
     let mut changed = scenario.clone();
     let obstacle = changed.obstacles.get_mut(index)?;
-    let (dx, dy) = (position_m.0 - obstacle.position_m.0, position_m.1 - obstacle.position_m.1);
-    let shift = |point: &mut (f32, f32)| *point = (point.0 + dx, point.1 + dy);
+    let (dx, dy) = (position_m.x - obstacle.position_m.x, position_m.y - obstacle.position_m.y);
+    let shift = |point: &mut Vec2| *point = vec2(point.x + dx, point.y + dy);
     match &mut obstacle.motion {
         ObstacleMotion::Static | ObstacleMotion::RandomWalk { .. } => {}
         ObstacleMotion::Orbit { centre_m, .. } => shift(centre_m),

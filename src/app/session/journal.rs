@@ -102,7 +102,7 @@ impl Journal {
                     ));
                 }
             };
-            if !(place_m.0.abs() <= MAX_MOVE_M && place_m.1.abs() <= MAX_MOVE_M) {
+            if !(place_m.x.abs() <= MAX_MOVE_M && place_m.y.abs() <= MAX_MOVE_M) {
                 return Err(format!("what was moved after {after_steps} steps went to {place_m:?}"));
             }
         }

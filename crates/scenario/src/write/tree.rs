@@ -8,7 +8,7 @@ use std::fmt::Display;
 use serde::de::value::Error;
 use serde::ser::{
     Error as _, Impossible, Serialize, SerializeSeq, SerializeStruct, SerializeStructVariant, SerializeTuple,
-    Serializer,
+    SerializeTupleStruct, Serializer,
 };
 
 /// One value.
@@ -75,7 +75,7 @@ impl Serializer for Spelling {
     type SerializeTuple = Parts;
     type SerializeStruct = Record;
     type SerializeStructVariant = Record;
-    type SerializeTupleStruct = Impossible<Node, Error>;
+    type SerializeTupleStruct = Parts;
     type SerializeTupleVariant = Impossible<Node, Error>;
     type SerializeMap = Impossible<Node, Error>;
 
@@ -160,8 +160,9 @@ impl Serializer for Spelling {
     fn serialize_tuple(self, _: usize) -> Result<Parts, Error> {
         Ok(Parts { wrap: Node::Tuple, parts: Vec::new() })
     }
-    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Self::SerializeTupleStruct, Error> {
-        foreign("unnamed fields")
+    // Points: `glam::Vec2` is a tuple struct, which RON writes like a tuple.
+    fn serialize_tuple_struct(self, _: &'static str, len: usize) -> Result<Parts, Error> {
+        self.serialize_tuple(len)
     }
     fn serialize_tuple_variant(
         self,
@@ -207,6 +208,18 @@ impl SerializeTuple for Parts {
     type Error = Error;
 
     fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Error> {
+        SerializeSeq::serialize_element(self, value)
+    }
+    fn end(self) -> Result<Node, Error> {
+        SerializeSeq::end(self)
+    }
+}
+
+impl SerializeTupleStruct for Parts {
+    type Ok = Node;
+    type Error = Error;
+
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Error> {
         SerializeSeq::serialize_element(self, value)
     }
     fn end(self) -> Result<Node, Error> {

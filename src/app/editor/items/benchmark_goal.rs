@@ -1,7 +1,9 @@
 //! The goal of the benchmark route.
 
+use bevy::math::Vec2;
+
 use super::super::handle::{Handle, HandleKind};
-use super::super::points::{Point, place_text};
+use super::super::points::place_text;
 use super::editable::{Body, DragTarget, Editable};
 use super::corners;
 use crate::scenario::Scenario;
@@ -27,7 +29,7 @@ impl Editable for BenchmarkGoalItem {
         (kind == HandleKind::Middle).then(|| scenario.benchmark_route.goal_m = target.snapped_m)
     }
 
-    fn translate(&self, scenario: &mut Scenario, by_m: Point) -> Option<()> {
+    fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
         corners::translate([&mut scenario.benchmark_route.goal_m], by_m);
         Some(())
     }

@@ -1,7 +1,9 @@
 //! The start of the benchmark route.
 
+use bevy::math::Vec2;
+
 use super::super::handle::{Handle, HandleKind};
-use super::super::points::{Point, place_text};
+use super::super::points::place_text;
 use super::editable::{Body, DragTarget, Editable};
 use super::{corners, placement_rule};
 use crate::scenario::Scenario;
@@ -31,7 +33,7 @@ impl Editable for BenchmarkStartItem {
         (kind == HandleKind::Middle).then(|| scenario.benchmark_route.start_m = target.snapped_m)
     }
 
-    fn rotation(&self, scenario: &Scenario) -> Option<(Point, f32)> {
+    fn rotation(&self, scenario: &Scenario) -> Option<(Vec2, f32)> {
         Some((scenario.benchmark_route.start_m, scenario.benchmark_route.heading_rad))
     }
 
@@ -40,7 +42,7 @@ impl Editable for BenchmarkStartItem {
         Some(())
     }
 
-    fn translate(&self, scenario: &mut Scenario, by_m: Point) -> Option<()> {
+    fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
         corners::translate([&mut scenario.benchmark_route.start_m], by_m);
         Some(())
     }

@@ -1,7 +1,8 @@
 //! The trait behind all items that can be selected.
 
+use bevy::math::{Vec2, vec2};
+
 use super::super::handle::{Handle, HandleKind};
-use super::super::points::{Point, minus, plus};
 use super::super::selection::Selection;
 use super::super::snap::Snap;
 use crate::scenario::{Generator, Obstacle, Region, Scenario, Wall};
@@ -16,13 +17,13 @@ pub enum Body {
     /// An inner wall.
     Wall(Wall),
     /// A closed line through these corners, in m.
-    Outline(Vec<Point>),
+    Outline(Vec<Vec2>),
     /// An axis-aligned rectangle.
     Region(Region),
     /// Round marks.
     Marks {
         /// Their centres, in m.
-        positions_m: Vec<Point>,
+        positions_m: Vec<Vec2>,
         /// Their radius, in m.
         radius_m: f32,
     },
@@ -60,13 +61,13 @@ impl ListItem {
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct DragTarget {
     /// Position of the handle without snapping, in m.
-    pub position_m: Point,
+    pub position_m: Vec2,
     /// The same position, snapped.
-    pub snapped_m: Point,
+    pub snapped_m: Vec2,
     /// The snapping of sizes and angles.
     pub snap: Snap,
     /// Centre of the scenario, in m.
-    pub centre_m: Point,
+    pub centre_m: Vec2,
 }
 
 /// What the editor can do with a kind of item. An implementation holds the item's index, not the item; methods that
@@ -84,7 +85,7 @@ pub(in super::super) trait Editable {
     fn body(&self, scenario: &Scenario) -> Body;
 
     /// Distance from `point_m` to a solid item, in m; negative inside, `None` for an item that is not solid.
-    fn solid_distance_m(&self, _scenario: &Scenario, _point_m: Point) -> Option<f32> {
+    fn solid_distance_m(&self, _scenario: &Scenario, _point_m: Vec2) -> Option<f32> {
         None
     }
 
@@ -92,13 +93,13 @@ pub(in super::super) trait Editable {
     fn handles(&self, scenario: &Scenario) -> Vec<Handle>;
 
     /// Position of a handle in m, or `None` if the item has no such handle.
-    fn handle_position_m(&self, scenario: &Scenario, kind: HandleKind) -> Option<Point> {
+    fn handle_position_m(&self, scenario: &Scenario, kind: HandleKind) -> Option<Vec2> {
         let handle = self.handles(scenario).into_iter().find(|handle| handle.kind == kind);
         handle.map(|handle| handle.position_m)
     }
 
     /// The handle that a drag of `kind` at `position_m` moves; differs from `kind` only for items without a middle.
-    fn dragged_handle(&self, _scenario: &Scenario, kind: HandleKind, _position_m: Point) -> HandleKind {
+    fn dragged_handle(&self, _scenario: &Scenario, kind: HandleKind, _position_m: Vec2) -> HandleKind {
         kind
     }
 
@@ -110,7 +111,7 @@ pub(in super::super) trait Editable {
         &self,
         _scenario: &mut Scenario,
         _kind: HandleKind,
-        _position_m: Point,
+        _position_m: Vec2,
     ) -> Option<HandleKind> {
         None
     }
@@ -121,7 +122,7 @@ pub(in super::super) trait Editable {
     }
 
     /// The centre of rotation in m and the current angle in rad, for an item that can be rotated.
-    fn rotation(&self, _scenario: &Scenario) -> Option<(Point, f32)> {
+    fn rotation(&self, _scenario: &Scenario) -> Option<(Vec2, f32)> {
         None
     }
 
@@ -131,7 +132,7 @@ pub(in super::super) trait Editable {
     }
 
     /// Moves the whole item.
-    fn translate(&self, scenario: &mut Scenario, by_m: Point) -> Option<()>;
+    fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()>;
 
     /// A copy of the item, if it belongs to a list.
     fn copy(&self, _scenario: &Scenario) -> Option<ListItem> {
@@ -142,20 +143,20 @@ pub(in super::super) trait Editable {
     fn vary(&self, _scenario: &mut Scenario) {}
 
     /// The point that [`move_to`](Self::move_to) moves, in m.
-    fn anchor_m(&self, _scenario: &Scenario) -> Option<Point> {
+    fn anchor_m(&self, _scenario: &Scenario) -> Option<Vec2> {
         None
     }
 
     /// The anchor of a copy next to the item, in m. The copy must fit into `others`.
-    fn copy_anchor_m(&self, scenario: &Scenario, _others: &Scenario, snap: Snap) -> Option<Point> {
+    fn copy_anchor_m(&self, scenario: &Scenario, _others: &Scenario, snap: Snap) -> Option<Vec2> {
         let step_m = if snap.on { snap.step_m.max(0.2) } else { 0.2 };
-        self.anchor_m(scenario).map(|at| plus(at, (step_m, -step_m)))
+        self.anchor_m(scenario).map(|at| at + vec2(step_m, -step_m))
     }
 
     /// Moves the whole item so that its anchor is at `position_m`.
-    fn move_to(&self, scenario: &mut Scenario, position_m: Point) {
+    fn move_to(&self, scenario: &mut Scenario, position_m: Vec2) {
         if let Some(from) = self.anchor_m(scenario) {
-            self.translate(scenario, minus(position_m, from));
+            self.translate(scenario, position_m - from);
         }
     }
 

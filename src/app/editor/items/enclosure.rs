@@ -1,8 +1,9 @@
 //! The boundary of the scenario.
 
+use bevy::math::{Vec2, vec2};
+
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::{ENCLOSURE_CORNERS, MIN_ENCLOSURE_M};
-use super::super::points::Point;
 use super::editable::{Body, DragTarget, Editable};
 use super::{corners, rectangles};
 use crate::scenario::{Enclosure, Scenario};
@@ -21,7 +22,7 @@ impl Editable for EnclosureItem {
     fn handles(&self, scenario: &Scenario) -> Vec<Handle> {
         match &scenario.enclosure {
             Enclosure::Rectangle { width_m, height_m } => {
-                rectangles::side_handles((0.0, 0.0), (*width_m, *height_m), "Resize; the centre stays")
+                rectangles::side_handles(Vec2::ZERO, vec2(*width_m, *height_m), "Resize; the centre stays")
             }
             Enclosure::Polygon { corners_m } => corners::handles(corners_m, true, *ENCLOSURE_CORNERS.end()),
         }
@@ -30,8 +31,8 @@ impl Editable for EnclosureItem {
     fn drag(&self, scenario: &mut Scenario, kind: HandleKind, target: DragTarget) -> Option<()> {
         match (&mut scenario.enclosure, kind) {
             (Enclosure::Rectangle { width_m, height_m }, HandleKind::Side(x, y)) => {
-                resize(width_m, x, target.position_m.0, target);
-                resize(height_m, y, target.position_m.1, target);
+                resize(width_m, x, target.position_m.x, target);
+                resize(height_m, y, target.position_m.y, target);
             }
             (Enclosure::Polygon { corners_m }, HandleKind::Corner(k)) => {
                 *corners_m.get_mut(k)? = target.snapped_m;
@@ -41,7 +42,7 @@ impl Editable for EnclosureItem {
         Some(())
     }
 
-    fn insert(&self, scenario: &mut Scenario, kind: HandleKind, position_m: Point) -> Option<HandleKind> {
+    fn insert(&self, scenario: &mut Scenario, kind: HandleKind, position_m: Vec2) -> Option<HandleKind> {
         match (&mut scenario.enclosure, kind) {
             (Enclosure::Polygon { corners_m }, HandleKind::InsertCorner(k)) => {
                 corners::insert(corners_m, k, position_m)
@@ -59,7 +60,7 @@ impl Editable for EnclosureItem {
         }
     }
 
-    fn translate(&self, _scenario: &mut Scenario, _by_m: Point) -> Option<()> {
+    fn translate(&self, _scenario: &mut Scenario, _by_m: Vec2) -> Option<()> {
         None
     }
 }

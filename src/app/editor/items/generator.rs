@@ -1,7 +1,8 @@
 //! A generator of random obstacles, and the region that it fills.
 
+use bevy::math::Vec2;
+
 use super::super::handle::{Handle, HandleKind};
-use super::super::points::Point;
 use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
 use super::{corners, rectangles};
 use crate::scenario::{Region, Scenario};
@@ -36,7 +37,7 @@ impl Editable for GeneratorItem {
         rectangles::drag_region((&mut region.min_m, &mut region.max_m), kind, target)
     }
 
-    fn translate(&self, scenario: &mut Scenario, by_m: Point) -> Option<()> {
+    fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
         let region = scenario.generators.get_mut(self.0)?.within.as_mut()?;
         corners::translate([&mut region.min_m, &mut region.max_m], by_m);
         Some(())
@@ -47,7 +48,7 @@ impl Editable for GeneratorItem {
     }
 
     /// The lower left corner of the region.
-    fn anchor_m(&self, scenario: &Scenario) -> Option<Point> {
+    fn anchor_m(&self, scenario: &Scenario) -> Option<Vec2> {
         self.region(scenario).map(|region| region.min_m)
     }
 

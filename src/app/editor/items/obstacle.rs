@@ -1,8 +1,9 @@
 //! An obstacle: its body and its motion together.
 
+use bevy::math::{Vec2, vec2};
+
 use super::super::free_space;
 use super::super::handle::{Handle, HandleKind};
-use super::super::points::{Point, plus};
 use super::super::snap::Snap;
 use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
 use super::{obstacle_body, obstacle_path};
@@ -23,9 +24,9 @@ impl Editable for ObstacleItem {
         scenario.obstacles.get(self.0).cloned().map_or(Body::Nothing, Body::Obstacle)
     }
 
-    fn solid_distance_m(&self, scenario: &Scenario, point_m: Point) -> Option<f32> {
+    fn solid_distance_m(&self, scenario: &Scenario, point_m: Vec2) -> Option<f32> {
         let obstacle = scenario.obstacles.get(self.0)?;
-        let (x, y) = obstacle.position_m;
+        let Vec2 { x, y } = obstacle.position_m;
         Some(shape_distance(&obstacle.shape, (x, y, obstacle.rotation_rad), point_m))
     }
 
@@ -41,7 +42,7 @@ impl Editable for ObstacleItem {
         obstacle_body::drag(obstacle, kind, target).or_else(|| obstacle_path::drag(obstacle, kind, target))
     }
 
-    fn insert(&self, scenario: &mut Scenario, kind: HandleKind, position_m: Point) -> Option<HandleKind> {
+    fn insert(&self, scenario: &mut Scenario, kind: HandleKind, position_m: Vec2) -> Option<HandleKind> {
         let obstacle = scenario.obstacles.get_mut(self.0)?;
         obstacle_body::insert(obstacle, kind, position_m)
             .or_else(|| obstacle_path::insert(obstacle, kind, position_m))
@@ -52,7 +53,7 @@ impl Editable for ObstacleItem {
         obstacle_body::remove(obstacle, kind).or_else(|| obstacle_path::remove(obstacle, kind))
     }
 
-    fn rotation(&self, scenario: &Scenario) -> Option<(Point, f32)> {
+    fn rotation(&self, scenario: &Scenario) -> Option<(Vec2, f32)> {
         let obstacle = scenario.obstacles.get(self.0)?;
         obstacle_body::can_rotate(&obstacle.shape).then_some((obstacle.position_m, obstacle.rotation_rad))
     }
@@ -62,7 +63,7 @@ impl Editable for ObstacleItem {
         Some(())
     }
 
-    fn translate(&self, scenario: &mut Scenario, by_m: Point) -> Option<()> {
+    fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
         obstacle_path::translate(scenario.obstacles.get_mut(self.0)?, by_m);
         Some(())
     }
@@ -79,14 +80,14 @@ impl Editable for ObstacleItem {
         }
     }
 
-    fn anchor_m(&self, scenario: &Scenario) -> Option<Point> {
+    fn anchor_m(&self, scenario: &Scenario) -> Option<Vec2> {
         scenario.obstacles.get(self.0).map(|obstacle| obstacle.position_m)
     }
 
-    fn copy_anchor_m(&self, scenario: &Scenario, others: &Scenario, snap: Snap) -> Option<Point> {
+    fn copy_anchor_m(&self, scenario: &Scenario, others: &Scenario, snap: Snap) -> Option<Vec2> {
         let obstacle = scenario.obstacles.get(self.0)?;
         let radius_m = obstacle.shape.bounding_radius_m();
-        let wanted = plus(obstacle.position_m, (2.0 * radius_m + 0.1, 0.0));
+        let wanted = obstacle.position_m + vec2(2.0 * radius_m + 0.1, 0.0);
         Some(free_space::nearest(others, wanted, radius_m, snap))
     }
 

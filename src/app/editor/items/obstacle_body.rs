@@ -3,11 +3,11 @@
 //! Resizing works in the obstacle's local frame and keeps the opposite side in place. Where that moves the obstacle's
 //! centre, its path moves with it.
 
+use bevy::math::{Vec2, vec2};
+
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::POLYGON_CORNERS;
-use super::super::points::{
-    LocalFrame, Point, degrees_text, format_metres, minus, place_text, point_to_mm, size_text,
-};
+use super::super::points::{LocalFrame, degrees_text, format_metres, place_text, point_to_mm, size_text};
 use super::super::snap::Snap;
 use super::rectangles::SIDES;
 use super::editable::DragTarget;
@@ -31,7 +31,7 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
     let frame = frame_of(obstacle);
     let mut handles = shape_handles(&obstacle.shape, frame);
     if can_rotate(&obstacle.shape) {
-        let at = frame.to_world((obstacle.shape.bounding_radius_m() + ROTATION_HANDLE_M, 0.0));
+        let at = frame.to_world(vec2(obstacle.shape.bounding_radius_m() + ROTATION_HANDLE_M, 0.0));
         handles.push(Handle::new(HandleKind::Rotate, at, degrees_text(obstacle.rotation_rad), "Rotate"));
     }
     let at = obstacle.position_m;
@@ -40,31 +40,31 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
 }
 
 fn shape_handles(shape: &Shape, frame: LocalFrame) -> Vec<Handle> {
-    let handle = |kind, local: Point, text: String, about| {
+    let handle = |kind, local: Vec2, text: String, about| {
         Handle::new(kind, frame.to_world(local), text, about)
     };
     let radius_text = |radius_m: f32| format!("r {} m", format_metres(radius_m));
     match shape {
         Shape::Circle { radius_m: r } => {
-            vec![handle(HandleKind::Radius, (*r, 0.0), radius_text(*r), "Change the radius")]
+            vec![handle(HandleKind::Radius, vec2(*r, 0.0), radius_text(*r), "Change the radius")]
         }
         Shape::Rectangle { width_m, height_m } => {
             let side = |(x, y): (i8, i8)| {
-                let local = (f32::from(x) * width_m / 2.0, f32::from(y) * height_m / 2.0);
-                handle(HandleKind::Side(x, y), local, size_text(*width_m, *height_m), "Resize")
+                let local = vec2(f32::from(x) * width_m / 2.0, f32::from(y) * height_m / 2.0);
+                handle(HandleKind::Side(x, y), local, size_text(vec2(*width_m, *height_m)), "Resize")
             };
             SIDES.map(side).into()
         }
         Shape::Capsule { length_m, radius_m: r } => {
             let end = |right: bool, sign: f32| {
                 let text = format!("{} m long", format_metres(*length_m));
-                handle(HandleKind::CapsuleEnd(right), (sign * (length_m / 2.0 + r), 0.0), text, "Change the length")
+                handle(HandleKind::CapsuleEnd(right), vec2(sign * (length_m / 2.0 + r), 0.0), text, "Change the length")
             };
-            let radius = handle(HandleKind::Radius, (0.0, *r), radius_text(*r), "Change the radius");
+            let radius = handle(HandleKind::Radius, vec2(0.0, *r), radius_text(*r), "Change the radius");
             vec![radius, end(false, -1.0), end(true, 1.0)]
         }
         Shape::Polygon { corners_m } => {
-            let outline: Vec<Point> = corners_m.iter().map(|&corner| frame.to_world(corner)).collect();
+            let outline: Vec<Vec2> = corners_m.iter().map(|&corner| frame.to_world(corner)).collect();
             corners::handles(&outline, true, *POLYGON_CORNERS.end())
         }
     }
@@ -77,17 +77,17 @@ pub(super) fn drag(obstacle: &mut Obstacle, kind: HandleKind, target: DragTarget
     let local = frame.to_local(to);
     match (kind, &mut obstacle.shape) {
         (HandleKind::Middle, _) => {
-            obstacle_path::translate(obstacle, minus(snapped, obstacle.position_m));
+            obstacle_path::translate(obstacle, snapped - obstacle.position_m);
         }
-        (HandleKind::Radius, Shape::Circle { radius_m }) => *radius_m = snap.size(local.0.hypot(local.1)),
-        (HandleKind::Radius, Shape::Capsule { radius_m, .. }) => *radius_m = snap.size(local.1.abs()),
+        (HandleKind::Radius, Shape::Circle { radius_m }) => *radius_m = snap.size(local.x.hypot(local.y)),
+        (HandleKind::Radius, Shape::Capsule { radius_m, .. }) => *radius_m = snap.size(local.y.abs()),
         (HandleKind::CapsuleEnd(right), Shape::Capsule { length_m, radius_m }) => {
             let side = if right { 1 } else { -1 };
-            let x = resize(side, length_m, local.0 - f32::from(side) * *radius_m, snap);
-            move_centre(obstacle, frame, (x, 0.0));
+            let x = resize(side, length_m, local.x - f32::from(side) * *radius_m, snap);
+            move_centre(obstacle, frame, vec2(x, 0.0));
         }
         (HandleKind::Side(x, y), Shape::Rectangle { width_m, height_m }) => {
-            let centre = (resize(x, width_m, local.0, snap), resize(y, height_m, local.1, snap));
+            let centre = vec2(resize(x, width_m, local.x, snap), resize(y, height_m, local.y, snap));
             move_centre(obstacle, frame, centre);
         }
         (HandleKind::Corner(k), Shape::Polygon { corners_m }) => {
@@ -111,13 +111,13 @@ fn resize(side: i8, size_m: &mut f32, to_m: f32, snap: Snap) -> f32 {
 }
 
 /// Moves the obstacle so that its centre is at a point of its old local frame.
-fn move_centre(obstacle: &mut Obstacle, frame: LocalFrame, local_m: Point) {
+fn move_centre(obstacle: &mut Obstacle, frame: LocalFrame, local_m: Vec2) {
     let centre = point_to_mm(frame.to_world(local_m));
-    obstacle_path::translate(obstacle, minus(centre, obstacle.position_m));
+    obstacle_path::translate(obstacle, centre - obstacle.position_m);
 }
 
 /// Inserts a corner of a polygon.
-pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, position_m: Point) -> Option<HandleKind> {
+pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, position_m: Vec2) -> Option<HandleKind> {
     let local = point_to_mm(frame_of(obstacle).to_local(position_m));
     match (kind, &mut obstacle.shape) {
         (HandleKind::InsertCorner(k), Shape::Polygon { corners_m }) => corners::insert(corners_m, k, local),

@@ -1,8 +1,10 @@
 //! The motion of an obstacle: its waypoints, the centre of its orbit, the radius of its random walk.
 
+use bevy::math::{Vec2, vec2};
+
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::MAX_POINTS;
-use super::super::points::{Point, distance, format_metres, middle, place_text, plus, point_to_mm};
+use super::super::points::{distance, format_metres, place_text, point_to_mm};
 use super::editable::DragTarget;
 use super::corners;
 use crate::scenario::{Obstacle, ObstacleMotion};
@@ -17,7 +19,7 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
             handles.push(Handle::new(HandleKind::OrbitCentre, *centre_m, text, about));
         }
         ObstacleMotion::RandomWalk { radius_m, .. } => {
-            let at = plus(obstacle.position_m, (0.0, *radius_m));
+            let at = obstacle.position_m + vec2(0.0, *radius_m);
             let text = format!("{} m", format_metres(*radius_m));
             let about = "Change the radius of the random walk";
             handles.push(Handle::new(HandleKind::WalkReach, at, text, about));
@@ -34,7 +36,7 @@ fn path_handles(obstacle: &Obstacle) -> Vec<Handle> {
     if path.len() <= MAX_POINTS {
         let legs = if closed && path.len() > 2 { path.len() } else { path.len() - 1 };
         handles.extend((0..legs).map(|k| {
-            let at = middle(path[k], path[(k + 1) % path.len()]);
+            let at = path[k].midpoint(path[(k + 1) % path.len()]);
             Handle::new(HandleKind::InsertWaypoint(k), at, place_text(at), "Drag to add a waypoint")
         }));
     }
@@ -48,7 +50,7 @@ fn path_handles(obstacle: &Obstacle) -> Vec<Handle> {
     handles
 }
 
-fn waypoints(obstacle: &mut Obstacle) -> Option<&mut Vec<Point>> {
+fn waypoints(obstacle: &mut Obstacle) -> Option<&mut Vec<Vec2>> {
     match &mut obstacle.motion {
         ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
             Some(waypoints_m)
@@ -75,7 +77,7 @@ pub(super) fn drag(obstacle: &mut Obstacle, kind: HandleKind, target: DragTarget
 }
 
 /// Inserts a waypoint.
-pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, position_m: Point) -> Option<HandleKind> {
+pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, position_m: Vec2) -> Option<HandleKind> {
     let HandleKind::InsertWaypoint(k) = kind else { return None };
     corners::insert(waypoints(obstacle)?, k, position_m)?;
     Some(HandleKind::Waypoint(k))
@@ -88,12 +90,12 @@ pub(super) fn remove(obstacle: &mut Obstacle, kind: HandleKind) -> Option<()> {
 }
 
 /// Moves the obstacle and its motion.
-pub(super) fn translate(obstacle: &mut Obstacle, by_m: Point) {
-    obstacle.position_m = point_to_mm(plus(obstacle.position_m, by_m));
+pub(super) fn translate(obstacle: &mut Obstacle, by_m: Vec2) {
+    obstacle.position_m = point_to_mm(obstacle.position_m + by_m);
     if let Some(waypoints) = waypoints(obstacle) {
         corners::translate(waypoints, by_m);
     }
     if let ObstacleMotion::Orbit { centre_m, .. } = &mut obstacle.motion {
-        *centre_m = point_to_mm(plus(*centre_m, by_m));
+        *centre_m = point_to_mm(*centre_m + by_m);
     }
 }

@@ -1,8 +1,10 @@
 //! The rule that places starts or goals: anywhere, in a region, or at given positions.
 
+use bevy::math::{Vec2, vec2};
+
 use super::super::handle::{Handle, HandleKind};
 use super::super::kinds::PlacementRole;
-use super::super::points::{LocalFrame, Point, degrees_text, distance, place_text};
+use super::super::points::{LocalFrame, degrees_text, distance, place_text};
 use super::editable::{Body, DragTarget, Editable};
 use super::rule_points::{places, points_mut, region};
 use super::{corners, rectangles};
@@ -48,17 +50,17 @@ impl Editable for RuleItem {
             PlacementRule::OneOf { .. } => "Move this position; double-click removes it",
             _ => "Move this position",
         };
-        let place = |(k, &at): (usize, &Point)| Handle::new(HandleKind::Place(k), at, place_text(at), about);
+        let place = |(k, &at): (usize, &Vec2)| Handle::new(HandleKind::Place(k), at, place_text(at), about);
         handles.extend(places(rule).iter().enumerate().map(place));
         handles
     }
 
     /// A rule has no middle; the nearest position is dragged.
-    fn dragged_handle(&self, scenario: &Scenario, kind: HandleKind, position_m: Point) -> HandleKind {
+    fn dragged_handle(&self, scenario: &Scenario, kind: HandleKind, position_m: Vec2) -> HandleKind {
         if kind != HandleKind::Middle {
             return kind;
         }
-        let away = |place: &Point| distance(*place, position_m);
+        let away = |place: &Vec2| distance(*place, position_m);
         let places = places(self.0.of(scenario)).iter().enumerate();
         let nearest = places.min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
         nearest.map_or(kind, |(k, _)| HandleKind::Place(k))
@@ -90,7 +92,7 @@ impl Editable for RuleItem {
     }
 
     /// The heading of a fixed start. A goal has no heading.
-    fn rotation(&self, scenario: &Scenario) -> Option<(Point, f32)> {
+    fn rotation(&self, scenario: &Scenario) -> Option<(Vec2, f32)> {
         match (self.0, self.0.of(scenario)) {
             (PlacementRole::Starts, PlacementRule::Fixed { position_m, heading_rad: Some(heading) }) => {
                 Some((*position_m, *heading))
@@ -109,7 +111,7 @@ impl Editable for RuleItem {
         }
     }
 
-    fn translate(&self, scenario: &mut Scenario, by_m: Point) -> Option<()> {
+    fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
         corners::translate(points_mut(self.0.of_mut(scenario)), by_m);
         Some(())
     }
@@ -125,7 +127,7 @@ impl Editable for RuleItem {
 }
 
 /// The handle that turns a start's heading.
-pub(super) fn heading_handle(start_m: Point, heading_rad: f32) -> Handle {
-    let tip = LocalFrame::new(start_m, heading_rad).to_world((HEADING_HANDLE_M, 0.0));
+pub(super) fn heading_handle(start_m: Vec2, heading_rad: f32) -> Handle {
+    let tip = LocalFrame::new(start_m, heading_rad).to_world(vec2(HEADING_HANDLE_M, 0.0));
     Handle::new(HandleKind::Rotate, tip, degrees_text(heading_rad), "Turn the heading")
 }

@@ -1,7 +1,9 @@
 //! Axis-aligned rectangles: a rectangular enclosure, the region of a rule or of a generator.
 
+use bevy::math::{Vec2, vec2};
+
 use super::super::handle::{Handle, HandleKind};
-use super::super::points::{Point, middle, minus, plus, point_to_mm, size_text};
+use super::super::points::{point_to_mm, size_text};
 use super::editable::DragTarget;
 use crate::scenario::Region;
 
@@ -11,44 +13,44 @@ pub(super) const SIDES: [(i8, i8); 8] =
 
 /// Handles on the sides and corners.
 pub(super) fn side_handles(
-    centre: Point,
-    (width, height): (f32, f32),
+    centre: Vec2,
+    size: Vec2,
     about: &'static str,
 ) -> Vec<Handle> {
     let handle = |(x, y): (i8, i8)| {
-        let at = plus(centre, (f32::from(x) * width / 2.0, f32::from(y) * height / 2.0));
-        Handle::new(HandleKind::Side(x, y), at, size_text(width, height), about)
+        let at = centre + vec2(f32::from(x), f32::from(y)) * size / 2.0;
+        Handle::new(HandleKind::Side(x, y), at, size_text(size), about)
     };
     SIDES.map(handle).into()
 }
 
 /// Handles of a region: its sides, corners and middle.
 pub(super) fn region_handles(region: Region) -> Vec<Handle> {
-    let centre = middle(region.min_m, region.max_m);
-    let (width, height) = minus(region.max_m, region.min_m);
-    let mut handles = side_handles(centre, (width, height), "Resize the region");
-    handles.push(Handle::new(HandleKind::Middle, centre, size_text(width, height), "Move the region"));
+    let centre = region.min_m.midpoint(region.max_m);
+    let size = region.max_m - region.min_m;
+    let mut handles = side_handles(centre, size, "Resize the region");
+    handles.push(Handle::new(HandleKind::Middle, centre, size_text(size), "Move the region"));
     handles
 }
 
 /// Drags a handle of the region between these corners. A side snaps to the grid; the region keeps at least the
 /// smallest size.
 pub(super) fn drag_region(
-    (min_m, max_m): (&mut Point, &mut Point),
+    (min_m, max_m): (&mut Vec2, &mut Vec2),
     kind: HandleKind,
     target: DragTarget,
 ) -> Option<()> {
     let DragTarget { position_m: to, snapped_m: snapped, snap, centre_m } = target;
     match kind {
         HandleKind::Middle => {
-            let size = minus(*max_m, *min_m);
-            *min_m = snap.point(minus(to, (size.0 / 2.0, size.1 / 2.0)), centre_m);
-            *max_m = point_to_mm(plus(*min_m, size));
+            let size = *max_m - *min_m;
+            *min_m = snap.point(to - size / 2.0, centre_m);
+            *max_m = point_to_mm(*min_m + size);
         }
         HandleKind::Side(x, y) => {
             let min_size_m = snap.size(0.0);
-            drag_side(x, snapped.0, (&mut min_m.0, &mut max_m.0), min_size_m);
-            drag_side(y, snapped.1, (&mut min_m.1, &mut max_m.1), min_size_m);
+            drag_side(x, snapped.x, (&mut min_m.x, &mut max_m.x), min_size_m);
+            drag_side(y, snapped.y, (&mut min_m.y, &mut max_m.y), min_size_m);
             (*min_m, *max_m) = (point_to_mm(*min_m), point_to_mm(*max_m));
         }
         _ => return None,

@@ -1,10 +1,11 @@
 //! The positions and the region of a start or goal rule.
 
-use super::super::points::Point;
+use bevy::math::Vec2;
+
 use crate::scenario::{PlacementRule, Region};
 
 /// The given positions of a rule, in m.
-pub(in super::super) fn places(rule: &PlacementRule) -> &[Point] {
+pub(in super::super) fn places(rule: &PlacementRule) -> &[Vec2] {
     match rule {
         PlacementRule::Fixed { position_m, .. } => std::slice::from_ref(position_m),
         PlacementRule::OneOf { positions_m } => positions_m,
@@ -21,7 +22,7 @@ pub(in super::super) fn region(rule: &PlacementRule) -> Option<Region> {
 }
 
 /// All points of a rule: its positions, or the corners of its region.
-pub(super) fn points_mut(rule: &mut PlacementRule) -> Vec<&mut Point> {
+pub(super) fn points_mut(rule: &mut PlacementRule) -> Vec<&mut Vec2> {
     match rule {
         PlacementRule::Random { .. } => Vec::new(),
         PlacementRule::Within { min_m, max_m, .. } => vec![min_m, max_m],

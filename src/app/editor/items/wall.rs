@@ -1,8 +1,9 @@
 //! An inner wall.
 
+use bevy::math::Vec2;
+
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::WALL_CORNERS;
-use super::super::points::{Point, minus};
 use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
 use super::corners;
 use crate::scenario::{Scenario, inner_wall_distance};
@@ -22,7 +23,7 @@ impl Editable for WallItem {
         scenario.walls.get(self.0).cloned().map_or(Body::Nothing, Body::Wall)
     }
 
-    fn solid_distance_m(&self, scenario: &Scenario, point_m: Point) -> Option<f32> {
+    fn solid_distance_m(&self, scenario: &Scenario, point_m: Vec2) -> Option<f32> {
         scenario.walls.get(self.0).map(|wall| inner_wall_distance(wall, point_m))
     }
 
@@ -32,7 +33,7 @@ impl Editable for WallItem {
     }
 
     /// The middle handle is not drawn, but the wall can be dragged by its body: then the first corner is the handle.
-    fn handle_position_m(&self, scenario: &Scenario, kind: HandleKind) -> Option<Point> {
+    fn handle_position_m(&self, scenario: &Scenario, kind: HandleKind) -> Option<Vec2> {
         if kind == HandleKind::Middle {
             return self.anchor_m(scenario);
         }
@@ -45,7 +46,7 @@ impl Editable for WallItem {
         match kind {
             HandleKind::Corner(k) => *corners_m.get_mut(k)? = target.snapped_m,
             HandleKind::Middle => {
-                let by = minus(target.snapped_m, *corners_m.first()?);
+                let by = target.snapped_m - *corners_m.first()?;
                 corners::translate(corners_m, by);
             }
             _ => return None,
@@ -53,7 +54,7 @@ impl Editable for WallItem {
         Some(())
     }
 
-    fn insert(&self, scenario: &mut Scenario, kind: HandleKind, position_m: Point) -> Option<HandleKind> {
+    fn insert(&self, scenario: &mut Scenario, kind: HandleKind, position_m: Vec2) -> Option<HandleKind> {
         let HandleKind::InsertCorner(k) = kind else { return None };
         corners::insert(&mut scenario.walls.get_mut(self.0)?.corners_m, k, position_m)
     }
@@ -63,7 +64,7 @@ impl Editable for WallItem {
         corners::remove(&mut scenario.walls.get_mut(self.0)?.corners_m, k, *WALL_CORNERS.start())
     }
 
-    fn translate(&self, scenario: &mut Scenario, by_m: Point) -> Option<()> {
+    fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
         corners::translate(&mut scenario.walls.get_mut(self.0)?.corners_m, by_m);
         Some(())
     }
@@ -73,7 +74,7 @@ impl Editable for WallItem {
     }
 
     /// The first corner.
-    fn anchor_m(&self, scenario: &Scenario) -> Option<Point> {
+    fn anchor_m(&self, scenario: &Scenario) -> Option<Vec2> {
         scenario.walls.get(self.0)?.corners_m.first().copied()
     }
 

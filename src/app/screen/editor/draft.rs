@@ -1,8 +1,9 @@
 //! The unfinished wall or path, with its next point at the pointer.
 
+use bevy::math;
 use egui::{Align2, Pos2, Shape, Stroke, Ui, vec2};
 
-use crate::app::editor::{Editor, Point, Tool};
+use crate::app::editor::{Editor, Selection, Tool};
 use crate::app::screen::world::canvas::Canvas;
 
 /// Draws the points so far, a dashed line to the pointer and its length.
@@ -19,25 +20,25 @@ pub fn draw(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos2>) {
     }
     let Some(pointer) = pointer else { return };
     let free = ui.input(|input| input.modifiers.alt);
-    let next_m = editor.snapped(canvas.transform.to_world(pointer).into(), free);
+    let next_m: math::Vec2 = editor.snapped(canvas.transform.to_world(pointer).into(), free);
     let next = canvas.to_screen(next_m.into());
     let label = match (points.last(), points_m.last()) {
-        (Some(&last), Some(&(x, y))) => {
+        (Some(&last), Some(&last_m)) => {
             let line = Stroke::new(1.75, palette.accent);
             canvas.painter.extend(Shape::dashed_line(&[last, next], line, 6.0, 4.0));
-            format!("{:.2} m", (next_m.0 - x).hypot(next_m.1 - y))
+            format!("{:.2} m", next_m.distance(last_m))
         }
-        _ => format!("{:.2}, {:.2}", next_m.0, next_m.1),
+        _ => format!("{:.2}, {:.2}", next_m.x, next_m.y),
     };
     canvas.painter.circle_filled(next, 3.5, palette.accent);
     canvas.label(next + vec2(12.0, -10.0), Align2::LEFT_BOTTOM, &label, palette.text);
 }
 
 /// The points so far, in m; a path begins at its obstacle. `None` if there is no obstacle.
-fn points_m(editor: &Editor) -> Option<Vec<Point>> {
+fn points_m(editor: &Editor) -> Option<Vec<math::Vec2>> {
     let mut points_m = editor.tool().points_m().to_vec();
     if let Tool::Path { .. } = editor.tool() {
-        let crate::app::editor::Selection::Obstacle(k) = editor.selection() else { return None };
+        let Selection::Obstacle(k) = editor.selection() else { return None };
         if let Some(obstacle) = editor.scenario().obstacles.get(k) {
             points_m.insert(0, obstacle.position_m);
         }

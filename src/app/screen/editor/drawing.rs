@@ -26,7 +26,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor, hit: PointerHit) 
     marks::draw_regions(canvas, editor);
     draw_generated_example(ui, canvas, id, editor);
     let poses: Vec<_> =
-        scenario.obstacles.iter().map(|o| (o.position_m.0, o.position_m.1, o.rotation_rad)).collect();
+        scenario.obstacles.iter().map(|o| (o.position_m.x, o.position_m.y, o.rotation_rad)).collect();
     arena::draw_solids(canvas, scenario, &poses);
     if let Body::Wall(wall) = selected.body(scenario) {
         outlines::draw_selected_wall(canvas, &wall);
@@ -91,11 +91,10 @@ fn draw_ghosts(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
 
 /// Speed of an obstacle's centre, in m/s; of a random walk, the largest.
 fn speed_m_s(obstacle: &Obstacle) -> f32 {
-    let (x, y) = obstacle.position_m;
     match &obstacle.motion {
         ObstacleMotion::Static => 0.0,
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            speed_rad_s.abs() * (x - centre_m.0).hypot(y - centre_m.1)
+            speed_rad_s.abs() * obstacle.position_m.distance(*centre_m)
         }
         ObstacleMotion::Patrol { speed_m_s, .. }
         | ObstacleMotion::BackAndForth { speed_m_s, .. }

@@ -3,10 +3,11 @@
 //! The fields change a copy of the edited item; [`FieldRows::commit`] applies the copy to the scenario. All changes of
 //! one field are one undo step.
 
+use bevy::math;
 use egui::{Align, DragValue, Id, Label, Layout, Ui, vec2};
 
 use super::number::{FieldEvents, FieldName, HEIGHT, NumberSpec, WIDTH, is_left, number_ui, with_tip};
-use crate::app::editor::{Editor, Point};
+use crate::app::editor::Editor;
 use crate::app::screen::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::panels::setup::weak_text;
 use crate::app::screen::theme::Palette;
@@ -67,7 +68,7 @@ impl<'u> FieldRows<'u> {
     }
 
     /// A row with a position.
-    pub fn position(&mut self, name: &str, tip: &str, (x, y): &mut Point) {
+    pub fn position(&mut self, name: &str, tip: &str, math::Vec2 { x, y }: &mut math::Vec2) {
         self.pair(name, tip, [("x", x), ("y", y)], NumberSpec::POSITION);
     }
 
@@ -104,9 +105,11 @@ impl<'u> FieldRows<'u> {
     }
 
     /// A list of positions.
-    pub fn positions(&mut self, name: &str, positions: &mut Vec<Point>, min: usize) {
+    pub fn positions(&mut self, name: &str, positions: &mut Vec<math::Vec2>, min: usize) {
         let specs = [NumberSpec::POSITION; 2];
-        self.list(name, positions, min, "drag them on the canvas", specs, |(x, y)| [("x", x), ("y", y)]);
+        self.list(name, positions, min, "drag them on the canvas", specs, |math::Vec2 { x, y }| {
+            [("x", x), ("y", y)]
+        });
     }
 
     /// Records a change that is a complete undo step.

@@ -1,5 +1,6 @@
 //! The part of the plane that the editor's canvas shows.
 
+use bevy::math;
 use egui::{Id, Rect, Ui, Vec2};
 
 use crate::app::editor::Editor;
@@ -12,7 +13,7 @@ pub fn canvas_id() -> Id {
 }
 
 /// The point in the middle of the view, in m.
-pub fn view_center_m(ui: &Ui, editor: &Editor, camera: ViewCamera) -> (f32, f32) {
+pub fn view_center_m(ui: &Ui, editor: &Editor, camera: ViewCamera) -> math::Vec2 {
     let bounds = bounds(ui, canvas_id(), editor, camera);
     ViewTransform::new(Rect::ZERO, Vec2::ZERO, camera, bounds).centre_m.into()
 }

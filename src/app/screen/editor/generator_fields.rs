@@ -1,5 +1,6 @@
 //! The fields of a generator of random obstacles.
 
+use bevy::math::{Vec2, vec2};
 use egui::Ui;
 
 use super::controls::choice_ui;
@@ -7,7 +8,7 @@ use super::fields::FieldRows;
 use super::number::NumberSpec;
 use super::obstacle_fields::SIZE;
 use super::placement_fields::region_rows;
-use crate::app::editor::{Editor, Point};
+use crate::app::editor::Editor;
 use crate::app::screen::panels::setup::weak_text;
 use crate::scenario::{Generator, RandomShape, Region};
 
@@ -31,7 +32,7 @@ pub fn generator_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
 }
 
 /// The region, if there is one.
-fn within_rows(rows: &mut FieldRows<'_>, within: &mut Option<Region>, bounds: (Point, Point)) {
+fn within_rows(rows: &mut FieldRows<'_>, within: &mut Option<Region>, bounds: (Vec2, Vec2)) {
     let mut has_region = within.is_some();
     rows.checkbox("Limit to a region", "Otherwise anywhere in the enclosure", &mut has_region);
     match within {
@@ -41,11 +42,11 @@ fn within_rows(rows: &mut FieldRows<'_>, within: &mut Option<Region>, bounds: (P
 }
 
 /// The middle of a box, half as wide and half as high, rounded to 1 mm.
-fn middle_half((low, high): (Point, Point)) -> Region {
+fn middle_half((low, high): (Vec2, Vec2)) -> Region {
     let quarter = |a: f32, b: f32| ((a + (b - a) / 4.0) * 1000.0).round() / 1000.0;
     Region {
-        min_m: (quarter(low.0, high.0), quarter(low.1, high.1)),
-        max_m: (quarter(high.0, low.0), quarter(high.1, low.1)),
+        min_m: vec2(quarter(low.x, high.x), quarter(low.y, high.y)),
+        max_m: vec2(quarter(high.x, low.x), quarter(high.y, low.y)),
     }
 }
 
@@ -88,7 +89,7 @@ mod tests {
 
     #[test]
     fn a_new_region_is_the_middle_of_the_enclosure() {
-        let region = middle_half(((10.0, 0.0), (16.0, 6.0)));
-        assert_eq!((region.min_m, region.max_m), ((11.5, 1.5), (14.5, 4.5)));
+        let region = middle_half((vec2(10.0, 0.0), vec2(16.0, 6.0)));
+        assert_eq!((region.min_m, region.max_m), (vec2(11.5, 1.5), vec2(14.5, 4.5)));
     }
 }

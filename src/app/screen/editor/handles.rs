@@ -92,17 +92,16 @@ fn rotation_handle(transform: &ViewTransform, editor: &Editor, handle: &Handle) 
 
 /// The point on the screen from which the size of the selected item is measured, if it has one.
 pub fn center(transform: &ViewTransform, editor: &Editor) -> Option<Pos2> {
-    let between = |a: (f32, f32), b: (f32, f32)| [(a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0];
     let center_m = match editor.selection().body(editor.scenario()) {
-        Body::Obstacle(obstacle) => obstacle.position_m.into(),
+        Body::Obstacle(obstacle) => obstacle.position_m,
         Body::Outline(_) => {
             let (low, high) = editor.scenario().enclosure.bounds_m();
-            between(low, high)
+            low.midpoint(high)
         }
-        Body::Region(region) => between(region.min_m, region.max_m),
+        Body::Region(region) => region.min_m.midpoint(region.max_m),
         _ => return None,
     };
-    Some(transform.to_screen(center_m))
+    Some(transform.to_screen(center_m.into()))
 }
 
 /// The nearest handle within `reach` points of `at`. At the start of a path the handle of the whole item is hit, or with
@@ -201,13 +200,15 @@ fn draw_value(canvas: &Canvas, handle: &ScreenHandle, others: &[ScreenHandle]) {
 mod tests {
     use std::sync::Arc;
 
+    use bevy::math;
+
     use super::*;
     use crate::app::screen::world::transform::ArenaBounds;
     use crate::app::view_state::ViewCamera;
     use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
 
     fn handle(kind: HandleKind, x: f32) -> ScreenHandle {
-        let handle = Handle { kind, position_m: (0.0, 0.0), text: String::new(), about: "" };
+        let handle = Handle { kind, position_m: math::Vec2::ZERO, text: String::new(), about: "" };
         ScreenHandle { handle, at: Pos2::new(x, 0.0) }
     }
 
@@ -229,7 +230,7 @@ mod tests {
     fn a_small_box_shows_only_its_corners_and_a_tiny_one_no_sides() {
         let block = Obstacle {
             shape: Shape::Rectangle { width_m: 0.2, height_m: 0.2 },
-            position_m: (0.5, 0.5),
+            position_m: math::vec2(0.5, 0.5),
             rotation_rad: 0.0,
             motion: ObstacleMotion::Static,
         };

@@ -73,7 +73,9 @@ fn selection_hint(selection: Selection) -> &'static str {
 mod tests {
     use std::sync::Arc;
 
-    use super::*;
+    use bevy::math::{Vec2, vec2};
+
+    use super::{Editor, HandleKind, PointerHit, Selection, Tool, hint};
     use crate::scenario::Scenario;
 
     #[test]
@@ -82,12 +84,12 @@ mod tests {
         assert!(hint(&editor, PointerHit::Nothing).starts_with("Click an item"));
         editor.select(Selection::BenchmarkStart);
         assert_eq!(hint(&editor, PointerHit::Handle(HandleKind::Rotate)), "Turn the heading");
-        assert!(editor.begin_drag(HandleKind::Middle, (0.0, 0.0)));
+        assert!(editor.begin_drag(HandleKind::Middle, Vec2::ZERO));
         assert!(hint(&editor, PointerHit::Handle(HandleKind::Middle)).starts_with("Alt"));
         editor.end_drag();
         editor.set_tool(Tool::Wall { corners_m: Vec::new() });
         assert!(hint(&editor, PointerHit::Nothing).contains("first corner"));
-        editor.click_with_tool((0.5, 0.5), true);
+        editor.click_with_tool(vec2(0.5, 0.5), true);
         assert!(hint(&editor, PointerHit::Nothing).contains("Backspace"));
     }
 }

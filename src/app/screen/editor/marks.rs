@@ -1,6 +1,7 @@
 //! Starts, goals and regions on the canvas: starts in the robot's colour, goals in the goal's colour, errors in the error
 //! colour.
 
+use bevy::math;
 use egui::{Align2, Color32, Pos2, Shape, Stroke, vec2};
 
 use super::outlines::{self, mark_radius};
@@ -95,7 +96,7 @@ fn draw_benchmark_start(canvas: &Canvas, editor: &Editor) {
     let scenario = &**editor.scenario();
     let route = &scenario.benchmark_route;
     let color = color_or_error(canvas, editor, Selection::BenchmarkStart, canvas.palette.accent);
-    let (x_m, y_m) = route.start_m;
+    let math::Vec2 { x: x_m, y: y_m } = route.start_m;
     arena::draw_robot(canvas, scenario, Pose { x_m, y_m, heading_rad: route.heading_rad }, color);
     // The name is opposite to the heading, where the rotation handle is not.
     let radius = radius(canvas, scenario, Selection::BenchmarkStart);
@@ -153,7 +154,7 @@ fn radius(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> f32 {
 }
 
 /// A name below a mark of this radius, or above it if the radius is negative.
-fn draw_name(canvas: &Canvas, position_m: (f32, f32), radius: f32, name: &str, color: Color32) {
+fn draw_name(canvas: &Canvas, position_m: math::Vec2, radius: f32, name: &str, color: Color32) {
     let at = canvas.to_screen(position_m.into());
     let anchor = if radius < 0.0 { Align2::CENTER_BOTTOM } else { Align2::CENTER_TOP };
     if canvas.painter.clip_rect().expand(radius.abs()).contains(at) {
@@ -172,13 +173,13 @@ mod tests {
     fn only_the_position_with_the_problem_is_marked() {
         let block = Obstacle {
             shape: Shape::Circle { radius_m: 0.3 },
-            position_m: (-1.0, -1.0),
+            position_m: math::vec2(-1.0, -1.0),
             rotation_rad: 0.0,
             motion: ObstacleMotion::Static,
         };
         let scenario = Scenario {
             obstacles: vec![block],
-            goals: PlacementRule::OneOf { positions_m: vec![(1.0, 1.0), (-1.0, -1.0)] },
+            goals: PlacementRule::OneOf { positions_m: vec![math::vec2(1.0, 1.0), math::vec2(-1.0, -1.0)] },
             ..Scenario::default()
         };
         let editor = Editor::open(Arc::new(scenario), "mine.ron".into(), true);

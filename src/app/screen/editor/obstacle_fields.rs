@@ -1,5 +1,6 @@
 //! The fields of an obstacle and of a wall.
 
+use bevy::math::Vec2;
 use egui::Ui;
 
 use super::controls::{button_row_ui, choice_ui};
@@ -85,7 +86,7 @@ fn motion_rows(rows: &mut FieldRows<'_>, obstacle: &mut Obstacle) {
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             rows.position("Centre", "Centre of the orbit", centre_m);
             rows.number("Speed", "Counterclockwise", speed_rad_s, NumberSpec::ANGULAR_VELOCITY);
-            let radius_m = (position.0 - centre_m.0).hypot(position.1 - centre_m.1);
+            let radius_m = position.distance(*centre_m);
             let (radius, speed) = (format_metres(radius_m), format_metres((radius_m * *speed_rad_s).abs()));
             rows.ui.label(weak_text(&format!("Radius {radius} m, {speed} m/s")));
         }
@@ -107,11 +108,10 @@ fn motion_rows(rows: &mut FieldRows<'_>, obstacle: &mut Obstacle) {
 }
 
 /// Length and duration of a round trip along a path.
-fn round_trip(corners: &[(f32, f32)], closed: bool, speed_m_s: f32) -> String {
-    let leg = |a: (f32, f32), b: (f32, f32)| (a.0 - b.0).hypot(a.1 - b.1);
-    let there_m: f32 = corners.windows(2).map(|ends| leg(ends[0], ends[1])).sum();
+fn round_trip(corners: &[Vec2], closed: bool, speed_m_s: f32) -> String {
+    let there_m: f32 = corners.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
     let back_m = match (closed, corners.first(), corners.last()) {
-        (true, Some(&first), Some(&last)) => leg(last, first),
+        (true, Some(&first), Some(&last)) => last.distance(first),
         _ => there_m,
     };
     let length_m = there_m + back_m;
@@ -137,11 +137,13 @@ pub fn wall_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::vec2;
+
     use super::*;
 
     #[test]
     fn a_round_trip_goes_to_the_end_and_back() {
-        let corners = [(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)];
+        let corners = [Vec2::ZERO, vec2(3.0, 0.0), vec2(3.0, 4.0)];
         assert_eq!(round_trip(&corners, true, 0.5), "Round trip: 12.00 m, 24 s");
         assert_eq!(round_trip(&corners, false, 0.5), "Round trip: 14.00 m, 28 s");
         assert_eq!(round_trip(&corners, false, 0.0), "Round trip: 14.00 m");

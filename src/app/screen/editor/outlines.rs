@@ -1,8 +1,9 @@
 //! Outlines of items: around the selected item, the one under the pointer, and those with a problem.
 
+use bevy::math;
 use egui::{Color32, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
-use crate::app::editor::{Body, Editor, Point, Selection};
+use crate::app::editor::{Body, Editor, Selection};
 use crate::app::screen::world::canvas::Canvas;
 use crate::app::screen::world::silhouette::{self, Silhouette};
 use crate::scenario::{Obstacle, Scenario, Wall};
@@ -89,7 +90,7 @@ fn draw_solid(canvas: &Canvas, obstacle: &Obstacle, by: f32, fill: Color32, stro
 /// The bounding box of an item on the screen; of a rule with several positions, that of the first. `None` for the
 /// enclosure and for items without a position.
 pub fn screen_rect(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> Option<Rect> {
-    let to_screen = |at: Point| canvas.to_screen(at.into());
+    let to_screen = |at: math::Vec2| canvas.to_screen(at.into());
     let rect = match selection.body(scenario) {
         Body::Nothing | Body::Outline(_) => return None,
         Body::Obstacle(obstacle) => Silhouette::from_obstacle(&obstacle).screen_rect(canvas),

@@ -1,11 +1,12 @@
 //! The fields of start and goal rules, and of the benchmark route.
 
+use bevy::math::Vec2;
 use egui::Ui;
 
 use super::controls::{button_row_ui, choice_ui};
 use super::fields::FieldRows;
 use super::number::NumberSpec;
-use crate::app::editor::{Editor, PlacementKind, PlacementRole, Point, Tool};
+use crate::app::editor::{Editor, PlacementKind, PlacementRole, Tool};
 use crate::scenario::PlacementRule;
 
 const RULES: [(PlacementKind, &str, &str); 4] = [
@@ -79,7 +80,7 @@ fn add_positions_ui(ui: &mut Ui, editor: &mut Editor, role: PlacementRole) {
 }
 
 /// Shows the corners of a region.
-pub fn region_rows(rows: &mut FieldRows<'_>, min_m: &mut Point, max_m: &mut Point) {
+pub fn region_rows(rows: &mut FieldRows<'_>, min_m: &mut Vec2, max_m: &mut Vec2) {
     rows.position("From", "Lower left corner", min_m);
     rows.position("To", "Upper right corner", max_m);
 }

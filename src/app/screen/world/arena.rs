@@ -3,10 +3,11 @@
 //! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`], drawn from the ground up: [`draw_floor`], then a
 //! field if there is one, then [`draw_trajectories`], [`draw_solids`], [`draw_goal`], [`draw_robot`].
 
+use bevy::math::{self, Vec2Swizzles};
 use egui::{Color32, Pos2, Rangef, Rect, Shape as Mark, Stroke, StrokeKind, pos2, vec2};
 
 use super::canvas::Canvas;
-use super::polygon::{self, Corner};
+use super::polygon;
 use super::silhouette::{self, ObstaclePose, Silhouette};
 use super::transform::{ArenaBounds, screen_direction};
 use crate::app::scene::{ArenaScene, Trail, TrailEnd};
@@ -35,7 +36,7 @@ pub fn draw_floor(canvas: &Canvas, enclosure: &Enclosure) {
 }
 
 /// Lines `step_m` apart through what is `seen` of the inside of a polygon.
-pub fn draw_grid_lines(canvas: &Canvas, seen: Rect, corners: &[Corner], step_m: f32, stroke: Stroke) {
+pub fn draw_grid_lines(canvas: &Canvas, seen: Rect, corners: &[math::Vec2], step_m: f32, stroke: Stroke) {
     let (painter, transform) = (&canvas.painter, &canvas.transform);
     let (low, high) = (transform.to_world(seen.left_bottom()), transform.to_world(seen.right_top()));
     let part = |from: f32, to: f32, seen: Rangef| Rangef::new(from.min(to), from.max(to)).intersection(seen);
@@ -45,7 +46,7 @@ pub fn draw_grid_lines(canvas: &Canvas, seen: Rect, corners: &[Corner], step_m: 
             painter.vline(from.x, part(from.y, to.y, seen.y_range()), stroke);
         }
     }
-    let lying: Vec<Corner> = corners.iter().map(|&(x, y)| (y, x)).collect();
+    let lying: Vec<math::Vec2> = corners.iter().map(|corner| corner.yx()).collect();
     for k in lines_between(low[1], high[1], step_m) {
         for [from, to] in beside(&lying, k, step_m) {
             let (from, to) = (canvas.to_screen([from, k]), canvas.to_screen([to, k]));
@@ -55,7 +56,7 @@ pub fn draw_grid_lines(canvas: &Canvas, seen: Rect, corners: &[Corner], step_m: 
 }
 
 /// The parts of the line x = `at_m` within a polygon. Where a side lies on the line, it counts as within.
-fn beside(corners: &[Corner], at_m: f32, step_m: f32) -> Vec<[f32; 2]> {
+fn beside(corners: &[math::Vec2], at_m: f32, step_m: f32) -> Vec<[f32; 2]> {
     let [left, right] = [-1e-3, 1e-3].map(|by| polygon::spans(corners, at_m + by * step_m));
     let long = |spans: &[[f32; 2]]| spans.iter().map(|[from, to]| to - from).sum::<f32>();
     if long(&left) >= long(&right) { left } else { right }
@@ -91,10 +92,9 @@ fn walls(canvas: &Canvas, room: &Scenario, ink: Color32) {
     }
     if !room.walls.is_empty() {
         let beyond = room.walls.iter().map(|wall| wall.thickness_m).fold(0.0, f32::max);
-        let ((x0, y0), (x1, y1)) = room.enclosure.bounds_m();
-        let (low, high) = ((x0 - beyond, y0 - beyond), (x1 + beyond, y1 + beyond));
+        let (low, high) = room.enclosure.bounds_m();
         let behind = if canvas.compact { canvas.palette.panel } else { canvas.palette.background };
-        polygon::fill_outside(canvas, &room.enclosure.corners_m(), low, high, behind);
+        polygon::fill_outside(canvas, &room.enclosure.corners_m(), low - beyond, high + beyond, behind);
     }
     match &room.enclosure {
         Enclosure::Rectangle { .. } => {
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn a_line_along_a_side_is_within() {
-        let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0), (0.0, 3.0)];
+        let square = [math::vec2(0.0, 0.0), math::vec2(2.0, 0.0), math::vec2(2.0, 3.0), math::vec2(0.0, 3.0)];
         for (at, spans) in [(0.0, vec![[0.0, 3.0]]), (2.0, vec![[0.0, 3.0]]), (2.1, vec![])] {
             assert_eq!(beside(&square, at, 0.5), spans, "{at}");
         }

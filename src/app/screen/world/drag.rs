@@ -4,6 +4,7 @@
 //! an obstacle or outside the walls is refused. What was under the pointer when the button went down stays in the hand,
 //! though it would drive on meanwhile.
 
+use bevy::math::{Vec2, vec2};
 use egui::{Id, Pos2, Response, Ui};
 
 use super::silhouette::Silhouette;
@@ -92,7 +93,7 @@ pub fn update(
     let slips = !view.status.paused && !matches!(held.drag_target, DragTarget::Obstacle(_));
     let moves = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
     if held.rejection.is_none() && (moves || slips) {
-        let to_m = (held.to_m[0], held.to_m[1]);
+        let to_m = held.to_m.into();
         commands.push(Command::Move(match held.drag_target {
             DragTarget::Goal => MoveRequest::Goal { arena: index, to_m },
             DragTarget::Robot => MoveRequest::Robot { arena: index, to_m },
@@ -124,7 +125,7 @@ pub fn hit_test(
         return Some(DragTarget::Goal);
     }
     let solids = scenario.obstacles.iter().zip(&arena.obstacles);
-    let solids = solids.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
+    let solids = solids.map(|(o, &pose)| shape_distance(&o.shape, pose, vec2(x, y)));
     let (index, away) = solids.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
     (away <= slack_m).then_some(DragTarget::Obstacle(index))
 }
@@ -173,7 +174,7 @@ fn rejection_at(arena: &ArenaScene, drag_target: DragTarget, to_m: [f32; 2]) -> 
         DragTarget::Robot if solid_m() <= guard_m => Some("Too near an obstacle"),
         DragTarget::Obstacle(index) => {
             let (obstacle, pose) = (scenario.obstacles.get(index)?, arena.obstacles.get(index)?);
-            let gap_to = |x_m, y_m| shape_distance(&obstacle.shape, (to_m[0], to_m[1], pose.2), (x_m, y_m));
+            let gap_to = |x_m, y_m| shape_distance(&obstacle.shape, (to_m[0], to_m[1], pose.2), Vec2 { x: x_m, y: y_m });
             if gap_to(arena.pose.x_m, arena.pose.y_m) <= guard_m {
                 Some("Too near the robot")
             } else if gap_to(arena.goal.x_m, arena.goal.y_m) <= 0.0 {
@@ -203,8 +204,8 @@ mod tests {
         let shape = Shape::Rectangle { width_m: 1.0, height_m: 0.2 };
         let turned = std::f32::consts::FRAC_PI_2;
         let obstacle =
-            Obstacle { shape, position_m: (1.0, 1.0), rotation_rad: turned, motion: ObstacleMotion::Static };
-        let wall = Wall { corners_m: vec![(-2.0, -1.5), (0.0, -1.5)], thickness_m: 0.2 };
+            Obstacle { shape, position_m: vec2(1.0, 1.0), rotation_rad: turned, motion: ObstacleMotion::Static };
+        let wall = Wall { corners_m: vec![vec2(-2.0, -1.5), vec2(0.0, -1.5)], thickness_m: 0.2 };
         let world = Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() };
         let scenario = Arc::new(world);
         let pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };

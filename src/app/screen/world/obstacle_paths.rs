@@ -2,10 +2,10 @@
 //!
 //! In: an obstacle with its motion. Out: an orbit's circle, a patrol's legs with its corners, a random walk's reach.
 
+use bevy::math;
 use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
 
 use super::canvas::Canvas;
-use crate::app::editor::Point;
 use crate::scenario::{Obstacle, ObstacleMotion};
 
 /// A dash and the gap after it, in points.
@@ -44,7 +44,7 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
 }
 
 /// A broken line through the corners, with an arrow on each leg that is long enough, and both ways if it comes back.
-fn legs(canvas: &Canvas, corners: Vec<Point>, closed: bool, stroke: Stroke) {
+fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, closed: bool, stroke: Stroke) {
     let mut points: Vec<Pos2> = corners.into_iter().map(|corner| canvas.to_screen(corner.into())).collect();
     for &corner in points.iter().skip(1) {
         canvas.painter.circle_filled(corner, 2.5, stroke.color);

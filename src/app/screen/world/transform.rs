@@ -3,6 +3,7 @@
 //! In: the rectangle of a view, the camera, the box around the enclosure. Out: a [`ViewTransform`], and the camera after a pan
 //! or a zoom.
 
+use bevy::math;
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 
 use crate::app::view_state::ViewCamera;
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn an_enclosure_that_lies_aside_is_in_the_middle_of_its_view() {
-        let corners_m = vec![(10.0, 5.0), (14.0, 5.0), (10.0, 7.0)];
+        let corners_m = vec![math::vec2(10.0, 5.0), math::vec2(14.0, 5.0), math::vec2(10.0, 7.0)];
         let bounds = ArenaBounds::from_enclosure(&Enclosure::Polygon { corners_m });
         assert_eq!((bounds.size_m(), bounds.center_m()), ([4.0, 2.0], [12.0, 6.0]));
         let transform = ViewTransform::new(view(), MARGIN, ViewCamera::default(), bounds);
