@@ -11,7 +11,6 @@ use super::limits::{MAX_ITEMS_CHECKED_WHILE_DRAGGING, item_count};
 use super::pick;
 use super::points::centre_of;
 use super::selection::Selection;
-use super::session_state::SessionState;
 use super::snap::Snap;
 use super::tool::Tool;
 use super::undo::{EditSnapshot, Origin, UndoStack};
@@ -34,8 +33,6 @@ pub struct Editor {
     pub(super) from: String,
     /// The scenario as its file has it; `None` if it was never saved.
     pub(super) saved: Option<Arc<Scenario>>,
-    /// The state of the session in the last frame; `None` before the first.
-    pub(super) last_session: Option<SessionState>,
 }
 
 impl Editor {
@@ -55,7 +52,6 @@ impl Editor {
             from,
             saved: saved.then(|| Arc::clone(&scenario)),
             scenario,
-            last_session: None,
         }
     }
 

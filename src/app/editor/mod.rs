@@ -14,8 +14,8 @@
 //! | `new_items.rs`, `free_space.rs`, `clipboard.rs` | add, copy, paste, delete; free space for new items |
 //! | `kinds.rs`, `set_kind.rs`, `new_motion.rs` | kinds of motion, rule and enclosure; changing them |
 //! | `undo.rs` | undo and redo |
-//! | `saving.rs`, `session_state.rs` | the file, and whether the scenario is saved |
-//! | `view.rs` | the state of the editor's screen: the pressed item, open questions |
+//! | `saving.rs` | the file, and whether the scenario is saved |
+//! | `interaction.rs` | the user's unfinished actions: a pressed item, open questions |
 //! | `points.rs`, `snap.rs`, `limits.rs` | positions and their texts, snapping, limits and defaults |
 
 mod clipboard;
@@ -25,6 +25,7 @@ mod dragging;
 mod drawing_tools;
 mod free_space;
 mod handle;
+mod interaction;
 mod items;
 mod kinds;
 mod limits;
@@ -34,14 +35,13 @@ mod pick;
 mod points;
 mod saving;
 mod selection;
-mod session_state;
 mod set_kind;
 mod snap;
 #[cfg(test)]
 mod tests;
 mod tool;
 mod undo;
-mod view;
+
 
 pub use document::Editor;
 pub use handle::{Handle, HandleKind};
@@ -52,4 +52,4 @@ pub use points::format_metres;
 pub use selection::Selection;
 pub use snap::Snap;
 pub use tool::Tool;
-pub use view::{EditorView, ExitRequest, PointerHit, Press};
+pub use interaction::{EditorInteraction, ExitRequest, PointerHit, Press};

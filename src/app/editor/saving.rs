@@ -1,50 +1,34 @@
-//! The scenario's file: where it came from, whether it is saved, and what the session reports about it.
+//! The scenario's file: where it came from, and whether it is saved.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::document::Editor;
 use super::selection::Selection;
-use super::session_state::SessionState;
 use super::tool::Tool;
 use crate::scenario::Scenario;
 
 impl Editor {
-    /// Takes over what the session has saved or opened since the last frame: `saved` is a path and the scenario saved
-    /// there, `draft` a serial number, a name or path, and the scenario opened from it. Whatever is reported in the first
-    /// frame is ignored.
-    pub fn sync_with_session(
-        &mut self,
-        saved: Option<&(String, Arc<Scenario>)>,
-        draft: Option<&(u64, String, Arc<Scenario>)>,
-    ) {
-        let now = SessionState::new(saved.cloned(), draft.map(|draft| draft.0));
-        let Some(last) = self.last_session.replace(now) else { return };
-        if let Some((path, scenario)) = saved
-            && !last.has_saved(path, scenario)
-            && self.has_had(scenario)
-        {
-            // Undo must stop at the saved scenario.
-            self.close_group();
-            self.from.clone_from(path);
-            self.saved = Some(Arc::clone(scenario));
+    /// Records that `scenario` was saved to `file`. Ignored unless it is a version of this document: a file dialog may
+    /// return after another scenario was opened.
+    pub fn mark_saved(&mut self, file: &str, scenario: &Arc<Scenario>) {
+        if !self.has_had(scenario) {
+            return;
         }
-        if let Some((serial, from, scenario)) = draft
-            && !last.has_opened(*serial)
-        {
-            self.replace(scenario, from);
-        }
+        // The next change is another undo step, so that undo stops at the saved scenario.
+        self.close_group();
+        file.clone_into(&mut self.from);
+        self.saved = Some(Arc::clone(scenario));
     }
 
-    /// Whether `scenario` is this document, now or some undo steps away. A file dialog may return after another scenario
-    /// was opened.
+    /// Whether `scenario` is this document, now or some undo steps away.
     fn has_had(&self, scenario: &Arc<Scenario>) -> bool {
         let mut versions = std::iter::once(&self.scenario).chain(self.undo_stack.snapshots_of_document());
         versions.any(|version| Arc::ptr_eq(version, scenario) || version == scenario)
     }
 
-    /// Replaces the document by another scenario; undo brings the old one back.
-    fn replace(&mut self, scenario: &Arc<Scenario>, from: &str) {
+    /// Replaces the document by another scenario, opened from `from`; undo brings the old one back.
+    pub fn open_other(&mut self, from: &str, scenario: &Arc<Scenario>) {
         self.end_drag();
         let before = self.snapshot();
         self.undo_stack.push(before);

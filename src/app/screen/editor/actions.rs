@@ -6,11 +6,11 @@ use egui::{Button, Frame, Margin, Response, RichText, Stroke, Ui, Vec2, vec2};
 
 use super::controls::button_row_ui;
 use crate::app::commands::Command;
-use crate::app::editor::{Editor, EditorView};
-use crate::app::screen::ScreenInput;
+use crate::app::editor::{Editor, EditorInteraction};
+use crate::app::screen::input::ScreenInput;
 use crate::app::screen::numbers;
-use crate::app::screen::panels::buttons;
-use crate::app::screen::panels::setup::weak_text;
+use crate::app::screen::widgets::buttons;
+use crate::app::screen::widgets::text::weak_text;
 use crate::app::screen::theme::{BODY, GAP, Palette};
 use crate::scenario::Scenario;
 
@@ -33,14 +33,14 @@ pub fn actions_ui(
     ui: &mut Ui,
     input: &ScreenInput<'_>,
     editor: &mut Editor,
-    view: &mut EditorView,
+    interaction: &mut EditorInteraction,
     commands: &mut Vec<Command>,
 ) -> Option<Action> {
     ui.add_space(GAP);
     let blocker = continue_blocker(input, editor);
-    view.confirm_restart &= restart_blocker(editor).is_none();
+    interaction.confirm_restart &= restart_blocker(editor).is_none();
     // The question is above the buttons, which are disabled meanwhile: a double-click on one of them answers nothing.
-    let asking = view.confirm_restart;
+    let asking = interaction.confirm_restart;
     let mut action = if asking { confirm_restart_ui(ui, input, view) } else { None };
     let size = vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, HEIGHT);
     ui.horizontal(|ui| {
@@ -51,7 +51,7 @@ pub fn actions_ui(
         if restart_button_ui(ui, size, asking, restart_blocker(editor)).clicked() {
             if input.status.restart_loses_training {
                 editor.finish_drawing();
-                view.confirm_restart = true;
+                interaction.confirm_restart = true;
             } else {
                 action = Some(Action::Restart);
             }
@@ -111,13 +111,13 @@ fn save_ui(ui: &mut Ui, input: &ScreenInput<'_>, editor: &mut Editor, commands: 
     editor.finish_drawing();
     commands.push(Command::SaveScenario {
         scenario: editor.scenario().clone(),
-        like: editor.from().to_owned(),
+        based_on: editor.from().to_owned(),
         path: editor.file().filter(|_| clicked == 0 && input.status.has_disk),
     });
 }
 
 /// The question whether the current training may be lost.
-fn confirm_restart_ui(ui: &mut Ui, input: &ScreenInput<'_>, view: &mut EditorView) -> Option<Action> {
+fn confirm_restart_ui(ui: &mut Ui, input: &ScreenInput<'_>, interaction: &mut EditorInteraction) -> Option<Action> {
     let palette = Palette::from_ui(ui);
     let frame = Frame::new()
         .stroke(Stroke::new(1.0, palette.warning))
@@ -133,6 +133,6 @@ fn confirm_restart_ui(ui: &mut Ui, input: &ScreenInput<'_>, view: &mut EditorVie
         button_row_ui(ui, &buttons)
     });
     let clicked = clicked.inner?;
-    view.confirm_restart = false;
+    interaction.confirm_restart = false;
     (clicked == 0).then_some(Action::Restart)
 }

@@ -5,7 +5,7 @@ use egui::{Button, Ui, Vec2, vec2};
 use super::controls::{choice_ui, set_accessible_name};
 use super::framing::view_center_m;
 use crate::app::editor::{Editor, NewItem, Snap, Tool, format_metres};
-use crate::app::screen::panels::setup::section_title_ui;
+use crate::app::screen::widgets::text::section_title_ui;
 use crate::app::view_state::ViewCamera;
 
 /// The shapes to add: the button's text, and its name for tooltips and screen readers.

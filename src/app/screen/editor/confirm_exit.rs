@@ -7,8 +7,8 @@ use egui::{
 };
 
 use crate::app::commands::Command;
-use crate::app::editor::{Editor, EditorView, ExitRequest};
-use crate::app::screen::ScreenInput;
+use crate::app::editor::{Editor, EditorInteraction, ExitRequest};
+use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::{BODY, Palette};
 use crate::app::view_state::ViewState;
 
@@ -23,7 +23,7 @@ pub fn enter_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands
         newer.map_or((&scene.scenario, !status.scenario_modified), |(_, scenario)| (scenario, true));
     let editor = Editor::open(scenario.clone(), status.scenario_from.clone(), saved);
     view_state.editor = Some(Box::new(editor));
-    view_state.editor_view = EditorView { resume_on_exit: !status.paused, ..EditorView::default() };
+    view_state.interaction.editor = EditorInteraction { resume_on_exit: !status.paused, ..EditorInteraction::default() };
     view_state.setup_open = true;
     if !status.paused {
         commands.push(Command::Pause(true));
@@ -33,7 +33,7 @@ pub fn enter_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands
 /// Leaves the editor and sends `then`. With unsaved changes, asks first.
 pub fn request_exit(view_state: &mut ViewState, then: Option<Command>, commands: &mut Vec<Command>) {
     if view_state.editor.as_ref().is_some_and(|editor| editor.is_modified()) {
-        view_state.editor_view.exit_request = Some(ExitRequest { then });
+        view_state.interaction.editor.exit_request = Some(ExitRequest { then });
     } else {
         exit_editor(view_state, then, commands);
     }
@@ -42,16 +42,16 @@ pub fn request_exit(view_state: &mut ViewState, then: Option<Command>, commands:
 /// Leaves the editor without asking, and sends `then`.
 pub fn exit_editor(view_state: &mut ViewState, then: Option<Command>, commands: &mut Vec<Command>) {
     view_state.editor = None;
-    let view = std::mem::take(&mut view_state.editor_view);
+    let interaction = std::mem::take(&mut view_state.interaction.editor);
     commands.extend(then);
-    if view.resume_on_exit {
+    if interaction.resume_on_exit {
         commands.push(Command::Pause(false));
     }
 }
 
 /// The question about unsaved changes, in the middle of `canvas`, if it is open.
 pub fn confirm_exit_ui(ui: &Ui, canvas: Rect, view_state: &mut ViewState, commands: &mut Vec<Command>) {
-    let request = view_state.editor_view.exit_request.clone();
+    let request = view_state.interaction.editor.exit_request.clone();
     let Some((request, editor)) = request.zip(view_state.editor.as_deref()) else { return };
     let text = editor.unfinished_drawing().map_or("Unsaved changes will be lost.".into(), |drawing| {
         format!("The unfinished {drawing} and all unsaved changes will be lost.")
@@ -76,7 +76,7 @@ pub fn confirm_exit_ui(ui: &Ui, canvas: Rect, view_state: &mut ViewState, comman
                 }
                 let stay = ui.add_sized(size, Button::new("Keep editing"));
                 if stay.clicked() || ui.input(|input| input.key_pressed(egui::Key::Escape)) {
-                    view_state.editor_view.exit_request = None;
+                    view_state.interaction.editor.exit_request = None;
                 }
             });
         });
@@ -85,5 +85,5 @@ pub fn confirm_exit_ui(ui: &Ui, canvas: Rect, view_state: &mut ViewState, comman
 
 /// Whether the question is open.
 pub fn is_open(view_state: &ViewState) -> bool {
-    view_state.editor_view.exit_request.is_some()
+    view_state.interaction.editor.exit_request.is_some()
 }

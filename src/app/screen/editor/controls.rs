@@ -2,7 +2,7 @@
 
 use egui::{Align, Button, ComboBox, Layout, Response, RichText, Ui, vec2};
 
-use crate::app::screen::panels::setup::weak_text;
+use crate::app::screen::widgets::text::weak_text;
 use crate::app::screen::theme::BODY;
 
 /// Width of a choice, in points, without the space between two fields.

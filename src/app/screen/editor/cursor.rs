@@ -4,7 +4,7 @@ use egui::{CursorIcon, Response, Ui, Vec2};
 
 use super::handles;
 use crate::app::editor::{Editor, HandleKind, PointerHit, Selection, Tool};
-use crate::app::screen::world::transform::ViewTransform;
+use crate::app::screen::arena_view::transform::ViewTransform;
 
 /// Sets the cursor icon for what is under the pointer.
 pub fn set_icon(

@@ -3,8 +3,8 @@
 use egui::{CursorIcon, Frame, Margin, RichText, Sense, Stroke, Ui, WidgetInfo, WidgetType};
 
 use super::scenario_panel;
-use crate::app::editor::{Editor, EditorView, Selection};
-use crate::app::screen::panels::setup::{section_title_ui, weak_text};
+use crate::app::editor::{Editor, EditorInteraction, Selection};
+use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::app::screen::theme::{Palette, SMALL};
 use crate::scenario::Diagnostic;
 
@@ -12,7 +12,7 @@ use crate::scenario::Diagnostic;
 const MAX_SHOWN: usize = 12;
 
 /// Shows the list.
-pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor, view: &mut EditorView) {
+pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorInteraction) {
     let palette = Palette::from_ui(ui);
     let count = editor.diagnostics().len();
     if count == 0 {
@@ -31,7 +31,7 @@ pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor, view: &mut EditorView) {
     }
     if let Some(path) = clicked {
         editor.select(Selection::from_field_path(&path));
-        view.group_to_open = Some(scenario_panel::group_of(&path));
+        interaction.group_to_open = Some(scenario_panel::group_of(&path));
     }
 }
 

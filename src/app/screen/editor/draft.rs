@@ -4,7 +4,7 @@ use bevy::math;
 use egui::{Align2, Pos2, Shape, Stroke, Ui, vec2};
 
 use crate::app::editor::{Editor, Selection, Tool};
-use crate::app::screen::world::canvas::Canvas;
+use crate::app::screen::arena_view::canvas::Canvas;
 
 /// Draws the points so far, a dashed line to the pointer and its length.
 pub fn draw(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos2>) {

@@ -6,10 +6,11 @@ use egui::{Id, Stroke, Ui};
 
 use super::{marks, outlines, problem_note};
 use crate::app::editor::{Body, Editor, PointerHit, Selection};
-use crate::app::screen::world::arena;
-use crate::app::screen::world::canvas::Canvas;
-use crate::app::screen::world::obstacle_paths;
-use crate::app::screen::world::silhouette::{self, Silhouette};
+use crate::app::screen::arena_view::arena;
+use crate::app::screen::arena_view::canvas::Canvas;
+use crate::app::screen::arena_view::floor;
+use crate::app::screen::arena_view::obstacle_paths;
+use crate::app::screen::arena_view::silhouette::{self, Silhouette};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
 
 /// Smallest distance of the snap grid's lines at which the grid is drawn, in points.
@@ -21,7 +22,7 @@ const GHOSTS: u64 = 7;
 pub fn draw(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor, hit: PointerHit) {
     let (scenario, palette) = (&**editor.scenario(), &canvas.palette);
     let selected = editor.selection();
-    arena::draw_floor(canvas, &scenario.enclosure);
+    floor::draw_floor(canvas, &scenario.enclosure);
     draw_grids(canvas, editor);
     marks::draw_regions(canvas, editor);
     draw_generated_example(ui, canvas, id, editor);
@@ -52,10 +53,10 @@ fn draw_grids(canvas: &Canvas, editor: &Editor) {
     let palette = &canvas.palette;
     let snap = editor.snap;
     if snap.on && canvas.transform.to_screen_length(snap.step_m) >= MIN_GRID_SPACING {
-        arena::draw_grid_lines(canvas, visible, &corners, snap.step_m, Stroke::new(1.0, palette.grid));
+        floor::draw_grid_lines(canvas, visible, &corners, snap.step_m, Stroke::new(1.0, palette.grid));
     }
     let coarse = Stroke::new(1.0, palette.border.gamma_multiply(0.8));
-    arena::draw_grid_lines(canvas, visible, &corners, arena::grid_step_m(canvas.transform.scale), coarse);
+    floor::draw_grid_lines(canvas, visible, &corners, floor::grid_step_m(canvas.transform.scale), coarse);
 }
 
 /// The paths of all obstacles; the selected obstacle's with its later positions.

@@ -4,7 +4,7 @@ use bevy::math;
 use egui::{Id, Rect, Ui, Vec2};
 
 use crate::app::editor::Editor;
-use crate::app::screen::world::transform::{ArenaBounds, ViewTransform};
+use crate::app::screen::arena_view::transform::{ArenaBounds, ViewTransform};
 use crate::app::view_state::ViewCamera;
 
 /// The id of the canvas, which can have the keyboard focus.

@@ -9,7 +9,7 @@ use super::number::NumberSpec;
 use super::obstacle_fields::SIZE;
 use super::placement_fields::region_rows;
 use crate::app::editor::Editor;
-use crate::app::screen::panels::setup::weak_text;
+use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::{Generator, RandomShape, Region};
 
 /// Shows the fields.

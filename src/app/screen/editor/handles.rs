@@ -4,9 +4,9 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
 use crate::app::editor::{Body, Editor, Handle, HandleKind, PointerHit, Selection};
 use crate::app::screen::theme::SMALL;
-use crate::app::screen::world::canvas::Canvas;
-use crate::app::screen::world::silhouette::Silhouette;
-use crate::app::screen::world::transform::ViewTransform;
+use crate::app::screen::arena_view::canvas::Canvas;
+use crate::app::screen::arena_view::silhouette::Silhouette;
+use crate::app::screen::arena_view::transform::ViewTransform;
 
 /// Half the side of a handle, in points.
 const HALF: f32 = 4.0;
@@ -203,7 +203,7 @@ mod tests {
     use bevy::math;
 
     use super::*;
-    use crate::app::screen::world::transform::ArenaBounds;
+    use crate::app::screen::arena_view::transform::ArenaBounds;
     use crate::app::view_state::ViewCamera;
     use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
 

@@ -8,9 +8,9 @@ use super::actions::Action;
 use super::controls::set_accessible_name;
 use crate::app::commands::Command;
 use crate::app::editor::Editor;
-use crate::app::screen::ScreenInput;
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
-use crate::app::screen::panels::setup::weak_text;
+use crate::app::screen::input::ScreenInput;
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::text::weak_text;
 use crate::app::screen::theme::SMALL;
 
 /// Longest name of a scenario, in characters.

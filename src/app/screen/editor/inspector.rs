@@ -4,12 +4,12 @@ use egui::{Align, Layout, Ui};
 
 use super::controls::button_row_ui;
 use super::{generator_fields, obstacle_fields, placement_fields, scenario_panel};
-use crate::app::editor::{Editor, EditorView, PlacementRole, Selection};
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
-use crate::app::screen::panels::setup::section_title_ui;
+use crate::app::editor::{Editor, EditorInteraction, PlacementRole, Selection};
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::text::section_title_ui;
 
 /// Shows the inspector.
-pub fn inspector_ui(ui: &mut Ui, editor: &mut Editor, view: &mut EditorView) {
+pub fn inspector_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorInteraction) {
     let selection = editor.selection();
     ui.horizontal(|ui| title_ui(ui, editor));
     if editor.can_copy() {

@@ -6,9 +6,9 @@ use egui::{Align2, Color32, Pos2, Shape, Stroke, vec2};
 
 use super::outlines::{self, mark_radius};
 use crate::app::editor::{Body, Editor, PlacementRole, Selection};
-use crate::app::screen::world::arena;
-use crate::app::screen::world::canvas::Canvas;
-use crate::app::screen::world::transform::screen_direction;
+use crate::app::screen::arena_view::arena;
+use crate::app::screen::arena_view::canvas::Canvas;
+use crate::app::screen::arena_view::transform::screen_direction;
 use crate::scenario::{PlacementRule, Region, Scenario};
 use crate::task::Pose;
 

@@ -46,10 +46,9 @@ pub mod shortcuts;
 use egui::{EventFilter, Sense, Ui, Vec2, WidgetInfo, WidgetType, vec2};
 
 use super::theme::Palette;
-use super::world::canvas::Canvas;
-use super::world::steer_camera;
-use super::world::transform::ViewTransform;
-use crate::app::app_snapshot::AppSnapshot;
+use super::arena_view::canvas::Canvas;
+use super::arena_view::camera::steer_camera;
+use super::arena_view::transform::ViewTransform;
 use crate::app::editor::{PointerHit, Tool};
 use crate::app::view_state::ViewState;
 
@@ -57,12 +56,10 @@ use crate::app::view_state::ViewState;
 const MARGIN: Vec2 = vec2(30.0, 38.0);
 
 /// Draws the edited scenario into the rest of `ui`, and handles the pointer.
-pub fn editor_ui(ui: &mut Ui, status: &AppSnapshot, view_state: &mut ViewState) {
+pub fn editor_ui(ui: &mut Ui, view_state: &mut ViewState) {
     let rect = ui.available_rect_before_wrap();
     ui.advance_cursor_after_rect(rect);
-    let ViewState { editor: Some(editor), editor_view, camera, .. } = view_state else { return };
-    // Here and not in the panel, which may be closed.
-    editor.sync_with_session(status.saved_scenario.as_ref(), status.draft.as_ref());
+    let ViewState { editor: Some(editor), interaction, camera, .. } = view_state else { return };
     if !rect.is_positive() {
         return;
     }
@@ -79,7 +76,7 @@ pub fn editor_ui(ui: &mut Ui, status: &AppSnapshot, view_state: &mut ViewState) 
     }
     let bounds = framing::bounds(ui, id, editor, *camera);
     let mut transform = ViewTransform::new(rect, MARGIN, *camera, bounds);
-    let hit = pointer::update(ui, &response, &transform, editor, editor_view);
+    let hit = pointer::update(ui, &response, &transform, editor, &mut interaction.editor);
     let drawing = *editor.tool() != Tool::Select && response.double_clicked();
     steer_camera(ui, &response, &mut transform, camera, hit == PointerHit::Nothing && !drawing);
     cursor::set_icon(ui, &response, &transform, editor, hit);

@@ -7,7 +7,7 @@ use super::controls::{button_row_ui, choice_ui};
 use super::fields::FieldRows;
 use super::number::NumberSpec;
 use crate::app::editor::{Editor, MotionKind, Tool, format_metres};
-use crate::app::screen::panels::setup::weak_text;
+use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::{Obstacle, ObstacleMotion, Shape};
 
 /// A size of an obstacle.

@@ -4,8 +4,8 @@ use bevy::math;
 use egui::{Color32, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
 use crate::app::editor::{Body, Editor, Selection};
-use crate::app::screen::world::canvas::Canvas;
-use crate::app::screen::world::silhouette::{self, Silhouette};
+use crate::app::screen::arena_view::canvas::Canvas;
+use crate::app::screen::arena_view::silhouette::{self, Silhouette};
 use crate::scenario::{Obstacle, Scenario, Wall};
 
 /// Width of the line along the enclosure, in points.

@@ -7,8 +7,8 @@ use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 use super::actions::{self, Action};
 use super::{add_panel, confirm_exit, diagnostics, header, inspector};
 use crate::app::commands::Command;
-use crate::app::editor::{Editor, EditorView};
-use crate::app::screen::ScreenInput;
+use crate::app::editor::{Editor, EditorInteraction};
+use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::GAP;
 use crate::app::view_state::ViewState;
 
@@ -25,7 +25,8 @@ pub fn panel_ui(
     commands: &mut Vec<Command>,
 ) {
     let camera = view_state.camera;
-    let ViewState { editor: Some(editor), editor_view: view, .. } = view_state else { return };
+    let ViewState { editor: Some(editor), interaction, .. } = view_state else { return };
+    let view = &mut interaction.editor;
     let inner = Frame::new().inner_margin(Margin::symmetric(14, 12));
     let mut action = None;
     let tall = ui.available_height() >= TALL;
@@ -65,20 +66,20 @@ fn prepare(
     action: Action,
     input: &ScreenInput<'_>,
     editor: &mut Editor,
-    view: &mut EditorView,
+    interaction: &mut EditorInteraction,
 ) -> Option<Command> {
-    view.confirm_restart = false;
+    interaction.confirm_restart = false;
     if action == Action::Close {
         return None;
     }
     editor.finish_drawing();
-    let again = action == Action::Restart;
+    let restart = action == Action::Restart;
     let blocked = match action {
         Action::Continue => actions::continue_blocker(input, editor).is_some(),
         _ => actions::restart_blocker(editor).is_some(),
     };
     let (scenario, from) = (editor.scenario().clone(), editor.from().to_owned());
-    (!blocked).then_some(Command::ApplyScenario { scenario, from, again })
+    (!blocked).then_some(Command::ApplyScenario { scenario, from, restart })
 }
 
 /// Leaves the editor, with the command if there is one.

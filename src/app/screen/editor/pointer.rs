@@ -5,8 +5,8 @@
 use egui::{PointerButton, Pos2, Response, Ui};
 
 use super::handles;
-use crate::app::editor::{Editor, EditorView, HandleKind, PointerHit, Press, Selection, Tool};
-use crate::app::screen::world::transform::ViewTransform;
+use crate::app::editor::{Editor, EditorInteraction, HandleKind, PointerHit, Press, Selection, Tool};
+use crate::app::screen::arena_view::transform::ViewTransform;
 
 /// Distance at which a small item is still hit, in points.
 const SLACK: f32 = 5.0;
@@ -19,30 +19,30 @@ pub fn update(
     response: &Response,
     transform: &ViewTransform,
     editor: &mut Editor,
-    view: &mut EditorView,
+    interaction: &mut EditorInteraction,
 ) -> PointerHit {
     let free = ui.input(|input| input.modifiers.alt);
     let at = response.interact_pointer_pos();
     let is_down = response.is_pointer_button_down_on();
     if is_down && ui.input(|input| input.pointer.primary_pressed()) {
         let origin = ui.input(|input| input.pointer.press_origin());
-        view.press = origin.map(|at| press(ui, transform, editor, at));
+        interaction.press = origin.map(|at| press(ui, transform, editor, at));
     }
     // A tap can begin and end within one frame.
-    if let (None, true, Some(at)) = (view.press, response.clicked(), at) {
-        view.press = Some(press(ui, transform, editor, at));
+    if let (None, true, Some(at)) = (interaction.press, response.clicked(), at) {
+        interaction.press = Some(press(ui, transform, editor, at));
     }
     if !is_down {
         if let Some(at) = at.filter(|_| response.drag_stopped()) {
             editor.drag_to(transform.to_world(at).into(), free);
         }
-        let press = view.press.take();
+        let press = interaction.press.take();
         click(ui, response, transform, editor, press);
         editor.end_drag();
         let hovered = response.hover_pos().filter(|_| response.contains_pointer());
         return hovered.map_or(PointerHit::Nothing, |at| hit_at(ui, transform, editor, at));
     }
-    if let Some(press) = &mut view.press
+    if let Some(press) = &mut interaction.press
         && response.drag_started_by(PointerButton::Primary)
         && !begin_drag(ui, editor, *press)
     {
@@ -51,7 +51,7 @@ pub fn update(
     if let Some(at) = at.filter(|_| editor.dragged().is_some() && response.dragged()) {
         editor.drag_to(transform.to_world(at).into(), free);
     }
-    let pressed = view.press.map_or(PointerHit::Nothing, |press| press.hit);
+    let pressed = interaction.press.map_or(PointerHit::Nothing, |press| press.hit);
     editor.dragged().map_or(pressed, PointerHit::Handle)
 }
 

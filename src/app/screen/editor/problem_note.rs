@@ -5,8 +5,8 @@ use egui::{FontId, Rect, Vec2, pos2, vec2};
 use super::outlines;
 use crate::app::editor::{Editor, Selection};
 use crate::app::screen::theme::SMALL;
-use crate::app::screen::world::canvas::Canvas;
-use crate::app::screen::world::transform::constrain_to;
+use crate::app::screen::arena_view::canvas::Canvas;
+use crate::app::screen::arena_view::transform::constrain_to;
 use crate::scenario::Diagnostic;
 
 /// Largest width of the card, in points.

@@ -7,8 +7,8 @@ use super::fields::FieldRows;
 use super::number::NumberSpec;
 use super::placement_fields::{benchmark_goal_ui, benchmark_start_ui, rule_ui};
 use super::robot_fields::{lidar_ui, robot_ui, task_ui};
-use crate::app::editor::{Editor, EditorView, EnclosureKind, PlacementRole, Selection};
-use crate::app::screen::panels::setup::weak_text;
+use crate::app::editor::{Editor, EditorInteraction, EnclosureKind, PlacementRole, Selection};
+use crate::app::screen::widgets::text::weak_text;
 use crate::app::screen::theme::BODY;
 use crate::scenario::Enclosure;
 
@@ -36,8 +36,8 @@ pub fn group_of(path: &str) -> String {
 }
 
 /// Shows all groups.
-pub fn scenario_ui(ui: &mut Ui, editor: &mut Editor, view: &mut EditorView) {
-    let group_to_open = view.group_to_open.take();
+pub fn scenario_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorInteraction) {
+    let group_to_open = interaction.group_to_open.take();
     let has_generators = !editor.scenario().generators.is_empty();
     for (name, field, contents) in GROUPS {
         if field == "generators" && !has_generators {

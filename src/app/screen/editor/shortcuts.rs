@@ -70,7 +70,7 @@ fn with_command(
             editor.finish_drawing();
             commands.push(Command::SaveScenario {
                 scenario: editor.scenario().clone(),
-                like: editor.from().to_owned(),
+                based_on: editor.from().to_owned(),
                 path: editor.file().filter(|_| status.has_disk),
             });
         }

@@ -1,4 +1,4 @@
-//! The state of the editor's screen that is not part of the document.
+//! The user's unfinished actions in the editor. Never saved.
 
 use bevy::math::Vec2;
 
@@ -33,9 +33,9 @@ pub struct ExitRequest {
     pub then: Option<Command>,
 }
 
-/// The pressed pointer, open questions, and what happens after the editor.
+/// The user's unfinished actions in the editor.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct EditorView {
+pub struct EditorInteraction {
     /// The pressed pointer button.
     pub press: Option<Press>,
     /// The question whether to leave with unsaved changes, if it is open.
