@@ -40,7 +40,7 @@ pub struct EditorInteraction {
     pub press: Option<Press>,
     /// The question whether to leave with unsaved changes, if it is open.
     pub exit_request: Option<ExitRequest>,
-    /// Whether the question about losing the current training is open.
+    /// Whether the question before the current training is discarded is open.
     pub confirm_restart: bool,
     /// Whether the simulation was running when the editor was opened; it resumes after the editor.
     pub resume_on_exit: bool,

@@ -1,6 +1,6 @@
 //! The bottom of the editor's panel: continue or restart the training in the edited scenario, save it.
 //!
-//! A restart that would lose a training asks first.
+//! A restart that would discard a training worth keeping asks first.
 
 use egui::{Button, Frame, Margin, Response, RichText, Stroke, Ui, Vec2, vec2};
 
@@ -41,7 +41,7 @@ pub fn actions_ui(
     interaction.confirm_restart &= restart_blocker(editor).is_none();
     // The question is above the buttons, which are disabled meanwhile: a double-click on one of them answers nothing.
     let asking = interaction.confirm_restart;
-    let mut action = if asking { confirm_restart_ui(ui, input, view) } else { None };
+    let mut action = if asking { confirm_restart_ui(ui, input, interaction) } else { None };
     let size = vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, HEIGHT);
     ui.horizontal(|ui| {
         ui.spacing_mut().button_padding.x = 2.0;
@@ -65,7 +65,7 @@ pub fn actions_ui(
 }
 
 fn continue_button_ui(ui: &mut Ui, size: Vec2, asking: bool, blocker: Option<&str>) -> Response {
-    let (text, tip) = ("Continue here", "Continue this training in the edited scenario");
+    let (text, tip) = ("Continue here", "Continue training in the edited scenario with the current weights");
     let button = if asking || blocker.is_some() {
         ui.add_enabled_ui(false, |ui| ui.add_sized(size, Button::new(text))).inner
     } else {
@@ -75,7 +75,7 @@ fn continue_button_ui(ui: &mut Ui, size: Vec2, asking: bool, blocker: Option<&st
 }
 
 fn restart_button_ui(ui: &mut Ui, size: Vec2, asking: bool, blocker: Option<&str>) -> Response {
-    let tip = "Start a new training in the edited scenario; the current one is lost";
+    let tip = "Start a new training in the edited scenario. The current training is discarded";
     let button = Button::new("Restart here");
     let response = ui.add_enabled_ui(blocker.is_none() && !asking, |ui| ui.add_sized(size, button)).inner;
     response.on_hover_text(tip).on_disabled_hover_text(blocker.unwrap_or(tip))
@@ -116,7 +116,7 @@ fn save_ui(ui: &mut Ui, input: &ScreenInput<'_>, editor: &mut Editor, commands: 
     });
 }
 
-/// The question whether the current training may be lost.
+/// The question before the current training is discarded.
 fn confirm_restart_ui(ui: &mut Ui, input: &ScreenInput<'_>, interaction: &mut EditorInteraction) -> Option<Action> {
     let palette = Palette::from_ui(ui);
     let frame = Frame::new()
@@ -127,9 +127,9 @@ fn confirm_restart_ui(ui: &mut Ui, input: &ScreenInput<'_>, interaction: &mut Ed
         ui.set_width(ui.available_width());
         let count = input.status.episodes;
         let episodes = if count == 1 { "episode" } else { "episodes" };
-        let text = format!("A training of {} {episodes} will be lost.", numbers::format_count(count));
+        let text = format!("Discard this training ({} {episodes})?", numbers::format_count(count));
         ui.label(RichText::new(text).color(palette.text));
-        let buttons = [("Restart", "Start a new training", true), ("Cancel", "Keep the current training", true)];
+        let buttons = [("Discard", "Start a new training", true), ("Cancel", "Keep the current training", true)];
         button_row_ui(ui, &buttons)
     });
     let clicked = clicked.inner?;

@@ -25,7 +25,7 @@ pub fn inspector_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorIn
     }
     // With ids of their own, the text being typed for one item cannot end up in another.
     ui.push_id(format!("{selection:?}"), |ui| match selection {
-        Selection::Nothing => scenario_panel::scenario_ui(ui, editor, view),
+        Selection::Nothing => scenario_panel::scenario_ui(ui, editor, interaction),
         Selection::Enclosure => scenario_panel::enclosure_ui(ui, editor),
         Selection::Obstacle(k) => obstacle_fields::obstacle_ui(ui, editor, k),
         Selection::Wall(k) => obstacle_fields::wall_ui(ui, editor, k),

@@ -26,7 +26,7 @@ pub fn panel_ui(
 ) {
     let camera = view_state.camera;
     let ViewState { editor: Some(editor), interaction, .. } = view_state else { return };
-    let view = &mut interaction.editor;
+    let interaction = &mut interaction.editor;
     let inner = Frame::new().inner_margin(Margin::symmetric(14, 12));
     let mut action = None;
     let tall = ui.available_height() >= TALL;
@@ -35,8 +35,8 @@ pub fn panel_ui(
         foot.show(ui, |ui| {
             let max_height = ui.ctx().content_rect().height() * PROBLEMS_HEIGHT;
             let list = ScrollArea::vertical().id_salt("diagnostics").max_height(max_height);
-            list.show(ui, |ui| diagnostics::diagnostics_ui(ui, editor, view));
-            action = actions::actions_ui(ui, input, editor, view, commands);
+            list.show(ui, |ui| diagnostics::diagnostics_ui(ui, editor, interaction));
+            action = actions::actions_ui(ui, input, editor, interaction, commands);
         });
     }
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
@@ -46,16 +46,16 @@ pub fn panel_ui(
             separator_ui(ui);
             add_panel::add_ui(ui, editor, camera);
             separator_ui(ui);
-            inspector::inspector_ui(ui, editor, view);
+            inspector::inspector_ui(ui, editor, interaction);
             if !tall {
                 separator_ui(ui);
-                diagnostics::diagnostics_ui(ui, editor, view);
-                action = actions::actions_ui(ui, input, editor, view, commands).or(action);
+                diagnostics::diagnostics_ui(ui, editor, interaction);
+                action = actions::actions_ui(ui, input, editor, interaction, commands).or(action);
             }
         });
     });
     if let Some(action) = action {
-        let command = prepare(action, input, editor, view);
+        let command = prepare(action, input, editor, interaction);
         perform(action, command, view_state, commands);
     }
 }
