@@ -8,7 +8,7 @@ use bevy::math::{Vec2, vec2};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use wayfield::app::commands::Command;
+use wayfield::app::commands::{Command, EditorReply};
 use wayfield::app::editor::{Editor, PlacementKind, PlacementRole, Selection, Tool};
 use wayfield::app::view_state::ViewCamera;
 use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape};
@@ -257,8 +257,8 @@ fn training_continues_or_restarts_in_the_edited_scenario() {
     assert!(window.query_by_label("This scenario is already running").is_some());
     click(&mut window, "Add a circle");
     let scenario = edited_scenario(&mut window);
-    let go_on = Command::ApplyScenario { scenario, from: "scenario-1".into(), again: false };
-    assert_eq!(click(&mut window, "Continue here"), [go_on]);
+    let command = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: false };
+    assert_eq!(click(&mut window, "Continue here"), [command]);
     assert!(window.state().view_state.editor.is_none(), "the editor is closed");
 
     let mut window = editing();
@@ -277,8 +277,8 @@ fn training_continues_or_restarts_in_the_edited_scenario() {
     assert_eq!(click(&mut window, "Cancel"), []);
     assert_eq!(click(&mut window, "Restart here"), []);
     let scenario = edited_scenario(&mut window);
-    let again = Command::ApplyScenario { scenario, from: "scenario-1".into(), again: true };
-    assert_eq!(click(&mut window, "Discard"), [again]);
+    let command = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true };
+    assert_eq!(click(&mut window, "Discard"), [command]);
     assert!(window.state().view_state.editor.is_none());
 }
 
@@ -291,7 +291,7 @@ fn training_cannot_continue_with_another_number_of_beams() {
     assert_eq!(click(&mut window, "Continue here"), []);
     assert!(window.state().view_state.editor.is_some());
     let commands = click(&mut window, "Restart here");
-    assert!(matches!(commands[..], [Command::ApplyScenario { again: true, .. }]), "{commands:?}");
+    assert!(matches!(commands[..], [Command::ApplyScenario { restart: true, .. }]), "{commands:?}");
 }
 
 #[test]
@@ -299,9 +299,9 @@ fn scenarios_are_saved_and_opened() {
     let mut window = editing();
     click(&mut window, "Add a circle");
     let scenario = edited_scenario(&mut window);
-    let save = |path: Option<&str>, like: &str| Command::SaveScenario {
+    let save = |path: Option<&str>, based_on: &str| Command::SaveScenario {
         scenario: scenario.clone(),
-        like: like.into(),
+        based_on: based_on.into(),
         path: path.map(PathBuf::from),
     };
     assert_eq!(
@@ -309,7 +309,8 @@ fn scenarios_are_saved_and_opened() {
         [save(None, "scenario-1")],
         "a built-in scenario has no file"
     );
-    window.state_mut().status.saved_scenario = Some(("scenarios/mine.ron".into(), scenario.clone()));
+    let saved = EditorReply::Saved { file: "scenarios/mine.ron".into(), scenario: scenario.clone() };
+    window.state_mut().view_state.receive(&saved);
     settle(&mut window);
     assert!(window.query_by_label("mine.ron").is_some(), "not modified any more");
     assert_eq!(click(&mut window, "Save"), [save(Some("scenarios/mine.ron"), "scenarios/mine.ron")]);
@@ -322,7 +323,8 @@ fn scenarios_are_saved_and_opened() {
     assert_eq!(click(&mut window, "New from…"), []);
     assert_eq!(click(&mut window, "Scenario II"), [Command::OpenInEditor(Some("scenario-2".into()))]);
     let opened = Scenario { name: "Two".into(), ..Scenario::default() };
-    window.state_mut().status.draft = Some((1, "scenario-2".into(), Arc::new(opened.clone())));
+    let reply = EditorReply::Opened { from: "scenario-2".into(), scenario: Arc::new(opened.clone()) };
+    window.state_mut().view_state.receive(&reply);
     settle(&mut window);
     assert_eq!(*edited_scenario(&mut window), opened);
     click(&mut window, "Undo");

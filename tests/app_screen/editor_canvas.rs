@@ -350,7 +350,7 @@ fn scenarios_are_saved_and_opened_by_key() {
     let mut window = editing();
     window.state_mut().status.scenario_from = "scenario-1".into();
     let scenario = edited_scenario(&mut window);
-    let saved = Command::SaveScenario { scenario, like: "scenario-1".into(), path: None };
+    let saved = Command::SaveScenario { scenario, based_on: "scenario-1".into(), path: None };
     assert_eq!(command(&mut window, Key::S), [saved], "a built-in scenario has no file");
     assert_eq!(command(&mut window, Key::O), [Command::OpenInEditor(None)]);
 }

@@ -1,56 +1,43 @@
-//! Saved and unsaved changes, and late reports from the session.
+//! Saved and unsaved changes of a document.
 
-use bevy::math::vec2;
 use super::*;
 
-fn saved(path: &str, scenario: &Arc<Scenario>) -> (String, Arc<Scenario>) {
-    (path.to_owned(), Arc::clone(scenario))
-}
-
-/// An editor that has seen the state of the session once.
-fn synced() -> Editor {
-    let mut editor = editor(full());
-    editor.sync_with_session(None, None);
-    editor
-}
-
 #[test]
-fn a_late_save_report_about_another_document_is_ignored() {
-    let mut editor = synced();
+fn a_late_save_of_the_previous_document_is_ignored() {
+    let mut editor = editor(full());
     editor.edit("name", |s| s.name = "Mine".into());
-    let late = saved("scenarios/other.ron", editor.scenario());
-    let draft = (1, "empty".to_owned(), Arc::new(Scenario::default()));
-    editor.sync_with_session(None, Some(&draft));
+    let late = Arc::clone(editor.scenario());
+    editor.open_other("empty", &Arc::new(Scenario::default()));
     editor.edit("name", |s| s.name = "Ours".into());
-    editor.sync_with_session(Some(&late), Some(&draft));
-    assert_eq!(editor.from(), "empty", "that file holds another scenario");
+    editor.mark_saved("scenarios/other.ron", &late);
+    assert_eq!(editor.from(), "empty", "the file holds another document");
     assert!(editor.is_modified());
-    // After undo, a save report about the document to redo is ignored too.
-    let ours = saved("scenarios/ours.ron", editor.scenario());
+    // After undoing to the previous document, the next one is the other document.
+    let ours = Arc::clone(editor.scenario());
     editor.undo();
     editor.undo();
     assert_eq!(editor.scenario().name, "Mine");
-    editor.sync_with_session(Some(&ours), Some(&draft));
+    editor.mark_saved("scenarios/ours.ron", &ours);
     assert_eq!(editor.from(), "scenarios/mine.ron");
 }
 
 #[test]
-fn a_save_report_may_come_after_further_changes() {
-    let mut editor = synced();
+fn a_save_may_be_confirmed_after_further_changes() {
+    let mut editor = editor(full());
     editor.edit("name", |s| s.name = "Mine".into());
-    let late = saved("scenarios/other.ron", editor.scenario());
+    let late = Arc::clone(editor.scenario());
     editor.close_group();
     editor.edit("name", |s| s.name = "Ours".into());
-    editor.sync_with_session(Some(&late), None);
+    editor.mark_saved("scenarios/other.ron", &late);
     assert_eq!(editor.from(), "scenarios/other.ron");
     assert!(editor.is_modified());
     editor.undo();
     assert!(!editor.is_modified());
-    // Or after undo.
+    // It may also be confirmed after an undo.
     editor.redo();
-    let late = saved("scenarios/third.ron", editor.scenario());
+    let late = Arc::clone(editor.scenario());
     editor.undo();
-    editor.sync_with_session(Some(&late), None);
+    editor.mark_saved("scenarios/third.ron", &late);
     assert_eq!(editor.from(), "scenarios/third.ron");
     editor.redo();
     assert!(!editor.is_modified());
@@ -58,19 +45,19 @@ fn a_save_report_may_come_after_further_changes() {
 
 #[test]
 fn undo_stops_at_the_saved_scenario() {
-    let mut editor = synced();
+    let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     editor.nudge(1, 0, false);
-    let now = saved("scenarios/mine.ron", editor.scenario());
-    editor.sync_with_session(Some(&now), None);
+    let saved = Arc::clone(editor.scenario());
+    editor.mark_saved("scenarios/mine.ron", &saved);
     editor.nudge(1, 0, false);
     editor.undo();
-    assert_eq!(*editor.scenario(), now.1);
+    assert_eq!(*editor.scenario(), saved);
     assert!(!editor.is_modified());
 }
 
 #[test]
-fn an_unfinished_drawing_is_an_unsaved_change() {
+fn an_unfinished_drawing_counts_as_an_unsaved_change() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     for tool in [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }] {
