@@ -227,7 +227,7 @@ fn a_wall_is_drawn_click_by_click() {
 fn goal_positions_are_added_by_clicks_until_a_secondary_click() {
     let mut window = editing();
     editor(&mut window).select(Selection::Goals);
-    editor(&mut window).set_tool(Tool::Places);
+    editor(&mut window).set_tool(Tool::Positions);
     click_at(&mut window, vec2(1.5, 0.0));
     click_at(&mut window, vec2(-1.49, 0.01));
     let expected = PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0), vec2(-1.5, 0.0)] };

@@ -6,7 +6,7 @@ use bevy::math::Vec2;
 
 use super::document::Editor;
 use super::items::ListItem;
-use super::items::rule_points::places;
+use super::items::rule_points::positions;
 use super::kinds::{PlacementKind, PlacementRole};
 use super::limits::{MAX_POINTS, NEW_SPEED_M_S, NEW_WALL_THICKNESS_M, WALL_CORNERS};
 use super::points::distance;
@@ -44,7 +44,7 @@ impl Editor {
         let fits = match tool {
             Tool::Select | Tool::Wall { .. } => true,
             Tool::Path { .. } => matches!(self.selection, Selection::Obstacle(_)),
-            Tool::Places => PlacementRole::from_selection(self.selection).is_some(),
+            Tool::Positions => PlacementRole::from_selection(self.selection).is_some(),
         };
         if fits {
             self.tool = tool;
@@ -57,7 +57,7 @@ impl Editor {
             return;
         }
         let at = self.snapped(position_m, free);
-        if self.tool == Tool::Places {
+        if self.tool == Tool::Positions {
             return self.add_place(at);
         }
         if let Some(points) = self.tool.points_mut()
@@ -72,7 +72,7 @@ impl Editor {
     fn add_place(&mut self, position_m: Vec2) {
         self.step(|scenario, selection| {
             let Some(role) = PlacementRole::from_selection(*selection) else { return };
-            let mut positions_m = places(role.of(scenario)).to_vec();
+            let mut positions_m = positions(role.of(scenario)).to_vec();
             if positions_m.len() < MAX_POINTS && !positions_m.contains(&position_m) {
                 positions_m.push(position_m);
                 *role.of_mut(scenario) = PlacementRule::OneOf { positions_m };
@@ -127,7 +127,7 @@ impl Editor {
         let fits = match self.tool {
             Tool::Select | Tool::Wall { .. } => true,
             Tool::Path { .. } => same,
-            Tool::Places => {
+            Tool::Positions => {
                 let now = kind(&self.scenario);
                 same && (now == Some(PlacementKind::OneOf) || now == kind(before))
             }

@@ -30,9 +30,9 @@ pub enum HandleKind {
     /// The centre of an orbit.
     OrbitCentre,
     /// The radius of a random walk.
-    WalkReach,
+    WalkRadius,
     /// One of the positions of a start or goal rule.
-    Place(usize),
+    Position(usize),
 }
 
 impl HandleKind {

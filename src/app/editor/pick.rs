@@ -3,7 +3,7 @@
 use bevy::math::{Vec2, vec2};
 
 use super::items;
-use super::items::rule_points::{places, region};
+use super::items::rule_points::{positions, region};
 use super::points::distance;
 use super::selection::Selection;
 use crate::scenario::{Region, Scenario, enclosure_distance, polygon};
@@ -40,7 +40,7 @@ fn solid(scenario: &Scenario, point_m: Vec2, slack_m: f32) -> Option<Selection> 
 /// The nearest start or goal whose centre is within `reach_m`.
 fn mark(scenario: &Scenario, point_m: Vec2, reach_m: impl Fn(Selection) -> f32) -> Option<Selection> {
     let route = &scenario.benchmark_route;
-    let fixed = |rule, of| places(rule).iter().map(move |&place| (place, of));
+    let fixed = |rule, of| positions(rule).iter().map(move |&place| (place, of));
     [(route.start_m, Selection::BenchmarkStart), (route.goal_m, Selection::BenchmarkGoal)]
         .into_iter()
         .chain(fixed(&scenario.starts, Selection::Starts))

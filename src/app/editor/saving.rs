@@ -12,7 +12,7 @@ impl Editor {
     /// Records that `scenario` was saved to `file`. Ignored unless it is a version of this document: a file dialog may
     /// return after another scenario was opened.
     pub fn mark_saved(&mut self, file: &str, scenario: &Arc<Scenario>) {
-        if !self.has_had(scenario) {
+        if !self.is_version(scenario) {
             return;
         }
         // The next change is another undo step, so that undo stops at the saved scenario.
@@ -22,7 +22,7 @@ impl Editor {
     }
 
     /// Whether `scenario` is this document, now or some undo steps away.
-    fn has_had(&self, scenario: &Arc<Scenario>) -> bool {
+    fn is_version(&self, scenario: &Arc<Scenario>) -> bool {
         let mut versions = std::iter::once(&self.scenario).chain(self.undo_stack.snapshots_of_document());
         versions.any(|version| Arc::ptr_eq(version, scenario) || version == scenario)
     }

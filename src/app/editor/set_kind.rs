@@ -5,7 +5,7 @@ use bevy::math::{Vec2, vec2};
 
 use super::document::Editor;
 use super::free_space;
-use super::items::rule_points::places;
+use super::items::rule_points::positions;
 use super::kinds::{EnclosureKind, MotionKind, PlacementKind, PlacementRole};
 use super::limits::{NEW_CLEARANCE_M, NEW_SPEED_M_S};
 use super::new_motion;
@@ -110,7 +110,7 @@ fn converted_rule(
         PlacementRule::Fixed { .. } | PlacementRule::OneOf { .. } => NEW_CLEARANCE_M,
     };
     let place = || {
-        let first = places(old).first().copied();
+        let first = positions(old).first().copied();
         first.unwrap_or_else(|| free_place(scenario, role, clearance_m, snap))
     };
     match kind {

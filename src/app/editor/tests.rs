@@ -83,7 +83,7 @@ fn every_operation_is_one_undo_step() {
         (Selection::Nothing, |e| e.set_enclosure(EnclosureKind::Polygon)),
         (Selection::Nothing, |e| e.edit("name", |s| s.name = "Mine".into())),
         (Selection::Obstacle(1), |e| assert!(e.remove_handle(HandleKind::Waypoint(0)))),
-        (Selection::Goals, |e| assert!(e.remove_handle(HandleKind::Place(1)))),
+        (Selection::Goals, |e| assert!(e.remove_handle(HandleKind::Position(1)))),
     ];
     for (selection, change) in changes {
         let mut editor = editor(full());
@@ -356,14 +356,14 @@ fn paths_and_positions_are_drawn_for_the_selected_item() {
     let waypoints_m = vec![vec2(-1.0, 0.0), vec2(0.0, 0.0)];
     assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 });
     editor.select(Selection::Starts);
-    editor.set_tool(Tool::Places);
+    editor.set_tool(Tool::Positions);
     for at in [vec2(0.5, 0.5), vec2(0.51, 0.5), vec2(-0.5, 0.0)] {
         editor.click_with_tool(at, false);
     }
     assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] });
     editor.undo();
     assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });
-    editor.set_tool(Tool::Places);
+    editor.set_tool(Tool::Positions);
     editor.select(Selection::Wall(0));
     assert_eq!(*editor.tool(), Tool::Select, "the tool does not fit a wall");
 }

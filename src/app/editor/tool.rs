@@ -20,7 +20,7 @@ pub enum Tool {
         waypoints_m: Vec<Vec2>,
     },
     /// A click adds a position to the selected start or goal rule.
-    Places,
+    Positions,
 }
 
 impl Tool {

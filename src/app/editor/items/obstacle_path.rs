@@ -22,7 +22,7 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
             let at = obstacle.position_m + vec2(0.0, *radius_m);
             let text = format!("{} m", format_metres(*radius_m));
             let about = "Change the radius of the random walk";
-            handles.push(Handle::new(HandleKind::WalkReach, at, text, about));
+            handles.push(Handle::new(HandleKind::WalkRadius, at, text, about));
         }
         _ => {}
     }
@@ -68,7 +68,7 @@ pub(super) fn drag(obstacle: &mut Obstacle, kind: HandleKind, target: DragTarget
         }
         (HandleKind::Waypoint(k), _) => *waypoints(obstacle)?.get_mut(k)? = target.snapped_m,
         (HandleKind::OrbitCentre, ObstacleMotion::Orbit { centre_m, .. }) => *centre_m = target.snapped_m,
-        (HandleKind::WalkReach, ObstacleMotion::RandomWalk { radius_m, .. }) => {
+        (HandleKind::WalkRadius, ObstacleMotion::RandomWalk { radius_m, .. }) => {
             *radius_m = target.snap.size(distance(obstacle.position_m, target.position_m));
         }
         _ => return None,

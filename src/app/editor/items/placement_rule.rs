@@ -6,7 +6,7 @@ use super::super::handle::{Handle, HandleKind};
 use super::super::kinds::PlacementRole;
 use super::super::points::{LocalFrame, degrees_text, distance, place_text};
 use super::editable::{Body, DragTarget, Editable};
-use super::rule_points::{places, points_mut, region};
+use super::rule_points::{positions, points_mut, region};
 use super::{corners, rectangles};
 use crate::scenario::{PlacementRule, Scenario};
 
@@ -31,7 +31,7 @@ impl Editable for RuleItem {
 
     fn body(&self, scenario: &Scenario) -> Body {
         let rule = self.0.of(scenario);
-        match (region(rule), places(rule)) {
+        match (region(rule), positions(rule)) {
             (Some(region), _) => Body::Region(region),
             (None, []) => Body::Nothing,
             (None, places) => {
@@ -50,8 +50,8 @@ impl Editable for RuleItem {
             PlacementRule::OneOf { .. } => "Move this position; double-click removes it",
             _ => "Move this position",
         };
-        let place = |(k, &at): (usize, &Vec2)| Handle::new(HandleKind::Place(k), at, place_text(at), about);
-        handles.extend(places(rule).iter().enumerate().map(place));
+        let place = |(k, &at): (usize, &Vec2)| Handle::new(HandleKind::Position(k), at, place_text(at), about);
+        handles.extend(positions(rule).iter().enumerate().map(place));
         handles
     }
 
@@ -61,17 +61,17 @@ impl Editable for RuleItem {
             return kind;
         }
         let away = |place: &Vec2| distance(*place, position_m);
-        let places = places(self.0.of(scenario)).iter().enumerate();
+        let places = positions(self.0.of(scenario)).iter().enumerate();
         let nearest = places.min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
-        nearest.map_or(kind, |(k, _)| HandleKind::Place(k))
+        nearest.map_or(kind, |(k, _)| HandleKind::Position(k))
     }
 
     fn drag(&self, scenario: &mut Scenario, kind: HandleKind, target: DragTarget) -> Option<()> {
         match (kind, self.0.of_mut(scenario)) {
-            (HandleKind::Place(_), PlacementRule::Fixed { position_m, .. }) => {
+            (HandleKind::Position(_), PlacementRule::Fixed { position_m, .. }) => {
                 *position_m = target.snapped_m;
             }
-            (HandleKind::Place(k), PlacementRule::OneOf { positions_m }) => {
+            (HandleKind::Position(k), PlacementRule::OneOf { positions_m }) => {
                 *positions_m.get_mut(k)? = target.snapped_m;
             }
             (_, PlacementRule::Within { min_m, max_m, .. }) => {
@@ -84,7 +84,7 @@ impl Editable for RuleItem {
 
     fn remove(&self, scenario: &mut Scenario, kind: HandleKind) -> Option<()> {
         match (kind, self.0.of_mut(scenario)) {
-            (HandleKind::Place(k), PlacementRule::OneOf { positions_m }) => {
+            (HandleKind::Position(k), PlacementRule::OneOf { positions_m }) => {
                 corners::remove(positions_m, k, 1)
             }
             _ => None,

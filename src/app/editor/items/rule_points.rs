@@ -5,7 +5,7 @@ use bevy::math::Vec2;
 use crate::scenario::{PlacementRule, Region};
 
 /// The given positions of a rule, in m.
-pub(in super::super) fn places(rule: &PlacementRule) -> &[Vec2] {
+pub(in super::super) fn positions(rule: &PlacementRule) -> &[Vec2] {
     match rule {
         PlacementRule::Fixed { position_m, .. } => std::slice::from_ref(position_m),
         PlacementRule::OneOf { positions_m } => positions_m,

@@ -274,8 +274,8 @@ fn the_centre_of_an_orbit_and_the_radius_of_a_random_walk_are_dragged() {
     assert_eq!(editor.scenario().obstacles[0].motion, expected, "the orbit moves with the obstacle");
     let motion = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
     let mut editor = with(Obstacle { motion, ..circle(0.6, 0.8) });
-    drag(&mut editor, HandleKind::WalkReach, vec2(0.0, -0.2), false);
-    assert_eq!(text(&editor, HandleKind::WalkReach).as_deref(), Some("0.30 m"));
+    drag(&mut editor, HandleKind::WalkRadius, vec2(0.0, -0.2), false);
+    assert_eq!(text(&editor, HandleKind::WalkRadius).as_deref(), Some("0.30 m"));
 }
 
 #[test]
@@ -319,9 +319,9 @@ fn regions_are_moved_and_resized() {
 fn given_positions_and_the_ends_of_the_benchmark_route_are_dragged() {
     let mut editor = editor(full());
     editor.select(Selection::Goals);
-    drag(&mut editor, HandleKind::Place(1), vec2(-0.5, 0.1), false);
+    drag(&mut editor, HandleKind::Position(1), vec2(-0.5, 0.1), false);
     assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.0, -1.4)] });
-    assert!(editor.remove_handle(HandleKind::Place(0)) && !editor.remove_handle(HandleKind::Place(0)));
+    assert!(editor.remove_handle(HandleKind::Position(0)) && !editor.remove_handle(HandleKind::Position(0)));
     editor.select(Selection::BenchmarkGoal);
     drag(&mut editor, HandleKind::Middle, vec2(0.1, -0.2), false);
     assert_eq!(editor.scenario().benchmark_route.goal_m, vec2(1.3, 1.0));
@@ -383,7 +383,7 @@ fn dragging_a_rule_by_its_body_drags_the_nearest_position() {
     let mut editor = editor(full());
     editor.select(Selection::Goals);
     assert!(editor.begin_drag(HandleKind::Middle, vec2(1.45, -1.5)));
-    assert_eq!(editor.dragged(), Some(HandleKind::Place(1)));
+    assert_eq!(editor.dragged(), Some(HandleKind::Position(1)));
     editor.drag_to(vec2(1.25, -1.5), false);
     editor.end_drag();
     assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.3, -1.5)] });

@@ -52,7 +52,7 @@ fn assert_tool_fits(editor: &Editor, before: Selection) {
     match editor.tool() {
         Tool::Select | Tool::Wall { .. } => {}
         Tool::Path { .. } => assert!(matches!(now, Selection::Obstacle(_)) && now == before, "{now:?}"),
-        Tool::Places => {
+        Tool::Positions => {
             assert!(matches!(now, Selection::Starts | Selection::Goals) && now == before, "{now:?}");
         }
     }
@@ -97,7 +97,7 @@ fn random_edit(editor: &mut Editor, stream: &mut Stream) {
         // Any other edit may happen before the tool is finished.
         18..=20 => {
             let tools =
-                [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }, Tool::Places];
+                [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }, Tool::Positions];
             editor.set_tool(tools[one_of(stream, 3)].clone());
         }
         21..=24 => click(editor, at),
@@ -118,7 +118,7 @@ fn random_edits_can_be_undone_redone_and_saved() {
            random_edit(&mut editor, &mut stream);
             assert_tool_fits(&editor, before);
             paths += usize::from(matches!(editor.tool(), Tool::Path { .. }));
-            places += usize::from(*editor.tool() == Tool::Places);
+            places += usize::from(*editor.tool() == Tool::Positions);
             assert_eq!(editor.selection(), editor.selection().if_present(editor.scenario()));
             most = most.max(item_count(editor.scenario()));
             if editor.dragged().is_none() {

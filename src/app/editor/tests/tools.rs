@@ -11,8 +11,8 @@ fn path() -> Tool {
 fn placing_goals() -> Editor {
     let mut editor = editor(full());
     editor.select(Selection::Goals);
-    editor.set_tool(Tool::Places);
-    assert_eq!(*editor.tool(), Tool::Places);
+    editor.set_tool(Tool::Positions);
+    assert_eq!(*editor.tool(), Tool::Positions);
     editor
 }
 
@@ -45,14 +45,14 @@ fn the_positions_tool_stays_while_its_rule_is_selected() {
     let mut editor = placing_goals();
     editor.click_with_tool(vec2(0.5, 0.5), false);
     editor.edit("name", |s| s.name = "Mine".into());
-    assert!(editor.remove_handle(HandleKind::Place(0)));
+    assert!(editor.remove_handle(HandleKind::Position(0)));
     editor.click_with_tool(vec2(1.0, 0.5), false);
     let positions_m = vec![vec2(1.5, -1.5), vec2(0.5, 0.5), vec2(1.0, 0.5)];
     assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m });
-    assert_eq!(*editor.tool(), Tool::Places);
+    assert_eq!(*editor.tool(), Tool::Positions);
     // The first click turns a rule of another kind into a list of positions.
     editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
-    editor.set_tool(Tool::Places);
+    editor.set_tool(Tool::Positions);
     editor.edit("name", |s| s.name = "Another".into());
     editor.click_with_tool(vec2(0.5, 0.5), false);
     assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });

@@ -37,7 +37,7 @@ pub fn set_icon(
 fn resize_icon(transform: &ViewTransform, editor: &Editor, kind: HandleKind) -> CursorIcon {
     let resizes = matches!(
         kind,
-        HandleKind::Side(..) | HandleKind::Radius | HandleKind::CapsuleEnd(_) | HandleKind::WalkReach
+        HandleKind::Side(..) | HandleKind::Radius | HandleKind::CapsuleEnd(_) | HandleKind::WalkRadius
     );
     let handles = handles::screen_handles(transform, editor);
     let handle = handles.iter().find(|handle| handle.handle.kind == kind);

@@ -43,7 +43,7 @@ fn tool_hint(editor: &Editor) -> Option<&'static str> {
         Tool::Wall { .. } | Tool::Path { .. } => {
             Some("Click the next point · Double-click or Enter: finish · Backspace: remove the last point")
         }
-        Tool::Places => Some("Click to add positions · Enter: finish"),
+        Tool::Positions => Some("Click to add positions · Enter: finish"),
         Tool::Select => None,
     }
 }

@@ -71,11 +71,11 @@ fn heading_rows(rows: &mut FieldRows<'_>, heading_rad: &mut Option<f32>) {
 
 /// The button that begins and ends adding positions with the pointer.
 fn add_positions_ui(ui: &mut Ui, editor: &mut Editor, role: PlacementRole) {
-    let adding = *editor.tool() == Tool::Places;
+    let adding = *editor.tool() == Tool::Positions;
     let text = if adding { "Finish" } else { "Add positions" };
     if button_row_ui(ui, &[(text, "Each click on the canvas adds a position", true)]) == Some(0) {
         editor.select(role.selection());
-        editor.set_tool(if adding { Tool::Select } else { Tool::Places });
+        editor.set_tool(if adding { Tool::Select } else { Tool::Positions });
     }
 }
 
