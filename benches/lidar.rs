@@ -44,7 +44,7 @@ fn wayfield_scan(bencher: Bencher, obstacles: &str) {
 fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     let mut lab = stepped(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
-    let world = lab.app.world_mut();
+    let world = lab.simulation.world_mut();
     let mut arenas =
         world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
     let (bodies, context, set, colliders) = arenas.single(world).expect("one arena");

@@ -15,7 +15,8 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use wayfield::control_step::{ControlSet, ControlStep};
-use wayfield::run::{shipped, simulation};
+use wayfield::run::shipped;
+use wayfield::simulation::Extensions;
 
 const SETS: [ControlSet; 8] = [
     ControlSet::Decide,
@@ -40,6 +41,19 @@ const LEARNING_STEPS: usize = 5_000;
 #[derive(Resource, Default)]
 struct Ends(Vec<Instant>);
 
+/// Notes when each set ended.
+#[derive(Clone)]
+struct Ticks;
+
+impl Plugin for Ticks {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Ends>();
+        for pair in SETS.windows(2) {
+            app.add_systems(ControlStep, tick.after(pair[0].clone()).before(pair[1].clone()));
+        }
+    }
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let names: Vec<String> = SETS.iter().map(|set| format!("{set:?}")).collect();
     println!("| arenas | {} | whole |", names.join(" | "));
@@ -52,24 +66,19 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> {
-    let mut app = training_app::training(arenas, learning)?;
-    app.init_resource::<Ends>();
-    for pair in SETS.windows(2) {
-        app.add_systems(ControlStep, tick.after(pair[0].clone()).before(pair[1].clone()));
-    }
-    let world = app.world_mut();
+    let mut simulation = training_app::training(arenas, learning, &Extensions::default().plugin(Ticks))?;
     let steps = if learning { LEARNING_STEPS } else { (ENV_STEPS / arenas).max(MIN_STEPS) };
     let mut spent = [Duration::ZERO; SETS.len() + 1];
     for step in 0..WARM_UP + steps {
-        world.resource_mut::<Ends>().0.clear();
+        simulation.world_mut().resource_mut::<Ends>().0.clear();
         let began = Instant::now();
-        simulation::step(world)?;
+        simulation.step()?;
         let ended = Instant::now();
         if step < WARM_UP {
             continue;
         }
         let mut from = began;
-        for (set, end) in world.resource::<Ends>().0.iter().chain([&ended]).enumerate() {
+        for (set, end) in simulation.world().resource::<Ends>().0.iter().chain([&ended]).enumerate() {
             spent[set] += *end - from;
             from = *end;
         }

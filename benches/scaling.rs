@@ -19,7 +19,8 @@ use plotters::prelude::*;
 use process::status_kb;
 use wayfield::agent::ActiveLearner;
 use wayfield::learning::{Experience, Learner, LearningConfig};
-use wayfield::run::{shipped, simulation};
+use wayfield::run::shipped;
+use wayfield::simulation::Extensions;
 
 const ARENAS: [usize; 7] = [1, 4, 16, 64, 256, 512, 1024];
 const REPLAY: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
@@ -75,15 +76,15 @@ fn config() -> Result<LearningConfig, Box<dyn Error>> {
 /// `ENV_STEPS` steps of Scenario I in `arenas` arenas, without gradient steps.
 fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let before = status_kb("VmRSS:") as f64;
-    let mut app = training_app::training(arenas, false)?;
+    let mut app = training_app::training(arenas, false, &Extensions::default())?;
     for _ in 0..(2_000 / arenas).max(4) {
-        simulation::step(app.world_mut())?;
+        app.step()?;
     }
     let held = status_kb("VmRSS:") as f64 - before;
     let steps = ENV_STEPS / arenas;
     let began = Instant::now();
     for _ in 0..steps {
-        simulation::step(app.world_mut())?;
+        app.step()?;
     }
     let us = began.elapsed().as_secs_f64() * 1e6 / (steps * arenas) as f64;
     assert!(app.world().resource::<ActiveLearner>().0.gradient_steps() == 0, "only env steps are measured");

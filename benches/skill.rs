@@ -17,7 +17,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use runs::{EVAL_EPISODES, FinishedRun, median_and_worst, or_infinity};
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 use wayfield::run::evaluate::{Evaluation, Evaluator, compare_with_optimum};
 use wayfield::run::metric_rows::EvaluationRow;
 use wayfield::task::EpisodeSetup;

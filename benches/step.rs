@@ -1,5 +1,5 @@
-//! One control step of world and task (physics, LIDAR, reward, restarts) with random actions; and the same with
-//! everything in, the forward pass of a greedy agent too.
+//! The cost of one control step: physics, LIDAR, reward and resets with random actions; and the same with a greedy
+//! agent's forward pass.
 //!
 //! `cargo bench --bench step`; items are environment steps.
 
@@ -8,21 +8,19 @@ mod allocator;
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bevy::ecs::message::Messages;
-use bevy::prelude::*;
-use common::Lab;
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use wayfield::agent::{ActionSelection, AgentPlugin, GreedyPolicy};
-use wayfield::control_step::{ControlStep, ControlStepPlugin};
-use wayfield::learning::{NetworkShape, Policy, QNetwork};
+use wayfield::agent::{ActionSelection, GreedyPolicy};
+use wayfield::control_step::ControlStep;
+use wayfield::env::{VecEnv, VecEnvConfig};
+use wayfield::learning::{NetworkShape, QNetwork};
 use wayfield::random;
 use wayfield::scenario::Scenario;
-use wayfield::sim::{self, SimPlugin};
-use wayfield::task::{Encoding, EpisodeEnded, RewardConfig, TaskMode, TaskPlugin, observation};
+use wayfield::simulation::SimulationBuilder;
+use wayfield::task::{EpisodeEnded, TaskMode, observation};
 
 fn main() {
     divan::main();
@@ -51,24 +49,10 @@ fn everything_in(bencher: Bencher, arenas: usize) {
         dueling: true,
     };
     let network = QNetwork::new(shape, &mut random::stream(1, "weights", 0)).expect("the shape is sound");
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        ControlStepPlugin,
-        TaskPlugin {
-            observation: Encoding::Scaled,
-            reward: RewardConfig::default(),
-            mode: TaskMode::Continuing,
-        },
-        SimPlugin,
-        AgentPlugin { action_selection: ActionSelection::Greedy, seed: 1, arenas },
-    ));
-    app.insert_resource(GreedyPolicy(Policy { network, metadata: BTreeMap::new() }));
-    app.finish();
-    app.cleanup();
-    app.update();
-    let world = app.world_mut();
-    sim::spawn_arenas(world, &scenario, arenas, 1);
+    let mut simulation =
+        SimulationBuilder::new(&scenario).arenas(arenas).seed(1).agent(ActionSelection::Greedy).build();
+    let world = simulation.world_mut();
+    world.insert_resource(GreedyPolicy(network));
     for _ in 0..200 {
         world.run_schedule(ControlStep);
     }
@@ -78,15 +62,15 @@ fn everything_in(bencher: Bencher, arenas: usize) {
     });
 }
 
-fn control_step(bencher: Bencher, scenario: &Scenario, arenas: usize) {
-    let mut lab = Lab::new(scenario, arenas, 1);
-    let mut action_streams = common::action_streams(arenas);
-    // Into the middle of things: episodes at all ages.
+fn control_step(bencher: Bencher, scenario: &Scenario, num_envs: usize) {
+    let config = VecEnvConfig { num_envs, mode: TaskMode::Continuing, ..VecEnvConfig::default() };
+    let mut env = VecEnv::new(scenario, config).expect("there is room for starts and goals");
+    let mut streams = common::action_streams(num_envs);
+    // Into the middle of things: episodes of all ages.
     for _ in 0..200 {
-        lab.step(&common::random_actions(&mut action_streams));
+        env.step(&common::random_actions(&mut streams)).expect("a valid step");
     }
-    bencher.counter(ItemsCount::new(arenas)).bench_local(|| {
-        lab.step(&common::random_actions(&mut action_streams));
-        lab.take_ended_episodes().len()
-    });
+    bencher
+        .counter(ItemsCount::new(num_envs))
+        .bench_local(|| env.step(&common::random_actions(&mut streams)).expect("a valid step").ended.len());
 }

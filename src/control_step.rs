@@ -1,19 +1,22 @@
-//! The clockwork: one schedule, [`ControlStep`], worth one control period of simulated time.
+//! The control step: one schedule, [`ControlStep`], worth one control period of simulated time.
 //!
-//! In: whoever calls `world.run_schedule(ControlStep)`; headless that is a loop, in a window a pacer. Out: every
-//! arena has moved on by one step. The sets run in the order of [`ControlSet`], and each hands its product to the
-//! next. Nothing in a step asks for wall-clock time, frame time or input, so a seed means one result everywhere.
+//! Running [`ControlStep`] once advances every arena by one step. Headless, a loop runs it; in the app, the pacer does.
+//! Its sets run in the order of [`ControlSet`], and each hands its product to the next. A step never reads the wall
+//! clock, the frame time or user input, so one seed means one result everywhere.
 //!
 //! | set | responsible for | filled by |
 //! |---|---|---|
 //! | `Decide` | observations -> actions | [`AgentPlugin`](crate::agent::AgentPlugin) |
-//! | `Actuate` | actions -> velocities of robots and obstacles | [`SimPlugin`](crate::sim::WorldPlugin) |
-//! | `Simulate` | one step of rapier | [`SimPlugin`](crate::sim::WorldPlugin) |
-//! | `Sense` | poses, LIDAR scans -> next observations | `SimPlugin`, [`TaskPlugin`](crate::task::TaskPlugin) |
-//! | `Reward` | reward, collision, target, time limit | [`TaskPlugin`](crate::task::TaskPlugin) |
+//! | `Actuate` | actions -> velocities of robots and obstacles | [`SimPlugin`](crate::sim::SimPlugin) |
+//! | `Simulate` | one step of rapier | [`SimPlugin`](crate::sim::SimPlugin) |
+//! | `Sense` | poses, LIDAR scans, plugins' sensors -> next observations | `SimPlugin`, [`TaskPlugin`](crate::task::TaskPlugin) |
+//! | `Reward` | reward, collision, goal, time limit | [`TaskPlugin`](crate::task::TaskPlugin) |
 //! | `Store` | transitions -> replay buffer | [`TrainingPlugin`](crate::agent::TrainingPlugin) |
 //! | `Learn` | gradient steps | [`TrainingPlugin`](crate::agent::TrainingPlugin) |
 //! | `Reset` | new goals, new episodes, `EpisodeEnded` | [`TaskPlugin`](crate::task::TaskPlugin) |
+//!
+//! Plugins add systems to the public sub-sets [`SenseSet`] and [`RewardSet`], usually through
+//! [`SimulationAppExt`](crate::task::SimulationAppExt).
 
 use bevy::ecs::schedule::{
     IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
@@ -28,62 +31,84 @@ pub struct ControlStep;
 /// The sets of [`ControlStep`], in the order in which they run.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub enum ControlSet {
-    /// Observations become actions.
+    /// Turns observations into actions.
     Decide,
-    /// Actions become velocities; obstacles learn where they go next.
+    /// Turns actions into velocities, and advances the obstacles' clock.
     Actuate,
-    /// Rapier steps the bodies.
+    /// Steps rapier.
     Simulate,
-    /// The LIDAR is cast and the next observations are written.
+    /// Casts the LIDAR and writes the next observations; see [`SenseSet`].
     Sense,
-    /// Reward, terminated, truncated.
+    /// Computes rewards, terminations and truncations; see [`RewardSet`].
     Reward,
-    /// Transitions are stored.
+    /// Stores transitions in the replay buffer.
     Store,
-    /// Gradient steps.
+    /// Takes the gradient steps that are due.
     Learn,
-    /// Ended episodes are published and begun anew, reached goals are redrawn.
+    /// Publishes ended episodes, starts new ones, and draws new goals for reached ones.
     Reset,
 }
 
-/// Within [`ControlSet::Sense`]: the systems that write poses and scans. Observations are written after them.
+/// The sub-sets of [`ControlSet::Sense`], in order.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
-pub struct ScanWritten;
+pub enum SenseSet {
+    /// Reads poses and writes LIDAR scans.
+    Scan,
+    /// Sensors of plugins write their [`SensorReadings`](crate::task::SensorReadings).
+    Sensors,
+    /// Encodes the next observations.
+    Observe,
+}
 
-/// The schedule that gives every arena marked for it a new start or target, and a fresh observation.
-/// [`ControlStep`] runs it last, when there is such an arena.
+/// The sub-sets of [`ControlSet::Reward`], in order.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+pub enum RewardSet {
+    /// Computes the paper's reward, and what the step ends.
+    Outcome,
+    /// Plugins compute their [`ExtraRewards`](crate::task::ExtraRewards).
+    Terms,
+    /// Adds the plugins' terms to the outcomes, and checks that every number is finite.
+    Sum,
+}
+
+/// The schedule that gives every arena with a pending reset a new start or goal, and a fresh observation.
+/// [`ControlStep`] runs it last, if there is such an arena.
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Reset;
 
 /// The sets of [`Reset`], in the order in which they run.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub enum ResetSet {
-    /// Starts and goals are drawn.
+    /// Draws starts and goals.
     Draw,
-    /// Bodies are put where they belong.
+    /// Places bodies at their starts.
     Place,
-    /// The LIDAR is cast from there.
-    Sense,
-    /// The first observation is written.
+    /// Casts the LIDAR from there.
+    Scan,
+    /// Sensors of plugins write their first readings.
+    Sensors,
+    /// Writes the first observations.
     Observe,
 }
 
-/// Responsible for the two schedules and the order of their sets.
+/// Defines the two schedules and the order of their sets.
 ///
-/// Both run on the single-threaded executor (a step of microseconds pays more for threads than it gets), and two
-/// systems whose order is left open although they touch the same data are an error.
+/// Both run on the single-threaded executor: a step takes microseconds, and threads would cost more than they gain.
+/// Two systems that touch the same data without a defined order are an error.
 pub struct ControlStepPlugin;
 
 impl Plugin for ControlStepPlugin {
     fn build(&self, app: &mut App) {
-        use {ControlSet as C, ResetSet as B};
+        use {ControlSet as C, ResetSet as R};
         let mut step = strict(Schedule::new(ControlStep));
         step.configure_sets(
             (C::Decide, C::Actuate, C::Simulate, C::Sense, C::Reward, C::Store, C::Learn, C::Reset).chain(),
-        );
-        let mut begin = strict(Schedule::new(Reset));
-        begin.configure_sets((B::Draw, B::Place, B::Sense, B::Observe).chain());
-        app.add_schedule(step).add_schedule(begin);
+        )
+        .configure_sets((SenseSet::Scan, SenseSet::Sensors, SenseSet::Observe).chain().in_set(C::Sense))
+        .configure_sets((RewardSet::Outcome, RewardSet::Terms, RewardSet::Sum).chain().in_set(C::Reward));
+        let mut reset = strict(Schedule::new(Reset));
+        reset.configure_sets((R::Draw, R::Place, R::Scan, R::Sensors, R::Observe).chain());
+        app.add_schedule(step).add_schedule(reset);
     }
 }
 

@@ -23,6 +23,7 @@
 
 pub use wayfield_learning as learning;
 pub use wayfield_planner as planner;
+pub use wayfield_policy as policy;
 pub use wayfield_random as random;
 pub use wayfield_report as report;
 pub use wayfield_scenario as scenario;
@@ -33,8 +34,10 @@ pub mod app;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
 pub mod control_step;
+pub mod env;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod reproduce;
 pub mod run;
 pub mod sim;
+pub mod simulation;
 pub mod task;

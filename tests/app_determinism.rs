@@ -19,9 +19,10 @@ use wayfield::app::view_state::Overlays;
 use wayfield::learning::Learner;
 use wayfield::run::preset::Budget;
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
-use wayfield::run::{shipped, simulation};
+use wayfield::run::{shipped, training_setup};
 use wayfield::scenario::pose_at;
 use wayfield::sim;
+use wayfield::simulation::Extensions;
 use wayfield::task::{ArenaState, Clock, CurrentScenario, observation};
 
 use headless_app::HeadlessApp;
@@ -42,11 +43,11 @@ fn headless(seed: u64, steps: u64) -> (Vec<u8>, Vec<ArenaState>) {
     let inputs = observation::width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();
     let learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, seed).expect("it is sound");
-    let mut app = simulation::training_app(&scenario, &preset, seed, learner);
+    let mut simulation = training_setup::training(&scenario, &preset, seed, learner, &Extensions::default());
     for _ in 0..steps {
-        simulation::step(app.world_mut()).expect("it goes on");
+        simulation.step().expect("it goes on");
     }
-    state(app.world_mut())
+    state(simulation.world_mut())
 }
 
 /// A policy that can drive in Scenario II.
@@ -208,7 +209,7 @@ fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_it_is_seen() {
     headless_app.frame(Duration::from_millis(10));
     let (now_x, now_y, _) = headless_app.shown().0.arenas[running].obstacles[3];
     assert!(
-        (now_x - to_m.0).abs() < 1e-4 && (now_y - to_m.1).abs() < 1e-4,
+        (now_x - to_m.x).abs() < 1e-4 && (now_y - to_m.y).abs() < 1e-4,
         "{now_x} {now_y} is not {to_m:?}"
     );
 }
@@ -263,7 +264,11 @@ fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between()
     assert_eq!(verify(&second_run), Ok(ReplayResult { steps: 260, interventions: 2, bit_identical: true }));
 
     // It goes on without a window: the journal ends earlier than the run, which is replayed all the same.
-    let job = Job::Resume { folder: second_run.clone(), budget: Some(Budget::EnvSteps(300 * 16)) };
+    let job = Job::Resume {
+        folder: second_run.clone(),
+        budget: Some(Budget::EnvSteps(300 * 16)),
+        extensions: Extensions::default(),
+    };
     let stop = AtomicBool::new(false);
     train(job, CHECKPOINT_INTERVAL, &stop, std::time::Instant::now(), Some(Box::new(|_| {})))
         .expect("it goes on");

@@ -65,7 +65,7 @@ fn all_that_is_wrong_is_told_of_every_file() {
         "files/b/world.ron:12:5: unknown field `obstacels` in the file: did you mean `obstacles`? the fields are ",
         "files/c.ron:13:9: `obstacles[0]` reaches 0.100 m beyond the enclosure: move it inwards or make it smaller",
         "files/c.ron:15:9: `obstacles[2]` reaches 0.050 m beyond the enclosure: move it inwards or make it smaller",
-        "error: of 4 checked, 3 can't be used",
+        "error: 3 of 4 checked files are invalid",
     ];
     assert_eq!(lines.len(), starts.len(), "{}", done.stderr);
     for (line, start) in lines.iter().zip(starts) {
@@ -86,19 +86,19 @@ fn a_path_that_leads_to_no_file_is_told_of() {
         &workspace.run("--check empty"),
         "",
         "empty: there is no .ron file in this folder: name a scenario, a preset, or a folder that has some\n\
-         error: of 1 checked, 1 can't be used\n",
+         error: 1 of 1 checked files are invalid\n",
     );
     assert_failed(
         &workspace.run("--check files/b files/d.ron"),
         "files/b/world.ron: ok\n",
         "files/d.ron: no such file (files there: files/.x.ron, files/a.ron, files/c.ron)\n\
-         error: of 2 checked, 1 can't be used\n",
+         error: 1 of 2 checked files are invalid\n",
     );
     assert_failed(
         &workspace.run("--check files/notes.txt"),
         "",
         "files/notes.txt:1:1: this must be `Scenario(...)` or only `(...)`, not `this`\n\
-         error: of 1 checked, 1 can't be used\n",
+         error: 1 of 1 checked files are invalid\n",
     );
 }
 
@@ -111,7 +111,7 @@ fn json_has_the_files_and_the_problems() {
     workspace.write("files/c.ron", edited(SCENARIO_1, &outside));
     let done = workspace.run("--check files empty --json");
     assert_eq!(done.status, Some(2));
-    assert_eq!(done.stderr, "error: of 4 checked, 2 can't be used\n");
+    assert_eq!(done.stderr, "error: 2 of 4 checked files are invalid\n");
     assert_eq!(
         done.json(),
         json!({

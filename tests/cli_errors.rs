@@ -5,7 +5,7 @@
 mod cli_support;
 
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 
 /// A desk with a good preset, a run of one step, and its policy.
 fn workspace() -> Workspace {
@@ -101,7 +101,11 @@ fn presets_that_cannot_be_used() {
             ("    reward: (", "    observation: Row,\n    reward: ("),
             &["encoding.ron:7:", "`observation`", "did you mean `Raw`?"],
         ),
-        ("arenas.ron", ("arenas: 16", "arenas: 0"), &["arenas.ron:4:13", "`arenas` is 0; give 1 to 4096"]),
+        (
+            "arenas.ron",
+            ("arenas: 16", "arenas: 0"),
+            &["arenas.ron:4:13", "`arenas` is 0; help: give 1 to 4096"],
+        ),
         (
             "batch.ron",
             ("batch_size: 64", "batch_size: 0"),
@@ -129,8 +133,8 @@ fn presets_that_cannot_be_used() {
         ("--train --preset nothing.ron", &["nothing.ron: no such file"][..]),
         ("--train --preset per_d3qm", &["per_d3qm: no such file", "did you mean `per_d3qn`?"]),
         ("--train --preset zebra", &["zebra: no such file", "fast, dqn, per_d3qn, per_d3qn_tuned"]),
-        ("--train --arenas 0", &["--arenas is 0; give 1 to 4096"]),
-        ("--train --arenas 5000", &["--arenas is 5000; give 1 to 4096"]),
+        ("--train --arenas 0", &["--arenas is 0; help: give 1 to 4096"]),
+        ("--train --arenas 5000", &["--arenas is 5000; help: give 1 to 4096"]),
     ] {
         assert_refused_in_a_line(&workspace, arguments, needles);
     }
@@ -259,7 +263,8 @@ fn arguments_that_cannot_be_used() {
         ("--resume run", &["--train"]),
         ("--train --rounds 3", &["--rounds", "--train"]),
         ("--train --course", &["--course", "--train"]),
-        ("--train --episodes 9", &["--episodes", "--train"]),
+        ("--draw map.svg --episodes 9", &["--episodes", "--draw", "'--train'"]),
+        ("--steps 9", &["--steps", "'--train'"]),
         ("--train --resume run --epsilon 0.5", &["--epsilon", "--resume"]),
         ("--eval run/policy.safetensors --preset fast", &["--preset", "--eval"]),
         ("--eval run/policy.safetensors --epsilon 0.5 --init run/policy.safetensors", &["--eval"]),

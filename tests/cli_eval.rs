@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
 use serde_json::Value;
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 
 /// A desk on which the default preset has trained for 30,000 env steps with seed 1, once for all tests:
 /// `taught/policy.safetensors`.
@@ -95,9 +95,9 @@ fn the_text_says_the_same_as_the_json() {
         "taught/policy.safetensors in Scenario I, 200 episodes, seed 9".to_owned(),
         format!("{:.1} %  (rounds: ", 100.0 * number(&report, "success_rate")),
         format!("collision       {:.1} %", 100.0 * number(&report, "collision_rate")),
-        format!("out of time     {:.1} %", 100.0 * number(&report, "timeout_rate")),
+        format!("timeout         {:.1} %", 100.0 * number(&report, "timeout_rate")),
         format!("mean time       {:.3} s", number(&report, "mean_time_s")),
-        format!("course          {:.3} s", number(&report, "course_time_s")),
+        format!("benchmark route {:.3} s", number(&report, "course_time_s")),
     ] {
         assert!(text.stdout.contains(&needle), "`{needle}` is not in\n{}", text.stdout);
     }
@@ -148,7 +148,7 @@ fn in_a_world_whose_drive_lags_no_least_time_is_claimed() {
         (&Value::Null, &Value::Null),
         "{report}"
     );
-    for needle in ["note: ", "a lag of the drive", "Scenario I", "actuator_lag_s is 0.3"] {
+    for needle in ["note: ", "actuator lag", "Scenario I", "actuator_lag_s is 0.3"] {
         assert!(lagging.stderr.contains(needle), "`{needle}` is not in {}", lagging.stderr);
     }
     assert_eq!(lagging.stderr.lines().count(), 1, "{}", lagging.stderr);
@@ -279,7 +279,7 @@ fn the_printed_next_step_tests_in_the_world_of_the_run() {
     workspace.write("fast.ron", quick_fast());
     let done = workspace.run_ok("--train --scenario scenario-2 --preset fast.ron --steps 64 --out run");
     assert!(done.stdout.contains("--eval run/policy.safetensors --scenario scenario-2"), "{}", done.stdout);
-    assert!(done.stderr.contains("warning: nothing will be learnt"), "{}", done.stderr);
+    assert!(done.stderr.contains("warning: nothing will be learned"), "{}", done.stderr);
     let elsewhere = workspace.run("--eval run/policy.safetensors --rounds 1 --episodes 2");
     assert!(elsewhere.stderr.contains("trained in Scenario II"), "{}", elsewhere.stderr);
 }

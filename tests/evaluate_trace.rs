@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use wayfield::learning::{NetworkConfig, NetworkShape, Policy, QNetwork};
+use wayfield::learning::{NetworkConfig, Policy, QNetwork};
 use wayfield::run::evaluate::Evaluator;
 use wayfield::run::shipped;
 use wayfield::task::{EpisodeEnd, EpisodeSetup};
@@ -11,9 +11,9 @@ use wayfield::{random, scenario::Scenario};
 /// A network whose weights are `seed`'s: it drives somewhere.
 fn policy(scenario: &Scenario, seed: u64) -> Policy {
     let config = NetworkConfig { hidden: vec![8], dueling: false };
-    let shape = NetworkShape::new(&config, scenario.lidar.beams + 4, scenario.robot.motions.len());
+    let shape = config.shape(scenario.lidar.beams + 4, scenario.robot.motions.len());
     let network = QNetwork::new(shape.expect("a shape"), &mut random::stream(seed, "trace", 0));
-    Policy { network: network.expect("a network"), metadata: Default::default() }
+    network.expect("a network").to_policy(Default::default())
 }
 
 #[test]

@@ -8,8 +8,9 @@ use bevy::math::{Vec2, vec2};
 use bevy::ecs::message::Messages;
 use wayfield::agent::ActiveLearner;
 use wayfield::learning::Learner;
-use wayfield::run::{scenario_image, shipped, simulation};
+use wayfield::run::{scenario_image, shipped, training_setup};
 use wayfield::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario, Shape, clearance, diagnostics};
+use wayfield::simulation::Extensions;
 use wayfield::task::{EpisodeEnded, observation};
 
 fn project(path: &str) -> PathBuf {
@@ -154,7 +155,7 @@ fn the_ends_of_each_course_are_connected() {
         }
     }
     let mut shut = shipped::scenario("doorway").expect("it is shipped");
-    shut.walls[0].corners_m = vec![vec2(0.0, 2.0), (0.0, -2.0)];
+    shut.walls[0].corners_m = vec![vec2(0.0, 2.0), vec2(0.0, -2.0)];
     assert!(!course_is_open(&shut), "a shut door is seen");
 }
 
@@ -187,13 +188,13 @@ fn every_world_trains_a_little() {
         let actions = scenario.robot.motions.len();
         let learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, 7).expect("it is sound");
         let first = learner.network().parameters().to_vec();
-        let mut app = simulation::training_app(&scenario, &preset, 7, learner);
+        let mut simulation = training_setup::training(&scenario, &preset, 7, learner, &Extensions::default());
         let mut ended = 0;
         for step in 0..600 {
-            simulation::step(app.world_mut()).unwrap_or_else(|error| panic!("{name}, step {step}: {error}"));
-            ended += app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().count();
+            simulation.step().unwrap_or_else(|error| panic!("{name}, step {step}: {error}"));
+            ended += simulation.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().count();
         }
-        let learner = &app.world().resource::<ActiveLearner>().0;
+        let learner = &simulation.world().resource::<ActiveLearner>().0;
         let weights = learner.network().parameters();
         assert!(weights.iter().all(|weight| weight.is_finite()), "{name}");
         assert_ne!(weights, first, "{name}: it has learnt something");

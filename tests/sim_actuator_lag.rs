@@ -73,7 +73,7 @@ fn an_arena_that_is_rewound_begins_at_rest() {
     lab.step(&[0]);
     let state = lab.state(0);
     assert!(state.twist.v_m_s > 0.07 && state.twist.w_rad_s > 0.7);
-    wayfield::sim::reset_arenas(lab.app.world_mut(), |_| Some((state.streams.clone(), state.clock)));
+    wayfield::sim::reset_arenas(lab.simulation.world_mut(), |_| Some((state.streams.clone(), state.clock)));
     assert_eq!(lab.state(0).twist, Twist::default());
 }
 

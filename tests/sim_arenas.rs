@@ -7,6 +7,7 @@ use common::{Lab, bits};
 use wayfield::control_step::{ControlSet, ControlStep};
 use wayfield::scenario::{Generator, RandomShape, Scenario};
 use wayfield::sim;
+use wayfield::simulation::{Extensions, SimulationBuilder};
 use wayfield::task::{Clock, EpisodeEnd, Pose, RewardConfig, Streams, TaskMode};
 
 const STEPS: usize = 300;
@@ -96,7 +97,7 @@ fn arena_k_is_the_same_among_7_or_64_when_others_are_parked_and_rewound() {
         let first = tracks(&mut lab, arenas);
         assert!(lab.states().iter().all(|state| state.episode.inactive), "300 steps end them all");
         let fresh = |arena: usize| Some((Streams::new(6, arena as u64), Clock(0)));
-        sim::reset_arenas(lab.app.world_mut(), fresh);
+        sim::reset_arenas(lab.simulation.world_mut(), fresh);
         let second = tracks(&mut lab, arenas);
         first.into_iter().zip(second).map(|(first, second)| [first, second].concat()).collect::<Vec<_>>()
     };
@@ -156,8 +157,14 @@ fn a_system_that_leaves_its_order_open_is_refused() {
     fn meddle(mut poses: Query<&mut Pose>) {
         poses.iter_mut().for_each(|mut pose| pose.x_m += 1.0);
     }
-    let mut app = common::empty_app(RewardConfig::default(), TaskMode::Continuing);
-    app.add_systems(ControlStep, meddle.in_set(ControlSet::Sense));
-    wayfield::sim::spawn_arenas(app.world_mut(), &common::moving_obstacles().into(), 1, 1);
-    app.world_mut().run_schedule(ControlStep);
+    #[derive(Clone)]
+    struct Meddler;
+    impl Plugin for Meddler {
+        fn build(&self, app: &mut App) {
+            app.add_systems(ControlStep, meddle.in_set(ControlSet::Sense));
+        }
+    }
+    let scenario = std::sync::Arc::new(common::moving_obstacles());
+    let extensions = Extensions::default().plugin(Meddler);
+    let _ = SimulationBuilder::new(&scenario).extensions(&extensions).build().step();
 }

@@ -104,7 +104,7 @@ fn a_saved_room_goes_on_to_the_bit() {
     }
     let saved = lab.states();
     let mut other = Lab::new(&scenario, 3, 99);
-    sim::restore(other.app.world_mut(), &saved);
+    sim::restore(other.simulation.world_mut(), &saved);
     assert_eq!(other.states(), saved);
     for step in 0..200 {
         let action = [step / 7 % 5; 3];
@@ -241,7 +241,7 @@ fn another_world_is_taken_with_streams_and_clocks_as_they_stand() {
     let before = lab.states();
     let other = Arc::new(irregular_walls());
     lab.scenario = other.clone();
-    sim::reset_with_scenario(lab.app.world_mut(), &other);
+    sim::reset_with_scenario(lab.simulation.world_mut(), &other);
     let after = lab.states();
     for (old, new) in before.iter().zip(&after) {
         assert_eq!(old.clock, new.clock);
@@ -255,6 +255,6 @@ fn another_world_is_taken_with_streams_and_clocks_as_they_stand() {
     for _ in 0..30 {
         again.step(&[2; 4]);
     }
-    sim::reset_with_scenario(again.app.world_mut(), &other);
+    sim::reset_with_scenario(again.simulation.world_mut(), &other);
     assert_eq!(again.states(), after, "the same from the same");
 }

@@ -85,7 +85,7 @@ proptest! {
         // Corners on an ellipse about a point aside of the origin: convex, in no order that parry could ask for.
         let corner = |k: usize| {
             let (sin, cos) = (std::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
-            (length * cos - 0.2, -r * sin + 0.1)
+            vec2(length * cos - 0.2, -r * sin + 0.1)
         };
         let corners_m = (0..sides).map(corner).collect();
         let polygon = one_obstacle(Shape::Polygon { corners_m }, vec2(x, y), turn);
@@ -97,12 +97,12 @@ proptest! {
 
     #[test]
     fn ranges_within_an_l_are_those_of_geometry(
-        notch in (-1.0_f32..1.0, -1.0_f32..1.0), px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
+        notch in (-1.0_f32..1.0, -1.0_f32..1.0).prop_map(Vec2::from), px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
         backwards in any::<bool>(),
     ) {
-        prop_assume!(px < notch.0 - 0.01 || py < notch.1 - 0.01);
+        prop_assume!(px < notch.x - 0.01 || py < notch.y - 0.01);
         let mut corners_m =
-            vec![(-2.0, -2.0), (2.0, -2.0), (2.0, notch.1), notch, (notch.0, 2.0), (-2.0, 2.0)];
+            vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(2.0, notch.y), notch, vec2(notch.x, 2.0), vec2(-2.0, 2.0)];
         if backwards {
             corners_m.reverse();
         }
@@ -135,7 +135,7 @@ proptest! {
         }
         let ours = lab.cast(0, &pose(px, py, heading));
         let beams = BeamDirections::from_lidar(&Lidar::default());
-        let world = lab.app.world_mut();
+        let world = lab.simulation.world_mut();
         let mut arenas =
             world.query::<(&Bodies, &RapierContextSimulation, &RapierRigidBodySet, &RapierContextColliders)>();
         let (bodies, context, set, colliders) = arenas.single(world).expect("one arena");

@@ -69,7 +69,7 @@ fn a_thousand_random_motions_stay_on_the_closed_form_path() {
         });
     }
     // Long episodes: the test is about driving.
-    lab.app.world_mut().resource_mut::<wayfield::task::CurrentScenario>().0 = {
+    lab.simulation.world_mut().resource_mut::<wayfield::task::CurrentScenario>().0 = {
         let mut patient = scenario.clone();
         patient.task.max_episode_steps = 1_000_000;
         patient.into()

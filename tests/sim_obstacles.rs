@@ -62,7 +62,7 @@ fn a_rewound_clock_takes_the_obstacles_along() {
     for clock in [0, 1, 777, 1_000_000_007] {
         lab.step(&[2, 2, 2]);
         let fresh = |arena| Some((Streams::new(4, arena as u64), Clock(clock + arena as u64)));
-        sim::reset_arenas(lab.app.world_mut(), fresh);
+        sim::reset_arenas(lab.simulation.world_mut(), fresh);
         for arena in 0..3 {
             assert_eq!(lab.state(arena).clock, Clock(clock + arena as u64));
             assert_in_place(&mut lab, arena, "rewound");

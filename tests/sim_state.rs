@@ -6,7 +6,7 @@ use common::{Lab, bits, closed_form};
 use wayfield::scenario::Scenario;
 use wayfield::sim;
 use wayfield::task::{
-    ArenaState, Clock, Encoding, EpisodeEnd, RewardConfig, StepOutcome, Streams, TaskMode,
+    ArenaState, Clock, Encoding, EpisodeEnd, ObservationLayout, RewardConfig, StepOutcome, Streams, TaskMode,
     observation::RANGE_SCALE_M,
 };
 
@@ -76,7 +76,7 @@ fn no_scan_is_stale(mut scenario: Scenario) {
         "{collisions}, {time_outs}, {redrawn}: all were seen"
     );
     let fresh = |arena| Some((Streams::new(77, arena as u64), Clock(1000 * arena as u64)));
-    sim::reset_arenas(lab.app.world_mut(), fresh);
+    sim::reset_arenas(lab.simulation.world_mut(), fresh);
     assert_fresh(&mut lab, "right after rewind");
 }
 
@@ -93,7 +93,7 @@ fn no_scan_is_stale_among_moving_obstacles() {
 #[test]
 fn an_arena_that_a_rewind_leaves_out_is_parked() {
     let mut lab = Lab::with(&common::moving_obstacles(), 3, 6, RewardConfig::default(), TaskMode::SingleGoal);
-    sim::reset_arenas(lab.app.world_mut(), |arena| {
+    sim::reset_arenas(lab.simulation.world_mut(), |arena| {
         (arena != 1).then(|| (Streams::new(1, arena as u64), Clock(5)))
     });
     let (before, row) = (lab.states(), lab.row(1));
@@ -137,7 +137,7 @@ fn goes_on_to_the_bit(mut scenario: Scenario) {
     // Another seed: nothing of the fresh app's own start may shine through.
     let mut other = Lab::new(&scenario, arenas, 32);
     let states: Vec<ArenaState> = postcard::from_bytes(&saved).expect("and comes back");
-    sim::restore(other.app.world_mut(), &states);
+    sim::restore(other.simulation.world_mut(), &states);
     assert_eq!(other.states(), lab.states(), "{}: restored is as saved", scenario.name);
     for (arena, row) in rows.iter().enumerate() {
         assert_eq!(bits(&other.row(arena)), *row, "{}: arena {arena} observes what it did", scenario.name);
@@ -191,7 +191,7 @@ fn raw_observations_are_raw_at_every_turn() {
     let mut scenario = common::moving_obstacles();
     scenario.task.max_episode_steps = 30;
     let mut lab = Lab::new(&scenario, 4, 3);
-    lab.app.insert_resource(Encoding::Raw);
+    lab.simulation.world_mut().resource_mut::<ObservationLayout>().encoding = Encoding::Raw;
     lab.edit(0, |_| ());
     let mut action_streams = common::action_streams(4);
     for step in 0..100 {

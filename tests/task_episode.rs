@@ -9,7 +9,7 @@ use wayfield::task::{EpisodeEnd, EpisodeEnded, Goal, Pose, RewardConfig, RewardK
 /// The robot in the middle of an empty enclosure, looking along x; the goal `ahead_m` before it.
 fn facing(scenario: &Scenario, ahead_m: f32, reward: RewardConfig, mode: TaskMode) -> Lab {
     let mut lab = Lab::with(scenario, 1, 4, reward, mode);
-    let potential = lab.app.world().resource::<RewardConfig>().potential(ahead_m, 1.0);
+    let potential = lab.simulation.world().resource::<RewardConfig>().potential(ahead_m, 1.0);
     lab.edit(0, |state| {
         state.pose = Pose::default();
         state.goal = Goal { x_m: ahead_m, y_m: 0.0 };
@@ -80,7 +80,14 @@ fn a_collision_costs_200_and_ends_the_episode() {
         RewardTerms { collided: -200.0, ..RewardTerms::default() },
         "r- and nothing else"
     );
-    let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::Collided, steps: 3, goals: 1, rewards: sum };
+    let ended = EpisodeEnded {
+        arena: 0,
+        end: EpisodeEnd::Collided,
+        steps: 3,
+        goals: 1,
+        rewards: sum,
+        extra_rewards: Vec::new(),
+    };
     assert_eq!(
         lab.take_ended_episodes(),
         vec![ended],
@@ -106,7 +113,14 @@ fn the_time_limit_cuts_an_episode_off_without_terminating_it() {
         assert!(!outcome.terminated(), "a time limit is no end of the process");
         sum += outcome.reward;
     }
-    let ended = EpisodeEnded { arena: 0, end: EpisodeEnd::TimedOut, steps: 20, goals: 0, rewards: sum };
+    let ended = EpisodeEnded {
+        arena: 0,
+        end: EpisodeEnd::TimedOut,
+        steps: 20,
+        goals: 0,
+        rewards: sum,
+        extra_rewards: Vec::new(),
+    };
     assert_eq!(lab.take_ended_episodes(), vec![ended]);
     assert_eq!(lab.state(0).episode.steps, 0, "and a new one has begun");
 }

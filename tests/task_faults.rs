@@ -4,32 +4,34 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use wayfield::agent::ActiveLearner;
-use wayfield::run::{learner_setup, shipped, simulation};
+use wayfield::run::{shipped, training_setup};
+use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::{Arena, Goal};
 
 /// Three arenas of Scenario I, ten steps on.
-fn three_arenas() -> App {
+fn three_arenas() -> Simulation {
     let mut config = wayfield::run::folder::RunConfig::resolve("scenario-1", "fast", 5).expect("shipped");
     config.preset.arenas = 3;
-    let learner = learner_setup::create_learner(&config, None).expect("a learner");
+    let learner = training_setup::create_learner(&config, None).expect("a learner");
     let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
-    let mut app = simulation::training_app(&scenario, &config.preset, 5, learner);
+    let mut simulation =
+        training_setup::training(&scenario, &config.preset, 5, learner, &Extensions::default());
     for _ in 0..10 {
-        simulation::step(app.world_mut()).expect("all is well");
+        simulation.step().expect("all is well");
     }
-    app
+    simulation
 }
 
 #[test]
 fn a_target_that_is_nowhere_is_caught_in_the_next_step() {
-    let mut app = three_arenas();
-    let world = app.world_mut();
+    let mut simulation = three_arenas();
+    let world = simulation.world_mut();
     let mut arenas = world.query::<(&Arena, &mut Goal)>();
     for (_, mut goal) in arenas.iter_mut(world).filter(|(arena, _)| arena.0 == 1) {
         goal.y_m = f32::NAN;
     }
     assert_eq!(world.resource::<ActiveLearner>().0.env_steps(), 30);
-    let error = simulation::step(world).expect_err("it is not to be learnt from").to_string();
+    let error = wayfield::simulation::step(world).expect_err("it is not to be learnt from").to_string();
     assert!(error.starts_with("arena 1, step 11: the goal lies at ("), "{error}");
     assert!(error.contains("NaN m)"), "{error}");
     assert_eq!(world.resource::<ActiveLearner>().0.env_steps(), 30, "nothing of that step is remembered");

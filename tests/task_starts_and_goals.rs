@@ -31,16 +31,16 @@ fn places_are_clear(scenario: &Scenario) {
     let mut reached = vec![false; arenas];
     loop {
         for (arena, state) in lab.states().iter().enumerate() {
-            let (start, goal) = ((state.pose.x_m, state.pose.y_m), (state.goal.x_m, state.goal.y_m));
+            let (start, goal) = (vec2(state.pose.x_m, state.pose.y_m), vec2(state.goal.x_m, state.goal.y_m));
             if started[arena] {
                 episodes += 1;
                 assert_clear(&scenario, state, "start", start, &scenario.starts);
-                quarters[usize::from(start.0 > 0.0) + 2 * usize::from(start.1 > 0.0)] += 1;
+                quarters[usize::from(start.x > 0.0) + 2 * usize::from(start.y > 0.0)] += 1;
             }
             if started[arena] || reached[arena] {
                 redrawn += u32::from(!started[arena]);
                 assert_clear(&scenario, state, "goal", goal, &scenario.goals);
-                let far = (goal.0 - start.0).hypot(goal.1 - start.1);
+                let far = (goal.x - start.x).hypot(goal.y - start.y);
                 assert!(far > 0.5 - 1e-6, "a new goal is at least 0.5 m away, not {far} m");
             }
         }
@@ -57,7 +57,7 @@ fn places_are_clear(scenario: &Scenario) {
     }
     assert!(redrawn > 5, "{redrawn} goals were redrawn under way");
     assert!(quarters.iter().all(|&n| n > 150), "starts fall in every quarter of the room: {quarters:?}");
-    assert_eq!(lab.app.world().resource::<TaskFault>().0, None);
+    assert_eq!(lab.simulation.world().resource::<TaskFault>().0, None);
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn a_thousand_starts_and_targets_are_clear_of_moving_obstacles() {
 fn the_course_always_begins_and_ends_at_the_same_places() {
     let scenario = common::four_cylinders();
     let mut lab = Lab::with(&scenario, 2, 1, RewardConfig::default(), TaskMode::SingleGoal);
-    lab.app.insert_resource(EpisodeSetup::BenchmarkRoute);
+    lab.simulation.world_mut().insert_resource(EpisodeSetup::BenchmarkRoute);
     lab.spawn_arenas(&scenario, 2, 1);
     for state in lab.states() {
         assert_eq!((state.pose.x_m, state.pose.y_m, state.pose.heading_rad), (0.0, 0.0, 0.0), "from (0, 0)");
@@ -88,14 +88,15 @@ fn no_room_for_a_start_is_reported_and_names_the_arena() {
     let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
     let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
     let lab = Lab::new(&scenario, 1, 1);
-    let fault = lab.app.world().resource::<TaskFault>().0.clone().expect("the fault is there to be seen");
+    let fault =
+        lab.simulation.world().resource::<TaskFault>().0.clone().expect("the fault is there to be seen");
     assert!(fault.to_string().starts_with("arena 0, step 0: no free space for a start"), "{fault}");
 }
 
 #[test]
 fn arenas_are_numbered_in_the_order_of_their_rows() {
     let mut lab = Lab::new(&common::four_cylinders(), 7, 1);
-    let world = lab.app.world_mut();
+    let world = lab.simulation.world_mut();
     let mut numbers: Vec<usize> = world.query::<&Arena>().iter(world).map(|arena| arena.0).collect();
     numbers.sort_unstable();
     assert_eq!(numbers, (0..7).collect::<Vec<_>>());

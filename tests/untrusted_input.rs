@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use wayfield::learning::{NetworkShape, Policy, QNetwork};
+use wayfield::learning::{NetworkShape, QNetwork};
 use wayfield::random::{Stream, stream, uniform_index};
 use wayfield::run::checkpoint::TrainerState;
 
@@ -74,7 +74,7 @@ fn small_policy(dueling: bool) -> Vec<u8> {
     let shape = NetworkShape { inputs: 2, hidden: vec![2], actions: 2, dueling };
     let network = QNetwork::new(shape, &mut stream(1, "weights", 0)).expect("a shape that can be");
     let metadata = [("encoding", "raw"), ("scenario", "x")].map(|(key, value)| (key.into(), value.into()));
-    Policy { network, metadata: metadata.into() }.to_bytes().expect("its weights are finite")
+    network.to_policy(metadata.into()).to_bytes().expect("its weights are finite")
 }
 
 /// The same in the form in which the length of the header is always right.

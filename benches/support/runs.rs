@@ -5,7 +5,7 @@ use std::error::Error;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use wayfield::learning::Policy;
+use wayfield::policy::Policy;
 use wayfield::run::folder::{RunConfig, Transfer};
 use wayfield::run::metric_rows::{EvaluationRow, Summary};
 use wayfield::run::preset::Budget;

@@ -3,13 +3,17 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use bevy::prelude::App;
 use wayfield::learning::Learner;
-use wayfield::run::{shipped, simulation};
+use wayfield::run::{shipped, training_setup};
+use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::observation;
 
-/// An app at its first observations. Without `learning` no gradient step is ever due.
-pub fn training(arenas: usize, learning: bool) -> Result<App, Box<dyn Error>> {
+/// A simulation at its first observations. Without `learning` no gradient step is ever due.
+pub fn training(
+    arenas: usize,
+    learning: bool,
+    extensions: &Extensions,
+) -> Result<Simulation, Box<dyn Error>> {
     let scenario = Arc::new(shipped::scenario("scenario-1")?);
     let mut preset = shipped::preset("fast")?;
     preset.arenas = arenas;
@@ -18,5 +22,5 @@ pub fn training(arenas: usize, learning: bool) -> Result<App, Box<dyn Error>> {
     }
     let inputs = observation::width(scenario.lidar.beams);
     let learner = Learner::new(&preset.learning, inputs, scenario.robot.motions.len(), arenas, 1)?;
-    Ok(simulation::training_app(&scenario, &preset, 1, learner))
+    Ok(training_setup::training(&scenario, &preset, 1, learner, extensions))
 }

@@ -6,8 +6,7 @@
 use bevy::prelude::*;
 
 use super::ActiveLearner;
-use crate::learning::Policy;
-use crate::learning::exploration::{epsilon_greedy, greedy};
+use crate::learning::{QNetwork, epsilon_greedy, greedy};
 use crate::random::{self, Stream};
 use crate::task::{Actions, Observations};
 
@@ -24,7 +23,7 @@ pub enum ActionSelection {
 
 /// The policy that [`ActionSelection::Greedy`] follows.
 #[derive(Resource)]
-pub struct GreedyPolicy(pub Policy);
+pub struct GreedyPolicy(pub QNetwork);
 
 /// Who drives, where [`ActionSelection::PerArena`] is followed.
 #[derive(Resource, Default)]
@@ -38,7 +37,7 @@ pub struct ActionSources {
 /// Who drives an arena.
 pub enum ActionSource {
     /// A policy, greedily.
-    Policy(Policy),
+    Policy(QNetwork),
     /// A hand, which holds this motion.
     Manual(usize),
 }
@@ -89,7 +88,7 @@ pub(super) fn decide(
             }
         }
         (ActionSelection::Greedy, _, Some(policy), _) => {
-            policy.0.network.q_values(&observations.current, arenas, &mut decisions.q_values);
+            policy.0.q_values(&observations.current, arenas, &mut decisions.q_values);
             let width = decisions.q_values.len() / arenas;
             for (action, row) in actions.0.iter_mut().zip(decisions.q_values.chunks_exact(width)) {
                 *action = greedy(row);
@@ -102,8 +101,8 @@ pub(super) fn decide(
             decisions.explored.fill(false);
             for (arena, driver) in drivers.arenas.iter().enumerate().take(arenas) {
                 match driver {
-                    ActionSource::Policy(policy) => {
-                        policy.network.q_values(observations.row(arena), 1, &mut row);
+                    ActionSource::Policy(network) => {
+                        network.q_values(observations.row(arena), 1, &mut row);
                         actions.0[arena] = greedy(&row);
                     }
                     ActionSource::Manual(motion) => {

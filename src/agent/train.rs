@@ -71,7 +71,7 @@ pub(super) fn store(
             env_index,
             observation: observations.row(env_index),
             action: actions.0[env_index],
-            reward: outcome.reward.total(),
+            reward: outcome.total_reward(),
             next_observation: observations.next_row(env_index),
             terminated: outcome.terminated(),
             truncated: outcome.truncated(),

@@ -14,6 +14,7 @@
 //! | `screen/` | all that is drawn, by egui: the world, the plots, the panels |
 //! | `editor/` | the world's editor: the document, what can be done with it, undone and redone |
 //! | `commands.rs` | all that the user's hand can ask for |
+//! | `interaction.rs`, `setup_form.rs` | the user's unfinished actions: a drag, choices on the setup panel |
 //! | `view_state.rs` | what the user has chosen to look at; `preferences.rs` remembers it |
 //! | `window.rs`, `blending.rs` | the window itself, its colours, and pictures of it |
 //! | `file_dialogs.rs` | dialogs |
@@ -29,11 +30,13 @@ mod extract;
 #[cfg(not(target_arch = "wasm32"))]
 mod file_dialogs;
 pub mod history;
+pub mod interaction;
 mod preferences;
 mod scalar_fields;
 pub mod scene;
 pub mod screen;
 pub mod session;
+pub mod setup_form;
 pub mod view_state;
 pub mod window;
 

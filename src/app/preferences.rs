@@ -14,6 +14,7 @@ use bevy::window::PrimaryWindow;
 use serde::{Deserialize, Serialize};
 
 use super::CurrentViewState;
+use super::interaction::Interaction;
 use super::view_state::ViewState;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::run::folder::write_atomic;
@@ -106,6 +107,7 @@ pub(super) fn keep(
     now.view_state.camera = remembered.view_state.camera;
     now.view_state.help_open = remembered.view_state.help_open;
     now.view_state.editor = None;
+    now.view_state.interaction = Interaction::default();
     if now == *remembered {
         return;
     }

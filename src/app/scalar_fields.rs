@@ -16,7 +16,10 @@ use crate::agent::{ActionSource, ActionSources, ActiveLearner};
 use crate::learning::QNetwork;
 use crate::scenario::{Scenario, enclosure_distance, inner_wall_distance};
 use crate::sim::Probe;
-use crate::task::{Arena, Clock, CurrentScenario, Encoding, Goal, Pose, RewardConfig, Scan, observation};
+use crate::task::{
+    Arena, Clock, CurrentScenario, Goal, ObservationLayout, Pose, RewardConfig, Scan, SensorReadings,
+    observation,
+};
 
 /// Grid points along the longer side.
 const POINTS: usize = 56;
@@ -90,12 +93,12 @@ pub(super) fn compute_scalar_fields(
     session: Option<Res<Session>>,
     scenario: Option<Res<CurrentScenario>>,
     reward: Res<RewardConfig>,
-    encoding: Res<Encoding>,
+    layout: Res<ObservationLayout>,
     trainer: Option<Res<ActiveLearner>>,
     drivers: Res<ActionSources>,
     time: Res<Time<Real>>,
     probe: Option<Probe>,
-    arenas: Query<(&Arena, &Pose, &Goal, &Clock)>,
+    arenas: Query<(&Arena, &Pose, &Goal, &Clock, &SensorReadings)>,
     mut fields: ResMut<ScalarFields>,
 ) {
     let (Some(session), Some(scenario), Some(trainer), Some(probe)) = (session, scenario, trainer, probe)
@@ -112,7 +115,7 @@ pub(super) fn compute_scalar_fields(
         return;
     }
     let followed = arenas.iter().find(|(arena, ..)| arena.0 == wanted).or_else(|| arenas.iter().next());
-    let Some((arena, pose, goal, clock)) = followed else { return };
+    let Some((arena, pose, goal, clock, readings)) = followed else { return };
     let Some(scan_from) = probe.of(arena.0) else { return };
     let now_s = time.elapsed_secs_f64();
     let of = Of {
@@ -143,7 +146,7 @@ pub(super) fn compute_scalar_fields(
     let mut scan = Scan::default();
     let mut observations = Vec::new();
     let mut potentials = Vec::new();
-    let width = observation::width(scenario.lidar.beams);
+    let width = layout.width(scenario.lidar.beams);
     for Vec2 { x: x_m, y: y_m } in grid.points_m() {
         let there = Pose { x_m, y_m, heading_rad: pose.heading_rad };
         scan_from(&there, &mut scan);
@@ -154,7 +157,7 @@ pub(super) fn compute_scalar_fields(
         if asked.value {
             let start = observations.len();
             observations.resize(start + width, 0.0);
-            observation::encode(*encoding, &scan, &there, goal, &mut observations[start..]);
+            observation::encode(layout.encoding, &scan, &there, goal, readings, &mut observations[start..]);
         }
     }
     fields.value = None;
@@ -185,7 +188,7 @@ fn is_floor(scenario: &Scenario, point_m: Vec2) -> bool {
 /// The network that a driver asks, if it does.
 fn network(driver: &ActionSource) -> Option<&QNetwork> {
     match driver {
-        ActionSource::Policy(policy) => Some(&policy.network),
+        ActionSource::Policy(network) => Some(network),
         ActionSource::Manual(_) => None,
     }
 }

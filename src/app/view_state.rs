@@ -4,7 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::editor::{Editor, EditorView};
+use super::editor::Editor;
+use super::interaction::Interaction;
 
 /// Light, dark, or as the system has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -85,12 +86,12 @@ pub struct ViewState {
     /// The world that is being edited, in place of the one that runs.
     #[serde(skip)]
     pub editor: Option<Box<Editor>>,
-    /// The state of the editor's screen.
-    #[serde(skip)]
-    pub editor_view: EditorView,
     /// It is to be opened on the world that runs.
     #[serde(skip)]
     pub open_editor: bool,
+    /// The user's unfinished actions.
+    #[serde(skip)]
+    pub interaction: Interaction,
 }
 
 impl Default for ViewState {
@@ -106,8 +107,8 @@ impl Default for ViewState {
             plots_width: None,
             help_open: false,
             editor: None,
-            editor_view: EditorView::default(),
             open_editor: false,
+            interaction: Interaction::default(),
         }
     }
 }

@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 
 use super::experiment::{Arm, Claim, Experiment, FigureKind, TableKind, TestedPolicy};
 use super::measure::Measure;
-use crate::run::preset::{Budget, MAX_STEPS};
+use crate::run::limits::MAX_STEPS;
+use crate::run::preset::Budget;
 use crate::scenario::{Diagnostic, closest_name};
 
 /// The most entries that a list of arms, conditions, figures, tables or claims has, or one of numbers or names in them.

@@ -7,9 +7,9 @@
 use super::experiment::Claim;
 use super::measure::Measure;
 use super::results::MeasuredValue;
-use crate::report::page::ClaimResult;
+use crate::report::claim::{ClaimOutcome, ClaimResult};
+use crate::report::format::number;
 use crate::report::statistics::{Estimate, difference};
-use crate::report::table::{OutcomeCell, number};
 
 /// How two arms compare: the difference in the measure's own direction, and what follows from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Comparison {
     /// Mean of the one less mean of the other, in the measure's unit; None if there is nothing to compare.
     pub difference: Option<Estimate>,
     /// What it says of the claim that the one is better.
-    pub outcome: OutcomeCell,
+    pub outcome: ClaimOutcome,
 }
 
 /// Compares the arm that is claimed to be `better` with the other.
@@ -33,14 +33,14 @@ pub fn compare(measure: Measure, better: &[MeasuredValue], than: &[MeasuredValue
             let least = 1e-9 * mean.abs().max(1.0);
             let (middle, reach) = (sign * mean, half_width.max(least));
             if middle > reach && !never(better) {
-                OutcomeCell::Held
+                ClaimOutcome::Held
             } else if middle < -reach && !never(than) {
-                OutcomeCell::Reversed
+                ClaimOutcome::Reversed
             } else {
-                OutcomeCell::NotShown
+                ClaimOutcome::NotShown
             }
         }
-        _ => OutcomeCell::NotShown,
+        _ => ClaimOutcome::NotShown,
     };
     Comparison { difference, outcome }
 }
@@ -79,14 +79,14 @@ pub fn claim_result(
     }
     let holds_0 = |d: &Estimate| d.half_width.is_some_and(|half_width| d.mean.abs() <= half_width);
     sentence += match (outcome, difference.and_then(|d| d.half_width)) {
-        (OutcomeCell::Held, _) => ". The claim holds.",
-        (OutcomeCell::Reversed, _) => ". It is the other way round.",
-        (OutcomeCell::NotShown, None) if better.len() < 2 => ". One seed shows nothing.",
-        (OutcomeCell::NotShown, None) => ". Of some seeds there is no such number.",
-        (OutcomeCell::NotShown, Some(_)) if difference.as_ref().is_some_and(holds_0) => {
+        (ClaimOutcome::Held, _) => ". The claim holds.",
+        (ClaimOutcome::Reversed, _) => ". It is the other way round.",
+        (ClaimOutcome::NotShown, None) if better.len() < 2 => ". One seed shows nothing.",
+        (ClaimOutcome::NotShown, None) => ". Of some seeds there is no such number.",
+        (ClaimOutcome::NotShown, Some(_)) if difference.as_ref().is_some_and(holds_0) => {
             ". The interval holds 0: no difference is shown."
         }
-        (OutcomeCell::NotShown, Some(_)) => ". Too many runs never got there to tell.",
+        (ClaimOutcome::NotShown, Some(_)) => ". Too many runs never got there to tell.",
     };
     for (name, values) in [(&claim.better, better), (&claim.than, than)] {
         let never = values.iter().filter(|value| value.is_lower_bound).count();
@@ -124,7 +124,7 @@ mod tests {
         of.iter().map(|&value| MeasuredValue { value, is_lower_bound: false }).collect()
     }
 
-    fn outcome(measure: Measure, better: &[f64], than: &[f64]) -> OutcomeCell {
+    fn outcome(measure: Measure, better: &[f64], than: &[f64]) -> ClaimOutcome {
         compare(measure, &values(better), &values(than)).outcome
     }
 
@@ -132,25 +132,25 @@ mod tests {
     fn a_claim_holds_when_the_interval_lies_on_its_side() {
         // Means 99 and 90, standard errors sqrt(1/3) each: far apart.
         let (high, low) = ([98.0, 99.0, 100.0], [89.0, 90.0, 91.0]);
-        assert_eq!(outcome(Measure::Success, &high, &low), OutcomeCell::Held);
-        assert_eq!(outcome(Measure::Success, &low, &high), OutcomeCell::Reversed);
-        assert_eq!(outcome(Measure::MeanTime, &low, &high), OutcomeCell::Held, "less time is better");
+        assert_eq!(outcome(Measure::Success, &high, &low), ClaimOutcome::Held);
+        assert_eq!(outcome(Measure::Success, &low, &high), ClaimOutcome::Reversed);
+        assert_eq!(outcome(Measure::MeanTime, &low, &high), ClaimOutcome::Held, "less time is better");
         // Means 96 and 94, standard errors sqrt(16/3) each: 2 +- 2.776 sqrt(32/3) = 9.07 (Welch: 4 degrees of freedom).
         let (one, other) = ([92.0, 96.0, 100.0], [90.0, 94.0, 98.0]);
-        assert_eq!(outcome(Measure::Success, &one, &other), OutcomeCell::NotShown);
+        assert_eq!(outcome(Measure::Success, &one, &other), ClaimOutcome::NotShown);
         assert_eq!(
             outcome(Measure::Success, &[99.0], &[1.0]),
-            OutcomeCell::NotShown,
+            ClaimOutcome::NotShown,
             "one seed shows nothing"
         );
         assert_eq!(
             outcome(Measure::Success, &[5.0, 5.0], &[5.0, 5.0]),
-            OutcomeCell::NotShown,
+            ClaimOutcome::NotShown,
             "no difference"
         );
         assert_eq!(
             outcome(Measure::Success, &[6.0, 6.0], &[5.0, 5.0]),
-            OutcomeCell::Held,
+            ClaimOutcome::Held,
             "no spread at all"
         );
     }
@@ -183,6 +183,6 @@ mod tests {
         // The arm that seems ahead only had shorter runs.
         let short = [MeasuredValue { value: 100.0, is_lower_bound: true }; 2];
         let long = [MeasuredValue { value: 200.0, is_lower_bound: true }; 2];
-        assert_eq!(compare(Measure::EpisodesTo(4.0), &short, &long).outcome, OutcomeCell::NotShown);
+        assert_eq!(compare(Measure::EpisodesTo(4.0), &short, &long).outcome, ClaimOutcome::NotShown);
     }
 }

@@ -16,12 +16,13 @@ use std::time::Instant;
 use super::plan::{RunPlan, Training};
 use super::policy_test;
 use super::progress::OverallProgress;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::Summary;
 use crate::run::preset::Budget;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::run::{RunError, checkpoint};
+use crate::simulation::Extensions;
 
 /// Carries out all of `plan` in folders under `folder`, `jobs` runs side by side.
 ///
@@ -192,7 +193,7 @@ fn train_it(
     let mut gone_on = None;
     if RunFolder::open(&path).is_ok_and(|(_, there)| there == training.config) && checkpoint::exists(&path) {
         match train(
-            Job::Resume { folder: path.clone(), budget: None },
+            Job::Resume { folder: path.clone(), budget: None, extensions: Extensions::default() },
             CHECKPOINT_INTERVAL,
             stop,
             began,

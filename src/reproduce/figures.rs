@@ -10,10 +10,11 @@ use super::results::Results;
 use crate::planner::{Resolution, plan_path};
 use crate::report::DrawError;
 use crate::report::chart::{
-    BandPoint, ChartPanel, CurveLine, DotCell, DotColumn, DotPlot, EventMarker, LearningCurves,
-    MapTrajectory, ReferenceLine, ScenarioMap,
+    BandPoint, ChartPanel, CurveChart, CurveLine, DotCell, DotColumn, DotPlot, EventMarker, MapTrajectory,
+    RawStyle, ReferenceLine, ScenarioMap,
 };
-use crate::report::statistics::{Estimate, band, moving_mean};
+use crate::report::smoothing::moving_mean;
+use crate::report::statistics::{Estimate, band};
 use crate::run::RunError;
 use crate::run::evaluate::Evaluator;
 use crate::run::scenario_image;
@@ -64,7 +65,7 @@ fn curves(
     series: &[EpisodeSeries],
     smoothing: usize,
     reference_lines: &[ReferenceLineSpec],
-) -> LearningCurves {
+) -> CurveChart {
     let experiment = results.experiment(index);
     let line = |series: EpisodeSeries, colour: usize, (condition, arm): (usize, usize)| {
         let runs = results.curves(index, condition, arm, series);
@@ -80,12 +81,13 @@ fn curves(
             colour,
             points: band(&smoothed).iter().enumerate().map(point).collect(),
             raw: band(&runs).iter().enumerate().map(|(i, e)| ((i + 1) as f64, e.mean)).collect(),
+            raw_style: RawStyle::Line,
         }
     };
     let panel = |&series: &EpisodeSeries| {
         let (heading, include_y) = match series {
-            EpisodeSeries::Return => ("Return per episode", None),
-            EpisodeSeries::Goals => ("Goals reached per episode", Some(0.0)),
+            EpisodeSeries::Return => ("Return per episode", Vec::new()),
+            EpisodeSeries::Goals => ("Goals reached per episode", vec![0.0]),
         };
         let lines = rows(results, index).into_iter().enumerate();
         ChartPanel {
@@ -114,11 +116,14 @@ fn curves(
             }
         }
     }
-    LearningCurves {
+    CurveChart {
         title: title.into(),
         x_label: "episodes".into(),
+        include_x: Vec::new(),
+        mean_label: "smoothed mean".into(),
+        raw_label: "mean of each episode".into(),
         panels: series.iter().map(panel).collect(),
-        marks,
+        markers: marks,
     }
 }
 

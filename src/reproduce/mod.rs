@@ -41,8 +41,9 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::page::{ClaimResult, Item, Page};
-use crate::report::{markdown, page, raster};
+use crate::report::claim::ClaimResult;
+use crate::report::page::{Item, Page};
+use crate::report::raster;
 use crate::run::RunError;
 use crate::run::lock::Lock;
 
@@ -175,6 +176,6 @@ fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
             Item::Text(_) => {}
         }
     }
-    file(folder.join("README.md"), markdown::markdown(page).as_bytes())?;
-    file(folder.join("report.html"), page::html(page).as_bytes())
+    file(folder.join("README.md"), page.to_markdown().as_bytes())?;
+    file(folder.join("report.html"), page.to_html().as_bytes())
 }

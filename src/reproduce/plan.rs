@@ -15,6 +15,7 @@ use crate::run::folder::{RunConfig, Transfer};
 use crate::run::preset::Budget;
 use crate::run::{RunError, shipped};
 use crate::scenario::{self, FileError, to_ron};
+use crate::simulation::Extensions;
 
 /// An experiment, and where it comes from.
 #[derive(Clone, Debug)]
@@ -323,6 +324,9 @@ fn config(
         preset_from: stage.preset.clone(),
         transfer: None,
         save_policy_after_episodes: Vec::new(),
+        sensors: Vec::new(),
+        reward_terms: Vec::new(),
+        extensions: Extensions::default(),
         scenario,
         preset,
     })

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::experiment::TestRule;
 use super::plan::PolicyId;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::RunError;
 use crate::run::evaluate::{EpisodeResult, Evaluator};
 use crate::run::folder::RunFolder;

@@ -10,7 +10,7 @@ use super::measure::Measure;
 use super::optimal_times::OptimalTimesCache;
 use super::plan::{ArmRun, PolicyId, RunPlan, SelectedExperiment, Training};
 use super::policy_test::{self, PolicyTestResult};
-use crate::report::statistics::moving_mean;
+use crate::report::smoothing::moving_mean;
 use crate::run::RunError;
 use crate::run::evaluate::{period_s, round_to_microsecond};
 use crate::run::metric_rows::{EpisodeRow, Summary};

@@ -9,8 +9,9 @@ use super::measure::Measure;
 use super::policy_test::BENCHMARK_ROUTE_EPISODES;
 use super::results::{MeasuredValue, Results};
 use crate::planner::StepBounds;
+use crate::report::format::number;
 use crate::report::statistics::Estimate;
-use crate::report::table::{Cell, Column, ColumnKind, Table, number};
+use crate::report::table::{Cell, Column, ColumnKind, Table};
 use crate::run::RunError;
 use crate::run::evaluate::period_s;
 
@@ -235,7 +236,7 @@ fn contrast(
                     half_width: difference.half_width,
                     digits: measure.digits(),
                 }));
-                row.push(Cell::ClaimResult(compared.outcome));
+                row.push(Cell::Outcome(compared.outcome));
             }
             table_rows.push(row);
         }

@@ -122,8 +122,8 @@ const TWO_STAGES: &str = r#"(
 /// Writes what a run of `training` would leave: goals per episode, and every episode 10 steps.
 fn pretend(folder: &Path, training: &plan::Training, goals: &[u32], trials: &[PolicyTestResult]) {
     let folder = RunFolder::create(Some(folder.join(&training.name)), &training.config).expect("a folder");
-    let mut episodes = folder.csv::<EpisodeRow>("episodes.csv", 0).expect("a file");
-    folder.csv::<EvaluationRow>("evaluations.csv", 0).expect("a file");
+    let mut episodes = folder.csv::<EpisodeRow>("episodes.csv", 0, &[]).expect("a file");
+    folder.csv::<EvaluationRow>("evaluations.csv", 0, &[]).expect("a file");
     for (i, &goals) in (1..).zip(goals) {
         let total_return = 100.0 * f64::from(goals);
         let row = EpisodeRow { episode: i, env_steps: 10 * i, goals, total_return, ..EpisodeRow::default() };

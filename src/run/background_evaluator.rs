@@ -18,7 +18,7 @@ use bevy::platform::time::Instant;
 
 use super::RunError;
 use super::evaluate::Evaluation;
-use crate::learning::Policy;
+use crate::policy::Policy;
 
 /// Whether who asks for an examination works at it meanwhile, and does not only look whether it is done.
 pub const RUNS_ON_CALLER_THREAD: bool = cfg!(target_arch = "wasm32");

@@ -27,7 +27,7 @@ const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
 const MAGIC: &[u8; 8] = b"wayfrun\n";
 /// Raised whenever an older reader would misread a newer file.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// The most bytes a head may have: as many numbers as may be seen in all arenas, and a policy.
 const MAX_HEAD_BYTES: u64 = (1 << 30) + (1 << 27);
 /// The longest time that a checkpoint may name, in s: some 30,000 years.
@@ -38,6 +38,8 @@ const MAX_TIME_S: f64 = 1e12;
 pub struct TrainerState {
     /// Every arena.
     pub arenas: Vec<ArenaState>,
+    /// What plugins added to every arena; empty without plugins.
+    pub arena_extensions: Vec<ArenaExtension>,
     /// The exploration streams.
     pub exploration: Vec<Stream>,
     /// Sums over the gradient steps since the last row.
@@ -64,6 +66,25 @@ pub struct TrainerState {
     pub first_99: Option<Milestone>,
     /// Wall time used by then, in s.
     pub wall_s: f64,
+}
+
+/// What plugins added to one arena: the sensors' readings and the sums of reward terms in the running episode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ArenaExtension {
+    /// The sensors' readings.
+    pub readings: Vec<f32>,
+    /// The sums of the reward terms.
+    pub extra_rewards: Vec<f32>,
+}
+
+impl ArenaExtension {
+    fn from_state(state: &ArenaState) -> Self {
+        Self { readings: state.readings.clone(), extra_rewards: state.episode.extra_rewards.clone() }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.readings.is_empty() && self.extra_rewards.is_empty()
+    }
 }
 
 /// The best policy so far: the latest of those whose mean time in their evaluation, a failure counted as the time limit,
@@ -111,6 +132,10 @@ pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerSt
 /// The writer's.
 pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut TrainerState) -> io::Result<()> {
     trainer_state.arenas = sim::snapshot(world);
+    trainer_state.arena_extensions = trainer_state.arenas.iter().map(ArenaExtension::from_state).collect();
+    if trainer_state.arena_extensions.iter().all(ArenaExtension::is_empty) {
+        trainer_state.arena_extensions.clear();
+    }
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
     let head = postcard::to_allocvec(trainer_state).map_err(io::Error::other)?;
@@ -222,7 +247,7 @@ impl TrainerState {
         }
         for (number, arena) in self.arenas.iter().enumerate() {
             arena
-                .check(&config.scenario)
+                .check(&config.scenario, &config.observation_layout())
                 .map_err(|what| format!("is damaged: {what} in arena {number} cannot be"))?;
         }
         let are = |values: &[f64]| values.iter().all(|value| value.is_finite());

@@ -12,16 +12,20 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use bevy::prelude::*;
 use serde::Serialize;
 
-use super::preset::{MAX_BODIES, bodies_per_arena};
-use super::{RunError, policy_card, simulation};
-use crate::agent::GreedyPolicy;
-use crate::learning::Policy;
+use super::limits::MAX_BODIES;
+use super::memory::bodies_per_arena;
+use super::{RunError, policy_card};
+use crate::agent::{ActionSelection, GreedyPolicy};
+use crate::learning::QNetwork;
 use crate::planner::{self, Resolution, StepBounds};
+use crate::policy::Policy;
 use crate::random;
 use crate::scenario::{Scenario, TaskRules};
 use crate::sim;
+use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
 use crate::task::{
-    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, Goal, Pose, Streams, observation,
+    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, Goal, ObservationLayout, Pose, Streams,
+    TaskMode,
 };
 
 /// The most episodes that are driven side by side; in a browser fewer, whose world is built within a frame.
@@ -228,7 +232,7 @@ pub struct EvaluationRun {
 
 /// A world in which policies are tried, built once and used again.
 pub struct Evaluator {
-    world: World,
+    simulation: Simulation,
     scenario: Arc<Scenario>,
     arenas: usize,
 }
@@ -237,11 +241,21 @@ impl Evaluator {
     /// An evaluator for up to `episodes` episodes at a time.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, episodes: usize) -> Self {
+        Self::with_extensions(scenario, episodes, &Extensions::default())
+    }
+
+    /// The same, with the plugins that the policy was trained with.
+    #[must_use]
+    pub fn with_extensions(scenario: &Arc<Scenario>, episodes: usize, extensions: &Extensions) -> Self {
         // (No result depends on how many are driven at once: fewer, where each has thousands of bodies.)
         let arenas = episodes.min(SIDE_BY_SIDE).min(MAX_BODIES / bodies_per_arena(scenario)).max(1);
-        // Its world alone: that may go from thread to thread, an app may not.
-        let world = std::mem::take(simulation::evaluation_app(scenario, arenas).world_mut());
-        Self { world, scenario: scenario.clone(), arenas }
+        let simulation = SimulationBuilder::new(scenario)
+            .arenas(arenas)
+            .mode(TaskMode::SingleGoal)
+            .agent(ActionSelection::Greedy)
+            .extensions(extensions)
+            .build();
+        Self { simulation, scenario: scenario.clone(), arenas }
     }
 
     /// Drives `count` episodes with `policy`, which sees what its card says ([`policy_card::encoding`]); `places`
@@ -290,7 +304,7 @@ impl Evaluator {
         if drive.episodes.len() >= drive.count {
             return Ok(true);
         }
-        let world = &mut self.world;
+        let world = self.simulation.world_mut();
         if drive.ends.is_empty() {
             let (seed, first) = (drive.seed, drive.episodes.len());
             let batch = self.arenas.min(drive.count - first);
@@ -330,15 +344,15 @@ impl Evaluator {
         places: EpisodeSetup,
     ) -> Result<(EpisodeResult, Vec<Pose>), RunError> {
         self.follow(policy, places)?;
-        let world = &mut self.world;
+        let world = self.simulation.world_mut();
         sim::reset_arenas(world, |arena| (arena == 0).then(|| episode_streams(seed, 0)));
         let begun = sim::snapshot(world).swap_remove(0);
         let mut robots = world.query::<(&Arena, &Pose)>();
         let mut poses = vec![begun.pose];
         // The time limit ends it.
         loop {
-            simulation::step(&mut self.world)?;
-            let world = &mut self.world;
+            self.simulation.step()?;
+            let world = self.simulation.world_mut();
             poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
             let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
             if let Some(EpisodeEnded { end, steps, .. }) = ended {
@@ -350,10 +364,12 @@ impl Evaluator {
 
     /// From now on `policy` drives, from and to where `places` says.
     fn follow(&mut self, policy: &Policy, places: EpisodeSetup) -> Result<(), RunError> {
-        check_compatible(policy, &self.scenario)?;
-        let world = &mut self.world;
-        world.insert_resource(policy_card::encoding(policy)?);
-        world.insert_resource(GreedyPolicy(policy.clone()));
+        let layout = self.simulation.world().resource::<ObservationLayout>();
+        check_compatible(policy, &self.scenario, layout)?;
+        let network = QNetwork::from_policy(policy).map_err(|error| RunError::Failed(error.to_string()))?;
+        let world = self.simulation.world_mut();
+        world.resource_mut::<ObservationLayout>().encoding = policy_card::encoding(policy)?;
+        world.insert_resource(GreedyPolicy(network));
         world.insert_resource(places);
         Ok(())
     }
@@ -374,10 +390,15 @@ pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
 ///
 /// # Errors
 /// It cannot; what differs.
-pub fn check_compatible(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
+pub fn check_compatible(
+    policy: &Policy,
+    scenario: &Scenario,
+    layout: &ObservationLayout,
+) -> Result<(), RunError> {
     policy_card::encoding(policy)?;
-    let shape = policy.network.shape();
-    let inputs = observation::width(scenario.lidar.beams);
+    policy_card::check_sensors(policy, layout)?;
+    let shape = policy.shape();
+    let inputs = layout.width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();
     if (shape.inputs, shape.actions) == (inputs, actions) {
         return Ok(());

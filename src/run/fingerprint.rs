@@ -8,9 +8,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::folder::RunConfig;
-use super::{RunError, learner_setup, simulation};
+use super::{RunError, training_setup};
 use crate::learning::Exploration;
 use crate::sim;
+use crate::simulation::Extensions;
 
 /// Checksums (CRC-32C) of a training's beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,16 +42,16 @@ pub fn fingerprint(
     let mut config = RunConfig::resolve(scenario, preset, seed)?;
     config.preset.learning.exploration = Exploration::Linear { start: 1.0, end: 1.0, env_steps: 1 };
     config.preset.learning.replay.learning_starts = u64::MAX;
-    let learner = learner_setup::create_learner(&config, None)?;
+    let learner = training_setup::create_learner(&config, None)?;
     let policy = learner.policy();
-    let weights: Vec<u8> =
-        policy.network.parameters().iter().flat_map(|weight| weight.to_le_bytes()).collect();
+    let weights: Vec<u8> = policy.parameters().iter().flat_map(|weight| weight.to_le_bytes()).collect();
     let scenario = Arc::new(config.scenario);
-    let mut app = simulation::training_app(&scenario, &config.preset, seed, learner);
+    let mut simulation =
+        training_setup::training(&scenario, &config.preset, seed, learner, &Extensions::default());
     let mut checksum = 0;
     for _ in 0..control_steps {
-        simulation::step(app.world_mut())?;
-        let bytes = postcard::to_stdvec(&sim::snapshot(app.world_mut()))
+        simulation.step()?;
+        let bytes = postcard::to_stdvec(&sim::snapshot(simulation.world_mut()))
             .map_err(|error| RunError::Failed(error.to_string()))?;
         checksum = crc32c::crc32c_append(checksum, &bytes);
     }

@@ -26,6 +26,8 @@ use super::lock::Lock;
 use super::preset::Preset;
 use super::shipped;
 use crate::scenario::{FileError, Scenario, read_ron_with_limit, read_text_with_limit, to_ron};
+use crate::simulation::Extensions;
+use crate::task::{ObservationLayout, ObservationSlice};
 
 /// The most bytes that `config.ron` may have. (A scenario of a mebibyte takes more when it is written in full.)
 const MAX_CONFIG_BYTES: u64 = 1 << 24;
@@ -51,7 +53,16 @@ pub struct RunConfig {
     /// ([`RunFolder::policy_after_file`]), beside the best and the last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub save_policy_after_episodes: Vec<u64>,
-    /// The world.
+    /// The sensors of plugins in the observation.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<ObservationSlice>,
+    /// The reward terms of plugins.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reward_terms: Vec<String>,
+    /// The plugins themselves; a file cannot hold them.
+    #[serde(skip)]
+    pub extensions: Extensions,
+    /// The scenario.
     pub scenario: Scenario,
     /// How to learn, command-line changes included.
     pub preset: Preset,
@@ -70,9 +81,25 @@ impl RunConfig {
             preset_from: preset_from.into(),
             transfer: None,
             save_policy_after_episodes: Vec::new(),
+            sensors: Vec::new(),
+            reward_terms: Vec::new(),
+            extensions: Extensions::default(),
             scenario: shipped::scenario(scenario_from)?,
             preset: shipped::preset(preset_from)?,
         })
+    }
+
+    /// The same run with a user's plugins, whose sensors and reward terms are recorded.
+    #[must_use]
+    pub fn with_extensions(self, extensions: &Extensions) -> Self {
+        let (sensors, reward_terms) = extensions.describe();
+        Self { sensors, reward_terms, extensions: extensions.clone(), ..self }
+    }
+
+    /// The layout of the run's observations.
+    #[must_use]
+    pub fn observation_layout(&self) -> ObservationLayout {
+        ObservationLayout::new(self.preset.observation, self.sensors.clone())
     }
 
     /// What is run, in a line.
@@ -292,6 +319,7 @@ impl RunFolder {
         &self,
         name: &str,
         bytes: u64,
+        extra_columns: &[String],
     ) -> Result<csv::Writer<File>, RunError> {
         let path = self.path.join(name);
         let open = || -> io::Result<File> {
@@ -302,7 +330,9 @@ impl RunFolder {
             file.set_len(bytes)?;
             io::Seek::seek(&mut file, io::SeekFrom::End(0))?;
             if bytes == 0 {
-                file.write_all(header::<Row>()?.as_bytes())?;
+                let header = header::<Row>()?;
+                let extra: String = extra_columns.iter().map(|column| format!(",{column}")).collect();
+                file.write_all(format!("{}{extra}\n", header.trim_end()).as_bytes())?;
             }
             Ok(file)
         };

@@ -33,6 +33,9 @@ pub struct EpisodeRow {
     pub reward_attraction: f32,
     /// Of which the fall of the repulsion U_r.
     pub reward_repulsion: f32,
+    /// Of which the reward terms of plugins: columns of their own behind all others, called `reward_<name>`.
+    #[serde(skip)]
+    pub extra_rewards: Vec<f32>,
     /// Targets reached.
     pub goals: u32,
     /// Whether it ended in a collision: 1 or 0 (the time limit).

@@ -12,7 +12,7 @@ use super::folder::RunConfig;
 use super::metric_rows::{EpisodeRow, EvaluationRow, Milestone};
 use super::{RunError, policy_card};
 use crate::agent::{ActiveLearner, TrainingStats};
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::random::{self, Stream};
 use crate::task::EpisodeEnded;
 
@@ -42,11 +42,12 @@ pub fn take_episode_rows(
         env_steps: learner.env_steps(),
         gradient_steps: learner.gradient_steps(),
         steps: ended.steps,
-        total_return: f64::from(ended.rewards.total()),
+        total_return: ended.total_return(),
         reward_goal: ended.rewards.reached,
         reward_collision: ended.rewards.collided,
         reward_attraction: ended.rewards.attraction,
         reward_repulsion: ended.rewards.repulsion,
+        extra_rewards: ended.extra_rewards.clone(),
         goals: ended.goals,
         collision: EpisodeRow::collision_flag(ended.end),
         epsilon: learner.epsilon(),

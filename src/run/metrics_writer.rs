@@ -10,7 +10,7 @@ use super::checkpoint::BestPolicy;
 use super::folder::RunFolder;
 use super::metric_rows::{EpisodeRow, EvaluationRow};
 use super::tensorboard::EventWriter;
-use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
+use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 
 const EPISODES: &str = "episodes.csv";
 const EVALUATIONS: &str = "evaluations.csv";
@@ -21,6 +21,8 @@ pub struct MetricsWriter {
     episodes: csv::Writer<File>,
     evaluations: csv::Writer<File>,
     events: EventWriter,
+    /// The columns of plugins' reward terms.
+    extra_columns: Vec<String>,
 }
 
 impl MetricsWriter {
@@ -28,13 +30,20 @@ impl MetricsWriter {
     ///
     /// # Errors
     /// A file cannot be opened, or is shorter than that.
-    pub fn open(folder: &RunFolder, episodes_bytes: u64, evaluations_bytes: u64) -> Result<Self, RunError> {
+    pub fn open(
+        folder: &RunFolder,
+        episodes_bytes: u64,
+        evaluations_bytes: u64,
+        reward_terms: &[String],
+    ) -> Result<Self, RunError> {
+        let extra_columns: Vec<String> = reward_terms.iter().map(|name| column(name)).collect();
         Ok(Self {
-            episodes: folder.csv::<EpisodeRow>(EPISODES, episodes_bytes)?,
-            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, evaluations_bytes)?,
+            episodes: folder.csv::<EpisodeRow>(EPISODES, episodes_bytes, &extra_columns)?,
+            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, evaluations_bytes, &[])?,
             events: EventWriter::create(folder.path(), "")
                 .map_err(|error| RunError::invalid_input(folder.path(), error))?,
             folder: folder.clone(),
+            extra_columns,
         })
     }
 
@@ -43,7 +52,11 @@ impl MetricsWriter {
     /// # Errors
     /// It cannot be written.
     pub fn episode(&mut self, row: &EpisodeRow) -> Result<(), RunError> {
-        self.episodes.serialize(row).map_err(|error| self.failed(EPISODES, error))?;
+        self.episodes.serialize((row, &row.extra_rewards)).map_err(|error| self.failed(EPISODES, error))?;
+        for (column, &reward) in self.extra_columns.iter().zip(&row.extra_rewards) {
+            let tag = format!("episode/{column}");
+            self.events.scalar(&tag, row.env_steps, reward).map_err(|error| self.failed("events", error))?;
+        }
         self.scalars(
             row.env_steps,
             &[
@@ -138,4 +151,10 @@ impl MetricsWriter {
     fn failed(&self, name: &str, error: impl std::fmt::Display) -> RunError {
         RunError::failed(&self.folder.path().join(name), error)
     }
+}
+
+/// The column of a plugin's reward term: its name with anything but letters, digits and underscores replaced.
+fn column(term: &str) -> String {
+    let plain = term.chars().map(|c| if c.is_alphanumeric() { c } else { '_' });
+    format!("reward_{}", plain.collect::<String>())
 }

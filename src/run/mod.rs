@@ -7,8 +7,7 @@
 //! | `preset.rs` | how to learn: the file of all switches and numbers |
 //! | `check_files.rs` | whether scenarios and presets can be used, without using them |
 //! | `shipped.rs` | the scenarios, presets and policies that come with the program, by name |
-//! | `simulation.rs` | the headless app: the rooms' plugins put together |
-//! | `learner_setup.rs` | what a training starts with |
+//! | `training_setup.rs` | what a training starts with |
 //! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
 //! | `metrics.rs` | what is noted of a training as it goes on: rows, the best policy |
 //! | `evaluate.rs` | success over rounds of episodes, and the benchmark route |
@@ -30,9 +29,10 @@ pub mod checkpoint;
 pub mod evaluate;
 pub mod fingerprint;
 pub mod folder;
-pub mod learner_setup;
+pub mod limits;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
+pub mod memory;
 pub mod metric_rows;
 pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
@@ -44,11 +44,11 @@ pub mod progress;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod scenario_image;
 pub mod shipped;
-pub mod simulation;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod tensorboard;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod train;
+pub mod training_setup;
 
 /// Why a command could not do what it was asked.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -79,6 +79,12 @@ impl RunError {
     /// A file that could not be written while at work, and why.
     pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
         Self::Failed(format!("{}: {why}", path.display()))
+    }
+}
+
+impl From<crate::simulation::StepError> for RunError {
+    fn from(error: crate::simulation::StepError) -> Self {
+        Self::Failed(error.to_string())
     }
 }
 

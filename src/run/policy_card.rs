@@ -10,16 +10,19 @@ use std::path::Path;
 
 use super::RunError;
 use super::folder::RunConfig;
-use crate::learning::Policy;
+use super::limits::MAX_POLICY_BYTES;
+use crate::policy::Policy;
+use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 use crate::scenario::{Lidar, Scenario, read_bytes};
-use crate::task::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
+use crate::task::{ObservationLayout, ObservationSlice};
 
 /// The key under which a policy says in which units its observations are: `scaled`, or `raw`. Policies of wayfields
 /// that knew no other than `scaled` don't have it.
 pub const ENCODING: &str = "encoding";
 
-/// The most bytes that a policy's file may have: 2^24 parameters and a header.
-const MAX_POLICY_BYTES: u64 = 1 << 27;
+/// The key under which a policy records the sensors of plugins in its observation, as in `speed:2, bumper:1`. Policies
+/// without such sensors don't have it.
+pub const SENSORS: &str = "sensors";
 
 /// The policy in the file at `path`.
 ///
@@ -55,6 +58,30 @@ pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
              and raw): use a newer wayfield"
         ))),
     }
+}
+
+/// Checks that the sensors of plugins that `policy` was trained with are those of `layout`.
+///
+/// # Errors
+/// They differ: the message names both.
+pub fn check_sensors(policy: &Policy, layout: &ObservationLayout) -> Result<(), RunError> {
+    let recorded = policy.metadata.get(SENSORS).map_or("", String::as_str);
+    let present = sensors(layout.slices());
+    if recorded == present {
+        return Ok(());
+    }
+    let named =
+        |sensors: &str| if sensors.is_empty() { "no sensor plugin".into() } else { format!("`{sensors}`") };
+    Err(RunError::InvalidInput(format!(
+        "the policy was trained with {}, but this simulation has {}: add the same plugins, in the same order",
+        named(recorded),
+        named(&present)
+    )))
+}
+
+fn sensors(slices: &[ObservationSlice]) -> String {
+    let parts: Vec<String> = slices.iter().map(|slice| format!("{}:{}", slice.name, slice.width)).collect();
+    parts.join(", ")
 }
 
 /// How `encoding` is written on the card.
@@ -109,6 +136,9 @@ pub fn metadata(
     .into_iter()
     .map(|(key, value)| (key.to_string(), value))
     .collect();
+    if !config.sensors.is_empty() {
+        metadata.insert(SENSORS.into(), sensors(&config.sensors));
+    }
     if let Some(rate) = success_rate {
         metadata.insert("success_rate".into(), rate.to_string());
     }

@@ -2,14 +2,15 @@
 //!
 //! In: a scenario. Out: the plan that figures of it start from, and a small picture of it as an SVG or PNG file.
 
-use bevy::math::{Vec2, vec2};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Write;
 use std::path::Path;
 
+use bevy::math::{Vec2, vec2};
+
 use super::RunError;
 use super::folder::write_atomic;
-use crate::report::chart::{MapObstacle, MapObstacleKind, ScenarioMap, Silhouette, Track};
+use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, ScenarioMap};
 use crate::report::{DrawError, raster};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
@@ -74,13 +75,13 @@ fn heading(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Option<f64> 
 }
 
 /// What an obstacle covers at the step `clock`.
-fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Silhouette {
+fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> MapShape {
     let (x, y, turn) = pose_at(obstacle, clock, scenario.task.control_period_s);
     let (x, y) = wide(vec2(x, y));
     let (sin, cos) = f64::from(turn).sin_cos();
     let place = |(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy);
     let own: Vec<(f64, f64)> = match &obstacle.shape {
-        Shape::Circle { radius_m } => return Silhouette::Disc(x, y, f64::from(*radius_m)),
+        Shape::Circle { radius_m } => return MapShape::Disc(x, y, f64::from(*radius_m)),
         Shape::Rectangle { width_m, height_m } => {
             let (w, h) = (f64::from(*width_m) / 2.0, f64::from(*height_m) / 2.0);
             vec![(w, h), (-w, h), (-w, -h), (w, -h)]
@@ -97,23 +98,23 @@ fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Silhouette {
             end(half, -FRAC_PI_2).chain(end(-half, FRAC_PI_2)).collect()
         }
     };
-    Silhouette::Polygon(own.into_iter().map(place).collect())
+    MapShape::Polygon(own.into_iter().map(place).collect())
 }
 
 /// Where an obstacle goes; none if it stands still.
-fn track(obstacle: &Obstacle) -> Option<Track> {
+fn track(obstacle: &Obstacle) -> Option<MapTrack> {
     let (x, y) = wide(obstacle.position_m);
     match &obstacle.motion {
         ObstacleMotion::Static => None,
         ObstacleMotion::Orbit { centre_m, .. } => {
             let (centre_x, centre_y) = wide(*centre_m);
-            Some(Track::Ring(centre_x, centre_y, (x - centre_x).hypot(y - centre_y)))
+            Some(MapTrack::Ring(centre_x, centre_y, (x - centre_x).hypot(y - centre_y)))
         }
         ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
             let (path, closed) = obstacle.path_m()?;
-            Some(Track::Lines(path.into_iter().map(wide).chain(closed.then_some((x, y))).collect()))
+            Some(MapTrack::Lines(path.into_iter().map(wide).chain(closed.then_some((x, y))).collect()))
         }
-        ObstacleMotion::RandomWalk { radius_m, .. } => Some(Track::Ring(x, y, f64::from(*radius_m))),
+        ObstacleMotion::RandomWalk { radius_m, .. } => Some(MapTrack::Ring(x, y, f64::from(*radius_m))),
     }
 }
 
@@ -174,8 +175,8 @@ mod tests {
             "{kinds:?}"
         );
         let corners = |index: usize| match &map.obstacles[index].outline {
-            Silhouette::Polygon(corners) => corners.clone(),
-            Silhouette::Disc(..) => panic!("a circle"),
+            MapShape::Polygon(corners) => corners.clone(),
+            MapShape::Disc(..) => panic!("a circle"),
         };
         // The wall's piece is upright and 1.2 m long, the box is turned by a quarter.
         assert_near(&corners(0), &[(-0.1, 1.1), (-0.1, -0.1), (0.1, -0.1), (0.1, 1.1)]);
@@ -189,7 +190,7 @@ mod tests {
         assert_near(&extent(|at| at.1), &[(0.25, 1.75)]);
         let MapObstacleKind::Moving(heading) = kinds[2] else { panic!("it moves") };
         assert!((heading.abs() - PI).abs() < 1e-3, "it goes to the left, not to {heading}");
-        let [Track::Lines(loop_m)] = &map.tracks[..] else { panic!("one moves") };
+        let [MapTrack::Lines(loop_m)] = &map.tracks[..] else { panic!("one moves") };
         assert_near(loop_m, &[(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0)]);
         assert_eq!((map.start, map.goal.2), ((0.0, 0.0, 0.0), f64::from(0.2_f32)));
     }
@@ -198,9 +199,9 @@ mod tests {
     fn rings_show_an_orbit_and_the_reach_of_a_random_walk() {
         let disc = || Shape::Circle { radius_m: 0.1 };
         let orbit = ObstacleMotion::Orbit { centre_m: vec2(1.0, 2.0), speed_rad_s: 0.1 };
-        assert_eq!(track(&obstacle(disc(), orbit)), Some(Track::Ring(1.0, 2.0, 2.0)));
+        assert_eq!(track(&obstacle(disc(), orbit)), Some(MapTrack::Ring(1.0, 2.0, 2.0)));
         let walk = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
-        assert_eq!(track(&obstacle(disc(), walk)), Some(Track::Ring(1.0, 0.0, 0.5)));
+        assert_eq!(track(&obstacle(disc(), walk)), Some(MapTrack::Ring(1.0, 0.0, 0.5)));
         assert_eq!(track(&obstacle(disc(), ObstacleMotion::Static)), None);
     }
 

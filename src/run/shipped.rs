@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use super::preset::Preset;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::scenario::{FileError, Scenario, closest_name, path_exists};
 
 /// A file of the project, compiled in.

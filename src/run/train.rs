@@ -13,15 +13,17 @@ use bevy::prelude::*;
 use super::background_evaluator::{BackgroundEvaluator, EvalResult};
 use super::checkpoint::{self, LoadedCheckpoint, TrainerState};
 use super::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder, header};
-use super::learner_setup::create_learner;
 use super::metric_rows::{EpisodeRow, Summary};
 use super::metrics;
 use super::metrics_writer::MetricsWriter;
 use super::preset::Budget;
 use super::progress::{Progress, ProgressListener, ProgressReporter, ProgressTotal};
-use super::{RunError, policy_card, simulation};
+use super::training_setup::{self, create_learner};
+use super::{RunError, policy_card};
 use crate::agent::{ActiveLearner, TrainingWarning};
-use crate::learning::{Learner, Policy};
+use crate::learning::Learner;
+use crate::policy::Policy;
+use crate::simulation::{Extensions, Simulation};
 
 /// A checkpoint is written this often, beside those at the start and the end, unless another interval is asked for.
 pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
@@ -43,6 +45,8 @@ pub enum Job {
         folder: PathBuf,
         /// Its budget from now on, counted from the run's very start, if another than before.
         budget: Option<Budget>,
+        /// The plugins that it was started with.
+        extensions: Extensions,
     },
 }
 
@@ -61,7 +65,9 @@ pub fn train(
 ) -> Result<(PathBuf, Summary), RunError> {
     let mut run = match job {
         Job::New { config, policy, out } => Run::begin(*config, policy, out, began, listener)?,
-        Job::Resume { folder, budget } => Run::resume(&folder, budget, began, listener)?,
+        Job::Resume { folder, budget, extensions } => {
+            Run::resume(&folder, budget, &extensions, began, listener)?
+        }
     };
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.config.description()));
     let result = run.steps(every, stop);
@@ -80,7 +86,7 @@ pub fn train(
 
 struct Run {
     config: RunConfig,
-    app: App,
+    simulation: Simulation,
     evaluator: BackgroundEvaluator,
     folder: RunFolder,
     metrics_writer: MetricsWriter,
@@ -130,11 +136,13 @@ impl Run {
     fn resume(
         path: &Path,
         budget: Option<Budget>,
+        extensions: &Extensions,
         began: Instant,
         listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
-        let (folder, mut config) = RunFolder::open(path)?;
+        let (folder, config) = RunFolder::open(path)?;
         let folder = folder.locked()?;
+        let mut config = same_extensions(config, extensions, path)?;
         if !checkpoint::exists(path) && !has_rows(path) {
             // It was killed before its first checkpoint, and so before its first step.
             config.preset.budget = budget.unwrap_or(config.preset.budget);
@@ -173,7 +181,7 @@ impl Run {
             run.progress
                 .warn(&format!("{error}; going on from the checkpoint before it, {env_steps} env steps"));
         }
-        checkpoint::restore(run.app.world_mut(), &run.trainer_state);
+        checkpoint::restore(run.simulation.world_mut(), &run.trainer_state);
         if let Some(best) = &run.trainer_state.best {
             run.write_policy("policy.safetensors", &best.bytes)?;
         }
@@ -195,16 +203,18 @@ impl Run {
             Budget::EnvSteps(n) => ProgressTotal::EnvSteps(n),
         };
         Ok(Self {
-            app: simulation::training_app(&scenario, preset, config.seed, learner),
+            simulation: training_setup::training(&scenario, preset, config.seed, learner, &config.extensions),
             evaluator: BackgroundEvaluator::new(
                 &scenario,
                 preset.evaluation.episodes,
                 metrics::evaluation_seed(config.seed),
+                &config.extensions,
             ),
             metrics_writer: MetricsWriter::open(
                 &folder,
                 trainer_state.episodes_bytes,
                 trainer_state.evaluations_bytes,
+                &config.reward_terms,
             )?,
             progress: listener
                 .map_or_else(|| ProgressReporter::new(budget, false), ProgressReporter::with_listener),
@@ -218,12 +228,12 @@ impl Run {
     }
 
     fn learner(&self) -> &Learner {
-        &self.app.world().resource::<ActiveLearner>().0
+        &self.simulation.world().resource::<ActiveLearner>().0
     }
 
     /// The present policy, with its card.
     fn policy(&self) -> Policy {
-        metrics::policy(&self.config, self.app.world())
+        metrics::policy(&self.config, self.simulation.world())
     }
 
     fn wall_s(&self) -> f64 {
@@ -234,8 +244,8 @@ impl Run {
     fn steps(&mut self, every: Duration, stop: &AtomicBool) -> Result<(), RunError> {
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let episodes_before = self.learner().episodes();
-            simulation::step(self.app.world_mut())?;
-            if let Some(warning) = self.app.world_mut().resource_mut::<TrainingWarning>().take_new() {
+            self.simulation.step()?;
+            if let Some(warning) = self.simulation.world_mut().resource_mut::<TrainingWarning>().take_new() {
                 self.progress.warn(&format!("{}: {warning}", self.folder.path().display()));
             }
             self.record_episodes()?;
@@ -258,7 +268,7 @@ impl Run {
     fn show_progress(&mut self) {
         let returns = &self.trainer_state.recent_returns;
         let mean_return = (!returns.is_empty()).then(|| returns.iter().sum::<f64>() / returns.len() as f64);
-        let learner = &self.app.world().resource::<ActiveLearner>().0;
+        let learner = &self.simulation.world().resource::<ActiveLearner>().0;
         self.progress.update(&Progress {
             episodes: learner.episodes(),
             env_steps: learner.env_steps(),
@@ -272,7 +282,7 @@ impl Run {
     /// A row for every episode that the last step ended.
     fn record_episodes(&mut self) -> Result<(), RunError> {
         let wall_s = self.wall_s();
-        for row in metrics::take_episode_rows(self.app.world_mut(), &mut self.trainer_state, wall_s) {
+        for row in metrics::take_episode_rows(self.simulation.world_mut(), &mut self.trainer_state, wall_s) {
             self.metrics_writer.episode(&row)?;
         }
         Ok(())
@@ -293,7 +303,7 @@ impl Run {
     /// Hands the present policy to the examiner, once he is done with those before.
     fn submit(&mut self) -> Result<(), RunError> {
         self.await_evaluations()?;
-        let candidate = metrics::candidate(&self.config, self.app.world());
+        let candidate = metrics::candidate(&self.config, self.simulation.world());
         self.trainer_state.evaluated_at = Some(candidate.env_steps);
         self.evaluator.submit(candidate)
     }
@@ -333,7 +343,7 @@ impl Run {
         (self.trainer_state.episodes_bytes, self.trainer_state.evaluations_bytes) =
             self.metrics_writer.flush()?;
         self.trainer_state.wall_s = self.wall_s();
-        checkpoint::save(&self.folder, self.app.world_mut(), &mut self.trainer_state)?;
+        checkpoint::save(&self.folder, self.simulation.world_mut(), &mut self.trainer_state)?;
         self.saved = Instant::now();
         Ok(())
     }
@@ -385,6 +395,19 @@ impl Run {
 fn has_rows(folder: &Path) -> bool {
     let header = || header::<EpisodeRow>().map_or(0, |line| line.len() as u64);
     std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header())
+}
+
+/// `config` with the user's plugins, which must be those that the run was started with.
+fn same_extensions(config: RunConfig, extensions: &Extensions, path: &Path) -> Result<RunConfig, RunError> {
+    let recorded = (config.sensors.clone(), config.reward_terms.clone());
+    let config = config.with_extensions(extensions);
+    if recorded == (config.sensors.clone(), config.reward_terms.clone()) {
+        return Ok(config);
+    }
+    Err(RunError::invalid_input(
+        path,
+        "this run was started with other sensor or reward plugins (config.ron names them); resume it with the same",
+    ))
 }
 
 /// What is left of a budget.

@@ -14,8 +14,9 @@ use super::{obstacles, robot};
 use crate::control_step::Reset;
 use crate::scenario::Scenario;
 use crate::task::{
-    Actions, Arena, ArenaLayout, ArenaState, Clock, CurrentScenario, Encoding, Episode, Goal, Observations,
-    PendingReset, Pose, Scan, StepOutcome, StepOutcomes, Streams, TaskFault, Twist, observation,
+    Actions, Arena, ArenaLayout, ArenaState, Clock, CurrentScenario, Episode, ExtraRewards, Goal,
+    ObservationLayout, Observations, PendingReset, Pose, Scan, SensorReadings, StepOutcome, StepOutcomes,
+    Streams, TaskFault, Twist, observation,
 };
 
 /// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
@@ -24,7 +25,10 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
     physics::despawn_all(world);
     world.insert_resource(CurrentScenario(scenario.clone()));
     world.insert_resource(BeamDirections::from_lidar(&scenario.lidar));
-    world.resource_mut::<Observations>().resize(arenas, observation::width(scenario.lidar.beams));
+    let layout = world.resource::<ObservationLayout>();
+    let (width, extra) = (layout.width(scenario.lidar.beams), layout.extra_width());
+    world.resource_mut::<Observations>().resize(arenas, width);
+    world.resource_mut::<ExtraRewards>().resize(arenas);
     world.resource_mut::<Actions>().0 = vec![0; arenas];
     world.resource_mut::<StepOutcomes>().0 = vec![StepOutcome::default(); arenas];
     for index in 0..arenas {
@@ -34,7 +38,7 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
                 ArenaLayout { layout_seed: 0, scenario: scenario.clone() },
                 Pose::default(),
                 Twist::default(),
-                Scan::default(),
+                (Scan::default(), SensorReadings::zeros(extra)),
                 Goal::default(),
                 Clock::default(),
                 Episode { pending_reset: PendingReset::Full, ..Episode::default() },
@@ -66,18 +70,28 @@ pub fn reset_arenas(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(S
 
 /// The state of every arena, by number.
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
-    let mut arenas =
-        world.query::<(&Arena, &ArenaLayout, &Pose, &Twist, &Scan, &Goal, &Clock, &Episode, &Streams)>();
+    let mut arenas = world.query::<(
+        &Arena,
+        &ArenaLayout,
+        &Pose,
+        &Twist,
+        (&Scan, &SensorReadings),
+        &Goal,
+        &Clock,
+        &Episode,
+        &Streams,
+    )>();
     let mut states: Vec<(usize, ArenaState)> = arenas
         .iter(world)
-        .map(|(arena, room, pose, twist, scan, goal, clock, episode, streams)| {
+        .map(|(arena, layout, pose, twist, (scan, readings), goal, clock, episode, streams)| {
             let state = ArenaState {
                 pose: *pose,
                 twist: *twist,
                 scan: scan.clone(),
+                readings: readings.as_slice().to_vec(),
                 goal: *goal,
                 clock: *clock,
-                layout_seed: room.layout_seed,
+                layout_seed: layout.layout_seed,
                 episode: episode.clone(),
                 streams: streams.clone(),
             };
@@ -94,7 +108,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
     let scenario = world.resource::<CurrentScenario>().0.clone();
     let mut rows = world.remove_resource::<Observations>().unwrap_or_default();
     let width = rows.width;
-    let encoding = *world.resource::<Encoding>();
+    let encoding = world.resource::<ObservationLayout>().encoding;
     let mut arenas = world.query::<(
         &Arena,
         &mut Bodies,
@@ -104,7 +118,7 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
             &mut ArenaLayout,
             &mut Pose,
             &mut Twist,
-            &mut Scan,
+            (&mut Scan, &mut SensorReadings),
             &mut Goal,
             &mut Clock,
             &mut Episode,
@@ -113,20 +127,30 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
     )>();
     for (arena, mut bodies, mut set, mut colliders, components) in arenas.iter_mut(world) {
         let Some(state) = states.get(arena.0) else { continue };
-        let (mut room, mut pose, mut twist, mut scan, mut goal, mut clock, mut episode, mut streams) =
-            components;
-        *room = ArenaLayout::new(&scenario, state.layout_seed);
+        let (
+            mut layout,
+            mut pose,
+            mut twist,
+            (mut scan, mut readings),
+            mut goal,
+            mut clock,
+            mut episode,
+            mut streams,
+        ) = components;
+        *layout = ArenaLayout::new(&scenario, state.layout_seed);
         *pose = state.pose;
         *twist = state.twist;
         *scan = state.scan.clone();
+        *readings = SensorReadings::from_saved(&state.readings);
         *goal = state.goal;
         *clock = state.clock;
         *episode = state.episode.clone();
         *streams = state.streams.clone();
         robot::place_body(&mut set, &bodies, &pose);
-        obstacles::place_generated_obstacles(&scenario, &room, &mut bodies, &mut colliders);
-        obstacles::place_bodies(&room, *clock, &bodies, &mut set, &mut colliders);
-        observation::encode(encoding, &scan, &pose, &goal, &mut rows.current[arena.0 * width..][..width]);
+        obstacles::place_generated_obstacles(&scenario, &layout, &mut bodies, &mut colliders);
+        obstacles::place_bodies(&layout, *clock, &bodies, &mut set, &mut colliders);
+        let row = &mut rows.current[arena.0 * width..][..width];
+        observation::encode(encoding, &scan, &pose, &goal, &readings, row);
     }
     world.insert_resource(rows);
 }

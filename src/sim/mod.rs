@@ -30,7 +30,7 @@ pub use physics::Bodies;
 pub use probe::Probe;
 pub use robot::{ActuatorLag, chord_velocity, integrate_heading};
 
-use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, ScanWritten};
+use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, SenseSet};
 
 /// Responsible for bodies, motion and sensing. Arenas come with [`spawn_arenas`].
 pub struct SimPlugin;
@@ -43,14 +43,14 @@ impl Plugin for SimPlugin {
                 ControlStep,
                 (
                     (obstacles::advance, robot::actuate).chain().in_set(ControlSet::Actuate),
-                    (robot::read_pose, lidar::scan).chain().in_set(ControlSet::Sense).in_set(ScanWritten),
+                    (robot::read_pose, lidar::scan).chain().in_set(SenseSet::Scan),
                 ),
             )
             .add_systems(
                 Reset,
                 (
                     (obstacles::place, robot::place).chain().in_set(ResetSet::Place),
-                    lidar::scan_after_reset.in_set(ResetSet::Sense),
+                    lidar::scan_after_reset.in_set(ResetSet::Scan),
                 ),
             );
     }

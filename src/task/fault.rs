@@ -5,7 +5,10 @@
 
 use bevy::prelude::*;
 
-use super::{Arena, Clock, Episode, Goal, Observations, Pose, Scan, StepOutcome, StepOutcomes, Twist};
+use super::{
+    Arena, Clock, Episode, ExtraRewards, Goal, ObservationLayout, Observations, Pose, Scan, StepOutcome,
+    StepOutcomes, Twist,
+};
 use crate::scenario::NoFreeSpace;
 
 /// Set where a step went wrong: the caller of the step must look, and stop.
@@ -46,10 +49,12 @@ pub fn step_is_finite(fault: Res<TaskFault>) -> bool {
 pub(super) fn detect_faults(
     observations: Res<Observations>,
     outcomes: Res<StepOutcomes>,
+    layout: Res<ObservationLayout>,
+    extra: Res<ExtraRewards>,
     mut fault: ResMut<TaskFault>,
     arenas: Query<(&Arena, &Clock, &Pose, &Twist, &Scan, &Goal, &Episode)>,
 ) {
-    let rewards = outcomes.0.iter().map(|outcome| outcome.reward.total());
+    let rewards = outcomes.0.iter().map(|outcome| outcome.total_reward());
     if all_finite(&observations.next) && rewards.fold(0.0, |sum, r| sum + 0.0 * r) == 0.0 {
         return;
     }
@@ -58,7 +63,8 @@ pub(super) fn detect_faults(
     for (arena, clock, pose, twist, scan, goal, episode) in seen {
         let outcome = &outcomes.0[arena.0];
         let row = observations.next_row(arena.0);
-        if let Some(what) = cause(pose, twist, scan, goal, row).or_else(|| cause_of_reward(outcome, episode))
+        if let Some(what) = cause(pose, twist, scan, goal, row, &layout)
+            .or_else(|| cause_of_reward(outcome, episode, extra.names()))
         {
             fault.0 = Some(Fault::NonFinite { arena: arena.0, step: clock.0, what });
             return;
@@ -67,7 +73,14 @@ pub(super) fn detect_faults(
 }
 
 /// What among that which an observation is made of is not finite, the earliest first.
-fn cause(pose: &Pose, twist: &Twist, scan: &Scan, goal: &Goal, row: &[f32]) -> Option<String> {
+fn cause(
+    pose: &Pose,
+    twist: &Twist,
+    scan: &Scan,
+    goal: &Goal,
+    row: &[f32],
+    layout: &ObservationLayout,
+) -> Option<String> {
     let Pose { x_m, y_m, heading_rad } = *pose;
     if !all_finite(&[x_m, y_m, heading_rad]) {
         return Some(format!(
@@ -85,18 +98,16 @@ fn cause(pose: &Pose, twist: &Twist, scan: &Scan, goal: &Goal, row: &[f32]) -> O
     }
     let column = row.iter().position(|number| !number.is_finite())?;
     let beams = scan.ranges_m.len();
-    let meaning = match column.checked_sub(beams) {
-        None => format!("d_{}, a range", column + 1),
-        Some(0) => "phi_0, the goal's bearing".into(),
-        Some(1) => "d_g, the goal's distance".into(),
-        Some(2) => "d_o, the smallest range".into(),
-        Some(_) => "n, the nearest beam's number".into(),
-    };
+    let meaning = layout.describe_column(column, beams);
     Some(format!("the observation's number {column} ({meaning}) is {}", row[column]))
 }
 
 /// What the reward is made of, if it is not finite.
-fn cause_of_reward(outcome: &StepOutcome, episode: &Episode) -> Option<String> {
+fn cause_of_reward(outcome: &StepOutcome, episode: &Episode, extra_names: &[String]) -> Option<String> {
+    if let Some(index) = episode.extra_rewards.iter().position(|reward| !reward.is_finite()) {
+        let name = extra_names.get(index).map_or("?", String::as_str);
+        return Some(format!("the reward term `{name}` is not finite: check the plugin that adds it"));
+    }
     let (terms, potential) = (&outcome.reward, &episode.potential);
     let total = terms.total();
     (!total.is_finite()).then(|| {
@@ -128,7 +139,7 @@ mod tests {
 
     fn said(pose: Pose, ranges_m: Vec<f32>, goal: Goal, row: &[f32]) -> Option<String> {
         let scan = Scan { ranges_m, ..Scan::default() };
-        cause(&pose, &Twist { v_m_s: 0.15, w_rad_s: 0.0 }, &scan, &goal, row)
+        cause(&pose, &Twist { v_m_s: 0.15, w_rad_s: 0.0 }, &scan, &goal, row, &ObservationLayout::default())
     }
 
     #[test]
@@ -159,11 +170,11 @@ mod tests {
             ..StepOutcome::default()
         };
         let episode = Episode { potential, ..Episode::default() };
-        let what = cause_of_reward(&outcome, &episode).expect("it is seen");
+        let what = cause_of_reward(&outcome, &episode, &[]).expect("it is seen");
         let expected = "the reward is NaN: 0e0 for reaching, 0e0 for colliding, NaN by attraction and 0e0 by repulsion, \
                         whose potentials are now inf and 0e0";
         assert!(what.starts_with(expected), "{what}");
-        assert_eq!(cause_of_reward(&StepOutcome::default(), &episode), None);
+        assert_eq!(cause_of_reward(&StepOutcome::default(), &episode, &[]), None);
         assert_eq!(config.check().expect_err("so it is refused").0, "mu");
     }
 }

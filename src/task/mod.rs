@@ -1,17 +1,19 @@
 //! The task: the Markov decision process of the paper, as pure functions with thin systems over them.
 //!
-//! In: poses and LIDAR scans, written by [`world`](crate::sim). Out: observations (eq. 8), rewards (eqs. 3 and
-//! 7), what ended and why, and new starts and goals.
+//! In: poses and LIDAR scans, written by [`sim`](crate::sim). Out: observations (eq. 8), rewards (eqs. 3 and 7), why
+//! episodes ended, and new starts and goals.
 //!
 //! | file | duty |
 //! |---|---|
-//! | `state.rs` | the components of an arena that the task is about |
-//! | `observation.rs` | eq. (8): what the policy sees, in which order and units |
-//! | `reward.rs` | eqs. (3) to (7), term by term |
-//! | `outcome.rs` | collision, goal, time limit: what a step was worth |
-//! | `reset.rs` | where episodes start and goals lie |
-//! | `fault.rs` | what went wrong in a step |
+//! | `state.rs` | the components of an arena |
+//! | `observation.rs` | observations and their layout: eq. (8), then plugins' sensors |
+//! | `reward.rs` | the reward of eqs. (3) to (7), term by term |
+//! | `outcome.rs` | the outcome of a step: reward, collision, goal, time limit |
+//! | `reset.rs` | new starts and goals |
+//! | `fault.rs` | detection of non-finite numbers and of scenarios without free space |
+//! | `extension.rs` | sensors and reward terms of plugins |
 
+mod extension;
 mod fault;
 pub mod observation;
 mod outcome;
@@ -23,8 +25,11 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
+pub use extension::{ExtraRewards, RewardTerm, SimulationAppExt};
 pub use fault::{Fault, TaskFault, step_is_finite};
-pub use observation::{Encoding, Observations};
+pub use observation::{
+    Encoding, ObservationLayout, ObservationSlice, Observations, SensorReadings, SensorSlice,
+};
 pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
@@ -33,52 +38,61 @@ pub use state::{
     wrap_angle,
 };
 
-use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, ScanWritten};
+use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};
 use crate::scenario::Scenario;
 
-/// The world description that is being driven in, shared read-only by all systems.
+/// The scenario of the simulation, shared read-only by all systems.
 #[derive(Resource, Clone, Debug)]
 pub struct CurrentScenario(pub Arc<Scenario>);
 
-/// The chosen motion of each arena, as an index into [`Robot::motions`](crate::scenario::Robot); eq. (9).
+/// The action of each arena: an index into [`Robot::motions`](crate::scenario::Robot); eq. (9).
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Actions(pub Vec<usize>);
 
-/// What happens when the goal is reached or the episode ends.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+/// What happens when the goal is reached, and after an episode has ended.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TaskMode {
-    /// The paper's training: a reached goal is redrawn and the episode goes on; an ended episode begins anew.
+    /// The paper's training: a reached goal is replaced by a new one and the episode continues. An ended episode is
+    /// followed by a new one.
+    #[default]
     Continuing,
-    /// One navigation: whatever ends it, the arena stands still from then on.
+    /// Reaching the goal ends the episode. An ended episode is followed by a new one.
+    Episodic,
+    /// Reaching the goal ends the episode. After the end of its episode an arena is inactive.
     SingleGoal,
 }
 
-/// Responsible for observations, rewards, the end of episodes, and starts and goals.
+/// Observations, rewards, the end of episodes, and new starts and goals.
+#[derive(Default)]
 pub struct TaskPlugin {
-    /// In which units observations are made.
+    /// The encoding of the paper's observation.
     pub observation: Encoding,
-    /// How rewards are computed.
+    /// The parameters of the reward.
     pub reward: RewardConfig,
-    /// Whether arenas go on after a goal or an end.
+    /// What happens when the goal is reached, and after an episode.
     pub mode: TaskMode,
 }
 
 impl Plugin for TaskPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(self.observation)
+        app.insert_resource(ObservationLayout::new(self.observation, Vec::new()))
             .insert_resource(self.reward.clone())
             .insert_resource(self.mode)
             .init_resource::<Observations>()
             .init_resource::<Actions>()
             .init_resource::<StepOutcomes>()
+            .init_resource::<ExtraRewards>()
             .init_resource::<EpisodeSetup>()
             .init_resource::<TaskFault>()
             .add_message::<EpisodeEnded>()
             .add_systems(
                 ControlStep,
                 (
-                    observation::observe_next.in_set(ControlSet::Sense).after(ScanWritten),
-                    (outcome::compute_outcomes, fault::detect_faults).chain().in_set(ControlSet::Reward),
+                    observation::observe_next.in_set(SenseSet::Observe),
+                    outcome::compute_outcomes.in_set(RewardSet::Outcome),
+                    (extension::add_extra_rewards.run_if(extension::any_extra_rewards), fault::detect_faults)
+                        .chain()
+                        .in_set(RewardSet::Sum),
                     (outcome::close_episodes.run_if(step_is_finite), observation::advance, reset::run_reset)
                         .chain()
                         .in_set(ControlSet::Reset),

@@ -1,80 +1,157 @@
-//! Eq. (8): what the policy sees.
+//! The observations of all arenas, and their layout: eq. (8), then what sensor plugins add.
 //!
-//! In: a scan, a pose and a goal. Out: one row of [`Observations`] per arena, in the paper's order
-//! `d_1 ... d_B, phi_0, d_g, d_o, n` (B beams; 28 numbers for 24): as they are ([`Encoding::Raw`]), or each scaled so
-//! that it is of the order of one ([`Encoding::Scaled`]):
-//!
-//! | columns | meaning | scaled by |
-//! |---|---|---|
-//! | 0 .. B-1 | LIDAR ranges d_1 ... d_B, in m | / [`RANGE_SCALE_M`] (3.5 m) |
-//! | B | phi_0, angle from the heading to the goal, in rad | / pi |
-//! | B+1 | d_g, distance to the goal, in m | / [`DISTANCE_SCALE_M`] (4 m) |
-//! | B+2 | d_o, the smallest reported range, in m | / [`RANGE_SCALE_M`] |
-//! | B+3 | n, the index of that beam, 0 .. B-1 | / B |
-//!
-//! The paper does not say whether it scales its inputs; see `docs/algorithm.md`.
+//! In: a scan, a pose, a goal, and the readings of plugins' sensors. Out: one row of [`Observations`] per arena. The
+//! paper's numbers come first ([`wayfield_policy::observation`] lists them); each slice that a plugin has reserved in
+//! the [`ObservationLayout`] follows, in the order of reservation.
+
+use std::ops::Range;
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
+pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, width};
+
 use super::{Arena, CurrentScenario, Episode, Goal, PendingReset, Pose, Scan};
+use crate::policy;
 
-/// LIDAR ranges are divided by this, in m.
-pub const RANGE_SCALE_M: f32 = 3.5;
-/// The goal's distance is divided by this, in m.
-pub const DISTANCE_SCALE_M: f32 = 4.0;
-
-/// In which units the numbers of eq. (8) enter the network. A policy drives only by the encoding it was trained with.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Encoding {
-    /// Each divided by a constant, so that it is of the order of one.
-    #[default]
-    Scaled,
-    /// As they are: metres, radians, metres, metres, and the beam's index.
-    Raw,
+/// What an observation consists of: the paper's numbers in an encoding, then named slices of plugins' sensors.
+///
+/// Policies and run folders record it; a policy drives only where the layout is the one it was trained with.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+pub struct ObservationLayout {
+    /// The units of the paper's numbers.
+    pub encoding: Encoding,
+    slices: Vec<ObservationSlice>,
 }
 
-impl Encoding {
-    /// What ranges, the bearing, the goal's distance and the index of a beam among `beams` are divided by.
-    fn divisors(self, beams: usize) -> [f32; 4] {
-        match self {
-            Self::Scaled => [RANGE_SCALE_M, core::f32::consts::PI, DISTANCE_SCALE_M, beams as f32],
-            Self::Raw => [1.0; 4],
+/// A named part of an observation, reserved by a sensor plugin.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObservationSlice {
+    /// The sensor's name.
+    pub name: String,
+    /// How many numbers it has.
+    pub width: usize,
+}
+
+/// The handle of a reserved slice: the elements of [`SensorReadings`] that belong to one sensor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SensorSlice(Range<usize>);
+
+/// The readings of plugins' sensors in one arena: `layout.extra_width()` numbers, without unit conversion. They enter
+/// the observation as they are, so a sensor scales its own numbers to the order of one.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct SensorReadings(Vec<f32>);
+
+impl SensorReadings {
+    /// The numbers of one sensor, to be read or written.
+    ///
+    /// # Panics
+    /// If the slice was reserved in another app.
+    pub fn slice_mut(&mut self, slice: &SensorSlice) -> &mut [f32] {
+        &mut self.0[slice.0.clone()]
+    }
+
+    /// All numbers, in the layout's order.
+    #[must_use]
+    pub fn as_slice(&self) -> &[f32] {
+        &self.0
+    }
+
+    pub(crate) fn zeros(width: usize) -> Self {
+        Self(vec![0.0; width])
+    }
+
+    pub(crate) fn from_saved(readings: &[f32]) -> Self {
+        Self(readings.to_vec())
+    }
+}
+
+impl ObservationLayout {
+    /// The paper's numbers in `encoding`, followed by `slices`.
+    #[must_use]
+    pub fn new(encoding: Encoding, slices: Vec<ObservationSlice>) -> Self {
+        Self { encoding, slices }
+    }
+
+    /// Reserves `width` numbers under `name`, behind those reserved before.
+    ///
+    /// # Panics
+    /// If the name is taken: two plugins claim to be the same sensor.
+    pub fn reserve(&mut self, name: &str, width: usize) -> SensorSlice {
+        assert!(
+            self.slices.iter().all(|slice| slice.name != name),
+            "two sensors are called `{name}`: give one another name"
+        );
+        let start = self.extra_width();
+        self.slices.push(ObservationSlice { name: name.into(), width });
+        SensorSlice(start..start + width)
+    }
+
+    /// The slices of plugins' sensors, in order.
+    #[must_use]
+    pub fn slices(&self) -> &[ObservationSlice] {
+        &self.slices
+    }
+
+    /// How many numbers plugins' sensors add.
+    #[must_use]
+    pub fn extra_width(&self) -> usize {
+        self.slices.iter().map(|slice| slice.width).sum()
+    }
+
+    /// The length of an observation with `beams` LIDAR beams.
+    #[must_use]
+    pub fn width(&self, beams: usize) -> usize {
+        width(beams) + self.extra_width()
+    }
+
+    /// The name of number `column` of an observation with `beams` beams, for messages.
+    #[must_use]
+    pub fn describe_column(&self, column: usize, beams: usize) -> String {
+        match column.checked_sub(beams) {
+            None => format!("d_{}, a range", column + 1),
+            Some(0) => "phi_0, the goal's bearing".into(),
+            Some(1) => "d_g, the goal's distance".into(),
+            Some(2) => "d_o, the smallest range".into(),
+            Some(3) => "n, the index of the nearest beam".into(),
+            Some(beyond) => {
+                let mut index = beyond - 4;
+                for ObservationSlice { name, width } in &self.slices {
+                    if index < *width {
+                        return format!("number {index} of sensor `{name}`");
+                    }
+                    index -= width;
+                }
+                "beyond the layout".into()
+            }
         }
     }
 }
 
-/// How many numbers an observation has with `beams` beams.
-#[must_use]
-pub const fn width(beams: usize) -> usize {
-    beams + 4
-}
-
-/// Writes eq. (8) in `encoding` into `row`, which must be [`width`]`(scan.ranges_m.len())` long.
-pub fn encode(encoding: Encoding, scan: &Scan, pose: &Pose, goal: &Goal, row: &mut [f32]) {
-    let beams = scan.ranges_m.len();
-    let [of_range, of_bearing, of_distance, of_index] = encoding.divisors(beams);
-    let (mut nearest, mut index) = (f32::INFINITY, 0);
-    for (i, &range) in scan.ranges_m.iter().enumerate() {
-        row[i] = range / of_range;
-        if range < nearest {
-            (nearest, index) = (range, i);
-        }
-    }
-    row[beams] = pose.bearing_rad(goal) / of_bearing;
-    row[beams + 1] = pose.distance_m(goal) / of_distance;
-    row[beams + 2] = nearest / of_range;
-    row[beams + 3] = index as f32 / of_index;
+/// Writes the observation of one arena into `row`, which must be as long as the layout says.
+pub fn encode(
+    encoding: Encoding,
+    scan: &Scan,
+    pose: &Pose,
+    goal: &Goal,
+    readings: &SensorReadings,
+    row: &mut [f32],
+) {
+    let (paper, extra) = row.split_at_mut(width(scan.ranges_m.len()));
+    let (bearing_rad, distance_m) = (pose.bearing_rad(goal), pose.distance_m(goal));
+    policy::observation::encode(encoding, &scan.ranges_m, bearing_rad, distance_m, paper);
+    extra.copy_from_slice(&readings.0);
 }
 
 /// The observations of all arenas, row by row.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Observations {
-    /// Numbers in a row.
+    /// The length of a row.
     pub width: usize,
     /// What each arena's policy sees now: arenas x width.
     pub current: Vec<f32>,
-    /// What each arena's step led to, before anything was drawn anew: arenas x width.
+    /// What each arena's step led to, before any reset: arenas x width.
     pub next: Vec<f32>,
 }
 
@@ -99,38 +176,40 @@ impl Observations {
     }
 }
 
-/// `Sense`: what the step has led to.
+/// `Sense`: the observation that the step has led to.
 pub(super) fn observe_next(
-    encoding: Res<Encoding>,
+    layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
-    arenas: Query<(&Arena, &Scan, &Pose, &Goal)>,
+    arenas: Query<(&Arena, &Scan, &Pose, &Goal, &SensorReadings)>,
 ) {
     let width = observations.width;
-    // Parked arenas too: `current` and `next` change places after every step.
-    for (arena, scan, pose, goal) in &arenas {
-        encode(*encoding, scan, pose, goal, &mut observations.next[arena.0 * width..][..width]);
+    // Inactive arenas too: `current` and `next` are swapped after every step.
+    for (arena, scan, pose, goal, readings) in &arenas {
+        let row = &mut observations.next[arena.0 * width..][..width];
+        encode(layout.encoding, scan, pose, goal, readings, row);
     }
 }
 
-/// `Reset`: what the step led to is what the next one starts from.
+/// `Reset`: the observation that the step has led to is the one that the next step starts from.
 pub(super) fn advance(mut observations: ResMut<Observations>) {
     let observations = &mut *observations;
     std::mem::swap(&mut observations.current, &mut observations.next);
 }
 
-/// `Reset`: the first observation after a new goal or start; the potential is that of the new goal.
+/// Schedule `Reset`: the first observation after a new goal or start, and the potential for that goal.
 pub(super) fn observe_first(
-    encoding: Res<Encoding>,
+    layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
     reward: Res<super::RewardConfig>,
     scenario: Res<CurrentScenario>,
-    mut arenas: Query<(&Arena, &Scan, &Pose, &Goal, &mut Episode)>,
+    mut arenas: Query<(&Arena, &Scan, &Pose, &Goal, &SensorReadings, &mut Episode)>,
 ) {
     let width = observations.width;
-    debug_assert_eq!(width, self::width(scenario.0.lidar.beams));
-    for (arena, scan, pose, goal, mut episode) in &mut arenas {
+    debug_assert_eq!(width, layout.width(scenario.0.lidar.beams));
+    for (arena, scan, pose, goal, readings, mut episode) in &mut arenas {
         if episode.pending_reset != PendingReset::None {
-            encode(*encoding, scan, pose, goal, &mut observations.current[arena.0 * width..][..width]);
+            let row = &mut observations.current[arena.0 * width..][..width];
+            encode(layout.encoding, scan, pose, goal, readings, row);
             episode.potential = reward.potential(pose.distance_m(goal), scan.nearest_m);
         }
     }
@@ -140,35 +219,29 @@ pub(super) fn observe_first(
 mod tests {
     use super::*;
 
-    /// Beam 6 of 24 meets something 0.7 m away; the goal is 2 m away, 90 degrees to the right.
-    fn row(encoding: Encoding) -> Vec<f32> {
-        let mut ranges_m = vec![3.5; 24];
-        ranges_m[6] = 0.7;
-        let scan = Scan { ranges_m, nearest_m: 0.7, ..Scan::default() };
+    #[test]
+    fn an_observation_is_the_papers_numbers_then_the_sensors_slices() {
+        let mut layout = ObservationLayout::default();
+        layout.reserve("speed", 2);
+        let bumper = layout.reserve("bumper", 1);
+        assert_eq!(layout.width(2), 2 + 4 + 3);
+        let mut readings = SensorReadings::zeros(layout.extra_width());
+        readings.slice_mut(&bumper)[0] = 7.0;
+        let scan = Scan { ranges_m: vec![3.5, 0.7], nearest_m: 0.7, ..Scan::default() };
         let pose = Pose { x_m: 1.0, y_m: 0.0, heading_rad: 0.0 };
         let goal = Goal { x_m: 1.0, y_m: -2.0 };
-        let mut row = vec![f32::NAN; width(24)];
-        encode(encoding, &scan, &pose, &goal, &mut row);
-        row
+        let mut row = vec![f32::NAN; layout.width(2)];
+        encode(Encoding::Raw, &scan, &pose, &goal, &readings, &mut row);
+        assert_eq!(row, [3.5, 0.7, -core::f32::consts::FRAC_PI_2, 2.0, 0.7, 1.0, 0.0, 0.0, 7.0]);
+        assert_eq!(layout.describe_column(3, 2), "d_g, the goal's distance");
+        assert_eq!(layout.describe_column(8, 2), "number 0 of sensor `bumper`");
     }
 
     #[test]
-    fn an_observation_is_eq_8_in_the_papers_order() {
-        let row = row(Encoding::Scaled);
-        assert_eq!(row.len(), 28, "28 numbers with 24 beams");
-        assert_eq!(row[0], 1.0, "a free beam is 3.5 m / 3.5 m");
-        assert!((row[6] - 0.2).abs() < 1e-7, "beam 6 is 0.7 m / 3.5 m");
-        assert!((row[24] + 0.5).abs() < 1e-6, "the goal lies 90 degrees to the right: -1/2 of pi");
-        assert_eq!(row[25], 0.5, "2 m / 4 m");
-        assert!((row[26] - 0.2).abs() < 1e-7, "the smallest range again");
-        assert_eq!(row[27], 0.25, "and its beam's number: 6 / 24");
-    }
-
-    #[test]
-    fn a_raw_observation_is_eq_8_in_metres_and_radians() {
-        let mut expected = [3.5; 28];
-        expected[6] = 0.7;
-        expected[24..].copy_from_slice(&[-core::f32::consts::FRAC_PI_2, 2.0, 0.7, 6.0]);
-        assert_eq!(row(Encoding::Raw), expected, "24 ranges, -90 degrees, 2 m, 0.7 m, beam 6");
+    #[should_panic(expected = "two sensors are called `speed`")]
+    fn two_sensors_of_one_name_are_refused() {
+        let mut layout = ObservationLayout::default();
+        layout.reserve("speed", 1);
+        layout.reserve("speed", 1);
     }
 }

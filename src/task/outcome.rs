@@ -15,6 +15,8 @@ use super::{
 pub struct StepOutcome {
     /// The reward, term by term.
     pub reward: RewardTerms,
+    /// The sum of the plugins' reward terms ([`ExtraRewards`](super::ExtraRewards)).
+    pub extra_reward: f32,
     /// The goal was reached (d_g < l_a) and nothing was hit.
     pub reached: bool,
     /// The robot hit something: d_o < l_c, or its body touches another.
@@ -26,6 +28,13 @@ pub struct StepOutcome {
 }
 
 impl StepOutcome {
+    /// The reward of the step: the paper's terms, and the plugins' if there are any.
+    #[must_use]
+    pub fn total_reward(&self) -> f32 {
+        let paper = self.reward.total();
+        if self.extra_reward == 0.0 { paper } else { paper + self.extra_reward }
+    }
+
     /// The return ends with this step: nothing is bootstrapped from what follows. True for a collision, and for a
     /// reached goal, whose successor state belongs to another goal.
     #[must_use]
@@ -44,7 +53,7 @@ impl StepOutcome {
     pub fn episode_end(&self, mode: TaskMode) -> Option<EpisodeEnd> {
         if self.collided {
             Some(EpisodeEnd::Collided)
-        } else if self.reached && mode == TaskMode::SingleGoal {
+        } else if self.reached && mode != TaskMode::Continuing {
             Some(EpisodeEnd::Reached)
         } else if self.timed_out {
             Some(EpisodeEnd::TimedOut)
@@ -82,6 +91,16 @@ pub struct EpisodeEnded {
     pub goals: u32,
     /// The undiscounted sum of its rewards, term by term.
     pub rewards: RewardTerms,
+    /// The same of the plugins' terms, in the order of [`ExtraRewards::names`](super::ExtraRewards::names).
+    pub extra_rewards: Vec<f32>,
+}
+
+impl EpisodeEnded {
+    /// The undiscounted return: the sum of all rewards.
+    #[must_use]
+    pub fn total_return(&self) -> f64 {
+        f64::from(self.rewards.total()) + f64::from(self.extra_rewards.iter().sum::<f32>())
+    }
 }
 
 /// `Reward`: reward, collision, goal, time limit.
@@ -105,6 +124,7 @@ pub(super) fn compute_outcomes(
         episode.steps += 1;
         *outcome = StepOutcome {
             reward: reward.reward(reached, collided, episode.potential, potential),
+            extra_reward: 0.0,
             reached,
             collided,
             timed_out: episode.steps >= rules.max_episode_steps,
@@ -132,9 +152,10 @@ pub(super) fn close_episodes(
                 steps: episode.steps,
                 goals: episode.goals,
                 rewards: episode.rewards,
+                extra_rewards: episode.extra_rewards.clone(),
             });
             match *mode {
-                TaskMode::Continuing => episode.pending_reset = PendingReset::Episode,
+                TaskMode::Continuing | TaskMode::Episodic => episode.pending_reset = PendingReset::Episode,
                 TaskMode::SingleGoal => episode.inactive = true,
             }
         } else if outcome.reached {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::ObservationLayout;
 use super::reward::{Potential, RewardTerms};
 use crate::random::{self, Stream};
 use crate::scenario::Scenario;
@@ -160,6 +161,9 @@ pub struct Episode {
     pub goals: u32,
     /// The rewards so far, term by term.
     pub rewards: RewardTerms,
+    /// The sums of the plugins' reward terms; empty if there are none. (Checkpoints keep them apart.)
+    #[serde(skip)]
+    pub extra_rewards: Vec<f32>,
     /// The potential of eq. (4) after the last step, for the present goal.
     pub potential: Potential,
     /// What is due before the next step.
@@ -194,6 +198,9 @@ pub struct ArenaState {
     pub twist: Twist,
     /// The last scan.
     pub scan: Scan,
+    /// The last readings of plugins' sensors; empty if there are none. (Checkpoints keep them apart.)
+    #[serde(skip)]
+    pub readings: Vec<f32>,
     /// The present goal.
     pub goal: Goal,
     /// The obstacles' clock.
@@ -222,8 +229,8 @@ impl ArenaState {
     ///
     /// # Errors
     /// What cannot be.
-    pub fn check(&self, scenario: &Scenario) -> Result<(), &'static str> {
-        let Self { pose, twist, scan, goal, clock, layout_seed: _, episode, streams } = self;
+    pub fn check(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), &'static str> {
+        let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, episode, streams } = self;
         let beams = scenario.lidar.beams;
         let within = |value: f32, most: f32| value.abs() <= most;
         let is_pose = |pose: &Pose| {
@@ -233,7 +240,8 @@ impl ArenaState {
         };
         let is_range = |range: &f32| (0.0..=MAX_RANGE_M).contains(range);
         let are_ranges = |ranges: &[f32]| ranges.len() == beams && ranges.iter().all(is_range);
-        let Episode { steps, goals, rewards, potential, pending_reset, inactive } = episode;
+        let Episode { steps, goals, rewards, extra_rewards, potential, pending_reset, inactive } = episode;
+        let are_finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
         for (what, sane) in [
             ("the robot's pose", is_pose(pose)),
             (
@@ -243,10 +251,11 @@ impl ArenaState {
             ("a scan", are_ranges(&scan.ranges_m) && is_range(&scan.nearest_m) && is_pose(&scan.sensor_pose)),
             ("the number of late scans", scan.delayed.len() <= scenario.lidar.latency_steps as usize + 1),
             ("a late scan", scan.delayed.iter().all(|(from, ranges)| is_pose(from) && are_ranges(ranges))),
+            ("a sensor's readings", readings.len() == layout.extra_width() && are_finite(readings)),
             ("the goal's place", within(goal.x_m, MAX_COORDINATE_M) && within(goal.y_m, MAX_COORDINATE_M)),
             ("the clock", clock.0 < 1 << 62),
             ("the episode's length", *steps <= MAX_EPISODE_STEPS && goals <= steps),
-            ("the episode's rewards", rewards.total().is_finite()),
+            ("the episode's rewards", rewards.total().is_finite() && are_finite(extra_rewards)),
             ("the potential", potential.total().is_finite()),
             ("what is due", *pending_reset == PendingReset::None && !inactive),
             ("a stream", random::is_valid(&streams.places) && random::is_valid(&streams.sensor)),
@@ -282,13 +291,14 @@ mod tests {
                 touching: false,
                 delayed: VecDeque::from([(Pose::default(), ranges.clone()), (Pose::default(), ranges)]),
             },
+            readings: Vec::new(),
             goal: Goal { x_m: 0.5, y_m: 0.5 },
             clock: Clock(1_000),
             layout_seed: u64::MAX,
             episode: Episode { steps: 7, goals: 1, ..Episode::default() },
             streams: Streams::new(1, 0),
         };
-        assert_eq!(sound.check(&scenario), Ok(()));
+        assert_eq!(sound.check(&scenario, &ObservationLayout::default()), Ok(()));
         let breakages: &[Breakage] = &[
             ("the robot's pose", |s| s.pose.x_m = f32::NAN),
             ("the robot's pose", |s| s.pose.y_m = 1e9),
@@ -299,6 +309,7 @@ mod tests {
             ("a scan", |s| s.scan.nearest_m = f32::NAN),
             ("the number of late scans", |s| s.scan.delayed.push_back((Pose::default(), vec![1.0; 24]))),
             ("a late scan", |s| s.scan.delayed[1].1.push(1.0)),
+            ("a sensor's readings", |s| s.readings.push(0.0)),
             ("the goal's place", |s| s.goal.y_m = f32::NEG_INFINITY),
             ("the clock", |s| s.clock = Clock(u64::MAX)),
             ("the episode's length", |s| s.episode.steps = u32::MAX),
@@ -311,7 +322,7 @@ mod tests {
         for (what, breakage) in breakages {
             let mut state = sound.clone();
             breakage(&mut state);
-            assert_eq!(state.check(&scenario), Err(*what));
+            assert_eq!(state.check(&scenario, &ObservationLayout::default()), Err(*what));
         }
     }
 

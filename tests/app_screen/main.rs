@@ -171,11 +171,11 @@ fn the_mode_is_chosen_and_compare_asks_for_a_second_policy() {
 #[test]
 fn while_training_rests_it_is_said_and_there_is_nothing_to_choose_between() {
     let mut window = window(ScreenFixture::default().with_single_policy());
-    assert!(window.query_by_label("Training rests meanwhile.").is_some());
+    assert!(window.query_by_label("Training is paused in this mode").is_some());
     assert!(window.query_by_label("All arenas").is_none() && window.query_by_label("Fit").is_some());
     window.state_mut().status.mode = SessionMode::Train;
     settle(&mut window);
-    assert!(window.query_by_label("Training rests meanwhile.").is_none());
+    assert!(window.query_by_label("Training is paused in this mode").is_none());
     assert!(window.query_by_label("All arenas").is_some());
 }
 

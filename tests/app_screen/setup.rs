@@ -133,5 +133,5 @@ fn in_a_browser_no_folder_is_saved_and_the_curves_are_an_svg() {
     settle(&mut window);
     assert!(window.query_by_label("Save run").is_none());
     assert_eq!(click(&mut window, "Save world"), [Command::SaveDialog(SaveKind::Scenario)]);
-    assert_eq!(click(&mut window, "SVG"), [Command::SaveDialog(SaveKind::Png)]);
+    assert_eq!(click(&mut window, "SVG…"), [Command::SaveDialog(SaveKind::Png)]);
 }

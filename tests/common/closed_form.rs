@@ -83,7 +83,7 @@ fn all(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
 }
 
 fn sides(corners: &[Vec2]) -> impl Iterator<Item = (Pair, Pair)> {
-    let wide = |Vec2 { x, y } x, y } x, y }: Vec2| (f64::from(x), f64::from(y));
+    let wide = |Vec2 { x, y }: Vec2| (f64::from(x), f64::from(y));
     corners.iter().zip(corners.iter().cycle().skip(1)).map(move |(a, b)| (wide(*a), wide(*b)))
 }
 

@@ -12,18 +12,19 @@ use std::sync::Arc;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
-use wayfield::control_step::{ControlStep, ControlStepPlugin};
+use wayfield::control_step::ControlStep;
 use wayfield::random::{self, Stream};
 use wayfield::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
-use wayfield::sim::{self, Bodies, SimPlugin, lidar};
+use wayfield::sim::{self, Bodies, lidar};
+use wayfield::simulation::{Simulation, SimulationBuilder};
 use wayfield::task::{
-    Actions, Arena, ArenaState, Encoding, EpisodeEnded, Observations, Pose, RewardConfig, StepOutcome,
-    StepOutcomes, TaskMode, TaskPlugin, observation,
+    Actions, Arena, ArenaState, EpisodeEnded, ObservationLayout, Observations, Pose, RewardConfig,
+    SensorReadings, StepOutcome, StepOutcomes, TaskMode, observation,
 };
 
 /// World and task in one headless app.
 pub struct Lab {
-    pub app: App,
+    pub simulation: Simulation,
     pub scenario: Arc<Scenario>,
 }
 
@@ -34,32 +35,31 @@ impl Lab {
     }
 
     pub fn with(scenario: &Scenario, arenas: usize, seed: u64, reward: RewardConfig, mode: TaskMode) -> Self {
-        let mut app = empty_app(reward, mode);
         let scenario = Arc::new(scenario.clone());
-        sim::spawn_arenas(app.world_mut(), &scenario, arenas, seed);
-        Self { app, scenario }
+        let builder = SimulationBuilder::new(&scenario).arenas(arenas).seed(seed).reward(reward).mode(mode);
+        Self { simulation: builder.build(), scenario }
     }
 
     /// Replaces the arenas, as hot reloading does.
     pub fn spawn_arenas(&mut self, scenario: &Scenario, arenas: usize, seed: u64) {
         self.scenario = Arc::new(scenario.clone());
-        sim::spawn_arenas(self.app.world_mut(), &self.scenario, arenas, seed);
+        sim::spawn_arenas(self.simulation.world_mut(), &self.scenario, arenas, seed);
     }
 
     /// One control step; arena k takes `actions[k]`.
     pub fn step(&mut self, actions: &[usize]) {
-        self.app.world_mut().resource_mut::<Actions>().0.copy_from_slice(actions);
-        self.app.world_mut().run_schedule(ControlStep);
+        self.simulation.world_mut().resource_mut::<Actions>().0.copy_from_slice(actions);
+        self.simulation.world_mut().run_schedule(ControlStep);
     }
 
     /// The episodes that have ended since this was last asked.
     pub fn take_ended_episodes(&mut self) -> Vec<EpisodeEnded> {
-        self.app.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().collect()
+        self.simulation.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().collect()
     }
 
     /// The state of every arena, by number.
     pub fn states(&mut self) -> Vec<ArenaState> {
-        sim::snapshot(self.app.world_mut())
+        sim::snapshot(self.simulation.world_mut())
     }
 
     pub fn state(&mut self, arena: usize) -> ArenaState {
@@ -70,16 +70,16 @@ impl Lab {
     pub fn edit(&mut self, arena: usize, change: impl FnOnce(&mut ArenaState)) {
         let mut states = self.states();
         change(&mut states[arena]);
-        sim::restore(self.app.world_mut(), &states);
+        sim::restore(self.simulation.world_mut(), &states);
     }
 
     pub fn outcomes(&self) -> &[StepOutcome] {
-        &self.app.world().resource::<StepOutcomes>().0
+        &self.simulation.world().resource::<StepOutcomes>().0
     }
 
     /// What the policy of `arena` sees now.
     pub fn row(&self, arena: usize) -> Vec<f32> {
-        self.app.world().resource::<Observations>().row(arena).to_vec()
+        self.simulation.world().resource::<Observations>().row(arena).to_vec()
     }
 
     /// A scan from `pose` in `arena`, cast anew against the colliders as they are now.
@@ -99,7 +99,7 @@ impl Lab {
         arena: usize,
         ask: impl FnOnce(&Bodies, &RapierRigidBodySet, &RapierContextColliders) -> T,
     ) -> T {
-        let world = self.app.world_mut();
+        let world = self.simulation.world_mut();
         let mut arenas = world.query::<(&Arena, &Bodies, &RapierRigidBodySet, &RapierContextColliders)>();
         let (_, bodies, set, colliders) =
             arenas.iter(world).find(|(number, ..)| number.0 == arena).expect("the arena exists");
@@ -108,10 +108,18 @@ impl Lab {
 
     /// Every arena's observation is eq. (8) of its present scan, pose and goal.
     pub fn assert_observations_current(&mut self, when: &str) {
-        let encoding = *self.app.world().resource::<Encoding>();
+        let layout = self.simulation.world().resource::<ObservationLayout>().clone();
         for (arena, state) in self.states().iter().enumerate() {
-            let mut fresh = vec![f32::NAN; observation::width(state.scan.ranges_m.len())];
-            observation::encode(encoding, &state.scan, &state.pose, &state.goal, &mut fresh);
+            let mut fresh = vec![f32::NAN; layout.width(state.scan.ranges_m.len())];
+            let readings = SensorReadings::default();
+            observation::encode(
+                layout.encoding,
+                &state.scan,
+                &state.pose,
+                &state.goal,
+                &readings,
+                &mut fresh,
+            );
             assert_eq!(
                 bits(&self.row(arena)),
                 bits(&fresh),
@@ -119,21 +127,6 @@ impl Lab {
             );
         }
     }
-}
-
-/// The plugins of world and task, with no arena yet.
-pub fn empty_app(reward: RewardConfig, mode: TaskMode) -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        ControlStepPlugin,
-        TaskPlugin { observation: Encoding::default(), reward, mode },
-        SimPlugin,
-    ));
-    app.finish();
-    app.cleanup();
-    app.update();
-    app
 }
 
 pub fn bits(numbers: &[f32]) -> Vec<u32> {
@@ -167,34 +160,34 @@ pub fn steer_to_goal(lab: &Lab, action_streams: &mut [Stream]) -> Vec<usize> {
     action_streams.iter_mut().enumerate().map(steered).collect()
 }
 
-pub fn still(shape: Shape, position_m: (f32, f32), rotation_rad: f32) -> Obstacle {
+pub fn still(shape: Shape, position_m: Vec2, rotation_rad: f32) -> Obstacle {
     Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static }
 }
 
 /// As the paper's Scenario I: four cylinders that stand still.
 pub fn four_cylinders() -> Scenario {
-    let at = [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)];
+    let at = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
     let obstacles = at.map(|position_m| still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)).into();
     Scenario { name: "Four cylinders".into(), obstacles, ..Scenario::default() }
 }
 
 /// Cylinders that revolve, a turned box that revolves, a box on patrol, and a turned box that stands still.
 pub fn moving_obstacles() -> Scenario {
-    let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s };
+    let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s };
     let cylinder = |position_m| Obstacle {
         motion: orbit(0.1),
         ..still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)
     };
     let slab = Shape::Rectangle { width_m: 0.3, height_m: 0.15 };
-    let patrol = ObstacleMotion::Patrol { waypoints_m: vec![(1.4, -1.5), (0.9, -1.2)], speed_m_s: 0.1 };
+    let patrol = ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.4, -1.5), vec2(0.9, -1.2)], speed_m_s: 0.1 };
     Scenario {
         name: "Moving".into(),
         obstacles: vec![
-            cylinder((0.6, 0.6)),
-            cylinder((-0.6, -0.6)),
-            Obstacle { motion: orbit(0.1), ..still(slab.clone(), (-0.7, 0.6), 0.4) },
-            Obstacle { motion: patrol, ..still(slab.clone(), (-1.4, -1.5), 0.2) },
-            still(slab, (0.0, 0.0), 0.7),
+            cylinder(vec2(0.6, 0.6)),
+            cylinder(vec2(-0.6, -0.6)),
+            Obstacle { motion: orbit(0.1), ..still(slab.clone(), vec2(-0.7, 0.6), 0.4) },
+            Obstacle { motion: patrol, ..still(slab.clone(), vec2(-1.4, -1.5), 0.2) },
+            still(slab, vec2(0.0, 0.0), 0.7),
         ],
         ..Scenario::default()
     }

@@ -1,6 +1,7 @@
 //! Arenas never see each other: whatever is done in the neighbours, by robots or by hand, each goes on to the bit as when
 //! it is alone.
 
+use bevy::math::vec2;
 use wayfield::random::{Stream, stream, uniform, uniform_01, uniform_index};
 use wayfield::scenario::Scenario;
 use wayfield::sim;
@@ -16,7 +17,7 @@ fn all_of(lab: &mut Lab, arena: usize, state: &ArenaState) -> Vec<u8> {
     let outcome = lab.outcomes()[arena];
     let rewards = bits(&[outcome.reward.total()]);
     let ends = (outcome.reached, outcome.collided, outcome.timed_out, outcome.inactive);
-    let rows = lab.app.world().resource::<Observations>();
+    let rows = lab.simulation.world().resource::<Observations>();
     let row = bits(rows.row(arena));
     postcard::to_stdvec(&(state, rewards, ends, row)).expect("bytes")
 }
@@ -33,7 +34,7 @@ impl Pair {
         let states = together.states();
         let alone = states.iter().map(|state| {
             let mut lab = Lab::new(scenario, 1, seed + 1);
-            sim::restore(lab.app.world_mut(), std::slice::from_ref(state));
+            sim::restore(lab.simulation.world_mut(), std::slice::from_ref(state));
             lab
         });
         Self { alone: alone.collect(), together }
@@ -61,14 +62,14 @@ impl Pair {
 fn meddle(pair: &mut Pair, arena: usize, stream: &mut Stream) {
     let states = pair.together.states();
     let neighbour = &states[uniform_index(stream, ARENAS)];
-    let there = (neighbour.pose.x_m, neighbour.pose.y_m);
+    let there = vec2(neighbour.pose.x_m, neighbour.pose.y_m);
     let room = pair.together.scenario.with_generated_obstacles(states[arena].layout_seed);
-    let anywhere = free_pose(&room, 0, -0.2, stream).map_or(there, |pose| (pose.x_m, pose.y_m));
+    let anywhere = free_pose(&room, 0, -0.2, stream).map_or(there, |pose| vec2(pose.x_m, pose.y_m));
     match uniform_index(stream, 6) {
-        0 | 1 => pair.by_hand(arena, |lab, k| sim::move_robot(lab.app.world_mut(), k, there)),
+        0 | 1 => pair.by_hand(arena, |lab, k| sim::move_robot(lab.simulation.world_mut(), k, there)),
         // Into a wall or an obstacle, perhaps.
-        2 => pair.by_hand(arena, |lab, k| sim::move_robot(lab.app.world_mut(), k, anywhere)),
-        3 => pair.by_hand(arena, |lab, k| sim::move_goal(lab.app.world_mut(), k, there)),
+        2 => pair.by_hand(arena, |lab, k| sim::move_robot(lab.simulation.world_mut(), k, anywhere)),
+        3 => pair.by_hand(arena, |lab, k| sim::move_goal(lab.simulation.world_mut(), k, there)),
         4 => {
             // The obstacles jump to another moment, and the robot turns about.
             let later = uniform_index(stream, 5_000) as u64;
@@ -86,9 +87,9 @@ fn meddle(pair: &mut Pair, arena: usize, stream: &mut Stream) {
                 of if of == arena => (Streams::new(seed, 77), Clock(seed)),
                 _ => (state.streams.clone(), state.clock),
             };
-            sim::reset_arenas(pair.together.app.world_mut(), |k| Some(fresh(k, &states[k])));
+            sim::reset_arenas(pair.together.simulation.world_mut(), |k| Some(fresh(k, &states[k])));
             for (k, lab) in pair.alone.iter_mut().enumerate() {
-                sim::reset_arenas(lab.app.world_mut(), |_| Some(fresh(k, &states[k])));
+                sim::reset_arenas(lab.simulation.world_mut(), |_| Some(fresh(k, &states[k])));
             }
         }
     }
@@ -101,9 +102,9 @@ fn never_see_each_other(what: &str, scenario: &Scenario, number: u64) {
     let mut pair = Pair::new(&scenario, number);
     // All at one place, where that is free in the first one's room.
     let first = pair.together.state(0);
-    let together = (first.pose.x_m, first.pose.y_m);
+    let together = vec2(first.pose.x_m, first.pose.y_m);
     for arena in 0..ARENAS {
-        pair.by_hand(arena, |lab, k| sim::move_robot(lab.app.world_mut(), k, together));
+        pair.by_hand(arena, |lab, k| sim::move_robot(lab.simulation.world_mut(), k, together));
     }
     pair.assert_alike(&format!("{what} {number}, all at {together:?}"));
     for step in 0..60 {

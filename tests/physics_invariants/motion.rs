@@ -7,6 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use bevy::math::{Vec2, vec2};
 use wayfield::random::{Stream, stream, uniform, uniform_01};
 use wayfield::scenario::{Enclosure, Motion, Scenario, diagnostics};
 use wayfield::task::{Pose, RewardConfig, TaskMode, Twist};
@@ -34,7 +35,7 @@ fn empty(period_s: f32, lag_s: f32, fastest_m_s: f32, stream: &mut Stream) -> Sc
     scenario.task.control_period_s = period_s;
     scenario.task.goal_radius_m = 25.0;
     scenario.task.min_goal_distance_m = 26.0;
-    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = ((0.0, 0.0), (60.0, 0.0));
+    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = (Vec2::ZERO, vec2(60.0, 0.0));
     scenario.task.max_episode_steps = 1_000_000;
     assert!(diagnostics(&scenario).is_empty(), "{:?}", diagnostics(&scenario));
     scenario
@@ -84,7 +85,7 @@ fn a_free_step_is_the_arc_that_was_commanded_and_has_its_energy() {
                     w_rad_s: uniform(&mut stream, -1.0, 1.0) * (PI as f32 / period_s).min(20.0),
                 };
             }
-            wayfield::sim::restore(lab.app.world_mut(), &states);
+            wayfield::sim::restore(lab.simulation.world_mut(), &states);
             let actions: Vec<usize> = (0..ARENAS).map(|k| (round * ARENAS + k) % 64).collect();
             lab.step(&actions);
             for (arena, (before, after)) in states.iter().zip(lab.states()).enumerate() {
@@ -148,7 +149,7 @@ fn hundreds_of_steps_with_any_lag_do_not_drift() {
             state.pose = Pose::default();
             (state.goal.x_m, state.goal.y_m) = (490.0, 490.0);
         }
-        wayfield::sim::restore(lab.app.world_mut(), &states);
+        wayfield::sim::restore(lab.simulation.world_mut(), &states);
         let mut tracks: Vec<((Point, f64), (f64, f64))> = vec![(((0.0, 0.0), 0.0), (0.0, 0.0)); ARENAS];
         for step in 0..STEPS {
             // Motions are kept for a while, so that robots get somewhere.

@@ -103,7 +103,7 @@ impl ArenaBatch {
         for (state, &(pose, clock, _)) in states.iter_mut().zip(begin) {
             (state.pose, state.clock, state.twist) = (pose, Clock(clock), Twist::default());
         }
-        sim::restore(self.lab.app.world_mut(), &states);
+        sim::restore(self.lab.simulation.world_mut(), &states);
         let actions: Vec<usize> = begin.iter().map(|&(.., action)| action).collect();
         self.lab.step(&actions);
         let states = self.lab.states();
@@ -172,11 +172,11 @@ fn longest_step() -> Scenario {
 fn the_longest_step_ends_at_the_thinnest_thing() {
     let wall = |corners_m| Wall { corners_m, thickness_m: 0.01 };
     let thin = |shape: Shape, turn| still(shape, vec2(0.0, 0.0), turn);
-    let l = vec![(-60.0, -60.0), (60.0, -60.0), (60.0, 0.0), (0.0, 0.0), (0.0, 60.0), (-60.0, 60.0)];
+    let l = vec![vec2(-60.0, -60.0), vec2(60.0, -60.0), vec2(60.0, 0.0), vec2(0.0, 0.0), vec2(0.0, 60.0), vec2(-60.0, 60.0)];
     let plate = Shape::Polygon { corners_m: vec![vec2(-0.5, 0.0), vec2(0.5, -0.0005), vec2(0.5, 0.0005)] };
     let worlds = [
-        Scenario { walls: vec![wall(vec![vec2(-40.0, 0.0), (40.0, 0.0)])], ..longest_step() },
-        Scenario { walls: vec![wall(vec![vec2(-40.0, -40.0), (0.0, 0.0), (40.0, -40.0)])], ..longest_step() },
+        Scenario { walls: vec![wall(vec![vec2(-40.0, 0.0), vec2(40.0, 0.0)])], ..longest_step() },
+        Scenario { walls: vec![wall(vec![vec2(-40.0, -40.0), vec2(0.0, 0.0), vec2(40.0, -40.0)])], ..longest_step() },
         Scenario {
             obstacles: vec![thin(Shape::Rectangle { width_m: 60.0, height_m: 0.001 }, 0.3)],
             ..longest_step()
@@ -286,7 +286,7 @@ fn what_drives_over_a_standing_robot_collides_with_it() {
 fn nobody_is_thrown_out_of_what_it_was_put_into() {
     // A hand may put the robot into an obstacle or a wall: it goes no faster for that.
     let mut scenario = crate::common::moving_obstacles();
-    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = ((1.7, 0.0), (-1.7, 0.0));
+    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = (vec2(1.7, 0.0), vec2(-1.7, 0.0));
     let scenario = at_max_speed(scenario).expect("allowed");
     let mut hall = ArenaBatch::new(&scenario, 16);
     let mut stream = stream(8, "thrown", 0);

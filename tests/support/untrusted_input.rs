@@ -8,7 +8,6 @@ use std::cell::RefCell;
 use std::io::Read;
 use std::sync::Arc;
 
-use bevy::app::App;
 use bevy::prelude::{Messages, World};
 use wayfield::agent::{ActiveLearner, TrainingFault};
 use wayfield::learning::{Experience, Learner, Policy, QNetwork};
@@ -17,9 +16,10 @@ use wayfield::reproduce::Experiment;
 use wayfield::reproduce::plan::{ExperimentSource, RunPlan, SelectedExperiment};
 use wayfield::run::folder::RunConfig;
 use wayfield::run::preset::Preset;
-use wayfield::run::{checkpoint, evaluate, policy_card, simulation};
+use wayfield::run::{checkpoint, evaluate, policy_card, training_setup};
 use wayfield::scenario::{MAX_FILE_BYTES, Scenario, draw_start_and_goal, parse_ron, to_ron, to_text};
-use wayfield::task::{EpisodeEnded, TaskFault};
+use wayfield::simulation::{Extensions, Simulation};
+use wayfield::task::{EpisodeEnded, ObservationLayout, TaskFault};
 
 /// The name that errors give the file.
 const NAME: &str = "stranger.ron";
@@ -42,14 +42,16 @@ pub fn policy(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    let shape = policy.network.shape();
+    let network = QNetwork::from_policy(&policy).expect("a policy's shape is valid");
+    let shape = network.shape();
     let observations: Vec<f32> = (0..2 * shape.inputs).map(|k| k as f32 * 0.1).collect();
     let (mut q, mut parts) = (Vec::new(), Vec::new());
-    policy.network.q_values(&observations, 2, &mut q);
-    policy.network.value_and_advantage(&observations, 2, &mut parts);
+    network.q_values(&observations, 2, &mut q);
+    network.value_and_advantage(&observations, 2, &mut parts);
     assert_eq!((q.len(), parts.len()), (2 * shape.actions, 2 * (shape.actions + 1)));
     let _ = policy_card::encoding(&policy).map_err(|error| error.to_string());
-    let _ = evaluate::check_compatible(&policy, &Scenario::default()).map_err(|error| error.to_string());
+    let _ = evaluate::check_compatible(&policy, &Scenario::default(), &ObservationLayout::default())
+        .map_err(|error| error.to_string());
     let again =
         Policy::from_bytes(&policy.to_bytes().expect("its weights are finite")).expect("it was written");
     assert!(again == policy, "what is written is read back");
@@ -209,7 +211,7 @@ const PRESET: &str = "(
 /// That run: its configuration, and its world, which is made once.
 struct Run {
     config: RunConfig,
-    app: App,
+    simulation: Simulation,
 }
 
 impl Run {
@@ -223,12 +225,17 @@ impl Run {
             preset_from: NAME.into(),
             transfer: None,
             save_policy_after_episodes: Vec::new(),
+            sensors: Vec::new(),
+            reward_terms: Vec::new(),
+            extensions: Extensions::default(),
             scenario,
             preset,
         };
         let learner = Learner::new(&config.preset.learning, 7, 2, 2, 1).expect("it was checked");
-        let app = simulation::training_app(&Arc::new(config.scenario.clone()), &config.preset, 1, learner);
-        Self { config, app }
+        let scenario = Arc::new(config.scenario.clone());
+        let simulation =
+            training_setup::training(&scenario, &config.preset, 1, learner, &Extensions::default());
+        Self { config, simulation }
     }
 }
 
@@ -240,7 +247,7 @@ thread_local! {
 /// head of the learner's, which are so long, and the learner's arrays. What is missing of those is taken to be zeros.
 /// Where it is sound, the run goes on from there for two steps.
 pub fn checkpoint(bytes: &[u8]) -> bool {
-    RUN.with_borrow_mut(|Run { config, app }| {
+    RUN.with_borrow_mut(|Run { config, simulation }| {
         let (trainer_state, learner) = match checkpoint::read_from(Framed::new(bytes), config) {
             Ok(read) => read,
             Err(error) => {
@@ -248,7 +255,7 @@ pub fn checkpoint(bytes: &[u8]) -> bool {
                 return false;
             }
         };
-        let world = app.world_mut();
+        let world = simulation.world_mut();
         world.insert_resource(ActiveLearner(learner));
         world.insert_resource(TaskFault::default());
         world.insert_resource(TrainingFault::default());
@@ -258,7 +265,7 @@ pub fn checkpoint(bytes: &[u8]) -> bool {
         assert!(there == trainer_state, "to the bit");
         for _ in 0..2 {
             // No place may be found, or it may diverge; then it says so.
-            if simulation::step(world).map_err(|error| error.to_string()).is_err() {
+            if wayfield::simulation::step(world).map_err(|error| error.to_string()).is_err() {
                 break;
             }
         }
@@ -276,8 +283,8 @@ fn written(world: &mut World, trainer_state: &mut checkpoint::TrainerState) -> V
 /// What [`checkpoint`] takes as a sound one: of the run after `steps` control steps.
 #[allow(dead_code, reason = "the fuzzers have theirs from a file")]
 pub fn valid_checkpoint(steps: usize) -> Vec<u8> {
-    let Run { config, mut app } = Run::new();
-    let policy = app.world().resource::<ActiveLearner>().0.policy();
+    let Run { config, mut simulation } = Run::new();
+    let policy = simulation.world().resource::<ActiveLearner>().0.policy();
     let best = checkpoint::BestPolicy {
         success_rate: 0.5,
         mean_time_s: Some(3.0),
@@ -294,9 +301,9 @@ pub fn valid_checkpoint(steps: usize) -> Vec<u8> {
         ..Default::default()
     };
     for _ in 0..steps {
-        simulation::step(app.world_mut()).unwrap_or_else(|error| panic!("{error}"));
+        simulation.step().unwrap_or_else(|error| panic!("{error}"));
     }
-    let file = written(app.world_mut(), &mut trainer_state);
+    let file = written(simulation.world_mut(), &mut trainer_state);
     let number = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().expect("eight bytes")) as usize;
     let head = &file[24..24 + number(12)];
     let learner = &file[24 + head.len()..];

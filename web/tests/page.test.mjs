@@ -1,5 +1,5 @@
 // The page in a real browser, as its user meets it. Slow (a software GPU draws some ten frames a second), so each test
-// does much; all of them are about what is promised in README.md, "In a browser".
+// does much; all of them are about what is promised in docs/browser.md.
 
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';

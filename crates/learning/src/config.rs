@@ -8,6 +8,7 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
+use wayfield_policy::{NetworkShape, ShapeError};
 
 /// The largest `reward_scale`: rewards as large as they may be are still numbers after it, and so are their sums.
 const MAX_REWARD_SCALE: f32 = 1e20;
@@ -254,7 +255,7 @@ impl LearningConfig {
     /// # Errors
     /// The first field out of its range.
     pub fn check(&self) -> Result<(), ConfigError> {
-        check_hidden(&self.network.hidden)?;
+        NetworkShape::check_hidden(&self.network.hidden)?;
         within("gamma", self.gamma, 0.0..=1.0)?;
         within("n_step", self.n_step, 1..=100)?;
         above_zero("reward_scale", self.reward_scale)?;
@@ -328,14 +329,22 @@ impl Exploration {
     }
 }
 
-/// At most 8 hidden layers, each of 1 to 4096 units.
-pub(super) fn check_hidden(hidden: &[usize]) -> Result<(), ConfigError> {
-    if hidden.len() > 8 {
-        let problem = format!("{} layers are too many; give at most 8", hidden.len());
-        return Err(ConfigError { field: "network.hidden".into(), problem });
+impl NetworkConfig {
+    /// The shape of a network from observations of `inputs` numbers to `actions` Q-values.
+    ///
+    /// # Errors
+    /// A size out of its range; see [`NetworkShape::check`].
+    pub fn shape(&self, inputs: usize, actions: usize) -> Result<NetworkShape, ConfigError> {
+        let shape = NetworkShape { inputs, hidden: self.hidden.clone(), actions, dueling: self.dueling };
+        shape.check()?;
+        Ok(shape)
     }
-    let mut widths = hidden.iter().enumerate();
-    widths.try_for_each(|(i, &width)| within(&format!("network.hidden[{i}]"), width, 1..=4096))
+}
+
+impl From<ShapeError> for ConfigError {
+    fn from(ShapeError { field, problem }: ShapeError) -> Self {
+        Self { field, problem }
+    }
 }
 
 /// `value` lies in `range` (NaN lies in none).

@@ -2,6 +2,8 @@
 //!
 //! In: the exploration's schedule, env steps, episodes, a row of Q-values. Out: epsilon, an action.
 
+use wayfield_policy::greedy;
+
 use super::config::{Exploration, Schedule};
 use wayfield_random::{Stream, uniform_01, uniform_index};
 
@@ -24,18 +26,6 @@ impl Exploration {
             }
         }
     }
-}
-
-/// The index of the largest of `q_row`; of equals, the lowest. An empty row gives 0.
-#[must_use]
-pub fn greedy(q_row: &[f32]) -> usize {
-    let mut best = 0;
-    for (action, &q) in q_row.iter().enumerate() {
-        if q > q_row[best] {
-            best = action;
-        }
-    }
-    best
 }
 
 /// A random action with chance `epsilon`, else the greedy one; and whether it was the random one.

@@ -8,13 +8,12 @@ use super::config::{ConfigError, LearningConfig, TargetUpdate, within};
 use super::divergence::{
     DivergenceError, Overestimate, advice, non_finite_loss_cause, non_finite_weight_cause,
 };
-use super::exploration::greedy;
 use super::n_step::{NStepAccumulator, PendingStep, StepEnd};
-use super::network::{Gradient, NetworkShape, QNetwork, Regression};
+use super::network::{Gradient, QNetwork, Regression};
 use super::optimizer::OptimizerState;
-use super::policy::{Policy, PolicyError};
 use super::replay::{Batch, ReplayBuffer, StateId};
 use serde::{Deserialize, Serialize};
+use wayfield_policy::{Policy, PolicyError, greedy};
 use wayfield_random::{Stream, stream};
 
 /// The most numbers in all observations of a replay buffer: 8 GB of them, 1 GB where addresses have 32 bits.
@@ -107,6 +106,27 @@ struct Scratch {
     targets: Vec<f32>,
 }
 
+/// Why a policy's weights cannot be loaded into a learner.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LoadWeightsError {
+    /// The policy's network has another shape than the learner's.
+    #[error(
+        "the policy's network is {found}, but the preset's is {expected}; train with the policy's own shape"
+    )]
+    NetworkMismatch {
+        /// The learner's network.
+        expected: String,
+        /// The policy's network.
+        found: String,
+    },
+    /// A weight is NaN or infinite.
+    #[error(transparent)]
+    Policy(#[from] PolicyError),
+    /// Epsilon is not a probability.
+    #[error("epsilon {0} is out of range; give 0 to 1")]
+    InvalidEpsilon(f32),
+}
+
 impl Learner {
     /// A learner for observations of `inputs` numbers, `actions` actions and `num_envs` parallel environments, whose weights
     /// and draws are those of `seed`.
@@ -122,7 +142,7 @@ impl Learner {
     ) -> Result<Self, ConfigError> {
         config.check()?;
         within("arenas", num_envs, 1..=65536)?;
-        let shape = NetworkShape::new(&config.network, inputs, actions)?;
+        let shape = config.network.shape(inputs, actions)?;
         within("replay.capacity", config.replay.capacity, 1..=MAX_STORED_FLOATS / inputs)?;
         let online = QNetwork::new(shape, &mut stream(seed, "learning: weights", 0))?;
         Ok(Self {
@@ -340,29 +360,28 @@ impl Learner {
     ///
     /// # Errors
     /// The policy's network has another shape, a weight of it is not finite, or `epsilon` is out of range.
-    pub fn load_weights(&mut self, policy: &Policy, epsilon: Option<f32>) -> Result<(), PolicyError> {
-        let (expected, found) = (self.online.shape(), policy.network.shape());
+    pub fn load_weights(&mut self, policy: &Policy, epsilon: Option<f32>) -> Result<(), LoadWeightsError> {
+        let (expected, found) = (self.online.shape(), policy.shape());
         if expected != found {
-            return Err(PolicyError::NetworkMismatch {
-                expected: expected.to_string(),
-                found: found.to_string(),
-            });
+            let (expected, found) = (expected.to_string(), found.to_string());
+            return Err(LoadWeightsError::NetworkMismatch { expected, found });
         }
         policy.check_finite()?;
         if let Some(epsilon) = epsilon.filter(|e| !(0.0..=1.0).contains(e)) {
-            return Err(PolicyError::InvalidEpsilon(epsilon));
+            return Err(LoadWeightsError::InvalidEpsilon(epsilon));
         }
-        self.online = policy.network.clone();
-        self.target = policy.network.clone();
+        for network in [&mut self.online, &mut self.target] {
+            network.update(|parameters| parameters.copy_from_slice(policy.parameters()));
+        }
         self.optimizer = OptimizerState::new(&self.config.optimizer, self.online.parameters().len());
         self.counters.epsilon_start = epsilon;
         Ok(())
     }
 
-    /// The network that acts, to be kept; without metadata yet.
+    /// The acting network as a policy, without metadata.
     #[must_use]
     pub fn policy(&self) -> Policy {
-        Policy { network: self.online.clone(), metadata: Default::default() }
+        self.online.to_policy(Default::default())
     }
 
     /// The arenas were reset from outside: their next observations do not follow from the last. Steps still

@@ -17,7 +17,6 @@
 //! | [`learner`] | the agent's update rule: when to train, the TD target, the target network |
 //! | [`divergence`] | numbers that are none, and Q-values beyond any return |
 //! | [`checkpoint`] | everything a learner is, to the bit, in a file |
-//! | [`policy`] | a trained network with its metadata, as safetensors bytes |
 
 pub mod checkpoint;
 pub mod config;
@@ -30,7 +29,6 @@ pub mod n_step;
 pub mod network;
 mod ops;
 pub mod optimizer;
-pub mod policy;
 pub mod replay;
 mod state_ring;
 pub mod sum_tree;
@@ -41,7 +39,7 @@ pub use config::{
     Schedule, TargetUpdate,
 };
 pub use divergence::{DivergenceError, Overestimate};
-pub use exploration::{epsilon_greedy, greedy};
-pub use learner::{Experience, Learner, MAX_STORED_FLOATS, UpdateStats};
-pub use network::{NetworkShape, QNetwork};
-pub use policy::{Policy, PolicyError};
+pub use exploration::epsilon_greedy;
+pub use learner::{Experience, Learner, LoadWeightsError, MAX_STORED_FLOATS, UpdateStats};
+pub use network::QNetwork;
+pub use wayfield_policy::{NetworkShape, ParameterView, Policy, PolicyError, greedy};

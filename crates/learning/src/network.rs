@@ -4,122 +4,19 @@
 //! respect to all parameters. The parameters are one flat vector, owned here, so that optimizer, target
 //! network, policy files and checkpoints need to know nothing of tensors; dfdx's tensors mirror it.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
 
 use dfdx::prelude::*;
-use serde::{Deserialize, Serialize};
+use wayfield_policy::{NetworkShape, Policy};
 
-use super::config::{ConfigError, NetworkConfig, check_hidden, within};
+use super::config::{ConfigError, within};
 pub use super::ops::Regression;
 use super::ops::{Dense, Rows, dueling, rows, td_loss, values};
 use wayfield_random::{Stream, uniform};
 
-/// The most parameters a network may have: 64 MB of them.
-const MAX_PARAMETERS: usize = 1 << 24;
-
 /// Rows of one forward pass. Larger batches go in pieces of this many: the products then stay below the size
 /// at which gemm would hand work to other threads, which costs more than it gains here.
 const PIECE: usize = 128;
-
-/// How many numbers go in, through and out.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NetworkShape {
-    /// Numbers in an observation.
-    pub inputs: usize,
-    /// Widths of the hidden layers.
-    pub hidden: Vec<usize>,
-    /// Actions to choose from.
-    pub actions: usize,
-    /// Whether the head is dueling.
-    pub dueling: bool,
-}
-
-/// One named parameter tensor and where it lies in the flat vector.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ParameterView {
-    /// As in "hidden.0.weight", "value.bias", "output.weight".
-    pub name: String,
-    /// Outputs x inputs for a weight (row-major, as in PyTorch), outputs for a bias.
-    pub shape: Vec<usize>,
-    /// Its place in [`QNetwork::parameters`].
-    pub range: Range<usize>,
-}
-
-impl NetworkShape {
-    /// The shape that `config` gives a network from `inputs` numbers to `actions` Q-values.
-    ///
-    /// # Errors
-    /// No inputs, no actions, more than 255 actions, or absurdly large layers.
-    pub fn new(config: &NetworkConfig, inputs: usize, actions: usize) -> Result<Self, ConfigError> {
-        let hidden = config.hidden.clone();
-        let shape = Self { inputs, hidden, actions, dueling: config.dueling };
-        shape.check()?;
-        Ok(shape)
-    }
-
-    /// Checks every size.
-    ///
-    /// # Errors
-    /// The first size out of its range.
-    pub fn check(&self) -> Result<(), ConfigError> {
-        within("network.inputs", self.inputs, 1..=4096)?;
-        within("network.actions", self.actions, 1..=255)?;
-        check_hidden(&self.hidden)?;
-        within("network.parameters", self.parameter_count(), 1..=MAX_PARAMETERS)
-    }
-
-    /// Inputs and outputs of each layer, the head last; a dueling head's outputs are V, then the As.
-    fn layers(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let head = self.actions + usize::from(self.dueling);
-        let inputs = std::iter::once(self.inputs).chain(self.hidden.iter().copied());
-        inputs.zip(self.hidden.iter().copied().chain(std::iter::once(head)))
-    }
-
-    /// How many parameters there are in all.
-    #[must_use]
-    pub fn parameter_count(&self) -> usize {
-        self.layers().map(|(inputs, outputs)| (inputs + 1) * outputs).sum()
-    }
-
-    /// Every parameter tensor in its stable order. A dueling head is stored as one matrix whose first row is
-    /// V's.
-    #[must_use]
-    pub fn parameters(&self) -> Vec<ParameterView> {
-        let mut views = Vec::new();
-        let mut start = 0;
-        let mut push = |name: String, shape: Vec<usize>| {
-            let range = start..start + shape.iter().product::<usize>();
-            start = range.end;
-            views.push(ParameterView { name, shape, range });
-        };
-        for (i, (inputs, outputs)) in self.layers().enumerate() {
-            let parts = if i < self.hidden.len() {
-                vec![(format!("hidden.{i}"), outputs)]
-            } else if self.dueling {
-                vec![("value".to_string(), 1), ("advantage".to_string(), self.actions)]
-            } else {
-                vec![("output".to_string(), outputs)]
-            };
-            for (part, outputs) in &parts {
-                push(format!("{part}.weight"), vec![*outputs, inputs]);
-            }
-            for (part, outputs) in &parts {
-                push(format!("{part}.bias"), vec![*outputs]);
-            }
-        }
-        views
-    }
-}
-
-impl std::fmt::Display for NetworkShape {
-    /// As in "28-64-64-dueling 5".
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}-", self.inputs)?;
-        self.hidden.iter().try_for_each(|width| write!(f, "{width}-"))?;
-        write!(f, "{}{}", if self.dueling { "dueling " } else { "" }, self.actions)
-    }
-}
 
 /// A network from observations to Q-values.
 #[derive(Clone)]
@@ -178,7 +75,22 @@ impl QNetwork {
         Ok(network)
     }
 
-    /// How many numbers go in, through and out.
+    /// The network of `policy`.
+    ///
+    /// # Errors
+    /// See [`NetworkShape::check`].
+    pub fn from_policy(policy: &Policy) -> Result<Self, ConfigError> {
+        Self::from_parameters(policy.shape().clone(), policy.parameters().to_vec())
+    }
+
+    /// A policy with this network's weights and `metadata`.
+    #[must_use]
+    pub fn to_policy(&self, metadata: BTreeMap<String, String>) -> Policy {
+        Policy::new(self.shape.clone(), self.parameters.clone(), metadata)
+            .expect("the shape and the number of parameters were checked when the network was made")
+    }
+
+    /// The network's sizes.
     #[must_use]
     pub fn shape(&self) -> &NetworkShape {
         &self.shape
@@ -293,11 +205,12 @@ impl std::fmt::Debug for QNetwork {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::NetworkConfig;
     use wayfield_random::stream;
 
     fn shape(hidden: &[usize], actions: usize, dueling: bool) -> NetworkShape {
         let config = NetworkConfig { hidden: hidden.to_vec(), dueling };
-        NetworkShape::new(&config, 2, actions).expect("a sound shape")
+        config.shape(2, actions).expect("a sound shape")
     }
 
     #[test]
@@ -326,30 +239,9 @@ mod tests {
     }
 
     #[test]
-    fn parameters_have_stable_names_and_fill_the_flat_vector() {
-        let shape = shape(&[3], 2, true);
-        let names: Vec<_> = shape.parameters().into_iter().map(|view| (view.name, view.shape)).collect();
-        let expected = [
-            ("hidden.0.weight", vec![3, 2]),
-            ("hidden.0.bias", vec![3]),
-            ("value.weight", vec![1, 3]),
-            ("advantage.weight", vec![2, 3]),
-            ("value.bias", vec![1]),
-            ("advantage.bias", vec![2]),
-        ];
-        assert_eq!(names, expected.map(|(name, shape)| (name.to_string(), shape)));
-        let mut end = 0;
-        for view in shape.parameters() {
-            assert_eq!(view.range.start, end, "{} follows on the last", view.name);
-            end = view.range.end;
-        }
-        assert_eq!(end, shape.parameter_count());
-    }
-
-    #[test]
     fn first_weights_are_even_within_one_over_the_root_of_the_inputs() {
         let config = NetworkConfig { hidden: vec![64, 64], dueling: true };
-        let shape = NetworkShape::new(&config, 28, 5).expect("the paper's shape");
+        let shape = config.shape(28, 5).expect("the paper's shape");
         let network = QNetwork::new(shape.clone(), &mut stream(1, "test", 0)).expect("a sound shape");
         for (name, inputs) in [("hidden.0.weight", 28.0_f32), ("hidden.1.weight", 64.0)] {
             let view = shape.parameters().into_iter().find(|view| view.name == name).expect("it has this");
@@ -391,7 +283,7 @@ mod tests {
             [(vec![64], 0, 5), (vec![64], 28, 0), (vec![64], 28, 256), (vec![4096; 8], 28, 5)]
         {
             let config = NetworkConfig { hidden, dueling: true };
-            assert!(NetworkShape::new(&config, inputs, actions).is_err(), "{config:?} {inputs} {actions}");
+            assert!(config.shape(inputs, actions).is_err(), "{config:?} {inputs} {actions}");
         }
         assert!(QNetwork::from_parameters(shape(&[3], 2, true), vec![0.0; 3]).is_err(), "too few parameters");
     }

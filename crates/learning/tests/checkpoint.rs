@@ -2,7 +2,7 @@
 //! error.
 
 use wayfield_learning::{
-    CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer,
+    CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer, QNetwork,
     ReplayConfig, Sampling, Schedule, TargetUpdate, epsilon_greedy,
 };
 use wayfield_random::{Stream, normal, stream, uniform_01};
@@ -134,8 +134,9 @@ fn a_transfers_epsilon_survives_the_checkpoint() {
     let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
     let policy = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 6).expect("a sound config").policy();
     learner.load_weights(&policy, Some(0.5)).expect("the same shape");
-    assert_eq!(learner.network(), &policy.network, "it starts from the policy's weights");
-    assert_eq!(learner.target_network(), &policy.network);
+    let network = QNetwork::from_policy(&policy).expect("a valid shape");
+    assert_eq!(learner.network(), &network, "it starts from the policy's weights");
+    assert_eq!(learner.target_network(), &network);
     assert_eq!(learner.epsilon(), 0.5);
     assert_eq!(restored(config, &saved(&learner)).expect("it was just saved").epsilon(), 0.5);
 }

@@ -1,7 +1,7 @@
 //! The network's gradient is the slope of its loss: against central finite differences, parameter by
 //! parameter.
 
-use wayfield_learning::network::{Gradient, NetworkShape, QNetwork, Regression};
+use wayfield_learning::network::{Gradient, QNetwork, Regression};
 use wayfield_learning::{Loss, NetworkConfig};
 use wayfield_random::{normal, stream};
 
@@ -19,8 +19,7 @@ fn the_gradient_is_the_slope_of_the_weighted_loss() {
 
 fn check(dueling: bool, loss: Loss) {
     let mut noise = stream(11, "test", u64::from(dueling));
-    let shape =
-        NetworkShape::new(&NetworkConfig { hidden: vec![7, 6], dueling }, 5, 3).expect("a sound shape");
+    let shape = NetworkConfig { hidden: vec![7, 6], dueling }.shape(5, 3).expect("a sound shape");
     let mut network = QNetwork::new(shape.clone(), &mut noise).expect("a sound shape");
     let observations: Vec<f32> = (0..BATCH * 5).map(|_| normal(&mut noise)).collect();
     let targets: Vec<f32> = (0..BATCH).map(|_| normal(&mut noise)).collect();

@@ -4,7 +4,11 @@ use std::collections::HashMap;
 
 use proptest::prelude::*;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
-use wayfield_learning::{Learner, LearningConfig, NetworkConfig, Policy, PolicyError};
+use wayfield_learning::{
+    Learner, LearningConfig, LoadWeightsError, NetworkConfig, Policy, PolicyError, QNetwork,
+};
+use wayfield_policy::Scratch;
+use wayfield_random::{normal, stream};
 
 fn learner(hidden: &[usize], dueling: bool) -> Learner {
     let network = NetworkConfig { hidden: hidden.to_vec(), dueling };
@@ -107,7 +111,7 @@ fn every_tampering_has_its_own_clear_error() {
         parts.tensor("advantage.weight").3[8..12].copy_from_slice(&value.to_le_bytes());
         let error = parts.error();
         assert!(
-            matches!(&error, PolicyError::NotFinite { name, index: 2, .. } if name == "advantage.weight"),
+            matches!(&error, PolicyError::NonFinite { name, index: 2, .. } if name == "advantage.weight"),
             "{error}"
         );
     }
@@ -134,7 +138,28 @@ fn a_transfer_wants_the_same_network() {
     let error = learner.load_weights(&policy(), None).expect_err("another network").to_string();
     assert!(error.contains("6-5-4-dueling 3") && error.contains("6-5-dueling 3"), "both are named: {error}");
     let same = learner.policy();
-    assert_eq!(learner.load_weights(&same, Some(1.5)), Err(PolicyError::InvalidEpsilon(1.5)));
+    assert_eq!(learner.load_weights(&same, Some(1.5)), Err(LoadWeightsError::InvalidEpsilon(1.5)));
+}
+
+/// The policy core's forward pass in plain loops is the function that the learner computes on dfdx.
+#[test]
+fn the_policy_core_computes_the_learners_q_values() {
+    let mut noise = stream(4, "policy core", 0);
+    for (hidden, dueling) in [(vec![], false), (vec![], true), (vec![64, 64], true), (vec![7, 3, 5], false)] {
+        let shape = NetworkConfig { hidden, dueling }.shape(28, 5).expect("a valid shape");
+        let network = QNetwork::new(shape.clone(), &mut noise).expect("a valid shape");
+        let policy = network.to_policy(Default::default());
+        let rows = 300;
+        let observations: Vec<f32> = (0..rows * shape.inputs).map(|_| normal(&mut noise)).collect();
+        let (mut expected, mut scratch) = (Vec::new(), Scratch::default());
+        network.q_values(&observations, rows, &mut expected);
+        for (observation, expected) in observations.chunks(shape.inputs).zip(expected.chunks(shape.actions)) {
+            let q = policy.q_values(observation, &mut scratch);
+            for (q, expected) in q.iter().zip(expected) {
+                assert!((q - expected).abs() < 1e-5, "{shape}: {q} instead of {expected}");
+            }
+        }
+    }
 }
 
 proptest! {

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 use wayfield_learning::{
-    Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, Policy, QNetwork,
-    ReplayConfig, Sampling, Schedule, TargetUpdate,
+    Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, QNetwork, ReplayConfig,
+    Sampling, Schedule, TargetUpdate,
 };
 
 const INPUTS: usize = 3;
@@ -87,7 +87,7 @@ fn three_training_steps_are_pytorchs() {
         let shape = learner.network().shape().clone();
         let parameters = (0..shape.parameter_count()).map(|i| (((i * 37 + 11) % 101) as f32 - 50.0) / 60.0);
         let network = QNetwork::from_parameters(shape, parameters.collect()).expect("as many as it has");
-        learner.load_weights(&Policy { network, metadata: BTreeMap::new() }, None).expect("the same shape");
+        learner.load_weights(&network.to_policy(BTreeMap::new()), None).expect("the same shape");
 
         for (state, action, reward, next, terminated, truncated) in STEPS {
             assert_eq!(learner.pending_updates(), 0, "nothing is due before the batch is full");

@@ -1,13 +1,13 @@
-//! The world as it is searched: states, motions, what stands in the way, the goal.
+//! The search space: robot states, the effect of each motion, inflated obstacles and the goal.
 //!
 //! In: a scenario and a clock. Out: the state after a motion, and whether it is allowed.
 
 use std::f64::consts::TAU;
 
 use glam::Vec2;
-use wayfield_scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
+use wayfield_scenario::{Motion, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
-/// Robot's centre in m and heading in rad, not wrapped.
+/// The robot's centre in m and heading in rad, not wrapped.
 #[derive(Clone, Copy)]
 pub(super) struct State {
     pub(super) x: f64,
@@ -20,7 +20,7 @@ impl State {
         Self { x: x.into(), y: y.into(), heading: heading.into() }
     }
 
-    /// Where a step leads from here, given the sine and cosine of the heading.
+    /// The state after one step, given the sine and cosine of the heading.
     pub(super) fn after(&self, step: &MotionPrimitive, (sin, cos): (f64, f64)) -> Self {
         Self {
             x: self.x + step.ahead * cos - step.left * sin,
@@ -29,13 +29,13 @@ impl State {
         }
     }
 
-    /// The state as others write it, the heading wrapped.
+    /// The state in f32, with the heading in [-pi, pi].
     pub(super) fn pose(&self) -> (f32, f32, f32) {
         (self.x as f32, self.y as f32, libm::remainder(self.heading, TAU) as f32)
     }
 }
 
-/// What one step of a motion does, seen from the robot: forward, to the left (in m), and the turn (in rad).
+/// The effect of one step of a motion in the robot's frame: displacement ahead and to the left in m, turn in rad.
 #[derive(Clone, Copy)]
 pub(super) struct MotionPrimitive {
     pub(super) ahead: f64,
@@ -43,21 +43,20 @@ pub(super) struct MotionPrimitive {
     pub(super) turn: f64,
 }
 
-/// The end of each motion's arc: its chord points half the turn aside and is sinc of that long.
-pub(super) fn motion_primitives(scenario: &Scenario) -> Vec<MotionPrimitive> {
-    let period = scenario.task.control_period_s;
-    let of = |motion: &wayfield_scenario::Motion| {
-        // Rounded to f32 as the world rounds it, lest the headings drift apart.
+impl MotionPrimitive {
+    /// The end of the motion's arc after `period` s. With the turn w T, the chord has the length v T sinc(w T / 2) and the
+    /// direction w T / 2.
+    fn new(motion: &Motion, period: f32) -> Self {
+        // Rounded to f32 like in the simulation, so that the headings stay equal.
         let turn = f64::from(motion.w_rad_s * period);
         let half = turn / 2.0;
         let sinc = if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
         let chord = f64::from(motion.v_m_s) * f64::from(period) * sinc;
-        MotionPrimitive { ahead: chord * libm::cos(half), left: chord * libm::sin(half), turn }
-    };
-    scenario.robot.motions.iter().map(of).collect()
+        Self { ahead: chord * libm::cos(half), left: chord * libm::sin(half), turn }
+    }
 }
 
-/// An obstacle grown by the collision range: a box with rounded corners, which a circle and a rod are too.
+/// An obstacle inflated by the collision range: a rectangle with rounded corners. Circles and capsules are special cases.
 pub(super) struct InflatedObstacle {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -65,7 +64,7 @@ pub(super) struct InflatedObstacle {
     pub(super) sin: f64,
     pub(super) half_width: f64,
     pub(super) half_height: f64,
-    /// Of the corners, in m; positive.
+    /// The radius of the corners, in m; positive.
     pub(super) radius: f64,
 }
 
@@ -80,13 +79,13 @@ impl InflatedObstacle {
             Shape::Capsule { length_m, radius_m } => {
                 (f64::from(length_m) / 2.0, 0.0, f64::from(radius_m) + inflation)
             }
-            // Not modelled: whoever plans asks first (`is_supported`).
+            // Not modelled: callers check `is_supported` first.
             Shape::Polygon { .. } => (0.0, 0.0, f64::INFINITY),
         };
         Self { x: x.into(), y: y.into(), cos, sin, half_width, half_height, radius }
     }
 
-    /// Whether the point is outside or on the rim.
+    /// Whether the point is outside the obstacle or on its boundary.
     pub(super) fn is_clear(&self, x: f64, y: f64) -> bool {
         let (dx, dy) = (x - self.x, y - self.y);
         let past_x = ((dx * self.cos + dy * self.sin).abs() - self.half_width).max(0.0);
@@ -95,45 +94,48 @@ impl InflatedObstacle {
     }
 }
 
-/// All that stands still within the enclosure: obstacles, and the pieces of inner walls.
+/// The static obstacles inside the enclosure, and the segments of inner walls.
 pub(super) fn static_obstacles(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
     let obstacles = scenario.obstacles.iter().filter(|o| o.motion == ObstacleMotion::Static).cloned();
     obstacles.chain(scenario.walls.iter().flat_map(|wall| wall.segments()))
 }
 
-/// Where the robot may be, and how it moves.
+/// The allowed positions of the robot, and its motions.
 pub(super) struct ConfigurationSpace<'a> {
     pub(super) motion_primitives: Vec<MotionPrimitive>,
-    /// Of the rectangle that the robot's centre must keep to, in m.
-    pub(super) half_width: f64,
-    pub(super) half_height: f64,
-    pub(super) inflation: f64,
-    pub(super) still: Vec<InflatedObstacle>,
-    pub(super) moving: Vec<&'a Obstacle>,
-    /// The moving obstacles after 0, 1, ... steps, as far as they have been asked for.
-    pub(super) at_step: Vec<Vec<InflatedObstacle>>,
-    pub(super) clock: u64,
-    pub(super) period_s: f32,
+    /// Half the width, in m, of the rectangle in which the robot's centre must stay.
+    half_width: f64,
+    half_height: f64,
+    inflation: f64,
+    static_obstacles: Vec<InflatedObstacle>,
+    moving_obstacles: Vec<&'a Obstacle>,
+    /// The moving obstacles after 0, 1, ... steps, as far as [`ConfigurationSpace::prepare`] has computed them.
+    moving_at_step: Vec<Vec<InflatedObstacle>>,
+    clock: u64,
+    period_s: f32,
 }
 
 impl<'a> ConfigurationSpace<'a> {
-    /// The world with a collision range larger by `margin_m`.
+    /// The space of `scenario` after `clock` steps, with a collision range that is larger by `margin_m`.
     pub(super) fn new(scenario: &'a Scenario, clock: u64, margin_m: f64) -> Self {
         let inflation = (f64::from(scenario.task.collision_range_m) + margin_m).max(0.0);
         let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
         let period_s = scenario.task.control_period_s;
-        let still = static_obstacles(scenario)
-            .map(|o| InflatedObstacle::new(&o.shape, pose_at(&o, 0, period_s), inflation))
-            .collect();
-        let moving = scenario.obstacles.iter().filter(|o| o.motion != ObstacleMotion::Static).collect();
+        let motions = scenario.robot.motions.iter();
         Self {
-            motion_primitives: motion_primitives(scenario),
+            motion_primitives: motions.map(|motion| MotionPrimitive::new(motion, period_s)).collect(),
             half_width: f64::from(half_width) - inflation,
             half_height: f64::from(half_height) - inflation,
             inflation,
-            still,
-            moving,
-            at_step: Vec::new(),
+            static_obstacles: static_obstacles(scenario)
+                .map(|o| InflatedObstacle::new(&o.shape, pose_at(&o, 0, period_s), inflation))
+                .collect(),
+            moving_obstacles: scenario
+                .obstacles
+                .iter()
+                .filter(|o| o.motion != ObstacleMotion::Static)
+                .collect(),
+            moving_at_step: Vec::new(),
             clock,
             period_s,
         }
@@ -149,19 +151,18 @@ impl<'a> ConfigurationSpace<'a> {
         std::iter::once(start).chain(after)
     }
 
-    /// Whether any obstacle moves.
     pub(super) fn has_moving_obstacles(&self) -> bool {
-        !self.moving.is_empty()
+        !self.moving_obstacles.is_empty()
     }
 
-    /// Works out where the moving obstacles are after `steps` steps.
+    /// Computes the poses of the moving obstacles after up to `steps` steps.
     pub(super) fn prepare(&mut self, steps: u32) {
-        while self.has_moving_obstacles() && self.at_step.len() <= steps as usize {
-            let clock = self.clock.saturating_add(self.at_step.len() as u64);
-            let placed = |o: &&Obstacle| {
+        while self.has_moving_obstacles() && self.moving_at_step.len() <= steps as usize {
+            let clock = self.clock.saturating_add(self.moving_at_step.len() as u64);
+            let inflated = |o: &&Obstacle| {
                 InflatedObstacle::new(&o.shape, pose_at(o, clock, self.period_s), self.inflation)
             };
-            self.at_step.push(self.moving.iter().map(placed).collect());
+            self.moving_at_step.push(self.moving_obstacles.iter().map(inflated).collect());
         }
     }
 
@@ -169,12 +170,12 @@ impl<'a> ConfigurationSpace<'a> {
     pub(super) fn is_clear(&self, x: f64, y: f64, steps: u32) -> bool {
         x.abs() <= self.half_width
             && y.abs() <= self.half_height
-            && self.still.iter().all(|solid| solid.is_clear(x, y))
-            && self.at_step.get(steps as usize).is_none_or(|all| all.iter().all(|s| s.is_clear(x, y)))
+            && self.static_obstacles.iter().all(|obstacle| obstacle.is_clear(x, y))
+            && self.moving_at_step.get(steps as usize).is_none_or(|all| all.iter().all(|o| o.is_clear(x, y)))
     }
 }
 
-/// The disc to reach.
+/// The disc that the robot's centre has to reach.
 pub(super) struct GoalRegion {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -182,7 +183,7 @@ pub(super) struct GoalRegion {
 }
 
 impl GoalRegion {
-    /// The target's disc with a radius larger by `margin_m`.
+    /// The goal's disc, with a radius that is larger by `margin_m`.
     pub(super) fn new(scenario: &Scenario, goal: Vec2, margin_m: f64) -> Self {
         let radius = (f64::from(scenario.task.goal_radius_m) + margin_m).max(0.0);
         Self { x: goal.x.into(), y: goal.y.into(), radius }

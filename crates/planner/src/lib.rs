@@ -1,27 +1,53 @@
-//! The least number of control steps from a start to a target: the yardstick that policies are measured by.
+//! Time-optimal paths of a differential-drive robot among obstacles, and proven lower bounds on the number of steps.
 //!
-//! In: a [`Scenario`], a start, a target, the clock. Out: a [`TimedPath`], whose actions can be replayed, and
-//! [`lower_bound_steps`], which no plan can beat. No Bevy and no physics engine: the robot is a point that must keep
-//! its distance.
+//! Evaluation compares a policy's travel time with these. [`plan_path`] returns a [`TimedPath`] whose actions can be
+//! replayed in the simulation; [`lower_bound_steps`] returns a number of control steps that no driver can undercut. There
+//! is no physics engine: the robot is a point that keeps its distance from walls and obstacles.
 //!
-//! **The world as searched.** From arc's end to arc's end in f64, by the same formula as the world. A step is allowed
-//! when the true distance from its end to every wall and obstacle (where `pose_at` puts it after that step) is at least
-//! `collision_range_m`; the target is reached by an allowed step that ends nearer than `goal_radius_m`. A plan keeps
-//! both with [`MARGIN_M`] to spare, so that it holds in the world's f32; the lower bound has the margin on the other side.
+//! ```
+//! use wayfield_planner::{Resolution, StepBounds, plan_path, step_bounds};
+//! use wayfield_scenario::Scenario;
 //!
-//! **Plan and bound.** A plan is feasible, so an upper bound of the optimum: the search merges states by cells, which
-//! may cost steps, fewer the smaller the cells. All that guides it, and [`lower_bound_steps`], rests on two proven bounds:
-//! the way round the obstacles that stand still, and the turning. Where both agree the optimum is known.
+//! // The paper's empty arena: 1.2 m straight ahead, of which the last 0.2 m are the goal's radius.
+//! let scenario = Scenario::default();
+//! let (start, goal) = ((0.0, 0.0, 0.0), (1.2, 0.0));
+//! let path = plan_path(&scenario, start, goal, 0, Resolution::default()).ok_or("no path")?;
+//! assert_eq!(path.steps, 34); // 0.03 m per step
+//! assert_eq!(path.poses.len(), 35);
 //!
-//! **What is not modelled** ([`is_supported`]): of such a scenario the planner says nothing. A lag of the drive, for both
-//! the search and the bounds take a motion to be driven from its first moment on; a LIDAR that doesn't see all around, for
-//! the judge lets a robot pass nearer by what it doesn't see; polygons, as enclosures or as obstacles.
+//! let bounds = step_bounds(&scenario, start, goal, 0, Resolution::default());
+//! assert_eq!(bounds, StepBounds { lower_steps: 34, plan_steps: Some(34) }); // optimal
+//! # Ok::<(), &str>(())
+//! ```
 //!
-//! The proofs, what they leave out, how lenient the judge is, how near plan and bound are, and what all this says
-//! of the paper's times: docs/optimum.md.
+//! | module | duty |
+//! |---|---|
+//! | `configuration_space` | robot states, the effect of each motion, inflated obstacles, the goal disc |
+//! | `geodesic` | length of the shortest path around static obstacles |
+//! | `bound` | lower bound on the remaining steps: geodesic length and turning |
+//! | `search` | best-first search for a plan, and for a lower bound |
+//!
+//! # Model
+//!
+//! States are the ends of control steps, in f64, by the simulation's own formula for arcs. A step is allowed if the robot
+//! is then at least `collision_range_m` from every wall and every obstacle, with moving obstacles where `pose_at` puts them
+//! after that step. The goal is reached by an allowed step that ends nearer than `goal_radius_m`. A plan keeps both rules
+//! with [`MARGIN_M`] to spare, so that it is also valid in the simulation's f32. The lower bound has that margin on the
+//! other side.
+//!
+//! A plan is an upper bound on the optimum: the search merges states by grid cells, which may cost steps, and costs fewer
+//! with smaller cells. The heuristic of the search and [`lower_bound_steps`] are proven bounds. Where plan and lower bound
+//! agree, the plan is optimal. The proofs and their limits are in `docs/optimum.md`.
+//!
+//! # Unsupported scenarios
+//!
+//! [`unsupported_reason`] names what the model lacks: actuator lag, because search and bounds assume that a motion has its
+//! full speed from the start of a step; a LIDAR that does not see all around, because collisions are detected by what the
+//! LIDAR sees; and polygons, as enclosure or as obstacles.
 
 mod bound;
 mod configuration_space;
+mod geodesic;
 mod search;
 
 use glam::Vec2;
@@ -33,74 +59,77 @@ use serde::{Deserialize, Serialize};
 
 use wayfield_scenario::{Enclosure, Scenario, Shape};
 
-/// How far, in m, a plan stays within the rules, and how far beyond them the lower bound still holds: more than the
-/// world's f32 arithmetic adds up to in some hundred steps.
+/// The margin, in m, by which a plan keeps the distance rules, and by which the lower bound relaxes them. It exceeds the
+/// rounding errors of the simulation's f32 arithmetic over some hundred steps.
 pub const MARGIN_M: f64 = 2e-5;
-/// The first search gives up when it has made so many states.
+/// The maximum number of states of the first search.
 const MAX_STATES: usize = 4_000_000;
 
-/// A way to the target.
+/// A path to the goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedPath {
-    /// Control steps until the target is reached.
+    /// The number of control steps until the goal is reached.
     pub steps: u32,
-    /// The same as simulated time, in s.
+    /// The same in simulated time, in s.
     pub time_s: f32,
     /// The motion of each step, as an index into the robot's motions.
     pub actions: Vec<u8>,
-    /// Where the robot is after 0, 1, ... steps, as the search has it: x in m, y in m, heading in rad in [-pi, pi].
-    /// One more than there are steps.
+    /// The planned pose after 0, 1, ..., `steps` steps: x in m, y in m, heading in rad in [-pi, pi].
     pub poses: Vec<(f32, f32, f32)>,
 }
 
-/// What is known of the least number of control steps: it is `lower_steps` at least and `plan_steps` at most.
+/// Bounds on the smallest possible number of control steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepBounds {
-    /// Proven: see [`lower_bound_steps`].
+    /// The proven lower bound: see [`lower_bound_steps`].
     pub lower_steps: u32,
-    /// What the planner needs; None where it finds no way (see [`plan_path`]).
+    /// The steps of the plan, an upper bound; `None` if the planner finds no path (see [`plan_path`]).
     pub plan_steps: Option<u32>,
 }
 
-/// How finely states are told apart. The search is run with the coarsest cells first, then with halved ones.
+/// The size of the grid cells in which states are merged. The first search uses the coarsest cells; each further one
+/// halves them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
-    /// Side of the coarsest cells along x and y, in m.
+    /// The side of the coarsest cells along x and y, in m.
     pub cell_m: f64,
-    /// Their extent in heading, in rad.
+    /// The extent of the coarsest cells in heading, in rad.
     pub heading_rad: f64,
-    /// How often all sides are halved. Each search has only to beat the one before, so one more is never worse.
+    /// The number of halvings. Each search only looks for plans shorter than the previous one, so a further halving never
+    /// makes the result worse.
     pub refinements: u32,
-    /// A search with halved cells gives up, and what the coarser ones found stands, when it has made so many states
-    /// (48 bytes and about 0.3 us each). Only moving obstacles make it need so many. The first search may make
+    /// The maximum number of states of a search with halved cells (48 bytes and about 0.3 us each). At this limit the plan
+    /// of the coarser cells is kept. Only moving obstacles need this many states. The limit of the first search is
     /// 4,000,000.
     pub max_refinement_states: usize,
 }
 
 impl Default for Resolution {
-    /// 0.04 m and 0.16 rad, then 0.02 m and 0.08 rad. (From 0.08 m on cells are too coarse: a step of 0.03 m that
-    /// ends in its own cell is lost.)
+    /// 0.04 m and 0.16 rad, then 0.02 m and 0.08 rad. Cells of 0.08 m or more are too coarse: a step of 0.03 m that ends
+    /// in its own cell is discarded.
     fn default() -> Self {
         Self { cell_m: 0.04, heading_rad: 0.16, refinements: 1, max_refinement_states: 100_000 }
     }
 }
 
-/// Whether plans and bounds hold in `scenario` ([`unsupported_reason`]).
+/// Whether the planner models `scenario`: see [`unsupported_reason`].
 #[must_use]
 pub fn is_supported(scenario: &Scenario) -> bool {
     unsupported_reason(scenario).is_none()
 }
 
-/// What of `scenario` the planner doesn't know, in words, if there is something: a lag of the drive, a LIDAR that doesn't
-/// see all around, polygons. (One with generators is planned in with its layout, [`Scenario::with_generated_obstacles`].)
+/// The part of `scenario` that the planner does not model, as text for a message; `None` if it models all of it.
+///
+/// Generated obstacles are supported once they are part of the scenario ([`Scenario::with_generated_obstacles`]).
 #[must_use]
 pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
     let Scenario { robot, lidar, .. } = scenario;
     if robot.actuator_lag_s != 0.0 {
-        return Some(format!("a lag of the drive: robot.actuator_lag_s is {}", robot.actuator_lag_s));
+        return Some(format!("actuator lag: robot.actuator_lag_s is {}", robot.actuator_lag_s));
     }
     if !lidar.is_all_around() {
-        return Some(format!("what isn't seen: lidar.field_of_view_rad is {}", lidar.field_of_view_rad));
+        let field_of_view = lidar.field_of_view_rad;
+        return Some(format!("a limited field of view: lidar.field_of_view_rad is {field_of_view}"));
     }
     if matches!(scenario.enclosure, Enclosure::Polygon { .. }) {
         return Some("polygons: the enclosure is one".into());
@@ -109,10 +138,11 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
     polygon.map(|index| format!("polygons: obstacles[{index}] is one"))
 }
 
-/// The shortest plan found from `start` (x in m, y in m, heading in rad) to `goal` (in m) when the obstacles are
-/// where `clock` steps have brought them. At least one step is taken. None when there is no way within the
-/// scenario's time limit, or none at this resolution and within some million states; and when the scenario is not one
-/// that [`is_supported`].
+/// The shortest plan found from `start` (x in m, y in m, heading in rad) to `goal` (x, y in m) when the obstacles have
+/// already moved for `clock` steps. It has at least one step.
+///
+/// `None` if there is no path within the scenario's time limit, if none is found at this resolution and within the maximum
+/// number of states, or if the scenario is not supported ([`is_supported`]).
 #[must_use]
 pub fn plan_path(
     scenario: &Scenario,
@@ -127,7 +157,7 @@ pub fn plan_path(
     shortest(scenario, start, goal, clock, resolution, &LowerBound::new(scenario, start, goal))
 }
 
-/// [`lower_bound_steps`] and the steps of [`plan_path`] in one, sooner than both apart.
+/// The results of [`lower_bound_steps`] and [`plan_path`], faster than by separate calls.
 #[must_use]
 pub fn step_bounds(
     scenario: &Scenario,
@@ -142,7 +172,7 @@ pub fn step_bounds(
     let bound = LowerBound::new(scenario, start, goal);
     let plan = shortest(scenario, start, goal, clock, resolution, &bound);
     let plan_steps = plan.map(|plan| plan.steps);
-    // More than a plan takes can't be proven.
+    // The lower bound cannot exceed the plan.
     let enough = plan_steps.unwrap_or(u32::MAX);
     StepBounds {
         lower_steps: search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, enough),
@@ -150,7 +180,7 @@ pub fn step_bounds(
     }
 }
 
-/// [`plan_path`] by bounds that are known already.
+/// [`plan_path`] with a known `bound`.
 fn shortest(
     scenario: &Scenario,
     start: (f32, f32, f32),
@@ -159,55 +189,56 @@ fn shortest(
     resolution: Resolution,
     bound: &LowerBound,
 ) -> Option<TimedPath> {
-    let mut world = ConfigurationSpace::new(scenario, clock, MARGIN_M);
+    let mut space = ConfigurationSpace::new(scenario, clock, MARGIN_M);
     let goal_region = GoalRegion::new(scenario, goal, -MARGIN_M);
-    let least = search_lower_bound(scenario, start, goal, clock, bound, 64, u32::MAX);
+    let lower_steps = search_lower_bound(scenario, start, goal, clock, bound, 64, u32::MAX);
     let mut best = None;
     let mut step_limit = scenario.task.max_episode_steps.saturating_add(1);
-    for halving in 0..=resolution.refinements {
-        let part = 0.5_f64.powi(i32::try_from(halving).unwrap_or(i32::MAX));
+    for halvings in 0..=resolution.refinements {
+        let scale = 0.5_f64.powi(i32::try_from(halvings).unwrap_or(i32::MAX));
         let mut cells = StateGrid::new(
-            resolution.cell_m * part,
-            resolution.heading_rad * part,
-            world.has_moving_obstacles(),
+            resolution.cell_m * scale,
+            resolution.heading_rad * scale,
+            space.has_moving_obstacles(),
         );
-        let limits = SearchLimits {
-            step_limit,
-            states: if halving == 0 { MAX_STATES } else { resolution.max_refinement_states },
-        };
-        if let Some(actions) = search(&mut world, bound, &goal_region, start, &mut cells, &limits) {
+        let max_states = if halvings == 0 { MAX_STATES } else { resolution.max_refinement_states };
+        let limits = SearchLimits { step_limit, max_states };
+        if let Some(actions) = search(&mut space, bound, &goal_region, start, &mut cells, &limits) {
             step_limit = actions.len() as u32;
             best = Some(actions);
         }
-        if step_limit <= least {
+        if step_limit <= lower_steps {
             break;
         }
     }
-    best.map(|actions| {
-        let steps = actions.len() as u32;
-        let time_s = (f64::from(steps) * f64::from(scenario.task.control_period_s)) as f32;
-        let poses = world.rollout(start, &actions).map(|state| state.pose()).collect();
-        TimedPath { steps, time_s, actions, poses }
-    })
+    best.map(|actions| timed_path(scenario, &space, start, actions))
 }
 
-/// A number of steps that no plan undercuts, whatever the resolution: proven in docs/optimum.md, by the
-/// geodesic and the turning bound after every sequence of the first few motions. `u32::MAX` where there is no way. In a
-/// scenario that is not one that [`is_supported`] all that is known is that it takes a step: 1.
+/// The path of `actions`.
+fn timed_path(
+    scenario: &Scenario,
+    space: &ConfigurationSpace,
+    start: (f32, f32, f32),
+    actions: Vec<u8>,
+) -> TimedPath {
+    let steps = actions.len() as u32;
+    let time_s = (f64::from(steps) * f64::from(scenario.task.control_period_s)) as f32;
+    let poses = space.rollout(start, &actions).map(|state| state.pose()).collect();
+    TimedPath { steps, time_s, actions, poses }
+}
+
+/// A number of steps that no drive can undercut, at any resolution. `start`, `goal` and `clock` are those of
+/// [`plan_path`].
+///
+/// It is the smallest sum of steps taken and remaining bound over all sequences of the first few motions; the proof is in
+/// `docs/optimum.md`. `u32::MAX` if there is no path. 1 if the scenario is not supported ([`is_supported`]).
 #[must_use]
 pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2, clock: u64) -> u32 {
     if !is_supported(scenario) {
         return 1;
     }
-    search_lower_bound(
-        scenario,
-        start,
-        goal,
-        clock,
-        &LowerBound::new(scenario, start, goal),
-        LOOKAHEAD_STATES,
-        u32::MAX,
-    )
+    let bound = LowerBound::new(scenario, start, goal);
+    search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, u32::MAX)
 }
 
 #[cfg(test)]

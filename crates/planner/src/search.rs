@@ -1,6 +1,6 @@
-//! The search: best first over exact states, of which one is kept for each cell of a grid.
+//! Best-first search over exact states. A grid of cells decides which states are kept.
 //!
-//! In: the world as searched, the bound that guides, the goal. Out: the motions of the shortest way found.
+//! In: the configuration space, the lower bound as heuristic, the goal. Out: the actions of the shortest plan found.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -13,12 +13,12 @@ use super::configuration_space::{ConfigurationSpace, GoalRegion, State};
 use glam::Vec2;
 use wayfield_scenario::Scenario;
 
-/// So many states are looked at, without merging any, for the lower bound.
+/// The number of states, none of them merged, that the search for a lower bound expands.
 pub(super) const LOOKAHEAD_STATES: usize = 5_000;
-/// Parts of a step that the queue tells apart.
-const PARTS: f64 = 64.0;
+/// The units of a cost per step.
+const COST_PER_STEP: f64 = 64.0;
 
-/// A state reached, and how.
+/// A reached state, with the step that led to it.
 struct Node {
     state: State,
     steps: u32,
@@ -26,31 +26,31 @@ struct Node {
     action: u8,
 }
 
-/// The nodes not yet gone on from, the most hopeful first: by the bound on the whole way, in parts of a step, then
-/// the newest.
+/// The nodes that are still to be expanded, in order of their cost; of equal ones the newest first.
 #[derive(Default)]
 struct Queue(BinaryHeap<Reverse<(u32, Reverse<u32>)>>);
 
 impl Queue {
-    fn push(&mut self, parts: u32, node: usize) {
-        self.0.push(Reverse((parts, Reverse(node as u32))));
+    fn push(&mut self, cost: u32, node: usize) {
+        self.0.push(Reverse((cost, Reverse(node as u32))));
     }
 
     fn pop(&mut self) -> Option<(u32, usize)> {
-        self.0.pop().map(|Reverse((parts, Reverse(node)))| (parts, node as usize))
+        self.0.pop().map(|Reverse((cost, Reverse(node)))| (cost, node as usize))
     }
 }
 
-/// The bound on the whole way in parts of a step.
-fn parts(steps: u32, to_go: f64) -> u32 {
-    ((f64::from(steps) + to_go) * PARTS) as u32
+/// The lower bound on all steps through a state, in units of 1/64 step: `steps` taken and `to_go` remaining.
+fn cost(steps: u32, to_go: f64) -> u32 {
+    ((f64::from(steps) + to_go) * COST_PER_STEP) as u32
 }
 
-/// The grid that merges states: each cell knows the best bound on a whole way through it.
+/// The grid that merges states: the lowest cost in each cell.
 pub(super) struct StateGrid {
-    pub(super) per_metre: f64,
-    pub(super) per_radian: f64,
-    pub(super) by_step: bool,
+    per_metre: f64,
+    per_radian: f64,
+    /// Whether states after different numbers of steps are kept apart.
+    by_step: bool,
     best: HashMap<(i32, i32, i32, u32), u32, BuildHasherDefault<CellHasher>>,
 }
 
@@ -60,7 +60,7 @@ impl StateGrid {
         Self { per_metre, per_radian, by_step, best: HashMap::default() }
     }
 
-    pub(super) fn key(&self, state: &State, steps: u32) -> (i32, i32, i32, u32) {
+    fn key(&self, state: &State, steps: u32) -> (i32, i32, i32, u32) {
         (
             (state.x * self.per_metre).floor() as i32,
             (state.y * self.per_metre).floor() as i32,
@@ -69,23 +69,23 @@ impl StateGrid {
         )
     }
 
-    /// Whether no state as good as this has been in its cell; if so, it is now the cell's best.
-    pub(super) fn admit(&mut self, state: &State, steps: u32, parts: u32) -> bool {
+    /// Whether the state's cost is lower than all previous ones in its cell; if so, it becomes the cell's best.
+    fn admit(&mut self, state: &State, steps: u32, cost: u32) -> bool {
         let best = self.best.entry(self.key(state, steps)).or_insert(u32::MAX);
-        let better = parts < *best;
+        let better = cost < *best;
         if better {
-            *best = parts;
+            *best = cost;
         }
         better
     }
 
-    /// Whether a state that was admitted has since been bettered.
-    pub(super) fn is_stale(&self, state: &State, steps: u32, parts: u32) -> bool {
-        self.best.get(&self.key(state, steps)).is_some_and(|&best| best < parts)
+    /// Whether a better state has been admitted to the cell since this one.
+    fn is_stale(&self, state: &State, steps: u32, cost: u32) -> bool {
+        self.best.get(&self.key(state, steps)).is_some_and(|&best| best < cost)
     }
 }
 
-/// Multiplies and turns: quick, and good enough for cells.
+/// A fast hash by multiplication and rotation, good enough for grid cells.
 #[derive(Default)]
 struct CellHasher(u64);
 
@@ -109,17 +109,17 @@ impl Hasher for CellHasher {
     }
 }
 
-/// What a search may not exceed.
+/// The limits of a search.
 pub(super) struct SearchLimits {
-    /// Only plans with fewer steps are of use.
+    /// Only plans with fewer steps are searched for.
     pub(super) step_limit: u32,
-    /// How many states may be made, about.
-    pub(super) states: usize,
+    /// The approximate number of states after which the search stops.
+    pub(super) max_states: usize,
 }
 
-/// The actions of the best plan within `limits` that leads through `cells`, if any.
+/// The actions of the best plan within `limits`; `None` if there is none.
 pub(super) fn search(
-    world: &mut ConfigurationSpace<'_>,
+    space: &mut ConfigurationSpace<'_>,
     bound: &LowerBound,
     goal_region: &GoalRegion,
     start: (f32, f32, f32),
@@ -131,20 +131,20 @@ pub(super) fn search(
     let mut queue = Queue::default();
     queue.push(0, 0);
     let mut reached = None;
-    while let Some((parts_here, index)) = queue.pop() {
+    while let Some((cost_here, index)) = queue.pop() {
         let Node { state, steps, .. } = nodes[index];
-        if ceil_steps(f64::from(parts_here) / PARTS) >= step_limit || nodes.len() > limits.states {
+        if ceil_steps(f64::from(cost_here) / COST_PER_STEP) >= step_limit || nodes.len() > limits.max_states {
             break;
         }
-        if index > 0 && cells.is_stale(&state, steps, parts_here) {
+        if index > 0 && cells.is_stale(&state, steps, cost_here) {
             continue;
         }
         let steps = steps + 1;
-        world.prepare(steps);
+        space.prepare(steps);
         let facing = libm::sincos(state.heading);
-        for (action, step) in world.motion_primitives.iter().enumerate() {
+        for (action, step) in space.motion_primitives.iter().enumerate() {
             let state = state.after(step, facing);
-            if !world.is_clear(state.x, state.y, steps) {
+            if !space.is_clear(state.x, state.y, steps) {
                 continue;
             }
             let node = Node { state, steps, parent: index as u32, action: action as u8 };
@@ -158,60 +158,65 @@ pub(super) fn search(
             }
             let to_go = bound.steps(&state);
             if steps.saturating_add(ceil_steps(to_go)) < step_limit
-                && cells.admit(&state, steps, parts(steps, to_go))
+                && cells.admit(&state, steps, cost(steps, to_go))
             {
-                queue.push(parts(steps, to_go), nodes.len());
+                queue.push(cost(steps, to_go), nodes.len());
                 nodes.push(node);
             }
         }
     }
-    let mut at = reached?;
-    let mut actions = vec![0; step_limit as usize];
+    reached.map(|last| actions_to(&nodes, last))
+}
+
+/// The actions from the start to the node `last`.
+fn actions_to(nodes: &[Node], last: usize) -> Vec<u8> {
+    let mut at = last;
+    let mut actions = vec![0; nodes[last].steps as usize];
     while at > 0 {
         actions[nodes[at].steps as usize - 1] = nodes[at].action;
         at = nodes[at].parent as usize;
     }
-    Some(actions)
+    actions
 }
 
-/// The least bound, in whole steps, over the ends of every sequence of motions that is looked at, `states` in all:
-/// the most hopeful are gone on from first, and none is left out. The greatest that this has been on the way holds,
-/// and `enough` steps are as many as are asked for.
+/// The smallest bound, in whole steps, over the ends of all sequences of motions, of which up to `max_states` are
+/// expanded, the lowest bound first. No state is merged, so every drive passes through one of the states that are still
+/// open; the greatest value reached is therefore a lower bound. The search stops early at `enough` steps.
 pub(super) fn search_lower_bound(
     scenario: &Scenario,
     start: (f32, f32, f32),
     goal: Vec2,
     clock: u64,
     bound: &LowerBound,
-    states: usize,
+    max_states: usize,
     enough: u32,
 ) -> u32 {
-    let mut world = ConfigurationSpace::new(scenario, clock, -MARGIN_M);
+    let mut space = ConfigurationSpace::new(scenario, clock, -MARGIN_M);
     let goal_region = GoalRegion::new(scenario, goal, MARGIN_M);
     let mut nodes = vec![(State::new(start), 0)];
     let mut queue = Queue::default();
     queue.push(0, 0);
     let mut proven = 1;
-    while let Some((parts_here, index)) = queue.pop() {
+    while let Some((cost_here, index)) = queue.pop() {
         let (state, steps) = nodes[index];
-        proven = proven.max(ceil_steps(f64::from(parts_here) / PARTS));
-        // A target that has been reached is queued with just its steps.
-        if nodes.len() >= states || proven >= enough || (index > 0 && goal_region.contains(state.x, state.y))
-        {
+        proven = proven.max(ceil_steps(f64::from(cost_here) / COST_PER_STEP));
+        // The cost of a state in the goal region is exactly its steps.
+        let is_reached = index > 0 && goal_region.contains(state.x, state.y);
+        if nodes.len() >= max_states || proven >= enough || is_reached {
             return proven;
         }
         let steps = steps + 1;
-        world.prepare(steps);
+        space.prepare(steps);
         let facing = libm::sincos(state.heading);
-        for step in &world.motion_primitives {
+        for step in &space.motion_primitives {
             let state = state.after(step, facing);
-            if !world.is_clear(state.x, state.y, steps) {
+            if !space.is_clear(state.x, state.y, steps) {
                 continue;
             }
             let reached = goal_region.contains(state.x, state.y);
             let to_go = if reached { 0.0 } else { bound.steps(&state).max(1.0) };
             if to_go.is_finite() {
-                queue.push(parts(steps, to_go), nodes.len());
+                queue.push(cost(steps, to_go), nodes.len());
                 nodes.push((state, steps));
             }
         }

@@ -1,16 +1,30 @@
-//! Named streams of random numbers: every draw of wayfield comes from one of these.
+//! Named streams of random numbers. All randomness of wayfield comes from them.
 //!
-//! In: a run's seed, the name of what the numbers are for, and an index (an arena, a navigation). Out: a
-//! [`Stream`], the same on every machine, that can be saved in a checkpoint and taken up again to the bit.
-//! Streams of different names or indices share nothing, so drawing more from one never shifts another.
+//! [`stream`] derives a [`Stream`] from a run's seed, a purpose (a name) and an index (of an arena or an episode). The
+//! numbers are the same on every machine, and a checkpoint can save a stream and resume it exactly. Streams with
+//! different names or indices are independent: drawing more numbers from one never changes another.
+//!
+//! ```
+//! use wayfield_random::{normal, stream, uniform, uniform_index};
+//!
+//! let mut noise = stream(42, "noise", 0);
+//! let error_m = 0.01 * normal(&mut noise);
+//! let angle_rad = uniform(&mut noise, -1.0, 1.0);
+//! let action = uniform_index(&mut noise, 5);
+//! assert!(error_m.abs() < 0.1 && (-1.0..1.0).contains(&angle_rad) && action < 5);
+//!
+//! // The same seed, name and index give the same numbers.
+//! assert_eq!(normal(&mut stream(42, "noise", 0)), normal(&mut stream(42, "noise", 0)));
+//! assert_ne!(normal(&mut stream(42, "noise", 0)), normal(&mut stream(42, "noise", 1)));
+//! ```
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// One seeded stream of random numbers (PCG XSL 128/64), with a state that serde can save.
+/// A seeded stream of random numbers (PCG XSL 128/64), whose state serde can save.
 pub type Stream = Pcg64Mcg;
 
-/// The stream called `name`, number `index`, of the run with `seed`.
+/// The stream with this `name` and `index` in the run with this `seed`.
 #[must_use]
 pub fn stream(seed: u64, name: &str, index: u64) -> Stream {
     let mut hash = mix(seed);
@@ -26,42 +40,45 @@ pub fn stream(seed: u64, name: &str, index: u64) -> Stream {
     Stream::from_seed(bytes)
 }
 
-/// Whether `stream`, read from a file, can be one of [`stream`]'s: its state is odd, as that of every such generator is.
-/// (From an even one it would soon give the same number for ever.)
+/// Whether `stream`, read from a file, has a state that [`stream`] can produce: an odd one. From an even state, the
+/// generator would soon repeat a single number.
 #[must_use]
 pub fn is_valid(stream: &Stream) -> bool {
-    // Its state is all that is written of it, least significant bits first.
+    // The serialized form is the state alone, least significant bits first.
     postcard::to_allocvec(stream).is_ok_and(|state| state.first().is_some_and(|low| low & 1 == 1))
 }
 
-/// A draw from [0, 1), in steps of 2^-24.
+/// A uniform draw from [0, 1), in steps of 2^-24.
 pub fn uniform_01(stream: &mut Stream) -> f32 {
     (stream.next_u32() >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// A draw from [low, high), evenly.
+/// A uniform draw from [low, high).
 pub fn uniform(stream: &mut Stream, low: f32, high: f32) -> f32 {
     low + (high - low) * uniform_01(stream)
 }
 
-/// A draw from 0, 1, ..., `count` - 1, evenly. `count` must not be 0.
+/// A uniform draw from 0, 1, ..., `count` - 1.
+///
+/// # Panics
+/// If `count` is 0.
 pub fn uniform_index(stream: &mut Stream, count: usize) -> usize {
     stream.random_range(0..count as u64) as usize
 }
 
-/// A draw from all numbers of 64 bits.
+/// A uniform draw from all 64-bit numbers.
 pub fn random_u64(stream: &mut Stream) -> u64 {
     stream.next_u64()
 }
 
-/// A draw from the normal distribution with mean 0 and standard deviation 1 (Box and Muller's method, by
-/// `libm`, so that the bits do not depend on the platform's own logarithm).
+/// A draw from the normal distribution with mean 0 and standard deviation 1, by the Box-Muller transform. It uses `libm`,
+/// so that the bits do not depend on the platform's logarithm and cosine.
 pub fn normal(stream: &mut Stream) -> f32 {
     let radius = libm::sqrtf(-2.0 * libm::logf(1.0 - uniform_01(stream)));
     radius * libm::cosf(core::f32::consts::TAU * uniform_01(stream))
 }
 
-/// SplitMix64's finalizer: every bit of `x` reaches every bit of the result.
+/// The finalizer of SplitMix64: every bit of `x` affects every bit of the result.
 fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -74,40 +91,40 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stream_is_told_by_seed_name_and_index() {
+    fn seed_name_and_index_identify_a_stream() {
         let first = |seed, name, index| stream(seed, name, index).next_u64();
-        assert_eq!(first(7, "starts", 3), first(7, "starts", 3), "same key, same numbers");
+        assert_eq!(first(7, "starts", 3), first(7, "starts", 3), "equal keys give equal numbers");
         for other in [first(8, "starts", 3), first(7, "start", 3), first(7, "starts", 4)] {
-            assert_ne!(first(7, "starts", 3), other, "another key, other numbers");
+            assert_ne!(first(7, "starts", 3), other, "a different key gives different numbers");
         }
     }
 
     #[test]
-    fn a_saved_stream_goes_on_where_it_was() {
+    fn a_saved_stream_continues_where_it_stopped() {
         let mut one = stream(1, "noise", 0);
         one.next_u64();
         let saved = postcard::to_allocvec(&one).expect("a stream serializes");
-        let mut two: Stream = postcard::from_bytes(&saved).expect("and comes back");
+        let mut two: Stream = postcard::from_bytes(&saved).expect("a stream deserializes");
         assert_eq!(one.next_u64(), two.next_u64());
     }
 
     #[test]
-    fn a_stream_with_an_even_state_is_none_of_ours() {
+    fn a_stream_with_an_even_state_is_invalid() {
         for index in 0..100 {
-            let mut sound = stream(1, "noise", index);
-            assert!(is_valid(&sound), "at its start");
-            sound.next_u64();
-            assert!(is_valid(&sound), "and later");
+            let mut valid = stream(1, "noise", index);
+            assert!(is_valid(&valid), "initially");
+            valid.next_u64();
+            assert!(is_valid(&valid), "after a draw");
         }
         for even in [0_u128, 2, 1 << 127, u128::MAX - 1] {
             let bytes = postcard::to_allocvec(&even).expect("a number serializes");
-            let stream: Stream = postcard::from_bytes(&bytes).expect("and is read as a state");
+            let stream: Stream = postcard::from_bytes(&bytes).expect("any number is read as a state");
             assert!(!is_valid(&stream), "{even}");
         }
     }
 
     #[test]
-    fn draws_have_the_moments_they_promise() {
+    fn draws_have_the_documented_mean_and_variance() {
         let mut s = stream(3, "moments", 0);
         let n = 200_000;
         let (mut sum, mut squares, mut units) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -121,7 +138,7 @@ mod tests {
         }
         let n = f64::from(n);
         assert!((sum / n).abs() < 0.01, "normal draws have mean 0");
-        assert!((squares / n - 1.0).abs() < 0.02, "and variance 1");
+        assert!((squares / n - 1.0).abs() < 0.02, "normal draws have variance 1");
         assert!((units / n - 0.5).abs() < 0.005, "uniform draws have mean 1/2");
         assert!((0..1000).all(|_| uniform_index(&mut s, 5) < 5));
     }

@@ -1,33 +1,86 @@
-//! Figures and tables from run folders, as files.
+//! Figures, tables, statistics and report pages, made from plain numbers.
 //!
-//! In: the records a run leaves behind. Out: text in a file's format, the same for the same records: nothing
-//! here looks at a clock or at the machine's fonts, so a figure changes only when its numbers do.
+//! Everything is returned as text (SVG, HTML, Markdown, CSV) or as PNG bytes; the caller writes the files. The same
+//! numbers give the same bytes on every machine: nothing here reads a clock, a random number or an installed font.
 //!
-//! | module | what it gives |
+//! | module | contents |
 //! |---|---|
-//! | [`learning_curve`] | the picture of one run: success, return and goals over its environment steps |
-//! | [`chart`] | the figures of a comparison: curves with bands, rows of dots, maps of a world |
-//! | [`raster`] | a figure as PNG |
-//! | [`statistics`] | means over seeds with their intervals |
-//! | [`table`] | tables |
-//! | [`page`], [`markdown`] | the report they make up |
+//! | [`chart`] | figures as SVG: [curves with 95 % bands](chart::CurveChart), [dot plots](chart::DotPlot), [scenario maps](chart::ScenarioMap) |
+//! | [`run_figure`] | the figure of a single training run |
+//! | [`raster`] | SVG to PNG |
+//! | [`statistics`] | means over seeds with 95 % confidence intervals |
+//! | [`smoothing`] | the moving mean |
+//! | [`table`] | tables, as CSV and Markdown |
+//! | [`claim`] | whether the data support a claim: held, not shown or reversed |
+//! | [`page`] | a report made of text, figures and tables, as HTML and Markdown |
+//! | [`format`](mod@format) | numbers as text |
+//!
+//! Values that are not finite are left out of figures and shown as a dash in tables.
+//!
+//! # Example
+//!
+//! A chart of one curve with its confidence band:
+//!
+//! ```
+//! use wayfield_report::chart::{BandPoint, ChartPanel, CurveChart, CurveLine};
+//!
+//! let point = |episode: u32| {
+//!     let x = f64::from(episode);
+//!     let mean = 100.0 * (1.0 - (-x / 20.0).exp());
+//!     BandPoint { x, mean, low: mean - 5.0, high: mean + 5.0 }
+//! };
+//! let line = CurveLine {
+//!     name: "DQN".into(),
+//!     points: (1..=100).map(point).collect(),
+//!     ..CurveLine::default()
+//! };
+//! let panel = ChartPanel { heading: "Success rate".into(), y_unit: "%".into(), lines: vec![line], ..ChartPanel::default() };
+//! let chart = CurveChart {
+//!     title: "A training run".into(),
+//!     x_label: "episodes".into(),
+//!     mean_label: "smoothed mean".into(),
+//!     panels: vec![panel],
+//!     ..CurveChart::default()
+//! };
+//!
+//! let svg = chart.svg()?;
+//! assert!(svg.starts_with("<svg") && svg.contains("Success rate"));
+//! # Ok::<(), wayfield_report::DrawError>(())
+//! ```
+//!
+//! # In the browser
+//!
+//! On `wasm32` only the curves are compiled: [`chart::CurveChart`], [`run_figure`], [`smoothing`] and
+//! [`format`](mod@format).
 
-#[cfg(not(target_arch = "wasm32"))]
 pub mod chart;
-pub mod learning_curve;
 #[cfg(not(target_arch = "wasm32"))]
-pub mod markdown;
+pub mod claim;
+#[cfg(not(target_arch = "wasm32"))]
+mod csv_table;
+pub mod format;
+#[cfg(not(target_arch = "wasm32"))]
+mod html;
+#[cfg(not(target_arch = "wasm32"))]
+mod markdown;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod page;
 #[cfg(not(target_arch = "wasm32"))]
+mod page_text;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod raster;
+pub mod run_figure;
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod samples;
+pub mod smoothing;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod statistics;
 #[cfg_attr(
     target_arch = "wasm32",
-    allow(dead_code, unused_imports, reason = "the charts are left out there")
+    allow(dead_code, unused_imports, reason = "dot plots and maps are not compiled for the browser")
 )]
 mod style;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod table;
 
 pub use style::DrawError;

@@ -1,16 +1,13 @@
-//! The report and its tables as Markdown, for a repository.
-//!
-//! In: a [`Page`], a [`Table`]. Out: GitHub's Markdown: figures by links to their files beside it, tables in the
-//! text. What looks like markup in a name or a sentence is escaped and reads as it stands.
+//! Reports and tables as GitHub's Markdown. Markup in names and sentences is escaped.
 
-use super::page::{
-    CLAIMS, ClaimResult, Item, PROVENANCE, Page, SETTINGS, Section, Setting, paragraphs, percent_encoded,
-    relative_url, tally,
-};
-use super::table::{Column, ColumnKind, Table};
+use crate::claim::{ClaimResult, tally};
+use crate::page::{Item, Page, Section, Setting};
+use crate::page_text::{CLAIMS, PROVENANCE, SETTINGS, paragraphs, percent_encoded, relative_url};
+use crate::table::{Column, ColumnKind, Table};
 
 impl Table {
-    /// The table as GitHub's Markdown: title, rows, notes as a list.
+    /// The table as GitHub's Markdown: the title, the rows, and the notes as a list.
+    #[must_use]
     pub fn to_markdown(&self) -> String {
         let cell = |row, i| inline(&Table::cell(row, i).text());
         let rows: Vec<Vec<String>> =
@@ -23,11 +20,18 @@ impl Table {
     }
 }
 
-/// The page as Markdown.
-pub fn markdown(page: &Page) -> String {
+impl Page {
+    /// The report as GitHub's Markdown.
+    #[must_use]
+    pub fn to_markdown(&self) -> String {
+        markdown(self)
+    }
+}
+
+fn markdown(page: &Page) -> String {
     let mut blocks = vec![format!("# {}", inline(&page.title))];
     blocks.extend(page.warning.iter().map(|warning| format!("> **Warning:** {}", inline(warning))));
-    blocks.extend(page.lead.iter().flat_map(|text| words(text)));
+    blocks.extend(page.lead.iter().flat_map(|text| escaped_paragraphs(text)));
     blocks.extend(claims(&page.claims));
     for one in &page.sections {
         section(&mut blocks, one);
@@ -52,36 +56,36 @@ fn claims(claims: &[ClaimResult]) -> Vec<String> {
             vec![outcome(one), claim, inline(&one.sentence)]
         })
         .collect();
-    let columns = ["Outcome", "Claim", "Finding"].map(words_column);
+    let columns = ["Result", "Claim", "Numbers"].map(text_column);
     vec![format!("## {CLAIMS}"), tally, grid(&columns, &rows)]
 }
 
 fn section(blocks: &mut Vec<String>, section: &Section) {
-    // GitHub's own anchors follow the heading's words; this one is the section's.
+    // GitHub makes anchors from headings; links need the section's id.
     blocks.push(format!("<a id=\"{}\"></a>", html(&section.id)));
     blocks.push(format!("## {}", inline(&section.heading)));
-    blocks.extend(words(&section.about));
+    blocks.extend(escaped_paragraphs(&section.about));
     for item in &section.items {
         match item {
-            Item::Text(text) => blocks.extend(words(text)),
+            Item::Text(text) => blocks.extend(escaped_paragraphs(text)),
             Item::Figure { name, caption, claim_results, .. } => {
                 let (svg, png) = (relative_url("figures", name, "svg"), relative_url("figures", name, "png"));
                 blocks.push(format!("![{}]({svg})", inline(name)));
                 blocks.push(format!("{} ([SVG]({svg}), [PNG]({png}))", start(caption)));
-                blocks.extend(findings(claim_results));
+                blocks.extend(claim_list(claim_results));
             }
             Item::Table { table, claim_results } => {
                 let (csv, md) =
                     (relative_url("tables", &table.name, "csv"), relative_url("tables", &table.name, "md"));
                 blocks.push(table.to_markdown().trim_end().to_owned());
                 blocks.push(format!("([CSV]({csv}), [Markdown]({md}))"));
-                blocks.extend(findings(claim_results));
+                blocks.extend(claim_list(claim_results));
             }
         }
     }
 }
 
-fn findings(claim_results: &[ClaimResult]) -> Option<String> {
+fn claim_list(claim_results: &[ClaimResult]) -> Option<String> {
     let line = |one: &ClaimResult| {
         format!("{}: *{}*\\\n  {}", outcome(one), inline(&one.claim), start(&one.sentence))
     };
@@ -102,7 +106,7 @@ fn setting(setting: &Setting) -> String {
     )
 }
 
-/// Blocks with a blank line between them.
+/// The blocks, separated by blank lines.
 fn document(blocks: &[String]) -> String {
     blocks.join("\n\n") + "\n"
 }
@@ -111,15 +115,15 @@ fn list(lines: impl Iterator<Item = String>) -> String {
     lines.map(|line| format!("- {line}")).collect::<Vec<_>>().join("\n")
 }
 
-fn words(text: &str) -> Vec<String> {
+fn escaped_paragraphs(text: &str) -> Vec<String> {
     paragraphs(text).map(|paragraph| start(&paragraph)).collect()
 }
 
-fn words_column(heading: &str) -> Column {
+fn text_column(heading: &str) -> Column {
     Column { heading: heading.to_owned(), unit: String::new(), kind: ColumnKind::Text }
 }
 
-/// A table whose columns also align in the source. The texts are escaped already.
+/// A table with aligned columns. The cells are escaped already.
 fn grid(columns: &[Column], rows: &[Vec<String>]) -> String {
     let headings: Vec<_> = columns.iter().map(|column| inline(&column.text())).collect();
     let lines = || std::iter::once(&headings).chain(rows);
@@ -142,7 +146,7 @@ fn grid(columns: &[Column], rows: &[Vec<String>]) -> String {
     lines.join("\n")
 }
 
-/// Text that stands within a line: on one line, and nothing in it is markup.
+/// Escaped text within a line.
 fn inline(text: &str) -> String {
     let mut escaped = String::new();
     for c in line(text).chars() {
@@ -156,7 +160,7 @@ fn inline(text: &str) -> String {
     escaped
 }
 
-/// Text that starts a line, where `#`, `-` and `1.` would be markup too.
+/// Escaped text at the start of a line, where `#`, `-` and `1.` are markup too.
 fn start(text: &str) -> String {
     let text = inline(text);
     let digits = text.bytes().take_while(u8::is_ascii_digit).count();
@@ -174,24 +178,23 @@ fn html(text: &str) -> String {
     maud::html! { (line(text)) }.into_string()
 }
 
-/// Text on one line. A space that must not break stays one.
+/// Text on one line. Non-breaking spaces are kept.
 fn line(text: &str) -> String {
     text.split_ascii_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::page::tests::sample as page;
-    use super::super::table::tests::sample as table;
     use super::*;
+    use crate::samples::{page, table};
 
-    /// Bars that part cells, not those that are text.
+    /// The number of cell separators, escaped bars not counted.
     fn bars(line: &str) -> usize {
         line.replace("\\|", "").matches('|').count()
     }
 
     #[test]
-    fn a_table_has_its_shape() {
+    fn a_table_has_aligned_columns() {
         let text = table().to_markdown();
         let lines: Vec<_> = text.lines().filter(|line| line.starts_with('|')).collect();
         assert_eq!(lines.len(), 4);
@@ -207,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_has_its_parts_and_no_markup_of_others() {
+    fn the_page_has_all_its_parts_and_escapes_their_text() {
         let text = markdown(&page());
         assert!(text.starts_with("# A \"report\" &lt;of> us\n\n> **Warning:** Only 2 seeds &lt;each>.\n"));
         for part in [
@@ -229,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_would_be_markup_is_escaped() {
+    fn only_markup_is_escaped() {
         assert_eq!(start("96.8 of 100"), "96.8 of 100");
         assert_eq!(start("1. one"), "1\\. one");
         assert_eq!(start("7)"), "7\\)");

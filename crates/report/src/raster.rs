@@ -1,20 +1,19 @@
-//! A figure as pixels.
+//! SVG figures as PNG.
 //!
-//! In: the text of an SVG. Out: a PNG of it. The only font is the one in here, so the same figure is the same
-//! bytes on every machine.
+//! Only the embedded font is used, so the same figure gives the same bytes on every machine.
 
 use std::sync::{Arc, LazyLock};
 
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
-use super::style::DrawError;
+use crate::style::DrawError;
 
-/// Latin, Greek and the signs of figures, as wide as Arial's; `assets/fonts/OFL.txt` is its licence.
+/// Latin, Greek and mathematical characters with Arial's metrics; `assets/fonts/OFL.txt` is the licence.
 const FONT: &[u8] = include_bytes!("../../../assets/fonts/wayfield-sans.ttf");
 const FAMILY: &str = "Wayfield Sans";
 
-/// The embedded font alone, under whatever family name a figure asks for.
+/// The embedded font, which replaces every font family that a figure names.
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     let mut fonts = fontdb::Database::new();
     fonts.load_font_data(FONT.to_vec());
@@ -24,10 +23,10 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// Draws an SVG on white, `scale` pixels to each of its own, as the bytes of a PNG file.
+/// The bytes of a PNG file that shows an SVG on white, with `scale` pixels per SVG pixel.
 ///
 /// # Errors
-/// When `svg` is no SVG, or the picture would have no pixel or more than memory can hold.
+/// `svg` is not valid SVG, or the picture would be empty or too large for memory.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
     let options =
         Options { font_family: FAMILY.to_owned(), fontdb: Arc::clone(&FONTS), ..Options::default() };
@@ -36,7 +35,7 @@ pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
     let pixels = |length: f32| (length * scale).round() as u32;
     let (width, height) = (pixels(size.width()), pixels(size.height()));
     let mut picture = Pixmap::new(width, height)
-        .ok_or_else(|| DrawError::new(format!("{width} by {height} pixels are no picture")))?;
+        .ok_or_else(|| DrawError::new(format!("cannot make a picture of {width} x {height} pixels")))?;
     picture.fill(Color::WHITE);
     resvg::render(&tree, Transform::from_scale(scale, scale), &mut picture.as_mut());
     picture.encode_png().map_err(DrawError::new)
@@ -50,27 +49,28 @@ mod tests {
         <text x="10" y="40" font-family="Helvetica, Arial, sans-serif" font-size="32" fill="#222">−±εαβ≥</text></svg>"##;
 
     #[test]
-    fn a_figure_becomes_a_png_of_its_size_with_its_text_on_it() {
-        let bytes = png(FIGURE, 2.0).expect("is drawn");
-        let picture = Pixmap::decode_png(&bytes).expect("is a PNG");
+    fn a_png_has_the_figures_size_and_its_text() {
+        let bytes = png(FIGURE, 2.0).expect("the figure is drawn");
+        let picture = Pixmap::decode_png(&bytes).expect("a valid PNG");
         assert_eq!((picture.width(), picture.height()), (240, 80));
         let dark = picture.pixels().iter().filter(|p| p.red() < 100).count();
         assert!(dark > 200, "{dark} dark pixels: the text is missing");
-        assert_eq!(bytes, png(FIGURE, 2.0).expect("is drawn"), "the same bytes each time");
+        assert_eq!(bytes, png(FIGURE, 2.0).expect("the figure is drawn"), "the same bytes each time");
     }
 
     #[test]
-    fn the_font_has_every_sign_that_figures_use() {
-        let drawn = |sign: char| png(&FIGURE.replace("−±εαβ≥", &sign.to_string()), 1.0).expect("is drawn");
+    fn the_font_has_every_character_that_figures_use() {
+        let drawn =
+            |c: char| png(&FIGURE.replace("−±εαβ≥", &c.to_string()), 1.0).expect("the figure is drawn");
         let unknown = drawn('\u{4e00}');
-        for sign in "−±εαβγσµμΔ·≥≤≈°%–—…→×²₁‘’“”".chars() {
-            assert_ne!(drawn(sign), unknown, "{sign}");
+        for c in "−±εαβγσµμΔ·≥≤≈°%–—…→×²₁‘’“”".chars() {
+            assert_ne!(drawn(c), unknown, "{c} is missing");
         }
     }
 
     #[test]
-    fn what_cannot_be_drawn_is_an_error() {
-        assert!(png("no svg", 1.0).is_err());
+    fn invalid_svg_and_impossible_sizes_are_errors() {
+        assert!(png("not an SVG", 1.0).is_err());
         assert!(png(FIGURE, 0.0).is_err());
         assert!(png(FIGURE, f32::NAN).is_err());
         assert!(png(FIGURE, 1e9).is_err());

@@ -1,7 +1,7 @@
-//! What several seeds say together: means and how sure they are.
+//! Means over several seeds, with 95 % confidence intervals.
 //!
-//! In: one value, or one curve, for each seed. Out: means with the half width of their 95 % interval, by Student's
-//! t: seeds are few, and their spread is known from themselves only. Units are those of the values.
+//! Intervals use Student's t distribution, because there are few seeds and their variance is estimated from the same
+//! values. Results are in the unit of the values.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -10,37 +10,41 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub struct Estimate {
     /// The mean, in the values' unit.
     pub mean: f64,
-    /// Half the width of the interval around the mean, in the values' unit; none of a single value.
+    /// Half the width of the interval, in the values' unit; `None` for a single value.
     pub half_width: Option<f64>,
-    /// How many values it is the mean of; of a difference, how many on both sides together.
+    /// The number of values; for a difference, of both sides together.
     pub n: usize,
 }
 
 impl Estimate {
     /// The mean of `values` and its interval, by Student's t with n - 1 degrees of freedom.
     ///
-    /// None of no values, and none if one of them is no finite number.
+    /// `None` without values, or if one of them is not finite.
+    #[must_use]
     pub fn from_values(values: &[f64]) -> Option<Self> {
         let sample = Sample::of(values)?;
         let half_width = sample.error2().map(|error2| half_width(error2, sample.n - 1.0));
         Some(Self { mean: sample.mean, half_width, n: values.len() })
     }
 
-    /// Lower end of the interval, in the values' unit; the mean itself if there is none.
+    /// Lower end of the interval, in the values' unit; the mean itself if there is no interval.
+    #[must_use]
     pub fn low(&self) -> f64 {
         self.mean - self.half_width.unwrap_or(0.0)
     }
 
-    /// Upper end of the interval, in the values' unit; the mean itself if there is none.
+    /// Upper end of the interval, in the values' unit; the mean itself if there is no interval.
+    #[must_use]
     pub fn high(&self) -> f64 {
         self.mean + self.half_width.unwrap_or(0.0)
     }
 }
 
-/// mean(a) - mean(b) with Welch's interval: the two may differ in number and in spread.
+/// mean(a) - mean(b) with Welch's interval: the sides may differ in size and in variance.
 ///
-/// There is no half width if either side is a single value. None if a side is empty or has a value that is no
-/// finite number.
+/// The half width is `None` if either side is a single value. The result is `None` if a side is empty or has a value
+/// that is not finite.
+#[must_use]
 pub fn difference(a: &[f64], b: &[f64]) -> Option<Estimate> {
     let (n, a, b) = (a.len() + b.len(), Sample::of(a)?, Sample::of(b)?);
     let half_width = a.error2().zip(b.error2()).map(|(of_a, of_b)| {
@@ -56,20 +60,10 @@ pub fn difference(a: &[f64], b: &[f64]) -> Option<Estimate> {
     Some(Estimate { mean: a.mean - b.mean, half_width, n })
 }
 
-/// The mean of each value and those up to `window` - 1 before it; at the start, of those there are.
+/// The estimate at each index over all curves, up to the length of the shortest curve.
 ///
-/// As many as there are values. A window of 0 counts as 1.
-pub fn moving_mean(values: &[f64], window: usize) -> Vec<f64> {
-    let mean_to = |end: usize| {
-        let seen = &values[end.saturating_sub(window.max(1))..end];
-        seen.iter().sum::<f64>() / seen.len() as f64
-    };
-    (1..=values.len()).map(mean_to).collect()
-}
-
-/// The estimate at each point, over all curves, as far as the shortest reaches.
-///
-/// Where a value is no finite number, the mean is none either (NaN), so that every point keeps its place.
+/// Where a value is not finite, the mean is NaN.
+#[must_use]
 pub fn band(curves: &[Vec<f64>]) -> Vec<Estimate> {
     let unknown = Estimate { mean: f64::NAN, half_width: None, n: curves.len() };
     let length = curves.iter().map(Vec::len).min().unwrap_or(0);
@@ -77,11 +71,11 @@ pub fn band(curves: &[Vec<f64>]) -> Vec<Estimate> {
     (0..length).map(|i| Estimate::from_values(&at(i)).unwrap_or(unknown)).collect()
 }
 
-/// What the formulas need of some values.
+/// The sums that the formulas need.
 struct Sample {
     n: f64,
     mean: f64,
-    /// Sum of the squared distances from the mean.
+    /// The sum of squared deviations from the mean.
     squares: f64,
 }
 
@@ -95,15 +89,15 @@ impl Sample {
         Some(Self { n, mean, squares: values.iter().map(|x| (x - mean).powi(2)).sum() })
     }
 
-    /// The mean's standard error, squared: variance / n. None of a single value.
+    /// The squared standard error of the mean: variance / n. `None` for a single value.
     fn error2(&self) -> Option<f64> {
         (self.n > 1.0).then(|| self.squares / (self.n - 1.0) / self.n)
     }
 }
 
-/// Half the 95 % interval of a mean whose standard error squared is `error2`.
+/// Half the width of the 95 % interval of a mean with the squared standard error `error2`.
 fn half_width(error2: f64, freedom: f64) -> f64 {
-    // Degrees of freedom are 1 at least: n - 1 of two values, and Welch's are never under the smaller n - 1.
+    // There is at least 1 degree of freedom: two values have n - 1 = 1, and Welch's formula gives at least the smaller n - 1.
     let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
     if error2 == 0.0 { 0.0 } else { quantile * error2.sqrt() }
 }
@@ -113,10 +107,10 @@ mod tests {
     use super::*;
 
     fn near(x: f64, expected: f64) {
-        assert!((x - expected).abs() < 5e-5, "{x} is not {expected}");
+        assert!((x - expected).abs() < 5e-5, "{x} instead of {expected}");
     }
 
-    /// Squared distances from 3 are 4 1 0 1 4, together 10; variance 10 / 4 = 2.5, sd 1.5811; standard error
+    /// Squared deviations from 3 are 4 1 0 1 4, together 10; variance 10 / 4 = 2.5, sd 1.5811; standard error
     /// 1.5811 / sqrt 5 = 0.7071; t(0.975, 4) = 2.7764; 2.7764 * 0.7071 = 1.9632.
     #[test]
     fn a_mean_has_students_interval() {
@@ -128,10 +122,10 @@ mod tests {
         assert_eq!(estimate.n, 5);
     }
 
-    /// From the table of t(0.975): 12.7062, 2.2622 and 2.0452 for 1, 9 and 29 degrees of freedom. Of n values
-    /// half of which are 1 and half -1 the squares add up to n, so the standard error is 1 / sqrt(n - 1).
+    /// t(0.975) is 12.7062, 2.2622 and 2.0452 for 1, 9 and 29 degrees of freedom. For n values, half of them 1 and half
+    /// of them -1, the squares add up to n, so the standard error is 1 / sqrt(n - 1).
     #[test]
-    fn the_quantiles_are_the_tables() {
+    fn quantiles_match_the_t_table() {
         for (n, t) in [(2_u32, 12.7062), (10, 2.2622), (30, 2.0452)] {
             let values: Vec<_> = (0..n).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
             let half_width = Estimate::from_values(&values).and_then(|e| e.half_width).expect("many values");
@@ -140,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn few_equal_or_unusable_values() {
+    fn single_equal_and_non_finite_values() {
         assert_eq!(Estimate::from_values(&[]), None);
         assert_eq!(Estimate::from_values(&[1.0, f64::NAN]), None);
         let one = Estimate::from_values(&[7.0]).expect("one value");
@@ -148,8 +142,8 @@ mod tests {
         assert_eq!(Estimate::from_values(&[2.0, 2.0, 2.0]).and_then(|e| e.half_width), Some(0.0));
     }
 
-    /// a: mean 10, squared distances 4 4 16, variance 24 / 2 = 12, over n 12 / 3 = 4.
-    /// b: mean 5, squared distances 16 4 0 4 16, variance 40 / 4 = 10, over n 10 / 5 = 2.
+    /// a: mean 10, squared deviations 4 4 16, variance 24 / 2 = 12, over n 12 / 3 = 4.
+    /// b: mean 5, squared deviations 16 4 0 4 16, variance 40 / 4 = 10, over n 10 / 5 = 2.
     /// Standard error sqrt(4 + 2) = 2.44949; degrees of freedom 6^2 / (4^2 / 2 + 2^2 / 4) = 36 / 9 = 4;
     /// t(0.975, 4) = 2.77645; half width 2.77645 * 2.44949 = 6.80087.
     #[test]
@@ -159,27 +153,19 @@ mod tests {
         near(estimate.mean, 5.0);
         near(estimate.half_width.expect("several values"), 6.8009);
         assert_eq!(estimate.n, 8);
-        let turned = difference(&b, &a).expect("values on both sides");
-        near(turned.mean, -5.0);
-        assert_eq!(turned.half_width, estimate.half_width);
+        let swapped = difference(&b, &a).expect("values on both sides");
+        near(swapped.mean, -5.0);
+        assert_eq!(swapped.half_width, estimate.half_width);
     }
 
-    /// Only a spreads: variance 2, over n 1; degrees of freedom 1^2 / (1^2 / 1) = 1, t 12.7062, half width the same.
+    /// Only a varies: variance 2, over n 1; degrees of freedom 1^2 / (1^2 / 1) = 1, t 12.7062, half width the same.
     #[test]
-    fn differences_of_few_or_equal_values() {
+    fn differences_of_single_and_equal_values() {
         near(difference(&[1.0, 3.0], &[5.0; 3]).and_then(|e| e.half_width).expect("enough"), 12.7062);
         assert_eq!(difference(&[1.0; 2], &[5.0; 3]).and_then(|e| e.half_width), Some(0.0));
         assert_eq!(difference(&[1.0], &[5.0, 6.0]), Some(Estimate { mean: -4.5, half_width: None, n: 3 }));
         assert_eq!(difference(&[], &[1.0]), None);
         assert_eq!(difference(&[1.0], &[f64::INFINITY]), None);
-    }
-
-    #[test]
-    fn a_moving_mean_looks_back() {
-        assert_eq!(moving_mean(&[2.0, 4.0, 9.0, 5.0], 2), [2.0, 3.0, 6.5, 7.0]);
-        assert_eq!(moving_mean(&[2.0, 4.0, 9.0], 10), [2.0, 3.0, 5.0]);
-        assert_eq!(moving_mean(&[2.0, 4.0], 0), [2.0, 4.0]);
-        assert!(moving_mean(&[], 3).is_empty());
     }
 
     #[test]

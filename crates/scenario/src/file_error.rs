@@ -6,7 +6,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::source_map::SourceMap;
+use wayfield_ron_patch::SourceMap;
 
 /// At most so many problems of one file are reported; the rest are counted.
 const MAX_PROBLEMS: usize = 100;

@@ -15,7 +15,6 @@ mod placement;
 pub mod polygon;
 mod ron_message;
 mod schema;
-mod source_map;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
 mod write;

@@ -4,7 +4,7 @@
 
 use ron::error::{Error, Position, SpannedError};
 
-use super::source_map::SourceMap;
+use wayfield_ron_patch::SourceMap;
 
 /// Where in `text` to point for `error`, and what to say there.
 pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {

@@ -1,54 +1,56 @@
-//! A scenario as a file's text, for people: stable in order and form, so that a small change is a small diff.
-//!
-//! In: a [`Scenario`], and the text it was read from if there is one. Out: RON that reads back to the same scenario to
-//! the bit. What has not changed keeps its very bytes, comments and all; what is new is spelled like the shipped files.
+//! The RON text of a scenario, as people would write it.
 
-mod align;
-mod format;
-mod merge;
-mod rebuild;
-mod syntax;
-mod tree;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use wayfield_ron_patch::{Style, patch};
 
-use self::format::Formatter;
-use self::merge::Merge;
-use self::syntax::SyntaxNode;
-use self::tree::Node;
 use super::load::{parse_ron, to_ron};
-use super::schema::Scenario;
+use super::schema::{
+    BenchmarkRoute, Generator, Lidar, Obstacle, ObstacleMotion, PlacementRule, Robot, Scenario, TaskRules,
+    Wall,
+};
 
 /// `scenario` as the text of a RON file, which [`Scenario::load`] reads back to the same numbers, to the bit.
 ///
-/// `like` is the text that it was read from, or any older one. What is the same in both keeps its very bytes (comments,
-/// order, empty lines, defaults that are written out); a field that has changed is rewritten in its place, under the
-/// comments above it; an element of a list goes with its comments, and a new one stands where it stands in the list.
-/// Without `like`, or if that is no scenario, the text is canonical: the schema's order, four spaces a level, up to
-/// 110 columns, and only what differs from the defaults.
+/// `old_text` is the file that the scenario was read from, or any older version of it. Everything that has not changed
+/// keeps its bytes, comments included; see [`patch`]. Without `old_text`, or if that is not a scenario, the text is
+/// canonical: fields in the schema's order, four spaces per level, lines of up to 110 columns, and only what differs
+/// from the defaults.
 #[must_use]
-pub fn to_text(scenario: &Scenario, like: Option<&str>) -> String {
-    let Ok(tree) = Node::from_value(scenario) else { return to_ron(scenario).unwrap_or_default() };
-    let merged = like.and_then(|like| merged(&tree, like));
-    merged.filter(|text| read(text).as_ref() == Some(&tree)).unwrap_or_else(|| canonical(&tree, "\n"))
+pub fn to_text(scenario: &Scenario, old_text: Option<&str>) -> String {
+    let written = match old_text {
+        Some(old_text) => patch(old_text, scenario, &style(), |text| parse_ron(text, "").ok()),
+        None => wayfield_ron_patch::to_text(scenario, &style()),
+    };
+    written.or_else(|_| to_ron(scenario)).unwrap_or_default()
 }
 
-fn canonical(tree: &Node, newline: &'static str) -> String {
-    tree.record().map(|scenario| Formatter::new(newline).file(scenario)).unwrap_or_default()
+/// The defaults of the schema, each read from the shortest valid text of its type, and the blank lines of the shipped
+/// files.
+fn style() -> Style {
+    let style = Style::default().with_blank_lines_except(&[("name", "about"), ("starts", "goals")]);
+    let style = with_defaults::<Scenario>(style, "(name: \"\")", &["name"]);
+    let style = with_defaults::<Wall>(style, "(corners_m: [])", &["corners_m"]);
+    let obstacle = "(shape: Circle(radius_m: 1.0), position_m: (0.0, 0.0))";
+    let style = with_defaults::<Obstacle>(style, obstacle, &["shape", "position_m"]);
+    let random_walk = "RandomWalk(radius_m: 1.0, speed_m_s: 1.0)";
+    let style = with_defaults::<ObstacleMotion>(style, random_walk, &["radius_m", "speed_m_s"]);
+    let generator = "(count: 1, shape: Circle(radius_m: (1.0, 1.0)))";
+    let style = with_defaults::<Generator>(style, generator, &["count", "shape"]);
+    let style = with_defaults::<Robot>(style, "()", &[]);
+    let style = with_defaults::<Lidar>(style, "()", &[]);
+    let style = with_defaults::<TaskRules>(style, "()", &[]);
+    let style = with_defaults::<BenchmarkRoute>(style, "()", &[]);
+    let style = with_defaults::<PlacementRule>(style, "Random()", &[]);
+    let within = "Within(min_m: (0.0, 0.0), max_m: (0.0, 0.0))";
+    let style = with_defaults::<PlacementRule>(style, within, &["min_m", "max_m"]);
+    with_defaults::<PlacementRule>(style, "Fixed(position_m: (0.0, 0.0))", &["position_m"])
 }
 
-/// `tree` in the words of `like`; none if that is no scenario.
-fn merged(tree: &Node, like: &str) -> Option<String> {
-    let old = read(like)?;
-    let newline =
-        if like.split_once('\n').is_some_and(|(line, _)| line.ends_with('\r')) { "\r\n" } else { "\n" };
-    let speller = Formatter::new(newline);
-    Some(Merge { text: like, speller: &speller }.file(
-        &SyntaxNode::parse(like)?,
-        old.record()?,
-        tree.record()?,
-    ))
-}
-
-/// The tree of the scenario that `text` is, whatever its checks say.
-fn read(text: &str) -> Option<Node> {
-    Node::from_value(&parse_ron::<Scenario>(text, "").ok()?).ok()
+/// `style` with the defaults of the type `T`, whose shortest text with only the `required` fields is `text`.
+fn with_defaults<T: Serialize + DeserializeOwned>(style: Style, text: &str, required: &[&str]) -> Style {
+    match parse_ron::<T>(text, "") {
+        Ok(value) => style.with_defaults(&value, required),
+        Err(_) => style,
+    }
 }

@@ -248,25 +248,6 @@ fn the_canonical_form_is_a_fixed_point() {
 }
 
 #[test]
-fn a_long_text_is_broken_at_spaces() {
-    let about = "Twelve letter words, or so.  ".repeat(12) + "\u{2003}and a wide space, \u{7} \u{1F916}";
-    let text = to_text(&Scenario { about: about.clone(), ..Scenario::default() }, None);
-    assert_eq!(read(&text).about, about);
-    assert!(text.lines().all(|line| line.chars().count() <= 110), "{text}");
-    assert_eq!(text.lines().filter(|line| line.ends_with('\\')).count(), 3, "{text}");
-    assert!(text.contains("\\u{7}"), "what can't be seen is escaped: {text}");
-    // `    name: "` and `",` are 13 columns.
-    for (letters, lines) in [(97, 3), (98, 4)] {
-        let name = format!("{} {}", "x".repeat(49), "x".repeat(letters - 50));
-        let text = to_text(&Scenario { name, ..Scenario::default() }, None);
-        assert_eq!(text.lines().count(), lines, "{text}");
-    }
-    // A word that has no space to break at stays whole.
-    let about = "x".repeat(300);
-    assert_eq!(read(&to_text(&Scenario { about: about.clone(), ..Scenario::default() }, None)).about, about);
-}
-
-#[test]
 fn every_shipped_file_is_written_as_it_is() {
     for (path, text) in shipped() {
         assert_eq!(to_text(&read(&text), Some(&text)), text, "{}", path.display());
@@ -384,7 +365,7 @@ const ODD: &str = "// Head (with a bracket)\n#![enable(implicit_some)] /* so */\
   \t\t(shape: Circle(radius_m: 0.2), position_m: (-1.0, 1.0)) // three, without a comma\n\
   \t\t// the end\n\t],\n\
   \tstarts: OneOf(positions_m: [(0.0, 0.0), /* b */ (1.0, 1.0) /* c */, (2.0, 2.0)]),\n\
-  \ttargets: Fixed(position_m: (1.0, 1.0), heading_rad: Some(1.0)) /* last */\n) // done\n/* really */";
+  \tgoals: Fixed(position_m: (1.0, 1.0), heading_rad: Some(1.0)) /* last */\n) // done\n/* really */";
 
 #[test]
 fn odd_comments_stay() {
@@ -414,7 +395,7 @@ fn odd_comments_stay() {
     same(
         &|s| s.benchmark_route.heading_rad = 0.5,
         " /* last */\n)",
-        ", /* last */\n\tcourse: (heading_rad: 0.5),\n)",
+        ", /* last */\n\tbenchmark_route: (heading_rad: 0.5),\n)",
     );
 }
 
@@ -454,87 +435,6 @@ fn what_goes_takes_its_comments_and_leaves_others() {
 }
 
 #[test]
-fn a_list_keeps_its_layout() {
-    const ROWS: &str = "[\n  (0.0, 0.0), (1.0, 0.0), // row\n  (2.0, 0.0), (3.0, 0.0),\n]";
-    const PARTS: &str = "[\n  (0.0, 0.0),\n\n  (1.0, 0.0),\n  (2.0, 0.0)\n]";
-    for (list, places, expected) in [
-        (ROWS, &[1_u8, 2, 3][..], "[\n  (1.0, 0.0), // row\n  (2.0, 0.0), (3.0, 0.0),\n]"),
-        (ROWS, &[0, 2, 3], "[\n  (0.0, 0.0),\n  (2.0, 0.0), (3.0, 0.0),\n]"),
-        (ROWS, &[0, 1, 3], "[\n  (0.0, 0.0), (1.0, 0.0), // row\n  (3.0, 0.0),\n]"),
-        (
-            ROWS,
-            &[9, 0, 1, 2, 3],
-            "[\n  (9.0, 0.0),\n  (0.0, 0.0), (1.0, 0.0), // row\n  (2.0, 0.0), (3.0, 0.0),\n]",
-        ),
-        (
-            ROWS,
-            &[0, 9, 1, 2, 3],
-            "[\n  (0.0, 0.0), (9.0, 0.0), (1.0, 0.0), // row\n  (2.0, 0.0), (3.0, 0.0),\n]",
-        ),
-        (ROWS, &[], "[]"),
-        (PARTS, &[0, 2], "[\n  (0.0, 0.0),\n\n  (2.0, 0.0)\n]"),
-        (PARTS, &[1, 2], "[\n  (1.0, 0.0),\n  (2.0, 0.0)\n]"),
-        (PARTS, &[0, 1, 2, 3], "[\n  (0.0, 0.0),\n\n  (1.0, 0.0),\n  (2.0, 0.0),\n  (3.0, 0.0),\n]"),
-        ("[(0, 0),(1, 0),(2, 0)]", &[0, 1, 9], "[(0, 0),(1, 0),(9.0, 0)]"),
-        ("[(0, 0),(1, 0),(2, 0)]", &[9, 0, 1, 2], "[(9.0, 0.0), (0, 0),(1, 0),(2, 0)]"),
-        ("[(0, 0), (1, 0),]", &[0, 1, 2], "[(0, 0), (1, 0), (2.0, 0.0),]"),
-        ("[(0, 0), (1, 0), ]", &[0], "[(0, 0), ]"),
-        ("[(0, 0), /* of\n1 */ (1, 0)]", &[1], "[/* of\n1 */ (1, 0)]"),
-        ("[\n  (0, 0), /* of\n1 */\n  (1, 0),\n]", &[1], "[\n /* of\n1 */\n  (1, 0),\n]"),
-        ("[ /* none */ ]", &[1], "[(1.0, 0.0), /* none */ ]"),
-        ("[\n  // none\n]", &[1], "[\n    (1.0, 0.0),\n  // none\n]"),
-    ] {
-        let file = |list: &str| format!("(name: \"x\", starts: OneOf(positions_m: {list}))");
-        let written = edited(&file(list), |scenario| {
-            let positions_m = places.iter().map(|&k| vec2(f32::from(k), 0.0)).collect();
-            scenario.starts = PlacementRule::OneOf { positions_m };
-        });
-        assert_eq!(written, file(expected), "{list} with {places:?}");
-    }
-}
-
-#[test]
-fn fields_of_the_whole_are_kept_apart() {
-    let text =
-        "(\n    name: \"x\",\n\n    lidar: (beams: 30),\n    starts: Random(clearance_m: 0.5), // far\n)\n";
-    let change = |scenario: &mut Scenario| scenario.task.max_episode_steps = 800;
-    assert_eq!(diff(text, &edited(text, change)), "+\n+    task: (max_episode_steps: 800),\n+\n");
-    let dense = text.replace("\n\n", "\n");
-    assert_eq!(diff(&dense, &edited(&dense, change)), "+    task: (max_episode_steps: 800),\n");
-    // A value that is the default again stays where it was written.
-    let change = |scenario: &mut Scenario| scenario.lidar.beams = 24;
-    assert_eq!(edited(text, change), text.replace("30", "24"));
-}
-
-#[test]
-fn elements_are_known_again_when_others_come_and_go() {
-    let text = "(name: \"x\", obstacles: [\n    // a\n    (shape: Circle(radius_m: 0.1), position_m: (0.0, 0.0)),\n\
-        \x20   // b\n    (shape: Circle(radius_m: 0.2), position_m: (1.0, 0.0)),\n\
-        \x20   // c\n    (shape: Circle(radius_m: 0.3), position_m: (2.0, 0.0)),\n])\n";
-    // The first goes, the third moves, a new one stands at the end.
-    let written = edited(text, |scenario| {
-        scenario.obstacles.remove(0);
-        scenario.obstacles[1].position_m = vec2(2.5, 0.0);
-        scenario.obstacles.push(circle(9.0, 9.0));
-    });
-    assert_eq!(
-        written,
-        "(name: \"x\", obstacles: [\n    // b\n    (shape: Circle(radius_m: 0.2), position_m: (1.0, 0.0)),\n\
-        \x20   // c\n    (shape: Circle(radius_m: 0.3), position_m: (2.5, 0.0)),\n\
-        \x20   (shape: Circle(radius_m: 0.15), position_m: (9.0, 9.0)),\n])\n"
-    );
-    // One that has moved is known by its shape.
-    let written = edited(text, |scenario| {
-        scenario.obstacles.drain(..2);
-        scenario.obstacles[0].position_m = vec2(2.5, 0.0);
-    });
-    assert_eq!(
-        written,
-        "(name: \"x\", obstacles: [\n    // c\n    (shape: Circle(radius_m: 0.3), position_m: (2.5, 0.0)),\n])\n"
-    );
-}
-
-#[test]
 fn a_file_keeps_its_line_ends() {
     let text = file("scenario-1.ron").replace('\n', "\r\n");
     assert_eq!(to_text(&read(&text), Some(&text)), text);
@@ -567,15 +467,6 @@ fn a_world_of_ten_thousand_keeps_its_lines() {
         scenario.obstacles.retain(|obstacle| obstacle.position_m.x % 3.0 != 0.0);
         scenario.obstacles.iter_mut().for_each(|obstacle| obstacle.position_m.y = 0.75);
     });
-}
-
-#[test]
-fn where_the_old_words_do_not_serve_nothing_is_lost() {
-    // ron takes `r#beams` for `beams`; the writer doesn't see it, and would write a second one.
-    let text = "// mine\n(name: \"x\", lidar: (r#beams: 30))\n";
-    assert_eq!(to_text(&read(text), Some(text)), text);
-    let written = edited(text, |scenario| scenario.lidar.beams = 31);
-    assert_eq!(written, "(\n    name: \"x\",\n\n    lidar: (beams: 31),\n)\n");
 }
 
 fn number() -> impl Strategy<Value = f32> {

@@ -16,9 +16,9 @@ use std::path::Path;
 pub use self::annotations::Annotation;
 pub use self::series::{DownsampledSeries, MAX_POINTS, MOVING_AVERAGE_EPISODES, MovingAverage};
 use self::spool::Spool;
-use crate::report::learning_curve::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::report::raster::png;
+use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 use crate::run::checkpoint::BestPolicy;
 use crate::run::folder::write_atomic;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
@@ -231,7 +231,7 @@ impl History {
         write_atomic(to, |file| self.rows.write_csv_to(file))
     }
 
-    /// Draws the learning curve under `title`, as a PNG of 1800 pixels across; in a browser, which draws such itself, as
+    /// Draws the learning curve under `title`, as a PNG 1280 pixels wide; in a browser, which draws such itself, as
     /// the SVG.
     ///
     /// # Errors
@@ -240,7 +240,7 @@ impl History {
         let (episodes, evaluations) = self.learning_curve_points();
         let svg = learning_curve_svg(title, &episodes, &evaluations, BestPolicy::COST_TOLERANCE);
         #[cfg(not(target_arch = "wasm32"))]
-        let bytes = svg.and_then(|svg| png(&svg, 1.0)).map_err(|error| error.to_string())?;
+        let bytes = svg.and_then(|svg| png(&svg, 2.0)).map_err(|error| error.to_string())?;
         #[cfg(target_arch = "wasm32")]
         let bytes = svg.map_err(|error| error.to_string())?.into_bytes();
         write_atomic(to, |file| file.write_all(&bytes)).map_err(|error| error.to_string())

@@ -35,6 +35,33 @@ pub fn format_percent(share: f64) -> String {
     if percent.is_finite() { format!("{percent:.*}%", usize::from(percent != 100.0)) } else { "–".into() }
 }
 
+/// A number in about three figures, with a true minus sign.
+#[must_use]
+pub fn format_value(value: f32) -> String {
+    format_decimals(value, decimals_for(value))
+}
+
+/// Decimals that give a number of the size of `value` about three figures.
+#[must_use]
+pub fn decimals_for(value: f32) -> usize {
+    match value.abs() {
+        size if size >= 99.95 => 0,
+        size if size >= 9.995 => 1,
+        _ => 2,
+    }
+}
+
+/// A number with so many decimals and a true minus sign.
+#[must_use]
+pub fn format_decimals(value: f32, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
+        Some(rest) => format!("\u{2212}{rest}"),
+        None => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -50,5 +77,13 @@ mod tests {
         assert_eq!([0.97, 12.4, 1234.0].map(format_factor), ["1.0×", "12×", "1,234×"]);
         assert_eq!([0.0, 0.987, 1.0].map(format_percent), ["0.0%", "98.7%", "100%"]);
         assert_eq!([0.9996, f64::NAN].map(format_percent), ["99.9%", "–"]);
+    }
+
+    #[test]
+    fn numbers_have_about_three_figures() {
+        assert_eq!(
+            ["0.00", "\u{2212}1.25", "12.3", "100"],
+            [-0.001, -1.25, 12.34, 99.96].map(format_value)[..]
+        );
     }
 }

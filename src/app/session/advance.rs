@@ -14,7 +14,8 @@ use crate::agent::{ActiveLearner, TrainingWarning};
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::{Command, SessionMode};
 use crate::run::background_evaluator::RUNS_ON_CALLER_THREAD;
-use crate::run::{RunError, metrics, simulation};
+use crate::run::{RunError, metrics};
+use crate::simulation;
 use crate::task::{CurrentScenario, EpisodeEnded, Fault, StepOutcomes, TaskFault};
 
 /// The words by which a warning of the training begins; with another training it is gone.
@@ -110,7 +111,7 @@ impl Session {
                 matches!(world.resource_mut::<TaskFault>().0.take(), Some(Fault::NoFreeSpace { .. }));
             self.broken |= !no_room && self.mode == SessionMode::Train;
         }
-        stepped
+        stepped.map_err(RunError::from)
     }
 
     /// Hands the present policy to the examiner.

@@ -6,15 +6,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bevy::prelude::App;
 use serde::{Deserialize, Serialize};
 
 use super::interventions::{self, Intervention};
 use crate::agent::ActiveLearner;
 use crate::learning::{Learner, Policy};
 use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder};
-use crate::run::{RunError, checkpoint, learner_setup, policy_card, simulation};
+use crate::run::{RunError, checkpoint, policy_card, training_setup};
 use crate::scenario::{Scenario, diagnostics, read_ron_with_limit};
+use crate::simulation::Simulation;
 use crate::task::{Fault, TaskFault};
 
 /// Its name in a saved run's folder.
@@ -128,25 +128,31 @@ impl Journal {
     ///
     /// # Errors
     /// The configuration or the policy cannot be used, or the training fails.
-    pub fn replay(&self, policy: Option<&Policy>) -> Result<App, RunError> {
-        let learner = learner_setup::create_learner(&self.begun, policy)?;
+    pub fn replay(&self, policy: Option<&Policy>) -> Result<Simulation, RunError> {
+        let learner = training_setup::create_learner(&self.begun, policy)?;
         let scenario = Arc::new(self.begun.scenario.clone());
-        let mut app = simulation::training_app(&scenario, &self.begun.preset, self.begun.seed, learner);
+        let mut simulation = training_setup::training(
+            &scenario,
+            &self.begun.preset,
+            self.begun.seed,
+            learner,
+            &self.begun.extensions,
+        );
         let mut entries = self.entries.iter().peekable();
         for step in 0..=self.steps {
             while let Some(entry) = entries.next_if(|entry| entry.after_steps == step) {
-                interventions::apply(app.world_mut(), &entry.intervention);
+                interventions::apply(simulation.world_mut(), &entry.intervention);
             }
             if step < self.steps {
                 // A world without room for a goal is told of in the window, and mended there by hand: time goes on.
-                let stepped = simulation::step(app.world_mut());
-                let fault = app.world_mut().resource_mut::<TaskFault>().0.take();
+                let stepped = simulation.step();
+                let fault = simulation.world_mut().resource_mut::<TaskFault>().0.take();
                 if !matches!(fault, Some(Fault::NoFreeSpace { .. })) {
                     stepped?;
                 }
             }
         }
-        Ok(app)
+        Ok(simulation)
     }
 }
 

@@ -47,13 +47,13 @@ use super::app_snapshot::{Choice, Notice, Severity};
 use super::commands::{Command, Pace, SessionMode};
 use super::history::History;
 use crate::agent::ActionSources;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::background_evaluator::BackgroundEvaluator;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::EvaluationRow;
-use crate::run::simulation;
 use crate::scenario::Scenario;
+use crate::simulation::SimulationBuilder;
 use journal::Journal;
 use pacer::Pacer;
 use trails::Trails;
@@ -265,7 +265,7 @@ pub struct SessionPlugin {
 
 impl Plugin for SessionPlugin {
     fn build(&self, app: &mut App) {
-        simulation::add_training_plugins(app);
+        SimulationBuilder::new(&Arc::default()).training().add_to(app);
         let first = self.first.clone();
         app.add_message::<Command>()
             .init_resource::<Trails>()

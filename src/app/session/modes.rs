@@ -7,12 +7,13 @@ use bevy::prelude::*;
 use super::Session;
 use super::interventions::{self, Intervention};
 use super::trails::Trails;
-use crate::agent::{ActionSelection, ActionSource, ActionSources, Decisions, TrainingStats};
+use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions, TrainingStats};
 use crate::app::commands::{Pace, SessionMode};
-use crate::learning::Policy;
+use crate::learning::QNetwork;
+use crate::policy::Policy;
 use crate::random::Stream;
 use crate::run::evaluate;
-use crate::run::{RunError, metrics, policy_card};
+use crate::run::{RunError, policy_card};
 use crate::sim;
 use crate::task::{Actions, Arena, ArenaState, CurrentScenario, Episode, EpisodeEnded, TaskMode};
 
@@ -98,7 +99,7 @@ impl Session {
 
     /// Who drives which arena in `mode`.
     fn drivers(&self, world: &World, mode: SessionMode) -> Result<Vec<ActionSource>, RunError> {
-        let present = || ActionSource::Policy(metrics::policy(&self.config, world));
+        let present = || ActionSource::Policy(world.resource::<ActiveLearner>().0.network().clone());
         Ok(match mode {
             SessionMode::Train | SessionMode::Test => vec![present()],
             SessionMode::Drive => {
@@ -112,7 +113,9 @@ impl Session {
                     ));
                 };
                 self.check_can_drive(name, policy)?;
-                vec![present(), ActionSource::Policy(policy.clone())]
+                let network = QNetwork::from_policy(policy)
+                    .map_err(|error| RunError::InvalidInput(error.to_string()))?;
+                vec![present(), ActionSource::Policy(network)]
             }
         })
     }
@@ -120,7 +123,7 @@ impl Session {
     /// Whether `policy`, called `name`, can drive in the present scenario and sees what the preset shows.
     pub(super) fn check_can_drive(&self, name: &str, policy: &Policy) -> Result<(), RunError> {
         let wrong = |why: String| RunError::InvalidInput(format!("{name}: {why}"));
-        evaluate::check_compatible(policy, &self.config.scenario)
+        evaluate::check_compatible(policy, &self.config.scenario, &self.config.observation_layout())
             .map_err(|error| wrong(error.to_string()))?;
         if policy_card::encoding(policy)? != self.config.preset.observation {
             return Err(wrong("its observations are in other units than those of the chosen preset".into()));

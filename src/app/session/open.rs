@@ -10,7 +10,7 @@ use super::Session;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::{Choice, Severity};
 use crate::app::commands::SessionMode;
-use crate::learning::Policy;
+use crate::policy::Policy;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
 use crate::run::{RunError, policy_card, shipped};

@@ -106,7 +106,7 @@ impl Session {
         let episodes = path.join("episodes.csv");
         let rows = world.resource_mut::<TrainingHistory>().0.write_csv(&episodes);
         rows.map_err(|error| failed("episodes.csv", error.to_string()))?;
-        let mut evaluations = folder.csv::<EvaluationRow>("evaluations.csv", 0)?;
+        let mut evaluations = folder.csv::<EvaluationRow>("evaluations.csv", 0, &[])?;
         for row in &self.evaluations {
             evaluations.serialize(row).map_err(|error| failed("evaluations.csv", error.to_string()))?;
         }

@@ -26,7 +26,7 @@ use crate::run::background_evaluator::BackgroundEvaluator;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
-use crate::run::{RunError, learner_setup, metrics, simulation};
+use crate::run::{RunError, metrics, training_setup};
 use crate::scenario::Scenario;
 
 /// A training that could begin.
@@ -70,7 +70,7 @@ pub(super) fn first_session(world: &mut World, first: &StartOptions) {
 }
 
 fn prepare(config: RunConfig, init: Option<Policy>) -> Result<Beginning, RunError> {
-    let learner = learner_setup::create_learner(&config, init.as_ref())?;
+    let learner = training_setup::create_learner(&config, init.as_ref())?;
     let trainer_state =
         TrainerState { next_evaluation: config.preset.evaluation.every_env_steps, ..TrainerState::default() };
     Ok(Beginning { config, init, learner, trainer_state })
@@ -84,7 +84,7 @@ fn from_nothing(scenario: &str, preset: &str, seed: u64) -> Result<Beginning, Ru
 fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
     let Beginning { config, init, learner, trainer_state } = beginning;
     let scenario = Arc::new(config.scenario.clone());
-    simulation::start_training(world, &scenario, &config.preset, config.seed, learner);
+    training_setup::start_training(world, &scenario, &config.preset, config.seed, learner);
     world.resource_mut::<Trails>().restart(config.preset.arenas);
     world.resource_mut::<TrainingHistory>().0.clear();
     Session {
@@ -124,7 +124,7 @@ fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
 /// Who examines the policies of a training in `scenario`.
 pub(super) fn evaluator(config: &RunConfig, scenario: &Arc<Scenario>) -> BackgroundEvaluator {
     let seed = metrics::evaluation_seed(config.seed);
-    BackgroundEvaluator::new(scenario, config.preset.evaluation.episodes, seed)
+    BackgroundEvaluator::new(scenario, config.preset.evaluation.episodes, seed, &config.extensions)
 }
 
 impl Session {

@@ -12,6 +12,7 @@ use super::{Candidate, EvalResult};
 use crate::run::RunError;
 use crate::run::evaluate::{Evaluation, EvaluationRun, Evaluator};
 use crate::scenario::Scenario;
+use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
 /// So long he works when asked, or one control step if that is longer.
@@ -32,9 +33,9 @@ impl BackgroundEvaluator {
     /// An examiner who drives `episodes` episodes of `scenario` with each policy, always the same ones, of
     /// `seed`.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, episodes: usize, seed: u64) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, episodes: usize, seed: u64, extensions: &Extensions) -> Self {
         // At once: to build a world takes longer than any slice.
-        let evaluator = Evaluator::new(scenario, episodes);
+        let evaluator = Evaluator::with_extensions(scenario, episodes, extensions);
         let scenario = scenario.clone();
         Self { scenario, episodes, seed, waiting: VecDeque::new(), evaluator, drive: None }
     }
@@ -104,10 +105,10 @@ mod tests {
         let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
         let (_, policy) = &shipped::policies()[0];
         let candidate = || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0 };
-        let mut there = threaded::BackgroundEvaluator::new(&scenario, 40, 3);
+        let mut there = threaded::BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
         there.submit(candidate()).expect("handed in");
         let expected = there.poll(true).expect("alive").expect("handed in").result.expect("drives");
-        let mut here = BackgroundEvaluator::new(&scenario, 40, 3);
+        let mut here = BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
         here.submit(candidate()).expect("handed in");
         let examined = loop {
             if let Some(eval_result) = here.poll(false).expect("none") {

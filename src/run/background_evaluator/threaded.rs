@@ -12,6 +12,7 @@ use super::{Candidate, EvalResult};
 use crate::run::RunError;
 use crate::run::evaluate::{Evaluation, Evaluator};
 use crate::scenario::Scenario;
+use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
 /// The examiner, seen from the training loop.
@@ -26,12 +27,12 @@ impl BackgroundEvaluator {
     /// An examiner who drives `episodes` episodes of `scenario` with each policy, always the same ones, of
     /// `seed`.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, episodes: usize, seed: u64) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, episodes: usize, seed: u64, extensions: &Extensions) -> Self {
         let (candidates, inbox) = channel::<Candidate>();
         let (outbox, examinations) = channel();
-        let scenario = scenario.clone();
+        let (scenario, extensions) = (scenario.clone(), extensions.clone());
         thread::spawn(move || {
-            let mut evaluator = Evaluator::new(&scenario, episodes);
+            let mut evaluator = Evaluator::with_extensions(&scenario, episodes, &extensions);
             for candidate in inbox {
                 let driven = evaluator.run(&candidate.policy, seed, episodes, EpisodeSetup::Random);
                 let result =

@@ -1,7 +1,6 @@
-//! How much room text takes.
+//! The width of text, and text shortened or wrapped to a width.
 //!
-//! In: a text and its size. Out: its width by Arial's measures, and the text cut or wrapped to a width. What
-//! shows the figure may have another font of the same stack, so widths are meant a little wide.
+//! Widths follow Arial's metrics and are slightly too large, because the viewer may use another font of the stack.
 
 /// The width of a line of text in drawn pixels.
 pub(crate) fn text_width(text: &str, size: f64) -> i32 {
@@ -9,9 +8,9 @@ pub(crate) fn text_width(text: &str, size: f64) -> i32 {
     (ems * size / 1.24 * 1.02).ceil() as i32
 }
 
-/// The advance of a sign, in ems.
-fn advance(sign: char) -> f64 {
-    match sign {
+/// The approximate advance of a character, in ems.
+fn advance(c: char) -> f64 {
+    match c {
         'i' | 'j' | 'l' | '\'' => 0.23,
         ' ' | '.' | ',' | ':' | ';' | '!' | '/' | '|' | '\\' | 't' | 'f' | 'I' | '·' | '[' | ']' => 0.28,
         '(' | ')' | 'r' | '-' | '°' | '"' | '‘' | '’' | '“' | '”' => 0.36,
@@ -23,7 +22,7 @@ fn advance(sign: char) -> f64 {
     }
 }
 
-/// The text, cut with an ellipsis if it is wider than `width` drawn pixels.
+/// The text, shortened with an ellipsis if it is wider than `width` drawn pixels.
 pub(crate) fn ellipsized(text: &str, size: f64, width: i32) -> String {
     if text_width(text, size) <= width {
         return text.to_owned();
@@ -36,17 +35,17 @@ pub(crate) fn ellipsized(text: &str, size: f64, width: i32) -> String {
     cut + "…"
 }
 
-/// The text in lines no wider than `width` drawn pixels, about as long as each other; one line at least.
+/// The text wrapped into lines of similar length, each at most `width` drawn pixels wide; at least one line.
 pub(crate) fn wrapped(text: &str, size: f64, width: i32) -> Vec<String> {
     let lines = filled(text, size, width);
-    // As narrow as the same number of lines allows: no word is left alone on the last.
+    // Narrow the lines as far as their number allows, so that the last line is not a single word.
     let narrower = (width / 2..width).step_by(16).map(|narrow| filled(text, size, narrow));
-    let mut as_few =
+    let mut balanced =
         narrower.filter(|other| other.len() == lines.len() && !other.iter().any(|l| l.ends_with('…')));
-    as_few.next().unwrap_or(lines)
+    balanced.next().unwrap_or(lines)
 }
 
-/// The text in lines as full as can be.
+/// The text wrapped into lines that are filled one after another.
 fn filled(text: &str, size: f64, width: i32) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
@@ -66,10 +65,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_is_cut_and_wrapped_to_its_room() {
+    fn text_is_shortened_and_wrapped_to_a_width() {
         let size = 26.0 * 1.24;
         assert_eq!(ellipsized("short", size, 200), "short");
-        let cut = ellipsized("a name that is much too long to be written here", size, 200);
+        let cut = ellipsized("a name that is much too long to fit in here", size, 200);
         assert!(cut.ends_with('…') && text_width(&cut, size) <= 200, "{cut}");
         let lines = wrapped("several words that do not fit into a single line", size, 200);
         assert!(lines.len() > 2 && lines.iter().all(|l| text_width(l, size) <= 200), "{lines:?}");

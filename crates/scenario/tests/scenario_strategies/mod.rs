@@ -2,14 +2,13 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Vec2, vec2};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
 use wayfield_random::stream;
 use wayfield_scenario::{
     BenchmarkRoute, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlacementRule,
-    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, diagnostics, draw_start_and_goal, pose_at,
+    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Vec2, Wall, diagnostics, draw_start_and_goal, pose_at, vec2,
 };
 
 /// Numbers of a kind: those that a world may have, or any at all.

@@ -2,11 +2,12 @@
 //!
 //! In: whether it is open, and whether a world is edited. Out: nothing else.
 
-use egui::{Align2, FontId, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
+use egui::{Align2, RichText, Ui, vec2};
 
 use crate::app::screen::editor;
-use crate::app::screen::shortcuts::KEY_BINDINGS;
-use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
+use crate::app::screen::key_bindings::KEY_BINDINGS;
+use crate::app::screen::theme::{BODY, GAP};
+use crate::app::screen::widgets::text::key_cap_ui;
 use crate::app::view_state::ViewState;
 
 const SENTENCES: [&str; 5] = [
@@ -71,16 +72,4 @@ pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
                 }
             });
         });
-}
-
-/// A key as it looks on a keyboard.
-pub fn key_cap_ui(ui: &mut Ui, key: &str) {
-    let palette = Palette::from_ui(ui);
-    let text = ui.painter().layout_no_wrap(key.into(), FontId::proportional(SMALL), palette.text);
-    let size = vec2((text.size().x + 12.0).max(20.0), 20.0);
-    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, key));
-    let stroke = Stroke::new(1.0, palette.border);
-    ui.painter().rect(rect, 4.0, palette.control, stroke, StrokeKind::Inside);
-    ui.painter().galley(rect.center() - text.size() / 2.0, text, palette.text);
 }

@@ -14,13 +14,10 @@
 //! | `help.rs` | what one sees, and the keys |
 //! | `segments.rs`, `buttons.rs` | two controls: a few choices in a row; the primary button |
 
-pub mod buttons;
 pub mod help;
 pub mod notices;
 mod overlays;
 mod readouts;
-mod segments;
 pub mod setup;
-mod setup_form;
 pub mod toolbar;
 mod training;

@@ -6,8 +6,8 @@ use egui::{Align, Align2, Area, Color32, Frame, Id, Layout, Margin, Order as Lay
 
 use crate::app::app_snapshot::{Notice, Severity};
 use crate::app::commands::Command;
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::theme::{GAP, Palette};
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 
 /// More than these would hide the world.
 const MAX_SHOWN: usize = 4;

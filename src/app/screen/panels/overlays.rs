@@ -7,7 +7,7 @@ use egui::{
 };
 use egui::{pos2, vec2};
 
-use crate::app::screen::shortcuts::{Shortcut, key_label};
+use crate::app::screen::key_bindings::{Shortcut, key_label};
 use crate::app::screen::theme::{BODY, Palette, SMALL};
 use crate::app::view_state::Overlays;
 

@@ -2,17 +2,17 @@
 //!
 //! In: the status and the desk. Out: orders. What is chosen here waits in [`SetupForm`] until a button is pressed.
 
-use egui::{Button, Frame, Margin, Response, RichText, ScrollArea, Ui, vec2};
+use egui::{Button, Frame, Margin, ScrollArea, Ui, vec2};
 
-use super::segments::{self, Segment};
-use super::setup_form::SetupForm;
-use super::{help, overlays, training};
+use super::{overlays, training};
 use crate::app::app_snapshot::AppSnapshot;
 use crate::app::commands::{Command, SaveKind, SessionMode};
-use crate::app::screen::ScreenInput;
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
-use crate::app::screen::shortcuts::{Shortcut, with_key_hint};
-use crate::app::screen::theme::{BODY, GAP, SMALL};
+use crate::app::screen::input::ScreenInput;
+use crate::app::screen::key_bindings::{Shortcut, with_key_hint};
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::segments::{self, Segment};
+use crate::app::screen::widgets::text::{key_cap_ui, section_title_ui, separator_ui, weak_text};
+use crate::app::setup_form::SetupForm;
 use crate::app::view_state::{ViewCamera, ViewState};
 
 /// What can be opened.
@@ -43,9 +43,9 @@ fn content_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, c
         driving_help_ui(ui);
         separator_ui(ui);
     }
-    let mut setup_form = SetupForm::load(ui.ctx(), view.status);
+    let mut setup_form = SetupForm::resume(view_state.interaction.setup_form.take(), view.status);
     training::training_ui(ui, view.status, &mut setup_form, commands);
-    setup_form.store(ui.ctx());
+    view_state.interaction.setup_form = Some(setup_form);
     separator_ui(ui);
     section_title_ui(ui, "Overlays");
     overlays::overlays_ui(ui, &mut view_state.overlays);
@@ -135,25 +135,9 @@ fn driving_help_ui(ui: &mut Ui) {
     ] {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
-            keys.iter().for_each(|key| help::key_cap_ui(ui, key));
+            keys.iter().for_each(|key| key_cap_ui(ui, key));
             ui.add_space(3.0);
             ui.label(weak_text(what));
         });
     }
-}
-
-/// A part's heading.
-pub fn section_title_ui(ui: &mut Ui, text: &str) -> Response {
-    ui.label(RichText::new(text).size(BODY).strong())
-}
-
-/// A sentence to be read second.
-pub fn weak_text(text: &str) -> RichText {
-    RichText::new(text).size(SMALL).weak()
-}
-
-fn separator_ui(ui: &mut Ui) {
-    ui.add_space(GAP);
-    ui.separator();
-    ui.add_space(GAP * 0.5);
 }

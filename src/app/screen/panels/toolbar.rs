@@ -5,13 +5,14 @@
 use egui::{Align, FontId, Layout, Sense, Ui, vec2};
 
 use super::readouts;
-use super::segments::{self, Segment};
 use crate::app::commands::{Command, SessionMode};
+use crate::app::screen::bottom_panel::{BottomPanel, visible_bottom_panel};
 use crate::app::screen::editor::confirm_exit;
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
-use crate::app::screen::shortcuts::{PACES, Shortcut, with_key_hint};
+use crate::app::screen::input::ScreenInput;
+use crate::app::screen::key_bindings::{PACES, Shortcut, with_key_hint};
 use crate::app::screen::theme::{BODY, GAP, Palette};
-use crate::app::screen::{BottomPanel, ScreenInput, visible_bottom_panel};
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::segments::{self, Segment};
 use crate::app::view_state::{ThemeChoice, ViewState};
 
 /// What the upper of two rows takes with all its buttons.

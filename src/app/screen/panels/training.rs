@@ -5,14 +5,14 @@
 
 use egui::{Button, ComboBox, DragValue, Frame, Margin, RichText, Slider, Stroke, Ui, vec2};
 
-use super::buttons;
-use super::setup::{section_title_ui, weak_text};
-use super::setup_form::SetupForm;
 use crate::app::app_snapshot::{AppSnapshot, Choice};
 use crate::app::commands::Command;
-use crate::app::screen::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::numbers;
 use crate::app::screen::theme::{BODY, GAP, Palette};
+use crate::app::screen::widgets::buttons;
+use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
+use crate::app::screen::widgets::text::{section_title_ui, weak_text};
+use crate::app::setup_form::SetupForm;
 
 /// The height of the wide buttons.
 const TALL: f32 = 30.0;

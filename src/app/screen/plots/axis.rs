@@ -2,14 +2,11 @@
 //!
 //! In: what part of an axis is visible. Out: few round numbers.
 
-use egui::{Align2, FontId, Rect, pos2, vec2};
-use egui_plot::{GridMark, PlotTransform};
+use egui_plot::GridMark;
 
-use super::card::Trace;
-use crate::app::history::Annotation;
+use crate::app::history::DownsampledSeries;
 use crate::app::screen::numbers;
-use crate::app::screen::theme::{Palette, SMALL};
-use crate::report::table::number;
+use crate::report::format::number;
 
 /// What a y axis measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,13 +34,17 @@ impl AxisScale {
     }
 
     /// Values that the axis must include.
-    pub(super) fn included_values(self, traces: &[Trace<'_>], reference: Option<f64>) -> Vec<f64> {
+    pub(super) fn included_values<'a>(
+        self,
+        series: impl Iterator<Item = &'a DownsampledSeries>,
+        reference: Option<f64>,
+    ) -> Vec<f64> {
         let mut values: Vec<_> = reference.into_iter().collect();
         match self {
             Self::FromZero => values.extend([0.0, 1.0]),
             Self::Log10 => {
-                let points = || traces.iter().flat_map(|trace| trace.series.points()).map(|point| point.y);
-                let (low, high) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                let points = series.flat_map(DownsampledSeries::points).map(|point| point.y);
+                let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                     (low.min(value), high.max(value))
                 });
                 values.extend([low.floor(), high.ceil()].into_iter().filter(|end| end.is_finite()));
@@ -142,37 +143,6 @@ pub fn format_env_steps(value: f64) -> String {
         v if v < 999.5 => number(value, 0),
         v if v < 999_950.0 => trimmed((value / 100.0).round() / 10.0, "k"),
         _ => trimmed(value / 1e6, "M"),
-    }
-}
-
-/// Writes what the marks are at the top of the plot, each beside its line where there is room.
-pub(super) fn label_marks(ui: &egui::Ui, transform: &PlotTransform, marks: &[Annotation], palette: Palette) {
-    let frame = *transform.frame();
-    let painter = ui.painter().with_clip_rect(frame.intersect(ui.clip_rect()));
-    let font = FontId::proportional(SMALL);
-    let mut taken: Vec<Rect> = Vec::new();
-    for mark in marks.iter().rev() {
-        let x = transform.position_from_point_x(mark.env_steps as f64);
-        if !frame.x_range().contains(x) {
-            continue;
-        }
-        let galley = painter.layout_no_wrap(mark.text.clone(), font.clone(), palette.weak_text);
-        let size = galley.size();
-        // To the right of its line or to the left, in the lowest row or the one above.
-        let places = [0.0, 1.0].into_iter().flat_map(|row| {
-            let y = frame.bottom() - 4.0 - row * (size.y + 1.0);
-            let right = Align2::LEFT_BOTTOM.anchor_size(pos2(x + 4.0, y), size);
-            [right, right.translate(vec2(-size.x - 8.0, 0.0))]
-        });
-        let free = |place: &Rect| {
-            frame.contains_rect(*place)
-                && !taken.iter().any(|other| other.intersects(place.expand2(vec2(3.0, 0.0))))
-        };
-        if let Some(place) = places.into_iter().find(free) {
-            painter.rect_filled(place.expand2(vec2(2.0, 0.0)), 2.0, palette.panel.gamma_multiply(0.85));
-            painter.galley(place.min, galley, palette.weak_text);
-            taken.push(place);
-        }
     }
 }
 

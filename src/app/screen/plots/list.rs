@@ -1,10 +1,8 @@
-//! The list of plots: what each shows, in which words and colours.
-//!
-//! In: the curves. Out: a card each ([`card`](super::card)).
+//! The list of plots: the title, lines and colours of each card.
 
 use super::axis::AxisScale;
-use super::card::{self, Card, CardContext, CardResponse, Trace, TraceStyle};
-use crate::app::history::{DownsampledSeries, LearningCurves};
+use super::card::{Card, Trace, TraceStyle};
+use crate::app::history::{DownsampledSeries, LearningCurves, MovingAverage};
 use crate::app::screen::theme::Palette;
 
 /// The paper's success rate of PER-D3QN in Scenario I (table 2), 0 to 1.
@@ -12,238 +10,164 @@ const PAPER_SUCCESS: f64 = 0.96;
 /// The return per episode at which the paper's PER-D3QN settles in Scenario I (fig. 9), as in
 /// `assets/experiments/fig9.ron`.
 const PAPER_RETURN: f64 = 2500.0;
+/// The text of a card whose values come from gradient steps, before the first one.
+const BEFORE_LEARNING: &str = "Learning starts once enough experience is collected";
 
-/// The share of goals that were reached.
-pub fn success_ui(
-    ui: &mut egui::Ui,
-    curves: &LearningCurves,
-    shared: &CardContext<'_>,
-    labelled: bool,
-) -> CardResponse {
-    let palette = Palette::from_ui(ui);
-    let card = Card {
+/// The state of the session that decides which texts and reference lines are shown.
+#[derive(Clone, Copy, Debug)]
+pub struct PlotContext {
+    /// The scenario is the paper's Scenario I, so the paper's levels apply.
+    pub is_paper_scenario_1: bool,
+    /// The mode is Train. In all other modes training is paused.
+    pub training: bool,
+    /// There is a disk. Without one (in a browser) pictures are saved as SVG.
+    pub has_disk: bool,
+}
+
+/// The cards that are always shown.
+#[must_use]
+pub fn main_cards(curves: &LearningCurves, palette: Palette, context: PlotContext) -> [Card<'_>; 3] {
+    [success(curves, palette, context), returns(curves, palette, context), goals(curves, palette)]
+}
+
+/// The cards under "More".
+#[must_use]
+pub fn more_cards(curves: &LearningCurves, palette: Palette) -> [Card<'_>; 4] {
+    [
+        errors(curves, palette),
+        mean_q(curves, palette),
+        epsilon(curves, palette),
+        reward_terms(curves, palette),
+    ]
+}
+
+fn success(curves: &LearningCurves, palette: Palette, context: PlotContext) -> Card<'_> {
+    let line = |name, series, color, style| Trace { name, short_name: name, series, color, style };
+    Card {
         title: "Success rate",
-        about: "The share of goals that were reached. Greedy: the policy alone, tested now and then on navigations \
-                it has never seen. In training: over the last 100 episodes, random actions included; the navigation \
-                with which an episode ends counts as failed, even if it was only out of time.",
+        about: "Share of goals reached. Greedy: regular tests of the policy without random actions, on starts and \
+                goals it has not been trained on. In training: over the last 100 episodes, including random actions; \
+                the last goal of each episode counts as missed, even if only the time ran out",
         scale: AxisScale::Percent,
         digits: 0,
-        traces: &[
-            Trace {
-                name: "greedy",
-                short_name: "greedy",
-                series: &curves.evaluated,
-                color: palette.accent,
-                style: TraceStyle::Dots,
-            },
-            Trace {
-                name: "in training",
-                short_name: "in training",
-                series: curves.success.series(),
-                color: palette.weak_text,
-                style: TraceStyle::Faint,
-            },
+        traces: vec![
+            line("greedy", &curves.evaluated, palette.accent, TraceStyle::Dots),
+            line("in training", curves.success.series(), palette.weak_text, TraceStyle::Faint),
         ],
         no_primary_trace: false,
-        reference: shared.when.is_paper_scenario_1.then_some((PAPER_SUCCESS, "paper 96%")),
-        empty_text: if shared.when.training { "The first episodes end in a moment" } else { "" },
-    };
-    card::card_ui(ui, &card, shared, labelled)
+        reference: context.is_paper_scenario_1.then_some((PAPER_SUCCESS, "paper 96%")),
+        empty_text: if context.training { "Waiting for the first episodes" } else { "" },
+    }
 }
 
-/// What a [`TraceStyle::Spread`] shows, and in short.
-fn spread(series: &DownsampledSeries) -> (&'static str, &'static str) {
-    if series.is_full_resolution() { ("each episode", "each") } else { ("lowest to highest", "range") }
-}
-
-/// The sum of an episode's rewards.
-pub fn returns_ui(
-    ui: &mut egui::Ui,
-    curves: &LearningCurves,
-    shared: &CardContext<'_>,
-    labelled: bool,
-) -> CardResponse {
-    let palette = Palette::from_ui(ui);
-    let card = Card {
+fn returns(curves: &LearningCurves, palette: Palette, context: PlotContext) -> Card<'_> {
+    Card {
         title: "Return per episode",
-        about: "The sum of an episode's rewards. The paper's robot settles at 2,500 in Scenario I.",
+        about: "Sum of the rewards of an episode. The paper's robot settles at 2,500 in Scenario I",
         scale: AxisScale::Linear,
         digits: 0,
-        traces: &[
-            Trace {
-                name: "mean of 100 episodes",
-                short_name: "mean of 100",
-                series: curves.return_mean.series(),
-                color: palette.accent,
-                style: TraceStyle::Main,
-            },
-            Trace {
-                name: spread(&curves.returns).0,
-                short_name: spread(&curves.returns).1,
-                series: &curves.returns,
-                color: palette.weak_text,
-                style: TraceStyle::Spread,
-            },
-        ],
+        traces: mean_and_spread(&curves.return_mean, &curves.returns, palette),
         no_primary_trace: false,
-        reference: shared.when.is_paper_scenario_1.then_some((PAPER_RETURN, "paper 2,500")),
+        reference: context.is_paper_scenario_1.then_some((PAPER_RETURN, "paper 2,500")),
         empty_text: "",
-    };
-    card::card_ui(ui, &card, shared, labelled)
+    }
 }
 
-/// Targets reached in an episode.
-pub fn goals_ui(
-    ui: &mut egui::Ui,
-    curves: &LearningCurves,
-    shared: &CardContext<'_>,
-    labelled: bool,
-) -> CardResponse {
-    let palette = Palette::from_ui(ui);
-    let card = Card {
-        title: "Targets per episode",
-        about: "How many goals are reached before a collision or the time limit.",
+fn goals(curves: &LearningCurves, palette: Palette) -> Card<'_> {
+    Card {
+        title: "Goals per episode",
+        about: "Goals reached before a collision or the time limit",
         scale: AxisScale::FromZero,
         digits: 1,
-        traces: &[
-            Trace {
-                name: "mean of 100 episodes",
-                short_name: "mean of 100",
-                series: curves.goal_mean.series(),
-                color: palette.accent,
-                style: TraceStyle::Main,
-            },
-            Trace {
-                name: spread(&curves.goals).0,
-                short_name: spread(&curves.goals).1,
-                series: &curves.goals,
-                color: palette.weak_text,
-                style: TraceStyle::Spread,
-            },
-        ],
+        traces: mean_and_spread(&curves.goal_mean, &curves.goals, palette),
         no_primary_trace: false,
         reference: None,
         empty_text: "",
-    };
-    card::card_ui(ui, &card, shared, labelled)
+    }
 }
 
-/// The loss and the TD error.
-pub fn errors_ui(
-    ui: &mut egui::Ui,
-    curves: &LearningCurves,
-    shared: &CardContext<'_>,
-    labelled: bool,
-) -> CardResponse {
-    let palette = Palette::from_ui(ui);
-    let card = Card {
-        title: "Loss and error",
-        about: "How far the network's predictions are off, on a logarithmic axis: the loss that is minimized, and the \
-                mean absolute TD error, in units of reward as they are learnt.",
+fn errors(curves: &LearningCurves, palette: Palette) -> Card<'_> {
+    Card {
+        title: "Loss and TD error",
+        about: "Error of the network's predictions on a logarithmic axis: the loss, and the mean absolute TD error in \
+                units of the scaled reward",
         scale: AxisScale::Log10,
         digits: 2,
-        traces: &[
-            Trace {
-                name: "loss",
-                short_name: "loss",
-                series: &curves.loss_log,
-                color: palette.accent,
-                style: TraceStyle::Main,
-            },
-            Trace {
-                name: "|TD error|",
-                short_name: "|TD error|",
-                series: &curves.td_error_log,
-                color: palette.weak_text,
-                style: TraceStyle::Main,
-            },
+        traces: vec![
+            main_line("loss", "loss", &curves.loss_log, palette.accent),
+            main_line("|TD error|", "|TD error|", &curves.td_error_log, palette.weak_text),
         ],
         no_primary_trace: true,
         reference: None,
-        empty_text: "Learning begins when enough has been seen",
-    };
-    card::card_ui(ui, &card, shared, labelled)
+        empty_text: BEFORE_LEARNING,
+    }
 }
 
-/// What the network expects.
-pub fn mean_q_ui(
-    ui: &mut egui::Ui,
-    curves: &LearningCurves,
-    shared: &CardContext<'_>,
-    labelled: bool,
-) -> CardResponse {
-    let palette = Palette::from_ui(ui);
-    let card = Card {
+fn mean_q(curves: &LearningCurves, palette: Palette) -> Card<'_> {
+    Card {
         title: "Mean Q-value",
-        about: "What the network expects of the actions taken, in units of reward as they are learnt.",
+        about: "Mean Q-value of the actions taken, in units of the scaled reward",
         scale: AxisScale::Linear,
         digits: 2,
-        traces: &[Trace {
-            name: "of the actions taken",
-            short_name: "actions taken",
-            series: &curves.mean_q,
-            color: palette.accent,
-            style: TraceStyle::Main,
-        }],
+        traces: vec![main_line("of the actions taken", "actions taken", &curves.mean_q, palette.accent)],
         no_primary_trace: false,
         reference: None,
-        empty_text: "Learning begins when enough has been seen",
-    };
-    card::card_ui(ui, &card, shared, labelled)
+        empty_text: BEFORE_LEARNING,
+    }
 }
 
-/// How much is explored.
-pub fn epsilon_ui(
-    ui: &mut egui::Ui,
-    curves: &LearningCurves,
-    shared: &CardContext<'_>,
-    labelled: bool,
-) -> CardResponse {
-    let palette = Palette::from_ui(ui);
-    let card = Card {
+fn epsilon(curves: &LearningCurves, palette: Palette) -> Card<'_> {
+    Card {
         title: "Epsilon",
-        about: "The chance that an action is a random one, to explore.",
+        about: "Probability of a random action (exploration)",
         scale: AxisScale::Unit,
         digits: 2,
-        traces: &[Trace {
-            name: "random actions",
-            short_name: "random actions",
-            series: &curves.epsilon,
-            color: palette.accent,
-            style: TraceStyle::Main,
-        }],
+        traces: vec![main_line("random actions", "random actions", &curves.epsilon, palette.accent)],
         no_primary_trace: false,
         reference: None,
         empty_text: "",
-    };
-    card::card_ui(ui, &card, shared, labelled)
+    }
 }
 
-/// What the return is made of.
-pub fn reward_terms_ui(
-    ui: &mut egui::Ui,
-    curves: &LearningCurves,
-    shared: &CardContext<'_>,
-    labelled: bool,
-) -> CardResponse {
-    let palette = Palette::from_ui(ui);
-    let term =
-        |name, short_name, series, color| Trace { name, short_name, series, color, style: TraceStyle::Main };
-    let card = Card {
-        title: "Reward by its terms",
-        about: "What an episode's return is made of, as means of 100 episodes: for reaching goals, for the \
-                collision, for coming nearer to the goal, for coming nearer to obstacles.",
+fn reward_terms(curves: &LearningCurves, palette: Palette) -> Card<'_> {
+    Card {
+        title: "Reward terms",
+        about: "The terms that add up to the return, averaged over 100 episodes: goals reached, collisions, progress \
+                towards the goal, and approaching obstacles",
         scale: AxisScale::Linear,
         digits: 0,
-        traces: &[
-            term("reached", "reached", curves.reached.series(), palette.success),
-            term("collided", "collided", curves.collided.series(), palette.error),
-            term("attraction", "attract.", curves.attraction.series(), palette.accent),
-            term("repulsion", "repuls.", curves.repulsion.series(), palette.warning),
+        traces: vec![
+            main_line("reached", "reached", curves.reached.series(), palette.success),
+            main_line("collided", "collided", curves.collided.series(), palette.error),
+            main_line("attraction", "attract.", curves.attraction.series(), palette.accent),
+            main_line("repulsion", "repuls.", curves.repulsion.series(), palette.warning),
         ],
         no_primary_trace: true,
         reference: None,
         empty_text: "",
-    };
-    card::card_ui(ui, &card, shared, labelled)
+    }
+}
+
+fn main_line<'a>(
+    name: &'static str,
+    short_name: &'static str,
+    series: &'a DownsampledSeries,
+    color: egui::Color32,
+) -> Trace<'a> {
+    Trace { name, short_name, series, color, style: TraceStyle::Main }
+}
+
+/// The moving average of a value per episode, and the values themselves behind it.
+fn mean_and_spread<'a>(
+    mean: &'a MovingAverage,
+    each: &'a DownsampledSeries,
+    palette: Palette,
+) -> Vec<Trace<'a>> {
+    let (name, short_name) =
+        if each.is_full_resolution() { ("each episode", "each") } else { ("min–max", "min–max") };
+    let (color, style) = (palette.weak_text, TraceStyle::Spread);
+    vec![
+        main_line("mean of 100 episodes", "mean of 100", mean.series(), palette.accent),
+        Trace { name, short_name, series: each, color, style },
+    ]
 }

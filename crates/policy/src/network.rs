@@ -1,0 +1,257 @@
+//! The shape of a Q-network (fig. 5 of the paper), and its forward pass in plain loops.
+//!
+//! Fully connected layers with ReLU, then Q-values, plain or dueling. The learner computes the same function on
+//! dfdx; `crates/learning/tests/policy.rs` holds one against the other.
+
+use std::fmt;
+use std::ops::{Range, RangeInclusive};
+
+use serde::{Deserialize, Serialize};
+
+/// The most parameters of a network: 64 MB of f32.
+pub const MAX_PARAMETERS: usize = 1 << 24;
+/// The most units of a layer, and the most inputs.
+const MAX_UNITS: usize = 4096;
+/// The most hidden layers.
+const MAX_LAYERS: usize = 8;
+/// The most actions: replay buffers store an action in one byte.
+const MAX_ACTIONS: usize = 255;
+
+/// The sizes of a Q-network.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NetworkShape {
+    /// Length of an observation, 1 to 4096.
+    pub inputs: usize,
+    /// Widths of the hidden layers: at most 8, each 1 to 4096.
+    pub hidden: Vec<usize>,
+    /// Number of discrete actions, 1 to 255.
+    pub actions: usize,
+    /// Whether the head is dueling (state value and advantages) or plain Q-values.
+    pub dueling: bool,
+}
+
+/// One named parameter tensor and its place in the flat parameter vector.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ParameterView {
+    /// The tensor's name, such as "hidden.0.weight", "value.bias" or "output.weight".
+    pub name: String,
+    /// `[outputs, inputs]` for a weight (row-major, as in PyTorch), `[outputs]` for a bias.
+    pub shape: Vec<usize>,
+    /// Its range in the flat parameter vector.
+    pub range: Range<usize>,
+}
+
+/// A size of a network that is out of range.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{field}: {problem}")]
+pub struct ShapeError {
+    /// The size at fault, such as "network.hidden[1]".
+    pub field: String,
+    /// What is wrong, and the range that is allowed.
+    pub problem: String,
+}
+
+impl NetworkShape {
+    /// Checks every size against its range.
+    ///
+    /// # Errors
+    /// The first size out of its range.
+    pub fn check(&self) -> Result<(), ShapeError> {
+        in_range("network.inputs", self.inputs, 1..=MAX_UNITS)?;
+        in_range("network.actions", self.actions, 1..=MAX_ACTIONS)?;
+        Self::check_hidden(&self.hidden)?;
+        in_range("network.parameters", self.parameter_count(), 1..=MAX_PARAMETERS)
+    }
+
+    /// Checks the widths of hidden layers alone: at most 8 layers, each of 1 to 4096 units.
+    ///
+    /// # Errors
+    /// Too many layers, or the first width out of its range.
+    pub fn check_hidden(hidden: &[usize]) -> Result<(), ShapeError> {
+        if hidden.len() > MAX_LAYERS {
+            let problem = format!("{} layers are too many; give at most {MAX_LAYERS}", hidden.len());
+            return Err(ShapeError { field: "network.hidden".into(), problem });
+        }
+        let mut widths = hidden.iter().enumerate();
+        widths.try_for_each(|(i, &width)| in_range(&format!("network.hidden[{i}]"), width, 1..=MAX_UNITS))
+    }
+
+    /// `(inputs, outputs)` of each layer, the head last. A dueling head has one output for the state value V,
+    /// then one per action for the advantages A.
+    pub fn layers(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let head = self.actions + usize::from(self.dueling);
+        let inputs = std::iter::once(self.inputs).chain(self.hidden.iter().copied());
+        inputs.zip(self.hidden.iter().copied().chain(std::iter::once(head)))
+    }
+
+    /// The number of parameters in all layers.
+    #[must_use]
+    pub fn parameter_count(&self) -> usize {
+        self.layers().fold(0_usize, |sum, (inputs, outputs)| {
+            sum.saturating_add(inputs.saturating_add(1).saturating_mul(outputs))
+        })
+    }
+
+    /// Every parameter tensor in its stable order. A dueling head is stored as one matrix whose first row
+    /// belongs to the state value.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<ParameterView> {
+        let mut views = Vec::new();
+        let mut start = 0;
+        let mut push = |name: String, shape: Vec<usize>| {
+            let range = start..start + shape.iter().product::<usize>();
+            start = range.end;
+            views.push(ParameterView { name, shape, range });
+        };
+        for (i, (inputs, outputs)) in self.layers().enumerate() {
+            let parts = if i < self.hidden.len() {
+                vec![(format!("hidden.{i}"), outputs)]
+            } else if self.dueling {
+                vec![("value".to_string(), 1), ("advantage".to_string(), self.actions)]
+            } else {
+                vec![("output".to_string(), outputs)]
+            };
+            for (part, outputs) in &parts {
+                push(format!("{part}.weight"), vec![*outputs, inputs]);
+            }
+            for (part, outputs) in &parts {
+                push(format!("{part}.bias"), vec![*outputs]);
+            }
+        }
+        views
+    }
+}
+
+impl fmt::Display for NetworkShape {
+    /// As in "28-64-64-dueling 5".
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-", self.inputs)?;
+        self.hidden.iter().try_for_each(|width| write!(f, "{width}-"))?;
+        write!(f, "{}{}", if self.dueling { "dueling " } else { "" }, self.actions)
+    }
+}
+
+/// Working memory of a forward pass. Reuse one to decide without allocating.
+#[derive(Debug, Clone, Default)]
+pub struct Scratch {
+    units: Vec<f32>,
+    next: Vec<f32>,
+}
+
+/// The Q-values of one `observation` under a network of `shape` with these flat `parameters`, in `scratch`.
+///
+/// `observation` must have `shape.inputs` elements; `parameters` must have [`NetworkShape::parameter_count`].
+pub(crate) fn forward<'a>(
+    shape: &NetworkShape,
+    parameters: &[f32],
+    observation: &[f32],
+    scratch: &'a mut Scratch,
+) -> &'a [f32] {
+    let Scratch { units, next } = scratch;
+    units.clear();
+    units.extend_from_slice(observation);
+    let mut rest = parameters;
+    for (i, (inputs, outputs)) in shape.layers().enumerate() {
+        let (weight, tail) = rest.split_at(inputs * outputs);
+        let (bias, tail) = tail.split_at(outputs);
+        rest = tail;
+        next.clear();
+        next.extend(weight.chunks_exact(inputs).zip(bias).map(|(row, bias)| {
+            let sum = row.iter().zip(units.iter()).fold(*bias, |sum, (weight, unit)| sum + weight * unit);
+            if i < shape.hidden.len() { sum.max(0.0) } else { sum }
+        }));
+        std::mem::swap(units, next);
+    }
+    if !shape.dueling {
+        return units;
+    }
+    // Q = V + A - mean(A): eq. (2) of the dueling network.
+    let (value, advantages) = (units[0], &mut units[1..]);
+    let mean = advantages.iter().sum::<f32>() / shape.actions as f32;
+    advantages.iter_mut().for_each(|advantage| *advantage += value - mean);
+    &units[1..]
+}
+
+/// The index of the largest Q-value of `q_row`; the lowest index among equals. An empty row gives 0.
+#[must_use]
+pub fn greedy(q_row: &[f32]) -> usize {
+    let mut best = 0;
+    for (action, &q) in q_row.iter().enumerate() {
+        if q > q_row[best] {
+            best = action;
+        }
+    }
+    best
+}
+
+fn in_range(field: &str, value: usize, range: RangeInclusive<usize>) -> Result<(), ShapeError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let problem = if value < *range.start() {
+        format!("{value} is too small; give at least {}", range.start())
+    } else {
+        format!("{value} is out of range; give {} to {}", range.start(), range.end())
+    };
+    Err(ShapeError { field: field.into(), problem })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shape(hidden: &[usize], dueling: bool) -> NetworkShape {
+        NetworkShape { inputs: 2, hidden: hidden.to_vec(), actions: 2, dueling }
+    }
+
+    #[test]
+    fn parameters_have_stable_names_and_fill_the_flat_vector() {
+        let views = shape(&[3], true).parameters();
+        let names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
+        let expected = [
+            "hidden.0.weight",
+            "hidden.0.bias",
+            "value.weight",
+            "advantage.weight",
+            "value.bias",
+            "advantage.bias",
+        ];
+        assert_eq!(names, expected);
+        let mut end = 0;
+        for view in &views {
+            assert_eq!(view.range.start, end, "{} follows the one before", view.name);
+            end = view.range.end;
+        }
+        assert_eq!(end, shape(&[3], true).parameter_count());
+    }
+
+    #[test]
+    fn a_plain_network_is_relu_layers_worked_by_hand() {
+        // One hidden unit: relu(1*3 - 2*1 + 0.5) = 1.5. Outputs: 2*1.5 + 1 = 4 and -1*1.5 + 0 = -1.5.
+        let parameters = [1.0, -2.0, 0.5, 2.0, -1.0, 1.0, 0.0];
+        let mut scratch = Scratch::default();
+        assert_eq!(forward(&shape(&[1], false), &parameters, &[3.0, 1.0], &mut scratch), [4.0, -1.5]);
+        // relu(1*0 - 2*1 + 0.5) = 0: the outputs are their biases.
+        assert_eq!(forward(&shape(&[1], false), &parameters, &[0.0, 1.0], &mut scratch), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_dueling_head_is_value_plus_advantage_minus_mean_advantage() {
+        // No hidden layer: V = x0 = 10, A = (x1, 3 x1) = (2, 6), mean 4: Q = (8, 12).
+        let parameters = [1.0, 0.0, 0.0, 1.0, 0.0, 3.0, 0.0, 0.0, 0.0];
+        let q = forward(&shape(&[], true), &parameters, &[10.0, 2.0], &mut Scratch::default()).to_vec();
+        assert_eq!(q, [8.0, 12.0]);
+        assert_eq!(greedy(&q), 1);
+    }
+
+    #[test]
+    fn sizes_out_of_range_are_named_and_never_overflow() {
+        let error = shape(&[5000], true).check().expect_err("a layer of 5000 units");
+        assert_eq!(error.field, "network.hidden[0]");
+        assert!(shape(&[1; 9], true).check().is_err(), "nine layers");
+        assert!(shape(&[usize::MAX], true).check().is_err());
+        assert!(shape(&[4096; 3], true).check().is_err(), "more parameters than allowed");
+        assert_eq!(shape(&[64, 64], true).check(), Ok(()));
+    }
+}

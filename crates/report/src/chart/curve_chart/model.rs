@@ -1,0 +1,176 @@
+//! The contents of a curve chart, and what of it can be drawn.
+
+use crate::chart::layout::WIDTH;
+use crate::style::{Axis, TEXT, bounds, is_drawable, text_width, thinned};
+
+/// Curves in panels that share one x axis, such as the learning curves of several algorithms.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CurveChart {
+    /// The title above the figure.
+    pub title: String,
+    /// The name of the x axis, with its unit.
+    pub x_label: String,
+    /// Values that the x axis must include, such as 0.
+    pub include_x: Vec<f64>,
+    /// The legend's text for the curves' means; an empty one is left out.
+    pub mean_label: String,
+    /// The legend's text for the raw values; an empty one is left out.
+    pub raw_label: String,
+    /// The panels, from top to bottom.
+    pub panels: Vec<ChartPanel>,
+    /// Events marked in every panel.
+    pub markers: Vec<EventMarker>,
+}
+
+/// A vertical dashed line at an event, such as a change of the scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventMarker {
+    /// The position, in units of the x axis.
+    pub x: f64,
+    /// The event, in a few words.
+    pub label: String,
+}
+
+/// One plot of the stack.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChartPanel {
+    /// The heading above the plot.
+    pub heading: String,
+    /// The unit behind each number of the y axis: "%", " s" or nothing.
+    pub y_unit: String,
+    /// The curves; more than six are hard to tell apart.
+    pub lines: Vec<CurveLine>,
+    /// Reference values.
+    pub reference_lines: Vec<ReferenceLine>,
+    /// Values that the y axis must include, such as 0.
+    pub include_y: Vec<f64>,
+}
+
+/// A horizontal dashed line at a reference value, such as the paper's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceLine {
+    /// The value, in units of the y axis.
+    pub value: f64,
+    /// The text, such as "paper: 2500".
+    pub label: String,
+}
+
+/// One curve: a smoothed mean with its confidence band, over the raw values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CurveLine {
+    /// The short name at the curve's right end.
+    pub name: String,
+    /// The index of its colour in the palette, which wraps around.
+    pub colour: usize,
+    /// The smoothed mean and its band, in any order.
+    pub points: Vec<BandPoint>,
+    /// The raw values as (x, y), in any order.
+    pub raw: Vec<(f64, f64)>,
+    /// How the raw values are drawn.
+    pub raw_style: RawStyle,
+}
+
+/// How raw values are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RawStyle {
+    /// As a thin line.
+    #[default]
+    Line,
+    /// As dots.
+    Dots,
+}
+
+/// A point of a smoothed mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandPoint {
+    /// In units of the x axis.
+    pub x: f64,
+    /// In units of the y axis.
+    pub mean: f64,
+    /// The lower end of the 95 % interval; not finite if there is no interval.
+    pub low: f64,
+    /// The upper end of the 95 % interval; not finite if there is no interval.
+    pub high: f64,
+}
+
+/// Most vertices of a line, or of one side of a band.
+const MAX_VERTICES: usize = 320;
+/// Most dots of a curve.
+const MAX_DOTS: usize = 900;
+
+impl ChartPanel {
+    /// The finite values of the panel, in order of x and thinned to what can be seen.
+    pub(super) fn drawable(&self) -> Self {
+        Self {
+            lines: self.lines.iter().map(CurveLine::drawable).collect(),
+            reference_lines: self.reference_lines.iter().filter(|l| is_drawable(l.value)).cloned().collect(),
+            include_y: self.include_y.iter().copied().filter(|&y| is_drawable(y)).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The y axis. It spans the means and all dots; raw lines and bands extend it to at most twice that range.
+    pub(super) fn y_axis(&self) -> Axis {
+        let means = self.lines.iter().flat_map(|l| l.points.iter().map(|p| p.mean));
+        let references = self.reference_lines.iter().map(|l| l.value);
+        let raw = || self.lines.iter().flat_map(|l| l.raw.iter().map(|p| p.1));
+        let dots = self.lines.iter().filter(|l| l.raw_style == RawStyle::Dots);
+        let dots = dots.flat_map(|l| l.raw.iter().map(|p| p.1));
+        let mut shown: Vec<f64> =
+            means.chain(references).chain(self.include_y.iter().copied()).chain(dots).collect();
+        if shown.is_empty() {
+            shown.extend(raw());
+        }
+        let (low, high) = bounds(shown.iter().copied());
+        let margin = (high - low) / 2.0;
+        let bands = self.lines.iter().flat_map(|l| l.band().flat_map(|p| [p.low, p.high]));
+        let others = raw().chain(bands).map(|y| y.clamp(low - margin, high + margin));
+        Axis::within(shown.iter().copied().chain(others), 5.0)
+    }
+
+    /// The width of the widest label at the right end, in drawn pixels; at most a third of the figure.
+    pub(super) fn label_width(&self) -> i32 {
+        let names = self.lines.iter().map(|l| &l.name).chain(self.reference_lines.iter().map(|l| &l.label));
+        names.map(|name| text_width(name, TEXT)).max().unwrap_or(0).min(WIDTH / 3)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.lines.iter().all(|l| l.points.is_empty() && l.raw.is_empty())
+    }
+}
+
+impl CurveLine {
+    fn drawable(&self) -> Self {
+        let mut points: Vec<BandPoint> =
+            self.points.iter().filter(|p| is_drawable(p.x) && is_drawable(p.mean)).copied().collect();
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let mut raw: Vec<(f64, f64)> =
+            self.raw.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)).copied().collect();
+        raw.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let raw = match self.raw_style {
+            RawStyle::Line => thinned_to_extremes(&raw, MAX_VERTICES),
+            RawStyle::Dots => thinned(&raw, MAX_DOTS),
+        };
+        Self { points: thinned(&points, MAX_VERTICES), raw, ..self.clone() }
+    }
+
+    /// The points that have an interval.
+    pub(super) fn band(&self) -> impl Iterator<Item = &BandPoint> {
+        self.points.iter().filter(|p| is_drawable(p.low) && is_drawable(p.high))
+    }
+}
+
+/// At most `max` points: the smallest and the largest of each stretch, so that noise keeps its height.
+fn thinned_to_extremes(points: &[(f64, f64)], max: usize) -> Vec<(f64, f64)> {
+    if points.len() <= max {
+        return points.to_vec();
+    }
+    let stretch = points.len().div_ceil(max / 2);
+    let extremes = |part: &[(f64, f64)]| {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let extremes = part.iter().min_by(by_value).zip(part.iter().max_by(by_value));
+        let (a, b) = extremes.map_or(([0.0; 2].into(), [0.0; 2].into()), |(a, b)| (*a, *b));
+        if a.0 <= b.0 { [a, b] } else { [b, a] }
+    };
+    points.chunks(stretch).flat_map(extremes).collect()
+}

@@ -1,0 +1,71 @@
+//! The contents of a scenario map, in metres and radians: x to the right, y up.
+
+/// A scenario seen from above, with trajectories through it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScenarioMap {
+    /// The title above the figure.
+    pub title: String,
+    /// The corners of the enclosing walls, anticlockwise, in m.
+    pub enclosure: Vec<(f64, f64)>,
+    /// Walls and obstacles; later ones are drawn over earlier ones.
+    pub obstacles: Vec<MapObstacle>,
+    /// The paths of moving obstacles.
+    pub tracks: Vec<MapTrack>,
+    /// The robot's start: x and y in m, heading in rad, anticlockwise from the x axis.
+    pub start: (f64, f64, f64),
+    /// The goal: x, y and radius, in m.
+    pub goal: (f64, f64, f64),
+    /// The robot's trajectories.
+    pub trajectories: Vec<MapTrajectory>,
+}
+
+/// A wall or an obstacle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapObstacle {
+    /// The kind, which decides its colour.
+    pub kind: MapObstacleKind,
+    /// The outline.
+    pub outline: MapShape,
+}
+
+/// The kind of a wall or an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MapObstacleKind {
+    /// A segment of an inner wall.
+    Wall,
+    /// A static obstacle.
+    Obstacle,
+    /// A static obstacle that is generated for each episode.
+    Generated,
+    /// A moving obstacle, with its direction in rad, anticlockwise from the x axis.
+    Moving(f64),
+}
+
+/// The outline of a wall or an obstacle.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MapShape {
+    /// x, y and radius, in m.
+    Disc(f64, f64, f64),
+    /// The corners in order, in m.
+    Polygon(Vec<(f64, f64)>),
+}
+
+/// The path of a moving obstacle.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MapTrack {
+    /// Straight segments between points, in m.
+    Lines(Vec<(f64, f64)>),
+    /// A circle, or the area within it: x, y and radius, in m.
+    Ring(f64, f64, f64),
+}
+
+/// A trajectory through the scenario.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapTrajectory {
+    /// The short name in the legend.
+    pub name: String,
+    /// The index of its colour in the palette, which wraps around.
+    pub colour: usize,
+    /// The positions x and y in m, in order of time.
+    pub points: Vec<(f64, f64)>,
+}

@@ -1,0 +1,83 @@
+//! The symbols of a map: robot, goal and obstacles, with their legend.
+
+use plotters::prelude::*;
+
+use super::model::{MapObstacleKind, ScenarioMap};
+use crate::style::{
+    Canvas, DrawResult, GREEN, HAIRLINE, INK, LegendEntry, Pixel, SOFT_INK, STROKE, area, line,
+};
+
+const STATIC: RGBColor = RGBColor(190, 190, 190);
+const GENERATED: RGBColor = RGBColor(232, 232, 232);
+const MOVING: RGBColor = RGBColor(242, 207, 150);
+const MOVING_EDGE: RGBColor = RGBColor(138, 92, 8);
+
+/// The fill and the edge colour of an obstacle.
+pub(super) fn obstacle_colours(kind: MapObstacleKind) -> (RGBColor, RGBColor) {
+    match kind {
+        MapObstacleKind::Wall => (INK, INK),
+        MapObstacleKind::Obstacle => (STATIC, SOFT_INK),
+        MapObstacleKind::Generated => (GENERATED, SOFT_INK),
+        MapObstacleKind::Moving(_) => (MOVING, MOVING_EDGE),
+    }
+}
+
+/// The legend's entries: start, goal, the kinds of obstacles there are, and the trajectories.
+pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
+    let mut entries = vec![
+        LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start".into()),
+        LegendEntry::Symbol(draw_goal, "goal".into()),
+    ];
+    let any = |is: fn(MapObstacleKind) -> bool| map.obstacles.iter().any(|obstacle| is(obstacle.kind));
+    if any(|kind| kind == MapObstacleKind::Obstacle) {
+        entries.push(LegendEntry::Symbol(
+            |root, at| draw_block(root, at, MapObstacleKind::Obstacle),
+            "obstacle".into(),
+        ));
+    }
+    if any(|kind| kind == MapObstacleKind::Generated) {
+        entries.push(LegendEntry::Symbol(
+            |root, at| draw_block(root, at, MapObstacleKind::Generated),
+            "generated obstacle".into(),
+        ));
+    }
+    if any(|kind| matches!(kind, MapObstacleKind::Moving(_))) {
+        entries.push(LegendEntry::Symbol(
+            |root, at| draw_block(root, at, MapObstacleKind::Moving(0.0)),
+            "moving obstacle".into(),
+        ));
+    }
+    entries.extend(map.trajectories.iter().map(|path| LegendEntry::Line(path.colour, path.name.clone())));
+    entries
+}
+
+/// Draws a dot with a white rim, and a line in the direction of its heading (in rad).
+pub(super) fn draw_robot(root: &Canvas, (x, y): Pixel, heading: f64) -> DrawResult {
+    let nose = (x + (34.0 * heading.cos()).round() as i32, y - (34.0 * heading.sin()).round() as i32);
+    line(root, vec![(x, y), nose], WHITE.stroke_width(STROKE + 6))?;
+    root.draw(&Circle::new((x, y), 16, WHITE.filled()))?;
+    line(root, vec![(x, y), nose], INK.stroke_width(STROKE + 1))?;
+    root.draw(&Circle::new((x, y), 12, INK.filled()))?;
+    Ok(())
+}
+
+/// Draws the cross at the goal's centre.
+pub(super) fn draw_cross(root: &Canvas, (x, y): Pixel) -> DrawResult {
+    line(root, vec![(x - 9, y), (x + 9, y)], INK.stroke_width(STROKE))?;
+    line(root, vec![(x, y - 9), (x, y + 9)], INK.stroke_width(STROKE))
+}
+
+/// Draws the goal in the legend.
+fn draw_goal(root: &Canvas, (x, y): Pixel) -> DrawResult {
+    root.draw(&Circle::new((x, y), 16, GREEN.mix(0.25).filled()))?;
+    root.draw(&Circle::new((x, y), 16, GREEN.stroke_width(HAIRLINE)))?;
+    draw_cross(root, (x, y))
+}
+
+/// Draws an obstacle in the legend.
+fn draw_block(root: &Canvas, (x, y): Pixel, kind: MapObstacleKind) -> DrawResult {
+    let (fill, edge) = obstacle_colours(kind);
+    let corners = [(x - 16, y - 12), (x + 16, y - 12), (x + 16, y + 12), (x - 16, y + 12), (x - 16, y - 12)];
+    area(root, corners[..4].to_vec(), fill.filled())?;
+    line(root, corners.to_vec(), edge.stroke_width(HAIRLINE))
+}

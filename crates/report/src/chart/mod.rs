@@ -1,0 +1,200 @@
+//! Figures for comparisons, in one common look.
+//!
+//! | figure | shows |
+//! |---|---|
+//! | [`CurveChart`] | values over episodes or steps, such as learning curves |
+//! | [`DotPlot`] | single values by row and column, with their means |
+//! | [`ScenarioMap`] | a scenario from above, with trajectories |
+//!
+//! Each takes plain numbers and returns the text of an SVG file. Values that are not finite are left out, and a figure
+//! without values shows "no data yet".
+
+mod curve_chart;
+#[cfg(not(target_arch = "wasm32"))]
+mod dot_plot;
+mod layout;
+#[cfg(not(target_arch = "wasm32"))]
+mod map;
+#[cfg(test)]
+pub(crate) mod svg_check;
+
+pub use curve_chart::{BandPoint, ChartPanel, CurveChart, CurveLine, EventMarker, RawStyle, ReferenceLine};
+#[cfg(not(target_arch = "wasm32"))]
+pub use dot_plot::{DotCell, DotColumn, DotPlot};
+#[cfg(not(target_arch = "wasm32"))]
+pub use map::{MapObstacle, MapObstacleKind, MapShape, MapTrack, MapTrajectory, ScenarioMap};
+
+#[cfg(test)]
+mod tests {
+    use super::svg_check::check;
+    use super::*;
+    use crate::statistics::Estimate;
+
+    fn line(name: &str, colour: usize, episodes: u32) -> CurveLine {
+        let height = |i: u32| f64::from(i * 7919 % 101) + f64::from(i) / 10.0 + colour as f64;
+        let point =
+            |i| BandPoint { x: f64::from(i), mean: height(i), low: height(i) - 40.0, high: height(i) + 40.0 };
+        CurveLine {
+            name: name.to_owned(),
+            colour,
+            points: (1..=episodes).map(point).collect(),
+            raw: (1..=episodes).map(|i| (f64::from(i), height(i % 997 * 31))).collect(),
+            raw_style: if colour.is_multiple_of(2) { RawStyle::Line } else { RawStyle::Dots },
+        }
+    }
+
+    fn curves(lines: usize, panels: usize, episodes: u32) -> CurveChart {
+        let panel = ChartPanel {
+            heading: "Return per episode".to_owned(),
+            y_unit: " %".to_owned(),
+            lines: (0..lines).map(|i| line("Double DQN", i, episodes)).collect(),
+            reference_lines: vec![ReferenceLine { value: 96.0, label: "paper: 96 %".to_owned() }],
+            include_y: vec![0.0],
+        };
+        CurveChart {
+            title: "a < b & c".to_owned(),
+            x_label: "episodes".to_owned(),
+            include_x: vec![0.0],
+            mean_label: "smoothed mean".to_owned(),
+            raw_label: "mean of each episode".to_owned(),
+            panels: vec![panel; panels],
+            markers: vec![EventMarker { x: 1000.0, label: "obstacles move from here".to_owned() }],
+        }
+    }
+
+    #[test]
+    fn curves_stay_inside_the_picture_for_any_input() {
+        let odd = |mean| BandPoint { x: 1.0, mean, low: f64::NAN, high: f64::INFINITY };
+        let mut extreme = curves(1, 1, 1);
+        extreme.panels[0].lines[0].points = vec![odd(f64::NAN), odd(1e300), odd(-9e11), odd(9e11), odd(2.0)];
+        extreme.panels[0].lines[0].raw = vec![(f64::NAN, 1.0), (3.0, f64::INFINITY)];
+        extreme.panels[0].reference_lines[0].value = f64::NAN;
+        extreme.markers.push(EventMarker { x: f64::INFINITY, label: "never".to_owned() });
+        let mut long = curves(3, 1, 9);
+        long.title = "a title that is far too long ".repeat(8);
+        long.panels[0].lines[0].name = "a name that is far too long ".repeat(8);
+        for (x, label) in [(2.0, "at 2"), (402.0, "later, with a label that is much too long to fit")] {
+            long.markers.push(EventMarker { x, label: label.to_owned() });
+        }
+        let cases = [
+            ("none", CurveChart::default()),
+            ("an empty panel", CurveChart { panels: vec![ChartPanel::default()], ..CurveChart::default() }),
+            ("one episode", curves(1, 1, 1)),
+            ("four lines", curves(4, 3, 1500)),
+            ("extreme", extreme),
+            ("long", long),
+        ];
+        for (name, figure) in cases {
+            let svg = figure.svg().expect("the figure is drawn");
+            check(name, &svg);
+            assert_eq!(svg, figure.svg().expect("the figure is drawn"), "{name}");
+        }
+        assert!(CurveChart::default().svg().expect("the figure is drawn").contains("no data yet"));
+        assert!(curves(1, 1, 3).svg().expect("the figure is drawn").contains("a &lt; b &amp; c"));
+    }
+
+    #[test]
+    fn many_long_curves_give_a_small_file() {
+        let mut chart = curves(6, 3, 20_000);
+        chart.panels.iter_mut().flat_map(|p| &mut p.lines).for_each(|l| l.raw_style = RawStyle::Line);
+        let svg = chart.svg().expect("the figure is drawn");
+        assert!(svg.len() < 400_000, "{} bytes", svg.len());
+    }
+
+    #[test]
+    fn dot_plots_stay_inside_the_picture_for_any_input() {
+        let cell = |values: &[f64]| DotCell {
+            values: values.to_vec(),
+            estimate: Estimate::from_values(values),
+            paper: Some(96.0),
+            censored: true,
+        };
+        let column = |cells: &[DotCell]| DotColumn {
+            heading: "Mean time to the goal".to_owned(),
+            unit: "thousand env steps".to_owned(),
+            limits: Some((0.0, 1e6)),
+            cells: cells.to_vec(),
+        };
+        let figure = |columns: &[DotColumn]| DotPlot {
+            title: "a < b & c".to_owned(),
+            rows: ["PER-D3QN", "", "a name that is far too long and on and on"].map(str::to_owned).to_vec(),
+            columns: columns.to_vec(),
+        };
+        let plain = column(&[cell(&[90.0, 95.0, 99.0]), DotCell::default(), cell(&[1.0])]);
+        let wide = column(&[cell(&[0.0, 1_234_567.0]), cell(&[f64::NAN, 9e11])]);
+        let cases = [
+            ("none", DotPlot::default()),
+            ("no column", figure(&[])),
+            ("empty", figure(&[column(&[])])),
+            ("plain", figure(&[plain.clone(), plain.clone()])),
+            ("wide", figure(&[wide, plain.clone(), plain])),
+        ];
+        for (name, figure) in cases {
+            let svg = figure.svg().expect("the figure is drawn");
+            check(name, &svg);
+            assert_eq!(svg, figure.svg().expect("the figure is drawn"), "{name}");
+        }
+        assert!(figure(&[column(&[])]).svg().expect("the figure is drawn").contains("no data yet"));
+        assert!(figure(&[]).svg().expect("the figure is drawn").contains("a &lt; b &amp; c"));
+    }
+
+    #[test]
+    fn maps_stay_inside_the_picture_for_any_input() {
+        let obstacle = |kind, outline| MapObstacle { kind, outline };
+        let disc = |x, y, radius| obstacle(MapObstacleKind::Moving(0.3), MapShape::Disc(x, y, radius));
+        let beyond = vec![(1.0, 1.0), (9.0, 1.0), (9.0, 2.0), (1.0, 2.0)];
+        let map = ScenarioMap {
+            title: "a < b & c".to_owned(),
+            enclosure: vec![(-2.5, -2.5), (2.5, -2.5), (2.5, 2.5), (-2.5, 2.5)],
+            obstacles: vec![
+                disc(0.0, 0.0, 0.5),
+                disc(2.4, 2.4, 1.0),
+                disc(f64::NAN, 0.0, 1.0),
+                disc(0.0, 0.0, 1e300),
+                obstacle(MapObstacleKind::Wall, MapShape::Polygon(beyond.clone())),
+                obstacle(MapObstacleKind::Generated, MapShape::Polygon(Vec::new())),
+                obstacle(MapObstacleKind::Moving(f64::NAN), MapShape::Polygon(beyond.clone())),
+            ],
+            tracks: vec![
+                MapTrack::Lines(beyond),
+                MapTrack::Lines(vec![(f64::NAN, 0.0), (0.0, 0.0), (0.0, 0.0)]),
+                MapTrack::Ring(2.0, 0.0, 1.0),
+                MapTrack::Ring(0.0, 0.0, f64::NAN),
+            ],
+            start: (-2.0, -2.0, 0.8),
+            goal: (2.0, 2.0, 0.3),
+            trajectories: vec![MapTrajectory {
+                name: "PER-D3QN".to_owned(),
+                colour: 0,
+                points: vec![(-2.0, -2.0), (f64::NAN, 0.0), (70.0, 0.0), (2.0, 2.0)],
+            }],
+        };
+        let within = |x: f64, y: f64| {
+            let corners = [(-x, -y), (x, -y), (x, y), (0.0, 0.0), (-x, y)];
+            ScenarioMap { enclosure: corners.to_vec(), ..map.clone() }
+        };
+        let cases = [
+            ("none", ScenarioMap::default()),
+            ("not finite", within(f64::INFINITY, 2.5)),
+            ("flat", within(2.5, 0.0)),
+            ("square", map.clone()),
+            ("wide", within(20.0, 2.5)),
+            ("tall", within(2.5, 20.0)),
+            (
+                "no start and no goal",
+                ScenarioMap { start: (f64::NAN, 0.0, 0.0), goal: (0.0, f64::NAN, 1.0), ..map.clone() },
+            ),
+        ];
+        for (name, figure) in cases {
+            for draw in [ScenarioMap::svg, ScenarioMap::thumbnail_svg] {
+                let svg = draw(&figure).expect("the figure is drawn");
+                check(name, &svg);
+                assert_eq!(svg, draw(&figure).expect("the figure is drawn"), "{name}");
+            }
+        }
+        let small = map.thumbnail_svg().expect("the figure is drawn");
+        assert!(small.contains(r#"width="480" height="360""#) && !small.contains("<text"));
+        assert!(ScenarioMap::default().svg().expect("the figure is drawn").contains("no data yet"));
+        assert!(map.svg().expect("the figure is drawn").contains("a &lt; b &amp; c"));
+    }
+}

@@ -1,0 +1,57 @@
+//! Numbers as text for readers.
+
+/// More decimals than these carry no information in an `f64`.
+pub(crate) const MAX_DIGITS: usize = 15;
+
+/// `value` with `digits` decimals (at most 15), a true minus sign and commas between thousands; a dash if it is not
+/// finite.
+///
+/// ```
+/// assert_eq!(wayfield_report::format::number(-1234.5, 1), "−1,234.5");
+/// ```
+#[must_use]
+pub fn number(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "\u{2013}".to_owned();
+    }
+    let plain = format!("{:.*}", digits.min(MAX_DIGITS), value.abs());
+    let whole = plain.find('.').unwrap_or(plain.len());
+    let mut text = String::new();
+    if value < 0.0 && !is_zero(&plain) {
+        text.push('\u{2212}');
+    }
+    for (i, c) in plain.chars().enumerate() {
+        if i > 0 && i < whole && (whole - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(c);
+    }
+    text
+}
+
+/// Whether a printed number has no digit other than 0.
+pub(crate) fn is_zero(text: &str) -> bool {
+    !text.bytes().any(|b| (b'1'..=b'9').contains(&b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_a_true_minus_and_commas_between_thousands() {
+        for (value, digits, text) in [
+            (0.0, 0, "0"),
+            (-0.04, 1, "0.0"),
+            (-0.05, 2, "\u{2212}0.05"),
+            (999.9, 0, "1,000"),
+            (-1_234_567.891, 2, "\u{2212}1,234,567.89"),
+            (123.0, 1, "123.0"),
+            (f64::NAN, 1, "\u{2013}"),
+            (f64::NEG_INFINITY, 1, "\u{2013}"),
+        ] {
+            assert_eq!(number(value, digits), text);
+        }
+        assert!(number(1.0, usize::MAX).starts_with("1.0"));
+    }
+}

@@ -1,0 +1,93 @@
+//! The drawing surface: an SVG of whole drawn pixels, with lines, areas and text.
+
+use std::error::Error;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// A figure could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("the figure could not be drawn: {0}")]
+pub struct DrawError(String);
+
+impl DrawError {
+    pub(crate) fn new(why: impl ToString) -> Self {
+        Self(why.to_string())
+    }
+}
+
+/// Drawn pixels per pixel of the shown SVG. plotters draws at whole pixels only, so figures are drawn at twice their
+/// size.
+const SCALE: u32 = 2;
+pub(crate) const HAIRLINE: u32 = 2;
+pub(crate) const STROKE: u32 = 4;
+/// The height of a line of text, with its spacing.
+pub(crate) const LINE_HEIGHT: i32 = 34;
+
+// Text sizes: title, headings, everything else. plotters' SVG backend divides sizes by 1.24.
+pub(crate) const TITLE: f64 = 20.0 * SCALE as f64 * 1.24;
+pub(crate) const HEADING: f64 = 15.0 * SCALE as f64 * 1.24;
+pub(crate) const TEXT: f64 = 13.0 * SCALE as f64 * 1.24;
+const FONT: &str = "Helvetica, Arial, sans-serif";
+
+pub(crate) type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(crate) type DrawResult = Result<(), Box<dyn Error>>;
+/// A position in drawn pixels: x to the right, y down.
+pub(crate) type Pixel = (i32, i32);
+
+/// The SVG of a white picture of the given size in drawn pixels. It is shown at half that size.
+pub(crate) fn picture(
+    (width, height): (u32, u32),
+    draw: impl FnOnce(&Canvas) -> DrawResult,
+) -> Result<String, DrawError> {
+    let mut svg = String::new();
+    let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
+    root.fill(&WHITE).map_err(DrawError::new)?;
+    draw(&root).map_err(DrawError::new)?;
+    root.present().map_err(DrawError::new)?;
+    drop(root);
+    let size = |scale| format!(r#"width="{}" height="{}""#, width / scale, height / scale);
+    Ok(svg.replacen(&size(1), &size(SCALE), 1))
+}
+
+/// Writes a line of text, centred vertically at `at`.
+pub(crate) fn write(
+    root: &Canvas,
+    text: &str,
+    at: Pixel,
+    size: f64,
+    colour: &RGBColor,
+    side: HPos,
+) -> DrawResult {
+    let style = (FONT, size).into_text_style(root).color(colour).pos(Pos::new(side, VPos::Center));
+    root.draw(&Text::new(text, at, style))?;
+    Ok(())
+}
+
+/// Draws a line through at least two points; fewer draw nothing.
+pub(crate) fn line(root: &Canvas, points: Vec<Pixel>, style: ShapeStyle) -> DrawResult {
+    if points.len() > 1 {
+        root.draw(&PathElement::new(points, style))?;
+    }
+    Ok(())
+}
+
+/// Fills a polygon of at least three corners; fewer draw nothing.
+pub(crate) fn area(root: &Canvas, corners: Vec<Pixel>, style: ShapeStyle) -> DrawResult {
+    if corners.len() > 2 {
+        root.draw(&Polygon::new(corners, style))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_shown_at_half_its_drawn_size() {
+        let svg = picture((200, 100), |_| Ok(())).expect("the picture is drawn");
+        assert!(svg.contains(r#"width="100" height="50" viewBox="0 0 200 100""#));
+    }
+}

@@ -1,0 +1,129 @@
+//! The canonical text of a value.
+//!
+//! Four spaces per level. What fits in a line of 110 columns is one line, except that a list of structs has one line per
+//! struct. Fields that equal their defaults are left out.
+
+use crate::literal::{columns, quoted, wrapped};
+use crate::style::Style;
+use crate::value::{Record, Value};
+
+/// The maximum number of columns of a line.
+const WIDTH: usize = 110;
+/// The indentation of one level.
+pub(crate) const INDENT: &str = "    ";
+
+/// Writes values in the canonical form.
+pub(crate) struct Formatter<'a> {
+    /// The line ending.
+    pub newline: &'static str,
+    pub style: &'a Style,
+}
+
+/// A position in the text at which a value is to be written.
+#[derive(Clone, Copy)]
+pub(crate) struct Cursor<'a> {
+    /// The indentation of its line.
+    pub indent: &'a str,
+    /// Its column, from 0.
+    pub column: usize,
+}
+
+impl<'a> Formatter<'a> {
+    pub fn new(newline: &'static str, style: &'a Style) -> Self {
+        Self { newline, style }
+    }
+
+    /// The whole file.
+    pub fn file(&self, value: &Value) -> String {
+        self.top_level(value) + self.newline
+    }
+
+    /// The top-level value: the fields of a struct are in lines of their own.
+    pub fn top_level(&self, value: &Value) -> String {
+        let Some(record) = value.record().filter(|record| !record.fields.is_empty()) else {
+            return self.value(value, Cursor { indent: "", column: 0 });
+        };
+        let mut text = format!("{}({}", record.variant, self.newline);
+        let mut before = None;
+        for (name, value) in self.written_fields(record) {
+            if before.is_some_and(|before| self.style.blank_line_between(before, name)) {
+                text += self.newline;
+            }
+            text += &(self.field(name, value, INDENT) + "," + self.newline);
+            before = Some(*name);
+        }
+        text + ")"
+    }
+
+    /// The fields of a record that are written: those that differ from their defaults, or all if none does.
+    fn written_fields<'v>(&self, record: &'v Record) -> Vec<&'v (&'static str, Value)> {
+        let all = self.style.is_all_default(record);
+        record
+            .fields
+            .iter()
+            .filter(|(name, value)| all || !self.style.is_default(record, name, value))
+            .collect()
+    }
+
+    /// `name: value` in a line with this indentation.
+    fn field(&self, name: &str, value: &Value, indent: &str) -> String {
+        let column = columns(indent) + name.len() + 2;
+        format!("{indent}{name}: {}", self.value(value, Cursor { indent, column }))
+    }
+
+    /// `value` at `cursor`, with room for a comma after it.
+    pub fn value(&self, value: &Value, cursor: Cursor) -> String {
+        if let Some(line) = self.line(value).filter(|line| cursor.column + columns(line) < WIDTH) {
+            return line;
+        }
+        let indent = format!("{}{INDENT}", cursor.indent);
+        match value {
+            Value::Text(value) => wrapped(value, cursor.column, WIDTH, self.newline),
+            Value::List(parts) => {
+                let inner = Cursor { indent: &indent, column: columns(&indent) };
+                let lines = parts.iter().map(|part| indent.clone() + &self.value(part, inner));
+                self.lines("[", lines, cursor.indent, "]")
+            }
+            Value::Record(record) => {
+                let fields = self.written_fields(record);
+                let lines = fields.iter().map(|(name, value)| self.field(name, value, &indent));
+                self.lines(&format!("{}(", record.variant), lines, cursor.indent, ")")
+            }
+            Value::Tuple(_) | Value::Scalar(_) | Value::Null => self.line(value).unwrap_or_default(),
+        }
+    }
+
+    /// The brackets with one line per part; `indent` is that of the closing bracket.
+    fn lines(&self, open: &str, parts: impl Iterator<Item = String>, indent: &str, close: &str) -> String {
+        let mut text = open.to_string() + self.newline;
+        for part in parts {
+            text += &(part + "," + self.newline);
+        }
+        text + indent + close
+    }
+
+    /// `value` in one line; `None` if it contains a list of structs.
+    fn line(&self, value: &Value) -> Option<String> {
+        Some(match value {
+            Value::Scalar(literal) => literal.clone(),
+            Value::Text(text) => quoted(text),
+            Value::Null => "None".into(),
+            Value::Tuple(parts) => format!("({})", self.comma_separated(parts)?),
+            Value::List(parts) if parts.iter().any(|part| part.record().is_some()) => return None,
+            Value::List(parts) => format!("[{}]", self.comma_separated(parts)?),
+            Value::Record(record) if record.fields.is_empty() => record.variant.into(),
+            Value::Record(record) => {
+                let mut parts = Vec::new();
+                for (name, value) in self.written_fields(record) {
+                    parts.push(format!("{name}: {}", self.line(value)?));
+                }
+                format!("{}({})", record.variant, parts.join(", "))
+            }
+        })
+    }
+
+    fn comma_separated(&self, parts: &[Value]) -> Option<String> {
+        let parts: Option<Vec<_>> = parts.iter().map(|part| self.line(part)).collect();
+        Some(parts?.join(", "))
+    }
+}

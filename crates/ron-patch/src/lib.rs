@@ -1,0 +1,104 @@
+//! A RON writer that keeps comments.
+//!
+//! A program that reads a hand-written RON file, changes one number and writes the file back usually loses its comments
+//! and its layout. [`patch`] writes the change into the old text instead: every byte that the change does not touch
+//! stays as it is. [`to_text`] writes a value that has no old text.
+//!
+//! ```
+//! use serde::{Deserialize, Serialize};
+//! use wayfield_ron_patch::{Style, patch};
+//!
+//! #[derive(Serialize, Deserialize)]
+//! struct Lidar {
+//!     beams: u32,
+//!     max_range_m: f32,
+//! }
+//!
+//! let text = "(\n    beams: 24, // one every 15 degrees\n    max_range_m: 3.50,\n)\n";
+//! let mut lidar: Lidar = ron::from_str(text)?;
+//! lidar.beams = 36;
+//!
+//! let patched = patch(text, &lidar, &Style::default(), |text| ron::from_str(text).ok())?;
+//! assert_eq!(patched, "(\n    beams: 36, // one every 15 degrees\n    max_range_m: 3.50,\n)\n");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | module | duty |
+//! |---|---|
+//! | [`Style`] | fields that may be left out, blank lines between the top-level fields |
+//! | `value`, `serializer` | any supported serde value as a tree of names, numbers and strings |
+//! | `format`, `literal` | the canonical text of a tree |
+//! | `tokens`, `syntax`, `trivia` | the old text as a tree of byte ranges, with comments and spaces between them |
+//! | `merge`, `align`, `rebuild` | the old text with the changed values in it |
+//! | [`SourceMap`] | from a byte offset to a field's path and back, for error messages |
+//!
+//! Supported are structs with named fields, enums whose variants have named fields or none, options, lists, tuples,
+//! tuple structs, strings, booleans and numbers. Other types (maps, characters, bytes, units, newtypes and tuple
+//! variants) return [`Unsupported`].
+
+mod align;
+mod format;
+mod literal;
+mod merge;
+mod rebuild;
+mod serializer;
+mod source_map;
+mod style;
+mod syntax;
+mod tokens;
+mod trivia;
+mod value;
+
+use serde::Serialize;
+
+pub use self::serializer::Unsupported;
+pub use self::source_map::SourceMap;
+pub use self::style::Style;
+
+use self::format::Formatter;
+use self::merge::Merge;
+use self::syntax::SyntaxNode;
+use self::value::Value;
+
+/// The canonical text of `value`: fields in the type's order, four spaces per level, lines of up to 110 columns, and
+/// only the fields that differ from the defaults in `style`. It ends with a newline.
+///
+/// # Errors
+/// [`Unsupported`] if `value` contains a type that this crate cannot write.
+pub fn to_text<T: Serialize>(value: &T, style: &Style) -> Result<String, Unsupported> {
+    Ok(Formatter::new("\n", style).file(&Value::from_serde(value)?))
+}
+
+/// `value` as a new version of `text`, which `read` parses to the old value.
+///
+/// - What is equal in both values keeps its bytes: comments, order, empty lines, and defaults that are written out.
+/// - A changed field is rewritten in place, below the comments above it.
+/// - A new list element is inserted at its position in the list. A removed one takes its comments with it.
+/// - Line endings follow the first line of `text`.
+///
+/// The result is checked: `read` parses it back to `value`, to the bit. If that fails, or if `read` rejects `text`, the
+/// result is [`to_text`] instead.
+///
+/// # Errors
+/// [`Unsupported`] if `value` contains a type that this crate cannot write.
+pub fn patch<T: Serialize>(
+    text: &str,
+    value: &T,
+    style: &Style,
+    read: impl Fn(&str) -> Option<T>,
+) -> Result<String, Unsupported> {
+    let new = Value::from_serde(value)?;
+    let read = |text: &str| Value::from_serde(&read(text)?).ok();
+    let patched = read(text).and_then(|old| merge(text, &old, &new, style));
+    match patched.filter(|text| read(text).as_ref() == Some(&new)) {
+        Some(patched) => Ok(patched),
+        None => to_text(value, style),
+    }
+}
+
+/// `text`, which is `old`, with the changes that make it `new`; `None` if its brackets do not match.
+fn merge(text: &str, old: &Value, new: &Value, style: &Style) -> Option<String> {
+    let first_line_end = text.split_once('\n').map_or("", |(line, _)| line);
+    let formatter = Formatter::new(if first_line_end.ends_with('\r') { "\r\n" } else { "\n" }, style);
+    Some(Merge { text, formatter: &formatter }.file(&SyntaxNode::parse(text)?, old, new))
+}

@@ -1,0 +1,245 @@
+//! The positions of all fields in a RON text.
+
+use crate::tokens::token;
+
+/// One value of the text.
+struct Entry {
+    /// The index of the entry that contains it.
+    parent: usize,
+    step: Step,
+    /// The offset of its key, or of the value if it has no key.
+    start: usize,
+    /// The offset of its value.
+    value: usize,
+    /// The offset of its end (exclusive).
+    end: usize,
+}
+
+/// The last part of an entry's path.
+#[derive(Clone, Copy, PartialEq)]
+enum Step {
+    /// The start and end of the key.
+    Field((usize, usize)),
+    Index(usize),
+}
+
+/// An open bracket.
+struct Open {
+    entry: usize,
+    /// The number of commas so far.
+    count: usize,
+    /// The entry between the last comma and the next, once it has begun.
+    child: Option<usize>,
+}
+
+/// From a byte offset of a RON text to the path of the field there, and back.
+///
+/// A path looks like `obstacles[2].shape.radius_m`. Names of structs and enum variants are not part of it. Broken text is
+/// accepted: this is meant for error messages.
+///
+/// ```
+/// use wayfield_ron_patch::SourceMap;
+///
+/// let text = "(name: \"Empty\", starts: [(0.0, 0.0), (1.0, 0.0)])";
+/// let map = SourceMap::new(text);
+/// let offset = map.offset_of("starts[1][0]").ok_or("not found")?;
+/// assert!(text[offset..].starts_with("1.0"));
+/// assert_eq!(map.path_at(offset), "starts[1][0]");
+/// # Ok::<(), &str>(())
+/// ```
+pub struct SourceMap<'a> {
+    text: &'a str,
+    /// In the order of the text; the first is the whole value.
+    entries: Vec<Entry>,
+}
+
+const UNKNOWN: usize = usize::MAX;
+
+impl<'a> SourceMap<'a> {
+    /// The positions in `text`.
+    #[must_use]
+    pub fn new(text: &'a str) -> Self {
+        let root = Entry { parent: 0, step: Step::Index(0), start: 0, value: UNKNOWN, end: UNKNOWN };
+        let mut map = Self { text, entries: vec![root] };
+        let mut open = vec![Open { entry: 0, count: 0, child: Some(0) }];
+        let mut at = 0;
+        while let Some((start, end)) = token(text, at) {
+            at = end;
+            map.add_token(&mut open, start, end);
+        }
+        map
+    }
+
+    fn add_token(&mut self, open: &mut Vec<Open>, start: usize, end: usize) {
+        let depth = open.len();
+        let Some(inner) = open.last_mut() else { return };
+        match self.text.as_bytes()[start] {
+            b',' if depth > 1 => {
+                self.end_child(inner, start);
+                inner.count += 1;
+            }
+            b':' if depth > 1 => self.turn_child_into_key(inner, start),
+            b')' | b']' | b'}' if depth > 1 => {
+                self.end_child(inner, start);
+                self.entries[inner.entry].end = end;
+                open.pop();
+            }
+            first => {
+                let child = self.child(inner, start);
+                if matches!(first, b'(' | b'[' | b'{') {
+                    open.push(Open { entry: child, count: 0, child: None });
+                }
+            }
+        }
+    }
+
+    /// The entry that the value at `start` belongs to.
+    fn child(&mut self, inner: &mut Open, start: usize) -> usize {
+        let child = *inner.child.get_or_insert_with(|| {
+            let step = Step::Index(inner.count);
+            self.entries.push(Entry { parent: inner.entry, step, start, value: start, end: UNKNOWN });
+            self.entries.len() - 1
+        });
+        let entry = &mut self.entries[child];
+        entry.value = entry.value.min(start);
+        child
+    }
+
+    /// What looked like a value was a key: the value follows the colon.
+    fn turn_child_into_key(&mut self, inner: &Open, colon: usize) {
+        if let Some(entry) = inner.child.map(|child| &mut self.entries[child]) {
+            let key = self.text[entry.start..colon].trim_end().trim_matches('"');
+            let from = entry.start + usize::from(self.text[entry.start..].starts_with('"'));
+            entry.step = Step::Field((from, from + key.len()));
+            entry.value = UNKNOWN;
+        }
+    }
+
+    fn end_child(&mut self, inner: &mut Open, at: usize) {
+        if let Some(child) = inner.child.take() {
+            let entry = &mut self.entries[child];
+            entry.end = entry.end.min(at);
+            entry.value = entry.value.min(at);
+        }
+    }
+
+    /// The path of the innermost field around `offset`; empty for the top level.
+    #[must_use]
+    pub fn path_at(&self, offset: usize) -> String {
+        self.path(self.innermost(offset))
+    }
+
+    /// The path of the struct or list that contains the innermost field around `offset`.
+    #[must_use]
+    pub fn parent_path_at(&self, offset: usize) -> String {
+        self.path(self.entries[self.innermost(offset)].parent)
+    }
+
+    /// The offset at which the value of the innermost field around `offset` starts.
+    #[must_use]
+    pub fn value_start_at(&self, offset: usize) -> usize {
+        self.entries[self.innermost(offset)].value.min(offset)
+    }
+
+    /// The offset of the value at `path`. If the text lacks it, that of the nearest field that contains it; `None` if the
+    /// text has none of the path's fields.
+    #[must_use]
+    pub fn offset_of(&self, path: &str) -> Option<usize> {
+        let mut found = 0;
+        for step in path.split(['.', '[']) {
+            let Some(below) = self.entry_below(found, step) else { break };
+            found = below;
+        }
+        (found != 0).then(|| self.entries[found].value)
+    }
+
+    /// The entry in `parent` that `step` (`field` or `2]`) names.
+    fn entry_below(&self, parent: usize, step: &str) -> Option<usize> {
+        let index = step.strip_suffix(']').and_then(|digits| digits.parse::<usize>().ok());
+        let is_named = |entry: &Entry| match (entry.step, index) {
+            (Step::Field((from, to)), None) => &self.text[from..to] == step,
+            (Step::Index(i), Some(index)) => i == index,
+            _ => false,
+        };
+        (parent + 1..self.entries.len())
+            .find(|&k| self.entries[k].parent == parent && is_named(&self.entries[k]))
+    }
+
+    /// The offset of the top-level value, behind leading comments; `None` if the text has only comments.
+    #[must_use]
+    pub fn start(&self) -> Option<usize> {
+        self.entries.first().map(|root| root.value).filter(|&value| value != UNKNOWN)
+    }
+
+    /// The innermost entry that contains `offset`: the last one in the order of the text.
+    fn innermost(&self, offset: usize) -> usize {
+        self.entries.iter().rposition(|entry| entry.start <= offset && offset < entry.end).unwrap_or(0)
+    }
+
+    fn path(&self, mut entry: usize) -> String {
+        let mut steps = Vec::new();
+        while entry != 0 {
+            steps.push(self.entries[entry].step);
+            entry = self.entries[entry].parent;
+        }
+        let mut path = String::new();
+        for step in steps.into_iter().rev() {
+            match step {
+                Step::Index(index) => path.push_str(&format!("[{index}]")),
+                Step::Field((from, to)) => {
+                    path.push_str(if path.is_empty() { "" } else { "." });
+                    path.push_str(&self.text[from..to]);
+                }
+            }
+        }
+        path
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r##"#![enable(implicit_some)]
+// a ( comment
+World(
+    name: "a \" ( name", /* nested /* ( */ */
+    raw: r#"a " ( raw"#, letter: '(', quote: '\'',
+    obstacles: [
+        (shape: Circle(radius_m: 0.15), position_m: (0.6, -0.6)),
+        (shape: Box(width_m: 1.0)),
+    ],
+)"##;
+
+    #[test]
+    fn paths_and_offsets_convert_both_ways() {
+        let map = SourceMap::new(TEXT);
+        for (path, value) in [
+            ("name", "\"a \\\""),
+            ("obstacles[0].shape", "Circle("),
+            ("obstacles[0].shape.radius_m", "0.15"),
+            ("obstacles[0].position_m[1]", "-0.6"),
+            ("obstacles[1]", "(shape: Box"),
+            ("obstacles[1].shape.width_m", "1.0"),
+        ] {
+            let offset = map.offset_of(path).expect(path);
+            assert!(TEXT[offset..].starts_with(value), "{path} is at {value}, not {}", &TEXT[offset..]);
+            assert_eq!(map.path_at(offset), path);
+        }
+    }
+
+    #[test]
+    fn a_missing_field_is_located_at_its_nearest_parent() {
+        let map = SourceMap::new(TEXT);
+        assert_eq!(map.offset_of("obstacles[1].rotation_rad"), map.offset_of("obstacles[1]"));
+        assert_eq!(map.offset_of("task.goal_radius_m"), None);
+        assert_eq!(map.start(), TEXT.find("World("));
+    }
+
+    #[test]
+    fn deep_nesting_does_not_overflow_the_stack() {
+        let text = "[".repeat(200_000);
+        let map = SourceMap::new(&text);
+        assert!(map.path_at(50).ends_with("[0]"));
+    }
+}

@@ -1,0 +1,99 @@
+//! One arena: floor, walls, obstacles, goal, robot, and the ways that were driven.
+//!
+//! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`], drawn from the ground up: [`draw_floor`], then a
+//! field if there is one, then [`draw_trajectories`], [`draw_solids`], [`draw_goal`], [`draw_robot`].
+
+use egui::{Color32, Shape as Mark, Stroke, StrokeKind};
+
+use super::canvas::Canvas;
+use super::polygon;
+use super::silhouette::{self, ObstaclePose, Silhouette};
+use super::transform::{ArenaBounds, screen_direction};
+use crate::app::scene::ArenaScene;
+use crate::scenario::{Enclosure, Scenario, Wall};
+use crate::task::Pose;
+
+/// The walls around and within, and the obstacles of an arena layout at their poses.
+pub fn draw_solids(canvas: &Canvas, room: &Scenario, poses: &[ObstaclePose]) {
+    walls(canvas, room, canvas.palette.obstacle);
+    for (obstacle, &pose) in room.obstacles.iter().zip(poses) {
+        let outline = Silhouette::Obstacle { shape: obstacle.shape.clone(), pose };
+        silhouette::draw(canvas, &outline, canvas.palette.obstacle, Stroke::NONE);
+    }
+}
+
+/// The walls around and within; where those within end at one around, they don't show beyond it.
+fn walls(canvas: &Canvas, room: &Scenario, ink: Color32) {
+    let thick = if canvas.compact { 1.5 } else { 4.0 };
+    for piece in room.walls.iter().flat_map(Wall::segments) {
+        silhouette::draw(canvas, &Silhouette::from_obstacle(&piece), ink, Stroke::NONE);
+    }
+    if !room.walls.is_empty() {
+        let beyond = room.walls.iter().map(|wall| wall.thickness_m).fold(0.0, f32::max);
+        let (low, high) = room.enclosure.bounds_m();
+        let behind = if canvas.compact { canvas.palette.panel } else { canvas.palette.background };
+        polygon::fill_outside(canvas, &room.enclosure.corners_m(), low - beyond, high + beyond, behind);
+    }
+    match &room.enclosure {
+        Enclosure::Rectangle { .. } => {
+            let bounds = ArenaBounds::from_enclosure(&room.enclosure);
+            let inside = canvas.transform.to_screen_rect(bounds.min_m, bounds.max_m);
+            canvas.painter.rect_stroke(inside, 0.0, Stroke::new(thick, ink), StrokeKind::Outside);
+        }
+        Enclosure::Polygon { .. } => {
+            silhouette::draw_closed_line(canvas, &room.enclosure.corners_m(), thick, ink)
+        }
+    }
+}
+
+/// The goal: where it is, and from how far it counts as reached.
+pub fn draw_goal(canvas: &Canvas, scenario: &Scenario, at_m: [f32; 2]) {
+    let palette = &canvas.palette;
+    let centre = canvas.to_screen(at_m);
+    let radius = canvas.transform.to_screen_length(scenario.task.goal_radius_m).max(3.0);
+    let painter = &canvas.painter;
+    let width = if canvas.compact { 1.5 } else { 2.5 };
+    if !canvas.compact {
+        painter.circle_stroke(centre, radius, Stroke::new(width + 4.0, palette.floor.gamma_multiply(0.75)));
+        painter.circle_filled(centre, radius, palette.floor.gamma_multiply(0.5));
+    }
+    painter.circle(centre, radius, palette.success.gamma_multiply(0.16), Stroke::new(width, palette.success));
+    if !canvas.compact {
+        painter.circle_filled(centre, (radius * 0.14).clamp(2.5, 6.0), palette.success);
+    } else if radius > 6.0 {
+        painter.circle_filled(centre, 1.5, palette.success);
+    }
+}
+
+/// The robot's colour: grey where nothing moves any more.
+#[must_use]
+pub fn robot_color(canvas: &Canvas, arena: &ArenaScene) -> Color32 {
+    if arena.inactive { canvas.palette.weak_text } else { canvas.palette.accent }
+}
+
+/// The robot: its body, where it looks, and how near anything may come.
+pub fn draw_robot(canvas: &Canvas, scenario: &Scenario, pose: Pose, skin: Color32) {
+    let (painter, palette) = (&canvas.painter, &canvas.palette);
+    let Pose { x_m, y_m, heading_rad } = pose;
+    let centre = canvas.to_screen([x_m, y_m]);
+    let body = canvas.transform.to_screen_length(scenario.robot.radius_m);
+    if !canvas.compact {
+        let guard = canvas.transform.to_screen_length(scenario.task.collision_range_m);
+        painter.circle_stroke(centre, guard, Stroke::new(1.0, palette.weak_text.gamma_multiply(0.55)));
+    }
+    let least = if canvas.compact { 4.0 } else { 6.0 };
+    let radius = body.max(least);
+    let halo = if canvas.compact { 1.0 } else { 1.5 };
+    painter.circle_filled(centre, radius + halo, palette.floor);
+    painter.circle_filled(centre, radius, skin);
+    let along = screen_direction(heading_rad) * radius;
+    let across = along.rot90();
+    // An arrow with a notch is no convex polygon: two halves, and a line over their seam.
+    let (tip, notch) = (centre + along * 0.84, centre - along * 0.24);
+    for side in [across, -across] {
+        let half = vec![tip, centre - along * 0.56 + side * 0.58, notch];
+        painter.add(Mark::convex_polygon(half, palette.on_accent, Stroke::NONE));
+    }
+    let seam = Stroke::new((radius * 0.16).max(1.0), palette.on_accent);
+    painter.line_segment([tip - along * 0.2, notch + along * 0.06], seam);
+}

@@ -1,0 +1,34 @@
+//! Camera control: pan, zoom and fit with the pointer.
+
+use egui::{CursorIcon, Response, Ui};
+
+use super::transform::ViewTransform;
+use crate::app::view_state::ViewCamera;
+
+/// Pan, zoom and fit; pan and fit only with a hand that is `empty`.
+pub fn steer_camera(
+    ui: &Ui,
+    response: &Response,
+    transform: &mut ViewTransform,
+    camera: &mut ViewCamera,
+    empty: bool,
+) {
+    let before = *camera;
+    if empty && response.dragged() {
+        *camera = transform.panned(*camera, response.drag_delta());
+        ui.ctx().set_cursor_icon(CursorIcon::AllScroll);
+    }
+    if let Some(at) = response.hover_pos().filter(|_| response.contains_pointer()) {
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        let factor = pinch * (scroll * 0.0035).exp();
+        if factor.is_finite() && factor != 1.0 {
+            *camera = transform.zoomed(*camera, at, factor);
+        }
+    }
+    if response.double_clicked() && empty {
+        *camera = ViewCamera::default();
+    }
+    if *camera != before {
+        *transform = transform.with_camera(*camera);
+    }
+}

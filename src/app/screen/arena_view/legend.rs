@@ -1,0 +1,170 @@
+//! The legend: what the marks over the world mean, for those that are on, and the length of the floor's squares.
+//!
+//! In: the overlays. Out: a line along the lower edge of the view, where no arena is at zoom 1.
+
+use std::sync::Arc;
+
+use egui::{FontId, Galley, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+
+use super::beams::beam_color;
+use super::canvas::Canvas;
+use super::floor::grid_step_m;
+use super::trajectories::{outcome_color, outcome_mark};
+use crate::app::scene::TrailEnd;
+use crate::app::screen::theme::SMALL;
+use crate::app::view_state::Overlays;
+
+const ROW: f32 = 20.0;
+const SWATCH: f32 = 20.0;
+const PAD: f32 = 6.0;
+const BETWEEN: f32 = 15.0;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Entry {
+    Square,
+    Beams,
+    Path,
+    Trail(TrailEnd),
+    Slope,
+}
+
+fn entries(overlays: &Overlays) -> Vec<Entry> {
+    let trails = [TrailEnd::Reached, TrailEnd::Collided, TrailEnd::TimedOut].map(Entry::Trail);
+    let mut entries = vec![Entry::Square];
+    for (on, some) in [
+        (overlays.beams, &[Entry::Beams][..]),
+        (overlays.path, &[Entry::Path]),
+        (overlays.trails, &trails),
+        (overlays.potential, &[Entry::Slope]),
+    ] {
+        if on {
+            entries.extend_from_slice(some);
+        }
+    }
+    entries
+}
+
+/// Draws the legend along the lower edge, in as many lines as it takes; gives the space it takes, if there is room.
+pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
+    let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
+    if view.width() < 220.0 || view.height() < 220.0 {
+        return None;
+    }
+    let font = FontId::proportional(SMALL);
+    let entries: Vec<(Entry, Arc<Galley>)> = entries(overlays)
+        .into_iter()
+        .map(|entry| {
+            (
+                entry,
+                canvas.painter.layout_no_wrap(words(canvas, entry), font.clone(), canvas.palette.weak_text),
+            )
+        })
+        .collect();
+    let (mut at, mut widest, mut places) = (pos2(PAD, 0.0), 0.0_f32, Vec::new());
+    for (entry, galley) in &entries {
+        let width = swatch_width(*entry) + 6.0 + galley.size().x;
+        if at.x > PAD && at.x + width + PAD > view.width() {
+            at = pos2(PAD, at.y + ROW);
+        }
+        places.push(at);
+        at.x += width + BETWEEN;
+        widest = widest.max(at.x - BETWEEN + PAD);
+    }
+    let size = vec2(widest, at.y + ROW);
+    let strip = Rect::from_min_size(view.left_bottom() - vec2(0.0, size.y), size);
+    canvas.strip_background(strip);
+    for ((entry, galley), place) in entries.into_iter().zip(places) {
+        let left = strip.min + place.to_vec2() + vec2(0.0, ROW / 2.0);
+        let width = swatch_width(entry);
+        draw_swatch(canvas, entry, Rect::from_min_max(left - vec2(0.0, 5.0), left + vec2(width, 5.0)));
+        let text = left + vec2(width + 6.0, -galley.size().y / 2.0);
+        canvas.painter.galley(text, galley, canvas.palette.weak_text);
+    }
+    Some(strip)
+}
+
+fn swatch_width(entry: Entry) -> f32 {
+    if entry == Entry::Square { 10.0 } else { SWATCH }
+}
+
+fn words(canvas: &Canvas, entry: Entry) -> String {
+    match entry {
+        Entry::Square => return format!("{} m", length_words(grid_step_m(canvas.transform.scale))),
+        Entry::Beams => "LIDAR",
+        Entry::Path => "This navigation",
+        Entry::Trail(TrailEnd::Reached) => "Reached",
+        Entry::Trail(TrailEnd::Collided) => "Collided",
+        Entry::Trail(TrailEnd::TimedOut) => "Out of time",
+        Entry::Slope => "Down U",
+    }
+    .into()
+}
+
+fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
+    let (painter, palette) = (&canvas.painter, &canvas.palette);
+    let (left, right) = (swatch.left_center(), swatch.right_center());
+    match entry {
+        // One of the floor's squares, though not as large.
+        Entry::Square => {
+            painter.rect(swatch, 0.0, palette.floor, Stroke::new(1.0, palette.weak_text), StrokeKind::Inside);
+        }
+        Entry::Beams => {
+            fading(canvas, left, right, 1.5, |part| beam_color(palette, 1.0 - part));
+            painter.circle_filled(left, 2.5, palette.error);
+        }
+        Entry::Path => {
+            fading(canvas, left, right, 2.5, |part| palette.accent.gamma_multiply(0.06 + 0.84 * part * part));
+        }
+        Entry::Trail(end) => {
+            let ink = outcome_color(palette, end);
+            fading(canvas, left, right, 1.5, |part| ink.gamma_multiply(0.3 + 0.7 * part));
+            outcome_mark(painter, right - vec2(3.0, 0.0), end, ink);
+        }
+        Entry::Slope => {
+            let along = vec2(1.0, 0.0);
+            painter.line_segment(
+                [left + along * 4.0, right - along * 4.0],
+                Stroke::new(1.25, palette.weak_text),
+            );
+            canvas.arrow_head(right, along, 5.0, palette.weak_text);
+        }
+    }
+}
+
+fn fading(canvas: &Canvas, left: Pos2, right: Pos2, width: f32, ink: impl Fn(f32) -> egui::Color32) {
+    let points = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| canvas.transform.to_world(left.lerp(right, part)));
+    canvas.gradient_line(points.into_iter(), width, ink);
+}
+
+/// A round length without needless zeros.
+fn length_words(metres: f32) -> String {
+    if metres >= 1.0 {
+        return format!("{metres:.0}");
+    }
+    let decimals = (-metres.max(1e-6).log10()).ceil().max(1.0) as usize;
+    format!("{metres:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_on_is_explained() {
+        let off = Overlays {
+            beams: false,
+            path: false,
+            trails: false,
+            potential: false,
+            value: false,
+            q_values: false,
+        };
+        assert_eq!(entries(&off), [Entry::Square]);
+        assert_eq!(entries(&Overlays { trails: true, ..off }).len(), 4);
+    }
+
+    #[test]
+    fn lengths_are_short() {
+        assert_eq!([0.05, 0.2, 0.5, 1.0, 20.0].map(length_words), ["0.05", "0.2", "0.5", "1", "20"]);
+    }
+}

@@ -1,0 +1,139 @@
+//! The arena view: one arena, a grid of all arenas, or two side by side; with the camera, the overlays and dragging.
+//!
+//! In: the [`ScreenInput`]. Out: shapes, changes of the [`ViewState`] (camera, followed arena, drag), and [`Command`]s that
+//! move a dragged object.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `transform.rs`, `camera.rs` | metres to points and back; pan, zoom and fit |
+//! | `canvas.rs` | what everything is drawn on: gradient lines, labels, arrow heads |
+//! | `single_arena.rs` | one arena with everything over it |
+//! | `arena_grid.rs` | the grid of all arenas |
+//! | `floor.rs`, `arena.rs` | floor and grid lines; walls, obstacles, goal, robot |
+//! | `silhouette.rs`, `polygon.rs` | outlines of objects; filling and growing polygons |
+//! | `obstacle_paths.rs` | the paths of moving obstacles |
+//! | `trajectories.rs` | the robot's current path and past paths |
+//! | `beams.rs` | LIDAR beams |
+//! | `q_card.rs`, `q_card_position.rs`, `motion_arrow.rs` | the Q-values next to the robot |
+//! | `field_view.rs`, `field_image.rs`, `color_bar.rs` | the potential and the state value as colours and arrows |
+//! | `legend.rs` | the legend |
+//! | `score.rs` | driver, goals and collisions above an arena |
+//! | `drag.rs`, `drag_target.rs` | dragging objects, and where they may be put |
+//! | `steer.rs` | the arrow keys in Drive mode |
+//! | `welcome.rs` | the start button before the first training |
+
+pub mod arena;
+mod arena_grid;
+mod beams;
+pub mod camera;
+pub mod canvas;
+mod color_bar;
+mod drag;
+mod drag_target;
+mod field_image;
+mod field_view;
+pub mod floor;
+mod legend;
+mod motion_arrow;
+pub mod obstacle_paths;
+pub mod polygon;
+mod q_card;
+mod q_card_position;
+mod score;
+pub mod silhouette;
+mod single_arena;
+pub mod steer;
+mod trajectories;
+pub mod transform;
+pub mod welcome;
+
+use egui::{FontId, Rect, Stroke, Ui, vec2};
+
+use self::single_arena::{MARGIN, is_pair, large};
+use self::transform::{ArenaBounds, ViewTransform};
+use crate::app::commands::Command;
+use crate::app::scene::{DriverLabel, Scene};
+use crate::app::screen::input::ScreenInput;
+use crate::app::screen::theme::{Palette, SMALL};
+use crate::app::view_state::{ViewCamera, ViewState};
+
+/// Fills what is left of `ui` with the world.
+pub fn arenas_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    let scene = view.scene;
+    let rect = ui.available_rect_before_wrap();
+    ui.advance_cursor_after_rect(rect);
+    if !rect.is_positive() || scene.arenas.is_empty() {
+        return;
+    }
+    ui.painter_at(rect).rect_filled(rect, 0.0, Palette::from_ui(ui).background);
+    view_state.followed = view_state.followed.min(scene.arenas.len() - 1);
+    if is_pair(scene) {
+        pair_ui(ui, rect, view, view_state, commands);
+    } else if is_alone(scene) {
+        headed(ui, rect, view, 0, view_state, commands);
+    } else if view_state.grid && scene.arenas.len() > 1 {
+        arena_grid::arena_grid_ui(ui, rect, scene, view_state);
+    } else {
+        let index = view_state.followed;
+        let canvas = large(ui, rect, view, index, view_state, commands);
+        if scene.arenas.len() > 1 {
+            let words = format!("Arena {} of {}", index + 1, scene.arenas.len());
+            let at = rect.min + vec2(14.0, 16.0);
+            let font = FontId::proportional(SMALL);
+            let galley = canvas.painter.layout_no_wrap(words, font, canvas.palette.weak_text);
+            let corner = at - vec2(0.0, galley.size().y / 2.0);
+            canvas.strip_background(Rect::from_min_size(corner, galley.size()).expand2(vec2(6.0, 3.0)));
+            canvas.painter.galley(corner, galley, canvas.palette.weak_text);
+        }
+    }
+}
+
+/// One arena that a policy drives alone.
+fn is_alone(scene: &Scene) -> bool {
+    matches!(&scene.arenas[..], [only] if matches!(only.driver, DriverLabel::Policy(_)))
+}
+
+fn pair_ui(
+    ui: &mut Ui,
+    rect: Rect,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    let line = Stroke::new(1.0, Palette::from_ui(ui).border);
+    let (first, second) = if rect.width() >= rect.height() * 0.9 {
+        ui.painter_at(rect).vline(rect.center().x, rect.y_range(), line);
+        rect.split_left_right_at_fraction(0.5)
+    } else {
+        ui.painter_at(rect).hline(rect.x_range(), rect.center().y, line);
+        rect.split_top_bottom_at_fraction(0.5)
+    };
+    for (index, part) in [first, second].into_iter().enumerate() {
+        headed(ui, part, view, index, view_state, commands);
+    }
+}
+
+/// One arena, under a header that says who drives there and how well.
+fn headed(
+    ui: &Ui,
+    part: Rect,
+    view: &ScreenInput<'_>,
+    index: usize,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    let (header, below) = part.split_top_bottom_at_y(part.top() + score::HEIGHT);
+    let below = below.shrink2(vec2(1.0, 0.0));
+    large(ui, below, view, index, view_state, commands);
+    if let Some(arena) = view.scene.arenas.get(index) {
+        // As wide as the arena is when it fits.
+        let bounds = ArenaBounds::from_enclosure(&view.scene.scenario.enclosure);
+        let fit = ViewTransform::new(below, MARGIN, ViewCamera::default(), bounds);
+        score::draw(ui, header, fit.bounds_rect().width(), arena);
+    }
+}

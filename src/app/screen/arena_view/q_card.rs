@@ -1,0 +1,139 @@
+//! The Q-values beside the robot: for each motion, in order of turning, a bar of its advantage (its Q-value less their
+//! mean) and its Q-value, with the chosen one marked.
+//!
+//! In: the Q-values of an [`ArenaScene`]. Out: a small card near the robot that covers neither it nor the goal as far
+//! as there is room, and a thin line from one to the other.
+
+use std::cmp::Ordering;
+
+use egui::{Align2, Id, Pos2, Rect, Stroke, pos2, vec2};
+
+use super::canvas::Canvas;
+use super::motion_arrow;
+use super::q_card_position::card_rect;
+use crate::app::scene::{ArenaScene, DriverLabel};
+use crate::app::screen::numbers::{decimals_for, format_decimals};
+use crate::scenario::{Motion, Scenario};
+
+/// With more motions than these, only the chosen and the best are shown.
+const MAX_ROWS: usize = 9;
+const ROW: f32 = 16.0;
+const HEAD: f32 = 18.0;
+const FOOT: f32 = 15.0;
+const PAD: f32 = 8.0;
+/// Widths of a row's glyph, bar and number.
+const GLYPH: f32 = 22.0;
+const BAR: f32 = 76.0;
+const FIGURES: f32 = 48.0;
+
+/// The motions' indices, the hardest left turn first, the hardest right turn last.
+#[must_use]
+pub fn motions_left_to_right(motions: &[Motion]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..motions.len()).collect();
+    order.sort_by(|&a, &b| {
+        let by_turn = motions[b].w_rad_s.partial_cmp(&motions[a].w_rad_s);
+        let by_speed = motions[b].v_m_s.partial_cmp(&motions[a].v_m_s);
+        by_turn.unwrap_or(Ordering::Equal).then(by_speed.unwrap_or(Ordering::Equal))
+    });
+    order
+}
+
+/// The motions that get a row, in order.
+fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
+    let mut order = motions_left_to_right(motions);
+    order.retain(|&k| k < q.len());
+    if order.len() > MAX_ROWS {
+        let best = order.iter().copied().max_by(|&a, &b| q[a].total_cmp(&q[b]));
+        order.retain(|&k| k == chosen || Some(k) == best);
+    }
+    order
+}
+
+/// Draws the card, if there are Q-values; `avoid` is what lies over the view already.
+pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
+    let (motions, q) = (&scenario.robot.motions, &arena.q_values);
+    if q.is_empty() || !q.iter().all(|value| value.is_finite()) {
+        return;
+    }
+    let rows = rows(motions, q, arena.action);
+    // Who learns explores now and then: there is a line that says which it is.
+    let foot = if arena.driver == DriverLabel::Learner { FOOT } else { 0.0 };
+    let size = vec2(GLYPH + BAR + FIGURES + 2.0 * PAD, HEAD + rows.len() as f32 * ROW + foot + PAD);
+    let view = canvas.transform.rect.shrink(8.0);
+    let robot = canvas.to_screen([arena.pose.x_m, arena.pose.y_m]);
+    if rows.is_empty() || 1.8 * size.x > view.width() || 1.8 * size.y > view.height() || !view.contains(robot)
+    {
+        return;
+    }
+    let body = canvas.transform.to_screen_length(scenario.robot.radius_m).max(6.0);
+    let card = card_rect(canvas, scenario, arena, size, body, avoid, id);
+    leader(canvas, card, robot, body);
+    canvas.card_background(card);
+    let palette = &canvas.palette;
+    let zero = card.left() + PAD + GLYPH + BAR / 2.0;
+    let (top, right) = (card.top() + 4.0, card.right() - PAD);
+    canvas.small_text(pos2(zero, top), Align2::CENTER_TOP, "advantage", palette.weak_text);
+    canvas.small_text(pos2(right, top), Align2::RIGHT_TOP, "Q-values", palette.weak_text);
+    let marked = if arena.explored { palette.warning } else { palette.accent };
+    if foot > 0.0 {
+        let (words, ink) =
+            if arena.explored { ("exploring", palette.warning) } else { ("greedy", palette.weak_text) };
+        let at = pos2(card.left() + PAD, card.bottom() - 5.0);
+        canvas.small_text(at, Align2::LEFT_BOTTOM, words, ink);
+    }
+    let mean = q.iter().sum::<f32>() / q.len() as f32;
+    let most = q.iter().map(|value| (value - mean).abs()).fold(1e-6, f32::max);
+    let decimals = decimals_for(q.iter().copied().fold(0.0, |most: f32, value| most.max(value.abs())));
+    let fastest = motions.iter().map(|motion| motion.w_rad_s.abs()).fold(1e-6, f32::max);
+    let lines = card.top() + HEAD..=card.bottom() - foot - PAD + 2.0;
+    canvas.painter.vline(zero, lines, Stroke::new(1.0, palette.border));
+    for (row, &k) in rows.iter().enumerate() {
+        let y = card.top() + HEAD + (row as f32 + 0.5) * ROW;
+        let chosen = k == arena.action;
+        let ink = if chosen { marked } else { palette.weak_text };
+        motion_arrow::draw(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, ink);
+        let end = zero + (q[k] - mean) / most * (BAR / 2.0 - 4.0);
+        let bar = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), y - 4.0..=y + 4.0);
+        let fill = if chosen { marked } else { palette.weak_text.gamma_multiply(0.55) };
+        canvas.painter.rect_filled(bar, 1.5, fill);
+        let (at, words) = (pos2(right, y), format_decimals(q[k], decimals));
+        canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { palette.text } else { ink });
+    }
+}
+
+fn leader(canvas: &Canvas, card: Rect, robot: Pos2, body: f32) {
+    let near = card.clamp(robot);
+    let away = near - robot;
+    if away.length() > body + 4.0 {
+        let start = robot + away.normalized() * (body + 3.0);
+        canvas
+            .painter
+            .line_segment([start, near], Stroke::new(1.0, canvas.palette.weak_text.gamma_multiply(0.8)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motion(v_m_s: f32, w_rad_s: f32) -> Motion {
+        Motion { v_m_s, w_rad_s }
+    }
+
+    #[test]
+    fn motions_are_ordered_from_left_to_right() {
+        let motions =
+            [motion(0.1, 0.0), motion(0.1, -1.5), motion(0.1, 1.5), motion(0.2, 0.0), motion(0.1, 0.7)];
+        assert_eq!(motions_left_to_right(&motions), [2, 4, 3, 0, 1]);
+    }
+
+    #[test]
+    fn of_many_motions_only_the_chosen_and_the_best_are_shown() {
+        let motions: Vec<Motion> = (0..12).map(|k| motion(0.1, k as f32)).collect();
+        let mut q = vec![0.0; 12];
+        q[3] = 5.0;
+        assert_eq!(rows(&motions, &q, 7), [7, 3]);
+        assert_eq!(rows(&motions[..9], &q[..9], 7).len(), 9);
+        assert_eq!(rows(&motions[..5], &q[..2], 1), [1, 0], "no row without a value");
+    }
+}

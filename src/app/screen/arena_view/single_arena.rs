@@ -1,0 +1,160 @@
+//! One arena with all its overlays, and the pointer in it.
+
+use egui::{Align2, CursorIcon, Id, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, vec2};
+
+use super::camera::steer_camera;
+use super::canvas::Canvas;
+use super::field_view::{self, FieldKind};
+use super::transform::{ArenaBounds, ViewTransform};
+use super::{
+    arena, beams, color_bar, drag, drag_target, floor, legend, obstacle_paths, q_card, silhouette,
+    trajectories,
+};
+use crate::app::commands::Command;
+use crate::app::interaction::{ActiveDrag, DragTarget};
+use crate::app::scene::{ArenaScene, Scene};
+use crate::app::screen::input::ScreenInput;
+use crate::app::screen::theme::Palette;
+use crate::app::view_state::{Overlays, ViewState};
+
+/// Space around the walls, in points: the legend and the colour bar are there.
+pub const MARGIN: Vec2 = vec2(18.0, 34.0);
+
+/// Two arenas that are driven by different drivers are always seen side by side.
+pub fn is_pair(scene: &Scene) -> bool {
+    matches!(&scene.arenas[..], [a, b] if a.driver != b.driver)
+}
+
+/// One arena with everything, and the pointer in it.
+pub fn large(
+    ui: &Ui,
+    rect: Rect,
+    view: &ScreenInput<'_>,
+    index: usize,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) -> Canvas {
+    let scene = view.scene;
+    let id = ui.id().with(("world view", index));
+    // The panels' edges can be taken hold of from this side, too.
+    let response = ui.interact(rect.shrink2(vec2(4.0, 0.0)), id, Sense::click_and_drag());
+    set_arena_name(&response, index);
+    let mut transform = ViewTransform::new(
+        rect,
+        MARGIN,
+        view_state.camera,
+        ArenaBounds::from_enclosure(&scene.scenario.enclosure),
+    );
+    let held =
+        drag::update(ui, &response, &transform, view, index, &mut view_state.interaction.drag, commands);
+    if response.clicked() || held.is_some() {
+        view_state.followed = index;
+    }
+    let pointed = response.hover_pos().filter(|_| response.contains_pointer());
+    let drag_target = match (&held, pointed, scene.arenas.get(index)) {
+        (Some(held), _, _) => Some(held.drag_target),
+        (None, Some(at), Some(arena)) if !response.dragged() => {
+            drag_target::hit_test(&transform, scene, arena, at)
+        }
+        _ => None,
+    };
+    steer_camera(ui, &response, &mut transform, &mut view_state.camera, drag_target.is_none());
+    let canvas =
+        Canvas { painter: ui.painter_at(rect), transform, palette: Palette::from_ui(ui), compact: false };
+    if let Some(arena) = scene.arenas.get(index) {
+        draw_large(ui, &canvas, scene, index, arena, view_state, id);
+        draw_drag_feedback(ui, &response, &canvas, arena, drag_target, held);
+    }
+    canvas
+}
+
+fn draw_large(
+    ui: &Ui,
+    canvas: &Canvas,
+    scene: &Scene,
+    index: usize,
+    arena: &ArenaScene,
+    view_state: &ViewState,
+    id: Id,
+) {
+    let (scenario, overlays, dark) = (&*scene.scenario, &view_state.overlays, ui.visuals().dark_mode);
+    let here = index == view_state.followed;
+    let value = scene.value.as_deref().filter(|_| here && overlays.value);
+    let potential = scene.potential.as_deref().filter(|_| here && overlays.potential);
+    let field =
+        value.map(|field| (FieldKind::Value, field)).or(potential.map(|field| (FieldKind::Potential, field)));
+    floor::draw_floor(canvas, &scenario.enclosure);
+    if let Some((kind, field)) = field {
+        field_view::draw_heatmap(canvas, kind, field, dark);
+    }
+    if let Some(field) = potential {
+        field_view::draw_arrows(canvas, field, canvas.palette.text.gamma_multiply(0.45));
+    }
+    trajectories::draw(canvas, arena, overlays);
+    arena::draw_solids(canvas, &arena.scenario, &arena.obstacles);
+    arena::draw_goal(canvas, scenario, [arena.goal.x_m, arena.goal.y_m]);
+    let beams = overlays.beams && !arena.inactive;
+    let label = beams.then(|| beams::draw(canvas, scenario, arena)).flatten();
+    arena::draw_robot(canvas, scenario, arena.pose, arena::robot_color(canvas, arena));
+    // Of two beside each other, one explains for both.
+    let explains = index == 0 || !is_pair(scene);
+    let beams =
+        overlays.beams && if is_pair(scene) { scene.arenas.iter().any(|a| !a.inactive) } else { beams };
+    let slope = overlays.potential && scene.potential.is_some();
+    let shown = Overlays { beams, potential: slope, ..*overlays };
+    let mut taken: Vec<Rect> = label.into_iter().collect();
+    taken.extend(explains.then(|| legend::draw(canvas, &shown)).flatten());
+    taken.extend(field.and_then(|(kind, field)| color_bar::draw(canvas, kind, field, dark)));
+    if overlays.q_values && !arena.inactive {
+        q_card::draw(canvas, scenario, arena, &taken, id.with("q side"));
+    }
+}
+
+/// Shows what the pointer could take hold of or holds.
+fn draw_drag_feedback(
+    ui: &Ui,
+    response: &Response,
+    canvas: &Canvas,
+    arena: &ArenaScene,
+    drag_target: Option<DragTarget>,
+    held: Option<ActiveDrag>,
+) {
+    let (palette, Some(drag_target)) = (&canvas.palette, drag_target) else { return };
+    let to_m = held.and_then(|held| held.rejection.map(|_| held.to_m));
+    let Some(outline) = drag_target::silhouette(arena, drag_target, to_m) else { return };
+    if let DragTarget::Obstacle(obstacle) = drag_target
+        && let Some(obstacle) = arena.scenario.obstacles.get(obstacle)
+    {
+        obstacle_paths::draw(canvas, obstacle, palette.weak_text);
+    }
+    let around = outline.clone().inflated(4.5 / canvas.transform.scale);
+    let clear = egui::Color32::TRANSPARENT;
+    match held {
+        Some(ActiveDrag { rejection: Some(why), to_m, .. }) => {
+            ui.ctx().set_cursor_icon(CursorIcon::NoDrop);
+            silhouette::draw(
+                canvas,
+                &outline,
+                palette.error.gamma_multiply(0.35),
+                Stroke::new(2.0, palette.error),
+            );
+            let below = vec2(0.0, canvas.transform.to_screen_length(outline.reach_m()) + 7.0);
+            canvas.label(canvas.to_screen(to_m) + below, Align2::CENTER_TOP, why, palette.error);
+        }
+        Some(_) => {
+            ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
+            silhouette::draw(canvas, &around, clear, Stroke::new(2.0, palette.text));
+        }
+        None => {
+            ui.ctx().set_cursor_icon(CursorIcon::Grab);
+            silhouette::draw(canvas, &around, clear, Stroke::new(1.5, palette.text.gamma_multiply(0.8)));
+            response.clone().on_hover_text_at_pointer(drag::tooltip(drag_target));
+        }
+    }
+}
+
+/// Names the view of an arena for screen readers and tests.
+pub fn set_arena_name(response: &Response, index: usize) {
+    let name = format!("Arena {}", index + 1);
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
+}

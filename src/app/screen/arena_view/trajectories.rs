@@ -1,0 +1,64 @@
+//! Trajectories: the path of the current attempt, and past paths coloured by outcome.
+
+use egui::{Color32, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+
+use super::canvas::Canvas;
+use crate::app::scene::{ArenaScene, Trail, TrailEnd};
+use crate::app::screen::theme::Palette;
+use crate::app::view_state::Overlays;
+
+/// The path of this navigation, fading out towards its start, and the last navigations by outcome.
+pub fn draw(canvas: &Canvas, arena: &ArenaScene, overlays: &Overlays) {
+    if overlays.trails {
+        let count = arena.trails.len().min(if canvas.compact { 3 } else { usize::MAX });
+        for (age, trail) in arena.trails.iter().rev().take(count).enumerate().rev() {
+            let newness = 1.0 - age as f32 / count as f32;
+            draw_trail(canvas, trail, 0.22 + 0.38 * newness);
+        }
+    }
+    if overlays.path && !arena.path_m.is_empty() {
+        let path = arena.path_m.iter().copied().chain([[arena.pose.x_m, arena.pose.y_m]]);
+        let ink = canvas.palette.accent;
+        let width = if canvas.compact { 1.25 } else { 2.5 };
+        canvas.gradient_line(path, width, |part| ink.gamma_multiply(0.06 + 0.84 * part * part));
+    }
+}
+
+/// The colour of an outcome.
+#[must_use]
+pub fn outcome_color(palette: &Palette, end: TrailEnd) -> Color32 {
+    match end {
+        TrailEnd::Reached => palette.success,
+        TrailEnd::Collided => palette.error,
+        TrailEnd::TimedOut => palette.warning,
+    }
+}
+
+fn draw_trail(canvas: &Canvas, trail: &Trail, strength: f32) {
+    let ink = outcome_color(&canvas.palette, trail.end);
+    let width = if canvas.compact { 1.0 } else { 1.5 };
+    canvas.gradient_line(trail.points_m.iter().copied(), width, |part| {
+        ink.gamma_multiply(strength * (0.35 + 0.65 * part))
+    });
+    if let (Some(&end), false) = (trail.points_m.last(), canvas.compact) {
+        outcome_mark(&canvas.painter, canvas.to_screen(end), trail.end, ink.gamma_multiply(strength + 0.25));
+    }
+}
+
+/// The mark at a trail's end: a dot where the goal was reached, a cross at a collision, a square out of time.
+pub fn outcome_mark(painter: &Painter, at: Pos2, end: TrailEnd, ink: Color32) {
+    let stroke = Stroke::new(1.75, ink);
+    match end {
+        TrailEnd::Reached => {
+            painter.circle_filled(at, 2.75, ink);
+        }
+        TrailEnd::Collided => {
+            painter.line_segment([at - vec2(3.0, 3.0), at + vec2(3.0, 3.0)], stroke);
+            painter.line_segment([at + vec2(-3.0, 3.0), at + vec2(3.0, -3.0)], stroke);
+        }
+        TrailEnd::TimedOut => {
+            let square = Rect::from_center_size(pos2(at.x, at.y), vec2(5.0, 5.0));
+            painter.rect_stroke(square, 0.0, Stroke::new(1.25, ink), StrokeKind::Middle);
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! The header of the plots: title, unit of the x axis, and the export buttons.
+
+use egui::{Align, FontId, Layout, RichText};
+
+use crate::app::commands::{Command, SaveKind};
+use crate::app::screen::theme::{Palette, SMALL};
+
+const ABOUT: &str = "Learning curves over env steps: the control steps of all arenas together. Ctrl+scroll to zoom, drag to \
+                     pan, double-click to show everything";
+
+/// Draws the header; returns whether the whole x axis is to be shown again. `can_save` is false before the first row.
+pub(super) fn header_ui(
+    ui: &mut egui::Ui,
+    can_save: bool,
+    has_disk: bool,
+    zoomed: bool,
+    commands: &mut Vec<Command>,
+) -> bool {
+    let mut reset = false;
+    ui.horizontal(|ui| {
+        ui.heading("Learning").on_hover_text(ABOUT);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.add_enabled_ui(can_save, |ui| {
+                export_buttons_ui(ui, has_disk, commands);
+                reset = zoomed && ui.button("Show all").clicked();
+            });
+            unit_ui(ui);
+        });
+    });
+    reset
+}
+
+fn export_buttons_ui(ui: &mut egui::Ui, has_disk: bool, commands: &mut Vec<Command>) {
+    let picture = "Save the learning curve as a picture: success rate, return and goals";
+    if ui.button(if has_disk { "PNG…" } else { "SVG…" }).on_hover_text(picture).clicked() {
+        commands.push(Command::SaveDialog(SaveKind::Png));
+    }
+    let table = "Save one row per episode as CSV";
+    if ui.button("CSV…").on_hover_text(table).clicked() {
+        commands.push(Command::SaveDialog(SaveKind::Csv));
+    }
+}
+
+/// The unit of the x axis, between title and buttons; left out where it does not fit.
+fn unit_ui(ui: &mut egui::Ui) {
+    let color = Palette::from_ui(ui).weak_text;
+    let text = RichText::new("by env steps").size(SMALL).color(color);
+    let font = FontId::proportional(SMALL);
+    let width = ui.painter().layout_no_wrap(text.text().into(), font, color).size().x;
+    if width <= ui.available_width() {
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| ui.label(text).on_hover_text(ABOUT));
+    }
+}

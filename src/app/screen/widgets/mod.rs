@@ -1,0 +1,13 @@
+//! Widgets shared by the panels, the plots, the arena view and the editor.
+//!
+//! | file | duty |
+//! |---|---|
+//! | `icons.rs` | icons drawn with lines and discs, and the square buttons that show them |
+//! | `buttons.rs` | the primary button and the full-width button |
+//! | `segments.rs` | a segmented control: one choice out of a few |
+//! | `text.rs` | section titles, secondary text, separators, key caps |
+
+pub mod buttons;
+pub mod icons;
+pub mod segments;
+pub mod text;

@@ -1,0 +1,34 @@
+//! Text elements: section titles, secondary text, separators and key caps.
+
+use egui::{FontId, Response, RichText, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType, vec2};
+
+use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
+
+/// The title of a section of a panel.
+pub fn section_title_ui(ui: &mut Ui, text: &str) -> Response {
+    ui.label(RichText::new(text).size(BODY).strong())
+}
+
+/// Small text in the weak colour: captions, explanations.
+pub fn weak_text(text: &str) -> RichText {
+    RichText::new(text).size(SMALL).weak()
+}
+
+/// A horizontal line between two sections.
+pub fn separator_ui(ui: &mut Ui) {
+    ui.add_space(GAP);
+    ui.separator();
+    ui.add_space(GAP * 0.5);
+}
+
+/// A key drawn as a keyboard cap.
+pub fn key_cap_ui(ui: &mut Ui, key: &str) {
+    let palette = Palette::from_ui(ui);
+    let text = ui.painter().layout_no_wrap(key.into(), FontId::proportional(SMALL), palette.text);
+    let size = vec2((text.size().x + 12.0).max(20.0), 20.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, key));
+    let stroke = Stroke::new(1.0, palette.border);
+    ui.painter().rect(rect, 4.0, palette.control, stroke, StrokeKind::Inside);
+    ui.painter().galley(rect.center() - text.size() / 2.0, text, palette.text);
+}

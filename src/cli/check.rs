@@ -1,0 +1,82 @@
+//! `--check`: every problem of scenarios, presets and experiments.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::output::{print_json, print_stdout};
+use crate::reproduce::Experiment;
+use crate::run::RunError;
+use crate::run::check_files::{self, CheckedFile};
+use crate::run::progress::print_stderr;
+
+/// What `--check --json` prints.
+#[derive(Serialize)]
+struct CheckReport {
+    /// All files that were checked.
+    files: Vec<String>,
+    problems: Vec<ProblemReport>,
+}
+
+#[derive(Serialize)]
+struct ProblemReport {
+    path: String,
+    line: Option<usize>,
+    column: Option<usize>,
+    message: String,
+}
+
+/// Checks the files and folders in `paths` and prints a line for each file or problem.
+pub fn run(paths: &[PathBuf], json: bool) -> Result<(), RunError> {
+    let checked = checked_files(paths);
+    if json {
+        print_json(&CheckReport::new(&checked))?;
+    } else {
+        print_lines(&checked)?;
+    }
+    match checked.iter().filter(|file| file.error.is_some()).count() {
+        0 => Ok(()),
+        invalid => {
+            Err(RunError::InvalidInput(format!("{invalid} of {} checked files are invalid", checked.len())))
+        }
+    }
+}
+
+/// The files in `paths`; one that is a valid experiment counts as valid.
+fn checked_files(paths: &[PathBuf]) -> Vec<CheckedFile> {
+    let mut checked = check_files::check(paths);
+    for file in &mut checked {
+        if file.error.is_some() && Experiment::load(&file.path).is_ok() {
+            file.error = None;
+        }
+    }
+    checked
+}
+
+fn print_lines(checked: &[CheckedFile]) -> Result<(), RunError> {
+    for file in checked {
+        match &file.error {
+            None => print_stdout(&format!("{}: ok\n", file.path.display()))?,
+            Some(error) => print_stderr(&error.to_string()),
+        }
+    }
+    Ok(())
+}
+
+impl CheckReport {
+    fn new(checked: &[CheckedFile]) -> Self {
+        let errors = checked.iter().filter_map(|file| file.error.as_ref());
+        let problems = errors.flat_map(|error| {
+            error.problems().iter().map(|problem| ProblemReport {
+                path: error.path().display().to_string(),
+                line: problem.line_column.map(|(line, _)| line),
+                column: problem.line_column.map(|(_, column)| column),
+                message: problem.message.clone(),
+            })
+        });
+        Self {
+            files: checked.iter().map(|file| file.path.display().to_string()).collect(),
+            problems: problems.collect(),
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! `--eval`: a policy tested over rounds of episodes.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::output::{print_json, print_stdout};
+use super::policy;
+use super::shared::SharedArgs;
+use crate::learning::Policy;
+use crate::planner::unsupported_reason;
+use crate::run::evaluate::{self, EpisodeResult, Evaluation, Evaluator};
+use crate::run::limits::MAX_EVAL_EPISODES;
+use crate::run::progress::print_stderr;
+use crate::run::{RunError, shipped};
+use crate::scenario::Scenario;
+use crate::task::EpisodeSetup;
+
+/// Episodes on the benchmark route, and how many of them make a round (the paper: 5 rounds of 5).
+const ROUTE_EPISODES: usize = 25;
+const ROUTE_ROUND: usize = 5;
+
+/// The options of `--eval`.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of --eval")]
+pub struct EvalArgs {
+    /// Rounds of episodes
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    rounds: u32,
+
+    /// Also drive the paper's benchmark route, 5 rounds of 5 episodes: from (0, 0) to (1.2, 1.2)
+    #[arg(long)]
+    course: bool,
+
+    /// Also compare the times with the optimal ones, from a planner that knows the whole scenario
+    #[arg(long)]
+    optimum: bool,
+}
+
+/// What `--eval --json` prints.
+#[derive(Serialize)]
+struct EvaluationReport {
+    policy: String,
+    scenario: String,
+    #[serde(flatten)]
+    evaluation: Evaluation,
+    #[serde(flatten)]
+    course: Option<CourseReport>,
+    #[serde(flatten)]
+    optimum: Option<OptimumReport>,
+}
+
+/// How the policy did on the benchmark route.
+#[derive(Serialize)]
+struct CourseReport {
+    course_success_rate: f64,
+    course_time_s: Option<f64>,
+    course_times_s: Vec<f64>,
+}
+
+/// How the policy's times compare with the optimal ones.
+#[derive(Serialize)]
+struct OptimumReport {
+    optimum_episodes: usize,
+    optimum_mean_time_s: Option<f64>,
+    time_ratio: Option<f64>,
+}
+
+/// Tests the policy in the file at `path` and prints the results.
+pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
+    let scenario = Arc::new(shipped::scenario(shared.scenario())?);
+    let policy = policy::read(path, &scenario)?;
+    print_scenario_note(&policy, &scenario);
+    let (count, round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
+    let seed = shared.seed();
+    let episodes = Evaluator::new(&scenario, count).run(&policy, seed, count, EpisodeSetup::Random)?;
+    let evaluation = Evaluation::from_episodes(&episodes, round, &scenario.task, seed);
+    let course = args.course.then(|| CourseReport::new(&scenario, &policy, seed)).transpose()?;
+    let optimum = args.optimum.then(|| OptimumReport::new(&scenario, &episodes));
+    let report = EvaluationReport {
+        policy: path.display().to_string(),
+        scenario: scenario.name.clone(),
+        evaluation,
+        course,
+        optimum,
+    };
+    if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
+}
+
+/// Notes on stderr that the policy was trained in another scenario.
+fn print_scenario_note(policy: &Policy, scenario: &Scenario) {
+    if let Some(other) = policy.metadata.get("scenario").filter(|name| **name != scenario.name) {
+        print_stderr(&format!("note: this policy was trained in {other} and is tested in {}", scenario.name));
+    }
+}
+
+/// The number of episodes in all and in a round.
+fn episode_counts(rounds: u32, episodes: u64) -> Result<(usize, usize), RunError> {
+    let count = u64::from(rounds).saturating_mul(episodes);
+    if count > MAX_EVAL_EPISODES {
+        return Err(RunError::InvalidInput(format!(
+            "--rounds {rounds} with --episodes {episodes} makes {count} episodes; help: give at most {MAX_EVAL_EPISODES} in all"
+        )));
+    }
+    Ok((count as usize, episodes as usize))
+}
+
+impl CourseReport {
+    fn new(scenario: &Arc<Scenario>, policy: &Policy, seed: u64) -> Result<Self, RunError> {
+        let mut evaluator = Evaluator::new(scenario, ROUTE_EPISODES);
+        let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::BenchmarkRoute)?;
+        let evaluation = Evaluation::from_episodes(&episodes, ROUTE_ROUND, &scenario.task, seed);
+        Ok(Self {
+            course_success_rate: evaluation.success_rate,
+            course_time_s: evaluation.mean_time_s,
+            course_times_s: evaluate::times_s(&episodes, scenario.task.control_period_s).collect(),
+        })
+    }
+}
+
+impl OptimumReport {
+    fn new(scenario: &Scenario, episodes: &[EpisodeResult]) -> Self {
+        if let Some(reason) = unsupported_reason(scenario) {
+            print_stderr(&format!(
+                "note: no optimal times in {}: the planner does not model {reason}",
+                scenario.name
+            ));
+        }
+        let comparison = evaluate::compare_with_optimum(scenario, episodes);
+        Self {
+            optimum_episodes: comparison.map_or(0, |c| c.episodes),
+            optimum_mean_time_s: comparison.map(|c| c.optimum_mean_time_s),
+            time_ratio: comparison.map(|c| c.time_ratio),
+        }
+    }
+}
+
+impl EvaluationReport {
+    fn text(&self) -> String {
+        let e = &self.evaluation;
+        let rounds: Vec<String> = e.rounds.iter().map(|r| format!("{:.0}", 100.0 * r)).collect();
+        let mut text = format!(
+            "{} in {}, {} episodes, seed {}\n\
+             success         {:.1} %  (rounds: {})\n\
+             collision       {:.1} %\n\
+             timeout         {:.1} %\n\
+             mean time       {}\n",
+            self.policy,
+            self.scenario,
+            e.episodes,
+            e.seed,
+            100.0 * e.success_rate,
+            rounds.join(" "),
+            100.0 * e.collision_rate,
+            100.0 * e.timeout_rate,
+            seconds(e.mean_time_s),
+        );
+        if let Some(course) = &self.course {
+            let _ = writeln!(
+                text,
+                "benchmark route {}, {:.0} % of {ROUTE_EPISODES} episodes (the paper's PER-D3QN: 13.155 s in Scenario I)",
+                seconds(course.course_time_s),
+                100.0 * course.course_success_rate,
+            );
+        }
+        if let Some(optimum) = &self.optimum {
+            let ratio = optimum.time_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}"));
+            let _ = writeln!(
+                text,
+                "optimal time    {} over {} of these episodes; the policy takes {ratio} times as long",
+                seconds(optimum.optimum_mean_time_s),
+                optimum.optimum_episodes,
+            );
+        }
+        text
+    }
+}
+
+fn seconds(time_s: Option<f64>) -> String {
+    time_s.map_or("-".into(), |s| format!("{s:.3} s"))
+}

@@ -1,0 +1,116 @@
+//! The command line: arguments in, results and an exit status out.
+//!
+//! In: the process's arguments. Out: results on stdout, logs and progress on stderr, and an exit status: 0 on success, 1
+//! when a run failed, 2 for arguments or files that cannot be used.
+//!
+//! Each mode is a file that holds the mode's own options and its command. [`modes`] chooses the mode and rejects options
+//! of other modes; [`shared`] holds the options that several modes take.
+
+mod check;
+mod draw;
+mod eval;
+#[cfg(all(test, feature = "gui"))]
+mod flag_tables;
+mod modes;
+mod output;
+mod policy;
+#[cfg(feature = "gui")]
+mod replay;
+mod reproduce;
+mod shared;
+mod signals;
+mod train;
+mod values;
+#[cfg(feature = "gui")]
+mod window;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{CommandFactory, FromArgMatches, Parser};
+
+use crate::run::RunError;
+use crate::run::progress::print_stderr;
+
+const AFTER_HELP: &str = "\
+Examples:
+  wayfield                                           open the window and watch a robot learn
+  wayfield --train                                   train in Scenario I, in seconds, into runs/
+  wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
+  wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
+  wayfield --train --resume runs/scenario-1-fast-0 --steps 900000
+  wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
+  wayfield --check scenarios/                        check every scenario in a folder
+
+Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
+2 invalid arguments or files. Ctrl-C saves a checkpoint and stops the run.";
+
+/// Trains a LIDAR robot to navigate, in seconds, with prioritized-replay double dueling DQN
+#[derive(Parser, Debug)]
+#[command(name = "wayfield", version, max_term_width = 110, after_help = AFTER_HELP)]
+struct Arguments {
+    #[command(flatten)]
+    mode: modes::ModeArgs,
+    #[command(flatten)]
+    shared: shared::SharedArgs,
+    #[command(flatten)]
+    train: train::TrainArgs,
+    #[command(flatten)]
+    eval: eval::EvalArgs,
+    #[command(flatten)]
+    reproduce: reproduce::ReproduceArgs,
+    #[cfg(feature = "gui")]
+    #[command(flatten)]
+    window: window::WindowArgs,
+}
+
+impl Arguments {
+    /// The arguments in `words`, whose first is the program's name.
+    fn parse_words(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let mut command = Self::command();
+        let matches = command.try_get_matches_from_mut(words)?;
+        modes::check(&mut command, &matches)?;
+        Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+    }
+}
+
+/// Runs the command line of this process and returns its exit status. Wall time is counted from `began`, the start of the
+/// process.
+pub fn main(began: Instant) -> ExitCode {
+    let arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    match run(arguments, began) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            print_stderr(&format!("error: {error}"));
+            ExitCode::from(error.exit_status())
+        }
+    }
+}
+
+fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
+    let Arguments { mode, shared, .. } = arguments;
+    if mode.train {
+        train::run(arguments.train, shared, began)
+    } else if let Some(policy) = mode.eval {
+        eval::run(&policy, &arguments.eval, &shared)
+    } else if mode.reproduce {
+        reproduce::run(arguments.reproduce, shared, began)
+    } else if !mode.check.is_empty() {
+        check::run(&mode.check, shared.json)
+    } else if let Some(file) = mode.draw {
+        draw::run(&file, &shared)
+    } else {
+        #[cfg(feature = "gui")]
+        return match mode.replay {
+            Some(folder) => replay::run(&folder),
+            None => window::run(arguments.window, shared),
+        };
+        #[cfg(not(feature = "gui"))]
+        Err(RunError::InvalidInput(
+            "this build has no window; help: train with `wayfield --train`, test with `wayfield --eval POLICY`, or see \
+             `wayfield --help`"
+                .into(),
+        ))
+    }
+}

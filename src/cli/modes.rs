@@ -1,0 +1,151 @@
+//! The modes of the command line, and which options each mode takes.
+
+use std::path::PathBuf;
+
+use clap::error::ErrorKind;
+use clap::parser::ValueSource;
+use clap::{Arg, ArgMatches, Args, Command};
+
+/// The flags that choose a mode; without one the window opens.
+#[derive(Args, Debug)]
+#[group(multiple = false)]
+#[command(next_help_heading = "Modes (without one, the window opens)")]
+pub struct ModeArgs {
+    /// Train a policy into a new run folder
+    #[arg(long)]
+    pub train: bool,
+
+    /// Test a policy over rounds of episodes that it has not been trained on; it acts greedily
+    #[arg(long, value_name = "POLICY")]
+    pub eval: Option<PathBuf>,
+
+    /// Reproduce the paper: train, test and report every figure and table over several seeds
+    #[arg(long)]
+    pub reproduce: bool,
+
+    /// Check scenarios, presets and experiments (files, or folders of them) and print every problem
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    pub check: Vec<PathBuf>,
+
+    /// Draw a scenario from above into an SVG or PNG file
+    #[arg(long, value_name = "FILE")]
+    pub draw: Option<PathBuf>,
+
+    /// Repeat a training session saved from the window, including its interventions, and compare the results
+    #[cfg(feature = "gui")]
+    #[arg(long, value_name = "DIR")]
+    pub replay: Option<PathBuf>,
+}
+
+/// The options of each mode, by id. An id that names a group (a struct of options) stands for all options in it.
+const MODES: &[(&str, &[&str])] = &[
+    ("train", &["scenario", "preset", "seed", "episodes", "out", "json", "TrainArgs"]),
+    ("eval", &["scenario", "seed", "episodes", "json", "EvalArgs"]),
+    ("reproduce", &["out", "json", "ReproduceArgs"]),
+    ("check", &["json"]),
+    ("draw", &["scenario"]),
+    #[cfg(feature = "gui")]
+    ("replay", &[]),
+];
+
+/// The options that the window takes.
+#[cfg(feature = "gui")]
+const WINDOW: &[&str] = &["scenario", "preset", "seed", "WindowArgs"];
+#[cfg(not(feature = "gui"))]
+const WINDOW: &[&str] = &[];
+
+/// Checks that every option in `matches` belongs to the chosen mode.
+///
+/// # Errors
+/// The first option that does not, the mode, and the modes that the option belongs to.
+pub fn check(command: &mut Command, matches: &ArgMatches) -> Result<(), clap::Error> {
+    let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+    let mode = MODES.iter().find(|(flag, _)| is_given(flag));
+    let options = mode.map_or(WINDOW, |(_, options)| options);
+    let misplaced = command.get_arguments().find(|arg| {
+        let id = arg.get_id().as_str();
+        is_given(id) && !MODES.iter().any(|(flag, _)| *flag == id) && !takes(command, options, arg)
+    });
+    let Some(option) = misplaced else { return Ok(()) };
+    let owners = owners(command, option);
+    let message = match mode.and_then(|(flag, _)| find(command, flag)) {
+        Some(flag) => {
+            format!("the argument '{option}' cannot be used with '{flag}'; help: use it with {owners}")
+        }
+        None => format!("the argument '{option}' cannot be used on its own; help: use it with {owners}"),
+    };
+    Err(command.error(ErrorKind::ArgumentConflict, message))
+}
+
+/// Whether `options` (ids of options or groups) include `arg`.
+fn takes(command: &Command, options: &[&str], arg: &Arg) -> bool {
+    options.iter().any(|id| {
+        arg.get_id() == id
+            || command
+                .get_groups()
+                .any(|group| group.get_id() == id && group.get_args().any(|member| member == arg.get_id()))
+    })
+}
+
+/// The modes that take `option`, as text.
+fn owners(command: &Command, option: &Arg) -> String {
+    let flags = MODES.iter().filter(|(_, options)| takes(command, options, option));
+    let flags = flags.filter_map(|(flag, _)| find(command, flag)).map(|flag| format!("'{flag}'"));
+    let window = takes(command, WINDOW, option).then(|| "the window (no mode)".to_owned());
+    flags.chain(window).collect::<Vec<_>>().join(" or ")
+}
+
+fn find<'a>(command: &'a Command, id: &str) -> Option<&'a Arg> {
+    command.get_arguments().find(|arg| arg.get_id() == id)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ffi::OsString;
+
+    use clap::CommandFactory;
+
+    use super::*;
+    use crate::cli::Arguments;
+
+    #[test]
+    fn every_option_belongs_to_a_mode_and_every_id_exists() {
+        let mut command = Arguments::command();
+        command.build();
+        let others = ["help", "version"];
+        let flags: Vec<&str> = MODES.iter().map(|(flag, _)| *flag).chain(others).collect();
+        for arg in command.get_arguments().filter(|arg| !flags.contains(&arg.get_id().as_str())) {
+            assert_ne!(owners(&command, arg), "", "{arg} belongs to no mode");
+        }
+        for id in MODES.iter().flat_map(|(flag, options)| options.iter().chain([flag])).chain(WINDOW) {
+            let is_group = command.get_groups().any(|group| group.get_id() == id);
+            assert!(is_group || find(&command, id).is_some(), "`{id}` is no option or group");
+        }
+    }
+
+    #[test]
+    fn an_option_of_another_mode_is_rejected_and_both_flags_are_named() {
+        let message = |words: &str| {
+            let words = ["wayfield"].into_iter().chain(words.split_whitespace()).map(OsString::from);
+            Arguments::parse_words(words).expect_err("rejected").to_string()
+        };
+        for (words, expected) in [
+            (
+                "--rounds 3 --train",
+                "error: the argument '--rounds <N>' cannot be used with '--train'; help: use it with '--eval <POLICY>'\n",
+            ),
+            (
+                "--draw map.svg --out here",
+                "error: the argument '--out <DIR>' cannot be used with '--draw <FILE>'; help: use it with '--train' or \
+                 '--reproduce'\n",
+            ),
+            (
+                "--resume run",
+                "error: the argument '--resume <DIR>' cannot be used on its own; help: use it with '--train'\n",
+            ),
+        ] {
+            let message = message(words);
+            assert!(message.starts_with(expected), "{words}: {message}");
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! `--reproduce`: the paper's figures and tables.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::output::{print_json, print_stdout};
+use super::shared::SharedArgs;
+use super::signals::stop_on_signal;
+use crate::reproduce::{ReproduceOptions, Reproduction, reproduce};
+use crate::run::RunError;
+
+/// The options of `--reproduce`.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of --reproduce")]
+pub struct ReproduceArgs {
+    /// Only these figures, tables or experiments, such as fig9,table2
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    only: Vec<String>,
+
+    /// Number of seeds [default: the experiment's, 5 for the paper's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: Option<u64>,
+
+    /// Make a rough report in a minute: two seeds, a tenth of the episodes
+    #[arg(long)]
+    quick: bool,
+
+    /// Run this experiment (a RON file like those in assets/experiments) instead of the paper's; may be repeated
+    #[arg(long, value_name = "FILE")]
+    experiment: Vec<PathBuf>,
+
+    /// Number of parallel runs; it does not change the results [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+}
+
+/// What `--reproduce --json` prints.
+#[derive(Serialize)]
+struct ReproductionReport {
+    report: String,
+    runs: usize,
+    wall_s: f64,
+    claims: Vec<ClaimReport>,
+}
+
+#[derive(Serialize)]
+struct ClaimReport {
+    claim: String,
+    outcome: &'static str,
+    because: String,
+}
+
+/// Reproduces what the options select, and prints the claims and where the report is.
+pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
+    let options = ReproduceOptions {
+        experiments: args.experiment,
+        only: args.only,
+        seeds: args.seeds,
+        quick: args.quick,
+        out: shared.out,
+        jobs: args.jobs.map(usize::from),
+    };
+    let report = ReproductionReport::new(reproduce(&options, stop_on_signal(), began)?);
+    if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
+}
+
+impl ReproductionReport {
+    fn new(done: Reproduction) -> Self {
+        let claims = done.claims.into_iter().map(|result| ClaimReport {
+            claim: result.claim,
+            outcome: result.outcome.word(),
+            because: result.sentence,
+        });
+        Self {
+            report: done.folder.join("report.html").display().to_string(),
+            runs: done.runs,
+            wall_s: done.wall_s,
+            claims: claims.collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        for claim in &self.claims {
+            let _ = writeln!(text, "{:<11} {}\n            {}", claim.outcome, claim.claim, claim.because);
+        }
+        let minutes = self.wall_s / 60.0;
+        let _ = writeln!(text, "report      {} ({} runs, {minutes:.1} minutes)", self.report, self.runs);
+        text
+    }
+}

@@ -1,0 +1,55 @@
+//! The options that several modes take.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::values;
+
+/// The options that several modes take ([`modes`](super::modes) lists them by mode).
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of several modes")]
+pub struct SharedArgs {
+    /// The scenario: a RON file, or a shipped one by name (scenario-1, scenario-2, empty, corridor, doorway,
+    /// slalom, random-field, u-trap, crossing, crowd, hall, maze) [default: scenario-1]
+    #[arg(long, value_name = "FILE")]
+    pub scenario: Option<String>,
+
+    /// The training preset: a RON file, or a shipped one by name (fast, per_d3qn, per_d3qn_tuned, dqn) [default: fast]
+    #[arg(long, value_name = "FILE")]
+    pub preset: Option<String>,
+
+    /// The seed of every random stream [default: 0]
+    #[arg(long, value_name = "N", value_parser = values::seed, allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+
+    /// With --train: stop after N episodes [default: the preset's budget]. With --eval: episodes per round [default: 100]
+    #[arg(long, value_name = "N", value_parser = values::budget, allow_negative_numbers = true)]
+    pub episodes: Option<u64>,
+
+    /// The output folder. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>]. With --reproduce: the
+    /// report's folder, continued if it already holds a report [default: runs/reproduce]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl SharedArgs {
+    /// The scenario's file or shipped name.
+    pub fn scenario(&self) -> &str {
+        self.scenario.as_deref().unwrap_or("scenario-1")
+    }
+
+    /// The preset's file or shipped name.
+    pub fn preset(&self) -> &str {
+        self.preset.as_deref().unwrap_or("fast")
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> u64 {
+        self.seed.unwrap_or(0)
+    }
+}

@@ -1,0 +1,131 @@
+//! `--train`: a new run, or an old one resumed.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+
+use super::output::{print_json, print_stdout};
+use super::policy;
+use super::shared::SharedArgs;
+use super::signals::stop_on_signal;
+use super::values;
+use crate::run::RunError;
+use crate::run::folder::{RunConfig, Transfer};
+use crate::run::limits::MAX_ARENAS;
+use crate::run::metric_rows::{Milestone, Summary};
+use crate::run::preset::{Budget, Preset};
+use crate::run::progress::print_stderr;
+use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
+
+/// The options of `--train`.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of --train")]
+pub struct TrainArgs {
+    /// Stop after N env steps over all arenas, rounded up to whole control steps [default: the preset's budget]
+    #[arg(long, value_name = "N", conflicts_with = "episodes", value_parser = values::budget, allow_negative_numbers = true)]
+    steps: Option<u64>,
+
+    /// Number of parallel arenas [default: the preset's]
+    #[arg(long, value_name = "N")]
+    arenas: Option<usize>,
+
+    /// Start from the weights of a policy (transfer)
+    #[arg(long, value_name = "POLICY")]
+    init: Option<PathBuf>,
+
+    /// Initial epsilon with --init (the paper: 0.5) [default: the preset's]
+    #[arg(long, value_name = "X", requires = "init")]
+    epsilon: Option<f32>,
+
+    /// Continue the run in DIR exactly where it stopped; --episodes or --steps set a larger budget, counted from the
+    /// start of the run
+    #[arg(long, value_name = "DIR",
+        conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
+    resume: Option<PathBuf>,
+
+    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]
+    #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
+    checkpoint_every: Option<Duration>,
+}
+
+/// Trains, and prints the run's summary.
+pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
+    let json = shared.json;
+    let every = args.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
+    let budget = shared.episodes.map(Budget::Episodes).or(args.steps.map(Budget::EnvSteps));
+    let job = match args.resume {
+        Some(folder) => Job::Resume { folder, budget, extensions: crate::simulation::Extensions::default() },
+        None => new_run(args, shared, budget)?,
+    };
+    let (folder, summary) = train(job, every, stop_on_signal(), began, None)?;
+    if json { print_json(&summary) } else { print_stdout(&summary_text(&folder, &summary)) }
+}
+
+fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Result<Job, RunError> {
+    let mut config = RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?;
+    let preset = &mut config.preset;
+    preset.budget = budget.unwrap_or(preset.budget);
+    preset.arenas = args.arenas.unwrap_or(preset.arenas);
+    if let Some(arenas) = args.arenas.filter(|n| !(1..=MAX_ARENAS).contains(n)) {
+        return Err(RunError::InvalidInput(format!("--arenas is {arenas}; help: give 1 to {MAX_ARENAS}")));
+    }
+    if let Some(diagnostic) = preset.diagnostics().first() {
+        return Err(RunError::InvalidInput(format!("{}: {diagnostic}", shared.preset())));
+    }
+    if let Some(epsilon) = args.epsilon.filter(|x| !(0.0..=1.0).contains(x)) {
+        return Err(RunError::InvalidInput(format!("--epsilon is {epsilon}; help: give 0 to 1")));
+    }
+    warn_if_nothing_is_learned(preset);
+    let policy = args.init.as_deref().map(|path| policy::read(path, &config.scenario)).transpose()?;
+    config.transfer =
+        args.init.map(|init| Transfer { policy: init.display().to_string(), epsilon: args.epsilon });
+    Ok(Job::New { config: Box::new(config), policy, out: shared.out })
+}
+
+fn warn_if_nothing_is_learned(preset: &Preset) {
+    let learning_starts = preset.learning.replay.learning_starts;
+    if matches!(preset.budget, Budget::EnvSteps(n) if n <= learning_starts) {
+        print_stderr(&format!(
+            "warning: nothing will be learned: the budget ends before the preset's learning_starts of {learning_starts} \
+             env steps"
+        ));
+    }
+}
+
+fn summary_text(folder: &Path, summary: &Summary) -> String {
+    let percent = |rate: Option<f64>| rate.map_or("-".into(), |r| format!("{:.1} %", 100.0 * r));
+    let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.2} s"));
+    let first = |m: &Option<Milestone>| match m {
+        Some(m) => format!("{} env steps, {} episodes, {:.1} s", m.env_steps, m.episodes, m.wall_s),
+        None => "not reached".into(),
+    };
+    let Summary { episodes, env_steps, gradient_steps, wall_s, .. } = summary;
+    format!(
+        "best policy     {} success, mean time {}\n\
+         last policy     {} success\n\
+         first 96 %      {}\n\
+         first 99 %      {}\n\
+         trained         {episodes} episodes, {env_steps} env steps, {gradient_steps} gradient steps, {wall_s:.1} s\n\
+         run folder      {}\n\
+         test it         {}\n",
+        percent(summary.best_success_rate),
+        seconds(summary.best_mean_time_s),
+        percent(summary.last_success_rate),
+        first(&summary.first_96),
+        first(&summary.first_99),
+        folder.display(),
+        eval_command(folder, summary),
+    )
+}
+
+/// The command that tests the run's best policy in the run's scenario.
+fn eval_command(folder: &Path, summary: &Summary) -> String {
+    let quoted = |text: &str| if text.contains(' ') { format!("'{text}'") } else { text.to_owned() };
+    let program = std::env::args().next().unwrap_or_else(|| "wayfield".into());
+    let policy = quoted(&folder.join("policy.safetensors").display().to_string());
+    match summary.scenario_from.as_str() {
+        "scenario-1" => format!("{program} --eval {policy}"),
+        other => format!("{program} --eval {policy} --scenario {}", quoted(other)),
+    }
+}

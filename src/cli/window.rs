@@ -1,0 +1,150 @@
+//! The window, which opens without a mode.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::shared::SharedArgs;
+use crate::app::{
+    commands::Pace,
+    session::StartOptions,
+    view_state::{Overlays, ThemeChoice},
+    window::{self, ScreenshotRequest, WindowOptions},
+};
+use crate::run::progress::print_stderr;
+use crate::run::{RunError, shipped};
+
+/// The options of the window.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of the window")]
+pub struct WindowArgs {
+    /// Open a policy, a run folder, a scenario or a preset
+    #[arg(long, value_name = "PATH")]
+    open: Option<PathBuf>,
+
+    /// Open the scenario in the editor
+    #[arg(long)]
+    edit: bool,
+
+    /// Initial speed as a multiple of real time, or `full` for as fast as possible [default: 5]
+    #[arg(long, value_name = "X", value_parser = pace)]
+    pace: Option<Pace>,
+
+    /// Light or dark [default: the last choice, at first the system's]
+    #[arg(long, value_name = "THEME", value_enum)]
+    theme: Option<ThemeArg>,
+
+    /// Overlays to show: beams, path, trails, potential, value, q-values, grid; `none` for no overlay
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_enum)]
+    show: Vec<OverlayArg>,
+
+    /// Window size in points, such as 1280x800
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<(f32, f32)>,
+
+    /// Save a screenshot of the window to a PNG file, then quit
+    #[arg(long, value_name = "FILE")]
+    screenshot: Option<PathBuf>,
+
+    /// Take the screenshot after N control steps
+    #[arg(long, value_name = "N", requires = "screenshot", default_value_t = 0)]
+    screenshot_after: u64,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum ThemeArg {
+    Light,
+    Dark,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum OverlayArg {
+    Beams,
+    Path,
+    Trails,
+    Potential,
+    Value,
+    QValues,
+    Grid,
+    None,
+}
+
+/// Opens the window and returns when it is closed.
+pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
+    let defaults = StartOptions::default();
+    let first = StartOptions {
+        scenario: shared.scenario.unwrap_or(defaults.scenario),
+        preset: shared.preset.unwrap_or(defaults.preset),
+        seed: shared.seed.unwrap_or(defaults.seed),
+        pace: args.pace.unwrap_or(defaults.pace),
+        open: args.open.clone(),
+        edit: args.edit,
+        ..defaults
+    };
+    check_start_files(&first, args.screenshot.is_some())?;
+    window::run(WindowOptions {
+        first,
+        overlays: args.overlays(),
+        grid: args.grid(),
+        screenshot: args
+            .screenshot
+            .map(|file| ScreenshotRequest { file, after_steps: args.screenshot_after }),
+        theme: args.theme.map(ThemeChoice::from),
+        size: args.size,
+    })
+}
+
+/// Reports an unusable scenario or preset on the terminal, before the window opens. An invalid scenario file is no
+/// error: the window loads it as soon as the user has fixed it. (For a screenshot it is one, since nobody will fix it.)
+fn check_start_files(first: &StartOptions, screenshot: bool) -> Result<(), RunError> {
+    match shipped::scenario(&first.scenario) {
+        Err(error) if Path::new(&first.scenario).is_file() && !screenshot => {
+            print_stderr(&error.to_string());
+        }
+        loaded => drop(loaded?),
+    }
+    shipped::preset(&first.preset)?;
+    Ok(())
+}
+
+impl WindowArgs {
+    /// The overlays in `--show`, if it is given.
+    fn overlays(&self) -> Option<Overlays> {
+        let shows = |overlay| self.show.contains(&overlay);
+        (!self.show.is_empty()).then(|| Overlays {
+            beams: shows(OverlayArg::Beams),
+            path: shows(OverlayArg::Path),
+            trails: shows(OverlayArg::Trails),
+            potential: shows(OverlayArg::Potential),
+            value: shows(OverlayArg::Value),
+            q_values: shows(OverlayArg::QValues),
+        })
+    }
+
+    /// Whether the grid is in `--show`, if that is given.
+    fn grid(&self) -> Option<bool> {
+        (!self.show.is_empty()).then(|| self.show.contains(&OverlayArg::Grid))
+    }
+}
+
+impl From<ThemeArg> for ThemeChoice {
+    fn from(theme: ThemeArg) -> Self {
+        match theme {
+            ThemeArg::Light => Self::Light,
+            ThemeArg::Dark => Self::Dark,
+        }
+    }
+}
+
+fn pace(text: &str) -> Result<Pace, String> {
+    text.parse()
+}
+
+fn size(text: &str) -> Result<(f32, f32), String> {
+    let sides: Option<(u16, u16)> =
+        text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match sides {
+        Some((w, h)) if (800..=8000).contains(&w) && (500..=8000).contains(&h) => Ok((w.into(), h.into())),
+        _ => Err("give width and height, 800x500 to 8000x8000".into()),
+    }
+}

@@ -1,0 +1,42 @@
+//! The limits of presets, run folders, checkpoints and evaluations.
+//!
+//! Every number in a user's file or on the command line is checked against these limits before it is used, so that no
+//! input can exhaust the memory or overflow a sum. (A scenario's limits are in `crates/scenario`, a network's and a replay
+//! buffer's in `crates/learning`.)
+
+/// Maximum number of parallel arenas.
+pub const MAX_ARENAS: usize = 4096;
+
+/// Maximum number of env steps or episodes in a budget or an interval. No run gets there, and sums of such numbers stay far
+/// below the maximum of a `u64`.
+pub const MAX_STEPS: u64 = 1_000_000_000_000_000;
+
+/// Maximum number of episodes in an evaluation during training.
+pub const MAX_EVALUATION_EPISODES: usize = 100_000;
+
+/// Maximum number of episodes in one `--eval`, over all rounds.
+pub const MAX_EVAL_EPISODES: u64 = 1_000_000;
+
+/// Maximum number of characters in a preset's `about`.
+pub const MAX_ABOUT_CHARS: usize = 20_000;
+
+/// Maximum number of bodies (robots, obstacles, straight wall segments) in all arenas together. They take about 2 GB.
+pub const MAX_BODIES: usize = 1_000_000;
+
+/// Maximum number of floats in the scans and observations of all arenas together: 1 GiB.
+pub const MAX_OBSERVED_FLOATS: usize = 1 << 28;
+
+/// Maximum size of `config.ron` in bytes. (A scenario of 1 MiB grows when every default is written out.)
+pub const MAX_CONFIG_BYTES: u64 = 1 << 24;
+
+/// Maximum size of a policy file in bytes: 2^24 parameters and a header.
+pub const MAX_POLICY_BYTES: u64 = 1 << 27;
+
+/// Maximum size of a checkpoint's head in bytes: [`MAX_OBSERVED_FLOATS`] and a policy.
+pub const MAX_HEAD_BYTES: u64 = (1 << 30) + (1 << 27);
+
+/// Maximum number of recent returns in a checkpoint, over which the progress display averages.
+pub const MAX_RECENT_RETURNS: usize = 100;
+
+/// Maximum time in a checkpoint in s, some 30,000 years.
+pub const MAX_TIME_S: f64 = 1e12;

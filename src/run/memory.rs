@@ -1,0 +1,112 @@
+//! The memory of a training run: whether a preset in a given scenario stays within the limits.
+//!
+//! Preset and scenario can each be valid and still need too much memory together.
+
+use super::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
+use super::preset::Preset;
+use crate::learning::{LearningConfig, MAX_STORED_FLOATS};
+use crate::scenario::Scenario;
+use crate::task::observation;
+
+/// Maximum number of bodies in one arena of `scenario`: the robot, wall segments and obstacles.
+#[must_use]
+pub fn bodies_per_arena(scenario: &Scenario) -> usize {
+    let segments: usize = scenario.walls.iter().map(|wall| wall.corners_m.len().saturating_sub(1)).sum();
+    1 + segments + scenario.max_obstacles()
+}
+
+impl Preset {
+    /// Checks that a training run with this preset in `scenario` needs no more memory than allowed.
+    ///
+    /// # Errors
+    /// What needs too much, and which fields to reduce.
+    pub fn check_memory(&self, scenario: &Scenario) -> Result<(), String> {
+        self.check_bodies(scenario)?;
+        self.check_observations(scenario)?;
+        self.check_replay(scenario)
+    }
+
+    fn check_bodies(&self, scenario: &Scenario) -> Result<(), String> {
+        let arenas = self.arenas;
+        let bodies = bodies_per_arena(scenario).saturating_mul(arenas);
+        if bodies <= MAX_BODIES {
+            return Ok(());
+        }
+        Err(format!(
+            "{arenas} arenas of this scenario have {bodies} bodies, more than {MAX_BODIES}; help: use fewer `arenas`, or a \
+             scenario with fewer obstacles and walls"
+        ))
+    }
+
+    fn check_observations(&self, scenario: &Scenario) -> Result<(), String> {
+        let (arenas, lidar) = (self.arenas, &scenario.lidar);
+        // The current observation and the next; the current scan and the delayed ones.
+        let rows = 2 + 1 + lidar.latency_steps as usize + 1;
+        let floats = arenas.saturating_mul(observation::width(lidar.beams)).saturating_mul(rows);
+        if floats <= MAX_OBSERVED_FLOATS {
+            return Ok(());
+        }
+        Err(format!(
+            "the scans and observations of {arenas} arenas with {} beams and a latency of {} steps have {floats} floats, \
+             more than {MAX_OBSERVED_FLOATS}; help: use fewer `arenas`, `lidar.beams` or `lidar.latency_steps`",
+            lidar.beams, lidar.latency_steps
+        ))
+    }
+
+    fn check_replay(&self, scenario: &Scenario) -> Result<(), String> {
+        let LearningConfig { replay, n_step, .. } = &self.learning;
+        let width = observation::width(scenario.lidar.beams);
+        let states = replay.capacity + self.arenas * (n_step + 1);
+        let floats = states.saturating_mul(width);
+        if floats <= MAX_STORED_FLOATS {
+            return Ok(());
+        }
+        Err(format!(
+            "the replay buffer would store {states} states of {width} floats, {floats} in all, more than \
+             {MAX_STORED_FLOATS}; help: reduce `learning.replay.capacity`, `arenas` or `lidar.beams`"
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::limits::MAX_ARENAS;
+    use crate::run::shipped;
+
+    fn fast() -> Preset {
+        shipped::preset("fast").expect("shipped")
+    }
+
+    /// Asserts that the preset `fast` with `change` needs too much memory in `scenario`, and that the message names `field`.
+    fn assert_too_large(scenario: &Scenario, change: fn(&mut Preset), field: &str) {
+        let mut preset = fast();
+        change(&mut preset);
+        let error = preset.check_memory(scenario).expect_err(field);
+        assert!(error.contains(field), "{error}");
+    }
+
+    #[test]
+    fn every_shipped_scenario_fits_with_the_maximum_number_of_arenas() {
+        let preset = Preset { arenas: MAX_ARENAS, ..fast() };
+        for (name, scenario) in shipped::scenarios() {
+            assert_eq!(preset.check_memory(&scenario), Ok(()), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_run_that_needs_too_much_memory_is_rejected_with_the_field_to_reduce() {
+        let obstacle = shipped::scenario("crowd").expect("shipped").obstacles[0].clone();
+        let crowd = Scenario { obstacles: vec![obstacle; 10_000], ..Scenario::default() };
+        // 16 arenas with 10,000 obstacles each have 160,016 bodies; 100 arenas have 1,000,100.
+        assert_eq!(Preset { arenas: 16, ..fast() }.check_memory(&crowd), Ok(()));
+        assert_too_large(&crowd, |preset| preset.arenas = 100, "`arenas`");
+
+        let mut many_beams = shipped::scenario("empty").expect("shipped");
+        (many_beams.lidar.beams, many_beams.lidar.latency_steps) = (4096, 50);
+        assert_too_large(&many_beams, |preset| preset.arenas = 4096, "`lidar.latency_steps`");
+        // 2^19 states of 4,100 floats: 2.1e9.
+        let large_replay = |preset: &mut Preset| preset.learning.replay.capacity = 1 << 19;
+        assert_too_large(&many_beams, large_replay, "`learning.replay.capacity`");
+    }
+}

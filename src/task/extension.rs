@@ -1,0 +1,130 @@
+//! Sensors and reward terms that a plugin adds to the task.
+//!
+//! A plugin calls [`SimulationAppExt::add_sensor`] or [`SimulationAppExt::add_reward_term`] in its `build`. The app must
+//! have the [`TaskPlugin`](super::TaskPlugin) already; [`SimulationBuilder`](crate::simulation::SimulationBuilder) sees
+//! to that. What a sensor reads enters the observation under its name, and what a term gives is part of the reward, logged
+//! under its name like the paper's own terms.
+
+use bevy::ecs::schedule::{IntoScheduleConfigs, ScheduleConfigs};
+use bevy::ecs::system::ScheduleSystem;
+use bevy::prelude::*;
+
+use super::{Arena, Episode, ObservationLayout, SensorSlice, StepOutcomes};
+use crate::control_step::{ControlStep, Reset, ResetSet, RewardSet, SenseSet};
+
+/// The handle of a reward term that a plugin has added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RewardTerm(usize);
+
+/// The reward terms of plugins: their names, and what each gives in this step.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct ExtraRewards {
+    names: Vec<String>,
+    /// Arenas x terms.
+    values: Vec<f32>,
+}
+
+impl ExtraRewards {
+    /// The names of the terms, in the order in which they were added.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Sets what `term` gives in `arena` in this step. It stays 0 in an arena that a system leaves out.
+    pub fn set(&mut self, arena: usize, term: RewardTerm, reward: f32) {
+        self.values[arena * self.names.len() + term.0] = reward;
+    }
+
+    /// What the terms give in `arena` in this step, in the order of [`names`](Self::names).
+    #[must_use]
+    pub fn of_arena(&self, arena: usize) -> &[f32] {
+        &self.values[arena * self.names.len()..(arena + 1) * self.names.len()]
+    }
+
+    fn add(&mut self, name: &str) -> RewardTerm {
+        assert!(
+            self.names.iter().all(|other| other != name),
+            "two reward terms are called `{name}`: give one another name"
+        );
+        self.names.push(name.into());
+        RewardTerm(self.names.len() - 1)
+    }
+
+    /// Makes room for `arenas` arenas.
+    pub(crate) fn resize(&mut self, arenas: usize) {
+        self.values = vec![0.0; arenas * self.names.len()];
+    }
+}
+
+/// Sensors and reward terms for an app with the [`TaskPlugin`](super::TaskPlugin).
+pub trait SimulationAppExt {
+    /// Adds a sensor: reserves `width` numbers of every observation under `name`, and runs the system that `sensor`
+    /// makes whenever arenas are sensed: in every control step, and after every reset.
+    ///
+    /// The system writes its slice of every arena's [`SensorReadings`](super::SensorReadings). It may read anything;
+    /// draw random numbers only from named streams ([`random::stream`](crate::random::stream)).
+    ///
+    /// # Panics
+    /// If another sensor has this name, or the app lacks the task.
+    fn add_sensor<M, S>(&mut self, name: &str, width: usize, sensor: impl Fn(SensorSlice) -> S) -> &mut Self
+    where
+        S: IntoScheduleConfigs<ScheduleSystem, M>;
+
+    /// Adds a reward term: what the system that `term` makes sets in [`ExtraRewards`] for an arena is added to the
+    /// arena's reward in every step, and logged as `reward_<name>`.
+    ///
+    /// # Panics
+    /// If another term has this name, or the app lacks the task.
+    fn add_reward_term<M, S>(&mut self, name: &str, term: impl Fn(RewardTerm) -> S) -> &mut Self
+    where
+        S: IntoScheduleConfigs<ScheduleSystem, M>;
+}
+
+impl SimulationAppExt for App {
+    fn add_sensor<M, S>(&mut self, name: &str, width: usize, sensor: impl Fn(SensorSlice) -> S) -> &mut Self
+    where
+        S: IntoScheduleConfigs<ScheduleSystem, M>,
+    {
+        let slice = self.world_mut().resource_mut::<ObservationLayout>().reserve(name, width);
+        // Sensors write disjoint slices of one component, so their order does not matter.
+        let system = || -> ScheduleConfigs<ScheduleSystem> { sensor(slice.clone()).into_configs() };
+        self.add_systems(ControlStep, system().in_set(SenseSet::Sensors).ambiguous_with(SenseSet::Sensors))
+            .add_systems(Reset, system().in_set(ResetSet::Sensors).ambiguous_with(ResetSet::Sensors))
+    }
+
+    fn add_reward_term<M, S>(&mut self, name: &str, term: impl Fn(RewardTerm) -> S) -> &mut Self
+    where
+        S: IntoScheduleConfigs<ScheduleSystem, M>,
+    {
+        let handle = self.world_mut().resource_mut::<ExtraRewards>().add(name);
+        let system = term(handle).into_configs();
+        self.add_systems(ControlStep, system.in_set(RewardSet::Terms).ambiguous_with(RewardSet::Terms))
+    }
+}
+
+/// Whether a plugin has added a reward term.
+pub(super) fn any_extra_rewards(extra: Res<ExtraRewards>) -> bool {
+    !extra.names.is_empty()
+}
+
+/// `Reward`: adds the plugins' terms to the outcomes and to the episodes' sums, and clears them for the next step.
+pub(super) fn add_extra_rewards(
+    mut extra: ResMut<ExtraRewards>,
+    mut outcomes: ResMut<StepOutcomes>,
+    mut arenas: Query<(&Arena, &mut Episode)>,
+) {
+    for (arena, mut episode) in &mut arenas {
+        let outcome = &mut outcomes.0[arena.0];
+        if outcome.inactive {
+            continue;
+        }
+        let rewards = extra.of_arena(arena.0);
+        outcome.extra_reward = rewards.iter().sum();
+        episode.extra_rewards.resize(rewards.len(), 0.0);
+        for (sum, reward) in episode.extra_rewards.iter_mut().zip(rewards) {
+            *sum += reward;
+        }
+    }
+    extra.values.fill(0.0);
+}
