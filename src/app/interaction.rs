@@ -2,6 +2,7 @@
 //!
 //! In: the widgets. Out: the same widgets, in the next frame. Never saved.
 
+use super::editor::EditorInteraction;
 use super::setup_form::SetupForm;
 
 /// What can be taken hold of.
@@ -41,4 +42,6 @@ pub struct Interaction {
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,
+    /// Unfinished actions in the editor.
+    pub editor: EditorInteraction,
 }

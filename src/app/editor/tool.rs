@@ -29,14 +29,14 @@ impl Tool {
     pub fn points_m(&self) -> &[Vec2] {
         match self {
             Self::Wall { corners_m: points } | Self::Path { waypoints_m: points } => points,
-            Self::Select | Self::Places => &[],
+            Self::Select | Self::Positions => &[],
         }
     }
 
     pub(super) fn points_mut(&mut self) -> Option<&mut Vec<Vec2>> {
         match self {
             Self::Wall { corners_m: points } | Self::Path { waypoints_m: points } => Some(points),
-            Self::Select | Self::Places => None,
+            Self::Select | Self::Positions => None,
         }
     }
 }
