@@ -1,9 +1,9 @@
-//! Soak: hours of work in one process. Does memory stay flat, does it stay as quick as it was, do its counters agree?
+//! Soak test: hours of training in one process. Checks that memory and speed stay constant and that the counters agree.
 //!
-//! `cargo bench --bench soak -- headless [ENV_STEPS]` trains without a window, 20 million env steps unless told otherwise.
-//! `cargo bench --bench soak -- window [MINUTES]` trains in the window at full pace, for an hour unless told otherwise; it
-//! wants a display, such as Xvfb's. Both print a table of ten parts and a verdict, and end with status 1 if it is a bad
-//! one. What else the machine does shows in the speeds: leave it alone meanwhile, or give this process a core of its own.
+//! `cargo bench --bench soak -- headless [ENV_STEPS]` trains without a window, by default for 20 million env steps.
+//! `cargo bench --bench soak -- window [MINUTES]` trains in the window at full pace, by default for an hour. It needs a display,
+//! such as Xvfb. Both print a table of ten parts and a result, and exit with status 1 if a check fails. Other load affects the
+//! speeds: leave the machine idle, or give this process its own core.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -22,12 +22,12 @@ use wayfield::run::folder::RunConfig;
 use wayfield::run::preset::Budget;
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 
-/// The last tenth may be slower than the first by this share.
+/// Fraction by which the last tenth may be slower than the first.
 const SLOWER: f64 = 0.05;
-/// From its second tenth on (buffers fill in the first), memory may grow by this share.
+/// Fraction by which memory may grow after the second tenth. (Buffers fill during the first.)
 const GROWTH: f64 = 0.05;
 
-/// How the process stood at one moment.
+/// A measurement of the process.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     wall_s: f64,
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
         (Some("window"), Some(Ok(minutes @ 1..))) => window::soak(minutes),
         _ => {
             println!(
-                "give `headless [ENV_STEPS]` or `window [MINUTES]`: this takes long, and is not run by default"
+                "skipped, because it takes long; help: run it with `headless [ENV_STEPS]` or `window [MINUTES]`"
             );
             return ExitCode::SUCCESS;
         }
@@ -69,7 +69,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The default run, but longer, as `wayfield --train` does it.
+/// Trains like `wayfield --train` with the default preset, but longer.
 fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let mut config = RunConfig::resolve("scenario-1", "fast", 0)?;
@@ -82,7 +82,7 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
     let listener = {
         let samples = Arc::clone(&samples);
         Box::new(move |status: &wayfield::run::progress::Progress| {
-            let mut samples = samples.lock().expect("nobody panics while holding it");
+            let mut samples = samples.lock().expect("not poisoned");
             let last = samples.last().map_or(0, |sample| sample.env_steps);
             if status.env_steps >= last + (env_steps / 1000).max(1) {
                 samples.push(Sample::now(began, status.env_steps, 0));
@@ -91,14 +91,18 @@ fn headless(env_steps: u64) -> Result<bool, Box<dyn Error>> {
     };
     let job = Job::New { config: Box::new(config), policy: None, out: Some(out.clone()) };
     let (_, summary) = train(job, CHECKPOINT_INTERVAL, &AtomicBool::new(false), began, Some(listener))?;
-    let samples = samples.lock().expect("nobody panics while holding it");
-    let mut good = report(&samples);
+    let samples = samples.lock().expect("not poisoned");
+    let mut passed = report(&samples);
     let rows =
         |name: &str| std::fs::read_to_string(out.join(name)).map(|text| text.lines().count() as u64 - 1);
-    good &= agrees("env steps", summary.env_steps, env_steps.next_multiple_of(arenas));
-    good &= agrees("episodes, and their rows", summary.episodes, rows("episodes.csv")?);
-    good &= agrees("gradient steps", summary.gradient_steps, due(&learning, summary.env_steps));
-    Ok(good)
+    passed &= agrees("env steps", summary.env_steps, env_steps.next_multiple_of(arenas));
+    passed &= agrees("episodes and their rows", summary.episodes, rows("episodes.csv")?);
+    passed &= agrees(
+        "gradient steps",
+        summary.gradient_steps,
+        expected_gradient_steps(&learning, summary.env_steps),
+    );
+    Ok(passed)
 }
 
 #[cfg(feature = "gui")]
@@ -110,127 +114,123 @@ mod window {
     use wayfield::app::Snapshot;
     use wayfield::app::app_snapshot::Severity;
     use wayfield::app::commands::{Command, Pace, SaveKind};
-    use wayfield::app::session::{Session, StartOptions};
+    use wayfield::app::session::{Journal, StartOptions};
     use wayfield::app::view_state::Overlays;
     use wayfield::app::window::{WindowOptions, app};
 
     use super::*;
 
-    /// So long the run may take to be saved.
-    const PATIENCE: Duration = Duration::from_secs(60);
+    /// Maximum time to wait for the run to be saved.
+    const SAVE_TIMEOUT: Duration = Duration::from_secs(60);
 
     #[derive(Resource)]
     struct Soak {
         began: Instant,
-        lasts: Duration,
+        duration: Duration,
         frames: u64,
         samples: Vec<Sample>,
-        saves_to: std::path::PathBuf,
-        /// When the run was asked to be saved.
-        saved: Option<Instant>,
+        run: std::path::PathBuf,
+        /// Time at which saving was requested.
+        save_requested: Option<Instant>,
         error_notices: Vec<String>,
     }
 
-    /// What the app knew at its end.
+    /// The results at the end of the app.
     #[derive(Resource, Clone, Default)]
-    struct End(Arc<Mutex<Option<Known>>>);
+    struct End(Arc<Mutex<Option<Results>>>);
 
-    struct Known {
+    struct Results {
         samples: Vec<Sample>,
         /// Control steps, env steps, episodes, gradient steps.
         counts: [u64; 4],
         error_notices: Vec<String>,
     }
 
-    /// An hour of training in the window, with what most people look at drawn over the world.
+    /// Trains in the window for `minutes`, with the common overlays.
     pub fn soak(minutes: u64) -> Result<bool, Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
-        let first = StartOptions { pace: Pace::Full, ..StartOptions::default() };
-        let preset = wayfield::run::shipped::preset(&first.preset)?;
+        let start = StartOptions { pace: Pace::Full, ..StartOptions::default() };
+        let preset = wayfield::run::shipped::preset(&start.preset)?;
         let overlays = Overlays { beams: true, path: true, trails: true, value: true, ..Default::default() };
-        let opening = WindowOptions {
-            first,
+        let options = WindowOptions {
+            start,
             overlays: Some(overlays),
             size: Some((1000.0, 640.0)),
             ..WindowOptions::default()
         };
         let end = End::default();
-        let saves_to = folder.path().join("run");
+        let run = folder.path().join("run");
         let began = Instant::now();
-        app(opening)
+        app(options)
             .insert_resource(end.clone())
             .insert_resource(Soak {
                 began,
-                lasts: Duration::from_secs(60 * minutes),
+                duration: Duration::from_secs(60 * minutes),
                 frames: 0,
                 samples: Vec::new(),
-                saves_to: saves_to.clone(),
-                saved: None,
+                run: run.clone(),
+                save_requested: None,
                 error_notices: Vec::new(),
             })
             .add_systems(Last, watch)
             .run();
-        let known = end.0.lock().expect("nobody panics while holding it").take();
-        let known = known.ok_or("the window was closed too early")?;
-        let mut good = report(&known.samples);
-        let [steps, env_steps, episodes, gradient_steps] = known.counts;
-        good &= agrees("env steps, of so many control steps", env_steps, steps * preset.arenas as u64);
-        good &= agrees("gradient steps", gradient_steps, due(&preset.learning, env_steps));
-        for complaint in &known.error_notices {
-            println!("told the user: {complaint}");
+        let results = end.0.lock().expect("not poisoned").take();
+        let results = results.ok_or("the window was closed too early")?;
+        let mut passed = report(&results.samples);
+        let [steps, env_steps, episodes, gradient_steps] = results.counts;
+        passed &= agrees("env steps, from the control steps", env_steps, steps * preset.arenas as u64);
+        passed &=
+            agrees("gradient steps", gradient_steps, expected_gradient_steps(&preset.learning, env_steps));
+        for error in &results.error_notices {
+            println!("error notice: {error}");
         }
-        let rows = std::fs::read_to_string(saves_to.join("episodes.csv"))?.lines().count() as u64 - 1;
-        good &= agrees("episodes, and the rows of the curves", episodes, rows);
-        Ok(good && known.error_notices.is_empty())
+        let rows = std::fs::read_to_string(run.join("episodes.csv"))?.lines().count() as u64 - 1;
+        passed &= agrees("episodes and the rows of the curves", episodes, rows);
+        Ok(passed && results.error_notices.is_empty())
     }
 
-    /// A sample a minute; when the time is over, the run is saved, and the window closed a few frames later.
+    /// Takes 60 samples over the duration. At the end, saves the run and closes the window a few frames later.
     fn watch(
         mut soak: ResMut<Soak>,
         shown: Res<Snapshot>,
-        session: Option<Res<Session>>,
+        journal: Option<Res<Journal>>,
         trainer: Option<Res<ActiveLearner>>,
         end: Res<End>,
         mut commands: MessageWriter<Command>,
         mut exit: MessageWriter<AppExit>,
     ) {
-        let (Some(session), Some(trainer), Some((_, status))) = (session, trainer, &shown.now) else {
+        let (Some(journal), Some(trainer), Some((_, status))) = (journal, trainer, &shown.now) else {
             return;
         };
         let soak = &mut *soak;
         soak.frames += 1;
         let last = soak.samples.last().map_or(-1.0, |sample| sample.wall_s);
-        let due_s = soak.lasts.as_secs_f64() / 60.0;
-        if soak.samples.is_empty() || soak.began.elapsed().as_secs_f64() >= last + due_s {
+        let interval_s = soak.duration.as_secs_f64() / 60.0;
+        if soak.samples.is_empty() || soak.began.elapsed().as_secs_f64() >= last + interval_s {
             let sample = Sample::now(soak.began, status.env_steps, soak.frames);
             println!("{sample:?}");
             soak.samples.push(sample);
         }
-        // (Only the last few stand at any time.)
-        for notice in session.notices().into_iter().filter(|notice| notice.severity == Severity::Error) {
+        // Only the latest notices are kept, so they are collected in every frame.
+        for notice in status.notices.iter().filter(|notice| notice.severity == Severity::Error) {
             if !soak.error_notices.contains(&notice.text) {
-                soak.error_notices.push(notice.text);
+                soak.error_notices.push(notice.text.clone());
             }
         }
-        if soak.began.elapsed() < soak.lasts {
+        if soak.began.elapsed() < soak.duration {
             return;
         }
-        let Some(since) = soak.saved else {
-            soak.saved = Some(Instant::now());
+        let Some(since) = soak.save_requested else {
+            soak.save_requested = Some(Instant::now());
             commands.write(Command::Pause(true));
-            commands.write(Command::Save(SaveKind::Run, soak.saves_to.clone()));
+            commands.write(Command::Save(SaveKind::Run, soak.run.clone()));
             return;
         };
-        if soak.saves_to.join("checkpoint").exists() || since.elapsed() > PATIENCE {
+        if soak.run.join("checkpoint").exists() || since.elapsed() > SAVE_TIMEOUT {
             let learner = &trainer.0;
-            *end.0.lock().expect("nobody panics while holding it") = Some(Known {
+            *end.0.lock().expect("not poisoned") = Some(Results {
                 samples: soak.samples.clone(),
-                counts: [
-                    session.journal.steps,
-                    learner.env_steps(),
-                    learner.episodes(),
-                    learner.gradient_steps(),
-                ],
+                counts: [journal.steps, learner.env_steps(), learner.episodes(), learner.gradient_steps()],
                 error_notices: std::mem::take(&mut soak.error_notices),
             });
             exit.write(AppExit::Success);
@@ -241,11 +241,11 @@ mod window {
 #[cfg(not(feature = "gui"))]
 mod window {
     pub fn soak(_: u64) -> Result<bool, Box<dyn super::Error>> {
-        Err("this build opens no window: run without --no-default-features".into())
+        Err("this build has no window; help: run without --no-default-features".into())
     }
 }
 
-/// Prints the ten parts, and says whether the last is as quick as the first and no larger than the second.
+/// Prints the ten parts. Returns whether the last is as fast as the first and uses no more memory than the second.
 fn report(samples: &[Sample]) -> bool {
     println!(
         "| part | env steps | env steps/s | env steps per CPU s | frames/s | resident MB |\n|---|---|---|---|---|---|"
@@ -270,26 +270,23 @@ fn report(samples: &[Sample]) -> bool {
     let ratio = |pick: fn(&(f64, f64, f64)) -> f64, from: usize| pick(&parts[9]) / pick(&parts[from]);
     let (speed, per_cpu, growth) = (ratio(|p| p.0, 0), ratio(|p| p.1, 0), ratio(|p| p.2, 1));
     println!(
-        "\nlast tenth against first: {speed:.3} times the env steps/s, {per_cpu:.3} times those per CPU second; \
-         memory {growth:.3} times that of the second tenth, {:.1} MB at most",
+        "\nlast tenth relative to the first: {speed:.3} env steps/s, {per_cpu:.3} env steps per CPU s; \
+         memory relative to the second: {growth:.3}; peak {:.1} MB",
         status_kb("VmHWM:") as f64 / 1024.0
     );
-    let good = speed.max(per_cpu) >= 1.0 - SLOWER && growth <= 1.0 + GROWTH;
-    println!("{}", if good { "flat" } else { "NOT FLAT" });
-    good
+    let passed = speed.max(per_cpu) >= 1.0 - SLOWER && growth <= 1.0 + GROWTH;
+    println!("{}", if passed { "flat" } else { "NOT FLAT" });
+    passed
 }
 
 fn agrees(what: &str, found: u64, expected: u64) -> bool {
-    let good = found == expected;
-    println!(
-        "{what}: {found}{}",
-        if good { String::new() } else { format!(", BUT {expected} WERE EXPECTED") }
-    );
-    good
+    let passed = found == expected;
+    println!("{what}: {found}{}", if passed { String::new() } else { format!(", BUT EXPECTED {expected}") });
+    passed
 }
 
-/// Gradient steps that are due after `env_steps`: those of every interval's end once warm-up is over.
-fn due(learning: &LearningConfig, env_steps: u64) -> u64 {
+/// Expected number of gradient steps after `env_steps`: those of each interval after `learning_starts`.
+fn expected_gradient_steps(learning: &LearningConfig, env_steps: u64) -> u64 {
     let interval = learning.train_freq;
     let first = learning.replay.learning_starts.max(1).div_ceil(interval);
     (env_steps / interval + 1).saturating_sub(first) * u64::from(learning.gradient_steps)

@@ -1,6 +1,6 @@
-//! The binary: one command line, one exit status; in a browser, the page's door.
+//! The program's entry point: the command line, or in a browser the app.
 
-/// Rapier and dfdx allocate in every step: what that costs is told in docs/performance.md.
+/// A fast allocator, because rapier and dfdx allocate in every step (docs/performance.md).
 #[cfg(not(target_arch = "wasm32"))]
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

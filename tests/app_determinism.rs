@@ -1,6 +1,5 @@
-//! The window changes nothing of what is learnt: the headless_app's plugins, with pauses, changes of pace, panels open and
-//! other things driven in between, learn the same bits as a bare loop under MinimalPlugins. And what the hand does can be
-//! had again.
+//! The app does not affect what is learnt: with pauses, changes of pace, open panels and demos in between, it learns the same
+//! bits as a bare loop under `MinimalPlugins`. And a training with interventions can be replayed from its journal.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -10,11 +9,11 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use bevy::math::vec2;
 use wayfield::agent::ActiveLearner;
-use wayfield::app::commands::{Command, MoveRequest, Pace, SaveKind, SessionMode};
+use wayfield::app::commands::{Command, Pace, SaveKind, SessionMode};
+use wayfield::app::moves::{Movable, MoveRequest};
+use wayfield::app::session::StartOptions;
 use wayfield::app::session::journal::{ReplayResult, verify};
-use wayfield::app::session::{Session, StartOptions};
 use wayfield::app::view_state::Overlays;
 use wayfield::learning::Learner;
 use wayfield::run::preset::Budget;
@@ -29,230 +28,232 @@ use headless_app::HeadlessApp;
 
 const STEPS: u64 = 2_000;
 
-/// All that a checkpoint would hold of a world: replay buffer, weights, moments, streams; and every arena.
+/// The state of a training: the learner as a checkpoint stores it (replay buffer, weights, moments, random streams), and
+/// every arena.
 fn state(world: &mut bevy::prelude::World) -> (Vec<u8>, Vec<ArenaState>) {
     let mut bytes = Vec::new();
-    world.resource::<ActiveLearner>().0.save(&mut bytes).expect("a vector can be written to");
+    world.resource::<ActiveLearner>().0.save(&mut bytes).expect("written to memory");
     (bytes, sim::snapshot(world))
 }
 
-/// The same training in a bare loop.
-fn headless(seed: u64, steps: u64) -> (Vec<u8>, Vec<ArenaState>) {
-    let scenario = Arc::new(shipped::scenario("scenario-2").expect("it is shipped"));
-    let preset = shipped::preset("fast").expect("it is shipped");
+/// The state after the same training in a bare loop.
+fn train_headless(seed: u64, steps: u64) -> (Vec<u8>, Vec<ArenaState>) {
+    let scenario = Arc::new(shipped::scenario("scenario-2").expect("shipped"));
+    let preset = shipped::preset("fast").expect("shipped");
     let inputs = observation::width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();
-    let learner = Learner::new(&preset.learning, inputs, actions, preset.arenas, seed).expect("it is sound");
+    let learner =
+        Learner::new(&preset.learning, inputs, actions, preset.arenas, seed).expect("the preset is valid");
     let mut simulation = training_setup::training(&scenario, &preset, seed, learner, &Extensions::default());
     for _ in 0..steps {
-        simulation.step().expect("it goes on");
+        simulation.step().expect("training continues");
     }
     state(simulation.world_mut())
 }
 
-/// A policy that can drive in Scenario II.
-fn some_policy(folder: &std::path::Path) -> std::path::PathBuf {
+/// Saves a policy that can drive in Scenario II. Returns its path.
+fn save_policy(folder: &std::path::Path) -> std::path::PathBuf {
     let file = folder.join("other.safetensors");
-    let mut headless_app = HeadlessApp::new(first(99));
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(5);
-    headless_app.command(Command::Save(SaveKind::Policy, file.clone()));
-    headless_app.frame(Duration::from_millis(10));
-    assert!(file.exists(), "{:?}", headless_app.error_notices());
+    let mut app = HeadlessApp::new(options(99));
+    app.command(Command::Pause(true));
+    app.step_to(5);
+    app.command(Command::Save(SaveKind::Policy, file.clone()));
+    app.frame(Duration::from_millis(10));
+    assert!(file.exists(), "{:?}", app.error_notices());
     file
 }
 
-fn first(seed: u64) -> StartOptions {
+fn options(seed: u64) -> StartOptions {
     StartOptions { scenario: "scenario-2".into(), seed, pace: Pace::Times(40.0), ..StartOptions::default() }
 }
 
 #[test]
-fn two_thousand_steps_in_the_window_learn_what_a_bare_loop_learns() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let policy = some_policy(folder.path());
-    let mut headless_app = HeadlessApp::new(first(5));
-    // Frames of changing length, at changing paces, with pauses, single steps, every panel and overlay, and other drivers
-    // in between.
-    let everything =
+fn two_thousand_steps_in_the_app_learn_the_same_bits_as_a_bare_loop() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let policy = save_policy(folder.path());
+    let mut app = HeadlessApp::new(options(5));
+    // Frames of varying length, with changes of pace, pauses, single steps, overlays and demos in between.
+    let all_overlays =
         Overlays { beams: true, path: true, trails: true, potential: true, value: true, q_values: true };
     let mut frame = 0_u64;
-    while headless_app.steps() < STEPS - 64 {
+    while app.steps() < STEPS - 64 {
         match frame % 40 {
-            3 => headless_app.command(Command::SetPace(Pace::Times(100.0))),
-            6 => headless_app.command(Command::Pause(true)),
-            9 => headless_app.command(Command::Step),
-            11 => headless_app.command(Command::SetMode(SessionMode::Test)),
-            12 => headless_app.command(Command::Pause(false)),
-            15 => headless_app.command(Command::SetMode(SessionMode::Drive)),
-            16 => headless_app.command(Command::Steer(0)),
-            17 => headless_app.command(Command::Open(policy.clone())),
-            18 => headless_app.command(Command::Move(MoveRequest::Robot { arena: 0, to_m: vec2(1.2, 0.1) })),
-            20 => headless_app.command(Command::SetMode(SessionMode::Train)),
-            22 => headless_app.command(Command::SetPace(Pace::Times(7.0))),
-            24 => headless_app.view_state().overlays = everything,
-            26 => headless_app.view_state().grid = true,
-            30 => headless_app.view_state().followed = 7,
-            33 => headless_app.view_state().overlays = Overlays::default(),
+            3 => app.command(Command::SetPace(Pace::Times(100.0))),
+            6 => app.command(Command::Pause(true)),
+            9 => app.command(Command::Step),
+            11 => app.command(Command::SetMode(SessionMode::Test)),
+            12 => app.command(Command::Pause(false)),
+            15 => app.command(Command::SetMode(SessionMode::Drive)),
+            16 => app.command(Command::Steer(0)),
+            17 => app.command(Command::Open(policy.clone())),
+            18 => {
+                app.command(Command::Move(MoveRequest { arena: 0, object: Movable::Robot, to_m: (1.2, 0.1) }))
+            }
+            20 => app.command(Command::SetMode(SessionMode::Train)),
+            22 => app.command(Command::SetPace(Pace::Times(7.0))),
+            24 => app.view_state().overlays = all_overlays,
+            26 => app.view_state().grid = true,
+            30 => app.view_state().followed = 7,
+            33 => app.view_state().overlays = Overlays::default(),
             _ => {}
         }
-        headless_app.frame(Duration::from_millis(5 + frame % 90));
+        app.frame(Duration::from_millis(5 + frame % 90));
         frame += 1;
     }
-    assert!(frame > 40, "all of it has happened");
-    assert!(headless_app.session().opened_policy.is_some(), "{:?}", headless_app.error_notices());
-    headless_app.command(Command::SetMode(SessionMode::Train));
-    headless_app.command(Command::Pause(true));
-    headless_app.frame(Duration::from_millis(10));
-    headless_app.step_to(STEPS);
-    let (learnt, arenas) = state(headless_app.world());
-    let (bare, bare_arenas) = headless(5, STEPS);
-    assert!(arenas == bare_arenas, "the arenas are the same to the bit");
-    assert!(learnt == bare, "replay buffer, weights, moments and streams are the same to the bit");
+    assert!(frame > 40, "every event has happened");
+    assert!(app.opened_files().policy.is_some(), "{:?}", app.error_notices());
+    app.command(Command::SetMode(SessionMode::Train));
+    app.command(Command::Pause(true));
+    app.frame(Duration::from_millis(10));
+    app.step_to(STEPS);
+    let (learnt, arenas) = state(app.world());
+    let (bare, bare_arenas) = train_headless(5, STEPS);
+    assert!(arenas == bare_arenas, "the arenas are bit-identical");
+    assert!(learnt == bare, "the learners are bit-identical");
 }
 
-/// Moves an obstacle a little from where it is now.
-fn nudge(headless_app: &mut HeadlessApp, index: usize) {
-    let world = headless_app.world();
+/// Moves an obstacle a little from its present position.
+fn nudge(app: &mut HeadlessApp, index: usize) {
+    let world = app.world();
     let scenario = world.resource::<CurrentScenario>().0.clone();
-    let clock = world.query::<&Clock>().iter(world).next().expect("an arena").0;
+    let clock = world.query::<&Clock>().iter(world).next().expect("there is an arena").0;
     let (x, y, _) = pose_at(&scenario.obstacles[index], clock, scenario.task.control_period_s);
-    headless_app.command(Command::Move(MoveRequest::Obstacle {
+    app.command(Command::Move(MoveRequest {
         arena: 0,
-        index,
-        to_m: vec2(x + 0.04, y - 0.03),
+        object: Movable::Obstacle(index),
+        to_m: (x + 0.04, y - 0.03),
     }));
 }
 
 #[test]
-fn what_the_hand_does_can_be_had_again() {
-    let mut headless_app = HeadlessApp::new(first(6));
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(150);
-    // Dragged over several places between two steps: the last one counts.
+fn a_training_with_interventions_can_be_replayed() {
+    let mut app = HeadlessApp::new(options(6));
+    app.command(Command::Pause(true));
+    app.step_to(150);
+    // Dragged over several positions between two steps: only the last one counts.
     for x_m in [1.3, 1.4, 1.5] {
-        headless_app.command(Command::Move(MoveRequest::Goal { arena: 0, to_m: vec2(x_m, 0.0) }));
+        app.command(Command::Move(MoveRequest { arena: 0, object: Movable::Goal, to_m: (x_m, 0.0) }));
     }
-    headless_app.step_to(180);
-    headless_app.command(Command::Move(MoveRequest::Robot { arena: 3, to_m: vec2(-1.4, 0.2) }));
-    nudge(&mut headless_app, 1);
-    headless_app.step_to(240);
-    // The world is changed while somebody else drives; the training finds it changed.
-    headless_app.command(Command::SetMode(SessionMode::Test));
-    headless_app.command(Command::Pause(false));
+    app.step_to(180);
+    app.command(Command::Move(MoveRequest { arena: 3, object: Movable::Robot, to_m: (-1.4, 0.2) }));
+    nudge(&mut app, 1);
+    app.step_to(240);
+    // An obstacle moved during a demo has moved in the training, too.
+    app.command(Command::SetMode(SessionMode::Test));
+    app.command(Command::Pause(false));
     for _ in 0..10 {
-        headless_app.frame(Duration::from_millis(40));
+        app.frame(Duration::from_millis(40));
     }
-    nudge(&mut headless_app, 2);
-    headless_app.command(Command::Pause(true));
-    headless_app.command(Command::SetMode(SessionMode::Train));
-    headless_app.step_to(400);
+    nudge(&mut app, 2);
+    app.command(Command::Pause(true));
+    app.command(Command::SetMode(SessionMode::Train));
+    app.step_to(400);
 
-    let journal = headless_app.session().journal.clone();
+    let journal = app.journal().clone();
     assert_eq!((journal.steps, journal.entries.len()), (400, 4));
-    let (learnt, arenas) = state(headless_app.world());
-    let mut again = journal.replay(None).expect("it can be had again");
-    let (learnt_again, arenas_again) = state(again.world_mut());
-    assert!(arenas == arenas_again && learnt == learnt_again, "the same to the bit");
+    let (learnt, arenas) = state(app.world());
+    let mut replayed = journal.replay(None).expect("the journal is valid");
+    let (replayed_learner, replayed_arenas) = state(replayed.world_mut());
+    assert!(arenas == replayed_arenas && learnt == replayed_learner, "bit-identical");
 
     let mut untouched = journal.clone();
     untouched.entries.clear();
-    let mut other = untouched.replay(None).expect("it can be had again");
-    assert!(state(other.world_mut()).0 != learnt, "without the hand it is another training");
+    let mut other = untouched.replay(None).expect("the journal is valid");
+    assert!(state(other.world_mut()).0 != learnt, "without the interventions the training differs");
 }
 
 #[test]
-fn the_hand_cannot_put_things_where_they_cannot_be() {
-    let mut headless_app = HeadlessApp::new(first(7));
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(3);
-    let before = state(headless_app.world());
-    for nowhere in [
-        MoveRequest::Goal { arena: 0, to_m: vec2(9.0, 0.0) },
-        MoveRequest::Goal { arena: 99, to_m: vec2(0.0, 0.0) },
-        MoveRequest::Robot { arena: 0, to_m: vec2(1.95, 1.95) },
-        MoveRequest::Robot { arena: 0, to_m: vec2(f32::NAN, 0.0) },
-        MoveRequest::Obstacle { arena: 0, index: 0, to_m: vec2(5.0, 5.0) },
-        MoveRequest::Obstacle { arena: 0, index: 99, to_m: vec2(0.0, 0.0) },
-        MoveRequest::Obstacle { arena: 99, index: 0, to_m: vec2(0.6, 0.6) },
+fn objects_cannot_be_moved_to_invalid_positions() {
+    let mut app = HeadlessApp::new(options(7));
+    app.command(Command::Pause(true));
+    app.step_to(3);
+    let before = state(app.world());
+    for request in [
+        MoveRequest { arena: 0, object: Movable::Goal, to_m: (9.0, 0.0) },
+        MoveRequest { arena: 99, object: Movable::Goal, to_m: (0.0, 0.0) },
+        MoveRequest { arena: 0, object: Movable::Robot, to_m: (1.95, 1.95) },
+        MoveRequest { arena: 0, object: Movable::Robot, to_m: (f32::NAN, 0.0) },
+        MoveRequest { arena: 0, object: Movable::Obstacle(0), to_m: (5.0, 5.0) },
+        MoveRequest { arena: 0, object: Movable::Obstacle(99), to_m: (0.0, 0.0) },
+        MoveRequest { arena: 99, object: Movable::Obstacle(0), to_m: (0.6, 0.6) },
     ] {
-        headless_app.command(Command::Move(nowhere));
-        headless_app.frame(Duration::from_millis(10));
+        app.command(Command::Move(request));
+        app.frame(Duration::from_millis(10));
     }
-    assert_eq!(headless_app.session().journal.entries, []);
-    assert!(state(headless_app.world()) == before, "nothing has changed");
+    assert_eq!(app.journal().entries, []);
+    assert!(state(app.world()) == before, "nothing has changed");
 }
 
 #[test]
-fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_it_is_seen() {
-    // Two drivers, of whom one has ended: his arena's clock stands, and the obstacles revolve in the other.
-    let mut headless_app = HeadlessApp::new(first(12));
-    headless_app.command(Command::SetMode(SessionMode::Drive));
+fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_the_user_sees_it() {
+    // One of two arenas has finished: its clock has stopped, while obstacles revolve in the other.
+    let mut app = HeadlessApp::new(options(12));
+    app.command(Command::SetMode(SessionMode::Drive));
     for motion in [0, 4].into_iter().cycle().take(4_000) {
-        headless_app.command(Command::Steer(motion));
-        headless_app.frame(Duration::from_millis(200));
-        let (scene, _) = headless_app.shown();
+        app.command(Command::Steer(motion));
+        app.frame(Duration::from_millis(200));
+        let (scene, _) = app.shown();
         if scene.arenas[0].inactive != scene.arenas[1].inactive {
             break;
         }
     }
-    let (scene, _) = headless_app.shown();
-    let running = scene.arenas.iter().position(|arena| !arena.inactive).expect("one still drives");
-    assert!(scene.arenas.iter().any(|arena| arena.inactive), "one has ended");
-    headless_app.command(Command::Pause(true));
+    let (scene, _) = app.shown();
+    let running = scene.arenas.iter().position(|arena| !arena.inactive).expect("one arena still runs");
+    assert!(scene.arenas.iter().any(|arena| arena.inactive), "one arena has finished");
+    app.command(Command::Pause(true));
     for _ in 0..3 {
-        headless_app.command(Command::Step);
-        headless_app.frame(Duration::from_millis(10));
+        app.command(Command::Step);
+        app.frame(Duration::from_millis(10));
     }
-    let (x, y, _) = headless_app.shown().0.arenas[running].obstacles[3];
-    let to_m = vec2(x + 0.03, y + 0.02);
-    headless_app.command(Command::Move(MoveRequest::Obstacle { arena: running, index: 3, to_m }));
-    headless_app.frame(Duration::from_millis(10));
-    let (now_x, now_y, _) = headless_app.shown().0.arenas[running].obstacles[3];
+    let (x, y, _) = app.shown().0.arenas[running].obstacles[3];
+    let to_m = (x + 0.03, y + 0.02);
+    app.command(Command::Move(MoveRequest { arena: running, object: Movable::Obstacle(3), to_m }));
+    app.frame(Duration::from_millis(10));
+    let (now_x, now_y, _) = app.shown().0.arenas[running].obstacles[3];
     assert!(
-        (now_x - to_m.x).abs() < 1e-4 && (now_y - to_m.y).abs() < 1e-4,
+        (now_x - to_m.0).abs() < 1e-4 && (now_y - to_m.1).abs() < 1e-4,
         "{now_x} {now_y} is not {to_m:?}"
     );
 }
 
 #[test]
-fn a_saved_run_goes_on_as_if_it_had_not_been_saved() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn a_saved_run_continues_as_if_it_had_not_been_saved() {
+    let folder = tempfile::tempdir().expect("temporary folder");
     let run = folder.path().join("run");
-    let mut headless_app = HeadlessApp::new(first(8));
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(500);
-    headless_app.command(Command::Save(SaveKind::Run, run.clone()));
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
-    headless_app.step_to(700);
-    let whole = state(headless_app.world());
+    let mut app = HeadlessApp::new(options(8));
+    app.command(Command::Pause(true));
+    app.step_to(500);
+    app.command(Command::Save(SaveKind::Run, run.clone()));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    app.step_to(700);
+    let uninterrupted = state(app.world());
 
-    let mut other = HeadlessApp::new(first(1));
+    let mut other = HeadlessApp::new(options(1));
     other.command(Command::Pause(true));
     other.command(Command::Open(run));
     other.frame(Duration::from_millis(10));
     assert_eq!(other.error_notices(), Vec::<String>::new());
     other.step_to(700);
-    assert!(state(other.world()) == whole, "500 steps, saved, opened, 200 more: the same as 700");
-    let session: &Session = other.session();
-    assert_eq!(session.config.seed, 8);
+    assert!(state(other.world()) == uninterrupted, "500 steps, saved, opened, 200 more: the same as 700");
+    assert_eq!(other.run().config.seed, 8);
 }
 
 #[test]
-fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
+    let folder = tempfile::tempdir().expect("temporary folder");
     let (first_run, second_run) = (folder.path().join("first"), folder.path().join("second"));
-    let mut headless_app = HeadlessApp::new(first(9));
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(120);
-    headless_app.command(Command::Move(MoveRequest::Goal { arena: 2, to_m: vec2(1.5, 0.1) }));
-    headless_app.step_to(200);
-    headless_app.command(Command::Save(SaveKind::Run, first_run.clone()));
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
+    let mut app = HeadlessApp::new(options(9));
+    app.command(Command::Pause(true));
+    app.step_to(120);
+    app.command(Command::Move(MoveRequest { arena: 2, object: Movable::Goal, to_m: (1.5, 0.1) }));
+    app.step_to(200);
+    app.command(Command::Save(SaveKind::Run, first_run.clone()));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
     assert_eq!(verify(&first_run), Ok(ReplayResult { steps: 200, interventions: 1, bit_identical: true }));
 
-    let mut other = HeadlessApp::new(first(1));
+    let mut other = HeadlessApp::new(options(1));
     other.command(Command::Pause(true));
     other.command(Command::Open(first_run.clone()));
     other.frame(Duration::from_millis(10));
@@ -263,7 +264,7 @@ fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between()
     assert_eq!(other.error_notices(), Vec::<String>::new());
     assert_eq!(verify(&second_run), Ok(ReplayResult { steps: 260, interventions: 2, bit_identical: true }));
 
-    // It goes on without a window: the journal ends earlier than the run, which is replayed all the same.
+    // Continued without a window: the journal ends before the run does, and the whole run is replayed.
     let job = Job::Resume {
         folder: second_run.clone(),
         budget: Some(Budget::EnvSteps(300 * 16)),
@@ -271,74 +272,66 @@ fn a_saved_run_is_replayed_from_its_journal_also_when_it_was_opened_in_between()
     };
     let stop = AtomicBool::new(false);
     train(job, CHECKPOINT_INTERVAL, &stop, std::time::Instant::now(), Some(Box::new(|_| {})))
-        .expect("it goes on");
+        .expect("training continues");
     assert_eq!(verify(&second_run), Ok(ReplayResult { steps: 300, interventions: 2, bit_identical: true }));
 
-    // A journal that says something else is found out.
+    // A modified journal is detected.
     let journal = second_run.join("journal.ron");
-    let text = std::fs::read_to_string(&journal).expect("it is there");
-    std::fs::write(&journal, text.replace("after_steps: 120", "after_steps: 121")).expect("it is written");
+    let text = std::fs::read_to_string(&journal).expect("the file exists");
+    std::fs::write(&journal, text.replace("after_steps: 120", "after_steps: 121"))
+        .expect("the file can be written");
     assert_eq!(verify(&second_run).map(|replayed| replayed.bit_identical), Ok(false));
 }
 
 #[test]
 fn transfer_keeps_the_weights_and_can_be_replayed() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = tempfile::tempdir().expect("temporary folder");
     let run = folder.path().join("run");
-    let mut headless_app = HeadlessApp::new(StartOptions { scenario: "scenario-1".into(), ..first(10) });
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(150);
-    let weights = |headless_app: &mut HeadlessApp| {
-        headless_app.world().resource::<ActiveLearner>().0.network().parameters().to_vec()
-    };
-    let before = weights(&mut headless_app);
-    headless_app.command(Command::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 });
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
-    assert!(weights(&mut headless_app) == before, "it goes on with what it has learnt");
-    let epsilon = headless_app.world().resource::<ActiveLearner>().0.epsilon();
-    assert!((epsilon - 0.5).abs() < 1e-6, "and explores from 0.5: {epsilon}");
-    assert_eq!(
-        (headless_app.session().config.scenario.name.as_str(), headless_app.steps()),
-        ("Scenario II", 0)
-    );
-    headless_app.step_to(90);
-    headless_app.command(Command::Save(SaveKind::Run, run.clone()));
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
+    let mut app = HeadlessApp::new(StartOptions { scenario: "scenario-1".into(), ..options(10) });
+    app.command(Command::Pause(true));
+    app.step_to(150);
+    let weights =
+        |app: &mut HeadlessApp| app.world().resource::<ActiveLearner>().0.network().parameters().to_vec();
+    let before = weights(&mut app);
+    app.command(Command::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 });
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    assert!(weights(&mut app) == before, "the weights are kept");
+    let epsilon = app.world().resource::<ActiveLearner>().0.epsilon();
+    assert!((epsilon - 0.5).abs() < 1e-6, "exploration starts at 0.5: {epsilon}");
+    assert_eq!((app.run().config.scenario.name.as_str(), app.steps()), ("Scenario II", 0));
+    app.step_to(90);
+    app.command(Command::Save(SaveKind::Run, run.clone()));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
     assert_eq!(verify(&run), Ok(ReplayResult { steps: 90, interventions: 0, bit_identical: true }));
 }
 
 #[test]
-fn what_cannot_be_opened_is_told_and_everything_goes_on() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut headless_app = HeadlessApp::new(first(11));
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(20);
-    let before = state(headless_app.world());
-    for (name, content, told) in [
+fn a_file_that_cannot_be_opened_is_reported_and_training_continues() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let mut app = HeadlessApp::new(options(11));
+    app.command(Command::Pause(true));
+    app.step_to(20);
+    let before = state(app.world());
+    for (name, content, expected) in [
         ("world.ron", "(name: \"A\", radius_cm: 1)", "world.ron:1:13"),
         ("policy.safetensors", "nonsense", "not a safetensors file"),
-        ("notes.txt", "", "neither a policy"),
+        ("notes.txt", "", "not a policy"),
     ] {
         let file = folder.path().join(name);
-        std::fs::write(&file, content).expect("it is written");
-        headless_app.command(Command::Open(file));
-        headless_app.frame(Duration::from_millis(10));
-        let error_notices = headless_app.error_notices();
-        assert!(error_notices.iter().any(|complaint| complaint.contains(told)), "{error_notices:?}");
+        std::fs::write(&file, content).expect("the file can be written");
+        app.command(Command::Open(file));
+        app.frame(Duration::from_millis(10));
+        let error_notices = app.error_notices();
+        assert!(error_notices.iter().any(|error| error.contains(expected)), "{error_notices:?}");
     }
-    headless_app.command(Command::Open(folder.path().to_path_buf()));
-    headless_app.command(Command::Open(folder.path().join("missing.ron")));
-    headless_app.command(Command::SetMode(SessionMode::Compare));
-    headless_app.command(Command::Save(SaveKind::Policy, folder.path().join("nowhere/policy.safetensors")));
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(
-        headless_app.error_notices().len(),
-        4,
-        "no more than four at a time: {:?}",
-        headless_app.error_notices()
-    );
-    assert!(state(headless_app.world()) == before, "the training is as it was");
-    headless_app.step_to(30);
+    app.command(Command::Open(folder.path().to_path_buf()));
+    app.command(Command::Open(folder.path().join("missing.ron")));
+    app.command(Command::SetMode(SessionMode::Compare));
+    app.command(Command::Save(SaveKind::Policy, folder.path().join("nowhere/policy.safetensors")));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices().len(), 4, "at most four notices: {:?}", app.error_notices());
+    assert!(state(app.world()) == before, "the training is unchanged");
+    app.step_to(30);
 }

@@ -1,5 +1,5 @@
-//! Another world under the training: its file is saved in an editor, breaks and is mended; the window's editor hands one
-//! over. What is taken stands in the journal.
+//! Changes of the scenario under a training: its file is edited in another program, broken and fixed; or it is edited in the
+//! app. Every adopted scenario is recorded in the journal.
 #![cfg(feature = "gui")]
 
 #[path = "support/headless_app.rs"]
@@ -9,16 +9,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use bevy::math::vec2;
-use wayfield::app::commands::{Command, MoveRequest, Pace, SaveKind, SessionMode};
+use wayfield::app::commands::{Command, EditorReply, Pace, SaveKind, SessionMode};
+use wayfield::app::moves::{Movable, MoveRequest};
 use wayfield::app::session::StartOptions;
 use wayfield::app::session::journal::{ReplayResult, verify};
 use wayfield::scenario::Scenario;
 
 use headless_app::HeadlessApp;
 
-/// A small world with a cylinder at (`x_m`, 0.6) whose episodes are short.
-fn world(x_m: f32) -> String {
+/// Text of a scenario with a cylinder at (`x_m`, 0.6) and short episodes.
+fn scenario_text(x_m: f32) -> String {
     format!(
         "// My own.\n(\n    name: \"Mine\",\n    obstacles: [\n        (shape: Circle(radius_m: 0.2), position_m: ({x_m:?}, 0.6)), \
          // here\n    ],\n    task: (max_episode_steps: 40),\n)\n"
@@ -26,13 +26,13 @@ fn world(x_m: f32) -> String {
 }
 
 fn write(file: &Path, text: &str) {
-    // As editors do: beside it, then in its place.
-    let beside = file.with_extension("new");
-    std::fs::write(&beside, text).expect("it is written");
-    std::fs::rename(beside, file).expect("it is there");
+    // As editors do: to a temporary file, which then replaces the original.
+    let temporary = file.with_extension("new");
+    std::fs::write(&temporary, text).expect("the file can be written");
+    std::fs::rename(temporary, file).expect("the file can be replaced");
 }
 
-fn first(file: &Path) -> StartOptions {
+fn options(file: &Path) -> StartOptions {
     StartOptions {
         scenario: file.display().to_string(),
         seed: 3,
@@ -41,252 +41,237 @@ fn first(file: &Path) -> StartOptions {
     }
 }
 
-/// Frames until `done`, a minute at most.
-fn wait(headless_app: &mut HeadlessApp, what: &str, done: impl Fn(&HeadlessApp) -> bool) {
+/// Runs frames until `done`, for at most a minute.
+fn wait(app: &mut HeadlessApp, what: &str, done: impl Fn(&HeadlessApp) -> bool) {
     let began = Instant::now();
-    while !done(headless_app) {
-        assert!(began.elapsed() < Duration::from_secs(60), "{what}: {:?}", headless_app.session().notices());
-        headless_app.frame(Duration::from_millis(20));
+    while !done(app) {
+        assert!(began.elapsed() < Duration::from_secs(60), "{what}: {:?}", app.notices());
+        app.frame(Duration::from_millis(20));
         std::thread::sleep(Duration::from_millis(2));
     }
 }
 
-fn x_m(headless_app: &HeadlessApp) -> f32 {
-    headless_app.shown().0.scenario.obstacles[0].position_m.x
+fn x_m(app: &HeadlessApp) -> f32 {
+    app.shown().0.scenario.obstacles[0].position_m.0
 }
 
-fn told(headless_app: &HeadlessApp, words: &str) -> bool {
-    headless_app.session().notices().iter().any(|notice| notice.text.contains(words))
+fn has_notice(app: &HeadlessApp, words: &str) -> bool {
+    app.notices().iter().any(|notice| notice.text.contains(words))
 }
 
 #[test]
-fn a_saved_file_is_taken_at_an_episodes_end_however_often_it_was_broken() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn a_changed_file_is_adopted_when_an_episode_ends_even_if_it_was_broken_in_between() {
+    let folder = tempfile::tempdir().expect("temporary folder");
     let file = folder.path().join("mine.ron");
-    write(&file, &world(0.6));
-    let mut headless_app = HeadlessApp::new(first(&file));
-    wait(&mut headless_app, "it goes on", |headless_app| headless_app.steps() > 20);
-    assert_eq!(x_m(&headless_app), 0.6);
+    write(&file, &scenario_text(0.6));
+    let mut app = HeadlessApp::new(options(&file));
+    wait(&mut app, "training runs", |app| app.steps() > 20);
+    assert_eq!(x_m(&app), 0.6);
     for (round, x) in [0.7, 0.8, -0.9].into_iter().enumerate() {
-        let good = x_m(&headless_app);
-        write(&file, &world(x).replace("radius_m", "radius_cm"));
-        wait(&mut headless_app, "it is told", |headless_app| told(headless_app, "unknown field `radius_cm`"));
-        assert!(told(&headless_app, "mine.ron:5:"), "with its line: {:?}", headless_app.error_notices());
-        assert!(told(&headless_app, "did you mean `radius_m`?"), "and the mend");
-        let steps = headless_app.steps();
-        wait(&mut headless_app, "the last good world goes on", |headless_app| {
-            headless_app.steps() > steps + 50
-        });
-        assert_eq!(x_m(&headless_app), good, "round {round}");
-        write(&file, &world(x));
-        wait(&mut headless_app, "it is taken", |headless_app| x_m(headless_app) == x);
-        assert_eq!(
-            headless_app.error_notices(),
-            Vec::<String>::new(),
-            "what was mended is not told any more"
-        );
-        assert!(!headless_app.session().scenario_modified(), "the world is that of the file");
+        let valid_x_m = x_m(&app);
+        write(&file, &scenario_text(x).replace("radius_m", "radius_cm"));
+        wait(&mut app, "the error is reported", |app| has_notice(app, "unknown field `radius_cm`"));
+        assert!(has_notice(&app, "mine.ron:5:"), "with the line: {:?}", app.error_notices());
+        assert!(has_notice(&app, "did you mean `radius_m`?"), "with the fix");
+        let steps = app.steps();
+        wait(&mut app, "training continues in the last valid scenario", |app| app.steps() > steps + 50);
+        assert_eq!(x_m(&app), valid_x_m, "round {round}");
+        write(&file, &scenario_text(x));
+        wait(&mut app, "the scenario is adopted", |app| x_m(app) == x);
+        assert_eq!(app.error_notices(), Vec::<String>::new(), "the error disappears when it is fixed");
+        assert!(!app.scenario_modified(), "the scenario equals its file");
     }
-    // What the network can't take is told, and the last good world goes on.
-    write(&file, &world(0.5).replace("    task:", "    lidar: (beams: 12),\n    task:"));
-    wait(&mut headless_app, "it is told", |headless_app| told(headless_app, "it has 12 beams"));
-    assert_eq!(x_m(&headless_app), -0.9);
+    // A scenario that does not fit the network is reported, and the last valid one keeps running.
+    write(&file, &scenario_text(0.5).replace("    task:", "    lidar: (beams: 12),\n    task:"));
+    wait(&mut app, "the error is reported", |app| has_notice(app, "it has 12 beams"));
+    assert_eq!(x_m(&app), -0.9);
     let run = folder.path().join("run");
-    headless_app.command(Command::Pause(true));
-    headless_app.command(Command::Save(SaveKind::Run, run.clone()));
-    headless_app.frame(Duration::from_millis(10));
-    let steps = headless_app.steps();
+    app.command(Command::Pause(true));
+    app.command(Command::Save(SaveKind::Run, run.clone()));
+    app.frame(Duration::from_millis(10));
+    let steps = app.steps();
     assert_eq!(
         verify(&run),
         Ok(ReplayResult { steps, interventions: 3, bit_identical: true }),
-        "each world stands in the journal"
+        "each adopted scenario is in the journal"
     );
 }
 
 #[test]
-fn a_file_that_was_broken_at_first_is_taken_as_soon_as_it_is_mended() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn a_broken_start_file_is_adopted_once_it_is_fixed() {
+    let folder = tempfile::tempdir().expect("temporary folder");
     let file = folder.path().join("mine.ron");
     write(&file, "(name: \"Mine\", obstacles: [");
-    let mut headless_app = HeadlessApp::new(StartOptions { preset: "per_d3qn".into(), ..first(&file) });
-    headless_app.frame(Duration::from_millis(10));
-    assert!(told(&headless_app, "mine.ron:1:"), "{:?}", headless_app.session().notices());
-    assert_eq!(headless_app.shown().0.scenario.name, "Scenario I", "something goes on meanwhile");
+    let mut app = HeadlessApp::new(StartOptions { preset: "per_d3qn".into(), ..options(&file) });
+    app.frame(Duration::from_millis(10));
+    assert!(has_notice(&app, "mine.ron:1:"), "{:?}", app.notices());
+    assert_eq!(app.shown().0.scenario.name, "Scenario I", "the default runs meanwhile");
     write(&file, "(name: \"Mine\", obstacles: [}");
-    wait(&mut headless_app, "broken in another way", |headless_app| {
-        told(headless_app, "this closes no open bracket")
-    });
-    write(&file, &world(0.7));
-    wait(&mut headless_app, "it is taken", |headless_app| headless_app.shown().0.scenario.name == "Mine");
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
-    assert_eq!(headless_app.shown().1.preset_from, "per_d3qn", "as it was asked for");
-    write(&file, &world(0.9));
-    wait(&mut headless_app, "and watched from then on", |headless_app| x_m(headless_app) == 0.9);
+    wait(&mut app, "the new error is reported", |app| has_notice(app, "this closes no open bracket"));
+    write(&file, &scenario_text(0.7));
+    wait(&mut app, "the scenario is adopted", |app| app.shown().0.scenario.name == "Mine");
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    assert_eq!(app.shown().1.preset_from, "per_d3qn", "the requested preset");
+    write(&file, &scenario_text(0.9));
+    wait(&mut app, "the file is watched from then on", |app| x_m(app) == 0.9);
 
-    // The same for one that is opened while another training goes on.
+    // The same holds for a file that is opened later.
     let other = folder.path().join("other.ron");
     write(&other, "(nam: \"Other\")");
-    headless_app.command(Command::Open(other.clone()));
-    wait(&mut headless_app, "it is told", |headless_app| told(headless_app, "unknown field `nam`"));
-    assert_eq!(headless_app.shown().0.scenario.name, "Mine");
+    app.command(Command::Open(other.clone()));
+    wait(&mut app, "the error is reported", |app| has_notice(app, "unknown field `nam`"));
+    assert_eq!(app.shown().0.scenario.name, "Mine");
     write(&other, "(name: \"Other\")");
-    wait(&mut headless_app, "it is opened", |headless_app| headless_app.shown().0.scenario.name == "Other");
-    // Nor is a preset, once mended, a bad scenario; and a file that was away for a while is watched on.
+    wait(&mut app, "the file is opened", |app| app.shown().0.scenario.name == "Other");
+    // It also holds for a preset. And a file that was deleted for a while is still watched.
     let preset = folder.path().join("preset.ron");
     write(&preset, "(abot: \"Mine\")");
-    headless_app.command(Command::Open(preset.clone()));
-    wait(&mut headless_app, "it is told", |headless_app| told(headless_app, "unknown field `abot`"));
-    write(&preset, &std::fs::read_to_string("assets/presets/dqn.ron").expect("it is shipped"));
-    wait(&mut headless_app, "it is opened", |headless_app| {
-        headless_app.shown().1.preset_from == preset.display().to_string()
-    });
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
-    std::fs::remove_file(&other).expect("it was there");
-    let steps = headless_app.steps();
-    wait(&mut headless_app, "it goes on without its file", |headless_app| headless_app.steps() > steps + 30);
+    app.command(Command::Open(preset.clone()));
+    wait(&mut app, "the error is reported", |app| has_notice(app, "unknown field `abot`"));
+    write(&preset, &std::fs::read_to_string("assets/presets/dqn.ron").expect("shipped"));
+    wait(&mut app, "the file is opened", |app| app.shown().1.preset_from == preset.display().to_string());
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    std::fs::remove_file(&other).expect("the file existed");
+    let steps = app.steps();
+    wait(&mut app, "training continues without the file", |app| app.steps() > steps + 30);
     write(&other, "(name: \"Back\", task: (max_episode_steps: 40))");
-    wait(&mut headless_app, "it is there again", |headless_app| told(headless_app, "its new world is taken"));
+    wait(&mut app, "the file exists again", |app| {
+        has_notice(app, "the changed scenario runs when the next episode ends")
+    });
 }
 
 #[test]
-fn a_mended_file_takes_no_training_away() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn fixing_a_file_discards_no_training_worth_keeping() {
+    let folder = tempfile::tempdir().expect("temporary folder");
     let file = folder.path().join("mine.ron");
     write(&file, "(nam: \"Mine\")");
-    let mut headless_app = HeadlessApp::new(StartOptions { pace: Pace::Full, ..StartOptions::default() });
-    headless_app.frame(Duration::from_millis(10));
-    headless_app.command(Command::Open(file.clone()));
-    wait(&mut headless_app, "it is of some worth", |headless_app| headless_app.shown().1.env_steps > 21_000);
+    let mut app = HeadlessApp::new(StartOptions { pace: Pace::Full, ..StartOptions::default() });
+    app.frame(Duration::from_millis(10));
+    app.command(Command::Open(file.clone()));
+    wait(&mut app, "the training is worth keeping", |app| app.shown().1.env_steps > 21_000);
     for k in 0..2 {
         write(&file, &format!("(name: \"Mine {k}\")"));
-        wait(&mut headless_app, "it is told", |headless_app| {
-            k > 0 || told(headless_app, "it can be used now")
-        });
+        wait(&mut app, "the error is reported", |app| k > 0 || has_notice(app, "the file is valid now"));
     }
-    let steps = headless_app.steps();
-    wait(&mut headless_app, "the training goes on", |headless_app| headless_app.steps() > steps + 3_000);
-    assert_eq!(headless_app.shown().0.scenario.name, "Scenario I");
+    let steps = app.steps();
+    wait(&mut app, "training continues", |app| app.steps() > steps + 3_000);
+    assert_eq!(app.shown().0.scenario.name, "Scenario I");
 }
 
 #[test]
-fn an_edited_world_is_gone_on_in_or_begun_again_as_the_user_says() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn an_edited_scenario_continues_or_restarts_the_training() {
+    let folder = tempfile::tempdir().expect("temporary folder");
     let run = folder.path().join("run");
-    let mut headless_app = HeadlessApp::new(StartOptions { seed: 4, ..StartOptions::default() });
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(60);
-    let mut edited = Scenario::clone(&headless_app.shown().0.scenario);
-    edited.obstacles[0].position_m = vec2(0.9, 0.9);
-    let take = |scenario: &Scenario, again| Command::ApplyScenario {
+    let mut app = HeadlessApp::new(StartOptions { seed: 4, ..StartOptions::default() });
+    app.command(Command::Pause(true));
+    app.step_to(60);
+    let mut edited = Scenario::clone(&app.shown().0.scenario);
+    edited.obstacles[0].position_m = (0.9, 0.9);
+    let apply = |scenario: &Scenario, restart| Command::ApplyScenario {
         scenario: Arc::new(scenario.clone()),
         from: "scenario-1".into(),
-        again,
+        restart,
     };
-    let learnt = headless_app.shown().1.env_steps;
-    headless_app.command(Command::SetMode(SessionMode::Test));
-    headless_app.frame(Duration::from_millis(10));
-    headless_app.command(take(&edited, false));
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
-    assert_eq!(headless_app.shown().0.scenario.obstacles[0].position_m, vec2(0.9, 0.9));
+    let learnt = app.shown().1.env_steps;
+    app.command(Command::SetMode(SessionMode::Test));
+    app.frame(Duration::from_millis(10));
+    app.command(apply(&edited, false));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    assert_eq!(app.shown().0.scenario.obstacles[0].position_m, (0.9, 0.9));
     assert_eq!(
-        (headless_app.shown().1.mode, headless_app.shown().1.env_steps),
+        (app.shown().1.mode, app.shown().1.env_steps),
         (SessionMode::Test, learnt),
-        "the policy goes on"
+        "training is kept"
     );
-    assert!(headless_app.shown().1.scenario_modified && !headless_app.shown().1.is_paper_scenario_1);
-    headless_app.command(Command::SetMode(SessionMode::Train));
-    headless_app.command(Command::Pause(true));
-    headless_app.step_to(120);
-    headless_app.command(Command::Save(SaveKind::Run, run.clone()));
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
+    assert!(app.shown().1.scenario_modified && !app.shown().1.is_paper_scenario_1);
+    app.command(Command::SetMode(SessionMode::Train));
+    app.command(Command::Pause(true));
+    app.step_to(120);
+    app.command(Command::Save(SaveKind::Run, run.clone()));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
     assert_eq!(verify(&run), Ok(ReplayResult { steps: 120, interventions: 1, bit_identical: true }));
 
-    // What can't be is refused, and nothing happens.
-    let mut wrong = edited.clone();
-    wrong.obstacles[0].position_m = vec2(1.95, 0.9);
-    headless_app.command(take(&wrong, false));
-    headless_app.frame(Duration::from_millis(10));
-    assert!(told(&headless_app, "beyond the enclosure"), "{:?}", headless_app.error_notices());
-    headless_app.command(take(
+    // Invalid and unsuitable scenarios are rejected, and nothing changes.
+    let mut invalid = edited.clone();
+    invalid.obstacles[0].position_m = (1.95, 0.9);
+    app.command(apply(&invalid, false));
+    app.frame(Duration::from_millis(10));
+    assert!(has_notice(&app, "beyond the enclosure"), "{:?}", app.error_notices());
+    app.command(apply(
         &Scenario {
             lidar: wayfield::scenario::Lidar { beams: 12, ..edited.lidar.clone() },
             ..edited.clone()
         },
         false,
     ));
-    headless_app.frame(Duration::from_millis(10));
-    assert!(told(&headless_app, "12 beams"), "{:?}", headless_app.error_notices());
-    assert_eq!(headless_app.steps(), 120);
+    app.frame(Duration::from_millis(10));
+    assert!(has_notice(&app, "12 beams"), "{:?}", app.error_notices());
+    assert_eq!(app.steps(), 120);
 
-    // In a world whose LIDAR is noisy each look around draws: every place of a drag is noted, though the training began
-    // in a world without noise.
+    // With a noisy LIDAR every scan draws random numbers, so every position of a drag is recorded, although the training
+    // started without noise.
     let mut noisy = edited.clone();
     noisy.lidar.noise_std_m = 0.02;
-    headless_app.command(take(&noisy, false));
+    app.command(apply(&noisy, false));
     for x_m in [0.05, 0.1] {
-        headless_app.command(Command::Move(MoveRequest::Robot { arena: 1, to_m: vec2(x_m, 0.0) }));
+        app.command(Command::Move(MoveRequest { arena: 1, object: Movable::Robot, to_m: (x_m, 0.0) }));
     }
-    headless_app.frame(Duration::from_millis(10));
-    headless_app.step_to(140);
+    app.frame(Duration::from_millis(10));
+    app.step_to(140);
     let noisy_run = folder.path().join("noisy");
-    headless_app.command(Command::Save(SaveKind::Run, noisy_run.clone()));
-    headless_app.frame(Duration::from_millis(10));
+    app.command(Command::Save(SaveKind::Run, noisy_run.clone()));
+    app.frame(Duration::from_millis(10));
     assert_eq!(verify(&noisy_run), Ok(ReplayResult { steps: 140, interventions: 4, bit_identical: true }));
 
-    headless_app.command(take(&edited, true));
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(headless_app.shown().0.scenario.obstacles[0].position_m, vec2(0.9, 0.9));
-    assert!(headless_app.steps() < 60, "a new training");
-    assert!(headless_app.shown().1.scenario_modified && !headless_app.shown().1.is_paper_scenario_1);
+    app.command(apply(&edited, true));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.shown().0.scenario.obstacles[0].position_m, (0.9, 0.9));
+    assert!(app.steps() < 60, "the training has restarted");
+    assert!(app.shown().1.scenario_modified && !app.shown().1.is_paper_scenario_1);
 }
 
 #[test]
-fn an_edited_world_is_saved_with_the_comments_of_its_file_and_opened_to_be_edited_though_it_does_not_fit_yet()
-{
-    let folder = tempfile::tempdir().expect("a folder");
+fn an_edited_scenario_is_saved_with_its_comments_and_can_be_opened_while_invalid() {
+    let folder = tempfile::tempdir().expect("temporary folder");
     let file = folder.path().join("mine.ron");
-    write(&file, &world(0.6));
-    let mut headless_app = HeadlessApp::new(StartOptions { paused: true, ..first(&file) });
-    headless_app.frame(Duration::from_millis(10));
-    let mut edited = Scenario::clone(&headless_app.shown().0.scenario);
-    edited.obstacles[0].position_m = vec2(3.0, 0.6);
+    write(&file, &scenario_text(0.6));
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..options(&file) });
+    app.frame(Duration::from_millis(10));
+    let mut edited = Scenario::clone(&app.shown().0.scenario);
+    edited.obstacles[0].position_m = (3.0, 0.6);
     let scenario = Arc::new(edited.clone());
-    let like = file.display().to_string();
-    headless_app.command(Command::SaveScenario {
-        scenario: scenario.clone(),
-        like,
-        path: Some(file.clone()),
-    });
-    headless_app.frame(Duration::from_millis(10));
-    let saved = std::fs::read_to_string(&file).expect("it is there");
-    assert_eq!(saved, world(3.0), "one number is another");
-    assert_eq!(headless_app.shown().1.saved_scenario, Some((file.display().to_string(), scenario.clone())));
-    // Whether the training goes on in it, the user says; that it doesn't fit yet, the editor.
+    let based_on = file.display().to_string();
+    app.command(Command::SaveScenario { scenario: scenario.clone(), based_on, path: Some(file.clone()) });
+    app.frame(Duration::from_millis(10));
+    let saved = std::fs::read_to_string(&file).expect("the file exists");
+    assert_eq!(saved, scenario_text(3.0), "only one number has changed");
+    let saved = (file.display().to_string(), scenario.clone());
+    assert_eq!(app.shown().1.saved_scenario, Some(saved.clone()));
+    assert_eq!(app.editor_replies(), [EditorReply::Saved { file: saved.0, scenario: saved.1 }]);
+    // The saved scenario does not run until the user applies it, and its errors are shown in the editor only.
     let began = Instant::now();
-    wait(&mut headless_app, "the file was looked at", |_| began.elapsed() > Duration::from_millis(900));
-    assert_eq!((x_m(&headless_app), headless_app.error_notices()), (0.6, Vec::new()));
-    // What somebody else has written meanwhile is not written over but when it is asked for twice.
-    write(&file, &world(1.1));
-    let like = file.display().to_string();
+    wait(&mut app, "the file was checked", |_| began.elapsed() > Duration::from_millis(900));
+    assert_eq!((x_m(&app), app.error_notices()), (0.6, Vec::new()));
+    // Changes made by another program are overwritten only when the user asks twice.
+    write(&file, &scenario_text(1.1));
+    let based_on = file.display().to_string();
     for k in 0..2 {
-        let (scenario, like) = (scenario.clone(), like.clone());
-        headless_app.command(Command::SaveScenario { scenario, like, path: Some(file.clone()) });
-        headless_app.frame(Duration::from_millis(10));
-        let there = std::fs::read_to_string(&file).expect("it is there");
-        assert_eq!(there, world(if k == 0 { 1.1 } else { 3.0 }), "asked for {} times", k + 1);
-        assert_eq!(told(&headless_app, "changed since by somebody else"), k == 0);
+        let (scenario, based_on) = (scenario.clone(), based_on.clone());
+        app.command(Command::SaveScenario { scenario, based_on, path: Some(file.clone()) });
+        app.frame(Duration::from_millis(10));
+        let there = std::fs::read_to_string(&file).expect("the file exists");
+        assert_eq!(there, scenario_text(if k == 0 { 1.1 } else { 3.0 }), "saved {} times", k + 1);
+        assert_eq!(has_notice(&app, "another program has changed this file"), k == 0);
     }
-    headless_app.command(Command::OpenInEditor(Some(file.clone())));
-    headless_app.frame(Duration::from_millis(10));
-    let (number, from, draft) = headless_app.shown().1.draft.clone().expect("it was opened");
-    assert_eq!((number, from, Scenario::clone(&draft)), (1, file.display().to_string(), edited));
-    headless_app.command(Command::OpenInEditor(Some("doorway".into())));
-    headless_app.frame(Duration::from_millis(10));
-    assert_eq!(
-        headless_app.shown().1.draft.as_ref().map(|draft| (draft.0, draft.1.as_str())),
-        Some((2, "doorway"))
-    );
-    assert_eq!(headless_app.error_notices(), Vec::<String>::new());
+    app.command(Command::OpenInEditor(Some(file.clone())));
+    app.frame(Duration::from_millis(10));
+    let opened = EditorReply::Opened { from: file.display().to_string(), scenario: Arc::new(edited) };
+    assert_eq!(app.editor_replies().last(), Some(&opened));
+    app.command(Command::OpenInEditor(Some("doorway".into())));
+    app.frame(Duration::from_millis(10));
+    let replies = app.editor_replies();
+    assert!(matches!(&replies[..], [EditorReply::Opened { from, .. }] if from == "doorway"), "{replies:?}");
+    assert_eq!(app.error_notices(), Vec::<String>::new());
 }

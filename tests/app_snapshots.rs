@@ -1,5 +1,5 @@
-//! Pictures of the whole window, compared with those in `tests/snapshots`. No GPU: [`SoftwareRenderer`] draws them.
-//! After a change that is meant: `UPDATE_SNAPSHOTS=1 cargo test --test app_snapshots`, and look at them.
+//! Screenshots of the whole window, compared with those in `tests/snapshots`. [`SoftwareRenderer`] draws them without a GPU.
+//! After an intended change: `UPDATE_SNAPSHOTS=1 cargo test --test app_snapshots`, then inspect the new files.
 
 #![cfg(feature = "gui")]
 
@@ -31,48 +31,48 @@ fn window(
 }
 
 fn compare(name: &str, size: [f32; 2], theme: ThemeChoice, screen_fixture: ScreenFixture) {
-    held_against(&mut window(size, theme, screen_fixture), name);
+    assert_matches(&mut window(size, theme, screen_fixture), name);
 }
 
-/// A picture of the middle alone.
-fn middle(mut screen_fixture: ScreenFixture) -> ScreenFixture {
+/// Closes the side panels, so that only the middle is drawn.
+fn without_panels(mut screen_fixture: ScreenFixture) -> ScreenFixture {
     (screen_fixture.view_state.setup_open, screen_fixture.view_state.plots_open) = (false, false);
     screen_fixture
 }
 
-fn held_against(window: &mut Harness<'_, ScreenFixture>, name: &str) {
-    // Sines may differ in their last bit from one machine to another, and so may the edges of round things.
+fn assert_matches(window: &mut Harness<'_, ScreenFixture>, name: &str) {
+    // Sines may differ in the last bit between machines, and so may the edges of circles.
     window.snapshot_options(name, &SnapshotOptions::new().threshold(0.6).max_failed_pixels(40));
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
-        packed(&format!("tests/snapshots/{name}.png"));
+        compress(&format!("tests/snapshots/{name}.png"));
     }
 }
 
-/// Writes the picture again, as small as it gets: what is flat packs best without filters.
-fn packed(path: &str) {
-    let picture = image::open(path).expect("the picture just written").into_rgb8();
-    let file = std::io::BufWriter::new(std::fs::File::create(path).expect("its file"));
+/// Compresses the file as well as possible. Flat colours compress best without filters.
+fn compress(path: &str) {
+    let picture = image::open(path).expect("written just now").into_rgb8();
+    let file = std::io::BufWriter::new(std::fs::File::create(path).expect("the file can be written"));
     let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::NoFilter);
-    picture.write_with_encoder(encoder).expect("the picture again");
+    picture.write_with_encoder(encoder).expect("the image can be written");
 }
 
 #[test]
-fn the_first_sight() {
+fn before_the_first_step() {
     compare("first_light", [1100.0, 720.0], ThemeChoice::Light, ScreenFixture::untrained());
 }
 
 #[test]
-fn a_world_of_all_sorts() {
+fn every_kind_of_obstacle() {
     compare(
         "all_sorts_dark",
         [900.0, 720.0],
         ThemeChoice::Dark,
-        middle(ScreenFixture::default().with_scenario(screen_fixture::mixed_scenario())),
+        without_panels(ScreenFixture::default().with_scenario(screen_fixture::mixed_scenario())),
     );
 }
 
 #[test]
-fn the_editor() {
+fn editor() {
     let mut window = window(
         [1100.0, 720.0],
         ThemeChoice::Light,
@@ -80,19 +80,19 @@ fn the_editor() {
     );
     window.key_press(egui::Key::E);
     window.run_steps(4);
-    let editor = window.state_mut().view_state.editor.as_mut().expect("it is open");
+    let editor = window.state_mut().view_state.editor.as_mut().expect("the editor is open");
     editor.select(wayfield::app::editor::Selection::Obstacle(1));
     window.run_steps(10);
-    held_against(&mut window, "editor_light");
+    assert_matches(&mut window, "editor_light");
 }
 
 #[test]
-fn in_training_light() {
+fn training_light() {
     compare("training_light", [1280.0, 800.0], ThemeChoice::Light, ScreenFixture::default());
 }
 
 #[test]
-fn in_training_narrow_dark() {
+fn training_narrow_dark() {
     compare("training_narrow_dark", [1100.0, 720.0], ThemeChoice::Dark, ScreenFixture::default());
 }
 
@@ -100,23 +100,23 @@ fn in_training_narrow_dark() {
 fn all_arenas() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.view_state.grid = true;
-    compare("arenas_dark", [900.0, 640.0], ThemeChoice::Dark, middle(screen_fixture));
+    compare("arenas_dark", [900.0, 640.0], ThemeChoice::Dark, without_panels(screen_fixture));
 }
 
 #[test]
-fn two_side_by_side_with_a_second_policy() {
+fn two_policies_side_by_side() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.scene.arenas =
         vec![screen_fixture.scene.arenas[0].clone(), screen_fixture.scene.arenas[6].clone()];
     (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) =
-        (DriverLabel::Policy("Present policy".into()), DriverLabel::Policy("best.safetensors".into()));
+        (DriverLabel::Policy("Current policy".into()), DriverLabel::Policy("best.safetensors".into()));
     (screen_fixture.status.mode, screen_fixture.status.opened_policy) =
         (SessionMode::Compare, Some("best.safetensors".into()));
-    compare("compare_light", [1000.0, 600.0], ThemeChoice::Light, middle(screen_fixture));
+    compare("compare_light", [1000.0, 600.0], ThemeChoice::Light, without_panels(screen_fixture));
 }
 
 #[test]
-fn a_policy_alone_with_its_value() {
+fn one_policy_with_its_value_overlay() {
     let mut screen_fixture = ScreenFixture::default().with_single_policy();
     screen_fixture.view_state.overlays.value = true;
     screen_fixture.scene.value = Some(screen_fixture::field(1, 1.0));
@@ -125,21 +125,21 @@ fn a_policy_alone_with_its_value() {
 }
 
 #[test]
-fn asked_back_before_a_training_is_given_up() {
+fn confirmation_before_a_training_is_discarded() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.status.restart_loses_training = true;
     let mut window = window([1100.0, 720.0], ThemeChoice::Dark, screen_fixture);
-    window.get_by_label("World").click();
+    window.get_by_label("Scenario").click();
     window.run_steps(4);
     window.get_by_label("Scenario II").click();
     window.run_steps(4);
-    window.get_by_label("Start again").click();
+    window.get_by_label("Restart training").click();
     window.run_steps(10);
     window.get_by_label("More").click();
     window.run_steps(20);
     window.remove_cursor();
     window.run_steps(4);
-    held_against(&mut window, "asked_dark");
+    assert_matches(&mut window, "asked_dark");
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn overlays() {
     let mut screen_fixture = ScreenFixture::default();
     (screen_fixture.view_state.overlays.potential, screen_fixture.view_state.overlays.trails) = (true, true);
     screen_fixture.scene.potential = Some(screen_fixture::field(1, 100.0));
-    compare("overlays_light", [760.0, 640.0], ThemeChoice::Light, middle(screen_fixture));
+    compare("overlays_light", [760.0, 640.0], ThemeChoice::Light, without_panels(screen_fixture));
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn notices() {
         "notices_light",
         [900.0, 600.0],
         ThemeChoice::Light,
-        middle(ScreenFixture::default().with_notices()),
+        without_panels(ScreenFixture::default().with_notices()),
     );
 }
 
@@ -164,12 +164,12 @@ fn notices() {
 fn help() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.view_state.help_open = true;
-    compare("help_dark", [900.0, 680.0], ThemeChoice::Dark, middle(screen_fixture));
+    compare("help_dark", [900.0, 680.0], ThemeChoice::Dark, without_panels(screen_fixture));
 }
 
-/// A translucent square of many triangles is one even tone: no seam, nothing painted twice; half a pixel is half.
+/// A translucent polygon of many triangles has one uniform colour: no gaps, no pixel painted twice.
 #[test]
-fn the_painter_neither_overlaps_nor_gapes() {
+fn the_software_renderer_leaves_no_gaps_and_no_overlaps() {
     let mut window =
         Harness::builder().with_size([100.0, 100.0]).renderer(SoftwareRenderer::default()).build_ui(|ui| {
             let mut mesh = egui::Mesh::default();
@@ -187,7 +187,7 @@ fn the_painter_neither_overlaps_nor_gapes() {
             ui.ctx().debug_painter().add(mesh);
         });
     window.run();
-    let image = window.render().expect("a picture");
+    let image = window.render().expect("the window is drawn");
     let (inside, outside) = (*image.get_pixel(50, 50), *image.get_pixel(5, 5));
     assert_ne!(inside, outside);
     for (x, y, pixel) in image.enumerate_pixels() {

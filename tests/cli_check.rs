@@ -1,4 +1,4 @@
-//! `wayfield --check`: which files are looked at, what is said of them, and the exit status.
+//! `wayfield --check`: the files it checks, the problems it prints, and the exit status.
 
 mod cli_support;
 
@@ -7,7 +7,7 @@ use std::fs;
 use cli_support::{CommandOutput, FAST, SCENARIO_1, Workspace, edited};
 use serde_json::json;
 
-/// Worlds and presets in a folder and its folders, all good; and what is not looked at.
+/// A folder with valid scenarios and presets, and with files that are not checked.
 fn workspace() -> Workspace {
     let workspace = Workspace::new();
     for folder in ["files", "files/b", "files/.hidden", "empty"] {
@@ -17,19 +17,19 @@ fn workspace() -> Workspace {
     workspace.write("files/a.ron", FAST);
     workspace.write("files/b/world.ron", SCENARIO_1);
     for other in ["files/.hidden/x.ron", "files/.x.ron", "files/notes.txt", "files/ron"] {
-        workspace.write(other, "this is no RON");
+        workspace.write(other, "this is not RON");
     }
     workspace
 }
 
-/// Asserts that a check failed, and that it said just this.
+/// Asserts that a check failed with exactly this output.
 fn assert_failed(done: &CommandOutput, stdout: &str, stderr: &str) {
     assert_eq!((done.stdout.as_str(), done.stderr.as_str()), (stdout, stderr));
     assert_eq!(done.status, Some(2));
 }
 
 #[test]
-fn every_file_of_a_folder_is_looked_at_in_the_order_of_names() {
+fn every_file_in_a_folder_is_checked_in_the_order_of_names() {
     let workspace = workspace();
     let before = workspace.all_files();
     let done = workspace.run_ok("--check files");
@@ -37,17 +37,17 @@ fn every_file_of_a_folder_is_looked_at_in_the_order_of_names() {
         (done.stdout.as_str(), done.stderr.as_str()),
         ("files/a.ron: ok\nfiles/b/world.ron: ok\nfiles/c.ron: ok\n", "")
     );
-    assert_eq!(workspace.run_ok("--check files/").stdout, done.stdout, "with a slash it is the same folder");
+    assert_eq!(workspace.run_ok("--check files/").stdout, done.stdout, "a trailing slash changes nothing");
     let done = workspace.run_ok("--check files/c.ron files/b files/a.ron");
     assert_eq!(
         done.stdout, "files/c.ron: ok\nfiles/b/world.ron: ok\nfiles/a.ron: ok\n",
-        "in the order given"
+        "files are checked in the given order"
     );
-    assert_eq!(workspace.all_files(), before, "nothing is left behind");
+    assert_eq!(workspace.all_files(), before, "no file is created or changed");
 }
 
 #[test]
-fn all_that_is_wrong_is_told_of_every_file() {
+fn every_problem_of_every_file_is_printed() {
     let workspace = workspace();
     let outside = [
         ("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)"),
@@ -71,7 +71,7 @@ fn all_that_is_wrong_is_told_of_every_file() {
     for (line, start) in lines.iter().zip(starts) {
         assert!(line.starts_with(start), "{line}\nis not\n{start}");
     }
-    // Mended one after the other, as one does.
+    // The user fixes one file after another.
     workspace.write("files/c.ron", SCENARIO_1);
     workspace.write("files/b/preset.ron", FAST);
     assert_eq!(workspace.run("--check files").status, Some(2));
@@ -80,12 +80,12 @@ fn all_that_is_wrong_is_told_of_every_file() {
 }
 
 #[test]
-fn a_path_that_leads_to_no_file_is_told_of() {
+fn paths_without_scenarios_or_presets_are_reported() {
     let workspace = workspace();
     assert_failed(
         &workspace.run("--check empty"),
         "",
-        "empty: there is no .ron file in this folder: name a scenario, a preset, or a folder that has some\n\
+        "empty: this folder has no .ron file; help: give a scenario, a preset, or a folder that holds some\n\
          error: 1 of 1 checked files are invalid\n",
     );
     assert_failed(
@@ -103,7 +103,7 @@ fn a_path_that_leads_to_no_file_is_told_of() {
 }
 
 #[test]
-fn json_has_the_files_and_the_problems() {
+fn json_lists_the_files_and_the_problems() {
     let workspace = workspace();
     let all = ["files/a.ron", "files/b/world.ron", "files/c.ron"];
     assert_eq!(workspace.run_ok("--check files --json").json(), json!({ "files": all, "problems": [] }));
@@ -129,7 +129,7 @@ fn json_has_the_files_and_the_problems() {
                     "line": null,
                     "column": null,
                     "message":
-                        "there is no .ron file in this folder: name a scenario, a preset, or a folder that has some",
+                        "this folder has no .ron file; help: give a scenario, a preset, or a folder that holds some",
                 },
             ],
         })
@@ -137,14 +137,14 @@ fn json_has_the_files_and_the_problems() {
 }
 
 #[test]
-fn what_is_shipped_passes() {
+fn all_shipped_files_are_valid() {
     let done = Workspace::new()
         .run_ok(&format!("--check {root}/scenarios {root}/assets", root = env!("CARGO_MANIFEST_DIR")));
     assert!(done.stdout.lines().count() >= 24 && done.stdout.lines().all(|line| line.ends_with(": ok")));
 }
 
 #[test]
-fn a_check_does_nothing_else() {
+fn check_rejects_the_options_of_other_modes() {
     let workspace = workspace();
     for (arguments, needle) in [
         ("--check", "a value is required"),

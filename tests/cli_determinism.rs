@@ -1,5 +1,5 @@
-//! Exactness, as a user meets it: the same seed makes the same run, byte by byte, and a run that was stopped, by its
-//! budget, by Ctrl-C or by force, goes on as if nothing had happened.
+//! Determinism of the command line: runs with the same seed are byte-identical, and a run that was stopped (by its budget, by
+//! Ctrl-C or by SIGKILL) resumes to the result of an uninterrupted run.
 
 mod cli_support;
 
@@ -9,7 +9,7 @@ use cli_support::{
     with_short_episodes,
 };
 
-/// A desk with the presets and scenarios of these tests.
+/// A workspace with the presets and scenarios of these tests.
 fn workspace() -> Workspace {
     let workspace = Workspace::new();
     workspace.write("per.ron", quick_per());
@@ -20,7 +20,7 @@ fn workspace() -> Workspace {
     workspace
 }
 
-/// The same scenario, preset and seed make the same run twice; another seed makes another.
+/// Asserts that runs with the same scenario, preset and seed are identical, and that another seed gives another run.
 fn assert_repeats(what: &str) {
     let workspace = workspace();
     workspace.run_ok(&format!("--train {what} --seed 3 --out a"));
@@ -28,23 +28,23 @@ fn assert_repeats(what: &str) {
     workspace.run_ok(&format!("--train {what} --seed 4 --out c"));
     workspace.assert_same_run("a", "b");
     let (a, c) = (workspace.run_contents("a"), workspace.run_contents("c"));
-    assert_ne!(a.episodes, c.episodes, "another seed, other episodes");
-    assert_ne!(a.evaluations, c.evaluations, "another seed, other evaluations");
-    assert!(a.last != c.last && a.best != c.best, "another seed, other policies");
-    assert!(a.summary["gradient_steps"].as_u64().unwrap() > 1000, "so short a run proves little");
+    assert_ne!(a.episodes, c.episodes, "another seed gives other episodes");
+    assert_ne!(a.evaluations, c.evaluations, "another seed gives other evaluations");
+    assert!(a.last != c.last && a.best != c.best, "another seed gives other policies");
+    assert!(a.summary["gradient_steps"].as_u64().unwrap() > 1000, "the run is too short to prove anything");
 }
 
 #[test]
-fn one_arena_of_prioritized_dqn_repeats_to_the_bit() {
+fn runs_with_prioritized_replay_in_one_arena_are_bit_identical() {
     assert_repeats("--scenario one.ron --preset per.ron --steps 5000");
 }
 
 #[test]
-fn sixteen_arenas_of_the_default_algorithm_repeat_to_the_bit() {
+fn runs_with_the_default_algorithm_in_16_arenas_are_bit_identical() {
     assert_repeats("--scenario noisy.ron --preset fast.ron --steps 10000");
 }
 
-/// A run of the whole budget equals one of half the budget that is resumed to the whole.
+/// Asserts that a run with the `whole` budget equals one with the `half` budget that is resumed to the whole.
 fn assert_resumes(what: &str, half: &str, whole: &str) {
     let workspace = workspace();
     workspace.run_ok(&format!("--train {what} --seed 5 {whole} --out straight"));
@@ -55,24 +55,24 @@ fn assert_resumes(what: &str, half: &str, whole: &str) {
 }
 
 #[test]
-fn three_hundred_episodes_are_a_hundred_and_fifty_and_a_hundred_and_fifty() {
+fn a_run_of_150_episodes_resumed_to_300_equals_a_run_of_300() {
     assert_resumes("--scenario one.ron --preset per.ron", "--episodes 150", "--episodes 300");
 }
 
 #[test]
-fn sixteen_arenas_with_two_step_returns_resume_to_the_bit() {
-    // The half is no multiple of anything: windows of returns, schedules and evaluations are all under way.
+fn a_run_with_two_step_returns_in_16_arenas_resumes_bit_identically() {
+    // 5200 is a multiple of no interval, so n-step returns, schedules and evaluations are all in progress.
     assert_resumes("--scenario one.ron --preset fast.ron", "--steps 5200", "--steps 10000");
 }
 
 #[test]
-fn moving_obstacles_and_an_erring_lidar_resume_to_the_bit() {
+fn runs_with_moving_obstacles_and_lidar_noise_resume_bit_identically() {
     assert_resumes("--scenario two.ron --preset per.ron", "--episodes 31", "--episodes 60");
     assert_resumes("--scenario noisy.ron --preset fast.ron", "--episodes 45", "--episodes 90");
 }
 
 #[test]
-fn a_drive_that_lags_resumes_to_the_bit() {
+fn a_run_with_actuator_lag_resumes_bit_identically() {
     let workspace = workspace();
     workspace.write(
         "lag.ron",
@@ -82,16 +82,16 @@ fn a_drive_that_lags_resumes_to_the_bit() {
     workspace.run_ok("--train --scenario lag.ron --preset fast.ron --seed 5 --steps 3100 --out halves");
     workspace.run_ok("--train --resume halves --steps 6000");
     workspace.assert_same_run("straight", "halves");
-    workspace.run_ok("--train --scenario noisy.ron --preset fast.ron --seed 5 --steps 6000 --out prompt");
+    workspace.run_ok("--train --scenario noisy.ron --preset fast.ron --seed 5 --steps 6000 --out no-lag");
     assert_ne!(
         workspace.run_contents("straight").episodes,
-        workspace.run_contents("prompt").episodes,
-        "the lag is felt"
+        workspace.run_contents("no-lag").episodes,
+        "the lag changes the run"
     );
 }
 
 #[test]
-fn raw_observations_resume_to_the_bit() {
+fn a_run_with_raw_observations_resumes_bit_identically() {
     let workspace = workspace();
     workspace.write("raw.ron", raw(&quick_fast()));
     let what = "--train --scenario one.ron --preset raw.ron --seed 5";
@@ -102,7 +102,7 @@ fn raw_observations_resume_to_the_bit() {
 }
 
 #[test]
-fn many_small_steps_make_the_same_run() {
+fn a_run_resumed_many_times_equals_an_uninterrupted_run() {
     let workspace = workspace();
     workspace.run_ok("--train --scenario noisy.ron --preset fast.ron --steps 3000 --out straight");
     workspace.run_ok("--train --scenario noisy.ron --preset fast.ron --steps 1 --out pieces");
@@ -112,11 +112,11 @@ fn many_small_steps_make_the_same_run() {
     workspace.assert_same_run("straight", "pieces");
 }
 
-/// More bytes than the column names of `episodes.csv` take, fewer than those and the first rows on disk.
+/// A file size in bytes between the header of `episodes.csv` and the header with the first rows.
 #[cfg(unix)]
 const HEADER: u64 = 300;
 
-/// Whether a run that is under way has put rows on disk.
+/// Whether `episodes.csv` of a run in progress has more than `more_than` bytes.
 #[cfg(unix)]
 fn has_rows(workspace: &Workspace, run: &str, more_than: u64) -> bool {
     std::fs::metadata(workspace.path(&format!("{run}/episodes.csv"))).is_ok_and(|file| file.len() > more_than)
@@ -124,10 +124,10 @@ fn has_rows(workspace: &Workspace, run: &str, more_than: u64) -> bool {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_stops_cleanly_and_resume_ends_as_if_undisturbed() {
+fn a_run_stopped_by_ctrl_c_resumes_to_the_uninterrupted_result() {
     let workspace = workspace();
     let what = "--train --scenario two.ron --preset per.ron --seed 6 --episodes 400";
-    workspace.run_ok(&format!("{what} --out undisturbed"));
+    workspace.run_ok(&format!("{what} --out uninterrupted"));
 
     for name in ["INT", "TERM"] {
         let mut child = workspace.start(&format!("{what} --out {name}"));
@@ -136,27 +136,27 @@ fn ctrl_c_stops_cleanly_and_resume_ends_as_if_undisturbed() {
         let stopped = wait_for_output(child);
         assert_eq!(stopped.status, Some(0), "{}", stopped.stderr);
         assert!(stopped.stderr.contains("stopping: saving a checkpoint"), "{}", stopped.stderr);
-        assert!(stopped.stderr.contains("go on with --resume"), "{}", stopped.stderr);
+        assert!(stopped.stderr.contains("continue with --resume"), "{}", stopped.stderr);
         assert!(stopped.stdout.contains("last policy"), "a stopped run has a summary: {}", stopped.stdout);
         let summary = workspace.json(&format!("{name}/summary.json"));
-        assert_eq!(summary["finished"], false, "it was to be stopped in the middle");
+        assert_eq!(summary["finished"], false, "the run was stopped in the middle");
 
-        // Without a number, it goes on to the budget it was given at first.
+        // Without a new budget, the run resumes to its original one.
         let done = workspace.run_ok(&format!("--train --resume {name} --json"));
         assert_eq!(done.json()["finished"], true);
-        workspace.assert_same_run("undisturbed", name);
+        workspace.assert_same_run("uninterrupted", name);
     }
 }
 
 #[cfg(unix)]
 #[test]
-fn a_run_that_was_killed_goes_on_from_its_last_checkpoint_as_if_undisturbed() {
+fn a_killed_run_resumes_from_its_last_checkpoint_to_the_uninterrupted_result() {
     let workspace = workspace();
     let what = "--train --scenario one.ron --preset per.ron --seed 7";
-    workspace.run_ok(&format!("{what} --episodes 400 --out undisturbed"));
+    workspace.run_ok(&format!("{what} --episodes 400 --out uninterrupted"));
 
-    // Killed for the first time behind the checkpoint of the start, then behind one in the middle. Both times there
-    // are rows on disk of which the checkpoint knows nothing.
+    // Killed first after the checkpoint at the start, then after one in the middle. Both times there are rows on disk that
+    // the checkpoint does not include.
     let mut child = workspace.start(&format!("{what} --episodes 100 --out killed"));
     wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, "killed", HEADER));
     signal(&child, "KILL");
@@ -169,34 +169,34 @@ fn a_run_that_was_killed_goes_on_from_its_last_checkpoint_as_if_undisturbed() {
     signal(&child, "KILL");
     assert_eq!(wait_for_output(child).status, None);
     workspace.run_ok("--train --resume killed");
-    workspace.assert_same_run("undisturbed", "killed");
+    workspace.assert_same_run("uninterrupted", "killed");
 }
 
 #[test]
-fn a_finished_run_wants_a_larger_budget() {
+fn a_finished_run_resumes_only_with_a_larger_budget() {
     let workspace = workspace();
     workspace.run_ok("--train --scenario one.ron --preset fast.ron --steps 1600 --out run");
     let before = workspace.all_files();
     for more in ["", " --steps 1600", " --steps 800"] {
         let done = workspace.run(&format!("--train --resume run{more}"));
         assert_eq!(done.status, Some(2), "{more}: {}", done.stderr);
-        assert!(done.stderr.starts_with("error: run: this run has had "), "{}", done.stderr);
+        assert!(done.stderr.starts_with("error: run: this run already has "), "{}", done.stderr);
         assert!(done.stderr.contains("--episodes or --steps"), "{}", done.stderr);
         assert_eq!(done.stdout, "");
-        assert!(workspace.all_files() == before, "a refused resume changes nothing");
+        assert!(workspace.all_files() == before, "a rejected resume changes nothing");
     }
     let done = workspace.run_ok("--train --resume run --steps 3200 --json");
     assert_eq!(done.json()["env_steps"], 3200);
-    assert!(workspace.text("run/config.ron").contains("EnvSteps(3200)"), "the new budget is written down");
+    assert!(workspace.text("run/config.ron").contains("EnvSteps(3200)"), "config.ron has the new budget");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn one_core_or_two_make_the_same_run() {
+fn the_number_of_cores_does_not_change_a_run() {
     let workspace = workspace();
     let what = "--train --scenario noisy.ron --preset fast.ron --steps 8000 --seed 3";
-    workspace.run_ok(&format!("{what} --out free"));
-    // The first core that this process may use, and no other.
+    workspace.run_ok(&format!("{what} --out all-cores"));
+    // Only the first core that this process may use.
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let allowed = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:")).unwrap().trim();
     let core = allowed.split([',', '-']).next().unwrap();
@@ -204,5 +204,5 @@ fn one_core_or_two_make_the_same_run() {
     pinned.args(["-c", core, env!("CARGO_BIN_EXE_wayfield")]).args(what.split_whitespace());
     let done = pinned.args(["--out", "pinned"]).current_dir(workspace.path("")).output().unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    workspace.assert_same_run("free", "pinned");
+    workspace.assert_same_run("all-cores", "pinned");
 }

@@ -1,13 +1,16 @@
-//! What a user gets for arguments and files that cannot be used: exit status 2, one clear message on stderr that
-//! names the file, the line and the mend, nothing on stdout, and nothing left behind. And what is said when learning
-//! itself fails, or when somebody asks for help.
+//! Invalid arguments and files: exit status 2, one message on stderr that names the file, the line and a fix, nothing on
+//! stdout, and no file created or changed. Also the help text.
+//!
+//! The messages are compared with `tests/snapshots/messages/`, one file per test. To renew them:
+//! `WAYFIELD_RENEW=1 cargo test --release --test cli_errors`
 
 mod cli_support;
 
+use cli_support::messages::Messages;
 use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
 use wayfield::policy::Policy;
 
-/// A desk with a good preset, a run of one step, and its policy.
+/// A workspace with a valid preset and a run of one step.
 fn workspace() -> Workspace {
     let workspace = Workspace::new();
     workspace.write("quick.ron", quick_fast());
@@ -15,333 +18,232 @@ fn workspace() -> Workspace {
     workspace
 }
 
-/// Asserts that `arguments` are refused as they should be, with a message that has every one of `needles`.
-fn assert_refused(workspace: &Workspace, arguments: &str, needles: &[&str]) {
-    let before = workspace.all_files();
-    let done = workspace.run(arguments);
-    let said = format!("wayfield {arguments}\n{}", done.stderr);
-    assert_eq!(done.status, Some(2), "{said}");
-    assert_eq!(done.stdout, "", "{said}");
-    assert!(done.stderr.starts_with("error: "), "{said}");
-    assert_eq!(done.stderr.matches("error: ").count(), 1, "one message: {said}");
-    assert!(!done.stderr.contains("panicked") && !done.stderr.contains("RUST_BACKTRACE"), "{said}");
-    for needle in needles {
-        assert!(done.stderr.contains(needle), "`{needle}` is not in: {said}");
-    }
-    let after = workspace.all_files();
-    let changed: Vec<_> =
-        after.keys().chain(before.keys()).filter(|&k| before.get(k) != after.get(k)).collect();
-    assert!(changed.is_empty(), "{said}left behind or changed: {changed:?}");
-}
-
-/// Asserts that `arguments` are refused in one line, beside having every one of `needles`.
-fn assert_refused_in_a_line(workspace: &Workspace, arguments: &str, needles: &[&str]) {
-    assert_refused(workspace, arguments, needles);
-    let said = workspace.run(arguments).stderr;
-    assert_eq!(said.lines().count(), 1, "{said}");
-}
-
 #[test]
-fn scenarios_that_cannot_be_used() {
+fn invalid_scenarios_are_rejected() {
     let workspace = workspace();
-    let broken = [
-        (
-            "comma.ron",
-            ("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15) position_m: (0.6, 0.6)"),
-            &["comma.ron:13:40"][..],
-        ),
-        (
-            "field.ron",
-            ("    obstacles: [", "    obstacels: ["),
-            &["field.ron:12:5", "obstacels", "did you mean `obstacles`?"],
-        ),
-        (
-            "outside.ron",
-            ("position_m: (0.6, 0.6)", "position_m: (1.95, 0.6)"),
-            &["outside.ron:13:", "obstacles[0]", "beyond the enclosure", "move it inwards"],
-        ),
-        (
-            "full.ron",
-            ("    obstacles: [", "    goals: Random(clearance_m: 1.9),\n    obstacles: ["),
-            &["full.ron:12:", "`goals`", "no free space", "smaller clearance_m"],
-        ),
-    ];
-    for (name, edit, needles) in broken {
+    let mut messages = Messages::new("scenarios");
+    for (name, edit) in [
+        ("comma.ron", ("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15) position_m: (0.6, 0.6)")),
+        ("field.ron", ("    obstacles: [", "    obstacels: [")),
+        ("outside.ron", ("position_m: (0.6, 0.6)", "position_m: (1.95, 0.6)")),
+        ("full.ron", ("    obstacles: [", "    goals: Random(clearance_m: 1.9),\n    obstacles: [")),
+    ] {
         workspace.write(name, edited(SCENARIO_1, &[edit]));
-        let needles: Vec<&str> = needles.iter().copied().chain([name]).collect();
-        assert_refused_in_a_line(
-            &workspace,
-            &format!("--train --preset quick.ron --scenario {name} --out new"),
-            &needles,
-        );
-        assert_refused_in_a_line(
-            &workspace,
-            &format!("--eval run/policy.safetensors --scenario {name}"),
-            &needles,
-        );
+        messages.line(&workspace, &format!("--train --preset quick.ron --scenario {name} --out new"));
+        messages.line(&workspace, &format!("--eval run/policy.safetensors --scenario {name}"));
     }
-    for (arguments, needles) in [
-        ("--train --scenario nothing/here.ron", &["nothing/here.ron", "no such"][..]),
-        ("--train --scenario secnario-2", &["secnario-2: no such file", "did you mean `scenario-2`?"]),
-        ("--train --scenario run", &["run", "folder"]),
-        ("--eval run/policy.safetensors --scenario run/policy.safetensors", &["run/policy.safetensors"]),
+    for arguments in [
+        "--train --scenario nothing/here.ron",
+        "--train --scenario secnario-2",
+        "--train --scenario run",
+        "--eval run/policy.safetensors --scenario run/policy.safetensors",
     ] {
-        assert_refused_in_a_line(&workspace, arguments, needles);
+        messages.line(&workspace, arguments);
     }
+    messages.check();
 }
 
 #[test]
-fn presets_that_cannot_be_used() {
+fn invalid_presets_are_rejected() {
     let workspace = workspace();
-    let broken = [
-        ("comma.ron", ("gamma: 0.95,", "gamma: 0.95"), &["comma.ron:19:9", "comma"][..]),
-        ("field.ron", ("n_step: 2", "nstep: 2"), &["field.ron:19:9", "nstep", "did you mean `n_step`?"]),
-        (
-            "encoding.ron",
-            ("    reward: (", "    observation: Row,\n    reward: ("),
-            &["encoding.ron:7:", "`observation`", "did you mean `Raw`?"],
-        ),
-        (
-            "arenas.ron",
-            ("arenas: 16", "arenas: 0"),
-            &["arenas.ron:4:13", "`arenas` is 0; help: give 1 to 4096"],
-        ),
-        (
-            "batch.ron",
-            ("batch_size: 64", "batch_size: 0"),
-            &["batch.ron:24:", "`learning.batch_size`", "at least 1"],
-        ),
-        ("gamma.ron", ("gamma: 0.95", "gamma: 1.5"), &["gamma.ron:18:", "`learning.gamma`", "1.5"]),
-        ("rate.ron", ("from: 0.0015", "from: NaN"), &["rate.ron:23:", "`learning.learning_rate", "NaN"]),
-        (
-            "layer.ron",
-            ("hidden: [64, 64]", "hidden: [64, 0]"),
-            &["layer.ron:16:", "`learning.network.hidden"],
-        ),
-        ("reward.ron", ("mu: 100.0", "mu: inf"), &["reward.ron:11:", "`reward.mu`"]),
-        (
-            "round.ron",
-            ("every_env_steps: 5000", "every_env_steps: 0"),
-            &["round.ron:6:", "every_env_steps` is 0"],
-        ),
-    ];
-    for (name, edit, needles) in broken {
+    let mut messages = Messages::new("presets");
+    for (name, edit) in [
+        ("comma.ron", ("gamma: 0.95,", "gamma: 0.95")),
+        ("field.ron", ("n_step: 2", "nstep: 2")),
+        ("encoding.ron", ("    reward: (", "    observation: Row,\n    reward: (")),
+        ("arenas.ron", ("arenas: 16", "arenas: 0")),
+        ("batch.ron", ("batch_size: 64", "batch_size: 0")),
+        ("gamma.ron", ("gamma: 0.95", "gamma: 1.5")),
+        ("rate.ron", ("from: 0.0015", "from: NaN")),
+        ("layer.ron", ("hidden: [64, 64]", "hidden: [64, 0]")),
+        ("reward.ron", ("mu: 100.0", "mu: inf")),
+        ("round.ron", ("every_env_steps: 5000", "every_env_steps: 0")),
+    ] {
         workspace.write(name, edited(FAST, &[edit]));
-        assert_refused_in_a_line(&workspace, &format!("--train --preset {name} --out new"), needles);
+        messages.line(&workspace, &format!("--train --preset {name} --out new"));
     }
-    for (arguments, needles) in [
-        ("--train --preset nothing.ron", &["nothing.ron: no such file"][..]),
-        ("--train --preset per_d3qm", &["per_d3qm: no such file", "did you mean `per_d3qn`?"]),
-        ("--train --preset zebra", &["zebra: no such file", "fast, dqn, per_d3qn, per_d3qn_tuned"]),
-        ("--train --arenas 0", &["--arenas is 0; help: give 1 to 4096"]),
-        ("--train --arenas 5000", &["--arenas is 5000; help: give 1 to 4096"]),
+    for arguments in [
+        "--train --preset nothing.ron",
+        "--train --preset per_d3qm",
+        "--train --preset zebra",
+        "--train --arenas 0",
+        "--train --arenas 5000",
     ] {
-        assert_refused_in_a_line(&workspace, arguments, needles);
+        messages.line(&workspace, arguments);
     }
+    messages.check();
 }
 
 #[test]
-fn policies_that_cannot_be_used() {
+fn invalid_policies_are_rejected() {
     let workspace = workspace();
-    let good = workspace.read("run/policy.safetensors");
-    let mut nan = good.clone();
+    let mut messages = Messages::new("policies");
+    let valid = workspace.read("run/policy.safetensors");
+    let mut nan = valid.clone();
     let end = nan.len();
     nan[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
     workspace.write("nan.safetensors", &nan);
-    workspace.write("truncated.safetensors", &good[..good.len() / 2]);
-    workspace.write("header.safetensors", &good[..100]);
+    workspace.write("truncated.safetensors", &valid[..valid.len() / 2]);
+    workspace.write("header.safetensors", &valid[..100]);
     workspace.write("empty.safetensors", b"");
-    workspace.write("text.safetensors", "Dear reader, this is no policy at all.");
+    workspace.write("text.safetensors", "This is not a policy.");
     workspace.write(
         "scenario.ron",
         edited(SCENARIO_1, &[("    obstacles: [", "    lidar: (beams: 12),\n    obstacles: [")]),
     );
     workspace.run_ok("--train --preset quick.ron --scenario scenario.ron --steps 1 --out twelve");
 
-    let given = "give the policy.safetensors of a run";
-    for (name, needles) in [
-        ("nan.safetensors", &["NaN", "`value.weight`", "diverged"][..]),
-        ("truncated.safetensors", &["not a safetensors file", given]),
-        ("header.safetensors", &["not a safetensors file", given]),
-        ("empty.safetensors", &["not a safetensors file", given]),
-        ("text.safetensors", &["not a safetensors file", given]),
-        ("absent.safetensors", &["can't be read", given]),
-        ("run", &["is a folder", "give the policy.safetensors in it"]),
-        (
-            "twelve/policy.safetensors",
-            &["16 numbers", "28 numbers", "24 beams", "\"Scenario I\"", "use the scenario it was trained in"],
-        ),
+    for name in [
+        "nan.safetensors",
+        "truncated.safetensors",
+        "header.safetensors",
+        "empty.safetensors",
+        "text.safetensors",
+        "absent.safetensors",
+        "run",
+        "twelve/policy.safetensors",
     ] {
-        let needles: Vec<&str> = needles.iter().copied().chain([name]).collect();
-        assert_refused_in_a_line(&workspace, &format!("--eval {name}"), &needles);
-        assert_refused_in_a_line(&workspace, &format!("--eval {name} --json"), &needles);
-        assert_refused_in_a_line(
-            &workspace,
-            &format!("--train --preset quick.ron --init {name} --out new"),
-            &needles,
-        );
+        messages.line(&workspace, &format!("--eval {name}"));
+        messages.line(&workspace, &format!("--eval {name} --json"));
+        messages.line(&workspace, &format!("--train --preset quick.ron --init {name} --out new"));
     }
-    // The other way round, and another network for the same observations.
-    assert_refused_in_a_line(
-        &workspace,
-        "--eval run/policy.safetensors --scenario scenario.ron",
-        &["run/policy.safetensors", "28 numbers", "16 numbers", "12 beams"],
-    );
-    assert_refused_in_a_line(
-        &workspace,
-        "--train --preset fast --init run/policy.safetensors --out new",
-        &["run/policy.safetensors", "16", "64"],
-    );
+    // Also the policy of a scenario with more beams, and a network of another size.
+    messages.line(&workspace, "--eval run/policy.safetensors --scenario scenario.ron");
+    messages.line(&workspace, "--train --preset fast --init run/policy.safetensors --out new");
+    messages.check();
 }
 
 #[test]
-fn policies_of_another_encoding_cannot_be_started_from() {
+fn a_run_cannot_start_from_a_policy_with_another_encoding() {
     let workspace = workspace();
+    let mut messages = Messages::new("encodings");
     workspace.write("raw.ron", raw(&quick_fast()));
     workspace.run_ok("--train --preset raw.ron --steps 1 --out raw");
-    for (preset, init, needles) in [
-        ("quick.ron", "raw", ["raw observations", "the preset's are scaled", "`observation: Raw`"]),
-        ("raw.ron", "run", ["scaled observations", "the preset's are raw", "`observation: Scaled`"]),
-    ] {
-        let policy = format!("{init}/policy.safetensors");
-        let needles: Vec<&str> = needles.into_iter().chain([policy.as_str()]).collect();
-        assert_refused_in_a_line(
-            &workspace,
-            &format!("--train --preset {preset} --init {policy} --out new"),
-            &needles,
-        );
-    }
-    workspace.run_ok("--train --preset raw.ron --init raw/policy.safetensors --steps 1 --out onward");
+    messages.line(&workspace, "--train --preset quick.ron --init raw/policy.safetensors --out new");
+    messages.line(&workspace, "--train --preset raw.ron --init run/policy.safetensors --out new");
+    workspace.run_ok("--train --preset raw.ron --init raw/policy.safetensors --steps 1 --out transferred");
 
-    let mut later = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
-    later.metadata.insert("encoding".into(), "logarithmic".into());
-    workspace.write("later.safetensors", later.to_bytes().unwrap());
-    for arguments in
-        ["--eval later.safetensors", "--train --preset quick.ron --init later.safetensors --out new"]
-    {
-        let needles = ["later.safetensors", "\"logarithmic\"", "newer wayfield"];
-        assert_refused_in_a_line(&workspace, arguments, &needles);
-    }
+    let mut newer = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
+    newer.metadata.insert("encoding".into(), "logarithmic".into());
+    workspace.write("newer.safetensors", newer.to_bytes().unwrap());
+    messages.line(&workspace, "--eval newer.safetensors");
+    messages.line(&workspace, "--train --preset quick.ron --init newer.safetensors --out new");
+    messages.check();
 }
 
+#[cfg(target_os = "linux")]
 #[test]
-fn places_where_no_run_can_be_written() {
+fn output_folders_that_cannot_be_written_are_rejected() {
     let workspace = workspace();
-    workspace.write("file", "in the way");
+    let mut messages = Messages::new("output_folders");
+    workspace.write("file", "");
     for out in ["file", "file/below", "/proc/wayfield", "/dev/null/run"] {
-        let needles = [out, "can't be written", "give --out another folder"];
-        assert_refused_in_a_line(&workspace, &format!("--train --preset quick.ron --out {out}"), &needles);
+        messages.line(&workspace, &format!("--train --preset quick.ron --out {out}"));
     }
-    // The default folder as well.
-    workspace.write("runs", "in the way");
-    assert_refused_in_a_line(
-        &workspace,
-        "--train --preset quick.ron",
-        &["runs/scenario-1-quick-0", "can't be written"],
-    );
+    // The default folder too.
+    workspace.write("runs", "");
+    messages.line(&workspace, "--train --preset quick.ron");
+    messages.check();
 }
 
 #[test]
-fn arguments_that_cannot_be_used() {
+fn invalid_arguments_are_rejected() {
     let workspace = workspace();
-    for (arguments, needles) in [
-        ("--train --seed abc", &["'abc'", "--seed", "give a whole number from 0"][..]),
-        ("--train --seed -1", &["'-1'", "--seed", "give a whole number from 0"]),
-        ("--train --seed 1.5", &["'1.5'", "--seed"]),
-        ("--train --episodes 0", &["'0'", "--episodes"]),
-        ("--train --steps 0", &["'0'", "--steps"]),
-        ("--train --episodes 5 --steps 5", &["--episodes", "--steps"]),
-        ("--train --arenas two", &["'two'", "--arenas"]),
-        ("--train --init run/policy.safetensors --epsilon 2", &["--epsilon is 2", "give 0 to 1"]),
-        ("--train --init run/policy.safetensors --epsilon NaN", &["--epsilon is NaN", "give 0 to 1"]),
-        ("--train --init run/policy.safetensors --epsilon=-0.1", &["--epsilon is -0.1", "give 0 to 1"]),
-        ("--train --epsilon 0.5", &["--init"]),
-        ("--train --eval run/policy.safetensors", &["--train", "--eval"]),
-        ("--train --resume run --seed 3", &["--resume", "--seed"]),
-        ("--train --resume run --preset fast", &["--resume", "--preset"]),
-        ("--train --resume run --out new", &["--resume", "--out"]),
-        ("--resume run", &["--train"]),
-        ("--train --rounds 3", &["--rounds", "--train"]),
-        ("--train --course", &["--course", "--train"]),
-        ("--draw map.svg --episodes 9", &["--episodes", "--draw", "'--train'"]),
-        ("--steps 9", &["--steps", "'--train'"]),
-        ("--train --resume run --epsilon 0.5", &["--epsilon", "--resume"]),
-        ("--eval run/policy.safetensors --preset fast", &["--preset", "--eval"]),
-        ("--eval run/policy.safetensors --epsilon 0.5 --init run/policy.safetensors", &["--eval"]),
-        ("--eval run/policy.safetensors --out new", &["--out", "--eval"]),
-        ("--eval run/policy.safetensors --rounds 0", &["'0'", "--rounds"]),
-        ("--eval run/policy.safetensors --rounds 10000 --episodes 10000", &["100000000", "1000000"]),
-        ("--eval", &["--eval", "POLICY"]),
-        ("--json", &["--train", "--eval"]),
-        ("--trian", &["--trian", "--train"]),
-        ("run", &["'run'"]),
+    let mut messages = Messages::new("arguments");
+    for arguments in [
+        "--train --seed abc",
+        "--train --seed -1",
+        "--train --seed 1.5",
+        "--train --episodes 0",
+        "--train --steps 0",
+        "--train --episodes 5 --steps 5",
+        "--train --arenas two",
+        "--train --init run/policy.safetensors --epsilon 2",
+        "--train --init run/policy.safetensors --epsilon NaN",
+        "--train --init run/policy.safetensors --epsilon=-0.1",
+        "--train --epsilon 0.5",
+        "--train --eval run/policy.safetensors",
+        "--train --resume run --seed 3",
+        "--train --resume run --preset fast",
+        "--train --resume run --out new",
+        "--resume run",
+        "--steps 9",
+        "--train --rounds 3",
+        "--train --course",
+        "--draw map.svg --episodes 9",
+        "--train --resume run --epsilon 0.5",
+        "--eval run/policy.safetensors --preset fast",
+        "--eval run/policy.safetensors --epsilon 0.5 --init run/policy.safetensors",
+        "--eval run/policy.safetensors --out new",
+        "--eval run/policy.safetensors --rounds 0",
+        "--eval run/policy.safetensors --rounds 10000 --episodes 10000",
+        "--eval",
+        "--json",
+        "--trian",
+        "run",
     ] {
-        assert_refused(&workspace, arguments, needles);
+        messages.add(&workspace, arguments);
     }
+    messages.check();
 }
 
 #[test]
-fn runs_that_cannot_be_resumed() {
+fn invalid_run_folders_are_rejected() {
     let workspace = workspace();
-    assert_refused_in_a_line(
-        &workspace,
-        "--train --resume absent",
-        &["absent: is no run's folder", "--resume"],
-    );
+    let mut messages = Messages::new("run_folders");
+    messages.line(&workspace, "--train --resume absent");
     workspace.write("plain", "");
-    assert_refused_in_a_line(&workspace, "--train --resume plain", &["plain", "no run's folder"]);
+    messages.line(&workspace, "--train --resume plain");
 
-    // (Or the one before would be taken: tests/cli_crash_recovery.rs.)
+    // Otherwise this checkpoint would be used instead (tests/cli_crash_recovery.rs).
     std::fs::remove_file(workspace.path("run/checkpoint/previous.bin")).unwrap();
-    let (checkpoint, config) =
-        (workspace.read("run/checkpoint/latest.bin"), workspace.text("run/config.ron"));
+    let checkpoint = workspace.read("run/checkpoint/latest.bin");
     let resume = "--train --resume run --steps 2000";
-    let mut flipped = checkpoint.clone();
-    let middle = flipped.len() / 2;
-    flipped[middle] ^= 0x10;
-    let mut head = checkpoint.clone();
-    head[40] ^= 0x10;
-    let mut version = checkpoint.clone();
-    version[8] = 99;
-    for (bytes, needle) in [
-        (&flipped[..], "damaged"),
-        (&head[..], "damaged"),
-        (&version[..], "version 99"),
-        (&checkpoint[..checkpoint.len() - 10], ""),
-        (&checkpoint[..10], "too short"),
-        (b"Dear reader, this is no checkpoint.", "no checkpoint"),
+    let changed = |position: usize, change: fn(&mut u8)| {
+        let mut bytes = checkpoint.clone();
+        change(&mut bytes[position]);
+        bytes
+    };
+    for (case, bytes) in [
+        ("a flipped bit in the middle", changed(checkpoint.len() / 2, |byte| *byte ^= 0x10)),
+        ("a flipped bit in the head", changed(40, |byte| *byte ^= 0x10)),
+        ("another version", changed(8, |byte| *byte = 99)),
+        ("without the last 10 bytes", checkpoint[..checkpoint.len() - 10].to_vec()),
+        ("the first 10 bytes only", checkpoint[..10].to_vec()),
+        ("another file", b"This is not a checkpoint of any kind.".to_vec()),
     ] {
         workspace.write("run/checkpoint/latest.bin", bytes);
-        assert_refused_in_a_line(&workspace, resume, &["run/checkpoint/latest.bin", needle]);
+        messages.case(&format!("latest.bin: {case}"));
+        messages.line(&workspace, resume);
     }
     std::fs::remove_file(workspace.path("run/checkpoint/latest.bin")).unwrap();
-    // (Without a row on record it was killed before its first step, and begins.)
+    // A run without rows was killed before its first step and needs no checkpoint, so add a row.
     let rows = workspace.text("run/episodes.csv");
     workspace.write("run/episodes.csv", format!("{rows}one more\n"));
-    assert_refused_in_a_line(
-        &workspace,
-        resume,
-        &["run/checkpoint/latest.bin", "no checkpoint to go on from"],
-    );
+    messages.case("without latest.bin");
+    messages.line(&workspace, resume);
     workspace.write("run/checkpoint/latest.bin", &checkpoint);
 
-    // A config.ron that was edited so that it no longer fits its checkpoint, or anything.
-    for (from, to, needle) in [
-        ("arenas: 16", "arenas: 8", "number of arenas"),
-        ("gamma: 0.95", "gamma: 0.9", ""),
-        ("beams: 24", "beams: 12", ""),
-        ("gamma: 0.95", "gamma: 95", "gamma"),
-        ("gamma: 0.95", "gamma: zebra", "run/config.ron:"),
+    // An edited config.ron that no longer fits the checkpoint, or is invalid.
+    let config = workspace.text("run/config.ron");
+    for (from, to) in [
+        ("arenas: 16", "arenas: 8"),
+        ("gamma: 0.95", "gamma: 0.9"),
+        ("beams: 24", "beams: 12"),
+        ("gamma: 0.95", "gamma: 95"),
+        ("gamma: 0.95", "gamma: zebra"),
     ] {
         workspace.write("run/config.ron", edited(&config, &[(from, to)]));
-        assert_refused_in_a_line(&workspace, resume, &["run/", needle]);
+        messages.case(&format!("config.ron: {to}"));
+        messages.line(&workspace, resume);
     }
     workspace.write("run/config.ron", &config);
     workspace.run_ok(resume);
+    messages.check();
 }
 
 #[test]
-fn help_tells_of_every_flag_and_version_is_the_crates() {
+fn help_describes_every_flag_and_version_prints_the_crate_version() {
     let workspace = Workspace::new();
     let help = workspace.run_ok("--help");
     assert_eq!(help.stderr, "");
@@ -369,8 +271,8 @@ fn help_tells_of_every_flag_and_version_is_the_crates() {
         let mut lines =
             help.stdout.lines().skip_while(|line| !(line.trim_start().starts_with('-') && has(line)));
         let Some(line) = lines.next() else { panic!("{flag} is not in\n{}", help.stdout) };
-        let tells = line.trim_start().split_once("  ").map(|(_, text)| text.trim()).unwrap_or_default();
-        assert!(tells.len() >= 10, "{flag} has no description in\n{}", help.stdout);
+        let description = line.trim_start().split_once("  ").map(|(_, text)| text.trim()).unwrap_or_default();
+        assert!(description.len() >= 10, "{flag} has no description in\n{}", help.stdout);
     }
     for word in ["scenario-1", "per_d3qn", "fast", "Exit status"] {
         assert!(help.stdout.contains(word), "`{word}` is not in\n{}", help.stdout);
@@ -380,11 +282,15 @@ fn help_tells_of_every_flag_and_version_is_the_crates() {
 }
 
 #[test]
-fn without_arguments_one_sentence_says_what_can_be_done() {
+fn without_a_display_or_window_one_line_names_the_other_modes() {
     let needles: &[&str] = if cfg!(feature = "gui") {
         &["no display", "wayfield --train"]
     } else {
         &["wayfield --train", "wayfield --eval", "--help"]
     };
-    assert_refused_in_a_line(&Workspace::new(), "", needles);
+    let message = cli_support::messages::rejection(&Workspace::new(), "");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    for needle in needles {
+        assert!(message.contains(needle), "`{needle}` is not in: {message}");
+    }
 }

@@ -1,5 +1,5 @@
-//! `--reproduce`, as a user meets it: one command trains, tests and reports; what is done is not done again; and no
-//! result depends on how many runs are under way at a time, or on whether the work was stopped in between.
+//! `--reproduce` on the command line: it trains, tests and writes a report, does not repeat finished runs, and gives the
+//! same results for any number of parallel runs and after interruptions.
 
 mod cli_support;
 
@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use cli_support::{Workspace, quick_fast, quick_per, signal, wait_for_output, wait_until};
 
-/// A small experiment of a user's own: two arms, one of them with two stages, a preset beside the file, a figure of each
-/// kind and a table of each kind.
+/// A small experiment with two arms, one of them with two stages, a preset in the same folder, and a figure and a table
+/// of each kind.
 const OWN: &str = r#"(
-    title: "A user's own",
+    title: "A user's experiment",
     about: "Does < it > work?",
     seeds: 2,
     test: (rounds: 2, episodes: 3, seed: 7),
@@ -22,7 +22,7 @@ const OWN: &str = r#"(
             stages: [(scenario: "scenario-1", preset: "per.ron", budget: Episodes(24), overrides: (double: false))],
         ),
         (
-            name: "moved on",
+            name: "transferred",
             stages: [
                 (scenario: "empty", preset: "per.ron", budget: Episodes(12)),
                 (scenario: "scenario-1", preset: "per.ron", budget: Episodes(12), epsilon: 0.5),
@@ -35,7 +35,7 @@ const OWN: &str = r#"(
             title: "Curves",
             draw: LearningCurves(series: [Return, Goals], smoothing: 5),
             claims: [
-                (statement: "Moving on helps", measure: Return, better: "moved on", than: "plain", after: 24),
+                (statement: "Transfer helps", measure: Return, better: "transferred", than: "plain", after: 24),
             ],
         ),
         (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, EpisodesTo(1.0)], after: 20)),
@@ -53,7 +53,7 @@ const OWN: &str = r#"(
         (
             name: "which",
             title: "Which",
-            show: Contrast(measures: [Success], better: "moved on", than: "plain", after: [8, 12], of_last_stage: true),
+            show: Contrast(measures: [Success], better: "transferred", than: "plain", after: [8, 12], of_last_stage: true),
         ),
     ],
 )
@@ -67,7 +67,7 @@ fn workspace() -> Workspace {
     workspace
 }
 
-/// The report's own files below `folder`, with their bytes: what a reader gets.
+/// The figure and table files of the report in `folder`, with their contents.
 fn report(workspace: &Workspace, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     let root = workspace.path(folder);
     let mut files = BTreeMap::new();
@@ -80,8 +80,8 @@ fn report(workspace: &Workspace, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
-/// When each training's folder was last written to.
-fn written(root: &Path) -> BTreeMap<PathBuf, std::time::SystemTime> {
+/// When each training was finished.
+fn finished_at(root: &Path) -> BTreeMap<PathBuf, std::time::SystemTime> {
     let runs = fs::read_dir(root.join("runs")).unwrap();
     let summaries = runs.map(|run| run.unwrap().path().join("summary.json"));
     summaries
@@ -90,10 +90,10 @@ fn written(root: &Path) -> BTreeMap<PathBuf, std::time::SystemTime> {
 }
 
 #[test]
-fn an_experiment_of_ones_own_becomes_a_report_once() {
+fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
     let workspace = workspace();
     let done = workspace.run_ok("--reproduce --experiment mine/own.ron --out one --jobs 1");
-    assert!(done.stdout.contains("Moving on helps"), "{}", done.stdout);
+    assert!(done.stdout.contains("Transfer helps"), "{}", done.stdout);
     assert!(done.stdout.contains("one/report.html (6 runs"), "{}", done.stdout);
     assert!(done.stderr.contains("100%  6 of 6 runs"), "{}", done.stderr);
 
@@ -117,75 +117,83 @@ fn an_experiment_of_ones_own_becomes_a_report_once() {
     ];
     assert_eq!(names, expected);
     let html = workspace.text("one/report.html");
-    for said in
-        ["A user&#39;s own", "Does &lt; it &gt; work?", "Moving on helps", "Seed 2", "per.ron", "13.155"]
-    {
+    for text in [
+        "A user&#39;s experiment",
+        "Does &lt; it &gt; work?",
+        "Transfer helps",
+        "Seed 2",
+        "per.ron",
+        "13.155",
+    ] {
         assert!(
-            html.contains(said) || html.contains(&said.replace("&#39;", "'")),
-            "{said} is not in the page"
+            html.contains(text) || html.contains(&text.replace("&#39;", "'")),
+            "{text} is not in the page"
         );
     }
     let markdown = workspace.text("one/README.md");
-    assert!(markdown.contains("figures/curves.svg") && markdown.contains("Moving on helps"), "{markdown}");
+    assert!(markdown.contains("figures/curves.svg") && markdown.contains("Transfer helps"), "{markdown}");
 
     let rounds: Vec<_> =
         csv::Reader::from_path(workspace.path("one/tables/rounds.csv")).unwrap().into_records().collect();
-    assert_eq!(rounds.len(), 5, "two arms with two seeds, and the paper's rounds of one");
+    assert_eq!(rounds.len(), 5, "two arms with two seeds, and the paper's rounds of one arm");
     assert_eq!(
         rounds[0].as_ref().unwrap().iter().next_back(),
         Some("84.500"),
         "the paper's mean of 83 and 86"
     );
 
-    // The times of the first arm are those that its policies drive, told in whole control steps.
     let times = csv::Reader::from_path(workspace.path("one/tables/times.csv")).unwrap().records().count();
-    assert_eq!(times, 2, "a row an arm");
+    assert_eq!(times, 2, "a row for each arm");
 
-    // Again, with other jobs and into another folder: the same, to the byte.
+    // With another number of jobs and in another folder, the report is the same to the byte.
     workspace.run_ok("--reproduce --experiment mine/own.ron --out two --jobs 3");
     let two = report(&workspace, "two");
     for (path, bytes) in &one {
         assert!(two[path] == *bytes, "{} depends on the number of jobs", path.display());
     }
 
-    // Again into the same folder: nothing is trained anew, and the report is the same.
-    let before = written(&workspace.path("one"));
+    // In the same folder, nothing is trained again, and the report is the same.
+    let before = finished_at(&workspace.path("one"));
     workspace.run_ok("--reproduce --experiment mine/own.ron --out one");
-    assert_eq!(written(&workspace.path("one")), before, "no run was repeated");
+    assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
     assert!(report(&workspace, "one") == one);
 
-    // Part of it, and with fewer seeds: those runs are there already.
+    // A part of it with fewer seeds needs no new runs.
     let json =
         workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --seeds 1 --json");
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     assert_eq!((json["runs"].as_u64(), json["claims"].as_array().unwrap().len()), (Some(3), 0));
-    assert_eq!(written(&workspace.path("one")), before, "no run was repeated");
+    assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
 }
 
 #[test]
-fn work_that_was_stopped_goes_on_from_there() {
+fn stopped_work_continues_where_it_stopped() {
     let workspace = workspace();
-    // Long enough to be stopped in the middle.
+    // Long enough to be stopped before it ends.
     let longer = OWN.replace("Episodes(24)", "Episodes(300)").replace("Episodes(12)", "Episodes(150)");
     workspace.write("mine/own.ron", longer);
     let arguments = "--reproduce --experiment mine/own.ron --jobs 1 --out";
     workspace.run_ok(&format!("{arguments} straight"));
 
     let mut child = workspace.start(&format!("{arguments} stopped"));
-    wait_until(&mut child, "a run is under way", || {
+    wait_until(&mut child, "a run has a checkpoint", || {
         fs::read_dir(workspace.path("stopped/runs"))
             .is_ok_and(|mut runs| runs.any(|run| run.unwrap().path().join("checkpoint/latest.bin").exists()))
     });
     signal(&child, "TERM");
     let done = wait_for_output(child);
     assert_eq!(done.status, Some(1), "{}", done.stderr);
-    assert!(done.stderr.contains("of 6 runs; the same command goes on from there"), "{}", done.stderr);
-    assert!(!workspace.path("stopped/report.html").exists(), "no report of half the work");
+    assert!(
+        done.stderr.contains("of 6 runs; help: the same command continues from there"),
+        "{}",
+        done.stderr
+    );
+    assert!(!workspace.path("stopped/report.html").exists(), "there is no report of unfinished work");
 
-    // From its checkpoint; and a run whose checkpoint is no more is made again.
+    // It continues from the checkpoint; a run whose checkpoint is missing is repeated.
     let arguments_killed = format!("{arguments} stopped");
     let mut child = workspace.start(&arguments_killed);
-    wait_until(&mut child, "a run is done", || !written(&workspace.path("stopped")).is_empty());
+    wait_until(&mut child, "a run is finished", || !finished_at(&workspace.path("stopped")).is_empty());
     signal(&child, "KILL");
     wait_for_output(child);
     for run in fs::read_dir(workspace.path("stopped/runs")).unwrap() {
@@ -195,13 +203,16 @@ fn work_that_was_stopped_goes_on_from_there() {
         }
     }
     workspace.run_ok(&format!("{arguments} stopped"));
-    assert!(report(&workspace, "stopped") == report(&workspace, "straight"), "as if nothing had happened");
+    assert!(
+        report(&workspace, "stopped") == report(&workspace, "straight"),
+        "the report is the same as without interruptions"
+    );
 }
 
 #[test]
-fn what_cannot_be_reproduced_is_refused_with_the_mend() {
+fn invalid_options_and_files_are_rejected_with_a_fix() {
     let workspace = workspace();
-    let refused = |arguments: &str, needles: &[&str]| {
+    let rejected = |arguments: &str, needles: &[&str]| {
         let done = workspace.run(arguments);
         assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);
         for needle in needles {
@@ -209,19 +220,19 @@ fn what_cannot_be_reproduced_is_refused_with_the_mend() {
         }
         assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
     };
-    refused("--reproduce --only fig99", &["nothing is called `fig99`", "fig9", "table2", "ablation"]);
-    refused("--reproduce --only tabel2", &["did you mean `table2`?"]);
-    refused("--reproduce --experiment none.ron", &["none.ron", "no such file"]);
-    refused("--reproduce --seeds 0", &["--seeds", "1..=1000"]);
-    refused("--reproduce --train", &["--train"]);
-    refused("--reproduce --seed 3", &["--seed"]);
-    refused("--train --only fig9", &["--only"]);
-    refused("--eval mine/own.ron --quick", &["--quick"]);
-    // A folder of the user's is left alone.
-    refused("--reproduce --experiment mine/own.ron --out mine", &["mine", "holds no reproduction", "--out"]);
+    rejected("--reproduce --only fig99", &["there is no `fig99`", "fig9", "table2", "ablation"]);
+    rejected("--reproduce --only tabel2", &["did you mean `table2`?"]);
+    rejected("--reproduce --experiment none.ron", &["none.ron", "no such file"]);
+    rejected("--reproduce --seeds 0", &["--seeds", "1..=1000"]);
+    rejected("--reproduce --train", &["--train"]);
+    rejected("--reproduce --seed 3", &["--seed"]);
+    rejected("--train --only fig9", &["--only"]);
+    rejected("--eval mine/own.ron --quick", &["--quick"]);
+    // A folder with other files is not used.
+    rejected("--reproduce --experiment mine/own.ron --out mine", &["mine", "holds no reproduction", "--out"]);
     assert_eq!(fs::read_dir(workspace.path("mine")).unwrap().count(), 2);
 
-    // The place that is named is that of the change, or where it is first used.
+    // The message names the changed line, or the line where the changed value is used.
     let broken = |name: &str, (from, to): (&str, &str), needles: &[&str]| {
         let at = OWN.find(from).unwrap_or_else(|| panic!("{from} is in the file"));
         let line = 1 + OWN[..at].matches('\n').count();
@@ -229,38 +240,38 @@ fn what_cannot_be_reproduced_is_refused_with_the_mend() {
         let needles: Vec<String> =
             needles.iter().map(|needle| needle.replace("LINE", &line.to_string())).collect();
         let needles: Vec<&str> = needles.iter().map(String::as_str).collect();
-        refused(&format!("--reproduce --experiment {name} --out no"), &needles);
-        assert!(!workspace.path("no").exists(), "{name}: nothing is left behind");
+        rejected(&format!("--reproduce --experiment {name} --out no"), &needles);
+        assert!(!workspace.path("no").exists(), "{name}: no folder is created");
     };
     broken("a.ron", ("seeds: 2", "seeds: 0"), &["a.ron:LINE:", "seeds", "give 1 to 1000"]);
     broken("b.ron", ("smoothing: 5", "smoothnig: 5"), &["b.ron:LINE:", "did you mean `smoothing`?"]);
     broken(
         "c.ron",
-        ("better: \"moved on\"", "better: \"moved\""),
-        &["c.ron:LINE:", "no arm is called \"moved\""],
+        ("better: \"transferred\"", "better: \"transfered\""),
+        &["c.ron:LINE:", "names \"transfered\"", "did you mean \"transferred\"?"],
     );
     broken(
         "d.ron",
         ("after: 20)", "after: 25)"),
-        &["d.ron:LINE:", "is 25, but arm \"plain\" has 24 episodes"],
+        &["d.ron:LINE:", "is 25, but arm \"plain\" is trained for 24 episodes"],
     );
-    broken("e.ron", ("name: \"dots\"", "name: \"../dots\""), &["e.ron:LINE:", "it becomes a file's name"]);
+    broken("e.ron", ("name: \"dots\"", "name: \"../dots\""), &["e.ron:LINE:", "it becomes a file name"]);
     broken("f.ron", ("preset: \"per.ron\"", "preset: \"pre.ron\""), &["pre.ron", "no such file"]);
     broken("g.ron", ("double: false", "l_r_m: -1.0"), &["g.ron", "reward.l_r_m"]);
     broken("h.ron", ("EpisodesTo(1.0)", "EpisodesTo(0.0)"), &["h.ron:LINE:", "give 0.01 to 1000"]);
-    broken("i.ron", ("name: \"all\"", "name: \"curves\""), &["i.ron", "two are called \"curves\""]);
+    broken("i.ron", ("name: \"all\"", "name: \"curves\""), &["i.ron", "two entries called \"curves\""]);
     broken("j.ron", ("budget: Episodes(24)", "budget: EnvSteps(900)"), &["j.ron", "policy: Best"]);
     broken(
         "k.ron",
         ("after: [8, 12]", "after: [8, 13]"),
-        &["k.ron:LINE:", "is 13, but arm \"moved on\" has 12 episodes"],
+        &["k.ron:LINE:", "is 13, but arm \"transferred\" is trained for 12 episodes"],
     );
     workspace.write("settings.ron", OWN.replace("per.ron", "mine/per.ron"));
-    refused("--reproduce --experiment settings.ron --out no", &["settings.ron", "rename the file"]);
+    rejected("--reproduce --experiment settings.ron --out no", &["settings.ron", "rename the file"]);
 }
 
 #[test]
-fn an_arm_may_be_tested_by_its_best_policy() {
+fn an_arm_can_be_tested_with_its_best_policy() {
     let workspace = workspace();
     workspace.write("fast.ron", quick_fast());
     workspace.write(
@@ -278,16 +289,16 @@ fn an_arm_may_be_tested_by_its_best_policy() {
     assert!(workspace.text("best/tables/t.md").contains("fast"));
 }
 
-/// The gate's own: everything that the paper lists, roughly, from the shipped experiments.
+/// All shipped experiments, in the quick version.
 #[test]
-fn a_rough_report_of_everything() {
+fn the_quick_report_has_all_shipped_figures_and_tables() {
     let workspace = Workspace::new();
     workspace.run_ok("--reproduce --quick");
     let html = workspace.text("runs/reproduce-quick/report.html");
-    assert!(html.contains("rough report"), "it says that it is rough");
+    assert!(html.contains("quick report"), "the report warns that it is quick");
     for name in ["fig8", "fig9", "fig10", "ablation", "course"] {
         let png = workspace.read(&format!("runs/reproduce-quick/figures/{name}.png"));
-        assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}.png is a picture");
+        assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}.png is a PNG");
         assert!(workspace.text(&format!("runs/reproduce-quick/figures/{name}.svg")).contains("</svg>"));
     }
     for name in ["table2", "table3-4", "table5", "table6-7", "conditions", "transfer-in-ii", "best-success"] {

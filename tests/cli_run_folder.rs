@@ -1,4 +1,4 @@
-//! A run's folder: what is in it, what it is called, and that no run harms another.
+//! Run folders: their contents and names, and that no run overwrites another.
 
 mod cli_support;
 
@@ -12,14 +12,14 @@ use wayfield::scenario::read_ron;
 fn workspace() -> Workspace {
     let workspace = Workspace::new();
     workspace.write("quick.ron", quick_fast());
-    workspace.write("brisk.ron", with_short_episodes(SCENARIO_1));
+    workspace.write("short.ron", with_short_episodes(SCENARIO_1));
     workspace
 }
 
-const TRAIN: &str = "--train --scenario brisk.ron --preset quick.ron --steps 3200";
+const TRAIN: &str = "--train --scenario short.ron --preset quick.ron --steps 3200";
 
 #[test]
-fn a_run_leaves_everything_that_is_promised() {
+fn a_run_folder_has_all_files() {
     let workspace = workspace();
     let done = workspace.run_ok(&format!("{TRAIN} --seed 8 --out run"));
     let mut names: Vec<String> = std::fs::read_dir(workspace.path("run"))
@@ -41,19 +41,19 @@ fn a_run_leaves_everything_that_is_promised() {
             "policy.safetensors",
             "summary.json",
         ],
-        "nothing is missing and nothing temporary is left"
+        "no file is missing, and no temporary file is left"
     );
     assert_eq!(events.len(), 1, "one TensorBoard file: {events:?}");
     assert!(workspace.read(&format!("run/{}", events[0])).len() > 100);
-    let mut kept: Vec<_> = std::fs::read_dir(workspace.path("run/checkpoint"))
+    let mut checkpoints: Vec<_> = std::fs::read_dir(workspace.path("run/checkpoint"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
-    kept.sort();
-    assert_eq!(kept, ["latest.bin", "lock", "previous.bin"], "of its end and of its start");
+    checkpoints.sort();
+    assert_eq!(checkpoints, ["latest.bin", "lock", "previous.bin"], "checkpoints of the end and the start");
     assert!(workspace.text("run/learning-curve.svg").trim_start().starts_with("<svg"));
 
-    // stdout is the summary, and says where everything is; progress went to stderr.
+    // The summary is on stdout, progress on stderr.
     for needle in
         ["best policy", "3200 env steps", "run folder      run", "wayfield --eval run/policy.safetensors"]
     {
@@ -61,11 +61,11 @@ fn a_run_leaves_everything_that_is_promised() {
     }
     assert!(done.stderr.starts_with("run: Scenario I, preset quick, seed 8, 16 arenas\n"), "{}", done.stderr);
     assert!(done.stderr.ends_with("done: run\n"), "{}", done.stderr);
-    assert!(!done.stderr.contains(['\u{1b}', '\r']), "plain lines where stderr is no terminal");
+    assert!(!done.stderr.contains(['\u{1b}', '\r']), "plain lines, because stderr is not a terminal");
 }
 
 #[test]
-fn the_summary_and_the_records_agree() {
+fn the_summary_agrees_with_the_csv_files() {
     let workspace = workspace();
     let printed = workspace.run_ok(&format!("{TRAIN} --seed 8 --out run --json")).json();
     let summary = workspace.json("run/summary.json");
@@ -79,10 +79,13 @@ fn the_summary_and_the_records_agree() {
     let rates: Vec<f64> = evaluations.iter().map(|row| row["success_rate"].parse().unwrap()).collect();
     assert_eq!(summary["last_success_rate"].as_f64(), rates.last().copied());
     let cost = |row: &BTreeMap<String, String>| row["mean_cost_s"].parse::<f64>().unwrap();
-    let least = evaluations.iter().map(cost).reduce(f64::min).unwrap();
-    let best = evaluations.iter().rfind(|row| cost(row) <= 1.01 * least).unwrap();
+    let min_cost = evaluations.iter().map(cost).reduce(f64::min).unwrap();
+    let best = evaluations.iter().rfind(|row| cost(row) <= 1.01 * min_cost).unwrap();
     let rate: f64 = best["success_rate"].parse().unwrap();
-    assert_eq!(summary["best_success_rate"], rate, "the best is the latest near the least cost");
+    assert_eq!(
+        summary["best_success_rate"], rate,
+        "the best policy is the latest one close to the minimum cost"
+    );
     for first in ["first_96", "first_99"] {
         let milestone = summary.get(first).expect(first);
         let keys = ["env_steps", "episodes", "wall_s"];
@@ -91,7 +94,7 @@ fn the_summary_and_the_records_agree() {
             "{milestone}"
         );
     }
-    // Episodes are numbered, their rewards add up, and their time runs on.
+    // Episodes are numbered, their rewards add up to the return, and env steps never decrease.
     let of =
         |row: &std::collections::BTreeMap<String, String>, key: &str| -> f64 { row[key].parse().unwrap() };
     for (number, row) in (1..).zip(&episodes) {
@@ -104,7 +107,7 @@ fn the_summary_and_the_records_agree() {
         assert!((1.0..=120.0).contains(&of(row, "steps")), "{row:?}");
         assert!(
             of(row, "collision") == 1.0 || of(row, "steps") == 120.0,
-            "a crash or the time limit: {row:?}"
+            "a collision or the time limit: {row:?}"
         );
     }
     let env_steps: Vec<f64> = episodes.iter().map(|row| of(row, "env_steps")).collect();
@@ -112,14 +115,14 @@ fn the_summary_and_the_records_agree() {
 }
 
 #[test]
-fn config_ron_holds_all_that_is_needed_to_do_it_again() {
+fn config_ron_is_enough_to_repeat_a_run() {
     let workspace = workspace();
     workspace.run_ok(&format!("{TRAIN} --seed 8 --arenas 4 --out run"));
     let config: RunConfig = read_ron(workspace.path("run/config.ron")).unwrap();
     assert_eq!((config.seed, config.preset.arenas), (8, 4));
     assert_eq!(config.version, env!("CARGO_PKG_VERSION"));
 
-    // Its two parts, as files of their own, make the same run.
+    // Scenario and preset, saved as separate files, give the same run.
     workspace.write("scenario.ron", wayfield::scenario::to_ron(&config.scenario).unwrap());
     workspace.write("preset.ron", wayfield::scenario::to_ron(&config.preset).unwrap());
     workspace.run_ok("--train --scenario scenario.ron --preset preset.ron --seed 8 --out again");
@@ -128,27 +131,31 @@ fn config_ron_holds_all_that_is_needed_to_do_it_again() {
 }
 
 #[test]
-fn a_config_ron_from_before_lag_and_encoding_still_loads() {
+fn a_config_ron_without_lag_and_encoding_loads_with_the_defaults() {
     let workspace = workspace();
-    workspace.run_ok("--train --scenario brisk.ron --preset quick.ron --steps 16 --out run");
+    workspace.run_ok("--train --scenario short.ron --preset quick.ron --steps 16 --out run");
     let text = workspace.text("run/config.ron");
     let config: RunConfig = read_ron(workspace.path("run/config.ron")).unwrap();
     let old: Vec<&str> =
         text.lines().filter(|l| !l.contains("actuator_lag_s:") && !l.contains("observation:")).collect();
     assert_eq!(old.len(), text.lines().count() - 2, "{text}");
     workspace.write("old.ron", old.join("\n"));
-    assert_eq!(read_ron::<RunConfig>(workspace.path("old.ron")).unwrap(), config, "none, and Scaled");
+    assert_eq!(
+        read_ron::<RunConfig>(workspace.path("old.ron")).unwrap(),
+        config,
+        "no lag, scaled observations"
+    );
 }
 
 #[test]
-fn default_folders_are_named_after_the_run_and_never_taken_twice() {
+fn default_folders_are_named_after_the_run_and_never_reused() {
     let workspace = workspace();
-    let train = "--train --scenario brisk.ron --preset quick.ron --steps 1600 --seed 3";
-    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/brisk-quick-3\n"));
-    let first = workspace.run_contents("runs/brisk-quick-3");
-    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/brisk-quick-3-2\n"));
-    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/brisk-quick-3-3\n"));
-    assert_eq!(workspace.run_contents("runs/brisk-quick-3"), first, "the first one is untouched");
+    let train = "--train --scenario short.ron --preset quick.ron --steps 1600 --seed 3";
+    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/short-quick-3\n"));
+    let first = workspace.run_contents("runs/short-quick-3");
+    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/short-quick-3-2\n"));
+    assert!(workspace.run_ok(train).stdout.contains("run folder      runs/short-quick-3-3\n"));
+    assert_eq!(workspace.run_contents("runs/short-quick-3"), first, "the first run is unchanged");
     let done = workspace.run_ok("--train --scenario empty --steps 1");
     assert!(done.stdout.contains("run folder      runs/empty-fast-0\n"), "{}", done.stdout);
 }
@@ -162,20 +169,20 @@ fn a_folder_that_holds_a_run_is_not_overwritten() {
     assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""));
     assert_eq!(
         done.stderr,
-        "error: run: holds a run already: go on with it by --resume, or give --out another folder\n"
+        "error: run: already holds a run; help: continue it with --resume, or give --out another folder\n"
     );
     assert!(workspace.all_files() == before);
 }
 
 #[test]
-fn folders_on_the_way_to_out_are_made() {
+fn missing_parent_folders_of_out_are_created() {
     let workspace = workspace();
-    workspace.run_ok(&format!("{TRAIN} --out here/and/there"));
-    assert!(workspace.path("here/and/there/summary.json").exists());
+    workspace.run_ok(&format!("{TRAIN} --out a/b/c"));
+    assert!(workspace.path("a/b/c/summary.json").exists());
 }
 
 #[test]
-fn a_folder_of_that_name_does_not_stand_in_for_what_is_shipped() {
+fn a_folder_does_not_hide_a_shipped_scenario_or_preset() {
     let workspace = workspace();
     std::fs::create_dir(workspace.path("empty")).expect("a folder");
     std::fs::create_dir(workspace.path("fast")).expect("a folder");

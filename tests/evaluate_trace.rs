@@ -1,4 +1,4 @@
-//! A drive's trace: the same drive as the evaluation's, pose by pose.
+//! The trace of an episode equals the evaluation's first episode, pose by pose.
 
 use std::sync::Arc;
 
@@ -8,41 +8,41 @@ use wayfield::run::shipped;
 use wayfield::task::{EpisodeEnd, EpisodeSetup};
 use wayfield::{random, scenario::Scenario};
 
-/// A network whose weights are `seed`'s: it drives somewhere.
+/// A policy with random weights.
 fn policy(scenario: &Scenario, seed: u64) -> Policy {
     let config = NetworkConfig { hidden: vec![8], dueling: false };
     let shape = config.shape(scenario.lidar.beams + 4, scenario.robot.motions.len());
-    let network = QNetwork::new(shape.expect("a shape"), &mut random::stream(seed, "trace", 0));
+    let network = QNetwork::new(shape.expect("a valid shape"), &mut random::stream(seed, "trace", 0));
     network.expect("a network").to_policy(Default::default())
 }
 
 #[test]
-fn a_trace_is_the_first_navigation_of_the_evaluation() {
+fn a_trace_is_the_first_episode_of_the_evaluation() {
     for name in ["scenario-1", "scenario-2"] {
-        let scenario = Arc::new(shipped::scenario(name).expect("it is shipped"));
+        let scenario = Arc::new(shipped::scenario(name).expect("shipped"));
         let mut evaluator = Evaluator::new(&scenario, 3);
         let mut alone = Evaluator::new(&scenario, 1);
         let mut ends = Vec::new();
         for seed in 0..12 {
-            for places in [EpisodeSetup::Random, EpisodeSetup::BenchmarkRoute] {
+            for setup in [EpisodeSetup::Random, EpisodeSetup::BenchmarkRoute] {
                 let policy = policy(&scenario, seed);
-                let driven = evaluator.run(&policy, seed, 3, places).expect("drives");
-                let (episode, poses) = evaluator.trace(&policy, seed, places).expect("drives");
-                assert_eq!(episode, driven[0]);
-                assert_eq!(alone.trace(&policy, seed, places), Ok((episode, poses.clone())));
+                let episodes = evaluator.run(&policy, seed, 3, setup).expect("no error");
+                let (episode, poses) = evaluator.trace(&policy, seed, setup).expect("no error");
+                assert_eq!(episode, episodes[0]);
+                assert_eq!(alone.trace(&policy, seed, setup), Ok((episode, poses.clone())));
                 assert_eq!(
-                    evaluator.run(&policy, seed, 3, places),
-                    Ok(driven),
-                    "a trace leaves nothing behind"
+                    evaluator.run(&policy, seed, 3, setup),
+                    Ok(episodes),
+                    "a trace does not affect later evaluations"
                 );
                 assert_eq!(poses.len(), episode.steps as usize + 1);
                 assert_eq!(poses[0], episode.start);
                 for pair in poses.windows(2) {
-                    let way = libm::hypotf(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
-                    assert!(way < 0.0301, "{way} m in a step");
+                    let distance_m = libm::hypotf(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
+                    assert!(distance_m < 0.0301, "{distance_m} m in one step");
                 }
-                let arrived = poses[poses.len() - 1].distance_m(&episode.goal) < 0.2;
-                assert_eq!(arrived, episode.end == EpisodeEnd::Reached);
+                let reached = poses[poses.len() - 1].distance_m(&episode.goal) < 0.2;
+                assert_eq!(reached, episode.end == EpisodeEnd::Reached);
                 ends.push(episode.end);
             }
         }

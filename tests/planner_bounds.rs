@@ -1,7 +1,7 @@
-//! The least times of the shipped worlds: the paper's course from every heading, with the cylinders elsewhere, at
-//! every phase of their revolution; and how near the planner's two bounds are to each other.
+//! The optimal times of shipped scenarios: on the paper's benchmark route from every heading, with moved cylinders and at every
+//! phase of their orbit; and the gap between the planner's two bounds.
 //!
-//! docs/optimum.md quotes these numbers. To see them:
+//! docs/optimum.md quotes these numbers. To print them:
 //! `cargo test --release --no-default-features --test planner_bounds -- --nocapture`
 
 mod common;
@@ -9,7 +9,6 @@ mod common;
 use std::f32::consts::PI;
 use std::time::Instant;
 
-use bevy::math::{Vec2, vec2};
 use common::Lab;
 use wayfield::planner::{Resolution, StepBounds, TimedPath, plan_path};
 use wayfield::random::stream;
@@ -19,30 +18,30 @@ use wayfield::scenario::{Scenario, draw_goal, draw_start};
 use wayfield::task::{ArenaState, Clock, EpisodeEnd, Goal, Pose, RewardConfig, TaskMode};
 
 fn scenario(name: &str) -> Scenario {
-    shipped::scenario(name).expect("it is shipped")
+    shipped::scenario(name).expect("shipped")
 }
 
-/// The benchmark route, with another heading at the start and another clock.
+/// An episode on the benchmark route, with the given initial heading and clock.
 fn benchmark_route(scenario: &Scenario, heading_rad: f32, clock: u64) -> EpisodeResult {
-    let (Vec2 { x: x_m, y: y_m }, goal) = (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m);
+    let ((x_m, y_m), goal) = (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m);
     EpisodeResult {
         end: EpisodeEnd::TimedOut,
         steps: 0,
         start: Pose { x_m, y_m, heading_rad },
-        goal: Goal { x_m: goal.x, y_m: goal.y },
+        goal: Goal { x_m: goal.0, y_m: goal.1 },
         clock: Clock(clock),
         layout_seed: 0,
     }
 }
 
-/// As many episodes as an evaluation has, by its rules.
+/// Random episodes, with the start and goal rules of evaluations.
 fn random_episodes(scenario: &Scenario, count: u64) -> Vec<EpisodeResult> {
-    let drawn = |index| {
+    let episode = |index| {
         let mut draws = stream(1, "optimum", index);
         let clock = 37 * index;
-        let (x_m, y_m, heading_rad) = draw_start(scenario, clock, &mut draws).expect("room");
-        let goal = draw_goal(scenario, clock, vec2(x_m, y_m), &mut draws).expect("room");
-        let goal = Goal { x_m: goal.x, y_m: goal.y };
+        let (x_m, y_m, heading_rad) = draw_start(scenario, clock, &mut draws).expect("free space");
+        let goal = draw_goal(scenario, clock, (x_m, y_m), &mut draws).expect("free space");
+        let goal = Goal { x_m: goal.0, y_m: goal.1 };
         let start = Pose { x_m, y_m, heading_rad };
         EpisodeResult {
             end: EpisodeEnd::TimedOut,
@@ -53,41 +52,41 @@ fn random_episodes(scenario: &Scenario, count: u64) -> Vec<EpisodeResult> {
             layout_seed: 0,
         }
     };
-    (0..count).map(drawn).collect()
+    (0..count).map(episode).collect()
 }
 
-/// Seconds, as the paper would give them.
+/// The duration of `steps` control steps in s.
 fn seconds(steps: u32) -> f64 {
     f64::from(steps) / 5.0
 }
 
-/// Least, mean and greatest number of steps.
+/// Minimum, mean and maximum number of steps.
 fn min_mean_max(steps: &[u32]) -> (u32, f64, u32) {
-    let (least, greatest) = (steps.iter().min().expect("some"), steps.iter().max().expect("some"));
-    (*least, f64::from(steps.iter().sum::<u32>()) / steps.len() as f64, *greatest)
+    let (min, max) = (steps.iter().min().expect("steps"), steps.iter().max().expect("steps"));
+    (*min, f64::from(steps.iter().sum::<u32>()) / steps.len() as f64, *max)
 }
 
 fn plans(found: &[StepBounds]) -> Vec<u32> {
-    found.iter().map(|b| b.plan_steps.expect("there is a way")).collect()
+    found.iter().map(|b| b.plan_steps.expect("a path")).collect()
 }
 
 fn print(what: &str, found: &[StepBounds]) {
     let lower: Vec<u32> = found.iter().map(|b| b.lower_steps).collect();
     let proven = found.iter().filter(|b| b.plan_steps == Some(b.lower_steps)).count();
-    let ((least, mean, most), (least_lower, mean_lower, most_lower)) =
+    let ((min, mean, max), (min_lower, mean_lower, max_lower)) =
         (min_mean_max(&plans(found)), min_mean_max(&lower));
     println!(
-        "{what}: {} drives, planned {least} / {mean:.2} / {most} steps (least / mean / greatest), {:.1} / {:.3} / \
-         {:.1} s, bound {least_lower} / {mean_lower:.2} / {most_lower}; mean gap {:.2} %, {proven} proven optimal",
+        "{what}: {} episodes, planned {min} / {mean:.2} / {max} steps (min / mean / max), {:.1} / {:.3} / {:.1} s, lower \
+         bound {min_lower} / {mean_lower:.2} / {max_lower}; mean gap {:.2} %, {proven} proven optimal",
         found.len(),
-        seconds(least),
+        seconds(min),
         mean / 5.0,
-        seconds(most),
+        seconds(max),
         100.0 * (mean / mean_lower - 1.0),
     );
 }
 
-/// The bounds of all these, printed; there is a way for each, and none below its bound.
+/// The bounds of `episodes`. They are printed and checked: each episode has a path, none shorter than its lower bound.
 fn checked_bounds(what: &str, scenario: &Scenario, episodes: &[EpisodeResult]) -> Vec<StepBounds> {
     let found = bounds(scenario, episodes, 0);
     print(what, &found);
@@ -97,7 +96,7 @@ fn checked_bounds(what: &str, scenario: &Scenario, episodes: &[EpisodeResult]) -
     found
 }
 
-/// The 24 headings, 15 degrees apart.
+/// Episodes on the benchmark route with 24 initial headings, 15 degrees apart.
 fn headings(scenario: &Scenario) -> Vec<EpisodeResult> {
     (0..24).map(|k| benchmark_route(scenario, k as f32 * PI / 12.0, 0)).collect()
 }
@@ -105,10 +104,14 @@ fn headings(scenario: &Scenario) -> Vec<EpisodeResult> {
 #[test]
 fn in_scenario_i_the_benchmark_route_takes_10_8_s_and_no_heading_is_faster() {
     let scenario = scenario("scenario-1");
-    let found = checked_bounds("course, 24 headings", &scenario, &headings(&scenario));
-    assert_eq!(found[0], StepBounds { lower_steps: 54, plan_steps: Some(54) }, "heading 0 is proven");
-    let (least, _, greatest) = min_mean_max(&plans(&found));
-    assert_eq!((least, greatest), (54, 63));
+    let found = checked_bounds("benchmark route, 24 headings", &scenario, &headings(&scenario));
+    assert_eq!(
+        found[0],
+        StepBounds { lower_steps: 54, plan_steps: Some(54) },
+        "the time from heading 0 is proven optimal"
+    );
+    let (min, _, max) = min_mean_max(&plans(&found));
+    assert_eq!((min, max), (54, 63));
     assert!(found.iter().all(|b| b.lower_steps >= 53));
 }
 
@@ -116,43 +119,44 @@ fn in_scenario_i_the_benchmark_route_takes_10_8_s_and_no_heading_is_faster() {
 fn with_the_24_beam_collision_check_53_steps_may_suffice_but_52_do_not() {
     let mut lenient = scenario("scenario-1");
     lenient.task.collision_range_m -= 0.0021;
-    let found = checked_bounds("course, collision range 2.1 mm less", &lenient, &headings(&lenient));
+    let found =
+        checked_bounds("benchmark route, collision range reduced by 2.1 mm", &lenient, &headings(&lenient));
     assert_eq!(found.iter().map(|b| b.lower_steps).min(), Some(53));
 }
 
 #[test]
-fn with_the_cylinder_ten_centimetres_aside_the_benchmark_route_takes_51_to_54_steps() {
+fn with_the_cylinder_moved_by_up_to_10_cm_the_benchmark_route_takes_51_to_54_steps() {
     let mut facing_along_x = Vec::new();
     let mut all = Vec::new();
     for (dx, dy) in (0..25).map(|k| (k / 5 - 2, k % 5 - 2)) {
         let mut scenario = scenario("scenario-1");
-        scenario.obstacles[0].position_m = vec2(0.6 + 0.05 * dx as f32, 0.6 + 0.05 * dy as f32);
+        scenario.obstacles[0].position_m = (0.6 + 0.05 * dx as f32, 0.6 + 0.05 * dy as f32);
         let found = bounds(&scenario, &headings(&scenario), 0);
         facing_along_x.push(found[0]);
         all.extend(found);
     }
-    print("course, cylinder moved by up to 0.1 m each way, heading 0", &facing_along_x);
-    print("course, cylinder moved, 24 headings", &all);
-    let (least, _, greatest) = min_mean_max(&plans(&facing_along_x));
-    assert_eq!((least, greatest), (51, 54));
-    let (least, _, greatest) = min_mean_max(&plans(&all));
-    assert_eq!((least, greatest), (51, 63));
+    print("benchmark route, cylinder moved by up to 0.1 m, heading 0", &facing_along_x);
+    print("benchmark route, cylinder moved, 24 headings", &all);
+    let (min, _, max) = min_mean_max(&plans(&facing_along_x));
+    assert_eq!((min, max), (51, 54));
+    let (min, _, max) = min_mean_max(&plans(&all));
+    assert_eq!((min, max), (51, 63));
 }
 
 #[test]
 fn in_scenario_ii_the_benchmark_route_takes_10_2_to_11_2_s_depending_on_phase() {
-    // Four cylinders a quarter turn apart: a quarter revolution, 52.4 steps, has all the phases there are.
+    // Four cylinders, 90 degrees apart: a quarter of an orbit, 52.4 steps, covers all phases.
     let scenario = scenario("scenario-2");
     let phases: Vec<_> = (0..53).map(|clock| benchmark_route(&scenario, 0.0, clock)).collect();
-    let steps = plans(&checked_bounds("course, 53 phases", &scenario, &phases));
-    let (least, mean, greatest) = min_mean_max(&steps);
-    assert_eq!((least, greatest), (51, 56));
+    let steps = plans(&checked_bounds("benchmark route, 53 phases", &scenario, &phases));
+    let (min, mean, max) = min_mean_max(&steps);
+    assert_eq!((min, max), (51, 56));
     assert!((51.8..52.2).contains(&mean), "{mean}");
 }
 
 #[test]
-fn the_two_bounds_are_near_each_other() {
-    for (name, most) in [("empty", 1.003), ("scenario-1", 1.003), ("scenario-2", 1.025)] {
+fn the_upper_and_lower_bounds_are_close_to_each_other() {
+    for (name, max_ratio) in [("empty", 1.003), ("scenario-1", 1.003), ("scenario-2", 1.025)] {
         let scenario = scenario(name);
         let episodes = random_episodes(&scenario, 500);
         let began = Instant::now();
@@ -160,20 +164,23 @@ fn the_two_bounds_are_near_each_other() {
         println!("  on all cores in {:.2} s", began.elapsed().as_secs_f64());
         let planned: u32 = plans(&found).iter().sum();
         let proven: u32 = found.iter().map(|b| b.lower_steps).sum();
-        assert!(f64::from(planned) < most * f64::from(proven), "{name}: {planned} to {proven}");
+        assert!(
+            f64::from(planned) < max_ratio * f64::from(proven),
+            "{name}: {planned} planned steps, lower bound {proven}"
+        );
     }
 }
 
 #[test]
-fn bounds_are_the_same_on_any_number_of_threads_and_in_order() {
+fn the_number_of_threads_does_not_change_the_bounds_or_their_order() {
     let scenario = scenario("scenario-2");
     let episodes = random_episodes(&scenario, 20);
-    let on_one = bounds(&scenario, &episodes, 1);
-    assert_eq!(on_one, bounds(&scenario, &episodes, 3));
-    assert_eq!(on_one, bounds(&scenario, &episodes, 64));
-    for (n, bounds) in episodes.iter().zip(&on_one) {
+    let single_threaded = bounds(&scenario, &episodes, 1);
+    assert_eq!(single_threaded, bounds(&scenario, &episodes, 3));
+    assert_eq!(single_threaded, bounds(&scenario, &episodes, 64));
+    for (n, bounds) in episodes.iter().zip(&single_threaded) {
         let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let plan = plan_path(&scenario, start, vec2(n.goal.x_m, n.goal.y_m), n.clock.0, Resolution::default());
+        let plan = plan_path(&scenario, start, (n.goal.x_m, n.goal.y_m), n.clock.0, Resolution::default());
         assert_eq!(bounds.plan_steps, plan.map(|plan| plan.steps));
     }
     assert_eq!(bounds(&scenario, &[], 0), []);
@@ -187,21 +194,21 @@ fn plans_arrive_on_time_in_the_physics_simulation() {
         let plan = |state: &ArenaState| {
             let ArenaState { pose, goal, clock, .. } = state;
             let start = (pose.x_m, pose.y_m, pose.heading_rad);
-            let plan = plan_path(&scenario, start, vec2(goal.x_m, goal.y_m), clock.0, Resolution::default());
-            plan.expect("there is a way")
+            let plan = plan_path(&scenario, start, (goal.x_m, goal.y_m), clock.0, Resolution::default());
+            plan.expect("a path")
         };
         let plans: Vec<_> = lab.states().iter().map(plan).collect();
         let mut ended = vec![None; arenas];
-        for step in 0..plans.iter().map(|plan| plan.actions.len()).max().expect("some") {
+        for step in 0..plans.iter().map(|plan| plan.actions.len()).max().expect("a plan") {
             let action = |plan: &TimedPath| plan.actions.get(step).map_or(0, |&action| usize::from(action));
             lab.step(&plans.iter().map(action).collect::<Vec<_>>());
-            for over in lab.take_ended_episodes() {
-                ended[over.arena] = Some((over.end, over.steps));
+            for episode in lab.take_ended_episodes() {
+                ended[episode.arena] = Some((episode.end, episode.steps));
             }
             for (state, plan) in lab.states().iter().zip(&plans) {
                 let Some(&(x_m, y_m, _)) = plan.poses.get(step + 1) else { continue };
-                let off = libm::hypotf(state.pose.x_m - x_m, state.pose.y_m - y_m);
-                assert!(off < 2e-5, "{name}: {off} m off the plan after step {}", step + 1);
+                let error_m = libm::hypotf(state.pose.x_m - x_m, state.pose.y_m - y_m);
+                assert!(error_m < 2e-5, "{name}: {error_m} m from the plan after step {}", step + 1);
             }
         }
         for (end, plan) in ended.iter().zip(&plans) {

@@ -1,18 +1,18 @@
-// The page around the program: it loads the module, and is to it what files, dialogs, a command line and a terminal are
-// elsewhere. The program's side is src/app/browser.rs.
+// The page around the app: loads the module, and stands in for files, dialogs, a command line and a terminal. Its
+// counterpart in the app is src/app/browser.rs.
 
 const byId = (id) => document.getElementById(id);
 const cover = byId('cover');
-const KEPT = 'wayfield: preferences';
+const PREFERENCES_KEY = 'wayfield: preferences';
 
-/// The program cannot run, or not go on: says so, with `detail` for whoever reports it.
+/// Reports that the app cannot run or continue. `detail` is for bug reports.
 function stop(text, detail = '') {
     cover.hidden = false;
     byId('bar').hidden = true;
-    byId('said').textContent = text;
+    byId('message').textContent = text;
     byId('detail').textContent = detail;
     byId('detail').hidden = detail === '';
-    byId('again').hidden = false;
+    byId('retry').hidden = false;
     document.body.dataset.state = 'failed';
 }
 
@@ -20,12 +20,12 @@ byId('reload').addEventListener('click', (event) => {
     event.preventDefault();
     location.reload();
 });
-byId('usual').addEventListener('click', (event) => {
+byId('reset').addEventListener('click', (event) => {
     event.preventDefault();
     location.assign(location.pathname);
 });
 
-// What the program does with a key or the wheel, the browser shall not do, too: scroll, leave the canvas, save the page.
+// Keys that the app handles, so that the browser must not: no scrolling, no leaving the canvas, no saving of the page.
 const KEYS = new Set([' ', 'Tab', 'ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', '/', "'"]);
 const KEYS_WITH_CTRL = new Set(['s', 'o']);
 const canvas = byId('canvas');
@@ -36,22 +36,22 @@ canvas.addEventListener('keydown', (event) => {
 canvas.addEventListener('wheel', (event) => event.preventDefault(), { passive: false });
 canvas.addEventListener('contextmenu', (event) => event.preventDefault());
 canvas.addEventListener('webglcontextlost', () =>
-    stop('The graphics driver has taken the picture away, and the program cannot go on without one.'));
+    stop('The graphics driver has reset, so the app cannot draw any more. Training progress was lost.'));
 
-let program;
+let app;
 
-/// Hands a file of the user's to the program.
+/// Passes a file from the user to the app.
 async function openUserFile(file) {
     if (document.body.dataset.state !== 'started') return;
-    // No policy is longer; the program says what is wrong with the rest, also of what cannot be read.
-    const most = 2 ** 27 + 1;
-    const bytes = await file.slice(0, most).arrayBuffer().catch(() => new ArrayBuffer(0));
-    program.receive_file(file.name, new Uint8Array(bytes));
+    // One byte more than the largest policy. The app reports what is wrong with a larger or unreadable file.
+    const maxBytes = 2 ** 27 + 1;
+    const bytes = await file.slice(0, maxBytes).arrayBuffer().catch(() => new ArrayBuffer(0));
+    app.receive_file(file.name, new Uint8Array(bytes));
 }
 
 byId('file').addEventListener('change', (event) => {
     for (const file of event.target.files) openUserFile(file);
-    // The same file may be chosen again.
+    // Without this, choosing the same file again would have no effect.
     event.target.value = '';
 });
 addEventListener('dragover', (event) => event.preventDefault());
@@ -60,7 +60,7 @@ addEventListener('drop', (event) => {
     for (const file of event.dataTransfer?.files ?? []) openUserFile(file);
 });
 
-/// A text as letters that an address may hold, and back.
+/// Compresses a text to characters allowed in an address; `decompress` is the inverse.
 async function compress(text) {
     const bytes = await through(new TextEncoder().encode(text), new CompressionStream('deflate-raw'));
     return btoa(Array.from(new Uint8Array(bytes), (byte) => String.fromCharCode(byte)).join(''))
@@ -68,15 +68,16 @@ async function compress(text) {
 }
 async function decompress(letters) {
     const bytes = Uint8Array.from(atob(letters.replaceAll('-', '+').replaceAll('_', '/')), (c) => c.charCodeAt(0));
-    // No world is longer; the program says what is wrong with it.
-    const most = 2 ** 20 + 1;
-    const text = await through(bytes, new DecompressionStream('deflate-raw'), most);
+    // One byte more than the largest scenario. The app reports what is wrong with a larger one.
+    const maxBytes = 2 ** 20 + 1;
+    const text = await through(bytes, new DecompressionStream('deflate-raw'), maxBytes);
     return new TextDecoder().decode(text);
 }
-async function through(bytes, transform, most = Infinity) {
+/// Pipes bytes through a transform, and stops after `maxBytes`.
+async function through(bytes, transform, maxBytes = Infinity) {
     const reader = new Blob([bytes]).stream().pipeThrough(transform).getReader();
     const pieces = [];
-    for (let length = 0; length < most;) {
+    for (let length = 0; length < maxBytes;) {
         const { done, value } = await reader.read();
         if (done) break;
         pieces.push(value);
@@ -85,17 +86,17 @@ async function through(bytes, transform, most = Infinity) {
     return new Blob(pieces).arrayBuffer();
 }
 
-/// The world that the address holds, if it holds one.
+/// Text of the scenario embedded in the address, if there is one.
 let embeddedScenario;
 
-/// How often the address was changed: one that takes its time gives way to a later one.
-let turn = 0;
+/// Number of changes of the address. A change that takes long is dropped if a later one was made meanwhile.
+let addressVersion = 0;
 function changeAddress(address) {
-    turn += 1;
+    addressVersion += 1;
     history.replaceState(null, '', address);
 }
 
-let failure = false;
+let hasFailed = false;
 
 globalThis.wayfieldPage = {
     query_parameter: (key) => new URLSearchParams(location.search).get(key) ?? undefined,
@@ -105,13 +106,13 @@ globalThis.wayfieldPage = {
         document.body.dataset.startedMs = Math.round(performance.now());
     },
     failed(text) {
-        failure = true;
+        hasFailed = true;
         console.error(text);
-        stop('The program has stopped: it met an error of its own. What was learnt here is lost.', text);
+        stop('The app has stopped because of an internal error. Training progress was lost.', text);
     },
     open_file_picker: () => byId('file').click(),
     save(name, bytes) {
-        // The program's memory may move or change: a copy.
+        // Copied, because the memory of the module may move or change.
         const url = URL.createObjectURL(new Blob([bytes.slice()], { type: 'application/octet-stream' }));
         const link = document.createElement('a');
         link.href = url;
@@ -120,79 +121,78 @@ globalThis.wayfieldPage = {
         setTimeout(() => URL.revokeObjectURL(url), 60_000);
     },
     report(json) {
-        const standing = JSON.parse(json);
-        document.body.dataset.standing = json;
-        const rate = standing.success_rate === null ? 'not tested yet'
-            : `${(100 * standing.success_rate).toFixed(1)} % of the test's episodes succeed`;
-        byId('standing').textContent =
-            `${standing.scenario}, ${standing.preset}: ${standing.episodes} episodes, ${rate}.`
-            + (standing.notice === null ? '' : ` ${standing.notice}`);
+        const status = JSON.parse(json);
+        document.body.dataset.status = json;
+        const rate = status.success_rate === null ? 'not evaluated yet'
+            : `success rate ${(100 * status.success_rate).toFixed(1)} %`;
+        byId('status').textContent =
+            `Scenario ${status.scenario}, preset ${status.preset}: ${status.episodes} episodes, ${rate}.`
+            + (status.notice === null ? '' : ` ${status.notice}`);
     },
     embedded_scenario: () => embeddedScenario,
-    async set_share_link(scenario, preset, seed, world) {
+    async set_share_link(scenario, preset, seed, embedded) {
         const query = new URLSearchParams(location.search);
         for (const [key, value] of Object.entries({ scenario, preset, seed })) query.set(key, value);
-        if (world === undefined) return changeAddress(`?${query}`);
+        if (embedded === undefined) return changeAddress(`?${query}`);
         wayfieldPage.clear_share_link();
-        const mine = turn;
-        // After the #, what a browser sends to nobody. Where it cannot be packed, there is no link.
-        const letters = await compress(world).catch(() => undefined);
-        if (mine === turn && letters !== undefined) changeAddress(`?${query}#world=${letters}`);
+        const version = addressVersion;
+        // After the #, because browsers do not send that part to the host. If it cannot be compressed, there is no link.
+        const letters = await compress(embedded).catch(() => undefined);
+        if (version === addressVersion && letters !== undefined) changeAddress(`?${query}#scenario=${letters}`);
     },
     clear_share_link: () => changeAddress(location.pathname),
     save_preferences(text) {
-        // Where nothing may be kept, nothing is.
-        try { localStorage.setItem(KEPT, text); } catch {}
+        // Storage may be disabled; then nothing is stored.
+        try { localStorage.setItem(PREFERENCES_KEY, text); } catch {}
     },
     load_preferences() {
-        try { return localStorage.getItem(KEPT) ?? undefined; } catch { return undefined; }
+        try { return localStorage.getItem(PREFERENCES_KEY) ?? undefined; } catch { return undefined; }
     },
 };
 
-// What ends the program without a message of its own, such as too little memory.
+// Errors that stop the app without calling `failed`, such as too little memory.
 addEventListener('error', (event) => {
-    if (event.error instanceof WebAssembly.RuntimeError && !failure) wayfieldPage.failed(String(event.error));
+    if (event.error instanceof WebAssembly.RuntimeError && !hasFailed) wayfieldPage.failed(String(event.error));
 });
 
-/// The module's bytes as they arrive, with the bar moving. Their number is written by the build: a host that compresses
-/// says nothing of it, or something else.
-async function arriving(url, total) {
+/// Fetches the module and updates the progress bar. `total` comes from the build, because a host that compresses does not
+/// report the uncompressed size.
+async function fetchWithProgress(url, total) {
     const response = await fetch(url);
     if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
-    let got = 0;
+    let received = 0;
     const counted = response.body.pipeThrough(new TransformStream({
         transform(piece, to) {
-            got += piece.length;
-            const share = Math.min(got / total, 1);
+            received += piece.length;
+            const share = Math.min(received / total, 1);
             byId('bar').value = share;
-            byId('said').textContent = `Loading: ${Math.round(100 * share)} %`;
-            if (share === 1) byId('said').textContent = 'Starting';
+            byId('message').textContent = share === 1 ? 'Starting…' : `Loading… ${Math.round(100 * share)} %`;
             to.enqueue(piece);
         },
     }));
-    // This type makes the browser compile while it loads, whatever the host calls it.
+    // This type lets the browser compile while loading, whatever type the host sends.
     return new Response(counted, { headers: { 'Content-Type': 'application/wasm' } });
 }
 
-async function begin() {
+async function start() {
     if (typeof WebAssembly !== 'object') {
-        return stop('This browser runs no WebAssembly, which the program is made of. Any browser of the last years does.');
+        return stop('This browser does not support WebAssembly. Please use a recent version of any major browser.');
     }
     if (!document.createElement('canvas').getContext('webgl2')) {
-        return stop('This browser offers no WebGL 2, by which the program draws. It may be switched off in its settings, or'
-            + ' by a graphics driver that it does not trust; another browser may have it.');
+        return stop('This browser does not provide WebGL 2, which the app needs to draw. It may be disabled in the settings or'
+            + ' blocked because of the graphics driver. Please try another browser.');
     }
-    const letters = new URLSearchParams(location.hash.slice(1)).get('world');
-    if (letters !== null) embeddedScenario = await decompress(letters).catch(() => 'not a world: the address is damaged');
+    const letters = new URLSearchParams(location.hash.slice(1)).get('scenario');
+    if (letters !== null) embeddedScenario = await decompress(letters).catch(() => 'not a scenario: the address is damaged');
     try {
-        // Which build it is, so that no cache puts parts of two together.
+        // The mark of the build, so that no cache combines the files of two builds.
         const { bytes, mark } = await fetch('build.json', { cache: 'no-cache' }).then((response) => response.json());
         const { default: initialise, ...rest } = await import(`./wayfield.js?${mark}`);
-        wayfieldPage.program = program = rest;
-        await initialise({ module_or_path: await arriving(`wayfield_bg.wasm?${mark}`, bytes) });
+        wayfieldPage.app = app = rest;
+        await initialise({ module_or_path: await fetchWithProgress(`wayfield_bg.wasm?${mark}`, bytes) });
     } catch (error) {
-        if (!failure) stop('The program could not be loaded. Is the network there? Then try again.', String(error));
+        if (!hasFailed) stop('The app could not be loaded. Please check your internet connection and reload.', String(error));
     }
 }
 
-begin();
+start();

@@ -1,7 +1,7 @@
 #![no_main]
-//! Any bytes as a checkpoint.
+//! Fuzzes the reader of checkpoints.
 
-#[allow(dead_code, reason = "each target is one of these")]
+#[allow(dead_code, reason = "each target uses one reader")]
 #[path = "../../tests/support/untrusted_input.rs"]
 mod untrusted_input;
 

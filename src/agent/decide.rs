@@ -1,7 +1,7 @@
-//! `Decide`: the batch of observations becomes a batch of actions by one forward pass.
+//! Action selection (`Decide`): one forward pass turns the batch of observations into a batch of actions.
 //!
-//! In: [`Observations`], the learner's network or a fixed policy, epsilon. Out: [`Actions`], and for whoever watches
-//! the Q-values and which actions were explored ([`Decisions`]).
+//! In: [`Observations`], the learner's network or a fixed policy, epsilon. Out: [`Actions`]; for display, the Q-values
+//! and which actions were random ([`Decisions`]).
 
 use bevy::prelude::*;
 
@@ -10,51 +10,51 @@ use crate::learning::{QNetwork, epsilon_greedy, greedy};
 use crate::random::{self, Stream};
 use crate::task::{Actions, Observations};
 
-/// How actions are chosen.
+/// How actions are selected.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActionSelection {
-    /// Epsilon-greedily with the network in training ([`ActiveLearner`]).
+    /// Epsilon-greedy with the network in training ([`ActiveLearner`]).
     EpsilonGreedy,
-    /// Greedily with a fixed policy ([`GreedyPolicy`]).
+    /// Greedy with a fixed policy ([`GreedyPolicy`]).
     Greedy,
-    /// Each arena by a driver of its own ([`ActionSources`]); nothing is remembered or learnt.
+    /// By a separate source per arena ([`ActionSources`]). Nothing is stored or learned.
     PerArena,
 }
 
-/// The policy that [`ActionSelection::Greedy`] follows.
+/// The network that [`ActionSelection::Greedy`] follows.
 #[derive(Resource)]
 pub struct GreedyPolicy(pub QNetwork);
 
-/// Who drives, where [`ActionSelection::PerArena`] is followed.
+/// The sources of actions for [`ActionSelection::PerArena`].
 #[derive(Resource, Default)]
 pub struct ActionSources {
-    /// The driver of each arena, by number.
+    /// The source of each arena, by arena number.
     pub arenas: Vec<ActionSource>,
-    /// From how many motions they choose.
+    /// The number of actions to choose from.
     pub num_actions: usize,
 }
 
-/// Who drives an arena.
+/// The source of the actions of one arena.
 pub enum ActionSource {
-    /// A policy, greedily.
+    /// A network, followed greedily.
     Policy(QNetwork),
-    /// A hand, which holds this motion.
+    /// The user, who holds this action.
     Manual(usize),
 }
 
-/// What was decided, and the streams by which arenas explore.
+/// The last decisions, and the random streams by which arenas explore.
 #[derive(Resource)]
 pub struct Decisions {
     /// Q-values of the last decision: arenas x actions.
     pub q_values: Vec<f32>,
-    /// Whether an arena's last action was a random one.
+    /// Whether the last action of each arena was random.
     pub explored: Vec<bool>,
     /// The exploration stream of each arena.
     pub streams: Vec<Stream>,
 }
 
 impl Decisions {
-    /// Nothing decided yet, streams at their start.
+    /// No decision yet, and the streams at their start.
     #[must_use]
     pub fn new(seed: u64, arenas: usize) -> Self {
         Self {
@@ -68,18 +68,18 @@ impl Decisions {
 /// `Decide`: epsilon-greedy or greedy, for all arenas at once.
 pub(super) fn decide(
     action_selection: Res<ActionSelection>,
-    trainer: Option<Res<ActiveLearner>>,
+    learner: Option<Res<ActiveLearner>>,
     policy: Option<Res<GreedyPolicy>>,
-    drivers: Option<Res<ActionSources>>,
+    sources: Option<Res<ActionSources>>,
     observations: Res<Observations>,
     mut decisions: ResMut<Decisions>,
     mut actions: ResMut<Actions>,
 ) {
     let decisions = &mut *decisions;
     let arenas = actions.0.len();
-    match (*action_selection, trainer, policy, drivers) {
-        (ActionSelection::EpsilonGreedy, Some(trainer), ..) => {
-            let learner = &trainer.0;
+    match (*action_selection, learner, policy, sources) {
+        (ActionSelection::EpsilonGreedy, Some(learner), ..) => {
+            let learner = &learner.0;
             learner.q_values(&observations.current, arenas, &mut decisions.q_values);
             let (epsilon, width) = (learner.epsilon(), decisions.q_values.len() / arenas);
             for (arena, row) in decisions.q_values.chunks_exact(width).enumerate() {
@@ -95,27 +95,27 @@ pub(super) fn decide(
             }
             decisions.explored.fill(false);
         }
-        (ActionSelection::PerArena, _, _, Some(drivers)) => {
+        (ActionSelection::PerArena, _, _, Some(sources)) => {
             let mut row = Vec::new();
             decisions.q_values.clear();
             decisions.explored.fill(false);
-            for (arena, driver) in drivers.arenas.iter().enumerate().take(arenas) {
-                match driver {
+            for (arena, source) in sources.arenas.iter().enumerate().take(arenas) {
+                match source {
                     ActionSource::Policy(network) => {
                         network.q_values(observations.row(arena), 1, &mut row);
                         actions.0[arena] = greedy(&row);
                     }
-                    ActionSource::Manual(motion) => {
-                        // A hand values nothing in numbers; its row keeps the others in their places.
+                    ActionSource::Manual(action) => {
+                        // The user has no Q-values; a row of NaN keeps the rows of the other arenas in place.
                         row.clear();
-                        row.resize(drivers.num_actions, f32::NAN);
-                        actions.0[arena] = (*motion).min(drivers.num_actions.saturating_sub(1));
+                        row.resize(sources.num_actions, f32::NAN);
+                        actions.0[arena] = (*action).min(sources.num_actions.saturating_sub(1));
                     }
                 }
                 decisions.q_values.extend_from_slice(&row);
             }
         }
-        // Without a network to ask, the robots stand by their last action.
+        // Without a network, the last actions are repeated.
         _ => {}
     }
 }

@@ -1,6 +1,6 @@
-//! The agent: two plugins over the learner.
+//! The agent: selects actions, and trains the learner.
 //!
-//! In: observations and outcomes. Out: actions, and a learner that knows more.
+//! In: observations and outcomes. Out: actions, and an updated learner.
 //!
 //! | plugin | responsible for |
 //! |---|---|
@@ -18,13 +18,13 @@ pub use train::{ActiveLearner, TrainingFault, TrainingStats, TrainingWarning};
 use crate::control_step::{ControlSet, ControlStep};
 use crate::task::step_is_finite;
 
-/// Responsible for choosing each arena's motion.
+/// Selects the action of every arena.
 pub struct AgentPlugin {
     /// How actions are selected.
     pub action_selection: ActionSelection,
-    /// The run's seed: arena k explores by its own stream of it.
+    /// The run's seed. Arena k explores by the stream ("exploration", k) of it.
     pub seed: u64,
-    /// How many arenas there are.
+    /// The number of arenas.
     pub arenas: usize,
 }
 
@@ -36,7 +36,7 @@ impl Plugin for AgentPlugin {
     }
 }
 
-/// Responsible for remembering transitions and learning from them.
+/// Stores transitions in the replay buffer and takes gradient steps.
 ///
 /// Insert the learner as [`ActiveLearner`] before the first step.
 pub struct TrainingPlugin;

@@ -1,7 +1,7 @@
-//! `Store` and `Learn`: transitions go into the replay buffer, gradient steps come out of it.
+//! Training (`Store` and `Learn`): transitions enter the replay buffer, and the learner takes its gradient steps.
 //!
-//! In: observations, actions and outcomes of the step. Out: the learner in [`ActiveLearner`], what its gradient steps
-//! looked like ([`TrainingStats`]), [`TrainingFault`] if a number went wrong, and [`TrainingWarning`] if one is about to.
+//! In: observations, actions and outcomes of the step. Out: the learner in [`ActiveLearner`], statistics of its gradient
+//! steps ([`TrainingStats`]), a [`TrainingFault`] if learning diverged, and a [`TrainingWarning`] if it is about to.
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -13,11 +13,11 @@ use crate::task::{Actions, Observations, StepOutcomes, TaskMode};
 #[derive(Resource)]
 pub struct ActiveLearner(pub Learner);
 
-/// Set when a loss or weight is no longer a number: the caller of the step must look, and stop.
+/// The divergence of a loss or weight, if there was one. The caller of a step must check it and stop.
 #[derive(Resource, Default)]
 pub struct TrainingFault(pub Option<DivergenceError>);
 
-/// Set when Q-values are beyond what any return can be: the caller of the step should tell the user.
+/// A warning that Q-values exceed every possible return. The caller of a step should report it to the user.
 #[derive(Resource, Default)]
 pub struct TrainingWarning {
     first: Option<Overestimate>,
@@ -25,29 +25,29 @@ pub struct TrainingWarning {
 }
 
 impl TrainingWarning {
-    /// The first such warning of the training, once.
+    /// The first warning of the training; afterwards None.
     pub fn take_new(&mut self) -> Option<Overestimate> {
-        let news = self.first.clone().filter(|_| !self.reported);
-        self.reported |= news.is_some();
-        news
+        let warning = self.first.clone().filter(|_| !self.reported);
+        self.reported |= warning.is_some();
+        warning
     }
 }
 
-/// Sums over the gradient steps since they were last taken.
+/// Sums over the gradient steps since the last call of [`take_means`](Self::take_means).
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrainingStats {
-    /// Gradient steps in the sums.
+    /// The number of gradient steps in the sums.
     pub gradient_steps: u32,
-    /// Sum of the losses.
+    /// The sum of the losses.
     pub loss: f64,
-    /// Sum of the mean absolute TD errors.
+    /// The sum of the mean absolute TD errors.
     pub td_error: f64,
-    /// Sum of the mean Q-values of the actions taken.
+    /// The sum of the mean Q-values of the actions taken.
     pub q: f64,
 }
 
 impl TrainingStats {
-    /// The means of loss, absolute TD error and Q, and the sums back at zero; None if no gradient step was taken.
+    /// Returns the means of loss, absolute TD error and Q, and resets the sums. None without a gradient step.
     pub fn take_means(&mut self) -> Option<(f64, f64, f64)> {
         let sums = std::mem::take(self);
         let n = f64::from(sums.gradient_steps);
@@ -55,19 +55,19 @@ impl TrainingStats {
     }
 }
 
-/// `Store`: one experience per environment.
+/// `Store`: stores one experience per active arena.
 pub(super) fn store(
     mode: Res<TaskMode>,
     observations: Res<Observations>,
     actions: Res<Actions>,
     outcomes: Res<StepOutcomes>,
-    mut trainer: ResMut<ActiveLearner>,
+    mut learner: ResMut<ActiveLearner>,
 ) {
     for (env_index, outcome) in outcomes.0.iter().enumerate() {
         if outcome.inactive {
             continue;
         }
-        trainer.0.store(&Experience {
+        learner.0.store(&Experience {
             env_index,
             observation: observations.row(env_index),
             action: actions.0[env_index],
@@ -77,19 +77,19 @@ pub(super) fn store(
             truncated: outcome.truncated(),
         });
         if outcome.episode_end(*mode).is_some() {
-            trainer.0.episode_ended();
+            learner.0.episode_ended();
         }
     }
 }
 
-/// `Learn`: the gradient steps that are due.
+/// `Learn`: takes the gradient steps that are due.
 pub(super) fn learn(
-    mut trainer: ResMut<ActiveLearner>,
+    mut learner: ResMut<ActiveLearner>,
     mut stats: ResMut<TrainingStats>,
     mut fault: ResMut<TrainingFault>,
     mut warning: ResMut<TrainingWarning>,
 ) {
-    match trainer.0.train() {
+    match learner.0.train() {
         Ok(Some(step)) => {
             let n = f64::from(step.gradient_steps);
             stats.gradient_steps += step.gradient_steps;

@@ -1,100 +1,102 @@
-//! The status: how the session stands, in numbers and words, taken once a frame beside the [`Scene`](super::scene::Scene).
+//! The app snapshot: the state of the session in numbers and words, taken once per frame together with the
+//! [`Scene`](super::scene::Scene).
 //!
-//! In: the session and the learner, read only (`extract.rs`). Out: plain data for the panels.
+//! In: the session and the learner, read-only (`extract.rs`). Out: plain data for the panels.
 
 use std::sync::Arc;
 
 use super::commands::{Pace, SessionMode};
 use crate::scenario::Scenario;
 
+/// The path of a scenario's file, and the scenario.
+pub type ScenarioFile = (String, Arc<Scenario>);
+
 /// A scenario or preset that can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// By what it is asked for: a shipped one's name, or a file's path.
+    /// Its file, or the name of a shipped one.
     pub from: String,
-    /// What to call it.
+    /// Title to display.
     pub title: String,
-    /// What it is for, in a few sentences.
+    /// Description in a few sentences.
     pub about: String,
 }
 
-/// How serious a notice is.
+/// Severity of a notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
-    /// Something went as asked.
+    /// A confirmation, or a hint.
     Info,
-    /// Something could not be done; all else goes on.
+    /// Something failed; everything else continues.
     Error,
 }
 
-/// A notice to the user, until it is dismissed.
+/// A notice to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// How serious it is.
+    /// Its severity.
     pub severity: Severity,
-    /// What happened, and the mend; may have several lines.
+    /// What happened, and how to fix it. May have several lines.
     pub text: String,
 }
 
-/// How the session stands.
+/// The state of the session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AppSnapshot {
-    /// Time stands still.
+    /// Whether time is paused.
     pub paused: bool,
-    /// How quickly it passes otherwise.
+    /// Pace of the simulated time.
     pub pace: Pace,
-    /// Who drives.
+    /// What drives the robots.
     pub mode: SessionMode,
-    /// The scenario as it was asked for, among `scenarios`.
+    /// The scenario's file or shipped name, as in `scenarios`.
     pub scenario_from: String,
-    /// The preset as it was asked for, among `presets`.
+    /// The preset's file or shipped name, as in `presets`.
     pub preset_from: String,
-    /// The world is another than its file has it: moved by hand, or edited and not saved.
+    /// Whether the scenario differs from its file: an object was moved, or an edit was not saved.
     pub scenario_modified: bool,
-    /// The world is the paper's Scenario I as it stands in the file: the paper's levels can be compared with.
+    /// Whether this is the paper's Scenario I, unmodified, so that the paper's results apply.
     pub is_paper_scenario_1: bool,
-    /// What can be chosen.
+    /// Scenarios to choose from.
     pub scenarios: Vec<Choice>,
-    /// What can be chosen.
+    /// Presets to choose from.
     pub presets: Vec<Choice>,
-    /// The seed of every random draw.
+    /// Seed of every random draw.
     pub seed: u64,
-    /// Whether training began from another's weights, and from which (a file, or the scenario before).
+    /// Source of the initial weights, if they are not random: a policy file, or the scenario before a transfer.
     pub transfer_from: Option<String>,
-    /// Episodes ended in training.
+    /// Finished training episodes.
     pub episodes: u64,
     /// Env steps of training, all arenas together.
     pub env_steps: u64,
-    /// Gradient steps taken.
+    /// Gradient steps.
     pub gradient_steps: u64,
-    /// Env steps after which the preset would stop a training without a window; here it goes on.
+    /// Env steps after which the preset ends a training without a window. In the app training continues.
     pub budget_env_steps: Option<u64>,
-    /// The chance of a random action, 0 to 1.
+    /// Probability of a random action, 0 to 1.
     pub epsilon: f32,
     /// Success rate of the greedy policy in the last evaluation, 0 to 1.
     pub success_rate: Option<f64>,
-    /// That of the best policy so far.
+    /// Success rate of the best policy so far, 0 to 1.
     pub best_success_rate: Option<f64>,
-    /// Env steps per second of wall time, over the last second or so.
+    /// Env steps per second of wall time, over about the last second.
     pub env_steps_per_s: f64,
-    /// How many times real time that is, for one arena.
+    /// The same as a multiple of real time, for one arena.
     pub real_time_factor: f64,
-    /// Simulated time of one arena since the training's start, in s.
+    /// Simulated time of one arena since the training started, in s.
     pub simulated_s: f64,
-    /// Frames drawn per second.
+    /// Frames per second.
     pub frames_per_s: f64,
-    /// A policy that was opened, to compare with: its name.
+    /// Name of the opened policy, if there is one to compare with.
     pub opened_policy: Option<String>,
-    /// What the user should know.
+    /// Notices, oldest first.
     pub notices: Vec<Notice>,
-    /// A training of some worth, not saved as it stands, would be gone if another began.
+    /// Whether a new training would discard an unsaved one that is worth keeping.
     pub restart_loses_training: bool,
-    /// The shipped policy that can drive in this world and sees what the preset shows: its name.
+    /// Name of a shipped policy that can drive here, with the observations of the preset.
     pub expert: Option<String>,
-    /// The world that was saved last, and its file.
-    pub saved_scenario: Option<(String, Arc<Scenario>)>,
-    /// A world that was opened to be edited: another number with each, its name or file, the world.
-    pub draft: Option<(u64, String, Arc<Scenario>)>,
-    /// Whether there is a disk. A browser has none: no folder can be saved, and a picture is one that it draws itself.
+    /// The scenario that was saved last, and its file; `None` once the scenario of the training has changed after it.
+    pub saved_scenario: Option<ScenarioFile>,
+    /// Whether files can be written to disk. In a browser folders cannot be saved, and pictures are SVGs.
     pub has_disk: bool,
 }

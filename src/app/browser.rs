@@ -1,13 +1,14 @@
-//! The page around the app in a browser: what a command line, a disk and dialogs are elsewhere.
+//! The web page around the app in a browser, in place of a command line, a disk and dialogs.
 //!
-//! In: the page's address, files that the user hands to it. Out: files to be saved, what is to be remembered, how the
-//! training stands in words (for who cannot see the canvas, and for tests), and a panic's message. The other side is
-//! `web/page.js`: an object `wayfieldPage` with a function for each thing said here.
+//! In: the address of the page, and files that the user gives to it. Out: files to download, preferences, a status of the
+//! training in words (for screen readers and tests), and the message of a panic. The other side is the object `wayfieldPage`
+//! in `web/page.js`, which has one function for each import below.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::time::Real;
 use serde::Serialize;
@@ -15,7 +16,9 @@ use wasm_bindgen::prelude::*;
 
 use super::CurrentViewState;
 use super::commands::{Command, Pace, SessionMode};
-use super::session::{Session, StartOptions};
+use super::session::{
+    ActiveMode, Journal, Notices, Pacer, ScenarioSource, StartOptions, Throughput, TrainingRun,
+};
 use super::window::{self, WindowOptions};
 use crate::agent::ActiveLearner;
 use crate::run::folder::RunConfig;
@@ -24,116 +27,113 @@ use crate::scenario::{to_ron, virtual_files};
 
 #[wasm_bindgen]
 extern "C" {
-    /// The value of `key` in the page's address.
+    /// Value of the query parameter `key` in the address.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn query_parameter(key: &str) -> Option<String>;
-    /// The app runs: the page needs to show nothing of its own.
+    /// Reports that the app has started, so that the page hides its cover.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn started();
-    /// It cannot go on, and why.
+    /// Reports why the app has stopped.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn failed(text: &str);
-    /// Asks the user for a file.
+    /// Opens the browser's file picker.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn open_file_picker();
-    /// Saves a file where the browser keeps such.
+    /// Downloads a file.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn save(name: &str, bytes: &[u8]);
-    /// How the training stands, as JSON.
+    /// Reports the status of the training, as JSON.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn report(json: &str);
-    /// The page's address becomes one that begins the same training; `world` is the scenario's text, if it is not one that
-    /// is shipped.
+    /// Makes the address a link that starts the same training. `embedded` is the scenario's text, if it is not shipped.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn set_share_link(scenario: &str, preset: &str, seed: &str, world: Option<String>);
-    /// The page's address becomes one that asks for nothing.
+    fn set_share_link(scenario: &str, preset: &str, seed: &str, embedded: Option<String>);
+    /// Removes all parameters from the address.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn clear_share_link();
-    /// The text of a scenario that the address itself holds.
+    /// Text of the scenario embedded in the address, if there is one.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     fn embedded_scenario() -> Option<String>;
-    /// Keeps a text from one visit to the next.
+    /// Stores the preferences for the next visit.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn save_preferences(text: &str);
-    /// What was kept.
+    /// The stored preferences.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn load_preferences() -> Option<String>;
 }
 
-/// Files that the page took from the user and nobody has opened yet.
+/// Files from the user that have not been opened yet.
 static INBOX: Mutex<Vec<virtual_files::VirtualFile>> = Mutex::new(Vec::new());
 
-/// The page hands in a file of the user's.
+/// Takes a file that the user has given to the page.
 #[wasm_bindgen]
 pub fn receive_file(name: String, bytes: Vec<u8>) {
     INBOX.lock().unwrap_or_else(PoisonError::into_inner).push((name, bytes));
 }
 
-/// Begins what the page's address asks for, and returns; the browser calls from then on.
+/// Starts the app with the options in the address, and returns. The browser then calls the app for each frame.
 pub fn run() {
     std::panic::set_hook(Box::new(|panic| failed(&panic.to_string())));
-    let usual = StartOptions::default();
+    let default = StartOptions::default();
     let mut invalid_options = Vec::new();
-    let seed = parse_query("seed", "give a whole number from 0 on", &mut invalid_options);
-    let pace = parse_query("pace", "give 0.01 to 100 times real time, or full", &mut invalid_options);
-    let mut scenario = query_parameter("scenario").unwrap_or(usual.scenario);
+    let seed = parse_query("seed", "use a whole number, 0 or more", &mut invalid_options);
+    let pace = parse_query("pace", "use 0.01 to 100 (times real time), or full", &mut invalid_options);
+    let mut scenario = query_parameter("scenario").unwrap_or(default.scenario);
     if let Some(text) = embedded_scenario() {
-        scenario = if shipped::is_scenario(&scenario) { "world.ron".into() } else { scenario };
+        scenario = if shipped::is_scenario(&scenario) { "scenario.ron".into() } else { scenario };
         virtual_files::add_upload(scenario.clone(), text.into_bytes());
     }
-    let first = StartOptions {
+    let start = StartOptions {
         scenario,
-        preset: query_parameter("preset").unwrap_or(usual.preset),
-        seed: seed.unwrap_or(usual.seed),
-        pace: pace.unwrap_or(usual.pace),
+        preset: query_parameter("preset").unwrap_or(default.preset),
+        seed: seed.unwrap_or(default.seed),
+        pace: pace.unwrap_or(default.pace),
         paused: query_parameter("paused").is_some(),
         open: None,
         edit: query_parameter("edit").is_some(),
         invalid_options,
     };
-    if let Err(error) = window::run(WindowOptions { first, ..WindowOptions::default() }) {
+    if let Err(error) = window::run(WindowOptions { start, ..WindowOptions::default() }) {
         failed(&error.to_string());
     }
 }
 
-/// What the page's address says of `key`; what cannot be read is told, with the mend.
-fn parse_query<T: FromStr>(key: &str, mend: &str, invalid_options: &mut Vec<String>) -> Option<T> {
+/// The query parameter `key`, parsed. An invalid value is added to `invalid_options`, with `help`.
+fn parse_query<T: FromStr>(key: &str, help: &str, invalid_options: &mut Vec<String>) -> Option<T> {
     let text = query_parameter(key)?;
     let value = text.parse().ok();
     if value.is_none() {
-        invalid_options.push(format!("{key}={text} in the page's address: {mend}"));
+        invalid_options.push(format!("Invalid address: {key}={text}\nhelp: {help}"));
     }
     value
 }
 
-/// Needed in place of the system's dialogs' state: there is none.
+/// Placeholder: the browser's file picker needs no state.
 #[derive(Resource, Default)]
 pub struct FileDialogs;
 
-/// Opens what was handed in, saves what was handed out, and answers the orders that ask for a dialog.
+/// Opens files from the user, downloads saved files, and answers commands that need a dialog.
 pub(super) fn run_file_dialogs(
     mut messages: ResMut<Messages<Command>>,
     mut seen: Local<bevy::ecs::message::MessageCursor<Command>>,
-    session: Option<Res<Session>>,
+    run: Option<Res<TrainingRun>>,
     view_state: Res<CurrentViewState>,
 ) {
     let mut answers = Vec::new();
     for command in seen.read(&messages) {
         match command {
             Command::OpenDialog | Command::OpenInEditor(None) => open_file_picker(),
-            Command::SaveScenario { scenario, like, path: None } => {
+            Command::SaveScenario { scenario, based_on, path: None } => {
                 let path = scenario_file_name(&scenario.name);
                 answers.push(Command::SaveScenario {
                     scenario: scenario.clone(),
-                    like: like.clone(),
+                    based_on: based_on.clone(),
                     path: Some(path),
                 });
             }
             Command::SaveDialog(what) => {
                 answers.extend(
-                    session
-                        .iter()
-                        .map(|session| Command::Save(*what, session.suggested_file_name(*what).into())),
+                    run.iter().map(|run| Command::Save(*what, run.suggested_file_name(*what).into())),
                 );
             }
             _ => {}
@@ -141,8 +141,8 @@ pub(super) fn run_file_dialogs(
     }
     for (name, bytes) in std::mem::take(&mut *INBOX.lock().unwrap_or_else(PoisonError::into_inner)) {
         virtual_files::add_upload(name.clone(), bytes);
-        let edits = view_state.0.editor.is_some() && name.ends_with(".ron");
-        answers.push(if edits {
+        let is_edited = view_state.0.editor.is_some() && name.ends_with(".ron");
+        answers.push(if is_edited {
             Command::OpenInEditor(Some(name.into()))
         } else {
             Command::Open(name.into())
@@ -154,29 +154,29 @@ pub(super) fn run_file_dialogs(
     }
 }
 
-/// A file's name for a world that is called `name`.
+/// A file name for a scenario called `name`.
 fn scenario_file_name(name: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let stem: String = name.chars().map(plain).collect();
     format!("{}.ron", stem.trim_matches('-')).into()
 }
 
-/// The page's address becomes a link to what goes on: whoever follows it begins the same training. A world of the user's
-/// own goes with it. There is no link to a preset of the user's own, nor to what began from a policy.
-fn update_share_link(begun: &RunConfig) {
-    let RunConfig { scenario_from, preset_from, seed, scenario, transfer, .. } = begun;
+/// Makes the address a link that starts the same training. A scenario of the user's own is embedded. A preset of the user's
+/// own cannot be linked, nor a training that started from a policy.
+fn update_share_link(config: &RunConfig) {
+    let RunConfig { scenario_from, preset_from, seed, scenario, transfer, .. } = config;
     let as_shipped = shipped::is_scenario(scenario_from)
         && shipped::scenario(scenario_from).is_ok_and(|shipped| shipped == *scenario);
-    let world = if as_shipped { None } else { to_ron(scenario).ok() };
-    if shipped::is_preset(preset_from) && transfer.is_none() && (as_shipped || world.is_some()) {
-        set_share_link(scenario_from, preset_from, &seed.to_string(), world);
+    let embedded = if as_shipped { None } else { to_ron(scenario).ok() };
+    if shipped::is_preset(preset_from) && transfer.is_none() && (as_shipped || embedded.is_some()) {
+        set_share_link(scenario_from, preset_from, &seed.to_string(), embedded);
     } else {
         clear_share_link();
     }
 }
 
-/// Checksums of what a training begins with and of its first control steps, weights and world, as 16 hexadecimal digits;
-/// or why there are none. For the tests: natively they must be the same ([`crate::run::fingerprint`]).
+/// Checksums of a training's initial state and its first control steps, as hexadecimal digits; or an error message. The tests
+/// compare them with those of a native build ([`crate::run::fingerprint`]).
 #[wasm_bindgen]
 pub fn fingerprint(scenario: &str, preset: &str, seed: u32, control_steps: u32) -> String {
     match run::fingerprint::fingerprint(scenario, preset, seed.into(), control_steps) {
@@ -185,74 +185,91 @@ pub fn fingerprint(scenario: &str, preset: &str, seed: u32, control_steps: u32) 
     }
 }
 
-/// What the page is told once a second.
+/// The status that is reported to the page once per second.
 #[derive(Clone, Default, Serialize)]
-pub(super) struct Report {
+pub(super) struct PageStatus {
     scenario: String,
     preset: String,
     seed: u64,
     mode: SessionMode,
     pace: Option<Pace>,
     paused: bool,
-    /// The world is another than its file has it.
+    /// Whether the scenario differs from its file.
     scenario_modified: bool,
     episodes: u64,
     env_steps: u64,
     gradient_steps: u64,
-    /// Of the last evaluation, 0 to 1.
+    /// Success rate of the last evaluation, 0 to 1.
     success_rate: Option<f64>,
     best_success_rate: Option<f64>,
     frames: u64,
     frames_per_s: f64,
-    /// Time that steps took in all, and the most in one frame, in ms.
+    /// Time spent on control steps in all, in ms.
     stepping_ms: f64,
+    /// Longest time spent on control steps in one frame, in ms.
     longest_slice_ms: f64,
-    /// The last notice.
+    /// Text of the latest notice.
     notice: Option<String>,
 }
 
-/// Tells the page how the training stands.
+/// The resources of the session that are reported.
+#[derive(SystemParam)]
+pub(super) struct SessionView<'w> {
+    run: Res<'w, TrainingRun>,
+    mode: Res<'w, ActiveMode>,
+    pacer: Res<'w, Pacer>,
+    source: Res<'w, ScenarioSource>,
+    throughput: Res<'w, Throughput>,
+    notices: Res<'w, Notices>,
+    journal: Res<'w, Journal>,
+    learner: Res<'w, ActiveLearner>,
+}
+
+/// Reports the status of the training to the page, and keeps the address up to date.
 pub(super) fn report_to_page(
-    session: Option<Res<Session>>,
-    trainer: Option<Res<ActiveLearner>>,
+    session: SessionView,
     time: Res<Time<Real>>,
-    mut told: Local<Report>,
-    mut told_s: Local<f64>,
+    mut status: Local<PageStatus>,
+    mut reported_s: Local<f64>,
     mut linked: Local<Option<RunConfig>>,
 ) {
-    let (Some(session), Some(trainer)) = (session, trainer) else { return };
-    if told.frames == 0 {
+    if status.frames == 0 {
         started();
     }
     let spent_ms = session.pacer.spent().as_secs_f64() * 1e3;
-    told.frames += 1;
-    told.stepping_ms += spent_ms;
-    told.longest_slice_ms = told.longest_slice_ms.max(spent_ms);
+    status.frames += 1;
+    status.stepping_ms += spent_ms;
+    status.longest_slice_ms = status.longest_slice_ms.max(spent_ms);
     let now_s = time.elapsed_secs_f64();
-    if now_s - *told_s < 1.0 && told.frames > 1 {
+    if now_s - *reported_s < 1.0 && status.frames > 1 {
         return;
     }
-    *told_s = now_s;
-    let config = &session.config;
+    *reported_s = now_s;
     if linked.as_ref() != Some(&session.journal.begun) {
         update_share_link(&session.journal.begun);
         *linked = Some(session.journal.begun.clone());
     }
-    told.scenario.clone_from(&config.scenario_from);
-    told.preset.clone_from(&config.preset_from);
-    told.seed = config.seed;
-    told.mode = session.mode;
-    told.pace = Some(session.pacer.pace);
-    told.paused = session.pacer.paused;
-    told.scenario_modified = session.scenario_modified();
-    told.episodes = trainer.0.episodes();
-    told.env_steps = trainer.0.env_steps();
-    told.gradient_steps = trainer.0.gradient_steps();
-    told.success_rate = session.trainer_state.last_success_rate;
-    told.best_success_rate = session.trainer_state.best.as_ref().map(|best| best.success_rate);
-    told.frames_per_s = session.throughput.per_s().2;
-    told.notice = session.notices().pop().map(|notice| notice.text);
-    if let Ok(json) = serde_json::to_string(&*told) {
+    update(&mut status, &session);
+    if let Ok(json) = serde_json::to_string(&*status) {
         report(&json);
     }
+}
+
+fn update(status: &mut PageStatus, session: &SessionView) {
+    let (config, trainer_state) = (&session.run.config, &session.run.trainer_state);
+    let learner = &session.learner.0;
+    status.scenario.clone_from(&config.scenario_from);
+    status.preset.clone_from(&config.preset_from);
+    status.seed = config.seed;
+    status.mode = session.mode.mode();
+    status.pace = Some(session.pacer.pace);
+    status.paused = session.pacer.is_paused();
+    status.scenario_modified = session.source.is_modified(config);
+    status.episodes = learner.episodes();
+    status.env_steps = learner.env_steps();
+    status.gradient_steps = learner.gradient_steps();
+    status.success_rate = trainer_state.last_success_rate;
+    status.best_success_rate = trainer_state.best.as_ref().map(|best| best.success_rate);
+    status.frames_per_s = session.throughput.rates().frames_per_s;
+    status.notice = session.notices.list().pop().map(|notice| notice.text);
 }

@@ -1,30 +1,30 @@
-//! Orders: all that the user's hand can ask for, as messages.
+//! Commands: everything that the user can ask for, as messages.
 //!
-//! In: the screen writes them while it is drawn. Out: the session carries them out between control steps, and writes
-//! those that touch what is learnt into its journal. Nothing else of the room reaches the world.
+//! In: the screen writes commands while it is drawn. Out: the session executes them between control steps, and records those
+//! that affect the training in its journal. Nothing else in the app changes the world. Replies go to the editor.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use bevy::math::Vec2;
 use serde::{Deserialize, Serialize};
 
+use super::moves::MoveRequest;
 use crate::scenario::Scenario;
 
-/// How quickly simulated time passes.
+/// Speed of the simulated time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Pace {
-    /// So many times real time.
+    /// A multiple of real time, 0.01 to 100.
     Times(f32),
-    /// As quickly as it goes within a frame's budget.
+    /// As fast as possible within each frame's budget.
     Full,
 }
 
 impl FromStr for Pace {
     type Err = String;
 
-    /// `full`, or a number of times real time, as in `5` or `5x`.
+    /// Parses `full`, or a multiple of real time such as `5` or `5x`.
     fn from_str(text: &str) -> Result<Self, String> {
         if text == "full" {
             return Ok(Self::Full);
@@ -36,115 +36,87 @@ impl FromStr for Pace {
     }
 }
 
-/// What the robots are driven by.
+/// What drives the robots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SessionMode {
-    /// All arenas explore, and the learner learns.
+    /// The learner drives in all arenas, explores and learns.
     #[default]
     Train,
     /// The present policy drives greedily in one arena; nothing is learnt.
     Test,
-    /// The user drives in one arena, and the present policy beside in another, to the same goals.
+    /// The user drives in one arena, and the present policy in another, to the same goals.
     Drive,
-    /// The present policy and the one that was opened, side by side, to the same goals.
+    /// The present policy and the opened one drive side by side, to the same goals.
     Compare,
 }
 
-/// Something that the user moves, in an arena's own coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MoveRequest {
-    /// The target of an arena.
-    Goal {
-        /// Which arena.
-        arena: usize,
-        /// Where to, in m.
-        to_m: Vec2,
-    },
-    /// The robot of an arena; its heading stays.
-    Robot {
-        /// Which arena.
-        arena: usize,
-        /// Where to, in m.
-        to_m: Vec2,
-    },
-    /// An obstacle, in all arenas: the world itself is another then.
-    Obstacle {
-        /// In which arena the user sees it.
-        arena: usize,
-        /// Its number in the scenario.
-        index: usize,
-        /// Where its middle is to be there now, in m.
-        to_m: Vec2,
-    },
-}
-
-/// What the user asks for.
+/// A command of the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Time stands still, or goes on.
+    /// Pauses time, or lets it run.
     Pause(bool),
-    /// One control step, and then stand still.
+    /// Takes one control step, then pauses.
     Step,
-    /// Time passes so quickly.
+    /// Sets the pace.
     SetPace(Pace),
-    /// Who drives from now on.
+    /// Sets the mode.
     SetMode(SessionMode),
-    /// A new training, from nothing: scenario and preset by name or file, and the seed.
+    /// Starts a training from random weights.
     StartTraining {
         /// A shipped scenario's name, or a file.
         scenario: String,
         /// A shipped preset's name, or a file.
         preset: String,
-        /// The seed of every random draw.
+        /// Seed of every random draw.
         seed: u64,
     },
-    /// Training goes on in another scenario with the present weights: knowledge transfer.
+    /// Starts a training in another scenario from the present weights: knowledge transfer.
     Transfer {
         /// A shipped scenario's name, or a file.
         scenario: String,
         /// Epsilon at its start, 0 to 1 (the paper: 0.5).
         epsilon: f32,
     },
-    /// A new training of the same preset that starts from the opened policy, in the same scenario.
+    /// Starts a training from the opened policy, with the present scenario and preset.
     TrainFromOpened {
         /// Epsilon at its start, 0 to 1.
         epsilon: f32,
     },
-    /// Something was moved by hand.
+    /// Moves an object.
     Move(MoveRequest),
-    /// The motion that the user drives, an index into the robot's motions.
+    /// Sets the motion of the robot that the user drives, an index into the robot's motions.
     Steer(usize),
-    /// Asks by a dialog for a policy or a run's checkpoint, and opens it.
+    /// Opens a dialog for a policy, a checkpoint, a scenario or a preset.
     OpenDialog,
-    /// Opens the shipped policy that can drive here, beside the present one.
+    /// Opens a shipped policy that can drive here, to compare with.
     OpenExpert,
-    /// Opens a policy file, a run's folder or its checkpoint, a scenario or a preset.
+    /// Opens a policy file, a run folder, a checkpoint, a scenario or a preset.
     Open(PathBuf),
-    /// Asks by a dialog where to, and saves it there.
+    /// Opens a dialog for the file to save to.
     SaveDialog(SaveKind),
-    /// Saves it there.
+    /// Saves to a file or folder.
     Save(SaveKind, PathBuf),
-    /// Training goes on in this world, which was edited.
+    /// Applies an edited scenario to the training.
     ApplyScenario {
-        /// The world.
+        /// The scenario.
         scenario: Arc<Scenario>,
-        /// By what name or file it is asked for.
+        /// Its file, or the shipped scenario's name.
         from: String,
-        /// A new training begins there, of the same preset and seed; else the policy goes on.
-        again: bool,
+        /// Whether to restart the training from random weights, with the same preset and seed; otherwise it continues.
+        restart: bool,
     },
-    /// Saves an edited world as RON.
+    /// Saves an edited scenario as RON. [`EditorReply::Saved`] is the answer.
     SaveScenario {
-        /// The world.
+        /// The scenario.
         scenario: Arc<Scenario>,
-        /// The name or file that it was made from: its comments are kept.
-        like: String,
-        /// Where to; None: asks by a dialog.
+        /// File or shipped scenario's name that it was made from, whose comments are kept.
+        based_on: String,
+        /// The file; `None` opens a dialog.
         path: Option<PathBuf>,
     },
-    /// Opens a scenario's file to be edited; None: asks by a dialog which.
+    /// Opens a scenario in the editor; `None` opens a dialog. [`EditorReply::Opened`] is the answer.
     OpenInEditor(Option<PathBuf>),
-    /// A notice was read: its index among the status's.
+    /// Dismisses a notice, by its index in the snapshot.
     DismissNotice(usize),
 }
 
@@ -153,12 +125,31 @@ pub enum Command {
 pub enum SaveKind {
     /// The present policy, as safetensors.
     Policy,
-    /// The whole run as a folder that `wayfield --train --resume` goes on from.
+    /// The whole run, as a folder that `wayfield --train --resume` can continue.
     Run,
-    /// The episodes' rows, as CSV.
+    /// The episodes, as CSV.
     Csv,
-    /// The learning curves, as PNG (as SVG where there is no disk).
+    /// The learning curves, as PNG (in a browser, as SVG).
     Png,
-    /// The world as it stands, as RON.
+    /// The present scenario, as RON.
     Scenario,
+}
+
+/// An answer of the session to the editor.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EditorReply {
+    /// A scenario was saved.
+    Saved {
+        /// Path of its file.
+        file: String,
+        /// The scenario in the file now.
+        scenario: Arc<Scenario>,
+    },
+    /// A scenario was opened to be edited.
+    Opened {
+        /// Its file, or the shipped scenario's name.
+        from: String,
+        /// The scenario, which may be invalid.
+        scenario: Arc<Scenario>,
+    },
 }

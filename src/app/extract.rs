@@ -1,7 +1,8 @@
-//! The look: the world and the session become a [`Scene`] and a [`AppSnapshot`], once a frame.
+//! Extraction: the world and the session become a [`Scene`] and an [`AppSnapshot`], once per frame.
 //!
-//! In: the ECS and the session, read only, as the systems' own parameters say. Out: [`Snapshot`], which the screen draws.
+//! In: the ECS and the session, read-only. Out: [`Snapshot`], which the screen draws.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::CurrentViewState;
@@ -9,8 +10,10 @@ use super::app_snapshot::{AppSnapshot, Choice};
 use super::commands::SessionMode;
 use super::scalar_fields::ScalarFields;
 use super::scene::{ArenaScene, DriverLabel, Scene};
-use super::session::Session;
-use super::session::trails::{ArenaTrails, Trails};
+use super::session::trails::ArenaTrails;
+use super::session::{
+    ActiveMode, Journal, Notices, OpenedFiles, Pacer, ScenarioSource, Throughput, Trails, TrainingRun, open,
+};
 use crate::agent::{ActiveLearner, Decisions};
 use crate::run::preset::Budget;
 use crate::run::shipped;
@@ -19,20 +22,20 @@ use crate::task::{
     Actions, Arena, ArenaLayout, Clock, CurrentScenario, Episode, Goal, Pose, Scan, wrap_angle,
 };
 
-/// What the screen draws next; nothing before the first frame.
+/// What the screen draws next.
 #[derive(Resource, Default)]
 pub struct Snapshot {
-    /// What there is to see, and how the session stands.
+    /// The scene and the state of the session; `None` before the first frame.
     pub now: Option<(Scene, AppSnapshot)>,
-    /// What is shipped, which doesn't change.
+    /// Shipped scenarios and presets, which never change.
     shipped: Option<(Vec<Choice>, Vec<Choice>)>,
 }
 
-/// Of more arenas than these the first are shown: nobody could tell more apart.
+/// At most this many arenas are shown: in a larger grid they could not be told apart.
 const MAX_ARENAS_SHOWN: usize = 100;
 
-/// What is seen of an arena.
-type Seen = (
+/// The components of an arena that are shown.
+type ArenaComponents = (
     &'static Arena,
     &'static ArenaLayout,
     &'static Pose,
@@ -42,84 +45,110 @@ type Seen = (
     &'static Episode,
 );
 
-/// Takes the scene and the status.
-#[expect(clippy::too_many_arguments, reason = "a system's parameters are what it reads")]
+/// The resources of the session that are shown.
+#[derive(SystemParam)]
+pub(super) struct SessionView<'w> {
+    run: Res<'w, TrainingRun>,
+    mode: Res<'w, ActiveMode>,
+    pacer: Res<'w, Pacer>,
+    throughput: Res<'w, Throughput>,
+    journal: Res<'w, Journal>,
+    opened: Res<'w, OpenedFiles>,
+    source: Res<'w, ScenarioSource>,
+    notices: Res<'w, Notices>,
+    learner: Res<'w, ActiveLearner>,
+}
+
+/// The parts of the world that are shown.
+#[derive(SystemParam)]
+pub(super) struct WorldView<'w, 's> {
+    scenario: Res<'w, CurrentScenario>,
+    decisions: Res<'w, Decisions>,
+    actions: Res<'w, Actions>,
+    trails: Res<'w, Trails>,
+    arenas: Query<'w, 's, ArenaComponents>,
+}
+
+/// Extracts the scene and the app snapshot.
 pub(super) fn extract(
-    session: Option<Res<Session>>,
-    scenario: Option<Res<CurrentScenario>>,
-    trainer: Option<Res<ActiveLearner>>,
-    decisions: Res<Decisions>,
-    actions: Res<Actions>,
-    trails: Res<Trails>,
+    session: SessionView,
+    world: WorldView,
     fields: Res<ScalarFields>,
     view_state: Res<CurrentViewState>,
-    arenas: Query<Seen>,
-    mut shown: ResMut<Snapshot>,
+    mut snapshot: ResMut<Snapshot>,
 ) {
-    let (Some(session), Some(scenario), Some(trainer)) = (session, scenario, trainer) else { return };
-    let scenario = &scenario.0;
-    let mut seen: Vec<_> = arenas.iter().collect();
-    seen.sort_by_key(|(arena, ..)| arena.0);
-    seen.truncate(MAX_ARENAS_SHOWN);
-    let part = session.pacer.interpolation();
-    let motions = scenario.robot.motions.len();
-    let none = ArenaTrails::default();
-    let arenas: Vec<ArenaScene> = seen
-        .into_iter()
-        .map(|(arena, room, pose, goal, clock, scan, episode)| {
-            let k = arena.0;
-            let ways = trails.0.get(k).unwrap_or(&none);
-            let q_values = decisions.q_values.get(k * motions..(k + 1) * motions).unwrap_or_default();
-            let in_full = view_state.0.followed == k || session.mode != SessionMode::Train;
-            ArenaScene {
-                scenario: room.scenario.clone(),
-                pose: ways.previous_pose.map_or(*pose, |before| between(&before, pose, part)),
-                goal: *goal,
-                obstacles: obstacles(&room.scenario, *clock, part),
-                ranges_m: scan.ranges_m.clone(),
-                scan_pose: scan.sensor_pose,
-                driver: driver(&session, k),
-                action: actions.0.get(k).copied().unwrap_or(0),
-                explored: decisions.explored.get(k).copied().unwrap_or(false),
-                q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
-                path_m: ways.path_m.clone(),
-                trails: if in_full && view_state.0.overlays.trails {
-                    ways.finished.iter().cloned().collect()
-                } else {
-                    Vec::new()
-                },
-                collisions: ways.collisions,
-                goals_reached: ways.goals_reached,
-                inactive: episode.inactive,
-            }
-        })
-        .collect();
+    let arenas = arena_scenes(&session, &world, &view_state);
     if arenas.is_empty() {
         return;
     }
     let scene = Scene {
-        scenario: scenario.clone(),
+        scenario: world.scenario.0.clone(),
         arenas,
         potential: fields.potential.clone(),
         value: fields.value.clone(),
     };
-    let (scenarios, presets) = shown.shipped.get_or_insert_with(shipped_choices).clone();
-    let status = status(&session, &trainer, scenarios, presets);
-    shown.now = Some((scene, status));
+    let (scenarios, presets) = snapshot.shipped.get_or_insert_with(shipped_choices).clone();
+    snapshot.now = Some((scene, app_snapshot(&session, scenarios, presets)));
 }
 
-fn driver(session: &Session, arena: usize) -> DriverLabel {
-    let present = || DriverLabel::Policy("Present policy".into());
-    match (session.mode, arena, &session.opened_policy) {
+fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentViewState) -> Vec<ArenaScene> {
+    let mut shown: Vec<_> = world.arenas.iter().collect();
+    shown.sort_by_key(|(arena, ..)| arena.0);
+    shown.truncate(MAX_ARENAS_SHOWN);
+    let part = session.pacer.interpolation();
+    let mode = session.mode.mode();
+    let motions = world.scenario.0.robot.motions.len();
+    let no_trails = ArenaTrails::default();
+    let arena_scene = |(arena, layout, pose, goal, clock, scan, episode): (
+        &Arena,
+        &ArenaLayout,
+        &Pose,
+        &Goal,
+        &Clock,
+        &Scan,
+        &Episode,
+    )| {
+        let k = arena.0;
+        let trails = world.trails.0.get(k).unwrap_or(&no_trails);
+        let q_values = world.decisions.q_values.get(k * motions..(k + 1) * motions).unwrap_or_default();
+        let is_large = view_state.0.followed == k || mode != SessionMode::Train;
+        ArenaScene {
+            scenario: layout.scenario.clone(),
+            pose: trails.previous_pose.map_or(*pose, |before| interpolate(&before, pose, part)),
+            goal: *goal,
+            obstacles: obstacles(&layout.scenario, *clock, part),
+            ranges_m: scan.ranges_m.clone(),
+            scan_pose: scan.sensor_pose,
+            driver: driver(mode, k, &session.opened),
+            action: world.actions.0.get(k).copied().unwrap_or(0),
+            explored: world.decisions.explored.get(k).copied().unwrap_or(false),
+            q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
+            path_m: trails.path_m.clone(),
+            trails: if is_large && view_state.0.overlays.trails {
+                trails.finished.iter().cloned().collect()
+            } else {
+                Vec::new()
+            },
+            collisions: trails.collisions,
+            goals_reached: trails.goals_reached,
+            inactive: episode.inactive,
+        }
+    };
+    shown.into_iter().map(arena_scene).collect()
+}
+
+/// The driver of `arena` in `mode`.
+fn driver(mode: SessionMode, arena: usize, opened: &OpenedFiles) -> DriverLabel {
+    match (mode, arena, &opened.policy) {
         (SessionMode::Train, ..) => DriverLabel::Learner,
         (SessionMode::Drive, 0, _) => DriverLabel::User,
         (SessionMode::Compare, 1, Some((name, _))) => DriverLabel::Policy(name.clone()),
-        _ => present(),
+        _ => DriverLabel::Policy("Current policy".into()),
     }
 }
 
-/// A pose on the way from one to another.
-fn between(from: &Pose, to: &Pose, part: f32) -> Pose {
+/// The pose at the fraction `part` of the way between two poses. The heading turns the short way.
+fn interpolate(from: &Pose, to: &Pose, part: f32) -> Pose {
     Pose {
         x_m: from.x_m + (to.x_m - from.x_m) * part,
         y_m: from.y_m + (to.y_m - from.y_m) * part,
@@ -127,7 +156,7 @@ fn between(from: &Pose, to: &Pose, part: f32) -> Pose {
     }
 }
 
-/// Where the obstacles are, a part of the last step on from the step before.
+/// Poses of the obstacles at the fraction `part` of the last control step.
 fn obstacles(scenario: &Scenario, clock: Clock, part: f32) -> Vec<(f32, f32, f32)> {
     let period_s = scenario.task.control_period_s;
     let at = |step: u64| scenario.obstacles.iter().map(move |obstacle| pose_at(obstacle, step, period_s));
@@ -150,52 +179,42 @@ fn shipped_choices() -> (Vec<Choice>, Vec<Choice>) {
     (scenarios, presets)
 }
 
-fn status(
-    session: &Session,
-    trainer: &ActiveLearner,
-    scenarios: Vec<Choice>,
-    presets: Vec<Choice>,
-) -> AppSnapshot {
-    let learner = &trainer.0;
-    let (steps_per_s, env_steps_per_s, frames_per_s) = session.throughput.per_s();
-    let period_s = f64::from(session.config.scenario.task.control_period_s);
-    let scenario_modified = session.scenario_modified();
-    let with_own = |mut shipped: Vec<Choice>, own: &[Choice]| {
-        shipped.extend_from_slice(own);
-        shipped
-    };
+fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choice>) -> AppSnapshot {
+    let (config, trainer_state) = (&session.run.config, &session.run.trainer_state);
+    let learner = &session.learner.0;
+    let rates = session.throughput.rates();
+    let period_s = f64::from(config.scenario.task.control_period_s);
     AppSnapshot {
-        paused: session.pacer.paused,
+        paused: session.pacer.is_paused(),
         pace: session.pacer.pace,
-        mode: session.mode,
-        scenario_modified,
-        is_paper_scenario_1: shipped::is_paper_scenario_1(&session.config.scenario),
-        scenario_from: session.config.scenario_from.clone(),
-        preset_from: session.config.preset_from.clone(),
-        scenarios: with_own(scenarios, &session.user_scenarios),
-        presets: with_own(presets, &session.user_presets),
-        seed: session.config.seed,
-        transfer_from: session.config.transfer.as_ref().map(|transfer| transfer.policy.clone()),
+        mode: session.mode.mode(),
+        scenario_modified: session.source.is_modified(config),
+        is_paper_scenario_1: shipped::is_paper_scenario_1(&config.scenario),
+        scenario_from: config.scenario_from.clone(),
+        preset_from: config.preset_from.clone(),
+        scenarios: [scenarios, session.opened.scenarios.clone()].concat(),
+        presets: [presets, session.opened.presets.clone()].concat(),
+        seed: config.seed,
+        transfer_from: config.transfer.as_ref().map(|transfer| transfer.policy.clone()),
         episodes: learner.episodes(),
         env_steps: learner.env_steps(),
         gradient_steps: learner.gradient_steps(),
-        budget_env_steps: match session.config.preset.budget {
+        budget_env_steps: match config.preset.budget {
             Budget::EnvSteps(steps) => Some(steps),
             Budget::Episodes(_) => None,
         },
         epsilon: learner.epsilon(),
-        success_rate: session.trainer_state.last_success_rate,
-        best_success_rate: session.trainer_state.best.as_ref().map(|best| best.success_rate),
-        env_steps_per_s,
-        real_time_factor: steps_per_s * period_s,
+        success_rate: trainer_state.last_success_rate,
+        best_success_rate: trainer_state.best.as_ref().map(|best| best.success_rate),
+        env_steps_per_s: rates.env_steps_per_s,
+        real_time_factor: rates.control_steps_per_s * period_s,
         simulated_s: session.journal.steps as f64 * period_s,
-        frames_per_s,
-        opened_policy: session.opened_policy.as_ref().map(|(name, _)| name.clone()),
-        notices: session.notices(),
-        restart_loses_training: session.would_lose_training(learner.env_steps()),
-        expert: session.expert().map(|(name, _)| name),
-        saved_scenario: session.saved_scenario.clone(),
-        draft: session.draft.clone(),
+        frames_per_s: rates.frames_per_s,
+        opened_policy: session.opened.policy.as_ref().map(|(name, _)| name.clone()),
+        notices: session.notices.list(),
+        restart_loses_training: session.run.would_lose_training(learner.env_steps()),
+        expert: open::expert(config).map(|(name, _)| name),
+        saved_scenario: session.source.saved().cloned(),
         has_disk: cfg!(not(target_arch = "wasm32")),
     }
 }
@@ -205,9 +224,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_turn_across_the_back_goes_the_short_way() {
+    fn a_heading_is_interpolated_the_short_way() {
         let at = |heading_rad| Pose { heading_rad, ..Pose::default() };
-        let half = between(&at(3.0), &at(-3.0), 0.5).heading_rad;
-        assert!(half.abs() > 3.1, "from 172 to -172 degrees by 180, not by 0: {half}");
+        let half = interpolate(&at(3.0), &at(-3.0), 0.5).heading_rad;
+        assert!(half.abs() > 3.1, "from 172 to -172 degrees via 180, not via 0: {half}");
     }
 }

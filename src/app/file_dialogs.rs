@@ -1,6 +1,6 @@
-//! Dialogs: the system's own, for files to open and places to save to.
+//! File dialogs of the system: files to open, and paths to save to.
 //!
-//! In: the orders that ask for one. Out: the orders that name the file. A dialog runs beside the app; nothing waits for it.
+//! In: commands that need a dialog. Out: commands with the chosen path. A dialog runs in the background; nothing waits for it.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,145 +13,150 @@ use rfd::AsyncFileDialog;
 
 use super::app_snapshot::Severity;
 use super::commands::{Command, SaveKind};
-use super::session::Session;
+use super::session::notices::NoticeTopic;
+use super::session::{Notices, TrainingRun};
 use crate::scenario::Scenario;
 
-/// A dialog that was closed sooner than this was never there: nobody is so quick.
-const SOONEST: Duration = Duration::from_millis(250);
+/// A dialog that closes sooner than this never appeared: no user is that fast.
+const MIN_DURATION: Duration = Duration::from_millis(250);
 
-/// The dialog that is open, if one is.
+/// Notice where the system has no dialogs.
+const NO_DIALOG: &str = "This system has no file dialogs\n\
+     help: drop a file on the window, or start with --open FILE. On Linux, a desktop portal or zenity provides dialogs";
+
+/// The open dialog, if there is one.
 #[derive(Resource, Default)]
 pub struct FileDialogs {
     open: Option<Dialog>,
 }
 
 struct Dialog {
-    asking: Task<Option<PathBuf>>,
-    what: Asked,
+    answer: Task<Option<PathBuf>>,
+    purpose: Purpose,
     since: Instant,
 }
 
 /// What a dialog is for.
-enum Asked {
-    /// Something is to be opened.
+enum Purpose {
+    /// To open a file.
     Open,
-    /// Something of the training is to be saved.
+    /// To save something of the training.
     Save(SaveKind),
-    /// A scenario is to be edited.
+    /// To open a scenario in the editor.
     Edit,
-    /// An edited world is to be saved, as one that was made from `like`.
-    SaveScenario { scenario: Arc<Scenario>, like: String },
+    /// To save an edited scenario, which was made from `based_on`.
+    SaveScenario { scenario: Arc<Scenario>, based_on: String },
 }
 
-impl Asked {
-    /// What `command` asks for, if that takes a dialog.
-    fn by(command: &Command) -> Option<Self> {
+impl Purpose {
+    /// The purpose of `command`, if it needs a dialog.
+    fn of(command: &Command) -> Option<Self> {
         match command {
             Command::OpenDialog => Some(Self::Open),
             Command::SaveDialog(what) => Some(Self::Save(*what)),
             Command::OpenInEditor(None) => Some(Self::Edit),
-            Command::SaveScenario { scenario, like, path: None } => {
-                Some(Self::SaveScenario { scenario: scenario.clone(), like: like.clone() })
+            Command::SaveScenario { scenario, based_on, path: None } => {
+                Some(Self::SaveScenario { scenario: scenario.clone(), based_on: based_on.clone() })
             }
             _ => None,
         }
     }
 
-    /// The order that says so.
-    fn answered(self, path: PathBuf) -> Command {
+    /// The command for the chosen path.
+    fn command(self, path: PathBuf) -> Command {
         match self {
             Self::Open => Command::Open(path),
             Self::Save(what) => Command::Save(what, path),
             Self::Edit => Command::OpenInEditor(Some(path)),
-            Self::SaveScenario { scenario, like } => {
-                Command::SaveScenario { scenario, like, path: Some(path) }
+            Self::SaveScenario { scenario, based_on } => {
+                Command::SaveScenario { scenario, based_on, path: Some(path) }
             }
         }
     }
 
-    /// The name that is proposed for what is to be saved; none if something is to be opened.
-    fn suggested_file_name(&self, session: &Session) -> Option<String> {
+    /// A file name for what is saved; `None` if a file is opened.
+    fn suggested_file_name(&self, run: &TrainingRun) -> Option<String> {
         match self {
             Self::Open | Self::Edit => None,
-            Self::Save(what) => Some(session.suggested_file_name(*what)),
-            Self::SaveScenario { .. } => Some(session.suggested_file_name(SaveKind::Scenario)),
+            Self::Save(what) => Some(run.suggested_file_name(*what)),
+            Self::SaveScenario { .. } => Some(run.suggested_file_name(SaveKind::Scenario)),
         }
     }
 }
 
-/// Opens the dialogs that are asked for, and answers with what was chosen. (On some systems a dialog belongs to the main
-/// thread: hence the marker.)
+/// Opens the dialogs that commands need, and answers with commands for the chosen paths. (Some systems allow dialogs only on
+/// the main thread, hence the marker.)
 pub(super) fn run_file_dialogs(
     _main_thread: NonSendMarker,
     mut messages: ResMut<Messages<Command>>,
     mut seen: Local<bevy::ecs::message::MessageCursor<Command>>,
-    mut session: ResMut<Session>,
+    run: Res<TrainingRun>,
+    mut notices: ResMut<Notices>,
     mut dialogs: ResMut<FileDialogs>,
 ) {
     if let Some(mut dialog) = dialogs.open.take() {
-        match block_on(poll_once(&mut dialog.asking)) {
+        match block_on(poll_once(&mut dialog.answer)) {
             None => dialogs.open = Some(dialog),
             Some(Some(path)) => {
-                messages.write(dialog.what.answered(path));
+                messages.write(dialog.purpose.command(path));
             }
-            Some(None) if dialog.since.elapsed() < SOONEST => match dialog.what.suggested_file_name(&session) {
-                // No dialog here: what is to be saved goes where runs go.
-                Some(name) => {
-                    messages.write(dialog.what.answered(untaken(&name)));
+            Some(None) if dialog.since.elapsed() < MIN_DURATION => {
+                match dialog.purpose.suggested_file_name(&run) {
+                    // This system has no dialogs: save to the folder of the runs.
+                    Some(name) => {
+                        messages.write(dialog.purpose.command(unused_path(&name)));
+                    }
+                    None => notices.add(NoticeTopic::General, Severity::Error, NO_DIALOG),
                 }
-                None => session.notify(
-                    Severity::Error,
-                    "This system shows no file dialog: drop a file on the window to open it, or start with --open FILE. \
-                     (On Linux a desktop portal or zenity shows them.)",
-                ),
-            },
+            }
             Some(None) => {}
         }
     }
-    let asked = seen.read(&messages).find_map(Asked::by);
-    if let (None, Some(what)) = (&dialogs.open, asked) {
-        let asking = match (&what, what.suggested_file_name(&session)) {
-            (Asked::Save(saved), Some(name)) => ask_where(*saved, &name),
-            (Asked::SaveScenario { .. }, Some(name)) => ask_where(SaveKind::Scenario, &name),
-            (Asked::Edit, _) => ask_which("Open a scenario to edit", &["ron"]),
-            _ => ask_which(
+    let requested = seen.read(&messages).find_map(Purpose::of);
+    if let (None, Some(purpose)) = (&dialogs.open, requested) {
+        let answer = match (&purpose, purpose.suggested_file_name(&run)) {
+            (Purpose::Save(saved), Some(name)) => save_dialog(*saved, &name),
+            (Purpose::SaveScenario { .. }, Some(name)) => save_dialog(SaveKind::Scenario, &name),
+            (Purpose::Edit, _) => open_dialog("Open a scenario in the editor", &["ron"]),
+            _ => open_dialog(
                 "Open a policy, a checkpoint, a scenario or a preset",
                 &["safetensors", "bin", "ron"],
             ),
         };
-        dialogs.open = Some(Dialog { asking, what, since: Instant::now() });
+        dialogs.open = Some(Dialog { answer, purpose, since: Instant::now() });
     }
 }
 
-/// Asks for a file to open.
-fn ask_which(title: &str, endings: &[&str]) -> Task<Option<PathBuf>> {
-    let asking = AsyncFileDialog::new().set_title(title).add_filter("Of wayfield", endings).pick_file();
-    IoTaskPool::get().spawn(async move { asking.await.map(|file| file.path().into()) })
+/// Opens a dialog for a file to open.
+fn open_dialog(title: &str, extensions: &[&str]) -> Task<Option<PathBuf>> {
+    let answer = AsyncFileDialog::new().set_title(title).add_filter("wayfield files", extensions).pick_file();
+    IoTaskPool::get().spawn(async move { answer.await.map(|file| file.path().into()) })
 }
 
-/// Asks for where to save `what`; `name` is proposed.
-fn ask_where(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
-    let (title, kind, endings): (_, _, &[&str]) = match what {
+/// Opens a dialog for a path to save `what` to, with `name` as the suggestion.
+fn save_dialog(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
+    let (title, kind, extensions): (_, _, &[&str]) = match what {
         SaveKind::Policy => ("Save the policy", "Policy", &["safetensors"]),
         SaveKind::Run => ("Save the run as a folder", "Folder", &[]),
-        SaveKind::Csv => ("Save the episodes", "Table", &["csv"]),
-        SaveKind::Png => ("Save the curves", "Picture", &["png"]),
-        SaveKind::Scenario => ("Save the world", "Scenario", &["ron"]),
+        SaveKind::Csv => ("Save the episodes", "CSV table", &["csv"]),
+        SaveKind::Png => ("Save the curves", "Image", &["png"]),
+        SaveKind::Scenario => ("Save the scenario", "Scenario", &["ron"]),
     };
     let mut dialog = AsyncFileDialog::new().set_title(title).set_file_name(name);
-    if !endings.is_empty() {
-        dialog = dialog.add_filter(kind, endings);
+    if !extensions.is_empty() {
+        dialog = dialog.add_filter(kind, extensions);
     }
-    let asking = dialog.save_file();
-    IoTaskPool::get().spawn(async move { asking.await.map(|file| file.path().into()) })
+    let answer = dialog.save_file();
+    IoTaskPool::get().spawn(async move { answer.await.map(|file| file.path().into()) })
 }
 
-/// A path for `name` under `runs/` where there is nothing yet.
-fn untaken(name: &str) -> PathBuf {
+/// An unused path for `name` under `runs/`.
+fn unused_path(name: &str) -> PathBuf {
     let runs = Path::new("runs");
-    // If it cannot be made, saving will say so.
+    // If the folder cannot be created, saving reports the error.
     let _ = std::fs::create_dir_all(runs);
-    let (stem, ending) = name.rsplit_once('.').map_or((name, String::new()), |(a, b)| (a, format!(".{b}")));
-    let numbered = (2..).map(|number| runs.join(format!("{stem}-{number}{ending}")));
+    let (stem, extension) =
+        name.rsplit_once('.').map_or((name, String::new()), |(a, b)| (a, format!(".{b}")));
+    let numbered = (2..).map(|number| runs.join(format!("{stem}-{number}{extension}")));
     std::iter::once(runs.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
 }

@@ -1,33 +1,24 @@
-//! The user's unfinished actions: a drag, a motion key held down, a choice not yet started, an open question.
+//! The user's unfinished actions: a drag, the motion steered last, choices not started yet, which plots are
+//! open.
 //!
-//! In: the widgets. Out: the same widgets, in the next frame. Never saved.
+//! Written by the widgets of the screen and read by them in the next frame. Never saved.
 
 use super::editor::EditorInteraction;
+use super::moves::{Movable, MoveRejection};
 use super::setup_form::SetupForm;
 
-/// What can be taken hold of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DragTarget {
-    /// The goal.
-    Goal,
-    /// The robot.
-    Robot,
-    /// An obstacle, by its number in the scenario.
-    Obstacle(usize),
-}
-
 /// A drag in progress.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ActiveDrag {
-    /// In which arena.
+    /// Index of the arena.
     pub arena: usize,
-    /// What.
-    pub drag_target: DragTarget,
-    /// Where its middle is to go, in m.
+    /// The object.
+    pub object: Movable,
+    /// Requested position of its centre, in m.
     pub to_m: [f32; 2],
-    /// Why it cannot go there.
-    pub rejection: Option<&'static str>,
-    /// From the pointer to its middle, in m.
+    /// Why it cannot go there, if it cannot.
+    pub rejection: Option<MoveRejection>,
+    /// From the pointer to the centre, in m.
     pub offset_m: [f32; 2],
 }
 
@@ -36,9 +27,9 @@ pub struct ActiveDrag {
 pub struct Interaction {
     /// The object being dragged.
     pub drag: Option<ActiveDrag>,
-    /// The last motion that the arrow keys asked for, an index into the robot's motions, and the scenario it is for.
+    /// The scenario and the motion (an index into the robot's motions) that the arrow keys sent last.
     pub steered: Option<(String, usize)>,
-    /// The choices made on the setup panel and not started yet; none before the panel is shown first.
+    /// The choices on the setup panel that are not started yet; `None` until the panel has been shown.
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,

@@ -1,24 +1,25 @@
-//! The window: watch it learn, and take a hand in it.
+//! The app: watch a robot learn, and intervene.
 //!
-//! The same plugins as without a window run in the same ECS; this room decides when they step, shows what they do, and
-//! carries out what the user asks for. Data goes one way round: the screen reads the [`scene`] and writes
-//! [`commands`]; the session carries orders out between control steps; the scene is taken from the world anew.
+//! The same plugins as without a window run in the same ECS. This module decides when they step, displays what they do, and
+//! executes what the user asks for. Data flows in one direction: the screen reads the [`scene`] and writes [`commands`]; the
+//! session executes the commands between control steps; the scene is extracted from the world once per frame.
 //!
 //! | file | duty |
 //! |---|---|
-//! | `session/` | what goes on: orders carried out, time passed, episodes noted, all of it to be replayed |
-//! | `extract.rs` | the world -> the scene and the status, read only |
-//! | `scalar_fields.rs` | the potential and the value over the plane, read only |
-//! | `scene.rs`, `app_snapshot.rs` | what there is to see, as plain data |
+//! | `session/` | the training behind the screen: commands, time, records, replay |
+//! | `commands.rs` | everything that the user can ask for |
+//! | `interaction.rs`, `setup_form.rs` | unfinished actions of the user: a drag, choices on the setup panel |
+//! | `moves.rs` | which objects can be moved by hand, and where to |
+//! | `extract.rs` | the world -> the scene and the app snapshot, read-only |
+//! | `scalar_fields.rs` | the potential and the value over the plane, read-only |
+//! | `scene.rs`, `app_snapshot.rs` | what is displayed, as plain data |
 //! | `history/` | the learning curves, in bounded memory |
-//! | `screen/` | all that is drawn, by egui: the world, the plots, the panels |
-//! | `editor/` | the world's editor: the document, what can be done with it, undone and redone |
-//! | `commands.rs` | all that the user's hand can ask for |
-//! | `interaction.rs`, `setup_form.rs` | the user's unfinished actions: a drag, choices on the setup panel |
-//! | `view_state.rs` | what the user has chosen to look at; `preferences.rs` remembers it |
-//! | `window.rs`, `blending.rs` | the window itself, its colours, and pictures of it |
-//! | `file_dialogs.rs` | dialogs |
-//! | `browser.rs` | the page around it, in place of dialogs, of a disk and of a command line |
+//! | `screen/` | everything that is drawn, with egui: the arenas, the plots, the panels |
+//! | `editor/` | the scenario editor: the document, its operations, undo and redo |
+//! | `view_state.rs` | what the user has chosen to see; `preferences.rs` stores it |
+//! | `window.rs`, `blending.rs` | the window, its colours, and screenshots |
+//! | `file_dialogs.rs` | file dialogs |
+//! | `browser.rs` | the web page, in place of dialogs, a disk and a command line |
 
 pub mod app_snapshot;
 mod blending;
@@ -31,6 +32,7 @@ mod extract;
 mod file_dialogs;
 pub mod history;
 pub mod interaction;
+pub mod moves;
 mod preferences;
 mod scalar_fields;
 pub mod scene;
@@ -45,27 +47,42 @@ use bevy::prelude::*;
 pub use extract::Snapshot;
 pub use session::SessionPlugin;
 
-use commands::Command;
+use commands::{Command, EditorReply};
+use session::TrainingRun;
 use view_state::ViewState;
 
 impl bevy::ecs::message::Message for Command {}
 
-/// What the user has chosen to look at, as a resource.
+impl bevy::ecs::message::Message for EditorReply {}
+
+/// The [`ViewState`] as a resource.
 #[derive(Resource, Default)]
 pub struct CurrentViewState(pub ViewState);
 
-/// Responsible for all of the room but the window itself: the session, and the scene taken of it. Runs without a
-/// window, too.
+/// Runs everything in the app except the window: the session, and the scene extracted from it. Works without a window, too.
 pub struct AppCorePlugin {
-    /// What to begin with.
-    pub first: session::StartOptions,
+    /// Options of the first training.
+    pub start: session::StartOptions,
 }
 
 impl Plugin for AppCorePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<CurrentViewState>()
-            .add_plugins(SessionPlugin { first: self.first.clone() })
-            .add_systems(PostUpdate, (scalar_fields::compute_scalar_fields, extract::extract).chain());
-        app.init_resource::<Snapshot>().init_resource::<scalar_fields::ScalarFields>();
+            .init_resource::<Snapshot>()
+            .init_resource::<scalar_fields::ScalarFields>()
+            .add_plugins(SessionPlugin { start: self.start.clone() })
+            .add_systems(
+                PostUpdate,
+                (deliver_replies, scalar_fields::compute_scalar_fields, extract::extract)
+                    .chain()
+                    .run_if(resource_exists::<TrainingRun>),
+            );
+    }
+}
+
+/// Passes the session's replies on to the editor.
+fn deliver_replies(mut replies: MessageReader<EditorReply>, mut view_state: ResMut<CurrentViewState>) {
+    for reply in replies.read() {
+        view_state.0.receive(reply);
     }
 }

@@ -1,7 +1,7 @@
-//! What is remembered from one time to the next: the desk, and the window's size.
+//! Preferences: the view state and the size of the window, stored between sessions.
 //!
-//! In: the desk as it is. Out: `preferences.ron` in the user's configuration folder, or the browser's own memory. A file
-//! that cannot be read is taken for none, and one that cannot be written is not missed.
+//! In: the view state. Out: `preferences.ron` in the user's configuration folder, or the browser's local storage. A file that
+//! cannot be read is ignored, and so is a failure to write it.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::io::Write;
@@ -24,16 +24,16 @@ use crate::scenario::parse_ron;
 use crate::scenario::read_ron;
 use crate::scenario::to_ron;
 
-/// It is written at most every so many seconds.
-const EVERY_S: f64 = 2.0;
+/// Minimum time between two writes, in s.
+const WRITE_INTERVAL_S: f64 = 2.0;
 
-/// What is remembered.
+/// The stored preferences.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// What the user has chosen to look at.
+    /// What the user has chosen to see.
     pub view_state: ViewState,
-    /// The window's size, in points.
+    /// Size of the window in points.
     pub size: (f32, f32),
 }
 
@@ -43,14 +43,14 @@ impl Default for Preferences {
     }
 }
 
-/// Where it stands.
+/// Path of the preferences file, if the system has a configuration folder.
 #[cfg(not(target_arch = "wasm32"))]
 fn file() -> Option<PathBuf> {
     let folders = directories::ProjectDirs::from("", "", "wayfield")?;
     Some(folders.config_dir().join("preferences.ron"))
 }
 
-/// What was written by [`write`], if it can be read.
+/// The stored preferences, if they can be read.
 #[cfg(not(target_arch = "wasm32"))]
 fn read() -> Option<Preferences> {
     file().and_then(|file| read_ron(file).ok())
@@ -67,52 +67,52 @@ fn write(text: &str) {
     let written = file.parent().map(std::fs::create_dir_all).transpose().is_ok()
         && write_atomic(&file, |file| file.write_all(text.as_bytes())).is_ok();
     if !written {
-        debug!("{} could not be written", file.display());
+        debug!("{}: cannot be written", file.display());
     }
 }
 
 #[cfg(target_arch = "wasm32")]
 use super::browser::save_preferences as write;
 
-/// What was remembered, or the default.
+/// The stored preferences, or the default.
 #[must_use]
 pub fn load() -> Preferences {
-    let mut remembered = read().unwrap_or_default();
-    let (width, height) = remembered.size;
+    let mut stored = read().unwrap_or_default();
+    let (width, height) = stored.size;
     if !((400.0..=16_000.0).contains(&width) && (300.0..=16_000.0).contains(&height)) {
-        remembered.size = Preferences::default().size;
+        stored.size = Preferences::default().size;
     }
-    remembered
+    stored
 }
 
-/// Remembers what has changed.
-pub(super) fn keep(
+/// Stores the preferences when they have changed.
+pub(super) fn store(
     view_state: Res<CurrentViewState>,
     windows: Query<&Window, With<PrimaryWindow>>,
     time: Res<Time<Real>>,
-    mut remembered: ResMut<Preferences>,
-    mut kept_s: Local<f64>,
+    mut stored: ResMut<Preferences>,
+    mut written_s: Local<f64>,
     mut exits: MessageReader<AppExit>,
 ) {
     let closing = exits.read().next().is_some();
     let now_s = time.elapsed_secs_f64();
-    if !closing && now_s - *kept_s < EVERY_S {
+    if !closing && now_s - *written_s < WRITE_INTERVAL_S {
         return;
     }
-    *kept_s = now_s;
-    let size = windows.single().map_or(remembered.size, |window| (window.width(), window.height()));
+    *written_s = now_s;
+    let size = windows.single().map_or(stored.size, |window| (window.width(), window.height()));
     let mut now = Preferences { view_state: view_state.0.clone(), size };
-    // Where one looked is not what one likes.
-    now.view_state.followed = remembered.view_state.followed;
-    now.view_state.camera = remembered.view_state.camera;
-    now.view_state.help_open = remembered.view_state.help_open;
+    // These belong to the session, not to the user's preferences.
+    now.view_state.followed = stored.view_state.followed;
+    now.view_state.camera = stored.view_state.camera;
+    now.view_state.help_open = stored.view_state.help_open;
     now.view_state.editor = None;
     now.view_state.interaction = Interaction::default();
-    if now == *remembered {
+    if now == *stored {
         return;
     }
-    *remembered = now;
-    if let Ok(text) = to_ron(&*remembered) {
+    *stored = now;
+    if let Ok(text) = to_ron(&*stored) {
         write(&text);
     }
 }

@@ -1,7 +1,7 @@
-//! The fields over the plane: what the potential, and what the network's value, would be if the robot stood elsewhere.
+//! Scalar fields over the plane: the potential, and the network's value, for a robot anywhere in the followed arena.
 //!
-//! In: the followed arena, read only. Out: two grids ([`ScalarFields`]). Only what the desk asks for is worked out, only when
-//! what it depends on has changed, and the value at most a few times a second.
+//! In: the followed arena, read-only. Out: two grids ([`ScalarFields`]). A field is computed only if its overlay is shown, only
+//! when its inputs have changed, and at most four times a second.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use bevy::time::Real;
 use super::CurrentViewState;
 use super::commands::SessionMode;
 use super::scene::ScalarField;
-use super::session::Session;
+use super::session::{ActiveMode, OpenedFiles};
 use crate::agent::{ActionSource, ActionSources, ActiveLearner};
 use crate::learning::QNetwork;
 use crate::scenario::{Scenario, enclosure_distance, inner_wall_distance};
@@ -21,27 +21,27 @@ use crate::task::{
     observation,
 };
 
-/// Grid points along the longer side.
+/// Number of grid points along the longer side.
 const POINTS: usize = 56;
-/// The value is worked out anew at most every so many seconds.
-const EVERY_S: f64 = 0.25;
+/// Minimum time between two computations, in s.
+const MIN_INTERVAL_S: f64 = 0.25;
 
-/// The fields that were asked for.
+/// The fields whose overlays are shown.
 #[derive(Resource, Default)]
 pub struct ScalarFields {
-    /// U of eq. (4).
+    /// The potential U of eq. (4).
     pub potential: Option<Arc<ScalarField>>,
-    /// V(s).
+    /// The value V(s) = max_a Q(s, a).
     pub value: Option<Arc<ScalarField>>,
     version: u64,
     computed_at_s: f64,
-    /// Of what they are.
-    of: Option<Of>,
+    /// Inputs of the present fields.
+    inputs: Option<FieldInputs>,
 }
 
-/// What the fields depend on: as long as it is the same, so are they.
+/// Everything that the fields depend on.
 #[derive(Clone, PartialEq)]
-struct Of {
+struct FieldInputs {
     potential: bool,
     value: bool,
     scenario: Arc<Scenario>,
@@ -54,7 +54,7 @@ struct Of {
     opened_policy: Option<String>,
 }
 
-/// What the fields are over.
+/// The grid of a field.
 #[derive(Clone, Copy)]
 struct FieldGrid {
     size: [usize; 2],
@@ -63,6 +63,7 @@ struct FieldGrid {
 }
 
 impl FieldGrid {
+    /// A grid over the bounding box of the enclosure.
     fn over(scenario: &Scenario) -> Self {
         let (min, max) = scenario.enclosure.bounds_m();
         let (width_m, height_m) = (max.x - min.x, max.y - min.y);
@@ -71,7 +72,7 @@ impl FieldGrid {
         Self { size: [points(width_m), points(height_m)], min_m: min.into(), max_m: max.into() }
     }
 
-    /// The middle of each cell, row by row from the bottom.
+    /// Centres of the cells in m, row by row from the bottom.
     fn points_m(&self) -> impl Iterator<Item = Vec2> + '_ {
         let at = |k: usize, axis: usize| {
             let (min, max) = (self.min_m[axis], self.max_m[axis]);
@@ -86,63 +87,63 @@ impl FieldGrid {
     }
 }
 
-/// Works out what the desk asks for.
+/// Computes the fields whose overlays are shown.
 #[expect(clippy::too_many_arguments, reason = "a system's parameters are what it reads")]
 pub(super) fn compute_scalar_fields(
     view_state: Res<CurrentViewState>,
-    session: Option<Res<Session>>,
-    scenario: Option<Res<CurrentScenario>>,
+    mode: Res<ActiveMode>,
+    opened: Res<OpenedFiles>,
+    scenario: Res<CurrentScenario>,
     reward: Res<RewardConfig>,
     layout: Res<ObservationLayout>,
-    trainer: Option<Res<ActiveLearner>>,
-    drivers: Res<ActionSources>,
+    learner: Res<ActiveLearner>,
+    sources: Res<ActionSources>,
     time: Res<Time<Real>>,
     probe: Option<Probe>,
     arenas: Query<(&Arena, &Pose, &Goal, &Clock, &SensorReadings)>,
     mut fields: ResMut<ScalarFields>,
 ) {
-    let (Some(session), Some(scenario), Some(trainer), Some(probe)) = (session, scenario, trainer, probe)
-    else {
-        return;
-    };
+    let Some(probe) = probe else { return };
+    let mode = mode.mode();
     let asked = view_state.0.overlays;
     let wanted = view_state.0.followed;
-    let as_a_grid = view_state.0.grid && session.mode == SessionMode::Train;
+    let as_a_grid = view_state.0.grid && mode == SessionMode::Train;
     if as_a_grid || !(asked.potential || asked.value) {
         fields.potential = None;
         fields.value = None;
-        fields.of = None;
+        fields.inputs = None;
         return;
     }
     let followed = arenas.iter().find(|(arena, ..)| arena.0 == wanted).or_else(|| arenas.iter().next());
     let Some((arena, pose, goal, clock, readings)) = followed else { return };
     let Some(scan_from) = probe.of(arena.0) else { return };
     let now_s = time.elapsed_secs_f64();
-    let of = Of {
+    let inputs = FieldInputs {
         potential: asked.potential,
         value: asked.value,
         scenario: scenario.0.clone(),
-        mode: session.mode,
+        mode,
         arena: arena.0,
         goal: *goal,
         heading_rad: pose.heading_rad,
         clock: *clock,
-        gradient_steps: trainer.0.gradient_steps(),
-        opened_policy: session.opened_policy.as_ref().map(|(name, _)| name.clone()),
+        gradient_steps: learner.0.gradient_steps(),
+        opened_policy: opened.policy.as_ref().map(|(name, _)| name.clone()),
     };
-    let before = fields.of.as_ref();
-    let known = before.is_some_and(|before| *before == of);
-    let more = before.is_none_or(|before| of.potential && !before.potential || of.value && !before.value);
-    if known || (!more && now_s - fields.computed_at_s < EVERY_S) {
+    let before = fields.inputs.as_ref();
+    let is_current = before.is_some_and(|before| *before == inputs);
+    let more =
+        before.is_none_or(|before| inputs.potential && !before.potential || inputs.value && !before.value);
+    if is_current || (!more && now_s - fields.computed_at_s < MIN_INTERVAL_S) {
         return;
     }
-    fields.of = Some(of);
+    fields.inputs = Some(inputs);
     fields.computed_at_s = now_s;
     fields.version += 1;
     let version = fields.version;
     let scenario = &*scenario.0;
     let grid = FieldGrid::over(scenario);
-    // One scan a point serves both.
+    // One scan per point serves both fields.
     let mut scan = Scan::default();
     let mut observations = Vec::new();
     let mut potentials = Vec::new();
@@ -150,7 +151,7 @@ pub(super) fn compute_scalar_fields(
     for Vec2 { x: x_m, y: y_m } in grid.points_m() {
         let there = Pose { x_m, y_m, heading_rad: pose.heading_rad };
         scan_from(&there, &mut scan);
-        // From beyond a wall, or within one, the beams may see far.
+        // From outside or inside a wall the beams may see far, so the floor is checked separately.
         let free = scan.nearest_m >= scenario.task.collision_range_m && is_floor(scenario, vec2(x_m, y_m));
         let potential = reward.potential(there.distance_m(goal), scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
@@ -162,10 +163,10 @@ pub(super) fn compute_scalar_fields(
     }
     fields.value = None;
     if asked.value {
-        // The hand has no network: what the policy that it drives against would expect is shown in its place.
-        let policies = drivers.arenas.iter().skip(arena.0).chain(&drivers.arenas);
-        let network = match session.mode {
-            SessionMode::Train => Some(trainer.0.network()),
+        // The user has no network: the value of the policy in the other arena is shown instead.
+        let policies = sources.arenas.iter().skip(arena.0).chain(&sources.arenas);
+        let network = match mode {
+            SessionMode::Train => Some(learner.0.network()),
             _ => policies.filter_map(network).next(),
         };
         fields.value = network.map(|network| {
@@ -179,21 +180,21 @@ pub(super) fn compute_scalar_fields(
     fields.potential = asked.potential.then(|| grid.field(potentials, version));
 }
 
-/// Whether a point is within the enclosure and not within an inner wall.
+/// Whether a point lies inside the enclosure and outside the inner walls.
 fn is_floor(scenario: &Scenario, point_m: Vec2) -> bool {
     enclosure_distance(&scenario.enclosure, point_m) > 0.0
         && scenario.walls.iter().all(|wall| inner_wall_distance(wall, point_m) > 0.0)
 }
 
-/// The network that a driver asks, if it does.
-fn network(driver: &ActionSource) -> Option<&QNetwork> {
-    match driver {
+/// The network of an action source, if it has one.
+fn network(source: &ActionSource) -> Option<&QNetwork> {
+    match source {
         ActionSource::Policy(network) => Some(network),
         ActionSource::Manual(_) => None,
     }
 }
 
-/// max Q(s, .) of each of `n` observations: the value of acting greedily from there.
+/// max_a Q(s, a) of each of `n` observations: the value of acting greedily from there.
 fn values(network: &QNetwork, observations: &[f32], n: usize) -> Vec<f32> {
     let mut q_values = Vec::new();
     network.q_values(observations, n, &mut q_values);
@@ -207,7 +208,7 @@ mod tests {
     use crate::scenario::{Enclosure, Wall};
 
     #[test]
-    fn the_grid_lies_over_the_box_around_an_l_and_its_notch_is_no_floor() {
+    fn the_grid_covers_the_bounding_box_and_only_points_between_the_walls_are_floor() {
         let corners_m = vec![vec2(1.0, 0.0), vec2(5.0, 0.0), vec2(5.0, 1.0), vec2(3.0, 1.0), vec2(3.0, 2.0), vec2(1.0, 2.0)];
         let wall = Wall { corners_m: vec![vec2(1.0, 0.5), vec2(2.0, 0.5)], thickness_m: 0.1 };
         let scenario = Scenario {
@@ -218,7 +219,7 @@ mod tests {
         let grid = FieldGrid::over(&scenario);
         assert_eq!((grid.size, grid.min_m, grid.max_m), ([POINTS, POINTS / 2], [1.0, 0.0], [5.0, 2.0]));
         assert_eq!(grid.points_m().count(), POINTS * POINTS / 2);
-        for (point, floor) in
+        for vec2(point, floor) in
             [(vec2(2.0, 1.5), true), (vec2(4.0, 1.5), false), (vec2(1.5, 0.52), false), (vec2(1.5, 0.6), true)]
         {
             assert_eq!(is_floor(&scenario, point), floor, "{point:?}");

@@ -1,105 +1,104 @@
-//! The scene: all that there is to see, taken from the world once a frame.
+//! The scene: everything visible in the arenas, extracted from the world once per frame.
 //!
-//! In: the ECS, read only (`extract.rs`). Out: plain data. Everything that draws takes a [`Scene`] and nothing else of the
-//! world, so no view can touch what is learnt.
+//! In: the ECS, read-only (`extract.rs`). Out: plain data. The screen draws from a [`Scene`] and has no access to the world, so
+//! no view can affect the training.
 
 use std::sync::Arc;
 
 use crate::scenario::Scenario;
 use crate::task::{Goal, Pose};
 
-/// How a navigation ended: in a training episode there may be many.
+/// The way a path ended. A training episode may have many paths, one per goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrailEnd {
-    /// The target was reached.
+    /// The goal was reached.
     Reached,
-    /// Something was hit.
+    /// The robot collided.
     Collided,
-    /// The time limit came first.
+    /// The time limit was reached.
     TimedOut,
 }
 
-/// The way driven in one navigation.
+/// The path driven towards one goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
-    /// Where the robot was after each control step, in m.
+    /// Positions after each control step, in m.
     pub points_m: Vec<[f32; 2]>,
-    /// How it ended.
+    /// The way it ended.
     pub end: TrailEnd,
 }
 
-/// Who drives an arena.
+/// The driver of an arena.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DriverLabel {
     /// The network in training, exploring.
     Learner,
-    /// A policy, greedily; its name.
+    /// A greedy policy, by its name.
     Policy(String),
     /// The user.
     User,
 }
 
-/// What is to be seen of one arena.
+/// The visible state of one arena.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArenaScene {
-    /// The world as it stands in this arena: with what generators made of it, where there are some.
+    /// The scenario as it is laid out in this arena, with generated obstacles.
     pub scenario: Arc<Scenario>,
-    /// The robot, between its last two poses when the pace is slow enough to see it.
+    /// Pose of the robot, interpolated between the last two control steps.
     pub pose: Pose,
-    /// The present target.
+    /// The present goal.
     pub goal: Goal,
-    /// Pose (x in m, y in m, rotation in rad) of each obstacle of the room, in its order, in step with `pose`.
+    /// Pose (x in m, y in m, rotation in rad) of each obstacle of `scenario`, interpolated like `pose`.
     pub obstacles: Vec<(f32, f32, f32)>,
-    /// The last scan, in m, as the sensor reports it, by beam.
+    /// Ranges of the last scan in m, as measured, by beam.
     pub ranges_m: Vec<f32>,
-    /// From where it was taken; the robot may be drawn on its way there.
+    /// Pose of the robot at the scan. It is not interpolated.
     pub scan_pose: Pose,
-    /// Who drives.
+    /// The driver.
     pub driver: DriverLabel,
     /// The last action, an index into the robot's motions.
     pub action: usize,
-    /// Whether it was a random one.
+    /// Whether the last action was random.
     pub explored: bool,
-    /// The network's Q-values at the last decision, one for each motion; empty where no network was asked.
+    /// Q-values of the last decision, one per motion; empty if no network decided.
     pub q_values: Vec<f32>,
-    /// The way of the running navigation so far, oldest first, in m.
+    /// Path towards the present goal, oldest point first, in m.
     pub path_m: Vec<[f32; 2]>,
-    /// The last navigations, oldest first.
+    /// Earlier paths, oldest first.
     pub trails: Vec<Trail>,
-    /// How many of this arena's episodes have ended in a collision since its driver began.
+    /// Collisions since the driver took over.
     pub collisions: u32,
-    /// How many goals were reached since its driver began.
+    /// Goals reached since the driver took over.
     pub goals_reached: u32,
-    /// Nothing moves here any more.
+    /// Whether the arena is inactive: its episode has ended and nothing moves.
     pub inactive: bool,
 }
 
-/// A number for each point of a grid over the enclosure's bounding box.
+/// A scalar for each cell of a grid over the bounding box of the enclosure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScalarField {
-    /// Grid points along x and y.
+    /// Number of cells along x and y.
     pub size: [usize; 2],
-    /// The box's lower left corner, in m.
+    /// Lower left corner of the box, in m.
     pub min_m: [f32; 2],
-    /// The box's upper right corner, in m.
+    /// Upper right corner of the box, in m.
     pub max_m: [f32; 2],
-    /// The values, row by row from the bottom, each row from the left, at the middle of each cell. NaN where the robot
-    /// cannot be.
+    /// Values at the cell centres, row by row from the bottom, each row from the left. NaN where the robot cannot be.
     pub values: Vec<f32>,
-    /// Changes whenever the values do.
+    /// Changes whenever the values change.
     pub version: u64,
 }
 
-/// What there is to see.
+/// Everything visible in the arenas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The world being driven in.
+    /// The scenario, without generated obstacles.
     pub scenario: Arc<Scenario>,
-    /// Its arenas, by number; at least one, and of very many the first hundred.
+    /// The arenas by index: at least one, at most the first 100.
     pub arenas: Vec<ArenaScene>,
-    /// The potential U of eq. (4) for the followed arena's target, if it is asked for.
+    /// Potential U of eq. (4) for the goal of the followed arena, if its overlay is shown.
     pub potential: Option<Arc<ScalarField>>,
-    /// The value V(s) that the network gives to the followed arena's robot if it stood there, with its heading and
-    /// target, in units of reward as they are learnt; if it is asked for and there is a network.
+    /// Value V(s) for the robot of the followed arena at each position, with its present heading and goal, in units of the
+    /// scaled reward. Present if its overlay is shown and the driver has a network.
     pub value: Option<Arc<ScalarField>>,
 }

@@ -1,31 +1,32 @@
-//! What is chosen on the setup panel but not yet begun.
+//! The choices on the setup panel that are not started yet.
 //!
-//! In: the status, whenever what runs becomes another. Out: what the buttons would begin.
+//! In: the session state. Out: the commands of the panel's buttons.
 
 use super::app_snapshot::AppSnapshot;
 use super::commands::Command;
 
-/// Epsilon at the start of a transfer, as the paper has it.
+/// The paper's epsilon at the start of a transfer.
 const EPSILON: f32 = 0.5;
 
-/// What is chosen on the setup panel; it lives as long as the window.
+/// The choices on the setup panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetupForm {
-    /// The world, as it would be asked for.
+    /// The scenario: a shipped one's name or a file.
     pub scenario: String,
-    /// The learner, as it would be asked for.
+    /// The preset: a shipped one's name or a file.
     pub preset: String,
     /// The seed of a new training.
     pub seed: u64,
-    /// Epsilon at the start of a transfer.
+    /// Epsilon at the start of a transfer, 0 to 1.
     pub epsilon: f32,
-    /// What was asked for, while the user is asked back whether the present training may be given up for it.
+    /// The command that waits for the user to confirm that the current training may be discarded.
     pub awaiting_confirmation: Option<Command>,
+    /// Scenario, preset and seed of the running training when the form was filled in.
     running: (String, String, u64),
 }
 
 impl SetupForm {
-    /// The choices `kept` from the last frame, or those that run if another training runs since.
+    /// The choices `kept` from the last frame, or the running ones if another training has started since.
     #[must_use]
     pub fn resume(kept: Option<Self>, status: &AppSnapshot) -> Self {
         let running = (status.scenario_from.clone(), status.preset_from.clone(), status.seed);
@@ -35,9 +36,16 @@ impl SetupForm {
         })
     }
 
-    /// Whether it is another training than the one that runs.
+    /// Whether the choices differ from the running training.
     pub fn differs_from_running(&self) -> bool {
         let (scenario, preset, seed) = &self.running;
         (scenario, preset, seed) != (&self.scenario, &self.preset, &self.seed)
+    }
+
+    /// The command that starts a training with these choices.
+    #[must_use]
+    pub fn start_training(&self) -> Command {
+        let (scenario, preset) = (self.scenario.clone(), self.preset.clone());
+        Command::StartTraining { scenario, preset, seed: self.seed }
     }
 }

@@ -1,16 +1,20 @@
-//! The desk: what the user has chosen to look at, and how. None of it touches the world.
+//! The view state: what the user has chosen to see, and how. None of it affects the training.
 //!
-//! In: the screen's own buttons. Out: what the screen draws; most of it is remembered from one time to the next.
+//! In: the controls on the screen. Out: what the screen draws. Most of it is stored between sessions (`preferences.rs`).
+
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::commands::EditorReply;
 use super::editor::Editor;
 use super::interaction::Interaction;
+use crate::scenario::Scenario;
 
-/// Light, dark, or as the system has it.
+/// The colour theme.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ThemeChoice {
-    /// As the system has it.
+    /// The system's theme.
     #[default]
     System,
     /// Dark on light.
@@ -19,21 +23,21 @@ pub enum ThemeChoice {
     Dark,
 }
 
-/// What is drawn over the world.
+/// Overlays drawn over the arenas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Overlays {
-    /// The LIDAR's beams.
+    /// LIDAR beams.
     pub beams: bool,
-    /// The way driven in this navigation.
+    /// Path towards the current goal.
     pub path: bool,
-    /// The ways of the last navigations, by outcome.
+    /// Earlier paths, coloured by outcome.
     pub trails: bool,
-    /// The potential field of eq. (4).
+    /// The potential of eq. (4).
     pub potential: bool,
     /// The network's value over the plane.
     pub value: bool,
-    /// The Q-values beside the robot.
+    /// The Q-values next to the robot.
     pub q_values: bool,
 }
 
@@ -43,12 +47,12 @@ impl Default for Overlays {
     }
 }
 
-/// Which part of the plane the world view shows.
+/// The visible part of the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewCamera {
-    /// The point in the view's middle, from the middle of the box around the enclosure, in m.
+    /// The point in the middle of the view, relative to the middle of the enclosure's bounding box, in m.
     pub centre_m: [f32; 2],
-    /// 1 shows the whole enclosure; 2 half of it.
+    /// Magnification: 1 shows the whole enclosure, 2 half of it.
     pub zoom: f32,
 }
 
@@ -58,38 +62,52 @@ impl Default for ViewCamera {
     }
 }
 
-/// What the user has chosen to look at.
+/// The scenario to open the editor with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EditorSource {
+    /// The scenario of the training.
+    RunningScenario,
+    /// A scenario that could not be run, perhaps because it is invalid.
+    Draft {
+        /// Its file.
+        from: String,
+        /// The scenario.
+        scenario: Arc<Scenario>,
+    },
+}
+
+/// What the user has chosen to see.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ViewState {
-    /// Light or dark.
+    /// The colour theme.
     pub theme: ThemeChoice,
-    /// What is drawn over the world.
+    /// Overlays drawn over the arenas.
     pub overlays: Overlays,
-    /// All arenas as a grid, or the followed one large.
+    /// Whether all arenas are shown as a grid, instead of one large arena.
     pub grid: bool,
-    /// Which arena is followed.
+    /// Index of the arena that is followed.
     #[serde(skip)]
     pub followed: usize,
-    /// Where the world view looks.
+    /// The visible part of the plane.
     #[serde(skip)]
     pub camera: ViewCamera,
-    /// The panel on the left is open.
+    /// Whether the setup panel on the left is open.
     pub setup_open: bool,
-    /// The panel on the right is open.
+    /// Whether the plots panel on the right is open.
     pub plots_open: bool,
-    /// That panel's width in points, if the user has chosen one.
+    /// Width of the plots panel in points, if the user has changed it.
     pub plots_width: Option<f32>,
-    /// The list of keys is open.
+    /// Whether the help is open.
     #[serde(skip)]
     pub help_open: bool,
-    /// The world that is being edited, in place of the one that runs.
+    /// The scenario editor, if it is open.
     #[serde(skip)]
     pub editor: Option<Box<Editor>>,
-    /// It is to be opened on the world that runs.
+    /// A request to open the editor in the next frame.
     #[serde(skip)]
-    pub open_editor: bool,
-    /// The user's unfinished actions.
+    pub open_editor: Option<EditorSource>,
+    /// Unfinished actions of the user.
     #[serde(skip)]
     pub interaction: Interaction,
 }
@@ -107,8 +125,22 @@ impl Default for ViewState {
             plots_width: None,
             help_open: false,
             editor: None,
-            open_editor: false,
+            open_editor: None,
             interaction: Interaction::default(),
+        }
+    }
+}
+
+impl ViewState {
+    /// Passes a reply of the session on to the editor. Ignored if the editor has been closed meanwhile.
+    pub fn receive(&mut self, reply: &EditorReply) {
+        match (reply, &mut self.editor, &mut self.open_editor) {
+            (EditorReply::Saved { file, scenario }, Some(editor), _) => editor.mark_saved(file, scenario),
+            (EditorReply::Opened { from, scenario }, Some(editor), _) => editor.open_other(from, scenario),
+            (EditorReply::Opened { from, scenario }, None, Some(source)) => {
+                *source = EditorSource::Draft { from: from.clone(), scenario: scenario.clone() };
+            }
+            _ => {}
         }
     }
 }

@@ -1,7 +1,7 @@
-//! The window: Bevy's renderer and egui around the studio, and pictures of it.
+//! The window: the app with Bevy's renderer and egui, and screenshots of it.
 //!
-//! In: what to begin with. Out: the app that runs until the window is closed; with [`ScreenshotRequest`], until it is taken. The
-//! screen is drawn once a frame from the scene; what it asks for goes out as orders.
+//! In: [`WindowOptions`]. Out: an app that runs until the window is closed or, with a [`ScreenshotRequest`], until the
+//! screenshot is written. The screen is drawn once per frame from the snapshot; the user's input becomes commands.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -26,70 +26,78 @@ use super::commands::Command;
 use super::file_dialogs;
 use super::preferences::{self, Preferences};
 use super::screen::{self, ScreenInput, theme};
-use super::session::{Session, StartOptions, TrainingHistory};
-use super::view_state::ThemeChoice;
+#[cfg(not(target_arch = "wasm32"))]
+use super::session::Journal;
+use super::session::{Evaluations, Pacer, StartOptions, TrainingHistory, TrainingRun};
+use super::view_state::{EditorSource, Overlays, ThemeChoice};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
 use crate::run::RunError;
 
-/// A picture of the window, after which the app ends.
+/// A screenshot of the window, after which the app exits.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub struct ScreenshotRequest {
     /// The PNG file.
     pub file: PathBuf,
-    /// It is taken after so many control steps of the training.
+    /// Control steps of the training before the screenshot.
     pub after_steps: u64,
 }
 
-/// What the window is opened with.
+/// Options of the window.
 #[derive(Clone, Debug, Default)]
 pub struct WindowOptions {
-    /// What to begin with.
-    pub first: StartOptions,
-    /// A picture to be taken, if any.
+    /// Options of the first training.
+    pub start: StartOptions,
+    /// A screenshot to take, if any.
     pub screenshot: Option<ScreenshotRequest>,
-    /// Light or dark, if not as remembered.
+    /// Colour theme; `None` for the stored preference.
     pub theme: Option<ThemeChoice>,
-    /// Drawn over the world, if not as remembered.
-    pub overlays: Option<super::view_state::Overlays>,
-    /// All arenas as a grid, if not as remembered.
+    /// Overlays; `None` for the stored preference.
+    pub overlays: Option<Overlays>,
+    /// Whether to show all arenas as a grid; `None` for the stored preference.
     pub grid: Option<bool>,
-    /// Its size in points, if not as remembered.
+    /// Size in points; `None` for the stored preference.
     pub size: Option<(f32, f32)>,
 }
 
-/// Opens the window and runs until it is closed.
+/// Opens the window and runs the app until it is closed.
 ///
 /// # Errors
-/// There is no display; the picture could not be written.
-pub fn run(opening: WindowOptions) -> Result<(), RunError> {
-    let _held = display()?;
-    match app(opening).run() {
+/// There is no display, or the screenshot could not be written.
+pub fn run(options: WindowOptions) -> Result<(), RunError> {
+    let _connection = connect_to_display()?;
+    match app(options).run() {
         AppExit::Success => Ok(()),
-        AppExit::Error(_) => Err(RunError::Failed("the window ended unexpectedly (see above)".into())),
+        AppExit::Error(_) => Err(RunError::Failed("the window closed unexpectedly (see above)".into())),
     }
 }
 
-/// The window's app, to which more may be added before it runs. It panics if there is no display ([`run`] asks first).
-pub fn app(opening: WindowOptions) -> App {
+/// The app with its window, to which more systems may be added before it runs.
+///
+/// # Panics
+/// There is no display. [`run`] checks this first.
+pub fn app(options: WindowOptions) -> App {
     let mut app = App::new();
-    app.add_plugins(WindowedPlugin(opening));
+    app.add_plugins(WindowedPlugin(options));
     app
 }
 
-/// A connection to the display on which a window can be opened: winit would panic without one. It is to be held until the
-/// window is there, since a display such as Xvfb begins anew when its last client leaves, and is not to be had meanwhile.
+/// Connects to the X display: without one, winit would panic. Keep the connection until the window is open, because a
+/// display such as Xvfb restarts when its last client disconnects, and is not available meanwhile.
+///
+/// # Errors
+/// There is no display.
 #[cfg(all(unix, not(target_os = "macos")))]
-fn display() -> Result<impl Sized, RunError> {
+fn connect_to_display() -> Result<impl Sized, RunError> {
     x11rb::connect(None).map_err(|error| {
         RunError::InvalidInput(format!(
-            "no display to open a window on ({error}): train without one by `wayfield --train`, or set DISPLAY"
+            "no display for the window ({error})\nhelp: train without a window with `wayfield --train`, or set DISPLAY"
         ))
     })
 }
 
-/// Other systems always have one.
+/// Other systems always have a display.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
-fn display() -> Result<impl Sized, RunError> {
+fn connect_to_display() -> Result<impl Sized, RunError> {
     Ok(())
 }
 
@@ -97,18 +105,18 @@ struct WindowedPlugin(WindowOptions);
 
 impl Plugin for WindowedPlugin {
     fn build(&self, app: &mut App) {
-        let opening = &self.0;
+        let options = &self.0;
         let mut preferences = preferences::load();
-        // A picture shows what was asked for, not what somebody happened to look at last.
-        if opening.screenshot.is_some() {
+        // A screenshot must not depend on stored preferences.
+        if options.screenshot.is_some() {
             preferences = Preferences::default();
         }
-        let (width, height) = opening.size.unwrap_or(preferences.size);
+        let (width, height) = options.size.unwrap_or(preferences.size);
         let view_state = &mut preferences.view_state;
-        view_state.theme = opening.theme.unwrap_or(view_state.theme);
-        view_state.overlays = opening.overlays.unwrap_or(view_state.overlays);
-        view_state.grid = opening.grid.unwrap_or(view_state.grid);
-        view_state.open_editor = opening.first.edit;
+        view_state.theme = options.theme.unwrap_or(view_state.theme);
+        view_state.overlays = options.overlays.unwrap_or(view_state.overlays);
+        view_state.grid = options.grid.unwrap_or(view_state.grid);
+        view_state.open_editor = options.start.edit.then_some(EditorSource::RunningScenario);
         let window = Window {
             title: "wayfield".into(),
             name: Some("wayfield".into()),
@@ -120,15 +128,15 @@ impl Plugin for WindowedPlugin {
                 min_height: 500.0,
                 ..Default::default()
             },
-            // In a browser: the page's canvas, as large as the page.
+            // In a browser: the canvas of the page, as large as the page.
             canvas: Some("#canvas".into()),
             fit_canvas_to_parent: true,
-            // (The page keeps from the browser what is the program's, and leaves it reloading, copying and the rest.)
+            // The page decides which keys the browser handles, such as reloading and copying.
             prevent_default_event_handling: false,
             ..Default::default()
         };
         let defaults = DefaultPlugins.build();
-        // (The page has a panic hook of its own.)
+        // The page installs its own panic hook.
         #[cfg(target_arch = "wasm32")]
         let defaults = defaults.disable::<bevy::app::PanicHandlerPlugin>();
         app.add_plugins(
@@ -138,71 +146,71 @@ impl Plugin for WindowedPlugin {
                     exit_condition: ExitCondition::OnPrimaryClosed,
                     ..Default::default()
                 })
-                // What a graphics driver has to say is of no use to who only wants to see a robot learn.
+                // Warnings of graphics drivers are of no use to the user.
                 .set(LogPlugin { filter: "error".into(), ..Default::default() }),
         )
         .add_plugins(EguiPlugin::default())
-        // bevy_egui 0.42 leaves this open: a new glyph would then be seen a frame late.
+        // bevy_egui 0.42 does not set this order; without it a new glyph would appear one frame late.
         .configure_sets(PostUpdate, EguiPostUpdateSet::PostProcessOutput.before(AssetEventSystems))
         .insert_resource(CurrentViewState(preferences.view_state.clone()))
-        .add_plugins(AppCorePlugin { first: opening.first.clone() })
+        .add_plugins(AppCorePlugin { start: options.start.clone() })
         .insert_resource(ClearColor(Color::BLACK))
         .insert_resource(WinitSettings::game())
         .add_systems(Startup, blending::spawn_camera)
         .add_systems(EguiPrimaryContextPass, draw)
         .add_systems(
             PreUpdate,
-            (take_dropped_files, file_dialogs::run_file_dialogs.run_if(resource_exists::<Session>)).chain(),
+            (take_dropped_files, file_dialogs::run_file_dialogs.run_if(resource_exists::<TrainingRun>))
+                .chain(),
         )
         .add_systems(
             PreUpdate,
-            mend_input.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass),
+            fix_input.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass),
         )
-        .add_systems(Update, rest_while_paused);
-        match &opening.screenshot {
+        .add_systems(Update, draw_less_when_idle);
+        match &options.screenshot {
             #[cfg(not(target_arch = "wasm32"))]
-            Some(picture) => {
-                app.insert_resource(picture.clone()).add_systems(Last, take_picture);
+            Some(request) => {
+                app.insert_resource(request.clone()).add_systems(Last, take_screenshot);
             }
             _ => {
-                app.insert_resource(preferences).add_systems(Last, preferences::keep);
+                app.insert_resource(preferences).add_systems(Last, preferences::store);
             }
         }
         app.init_resource::<file_dialogs::FileDialogs>();
         #[cfg(target_arch = "wasm32")]
-        app.add_systems(Last, super::browser::report_to_page);
+        app.add_systems(Last, super::browser::report_to_page.run_if(resource_exists::<TrainingRun>));
     }
 }
 
-/// Draws the screen, and sends what it asks for.
+/// Draws the screen, and sends the user's commands.
 fn draw(
     mut contexts: EguiContexts,
-    shown: Res<Snapshot>,
-    curves: Res<TrainingHistory>,
+    snapshot: Res<Snapshot>,
+    history: Res<TrainingHistory>,
     mut view_state: ResMut<CurrentViewState>,
     mut commands: MessageWriter<Command>,
-    mut dressed: Local<bool>,
+    mut is_theme_installed: Local<bool>,
 ) -> Result {
     let context = contexts.ctx_mut()?;
-    // The typeface is there from the next frame on.
-    if !std::mem::replace(&mut *dressed, true) {
+    // The font is available from the next frame on.
+    if !std::mem::replace(&mut *is_theme_installed, true) {
         theme::install(context);
         return Ok(());
     }
-    let Some((scene, status)) = &shown.now else { return Ok(()) };
-    let place = egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.content_rect());
-    let mut ui = egui::Ui::new(context.clone(), "window".into(), place);
-    let mut asked = Vec::new();
-    let view = ScreenInput { scene, status, history: &curves.0 };
-    screen::screen_ui(&mut ui, &view, &mut view_state.0, &mut asked);
-    commands.write_batch(asked);
+    let Some((scene, status)) = &snapshot.now else { return Ok(()) };
+    let whole = egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.content_rect());
+    let mut ui = egui::Ui::new(context.clone(), "window".into(), whole);
+    let mut requested = Vec::new();
+    let view = ScreenInput { scene, status, history: &history.0 };
+    screen::screen_ui(&mut ui, &view, &mut view_state.0, &mut requested);
+    commands.write_batch(requested);
     Ok(())
 }
 
-/// What bevy_egui 0.42 leaves to do. It does not say whether the system is light or dark. And it tells egui in every frame
-/// which modifier keys are held; egui asks for another frame after every event, so it would never rest: what is no news is
-/// taken out.
-fn mend_input(
+/// Works around two gaps in bevy_egui 0.42. It does not pass on the system's theme. And it reports the modifier keys in every
+/// frame: since egui requests another frame after every event, the app would never idle, so repeated reports are removed.
+fn fix_input(
     mut inputs: Query<&mut EguiInput>,
     windows: Query<&Window, With<PrimaryWindow>>,
     mut held: Local<egui::Modifiers>,
@@ -220,9 +228,14 @@ fn mend_input(
     }
 }
 
-/// While time stands still, the window is drawn when something happens to it, and once a second.
-fn rest_while_paused(session: Option<Res<Session>>, mut settings: ResMut<WinitSettings>) {
-    let is_idle = session.is_some_and(|session| session.is_idle());
+/// While time is paused and no evaluation runs, draws only on input, and once a second.
+fn draw_less_when_idle(
+    pacer: Option<Res<Pacer>>,
+    evaluations: Option<Res<Evaluations>>,
+    mut settings: ResMut<WinitSettings>,
+) {
+    let is_paused = pacer.is_some_and(|pacer| pacer.is_paused());
+    let is_idle = is_paused && evaluations.is_some_and(|evaluations| !evaluations.is_running());
     let mode = if is_idle { UpdateMode::reactive(Duration::from_secs(1)) } else { UpdateMode::Continuous };
     if settings.focused_mode != mode {
         settings.focused_mode = mode;
@@ -230,7 +243,7 @@ fn rest_while_paused(session: Option<Res<Session>>, mut settings: ResMut<WinitSe
     }
 }
 
-/// A file that is dropped on the window is opened.
+/// Opens files that are dropped on the window; scenarios in the editor, if it is open.
 fn take_dropped_files(
     view_state: Res<CurrentViewState>,
     mut dropped: MessageReader<FileDragAndDrop>,
@@ -238,9 +251,8 @@ fn take_dropped_files(
 ) {
     for event in dropped.read() {
         if let FileDragAndDrop::DroppedFile { path_buf: path, .. } = event {
-            let edits =
-                view_state.0.editor.is_some() && path.extension().is_some_and(|ending| ending == "ron");
-            commands.write(if edits {
+            let is_scenario = path.extension().is_some_and(|extension| extension == "ron");
+            commands.write(if is_scenario && view_state.0.editor.is_some() {
                 Command::OpenInEditor(Some(path.clone()))
             } else {
                 Command::Open(path.clone())
@@ -249,38 +261,39 @@ fn take_dropped_files(
     }
 }
 
-/// Takes the picture when it is time, and ends the app when it is written.
+/// Takes the screenshot after the requested number of steps, and exits when it is written.
 #[cfg(not(target_arch = "wasm32"))]
-fn take_picture(
+fn take_screenshot(
     mut commands: Commands,
-    picture: Res<ScreenshotRequest>,
-    session: Option<ResMut<Session>>,
+    request: Res<ScreenshotRequest>,
+    journal: Option<Res<Journal>>,
+    pacer: Option<ResMut<Pacer>>,
     windows: Query<Entity, With<PrimaryWindow>>,
     under_way: Query<(), With<Screenshot>>,
     mut frames: Local<u32>,
 ) {
-    // Drawn often enough for the layout to have settled, and for glyphs and colours to have reached the GPU.
-    const SETTLED: u32 = 8;
-    // So many pictures of nothing are thrown away: shaders are made beside, and until they are there nothing is drawn.
+    // Frames until the layout has settled, and glyphs and colours have reached the GPU.
+    const SETTLING_FRAMES: u32 = 8;
+    // Empty screenshots that are discarded: nothing is drawn until the shaders are compiled in the background.
     const MAX_EMPTY: u32 = 1_000;
-    let Some(mut session) = session else { return };
-    if !under_way.is_empty() || session.journal.steps < picture.after_steps || windows.is_empty() {
+    let (Some(journal), Some(mut pacer)) = (journal, pacer) else { return };
+    if !under_way.is_empty() || journal.steps < request.after_steps || windows.is_empty() {
         return;
     }
-    session.pacer.on_hold = true;
+    pacer.hold();
     *frames += 1;
-    if *frames < SETTLED {
+    if *frames < SETTLING_FRAMES {
         return;
     }
-    let (file, last) = (picture.file.clone(), *frames >= SETTLED + MAX_EMPTY);
+    let (file, is_last) = (request.file.clone(), *frames >= SETTLING_FRAMES + MAX_EMPTY);
     commands.spawn(Screenshot::primary_window()).observe(
         move |captured: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
             let written = match captured.image.clone().try_into_dynamic().map(|image| image.to_rgb8()) {
                 Ok(image) if image.pixels().all(|pixel| pixel == image.get_pixel(0, 0)) => {
-                    if !last {
+                    if !is_last {
                         return;
                     }
-                    Err("nothing is drawn".to_owned())
+                    Err("the window stayed empty".to_owned())
                 }
                 Ok(image) => image.save(&file).map_err(|error| error.to_string()),
                 Err(error) => Err(error.to_string()),

@@ -72,7 +72,7 @@ enum OverlayArg {
 /// Opens the window and returns when it is closed.
 pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
     let defaults = StartOptions::default();
-    let first = StartOptions {
+    let start = StartOptions {
         scenario: shared.scenario.unwrap_or(defaults.scenario),
         preset: shared.preset.unwrap_or(defaults.preset),
         seed: shared.seed.unwrap_or(defaults.seed),
@@ -81,9 +81,9 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
         edit: args.edit,
         ..defaults
     };
-    check_start_files(&first, args.screenshot.is_some())?;
+    check_start_files(&start, args.screenshot.is_some())?;
     window::run(WindowOptions {
-        first,
+        start,
         overlays: args.overlays(),
         grid: args.grid(),
         screenshot: args
@@ -96,14 +96,14 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
 
 /// Reports an unusable scenario or preset on the terminal, before the window opens. An invalid scenario file is no
 /// error: the window loads it as soon as the user has fixed it. (For a screenshot it is one, since nobody will fix it.)
-fn check_start_files(first: &StartOptions, screenshot: bool) -> Result<(), RunError> {
-    match shipped::scenario(&first.scenario) {
-        Err(error) if Path::new(&first.scenario).is_file() && !screenshot => {
+fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunError> {
+    match shipped::scenario(&start.scenario) {
+        Err(error) if Path::new(&start.scenario).is_file() && !screenshot => {
             print_stderr(&error.to_string());
         }
         loaded => drop(loaded?),
     }
-    shipped::preset(&first.preset)?;
+    shipped::preset(&start.preset)?;
     Ok(())
 }
 

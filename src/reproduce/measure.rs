@@ -1,52 +1,50 @@
-//! What is measured of a trained arm, and in what sense more of it is better.
-//!
-//! In: a name in an experiment's file. Out: unit, heading, digits, direction; the numbers come from
-//! `results.rs`.
+//! The measures by which arms are compared: names, units, digits and directions. The numbers come from `results.rs`.
 
 use serde::{Deserialize, Serialize};
 
-/// What is measured.
+/// A measure of a trained arm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Measure {
-    /// Share of test episodes that succeed, in percent.
+    /// The share of test episodes that succeed, in percent.
     Success,
-    /// Mean time of the paper's course over 25 drives, in s; a drive that fails counts as the time limit.
+    /// The mean time on the paper's benchmark route over 25 episodes, in s; a failed episode counts as the time limit.
     BenchmarkRouteTime,
-    /// Mean time of all test episodes, in s; one that fails counts as the time limit.
+    /// The mean time of all test episodes, in s; a failed episode counts as the time limit.
     MeanTime,
-    /// Time of the successful test episodes over the planner's for the same ones; 1 is the optimum, if the planner
-    /// found it.
+    /// The time of the successful test episodes over the planner's time for the same episodes; 1 is optimal if the
+    /// planner's paths are.
     TimeRatio,
-    /// The same over the proven lower bounds; the ratio to the true optimum lies between the two.
+    /// The time of the successful test episodes over the proven lower bounds for the same episodes. The ratio to the
+    /// true optimum lies between this and [`TimeRatio`](Self::TimeRatio).
     BoundRatio,
-    /// Mean return of the last 100 episodes of training (of all, if there are fewer).
+    /// The mean return of the last 100 training episodes (or of all, if there are fewer).
     Return,
-    /// Mean number of goals reached in the last 100 episodes of training (of all, if there are fewer).
+    /// The mean number of goals reached in the last 100 training episodes (or in all, if there are fewer).
     Goals,
-    /// Episodes of the last stage until the mean of 50 of its episodes reaches so many goals an episode.
+    /// Episodes of the last stage until the moving mean over 50 episodes reaches this number of goals per episode.
     EpisodesTo(f64),
-    /// The same in thousands of env steps of the last stage.
+    /// Thousands of environment steps of the last stage until the moving mean reaches this number of goals per episode.
     StepsTo(f64),
 }
 
 impl Measure {
-    /// What it is, short enough for a column.
+    /// A short name for column headings.
     #[must_use]
     pub fn heading(self) -> String {
         match self {
             Self::Success => "Success".into(),
-            Self::BenchmarkRouteTime => "Course".into(),
+            Self::BenchmarkRouteTime => "Benchmark route".into(),
             Self::MeanTime => "Mean time".into(),
-            Self::TimeRatio => "Time / least".into(),
-            Self::BoundRatio => "Time / bound".into(),
+            Self::TimeRatio => "Time / optimal".into(),
+            Self::BoundRatio => "Time / lower bound".into(),
             Self::Return => "Return".into(),
-            Self::Goals => "Goals an episode".into(),
-            Self::EpisodesTo(goals) => format!("Episodes to {goals} goals"),
-            Self::StepsTo(goals) => format!("Steps to {goals} goals"),
+            Self::Goals => "Goals per episode".into(),
+            Self::EpisodesTo(goals) => format!("Episodes to {goals} goals per episode"),
+            Self::StepsTo(goals) => format!("Steps to {goals} goals per episode"),
         }
     }
 
-    /// Its unit; empty for a pure number.
+    /// The unit; empty for a pure number.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -57,7 +55,7 @@ impl Measure {
         }
     }
 
-    /// Decimals worth showing.
+    /// The number of decimals to show.
     #[must_use]
     pub fn digits(self) -> usize {
         match self {
@@ -67,17 +65,17 @@ impl Measure {
         }
     }
 
-    /// Whether more of it is better.
+    /// Whether larger values are better.
     #[must_use]
     pub fn more_is_better(self) -> bool {
         matches!(self, Self::Success | Self::Return | Self::Goals)
     }
 
-    /// What is wrong with its number, if anything.
+    /// Why its number is invalid, if it is.
     pub(super) fn invalid_reason(self) -> Option<String> {
         match self {
             Self::EpisodesTo(x) | Self::StepsTo(x) if !(0.01..=1000.0).contains(&x) => {
-                Some(format!("asks for {x} goals an episode; give 0.01 to 1000"))
+                Some(format!("asks for {x} goals per episode; help: give 0.01 to 1000"))
             }
             _ => None,
         }

@@ -1,7 +1,7 @@
-//! The least times of the test's episodes and of the benchmark route, for each world once.
+//! The optimal times of test episodes, computed once per scenario and test.
 //!
-//! In: a scenario and a test's rule. Out: [`OptimalTimes`]: for each navigation and each drive of the benchmark route the planner's
-//! plan and a proven lower bound, kept in a folder, since planning among moving obstacles takes its time.
+//! In: a scenario and a [`TestRule`]. Out: [`OptimalTimes`]: the planner's time and a proven lower bound for each
+//! episode. They are kept in a folder, because planning among moving obstacles takes long.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -17,33 +17,32 @@ use crate::run::RunError;
 use crate::run::evaluate::{EpisodeResult, bounds};
 use crate::scenario::{Scenario, to_ron};
 
-/// The least times in one world, in the order of the test's episodes.
+/// The optimal times in one scenario, in the order of the test's episodes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OptimalTimes {
-    /// Of the episodes.
+    /// Of the random episodes.
     pub episodes: Vec<StepBounds>,
-    /// Of the benchmark route's drives.
+    /// Of the episodes on the benchmark route.
     pub benchmark_route: Vec<StepBounds>,
 }
 
-/// The least times of all worlds.
+/// The optimal times of all scenarios, in memory and in a folder.
 pub struct OptimalTimesCache {
     folder: PathBuf,
     known: RefCell<BTreeMap<String, Rc<OptimalTimes>>>,
 }
 
 impl OptimalTimesCache {
-    /// Least times are kept in `folder`.
-    #[must_use]
+    /// A cache with files in `folder`.
     pub fn new(folder: PathBuf) -> Self {
         Self { folder, known: RefCell::default() }
     }
 
-    /// The least times for the tests by `rule` in `scenario`. The starts and goals are learnt by driving with the
-    /// policy in the file `policy` (they are the same for every policy).
+    /// The optimal times of the test by `rule` in `scenario`. If they are not known, the policy in the file `policy` is
+    /// run to find the starts and goals, which are the same for every policy.
     ///
     /// # Errors
-    /// The policy cannot be read; the folder cannot be written.
+    /// The policy cannot be read, or the folder cannot be written.
     pub fn for_test(
         &self,
         scenario: &Scenario,
@@ -56,28 +55,32 @@ impl OptimalTimesCache {
             return Ok(known.clone());
         }
         let path = self.folder.join(&name);
-        let kept = std::fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str(&text).ok());
-        let least = match kept {
-            Some(least) => least,
+        let stored = std::fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str(&text).ok());
+        let times = match stored {
+            Some(times) => times,
             None => {
-                let least = self.plan(scenario, rule, policy)?;
-                let failed = |error: std::io::Error| RunError::failed(&path, error);
-                std::fs::create_dir_all(&self.folder).map_err(failed)?;
-                let text =
-                    serde_json::to_string(&least).map_err(|error| RunError::Failed(error.to_string()))?;
-                std::fs::write(&path, text).map_err(failed)?;
-                least
+                let times = compute(scenario, rule, policy)?;
+                self.store(&path, &times)?;
+                times
             }
         };
-        let least = Rc::new(least);
-        self.known.borrow_mut().insert(name, least.clone());
-        Ok(least)
+        let times = Rc::new(times);
+        self.known.borrow_mut().insert(name, times.clone());
+        Ok(times)
     }
 
-    fn plan(&self, scenario: &Scenario, rule: TestRule, policy: &Path) -> Result<OptimalTimes, RunError> {
-        let policy = policy_test::read_policy(policy)?;
-        let (episodes, benchmark_route) = policy_test::run_episodes(&policy, scenario, rule)?;
-        let plan = |driven: &[EpisodeResult]| bounds(scenario, driven, 0);
-        Ok(OptimalTimes { episodes: plan(&episodes), benchmark_route: plan(&benchmark_route) })
+    fn store(&self, path: &Path, times: &OptimalTimes) -> Result<(), RunError> {
+        let failed = |error: std::io::Error| RunError::failed(path, error);
+        let text = serde_json::to_string(times).map_err(|error| RunError::Failed(error.to_string()))?;
+        std::fs::create_dir_all(&self.folder).map_err(failed)?;
+        std::fs::write(path, text).map_err(failed)
     }
+}
+
+fn compute(scenario: &Scenario, rule: TestRule, policy: &Path) -> Result<OptimalTimes, RunError> {
+    let policy = policy_test::read_policy(policy)?;
+    let (episodes, benchmark_route) = policy_test::run_episodes(&policy, scenario, rule)?;
+    let all_cores = 0;
+    let of = |results: &[EpisodeResult]| bounds(scenario, results, all_cores);
+    Ok(OptimalTimes { episodes: of(&episodes), benchmark_route: of(&benchmark_route) })
 }

@@ -1,19 +1,17 @@
-//! What a stage or a condition changes in its scenario and preset.
-//!
-//! In: the scenario and the preset as their files spell them. Out: the same with some fields set.
+//! The changes that a stage or a condition makes to its scenario and preset.
 
 use serde::{Deserialize, Serialize};
 
-use crate::learning::config::{Sampling, Schedule};
+use crate::learning::{Sampling, Schedule};
 use crate::run::preset::Preset;
 use crate::scenario::{ObstacleMotion, Scenario};
 use crate::task::{Encoding, RewardKind};
 
-/// Fields to set; what is not named stays as it is.
+/// Fields to change; fields that are not given keep their value.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Override {
-    /// Another scenario altogether: a file or a shipped name, as a stage's. What else is changed is changed in that.
+    /// Another scenario: a file or the name of a shipped scenario. The other changes apply to it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<String>,
     /// Scenario: `lidar.noise_std_m`, in m.
@@ -22,7 +20,7 @@ pub struct Override {
     /// Scenario: `robot.actuator_lag_s`, in s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub actuator_lag_s: Option<f32>,
-    /// Scenario: `speed_rad_s` of every obstacle that orbits, in rad/s. (Where none does, nothing changes.)
+    /// Scenario: `speed_rad_s` of every orbiting obstacle, in rad/s. Without such obstacles it has no effect.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orbit_speed_rad_s: Option<f32>,
     /// Scenario: `task.collision_range_m`, the paper's l_c, in m.
@@ -34,7 +32,7 @@ pub struct Override {
     /// Preset: `reward.kind`, eq. (3) or eq. (7).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reward: Option<RewardKind>,
-    /// Preset: `reward.l_r_m`, the reach of the repulsion, in m.
+    /// Preset: `reward.l_r_m`, the range of the repulsion, in m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub l_r_m: Option<f32>,
     /// Preset: `observation`, scaled or raw.
@@ -49,7 +47,7 @@ pub struct Override {
     /// Preset: `learning.replay.sampling`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampling: Option<Sampling>,
-    /// Preset: `alpha` of prioritized sampling. (Where sampling is uniform, this and the next two change nothing.)
+    /// Preset: `alpha` of prioritized sampling. With uniform sampling, this and the next two have no effect.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<f32>,
     /// Preset: `beta` of prioritized sampling.
@@ -61,7 +59,7 @@ pub struct Override {
 }
 
 impl Override {
-    /// Makes the change.
+    /// Changes the scenario and the preset.
     pub fn apply(&self, scenario: &mut Scenario, preset: &mut Preset) {
         set(&mut scenario.lidar.noise_std_m, self.lidar_noise_std_m);
         set(&mut scenario.robot.actuator_lag_s, self.actuator_lag_s);

@@ -1,7 +1,7 @@
-//! The test of a trained policy: rounds of episodes that it has never seen, and the benchmark route.
+//! The test of a trained policy: rounds of random episodes, and the benchmark route.
 //!
-//! In: a policy's file, a scenario, a rule. Out: a [`PolicyTestResult`], kept in the run's folder in `trials.json`, so that it is
-//! not made twice.
+//! In: a policy's file, a scenario and a [`TestRule`]. Out: a [`PolicyTestResult`]. Results are kept in `trials.json` in
+//! the run's folder, so that no test is repeated.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,43 +17,43 @@ use crate::run::folder::RunFolder;
 use crate::scenario::Scenario;
 use crate::task::{EpisodeEnd, EpisodeSetup};
 
-/// Drives of the benchmark route: 5 rounds of 5 (tables 3, 4, 6, 7).
+/// Episodes on the benchmark route: 5 rounds of 5 (the paper's tables 3, 4, 6 and 7).
 pub const BENCHMARK_ROUTE_EPISODES: usize = 25;
 
-/// How a policy did in its test.
+/// The file of the results in a run's folder.
+const RESULTS: &str = "trials.json";
+
+/// The result of a policy's test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PolicyTestResult {
     /// The policy's file in the run's folder.
     pub policy: String,
-    /// How it was tested.
+    /// The test.
     pub rule: TestRule,
-    /// For each navigation its control steps, null where it failed.
+    /// The control steps of each episode; null for a failure.
     pub steps: Vec<Option<u32>>,
-    /// How many episodes ended in a collision (the others that failed ran out of time).
+    /// The number of episodes that ended in a collision; the other failures ran out of time.
     pub collisions: usize,
-    /// For each drive of the benchmark route its control steps, null where it failed.
+    /// The control steps of each episode on the benchmark route; null for a failure.
     pub benchmark_route_steps: Vec<Option<u32>>,
 }
 
 impl PolicyTestResult {
-    /// Share of episodes that succeeded, 0 to 1.
-    #[must_use]
+    /// The share of episodes that succeeded, 0 to 1.
     pub fn success_rate(&self) -> f64 {
         self.steps.iter().flatten().count() as f64 / self.steps.len() as f64
     }
 
-    /// The same round by round.
-    #[must_use]
+    /// The success rate of each round, 0 to 1.
     pub fn rounds(&self) -> Vec<f64> {
         let rate = |round: &[Option<u32>]| round.iter().flatten().count() as f64 / round.len() as f64;
         self.steps.chunks(self.rule.episodes).map(rate).collect()
     }
 }
 
-/// The file of a policy in its run's folder.
-#[must_use]
-pub fn policy_file(which: PolicyId) -> String {
-    match which {
+/// The name of a policy's file in its run's folder.
+pub fn policy_file(policy: PolicyId) -> String {
+    match policy {
         PolicyId::AfterEpisodes(episodes) => RunFolder::policy_after_file(episodes),
         PolicyId::Best => "policy.safetensors".into(),
     }
@@ -62,40 +62,41 @@ pub fn policy_file(which: PolicyId) -> String {
 /// The policy in the file at `path`.
 ///
 /// # Errors
-/// It cannot be read, or is none.
+/// The file cannot be read, or is not a policy.
 pub fn read_policy(path: &Path) -> Result<Policy, RunError> {
     let bytes = std::fs::read(path).map_err(|error| RunError::failed(path, error))?;
     Policy::from_bytes(&bytes).map_err(|error| RunError::failed(path, error))
 }
 
-/// Tests the policy `which` of the run in `folder`.
+/// Tests a policy of the run in `folder`.
 ///
 /// # Errors
-/// Its file cannot be read; no place was found for a start.
+/// The policy's file cannot be read, or no free start was found.
 pub fn run(
     folder: &Path,
     scenario: &Scenario,
-    which: PolicyId,
+    policy: PolicyId,
     rule: TestRule,
 ) -> Result<PolicyTestResult, RunError> {
-    let name = policy_file(which);
+    let name = policy_file(policy);
     let policy = read_policy(&folder.join(&name))?;
     let (episodes, benchmark_route) = run_episodes(&policy, scenario, rule)?;
-    let steps = |driven: &[EpisodeResult]| driven.iter().map(|n| n.succeeded().then_some(n.steps)).collect();
+    let steps =
+        |results: &[EpisodeResult]| results.iter().map(|r| r.succeeded().then_some(r.steps)).collect();
     Ok(PolicyTestResult {
         policy: name,
         rule,
         steps: steps(&episodes),
-        collisions: episodes.iter().filter(|n| n.end == EpisodeEnd::Collided).count(),
+        collisions: episodes.iter().filter(|r| r.end == EpisodeEnd::Collided).count(),
         benchmark_route_steps: steps(&benchmark_route),
     })
 }
 
-/// Drives the test's episodes and the benchmark route's drives with `policy`. Starts, goals and the obstacles' clocks are
-/// the same for every policy.
+/// Runs the random episodes and the episodes on the benchmark route. Starts, goals and the obstacles' clocks are the
+/// same for every policy.
 ///
 /// # Errors
-/// The policy does not fit; no place was found for a start.
+/// The policy does not fit the scenario, or no free start was found.
 pub fn run_episodes(
     policy: &Policy,
     scenario: &Scenario,
@@ -110,25 +111,23 @@ pub fn run_episodes(
     Ok((episodes, benchmark_route))
 }
 
-/// The trials noted in the folder of a run; none if there are none yet (or the file is of another version).
-#[must_use]
+/// The results in a run's folder; empty if there are none, or if the file has another version.
 pub fn read_results(folder: &Path) -> Vec<PolicyTestResult> {
-    let text = std::fs::read_to_string(folder.join("trials.json")).unwrap_or_default();
+    let text = std::fs::read_to_string(folder.join(RESULTS)).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
 }
 
-/// The trial of the policy `which` by `rule` among `trials`.
-#[must_use]
-pub fn find(trials: &[PolicyTestResult], which: PolicyId, rule: TestRule) -> Option<&PolicyTestResult> {
-    let file = policy_file(which);
-    trials.iter().find(|trial| trial.policy == file && trial.rule == rule)
+/// The result of a policy's test among `results`.
+pub fn find(results: &[PolicyTestResult], policy: PolicyId, rule: TestRule) -> Option<&PolicyTestResult> {
+    let file = policy_file(policy);
+    results.iter().find(|result| result.policy == file && result.rule == rule)
 }
 
-/// Notes `trials` in the folder of a run.
+/// Writes the results to a run's folder.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_results(folder: &RunFolder, trials: &[PolicyTestResult]) -> Result<(), RunError> {
-    let text = serde_json::to_string(trials).map_err(|error| RunError::Failed(error.to_string()))?;
-    folder.write("trials.json", |file| std::io::Write::write_all(file, text.as_bytes()))
+pub fn write_results(folder: &RunFolder, results: &[PolicyTestResult]) -> Result<(), RunError> {
+    let text = serde_json::to_string(results).map_err(|error| RunError::Failed(error.to_string()))?;
+    folder.write(RESULTS, |file| std::io::Write::write_all(file, text.as_bytes()))
 }

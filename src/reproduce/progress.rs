@@ -1,7 +1,7 @@
-//! How the whole work is getting on, said on stderr.
+//! The progress of all runs together, on stderr.
 //!
-//! In: what each run says of itself ([`OverallProgress::listener`]), and that it is done. Out: on a terminal one bar for all;
-//! elsewhere a plain line every few seconds.
+//! In: the progress of each run ([`OverallProgress::listener`]). Out: one progress bar on a terminal; elsewhere, a plain
+//! line every ten seconds.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,44 +14,44 @@ use crate::run::preset::Budget;
 use crate::run::progress::{Progress, ProgressListener, bar, print_stderr};
 
 /// Time between two plain lines.
-const NEXT_LINE: Duration = Duration::from_secs(10);
-/// Parts of the whole that the bar can tell apart.
-const PARTS: u64 = 10_000;
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
+/// Steps of the progress bar.
+const BAR_STEPS: u64 = 10_000;
 
-/// Shows how far all runs together are.
+/// The progress of all runs together.
 pub struct OverallProgress {
     inner: Mutex<Inner>,
 }
 
 struct Inner {
-    /// What each run costs, in expected gradient steps.
-    weights: Vec<f64>,
-    /// How much of each is done, 0 to 1.
+    /// The cost of each run, in expected gradient steps.
+    costs: Vec<f64>,
+    /// The finished share of each run, 0 to 1.
     shares: Vec<f64>,
     runs_done: usize,
-    /// Under way, by index: what to call it.
-    under_way: BTreeMap<usize, String>,
+    /// The names of the runs in progress, by index.
+    running: BTreeMap<usize, String>,
     started: Instant,
-    /// The work that was done before this process.
+    /// The cost of the runs that were finished before this process started.
     done_before: f64,
     next_line: Duration,
     bar: Option<ProgressBar>,
 }
 
 impl OverallProgress {
-    /// A board for `trainings`.
+    /// The progress of `trainings`, all at 0.
     #[must_use]
     pub fn new(trainings: &[Training]) -> Arc<Self> {
         Arc::new(Self {
             inner: Mutex::new(Inner {
-                weights: trainings.iter().map(|t| gradient_steps(t, t.config.preset.budget)).collect(),
+                costs: trainings.iter().map(|t| gradient_steps(t, t.config.preset.budget)).collect(),
                 shares: vec![0.0; trainings.len()],
                 runs_done: 0,
-                under_way: BTreeMap::new(),
+                running: BTreeMap::new(),
                 started: Instant::now(),
                 done_before: 0.0,
                 next_line: Duration::ZERO,
-                bar: bar(PARTS),
+                bar: bar(BAR_STEPS),
             }),
         })
     }
@@ -60,39 +60,39 @@ impl OverallProgress {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Run `index` is under way; gives whom it may tell.
+    /// Starts run `index`; the listener takes its progress.
     pub fn listener(self: &Arc<Self>, index: usize, training: &Training) -> ProgressListener {
         let config = &training.config;
         let name = format!("{} in {}, seed {}", config.preset_name(), config.scenario.name, config.seed);
-        self.lock().under_way.insert(index, name);
-        let board = self.clone();
+        self.lock().running.insert(index, name);
+        let overall = self.clone();
         let training = training.clone();
-        Box::new(move |status: &Progress| {
+        Box::new(move |progress: &Progress| {
             let budget = training.config.preset.budget;
             let so_far = match budget {
-                Budget::Episodes(_) => Budget::Episodes(status.episodes),
-                Budget::EnvSteps(_) => Budget::EnvSteps(status.env_steps),
+                Budget::Episodes(_) => Budget::Episodes(progress.episodes),
+                Budget::EnvSteps(_) => Budget::EnvSteps(progress.env_steps),
             };
             let share = gradient_steps(&training, so_far) / gradient_steps(&training, budget);
-            let mut inner = board.lock();
+            let mut inner = overall.lock();
             inner.shares[index] = share.clamp(0.0, 1.0);
             inner.show(false);
         })
     }
 
-    /// Run `index` is done; `before` if it was so before this process began.
-    pub fn done(&self, index: usize, before: bool) {
+    /// Finishes run `index`; `was_finished` if it was finished before this process started.
+    pub fn finish_run(&self, index: usize, was_finished: bool) {
         let mut inner = self.lock();
         inner.shares[index] = 1.0;
         inner.runs_done += 1;
-        inner.under_way.remove(&index);
-        if before {
-            inner.done_before += inner.weights[index];
+        inner.running.remove(&index);
+        if was_finished {
+            inner.done_before += inner.costs[index];
         }
         inner.show(false);
     }
 
-    /// Shows how far all is, and leaves it at that.
+    /// Shows the final progress.
     pub fn finish(&self) {
         let mut inner = self.lock();
         inner.show(true);
@@ -103,14 +103,15 @@ impl OverallProgress {
 }
 
 impl Inner {
+    /// Updates the bar, or prints a line if the last one is old enough or `now` is set.
     fn show(&mut self, now: bool) {
         let elapsed = self.started.elapsed();
         if self.bar.is_none() && !now && elapsed < self.next_line {
             return;
         }
-        self.next_line = elapsed + NEXT_LINE;
-        let total: f64 = self.weights.iter().sum();
-        let done: f64 = self.weights.iter().zip(&self.shares).map(|(weight, share)| weight * share).sum();
+        self.next_line = elapsed + LINE_INTERVAL;
+        let total: f64 = self.costs.iter().sum();
+        let done: f64 = self.costs.iter().zip(&self.shares).map(|(cost, share)| cost * share).sum();
         let share = if total > 0.0 { done / total } else { 1.0 };
         let here = done - self.done_before;
         let left = if share < 1.0 && here > 0.0 && elapsed.as_secs() >= 5 {
@@ -119,26 +120,26 @@ impl Inner {
         } else {
             String::new()
         };
-        let (runs, all) = (self.runs_done, self.weights.len());
-        let advance = format!("{:>3.0}%  {runs} of {all} runs{left}", (100.0 * share).floor());
-        let under_way: Vec<&str> = self.under_way.values().map(String::as_str).collect();
+        let (runs, all) = (self.runs_done, self.costs.len());
+        let prefix = format!("{:>3.0}%  {runs} of {all} runs{left}", (100.0 * share).floor());
+        let running: Vec<&str> = self.running.values().map(String::as_str).collect();
         match &self.bar {
             Some(bar) => {
-                bar.set_prefix(advance);
-                bar.set_message(under_way.join("; "));
-                bar.set_position((share * PARTS as f64) as u64);
+                bar.set_prefix(prefix);
+                bar.set_message(running.join("; "));
+                bar.set_position((share * BAR_STEPS as f64) as u64);
                 bar.tick();
             }
-            None => print_stderr(format!("{advance}  {}", under_way.join("; ")).trim_end()),
+            None => print_stderr(format!("{prefix}  {}", running.join("; ")).trim_end()),
         }
     }
 }
 
-/// About how many gradient steps a training takes for `budget`: what its time goes with.
+/// The approximate number of gradient steps of a training, to which its time is proportional.
 fn gradient_steps(training: &Training, budget: Budget) -> f64 {
     let learning = &training.config.preset.learning;
     let env_steps = match budget {
-        // The first episodes end soon, in a collision; in the end nearly all last for the time limit.
+        // Early episodes soon end in a collision; late episodes last until the time limit.
         Budget::Episodes(n) => {
             let n = n as f64;
             f64::from(training.config.scenario.task.max_episode_steps) * n * n / (n + 200.0)
@@ -146,6 +147,6 @@ fn gradient_steps(training: &Training, budget: Budget) -> f64 {
         Budget::EnvSteps(n) => n as f64,
     };
     let per_step = f64::from(learning.gradient_steps) / learning.train_freq as f64;
-    // An env step without learning costs a tenth of a gradient step in one arena, a thirtieth in sixteen.
+    // An env step without learning costs a tenth of a gradient step with one arena, a thirtieth with sixteen.
     env_steps * (per_step + 0.1) + 1.0
 }

@@ -1,51 +1,52 @@
-//! `--quick`: the same experiments, done roughly.
+//! `--quick`: a short version of an experiment, with a tenth of the episodes and tests, and two seeds.
 //!
-//! In: an experiment. Out: one with a tenth of the episodes and of the tests, and two seeds. Its numbers say nothing
-//! about the paper; it shows in a minute what the full report will look like, and that everything runs.
+//! Its numbers mean nothing for the paper's claims. It shows within a minute what the full report looks like, and that
+//! every step works.
 
-use super::experiment::{Experiment, FigureKind, TableKind};
+use super::experiment::Experiment;
+use super::figure_spec::FigureKind;
+use super::table_spec::TableKind;
 use crate::run::preset::{Budget, EvaluationConfig};
 
-/// How much shorter everything is.
+/// The factor by which everything is shorter.
 const SHORTER: u64 = 10;
 
-/// How many seeds a rough experiment has.
+/// The number of seeds.
 const SEEDS: u64 = 2;
 
-/// Makes `experiment` a rough one. `budget_of` tells the budget of a preset by its name, for stages that leave it to
-/// that.
+/// Shortens `experiment`. `budget_of` returns a preset's budget by the preset's name, for stages without their own.
 pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Option<Budget>) {
     experiment.seeds = experiment.seeds.min(SEEDS);
     experiment.test.episodes = (experiment.test.episodes / SHORTER as usize).max(1);
     experiment.evaluation = Some(EvaluationConfig { every_env_steps: 10_000, episodes: 20 });
     for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
         stage.budget = stage.budget.or_else(|| budget_of(&stage.preset)).map(|budget| match budget {
-            Budget::Episodes(n) => Budget::Episodes(fewer(n)),
-            Budget::EnvSteps(n) => Budget::EnvSteps(fewer(n)),
+            Budget::Episodes(n) => Budget::Episodes(shortened(n)),
+            Budget::EnvSteps(n) => Budget::EnvSteps(shortened(n)),
         });
     }
-    let rough = " (rough: a tenth of the episodes)";
+    let suffix = " (quick: a tenth of the episodes)";
     for figure in &mut experiment.figures {
-        figure.title += rough;
+        figure.title += suffix;
         match &mut figure.draw {
             FigureKind::LearningCurves { smoothing, .. } => {
                 *smoothing = (*smoothing / SHORTER as usize).max(1)
             }
             FigureKind::DotPlot { after, .. } | FigureKind::BenchmarkRoute { after } => {
-                *after = fewer(*after)
+                *after = shortened(*after)
             }
         }
     }
     for table in &mut experiment.tables {
-        table.title += rough;
+        table.title += suffix;
         match &mut table.show {
             TableKind::Seeds { after, .. }
             | TableKind::Rounds { after, .. }
             | TableKind::Measures { after, .. } => {
-                *after = fewer(*after);
+                *after = shortened(*after);
             }
             TableKind::Contrast { after, .. } => {
-                after.iter_mut().for_each(|after| *after = fewer(*after));
+                after.iter_mut().for_each(|after| *after = shortened(*after));
                 after.dedup();
             }
         }
@@ -53,11 +54,11 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
     let claims_of_tables = experiment.tables.iter_mut().flat_map(|table| &mut table.claims);
     let claims_of_figures = experiment.figures.iter_mut().flat_map(|figure| &mut figure.claims);
     for claim in claims_of_figures.chain(claims_of_tables) {
-        claim.statement += rough;
-        claim.after = fewer(claim.after);
+        claim.statement += suffix;
+        claim.after = shortened(claim.after);
     }
 }
 
-fn fewer(n: u64) -> u64 {
+fn shortened(n: u64) -> u64 {
     (n / SHORTER).max(1)
 }

@@ -1,16 +1,20 @@
-//! What the room promises within itself: the shipped experiments can be carried out, a training that several need is
-//! made once, and numbers are read from records as the measures say.
+//! Unit tests: the shipped experiments can be planned, shared trainings are planned once, and measures are computed
+//! from the records.
 
 use std::path::{Path, PathBuf};
 
-use super::experiment::{Experiment, TableKind, TestRule};
+use super::ReproduceOptions;
+use super::experiment::{Experiment, TestRule};
+use super::figure_spec::EpisodeSeries;
 use super::measure::Measure;
+use super::measured_value::MeasuredValue;
 use super::optimal_times::OptimalTimesCache;
-use super::plan::{PolicyId, RunPlan, SelectedExperiment};
+use super::overrides::Override;
+use super::plan::{ArmRun, PolicyId, RunPlan, SelectedExperiment, Training};
 use super::policy_test::{self, PolicyTestResult};
-use super::results::{MeasuredValue, Results};
+use super::results::Results;
 use super::select::select;
-use super::{ReproduceOptions, plan};
+use super::table_spec::TableKind;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::preset::Budget;
@@ -19,9 +23,9 @@ fn only(names: &[&str]) -> ReproduceOptions {
     ReproduceOptions { only: names.iter().map(|&name| name.into()).collect(), ..ReproduceOptions::default() }
 }
 
-fn planned(request: &ReproduceOptions) -> (Vec<SelectedExperiment>, RunPlan) {
-    let selected = select(request).expect("it can be selected");
-    let plan = RunPlan::new(&selected).expect("it can be planned");
+fn planned(options: &ReproduceOptions) -> (Vec<SelectedExperiment>, RunPlan) {
+    let selected = select(options).expect("the selection works");
+    let plan = RunPlan::new(&selected).expect("the plan works");
     (selected, plan)
 }
 
@@ -31,12 +35,16 @@ fn budgets(plan: &RunPlan, seed: u64) -> Vec<(String, Budget)> {
 }
 
 #[test]
-fn everything_shipped_can_be_planned_also_roughly() {
+fn all_shipped_experiments_can_be_planned_in_full_and_quickly() {
     let (all, plan) = planned(&ReproduceOptions::default());
     assert_eq!(all.len(), 8);
-    let (rough, rough_plan) = planned(&ReproduceOptions { quick: true, ..ReproduceOptions::default() });
-    assert_eq!(plan.trainings.len() / 5, rough_plan.trainings.len() / 2, "as many trainings a seed");
-    for selected in rough {
+    let (quick, quick_plan) = planned(&ReproduceOptions { quick: true, ..ReproduceOptions::default() });
+    assert_eq!(
+        plan.trainings.len() / 5,
+        quick_plan.trainings.len() / 2,
+        "the number of trainings per seed is the same"
+    );
+    for selected in quick {
         let experiment = &selected.source.experiment;
         assert!(
             experiment.diagnostics().is_empty(),
@@ -47,12 +55,15 @@ fn everything_shipped_can_be_planned_also_roughly() {
         assert_eq!(experiment.seeds, 2);
     }
     for (index, training) in plan.trainings.iter().enumerate() {
-        assert!(training.origin.is_none_or(|from| from < index), "origins come first");
+        assert!(
+            training.origin.is_none_or(|from| from < index),
+            "origins precede the trainings that start from them"
+        );
     }
 }
 
 #[test]
-fn a_training_that_several_need_is_made_once() {
+fn a_training_shared_by_experiments_is_planned_once() {
     // Figure 8's DQN is the beginning of figure 9's; figure 10's transfer starts from figure 9's PER-D3QN.
     let (_, plan) = planned(&only(&["fig8", "fig9", "fig10"]));
     assert_eq!(
@@ -65,42 +76,48 @@ fn a_training_that_several_need_is_made_once() {
             ("per_d3qn".into(), Budget::Episodes(1000)),
         ]
     );
-    let transferred =
-        plan.trainings.iter().find(|t| t.config.transfer.is_some()).expect("one is transferred");
-    let origin = &plan.trainings[transferred.origin.expect("from another")];
+    let transferred = plan
+        .trainings
+        .iter()
+        .find(|t| t.config.transfer.is_some())
+        .expect("one training starts from weights");
+    let origin = &plan.trainings[transferred.origin.expect("it has an origin")];
     assert_eq!(origin.config.scenario.name, "Scenario I");
-    assert!(origin.config.save_policy_after_episodes.contains(&1000), "the policy it starts from is kept");
+    assert!(
+        origin.config.save_policy_after_episodes.contains(&1000),
+        "the policy that it starts from is saved"
+    );
     let mut names: Vec<&str> = plan.trainings.iter().map(|training| training.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), plan.trainings.len(), "each has a folder of its own");
+    assert_eq!(names.len(), plan.trainings.len(), "every training has its own folder");
 }
 
 #[test]
-fn no_more_is_trained_than_what_is_asked_for_needs() {
+fn only_needed_episodes_and_seeds_are_trained() {
     let (_, plan) = planned(&only(&["table2"]));
     assert_eq!(
         budgets(&plan, 1),
         [("dqn".into(), Budget::Episodes(1000)), ("per_d3qn".into(), Budget::Episodes(1000))]
     );
     assert_eq!(plan.trainings.len(), 10, "five seeds");
-    assert_eq!(plan.trainings[0].tests.len(), 1, "and one test each");
+    assert_eq!(plan.trainings[0].tests.len(), 1, "one test each");
     let (selected, _) = planned(&only(&["table7"]));
     let table = selected[0].tables.iter().map(|&i| &selected[0].source.experiment.tables[i].name);
-    assert_eq!(table.collect::<Vec<_>>(), ["table6-7"], "a table is found by each of its numbers");
+    assert_eq!(table.collect::<Vec<_>>(), ["table6-7"], "a table is found by each of its aliases");
     let (_, plan) = planned(&ReproduceOptions { seeds: Some(2), ..only(&["fig8"]) });
     assert_eq!(plan.trainings.len(), 4);
 }
 
 #[test]
-fn episodes_are_counted_over_the_stages() {
+fn episodes_are_counted_over_all_stages() {
     let stages = vec![(0, Some(1000)), (1, Some(800))];
-    let chain = plan::ArmRun { stages };
-    assert_eq!(chain.stage_at(400), Some((0, 400)));
-    assert_eq!(chain.stage_at(1000), Some((0, 1000)), "the end of a stage is still its own");
-    assert_eq!(chain.stage_at(1001), Some((1, 1)));
-    assert_eq!(chain.stage_at(1800), Some((1, 800)));
-    assert_eq!(chain.stage_at(1801), None);
+    let arm_run = ArmRun { stages };
+    assert_eq!(arm_run.stage_at(400), Some((0, 400)));
+    assert_eq!(arm_run.stage_at(1000), Some((0, 1000)), "the last episode of a stage belongs to it");
+    assert_eq!(arm_run.stage_at(1001), Some((1, 1)));
+    assert_eq!(arm_run.stage_at(1800), Some((1, 800)));
+    assert_eq!(arm_run.stage_at(1801), None);
 }
 
 const TWO_STAGES: &str = r#"(
@@ -119,8 +136,8 @@ const TWO_STAGES: &str = r#"(
     tables: [(name: "t", title: "t", show: Seeds(measure: Success, after: 300))],
 )"#;
 
-/// Writes what a run of `training` would leave: goals per episode, and every episode 10 steps.
-fn pretend(folder: &Path, training: &plan::Training, goals: &[u32], trials: &[PolicyTestResult]) {
+/// Writes the records of a run with the given goals per episode; every episode has 10 steps and a return of 100 per goal.
+fn write_records(folder: &Path, training: &Training, goals: &[u32], results: &[PolicyTestResult]) {
     let folder = RunFolder::create(Some(folder.join(&training.name)), &training.config).expect("a folder");
     let mut episodes = folder.csv::<EpisodeRow>("episodes.csv", 0, &[]).expect("a file");
     folder.csv::<EvaluationRow>("evaluations.csv", 0, &[]).expect("a file");
@@ -130,11 +147,11 @@ fn pretend(folder: &Path, training: &plan::Training, goals: &[u32], trials: &[Po
         episodes.serialize(row).expect("a row");
     }
     episodes.flush().expect("written");
-    policy_test::write_results(&folder, trials).expect("written");
+    policy_test::write_results(&folder, results).expect("written");
 }
 
 #[test]
-fn numbers_are_read_from_the_records_as_the_measures_say() {
+fn measures_are_computed_from_the_records() {
     let folder = tempfile::tempdir().expect("a folder");
     let file: PathBuf = folder.path().join("two.ron");
     std::fs::write(&file, TWO_STAGES).expect("written");
@@ -142,21 +159,22 @@ fn numbers_are_read_from_the_records_as_the_measures_say() {
         planned(&ReproduceOptions { experiments: vec![file], ..ReproduceOptions::default() });
     assert_eq!(plan.trainings.len(), 2);
 
-    // First stage: no goals at all. Second: none in 100 episodes, then 4 in each of another 100.
+    // No goals in the first stage. In the second, none in 100 episodes, then 4 in each of another 100.
     let second: Vec<u32> = (0..200).map(|i| if i < 100 { 0 } else { 4 }).collect();
-    let trial = PolicyTestResult {
+    let result = PolicyTestResult {
         policy: policy_test::policy_file(PolicyId::AfterEpisodes(200)),
         rule: TestRule { rounds: 1, episodes: 4, seed: 5 },
         steps: vec![Some(50), None, Some(70), Some(60)],
         collisions: 1,
         benchmark_route_steps: vec![Some(60); policy_test::BENCHMARK_ROUTE_EPISODES],
     };
-    pretend(folder.path(), &plan.trainings[0], &[0; 100], &[]);
-    pretend(folder.path(), &plan.trainings[1], &second, &[trial]);
+    write_records(folder.path(), &plan.trainings[0], &[0; 100], &[]);
+    write_records(folder.path(), &plan.trainings[1], &second, &[result]);
     let optimal_times = OptimalTimesCache::new(folder.path().join("optimum"));
-    let results = Results::read(&plan, &selected, folder.path(), optimal_times).expect("they are there");
+    let results =
+        Results::read(&plan, &selected, folder.path(), optimal_times).expect("the results are read");
     let value = |measure, after| {
-        let values = results.values(0, 0, 0, measure, after).expect("it is known");
+        let values = results.values(0, 0, 0, measure, after).expect("the value is known");
         assert_eq!(values.len(), 1);
         values[0]
     };
@@ -168,21 +186,21 @@ fn numbers_are_read_from_the_records_as_the_measures_say() {
     // The last 100 episodes.
     assert_eq!(value(Measure::Goals, 300), exactly(4.0));
     assert_eq!(value(Measure::Return, 300), exactly(400.0));
-    assert_eq!(value(Measure::Goals, 200), exactly(0.0), "after the first 100 of the second stage");
-    // The mean of 50 episodes is 4 n / 50 after n of the good ones: 2 from the 25th on, the 125th of the stage.
+    assert_eq!(value(Measure::Goals, 200), exactly(0.0), "after the first 100 episodes of the second stage");
+    // The mean of 50 episodes is 4 n / 50 after n episodes with goals: 2 at n = 25, the 125th episode of the stage.
     assert_eq!(value(Measure::EpisodesTo(2.0), 300), exactly(125.0));
     assert_eq!(value(Measure::StepsTo(2.0), 300), exactly(1.25), "thousands of steps");
-    let never = MeasuredValue { value: 200.0, is_lower_bound: true };
-    assert_eq!(value(Measure::EpisodesTo(4.5), 300), never, "all of the stage's episodes, and more");
+    let not_reached = MeasuredValue { value: 200.0, is_lower_bound: true };
+    assert_eq!(value(Measure::EpisodesTo(4.5), 300), not_reached, "a lower bound");
 
-    assert_eq!(results.rounds(0, 0, 0, 1, 300).expect("it is known"), [75.0], "one round");
+    assert_eq!(results.rounds(0, 0, 0, 1, 300).expect("the value is known"), [75.0], "one round");
 
-    let curve = &results.curves(0, 0, 0, super::experiment::EpisodeSeries::Goals)[0];
-    assert_eq!((curve.len(), curve[99], curve[299]), (300, 0.0, 4.0), "one stage behind the other");
+    let curve = &results.curves(0, 0, 0, EpisodeSeries::Goals)[0];
+    assert_eq!((curve.len(), curve[99], curve[299]), (300, 0.0, 4.0), "the stages follow each other");
 }
 
 #[test]
-fn a_change_is_made_in_every_field_it_names() {
+fn overrides_change_every_field_they_name() {
     let text = TWO_STAGES.replace(
         "budget: Episodes(200))",
         "budget: Episodes(200), overrides: (lidar_noise_std_m: 0.05, actuator_lag_s: 0.3, collision_range_m: 0.15,
@@ -190,14 +208,14 @@ fn a_change_is_made_in_every_field_it_names() {
             sampling: Prioritized(alpha: 0.6, beta: Constant(0.4), importance_weights: true, epsilon: 0.01),
             alpha: 0.7))",
     );
-    let experiment = Experiment::parse(&text, "two.ron").expect("it is one");
-    let change = &experiment.arms[0].stages[1].overrides;
+    let experiment = Experiment::parse(&text, "two.ron").expect("a valid experiment");
+    let overrides = &experiment.arms[0].stages[1].overrides;
     let mut scenario = crate::run::shipped::scenario("scenario-2").expect("shipped");
     let mut preset = crate::run::shipped::preset("dqn").expect("shipped");
-    let faster = super::overrides::Override { orbit_speed_rad_s: Some(0.3), ..change.clone() };
+    let faster = Override { orbit_speed_rad_s: Some(0.3), ..overrides.clone() };
     faster.apply(&mut scenario, &mut preset);
     let text = crate::scenario::to_ron(&(scenario, preset)).expect("RON");
-    for said in [
+    for field in [
         "noise_std_m: 0.05",
         "actuator_lag_s: 0.3",
         "collision_range_m: 0.15",
@@ -210,7 +228,7 @@ fn a_change_is_made_in_every_field_it_names() {
         "alpha: 0.7",
         "importance_weights: true",
     ] {
-        assert_eq!(text.matches(said).count(), 1, "{said} in {text}");
+        assert_eq!(text.matches(field).count(), 1, "{field} in {text}");
     }
     assert_eq!(text.matches("speed_rad_s: 0.3").count(), 4, "all four cylinders");
     assert!(matches!(experiment.tables[0].show, TableKind::Seeds { after: 300, .. }));

@@ -1,8 +1,10 @@
-//! The examiner: evaluates policies on a thread of its own, while training goes on. (A browser's build has one thread,
-//! and an examiner who works in slices: `background_evaluator/sliced.rs`.)
+//! Evaluation during training, without stopping it.
 //!
-//! In: policies, in order. Out: their examinations, in the same order. An evaluation changes nothing of what is
-//! learnt and has a world and streams of its own, so a run's result does not depend on how quick the examiner is.
+//! In: candidate policies. Out: their evaluations, in the same order. Evaluations use a separate simulation and separate
+//! random streams, so that a run's result does not depend on how fast they are.
+//!
+//! Natively the evaluator has a thread (`threaded.rs`). A browser build has only one thread, so there the evaluator works
+//! in time slices (`sliced.rs`).
 
 #[cfg(any(test, target_arch = "wasm32"))]
 mod sliced;
@@ -20,29 +22,29 @@ use super::RunError;
 use super::evaluate::Evaluation;
 use crate::policy::Policy;
 
-/// Whether who asks for an examination works at it meanwhile, and does not only look whether it is done.
+/// Whether [`BackgroundEvaluator::poll`] does the work itself, on the caller's thread.
 pub const RUNS_ON_CALLER_THREAD: bool = cfg!(target_arch = "wasm32");
 
-/// A policy, and when in the run it was taken.
+/// A policy to evaluate, and its position in the run.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// The policy, with its card: by that it is shown what it was trained to see.
+    /// The policy, with its card, which defines the encoding of its observations.
     pub policy: Policy,
-    /// Env steps of the run by then.
+    /// Env steps of the run so far.
     pub env_steps: u64,
-    /// Episodes by then.
+    /// Ended episodes of the run so far.
     pub episodes: u64,
-    /// Gradient steps by then.
+    /// Gradient steps of the run so far.
     pub gradient_steps: u64,
 }
 
-/// What came of examining a candidate.
+/// The result of evaluating a candidate.
 #[derive(Debug)]
 pub struct EvalResult {
-    /// Who was examined.
+    /// The candidate.
     pub candidate: Candidate,
-    /// How it did.
+    /// Its evaluation, or the error that ended it.
     pub result: Result<Evaluation, RunError>,
-    /// When that was known.
+    /// When the evaluation ended.
     pub done: Instant,
 }

@@ -1,9 +1,11 @@
-//! Everything that a run needs to go on to the bit: `checkpoint/latest.bin`, and the two before it.
+//! Checkpoints of a run: everything that a resumed run needs to continue bit-identically.
 //!
-//! In: the learner, the arenas, the streams, and where the records stand. Out: one file, written whole or not at all:
-//! magic, version, length and CRC-32C of the head, the head (postcard: [`TrainerState`]), then the learner's own
-//! checkpoint, which has a checksum of its own. Where the newest cannot be read, the one before is. A checksum tells of
-//! accidents, not of intent: so all that is read is checked, too.
+//! In: the learner, the arenas, the random streams, the lengths of the CSV files. Out: `checkpoint/latest.bin`, written
+//! atomically, and the two checkpoints before it. If the newest cannot be read, the next older one is used.
+//!
+//! A file holds the magic bytes, the version, the length and CRC-32C of the head, the head ([`TrainerState`] as postcard),
+//! and the learner's checkpoint, which has a separate checksum. Checksums detect accidental damage only, so every value is
+//! also checked after it is read.
 
 use std::collections::VecDeque;
 use std::fs::File;
@@ -15,57 +17,56 @@ use serde::{Deserialize, Serialize};
 
 use super::RunError;
 use super::folder::{RunConfig, RunFolder};
+use super::limits::{MAX_HEAD_BYTES, MAX_RECENT_RETURNS, MAX_TIME_S};
 use super::metric_rows::Milestone;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
+use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
 use crate::sim;
-use crate::task::{ArenaState, observation};
+use crate::task::ArenaState;
 
-/// The last checkpoints, from the newest on. The first is there only for a moment, while the others move up.
+/// The files of the checkpoints, newest first. `next.bin` exists only until the others are renamed.
 const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
-const MAGIC: &[u8; 8] = b"wayfrun\n";
-/// Raised whenever an older reader would misread a newer file.
-const VERSION: u32 = 4;
-/// The most bytes a head may have: as many numbers as may be seen in all arenas, and a policy.
-const MAX_HEAD_BYTES: u64 = (1 << 30) + (1 << 27);
-/// The longest time that a checkpoint may name, in s: some 30,000 years.
-const MAX_TIME_S: f64 = 1e12;
+/// The version of the format. It increases whenever an older reader would misread a newer file.
+pub const VERSION: u32 = 4;
+const FORMAT: HeaderFormat =
+    HeaderFormat { magic: b"wayfrun\n", version: VERSION, max_bytes: MAX_HEAD_BYTES, checksum: true };
 
-/// Where a run stands, beside its learner.
+/// The state of a run, apart from its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrainerState {
-    /// Every arena.
+    /// The arenas.
     pub arenas: Vec<ArenaState>,
-    /// What plugins added to every arena; empty without plugins.
-    pub arena_extensions: Vec<ArenaExtension>,
-    /// The exploration streams.
+    /// The random streams of exploration, one per arena.
     pub exploration: Vec<Stream>,
-    /// Sums over the gradient steps since the last row.
+    /// Sums over the gradient steps since the last row of `episodes.csv`.
     pub stats: TrainingStats,
-    /// Loss, TD error and Q of the last row.
+    /// Mean loss, TD error and Q-value in the last row.
     pub means: Option<(f64, f64, f64)>,
-    /// Returns of the last episodes, at most 100.
+    /// Returns of the last episodes, at most [`MAX_RECENT_RETURNS`].
     pub recent_returns: VecDeque<f64>,
-    /// Length of `episodes.csv`.
+    /// Length of `episodes.csv` in bytes.
     pub episodes_bytes: u64,
-    /// Length of `evaluations.csv`.
+    /// Length of `evaluations.csv` in bytes.
     pub evaluations_bytes: u64,
-    /// Evaluate when so many env steps are reached.
+    /// Env steps at which the next evaluation is due.
     pub next_evaluation: u64,
-    /// Env steps at the last evaluation.
+    /// Env steps at the last evaluation; `None` before the first.
     pub evaluated_at: Option<u64>,
-    /// Success rate of the last evaluation.
+    /// Success rate of the last evaluation, 0 to 1.
     pub last_success_rate: Option<f64>,
     /// The best policy so far.
     pub best: Option<BestPolicy>,
-    /// When 96 % was first reached.
+    /// When a success rate of 96 % was first reached.
     pub first_96: Option<Milestone>,
-    /// When 99 % was first reached.
+    /// When a success rate of 99 % was first reached.
     pub first_99: Option<Milestone>,
-    /// Wall time used by then, in s.
+    /// Wall time up to this checkpoint, in s, over all processes of the run.
     pub wall_s: f64,
+    /// What plugins added to every arena; empty without plugins.
+    pub arena_extensions: Vec<ArenaExtension>,
 }
 
 /// What plugins added to one arena: the sensors' readings and the sums of reward terms in the running episode.
@@ -87,35 +88,36 @@ impl ArenaExtension {
     }
 }
 
-/// The best policy so far: the latest of those whose mean time in their evaluation, a failure counted as the time limit,
-/// is within [`BestPolicy::COST_TOLERANCE`] of the least. (So small a difference over some hundred episodes is chance, and of
-/// two policies that are equal but for chance the one that learnt longer is the better bet.)
+/// The best policy so far: the latest one whose mean cost is within [`BestPolicy::COST_TOLERANCE`] of the minimum.
+///
+/// The cost of an episode is its simulated time; a failure costs the whole time limit. A smaller difference over some
+/// hundred episodes is noise, and of two equally good policies the one trained longer is the better bet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BestPolicy {
     /// Share of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
-    /// Mean time of those, in s.
+    /// Mean simulated time of those, in s.
     pub mean_time_s: Option<f64>,
-    /// Mean time of all, in s, a failure counted as the time limit.
+    /// Mean cost of all episodes, in s.
     pub mean_cost_s: f64,
-    /// The least such mean of any policy so far, in s.
+    /// Minimum mean cost of all policies so far, in s.
     pub min_cost_s: f64,
-    /// Its file.
+    /// The contents of the policy file.
     pub bytes: Vec<u8>,
 }
 
 impl BestPolicy {
-    /// A mean time of up to so many times the least is as good as the least.
+    /// Policies count as equally good up to this multiple of the minimum mean cost.
     pub const COST_TOLERANCE: f64 = 1.01;
 }
 
-/// Takes what the world holds into `trainer_state`, and writes the checkpoint.
+/// Updates `trainer_state` from `world` and writes a checkpoint.
 ///
 /// # Errors
-/// It cannot be written; the one before is still there.
+/// The checkpoint cannot be written; the previous one is kept.
 pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerState) -> Result<(), RunError> {
     folder.write(NAMES[0], |file| write_to(file, world, trainer_state))?;
-    // Whenever this is cut short, all that are there are whole, and in order.
+    // From the oldest to the newest: whenever this is interrupted, all files are complete and in order.
     for (from, to) in NAMES.iter().zip(&NAMES[1..]).rev() {
         let (from, to) = (folder.path().join(from), folder.path().join(to));
         match std::fs::rename(&from, &to) {
@@ -126,46 +128,38 @@ pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerSt
     Ok(())
 }
 
-/// Takes what the world holds into `trainer_state`, and writes both as the bytes of a checkpoint's file.
+/// Updates `trainer_state` from `world` and writes the contents of a checkpoint to `file`.
 ///
 /// # Errors
-/// The writer's.
+/// `file` cannot be written.
 pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut TrainerState) -> io::Result<()> {
     trainer_state.arenas = sim::snapshot(world);
-    trainer_state.arena_extensions = trainer_state.arenas.iter().map(ArenaExtension::from_state).collect();
-    if trainer_state.arena_extensions.iter().all(ArenaExtension::is_empty) {
-        trainer_state.arena_extensions.clear();
-    }
+    trainer_state.collect_extensions();
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
-    let head = postcard::to_allocvec(trainer_state).map_err(io::Error::other)?;
-    file.write_all(MAGIC)?;
-    file.write_all(&VERSION.to_le_bytes())?;
-    file.write_all(&(head.len() as u64).to_le_bytes())?;
-    file.write_all(&crc32c::crc32c(&head).to_le_bytes())?;
-    file.write_all(&head)?;
+    FORMAT.write(&mut file, trainer_state)?;
     world.resource::<ActiveLearner>().0.save(file).map_err(io::Error::other)
 }
 
-/// What was read of a run's checkpoints.
+/// A checkpoint that was read.
 pub struct LoadedCheckpoint {
-    /// Where the run stands.
+    /// The state of the run.
     pub trainer_state: TrainerState,
-    /// Its learner.
+    /// The learner.
     pub learner: Learner,
-    /// Newer checkpoints that could not be read, and why.
+    /// Newer checkpoints that could not be read, with the reasons.
     pub skipped: Vec<(PathBuf, RunError)>,
 }
 
-/// Whether there is any checkpoint of the run in `folder`.
+/// Whether the run in `folder` has a checkpoint.
 pub fn exists(folder: &Path) -> bool {
     NAMES.iter().any(|name| folder.join(name).exists())
 }
 
-/// Reads the newest of what [`save`] wrote that can be read.
+/// Reads the newest readable checkpoint.
 ///
 /// # Errors
-/// There is none; or all are damaged, or of another configuration: what is wrong with the newest.
+/// There is no checkpoint, or none is valid for `config`. The message describes the newest.
 pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<LoadedCheckpoint, RunError> {
     let mut skipped = Vec::new();
     for path in NAMES.iter().map(|name| folder.path().join(name)).filter(|path| path.exists()) {
@@ -175,22 +169,21 @@ pub fn load(folder: &RunFolder, config: &RunConfig) -> Result<LoadedCheckpoint, 
         }
     }
     let newest = skipped.into_iter().next().map_or_else(
-        || RunError::invalid_input(&folder.path().join(NAMES[1]), "no checkpoint to go on from"),
+        || RunError::invalid_input(&folder.path().join(NAMES[1]), "there is no checkpoint to resume from"),
         |(_, error)| error,
     );
-    Err(RunError::InvalidInput(format!("{newest} (restore the file if you have a copy, or train anew)")))
+    Err(RunError::InvalidInput(format!("{newest}; help: restore the file from a copy, or start a new run")))
 }
 
-/// Puts aside what could not be read, so that it does not take the place of what can: under the same name, with `.damaged`
-/// behind it.
+/// Renames unreadable checkpoints to `*.damaged`, so that they do not replace readable ones.
 ///
 /// # Errors
-/// It cannot be renamed.
+/// A file cannot be renamed.
 pub fn mark_damaged(skipped: &[(PathBuf, RunError)]) -> Result<(), RunError> {
     for (path, _) in skipped {
-        let mut aside = path.clone().into_os_string();
-        aside.push(".damaged");
-        std::fs::rename(path, &aside).map_err(|error| RunError::failed(path, error))?;
+        let mut renamed = path.clone().into_os_string();
+        renamed.push(".damaged");
+        std::fs::rename(path, &renamed).map_err(|error| RunError::failed(path, error))?;
     }
     Ok(())
 }
@@ -201,75 +194,91 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
     read_from(BufReader::new(file), config).map_err(|why| RunError::invalid_input(path, why))
 }
 
-/// What [`write_to`] wrote in a run of `config`. What a resumed run could not go on from is refused: nothing in the bytes
-/// is believed, however good their checksums are.
+/// Reads what [`write_to`] wrote in a run of `config`. The contents are untrusted, even with valid checksums: every value
+/// is checked.
 ///
 /// # Errors
 /// What is wrong with the file.
 pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerState, Learner), String> {
-    let mut array = [0_u8; 24];
-    file.read_exact(&mut array).map_err(|_| "is too short to be a checkpoint")?;
-    let (magic, rest) = array.split_at(8);
-    if magic != MAGIC {
-        return Err("is no checkpoint of a run".into());
-    }
-    let version = u32::from_le_bytes([rest[0], rest[1], rest[2], rest[3]]);
-    if version != VERSION {
-        return Err(format!("is of checkpoint version {version}, but this wayfield reads version {VERSION}"));
-    }
-    let mut length = [0_u8; 8];
-    length.copy_from_slice(&rest[4..12]);
-    let length = u64::from_le_bytes(length);
-    let crc = u32::from_le_bytes([rest[12], rest[13], rest[14], rest[15]]);
-    if length > MAX_HEAD_BYTES {
-        return Err("is damaged: its head is too long".into());
-    }
-    let mut head = Vec::new();
-    (&mut file).take(length).read_to_end(&mut head).map_err(|error| error.to_string())?;
-    if head.len() as u64 != length || crc32c::crc32c(&head) != crc {
-        return Err("is damaged: the checksum of its head does not agree".into());
-    }
-    let trainer_state: TrainerState = postcard::from_bytes(&head).map_err(|_| "is damaged: its head")?;
+    let mut trainer_state: TrainerState = FORMAT.read(&mut file).map_err(header_error)?;
+    trainer_state.distribute_extensions()?;
     trainer_state.check(config)?;
-    let inputs = observation::width(config.scenario.lidar.beams);
+    let inputs = config.observation_layout().width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
     let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
     Ok((trainer_state, learner))
 }
 
+/// What is wrong with the header of a checkpoint, as the end of a sentence that starts with the file's path.
+fn header_error(error: HeaderError) -> String {
+    match error {
+        HeaderError::Io(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            "is too short to be a checkpoint".into()
+        }
+        HeaderError::Io(error) => error.to_string(),
+        HeaderError::WrongMagic => "is not a checkpoint of a run".into(),
+        HeaderError::Version { found } => {
+            format!("has checkpoint version {found}, but this wayfield reads version {VERSION}")
+        }
+        HeaderError::Corrupt(what) => format!("is damaged: {what}"),
+    }
+}
+
 impl TrainerState {
-    /// Whether a run of `config` can go on from here.
+    /// Collects what plugins added to the arenas, which the arenas' own bytes leave out.
+    fn collect_extensions(&mut self) {
+        self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
+        if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
+            self.arena_extensions.clear();
+        }
+    }
+
+    /// Gives the arenas back what plugins added to them.
+    fn distribute_extensions(&mut self) -> Result<(), String> {
+        if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
+            return Err("is damaged: it holds plugin data of another number of arenas".into());
+        }
+        for (arena, extension) in self.arenas.iter_mut().zip(&self.arena_extensions) {
+            arena.readings.clone_from(&extension.readings);
+            arena.episode.extra_rewards.clone_from(&extension.extra_rewards);
+        }
+        self.collect_extensions();
+        Ok(())
+    }
+
+    /// Checks that a run of `config` can continue from this state.
     fn check(&self, config: &RunConfig) -> Result<(), String> {
         let arenas = config.preset.arenas;
         if self.arenas.len() != arenas || self.exploration.len() != arenas {
-            return Err("is of another number of arenas than config.ron says".into());
+            return Err("has a different number of arenas than config.ron".into());
         }
         for (number, arena) in self.arenas.iter().enumerate() {
             arena
                 .check(&config.scenario, &config.observation_layout())
-                .map_err(|what| format!("is damaged: {what} in arena {number} cannot be"))?;
+                .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
         }
-        let are = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let TrainingStats { loss, td_error, q, .. } = self.stats;
-        let share = |rate: f64| (0.0..=1.0).contains(&rate);
+        let is_share = |rate: f64| (0.0..=1.0).contains(&rate);
         let milestones = [self.first_96, self.first_99];
-        for (what, sane) in [
-            ("a stream by which it explores", self.exploration.iter().all(random::is_valid)),
-            ("its sums over gradient steps", are(&[loss, td_error, q])),
-            ("its last row", self.means.is_none_or(|(a, b, c)| are(&[a, b, c]))),
+        for (what, is_valid) in [
+            ("a random stream of exploration", self.exploration.iter().all(random::is_valid)),
+            ("the sums over gradient steps", finite(&[loss, td_error, q])),
+            ("the means of the last row", self.means.is_none_or(|(a, b, c)| finite(&[a, b, c]))),
             (
-                "its last returns",
-                self.recent_returns.len() <= 100 && self.recent_returns.iter().all(|value| value.is_finite()),
+                "the recent returns",
+                self.recent_returns.len() <= MAX_RECENT_RETURNS
+                    && self.recent_returns.iter().all(|value| value.is_finite()),
             ),
-            ("its next evaluation", self.next_evaluation <= 1 << 62),
-            ("its last success rate", self.last_success_rate.is_none_or(share)),
-            ("its best policy", self.best.as_ref().is_none_or(BestPolicy::is_valid)),
-            ("its milestones", milestones.iter().flatten().all(|milestone| milestone.wall_s.is_finite())),
-            ("its wall time", (0.0..=MAX_TIME_S).contains(&self.wall_s)),
+            ("the next evaluation", self.next_evaluation <= 1 << 62),
+            ("the last success rate", self.last_success_rate.is_none_or(is_share)),
+            ("the best policy", self.best.as_ref().is_none_or(BestPolicy::is_valid)),
+            ("the milestones", milestones.iter().flatten().all(|milestone| milestone.wall_s.is_finite())),
+            ("the wall time", (0.0..=MAX_TIME_S).contains(&self.wall_s)),
         ] {
-            if !sane {
-                return Err(format!("is damaged: {what} cannot be"));
+            if !is_valid {
+                return Err(format!("is damaged: invalid value for {what}"));
             }
         }
         Ok(())
@@ -277,7 +286,7 @@ impl TrainerState {
 }
 
 impl BestPolicy {
-    /// Whether it is a policy, and its numbers are such as evaluations give.
+    /// Whether the policy can be read and the numbers are possible results of an evaluation.
     fn is_valid(&self) -> bool {
         let times = [self.mean_cost_s, self.min_cost_s].into_iter().chain(self.mean_time_s);
         (0.0..=1.0).contains(&self.success_rate)
@@ -286,7 +295,7 @@ impl BestPolicy {
     }
 }
 
-/// Puts a populated world back to where `trainer_state` was taken.
+/// Restores `world`, which must already have its arenas, to `trainer_state`.
 pub fn restore(world: &mut World, trainer_state: &TrainerState) {
     sim::restore(world, &trainer_state.arenas);
     world.resource_mut::<Decisions>().streams.clone_from(&trainer_state.exploration);

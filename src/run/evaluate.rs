@@ -1,10 +1,12 @@
-//! Evaluation: how well a policy drives, greedily, in a world and with seeds of its own.
+//! Evaluation of a policy: success rates and times over rounds of episodes and on the benchmark route, and the comparison
+//! with optimal times.
 //!
-//! In: a policy, a scenario, a seed. Out: [`Evaluation`]: success, collision and time-out rates, times.
+//! In: a policy, a scenario, a seed. Out: the episodes and an [`Evaluation`]. Episode j depends only on the policy, the
+//! scenario, the seed and j.
 //!
-//! **Success**: the robot comes nearer to the target than l_a (0.2 m) before anything is nearer to it than l_c
-//! (0.13 m) by LIDAR or touches its body, within the scenario's time limit (500 steps, 100 s). One navigation is one
-//! start and one target, drawn from streams that training never uses, and one moment of the obstacles' motion.
+//! **Success**: the robot gets closer to the goal than l_a (0.2 m) before a LIDAR range is below l_c (0.13 m) or its body
+//! touches anything, within the scenario's time limit (500 steps, 100 s). An episode has one start and one goal, drawn from
+//! random streams that training never uses, and starts at one moment of the obstacles' motion.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -28,58 +30,58 @@ use crate::task::{
     TaskMode,
 };
 
-/// The most episodes that are driven side by side; in a browser fewer, whose world is built within a frame.
-const SIDE_BY_SIDE: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
+/// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a frame.
+const MAX_PARALLEL: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
 
-/// How one navigation went.
+/// The result of one episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EpisodeResult {
-    /// How it ended.
+    /// The reason of its end.
     pub end: EpisodeEnd,
-    /// Control steps until then.
+    /// Its length in control steps.
     pub steps: u32,
-    /// Where it started.
+    /// The robot's initial pose.
     pub start: Pose,
-    /// Where it was to go.
+    /// The goal.
     pub goal: Goal,
-    /// The obstacles' clock at its start.
+    /// The obstacles' clock at the start.
     pub clock: Clock,
-    /// The layout's number, where the scenario has generators.
+    /// The seed of the generated obstacles' layout, if the scenario has generators.
     pub layout_seed: u64,
 }
 
 impl EpisodeResult {
-    /// Whether the target was reached.
+    /// Whether the robot reached the goal.
     #[must_use]
     pub fn succeeded(&self) -> bool {
         self.end == EpisodeEnd::Reached
     }
 }
 
-/// How a set of episodes went.
+/// The rates and mean times of a set of episodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
     /// Share of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
-    /// The same round by round (tables 2 and 5).
+    /// The success rate of each round (tables 2 and 5 of the paper).
     pub rounds: Vec<f64>,
-    /// Share that ended in a collision.
+    /// Share of episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
-    /// Share that ran out of time.
+    /// Share of episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
-    /// Mean simulated time of the successful ones, in s; null without any.
+    /// Mean simulated time of the successful episodes, in s; `None` without any.
     pub mean_time_s: Option<f64>,
-    /// Mean simulated time of all, in s, where one that failed counts as the whole time limit: by it the best policy
-    /// of a run is chosen.
+    /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best policy of a run is
+    /// chosen by it.
     pub mean_cost_s: f64,
-    /// How many episodes.
+    /// Number of episodes.
     pub episodes: usize,
     /// The seed of their starts and goals.
     pub seed: u64,
 }
 
 impl Evaluation {
-    /// The rates and means of `episodes`, in rounds of `round` each.
+    /// The evaluation of `episodes`, with `round` episodes per round.
     #[must_use]
     pub fn from_episodes(episodes: &[EpisodeResult], round: usize, rules: &TaskRules, seed: u64) -> Self {
         let rate =
@@ -97,7 +99,7 @@ impl Evaluation {
     }
 }
 
-/// The simulated time of each successful navigation, in s.
+/// The simulated time of each successful episode, in s.
 pub fn times_s(episodes: &[EpisodeResult], control_period_s: f32) -> impl Iterator<Item = f64> {
     episodes
         .iter()
@@ -116,21 +118,21 @@ fn mean_cost_s(episodes: &[EpisodeResult], rules: &TaskRules) -> f64 {
     round_to_microsecond(sum as f64 / episodes.len() as f64 * period_s(rules.control_period_s))
 }
 
-/// The control period in s without its f32 rounding showing (0.2 is meant, not 0.200000003).
+/// The control period in s, without the rounding error of `f32`: 0.2, not 0.200000003.
 #[must_use]
 pub fn period_s(control_period_s: f32) -> f64 {
     round_to_microsecond(f64::from(control_period_s))
 }
 
-/// Rounded to a microsecond: sums of a period's decimals do not come out even.
+/// `seconds`, rounded to a microsecond, which removes the rounding errors of sums.
 #[must_use]
 pub fn round_to_microsecond(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
-/// What is known of the least time of each navigation, however it went: the planner's bounds, with full knowledge of
-/// the world ([`planner::step_bounds`]), at its default resolution. In order; the same on any number of `threads` (0: one a
-/// core).
+/// Bounds on the optimal time of each episode, in the order of `episodes`: those of the planner, which knows the whole
+/// scenario ([`planner::step_bounds`]), at its default resolution. The number of `threads` (0: one per core) does not change
+/// the result.
 #[must_use]
 pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<StepBounds> {
     let of = |n: &EpisodeResult| {
@@ -149,14 +151,14 @@ pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -
     };
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = if threads == 0 { cores() } else { threads }.min(episodes.len());
-    // Some take a hundred times as long as others, so each thread takes whichever is next.
+    // Some plans take a hundred times as long as others, so threads take episodes one at a time.
     let next = AtomicUsize::new(0);
     let work = || {
-        let left = || {
+        let next_bounds = || {
             let index = next.fetch_add(1, Ordering::Relaxed);
             episodes.get(index).map(|episode| (index, of(episode)))
         };
-        std::iter::from_fn(left).collect::<Vec<_>>()
+        std::iter::from_fn(next_bounds).collect::<Vec<_>>()
     };
     let mut found: Vec<_> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
@@ -169,33 +171,33 @@ pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -
     found.into_iter().map(|(_, bounds)| bounds).collect()
 }
 
-/// How the successful episodes compare with the least possible times.
+/// The comparison of successful episodes with optimal times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OptimumComparison {
-    /// How many were compared: those that succeeded and for which the planner found a way.
+    /// Number of compared episodes: those that succeeded and for which the planner found a path.
     pub episodes: usize,
-    /// Mean time of the planner's ways, in s.
+    /// Mean time of the planned paths, in s.
     pub optimum_mean_time_s: f64,
-    /// Mean time of the policy over that: 1 is the optimum, if the planner found it.
+    /// Mean time of the policy divided by that of the planned paths. 1 is optimal if the planned paths are.
     pub time_ratio: f64,
-    /// Mean time of the policy over the mean of the proven lower bounds, 1 or more: the ratio to the true optimum is
+    /// Mean time of the policy divided by the mean of the proven lower bounds, 1 or more. The ratio to the true optimum lies
     /// between `time_ratio` and this.
     pub lower_bound_ratio: f64,
 }
 
 impl OptimumComparison {
-    /// Compares `episodes` with their `bounds`, one for each ([`bounds`]). None if there is nothing to compare.
+    /// Compares each of `episodes` with its [`bounds`]. `None` if there is nothing to compare.
     #[must_use]
     pub fn from_episodes(
         episodes: &[EpisodeResult],
         bounds: &[StepBounds],
         rules: &TaskRules,
     ) -> Option<Self> {
-        let (mut count, mut driven, mut planned, mut proven) = (0_usize, 0_u64, 0_u64, 0_u64);
+        let (mut count, mut actual, mut planned, mut proven) = (0_usize, 0_u64, 0_u64, 0_u64);
         for (episode, bounds) in episodes.iter().zip(bounds).filter(|(n, _)| n.succeeded()) {
             let Some(plan_steps) = bounds.plan_steps else { continue };
             count += 1;
-            driven += u64::from(episode.steps);
+            actual += u64::from(episode.steps);
             planned += u64::from(plan_steps);
             proven += u64::from(bounds.lower_steps);
         }
@@ -204,33 +206,33 @@ impl OptimumComparison {
             optimum_mean_time_s: round_to_microsecond(
                 planned as f64 / count as f64 * period_s(rules.control_period_s),
             ),
-            time_ratio: driven as f64 / planned as f64,
-            lower_bound_ratio: driven as f64 / proven as f64,
+            time_ratio: actual as f64 / planned as f64,
+            lower_bound_ratio: actual as f64 / proven as f64,
         })
     }
 }
 
-/// Plans every successful navigation anew with full knowledge of the world ([`bounds`]), on all cores. None if there
-/// is nothing to compare, or the planner does not model the scenario ([`planner::is_supported`]: a lag of the drive).
+/// Compares the successful episodes with their [`bounds`], computed on all cores. `None` if there is nothing to compare, or
+/// the planner does not model the scenario ([`planner::is_supported`]; it does not model actuator lag).
 #[must_use]
 pub fn compare_with_optimum(scenario: &Scenario, episodes: &[EpisodeResult]) -> Option<OptimumComparison> {
     let succeeded: Vec<EpisodeResult> = episodes.iter().filter(|n| n.succeeded()).copied().collect();
     OptimumComparison::from_episodes(&succeeded, &bounds(scenario, &succeeded, 0), &scenario.task)
 }
 
-/// Navigations that are being driven.
+/// An evaluation in progress.
 pub struct EvaluationRun {
     seed: u64,
     count: usize,
-    /// Those that are done.
+    /// The episodes that have ended.
     pub episodes: Vec<EpisodeResult>,
-    /// How those under way began.
-    begun: Vec<ArenaState>,
-    /// How, and after how many steps, those under way ended.
+    /// The initial states of the current episodes.
+    initial: Vec<ArenaState>,
+    /// The reason and number of control steps of each current episode that has ended.
     ends: Vec<Option<(EpisodeEnd, u32)>>,
 }
 
-/// A world in which policies are tried, built once and used again.
+/// A simulation for evaluations. It is built once and can be reused with other policies.
 pub struct Evaluator {
     simulation: Simulation,
     scenario: Arc<Scenario>,
@@ -238,17 +240,17 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// An evaluator for up to `episodes` episodes at a time.
+    /// An evaluator of up to `episodes` parallel episodes.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, episodes: usize) -> Self {
         Self::with_extensions(scenario, episodes, &Extensions::default())
     }
 
-    /// The same, with the plugins that the policy was trained with.
+    /// An evaluator with the plugins that the policy was trained with.
     #[must_use]
     pub fn with_extensions(scenario: &Arc<Scenario>, episodes: usize, extensions: &Extensions) -> Self {
-        // (No result depends on how many are driven at once: fewer, where each has thousands of bodies.)
-        let arenas = episodes.min(SIDE_BY_SIDE).min(MAX_BODIES / bodies_per_arena(scenario)).max(1);
+        // Fewer arenas if each has thousands of bodies. The number of arenas does not change any result.
+        let arenas = episodes.min(MAX_PARALLEL).min(MAX_BODIES / bodies_per_arena(scenario)).max(1);
         let simulation = SimulationBuilder::new(scenario)
             .arenas(arenas)
             .mode(TaskMode::SingleGoal)
@@ -258,70 +260,71 @@ impl Evaluator {
         Self { simulation, scenario: scenario.clone(), arenas }
     }
 
-    /// Drives `count` episodes with `policy`, which sees what its card says ([`policy_card::encoding`]); `places`
-    /// says where from and to. Where navigation j starts and goes to depends on the scenario, `seed` and j alone.
+    /// Runs `count` episodes with `policy`, whose card sets the encoding of its observations ([`policy_card::encoding`]).
+    /// `setup` sets the starts and goals. Those of episode j depend only on the scenario, `seed` and j.
     ///
     /// # Errors
-    /// The policy is for other observations or actions than the scenario's; or no place was found for a start.
+    /// The policy's observations or actions are not those of the scenario, or there is no free space for a start.
     pub fn run(
         &mut self,
         policy: &Policy,
         seed: u64,
         count: usize,
-        places: EpisodeSetup,
+        setup: EpisodeSetup,
     ) -> Result<Vec<EpisodeResult>, RunError> {
-        let mut drive = self.start(policy, seed, count, places)?;
-        while !self.step(&mut drive)? {}
-        Ok(drive.episodes)
+        let mut run = self.start(policy, seed, count, setup)?;
+        while !self.step(&mut run)? {}
+        Ok(run.episodes)
     }
 
-    /// Begins what [`Evaluator::run`] does, to be gone on with step by step.
+    /// Starts an evaluation that [`Evaluator::step`] continues one control step at a time.
     ///
     /// # Errors
-    /// The policy is for other observations or actions than the scenario's.
+    /// The policy's observations or actions are not those of the scenario.
     pub fn start(
         &mut self,
         policy: &Policy,
         seed: u64,
         count: usize,
-        places: EpisodeSetup,
+        setup: EpisodeSetup,
     ) -> Result<EvaluationRun, RunError> {
-        self.follow(policy, places)?;
+        self.use_policy(policy, setup)?;
         Ok(EvaluationRun {
             seed,
             count,
             episodes: Vec::with_capacity(count),
-            begun: Vec::new(),
+            initial: Vec::new(),
             ends: Vec::new(),
         })
     }
 
-    /// One control step of `drive`, which must be the one that was started last; gives whether all is driven.
+    /// Takes one control step of `run`, which must be the evaluation that was started last. Returns whether all episodes have
+    /// ended.
     ///
     /// # Errors
-    /// No place was found for a start.
-    pub fn step(&mut self, drive: &mut EvaluationRun) -> Result<bool, RunError> {
-        if drive.episodes.len() >= drive.count {
+    /// There is no free space for a start.
+    pub fn step(&mut self, run: &mut EvaluationRun) -> Result<bool, RunError> {
+        if run.episodes.len() >= run.count {
             return Ok(true);
         }
         let world = self.simulation.world_mut();
-        if drive.ends.is_empty() {
-            let (seed, first) = (drive.seed, drive.episodes.len());
-            let batch = self.arenas.min(drive.count - first);
+        if run.ends.is_empty() {
+            let (seed, first) = (run.seed, run.episodes.len());
+            let batch = self.arenas.min(run.count - first);
             sim::reset_arenas(world, |arena| {
                 (arena < batch).then(|| episode_streams(seed, (first + arena) as u64))
             });
-            drive.begun = sim::snapshot(world);
-            drive.ends = vec![None; batch];
+            run.initial = sim::snapshot(world);
+            run.ends = vec![None; batch];
         }
         simulation::step(world)?;
         for ended in world.resource_mut::<Messages<EpisodeEnded>>().drain() {
-            drive.ends[ended.arena] = Some((ended.end, ended.steps));
+            run.ends[ended.arena] = Some((ended.end, ended.steps));
         }
-        // The time limit ends every navigation.
-        if drive.ends.iter().all(Option::is_some) {
-            let driven = drive.ends.drain(..).flatten().zip(drive.begun.drain(..));
-            drive.episodes.extend(driven.map(|((end, steps), state)| EpisodeResult {
+        // The time limit ends every episode.
+        if run.ends.iter().all(Option::is_some) {
+            let ended = run.ends.drain(..).flatten().zip(run.initial.drain(..));
+            run.episodes.extend(ended.map(|((end, steps), state)| EpisodeResult {
                 end,
                 steps,
                 start: state.pose,
@@ -330,52 +333,52 @@ impl Evaluator {
                 layout_seed: state.layout_seed,
             }));
         }
-        Ok(drive.episodes.len() >= drive.count)
+        Ok(run.episodes.len() >= run.count)
     }
 
-    /// Drives navigation 0 of [`Evaluator::run`] alone: how it went, and the robot's pose after 0, 1, ... steps.
+    /// Runs only episode 0 of [`Evaluator::run`]. Returns its result and the robot's poses after 0, 1, ... control steps.
     ///
     /// # Errors
-    /// As [`Evaluator::run`].
+    /// As for [`Evaluator::run`].
     pub fn trace(
         &mut self,
         policy: &Policy,
         seed: u64,
-        places: EpisodeSetup,
+        setup: EpisodeSetup,
     ) -> Result<(EpisodeResult, Vec<Pose>), RunError> {
-        self.follow(policy, places)?;
+        self.use_policy(policy, setup)?;
         let world = self.simulation.world_mut();
         sim::reset_arenas(world, |arena| (arena == 0).then(|| episode_streams(seed, 0)));
-        let begun = sim::snapshot(world).swap_remove(0);
+        let initial = sim::snapshot(world).swap_remove(0);
         let mut robots = world.query::<(&Arena, &Pose)>();
-        let mut poses = vec![begun.pose];
-        // The time limit ends it.
+        let mut poses = vec![initial.pose];
+        // The time limit ends the episode.
         loop {
             self.simulation.step()?;
             let world = self.simulation.world_mut();
             poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
             let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
             if let Some(EpisodeEnded { end, steps, .. }) = ended {
-                let ArenaState { pose: start, goal, clock, layout_seed, .. } = begun;
+                let ArenaState { pose: start, goal, clock, layout_seed, .. } = initial;
                 return Ok((EpisodeResult { end, steps, start, goal, clock, layout_seed }, poses));
             }
         }
     }
 
-    /// From now on `policy` drives, from and to where `places` says.
-    fn follow(&mut self, policy: &Policy, places: EpisodeSetup) -> Result<(), RunError> {
+    /// Makes `policy` choose the actions and `setup` the starts and goals of the next episodes.
+    fn use_policy(&mut self, policy: &Policy, setup: EpisodeSetup) -> Result<(), RunError> {
         let layout = self.simulation.world().resource::<ObservationLayout>();
         check_compatible(policy, &self.scenario, layout)?;
         let network = QNetwork::from_policy(policy).map_err(|error| RunError::Failed(error.to_string()))?;
         let world = self.simulation.world_mut();
         world.resource_mut::<ObservationLayout>().encoding = policy_card::encoding(policy)?;
         world.insert_resource(GreedyPolicy(network));
-        world.insert_resource(places);
+        world.insert_resource(setup);
         Ok(())
     }
 }
 
-/// The streams of navigation `index` of the test with `seed`, and the obstacles' clock at its start.
+/// The random streams of episode `index` of the evaluation with `seed`, and the obstacles' clock at its start.
 #[must_use]
 pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
     let clock = random::uniform_index(&mut random::stream(seed, "navigation: clock", index), 100_000);
@@ -386,10 +389,10 @@ pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
     (streams, Clock(clock as u64))
 }
 
-/// Whether `policy` can drive in `scenario`.
+/// Checks that `policy` fits the observations (`layout`) and actions of `scenario`.
 ///
 /// # Errors
-/// It cannot; what differs.
+/// The policy's inputs or actions, and those of the scenario.
 pub fn check_compatible(
     policy: &Policy,
     scenario: &Scenario,
@@ -405,7 +408,7 @@ pub fn check_compatible(
     }
     Err(RunError::InvalidInput(format!(
         "the policy takes {} numbers and chooses among {} motions, but scenario \"{}\" gives {inputs} numbers \
-         ({} beams and 4) and has {actions} motions: use the scenario it was trained in, or one with as many beams \
+         ({} beams and 4) and has {actions} motions; help: use the scenario it was trained in, or one with as many beams \
          and motions",
         shape.inputs, shape.actions, scenario.name, scenario.lidar.beams
     )))

@@ -1,8 +1,8 @@
-//! The fingerprint: a few numbers that two builds agree in if they simulate alike to the bit.
+//! Fingerprints: checksums that show whether two builds simulate bit-identically.
 //!
-//! In: scenario, preset, seed, how many control steps. Out: a checksum of the weights that a training begins with, and
-//! one of all that happens to its robots while they act at random. What is learnt is not in it: that also depends on
-//! the order in which a product of matrices is summed up (docs/determinism.md).
+//! In: scenario, preset, seed, number of control steps. Out: a checksum of the initial weights, and one of the arenas'
+//! states while the robots act at random. Learning is not included, because it also depends on the order in which matrix
+//! products are summed (docs/determinism.md).
 
 use std::fmt;
 use std::sync::Arc;
@@ -13,26 +13,26 @@ use crate::learning::Exploration;
 use crate::sim;
 use crate::simulation::Extensions;
 
-/// Checksums (CRC-32C) of a training's beginning.
+/// CRC-32C checksums of the start of a training run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fingerprint {
-    /// Of the weights that it begins with.
+    /// Checksum of the initial weights.
     pub weights: u32,
-    /// Of every arena's state after each control step: poses, goals, ranges, rewards, the random streams.
+    /// Checksum of every arena's state after each control step: poses, goals, ranges, rewards, random streams.
     pub world: u32,
 }
 
 impl fmt::Display for Fingerprint {
-    /// Weights and world as 16 hexadecimal digits.
+    /// The checksums of weights and world as 16 hexadecimal digits.
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(to, "{:08x}{:08x}", self.weights, self.world)
     }
 }
 
-/// The fingerprint of a training's first `control_steps` steps, in which it explores by chance alone and learns nothing.
+/// The fingerprint of the first `control_steps` steps of a training run that only explores and never learns.
 ///
 /// # Errors
-/// The scenario or the preset cannot be used; a step goes wrong.
+/// The scenario or the preset cannot be used, or a step fails.
 pub fn fingerprint(
     scenario: &str,
     preset: &str,
@@ -62,7 +62,7 @@ pub fn fingerprint(
 mod tests {
     use super::*;
 
-    /// What is expected on every machine, and in a browser (`web/tests`), too.
+    /// The expected fingerprints, on every machine and in the browser (`web/tests`).
     const EXPECTED: &str = include_str!("../../tests/fixtures/fingerprints.json");
 
     #[derive(serde::Deserialize)]
@@ -75,22 +75,23 @@ mod tests {
     }
 
     #[test]
-    fn the_world_and_the_first_weights_are_the_same_everywhere() {
+    fn simulation_and_initial_weights_match_the_recorded_fingerprints() {
         let expected: Vec<Expected> = serde_json::from_str(EXPECTED).expect("a list");
         assert!(expected.len() >= 3);
-        let (mut said, mut found) = (Vec::new(), Vec::new());
+        let (mut recorded, mut found) = (Vec::new(), Vec::new());
         for Expected { scenario, preset, seed, control_steps, fingerprint: expected } in expected {
             let file = format!("{}/tests/fixtures/{scenario}", env!("CARGO_MANIFEST_DIR"));
-            let asked = if scenario.ends_with(".ron") { file } else { scenario.clone() };
-            let print = fingerprint(&asked, &preset, seed, control_steps).expect("shipped").to_string();
-            said.push(format!("{scenario} {preset} {seed}: {expected}"));
-            found.push(format!("{scenario} {preset} {seed}: {print}"));
+            let path_or_name = if scenario.ends_with(".ron") { file } else { scenario.clone() };
+            let actual =
+                fingerprint(&path_or_name, &preset, seed, control_steps).expect("shipped").to_string();
+            recorded.push(format!("{scenario} {preset} {seed}: {expected}"));
+            found.push(format!("{scenario} {preset} {seed}: {actual}"));
         }
-        assert_eq!(found, said);
+        assert_eq!(found, recorded);
     }
 
     #[test]
-    fn a_fingerprint_tells_seeds_and_steps_apart() {
+    fn fingerprints_of_different_seeds_or_steps_differ() {
         let of = |seed, steps| fingerprint("scenario-1", "fast", seed, steps).expect("shipped");
         let one = of(1, 20);
         assert_eq!(one, of(1, 20));

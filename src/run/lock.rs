@@ -1,36 +1,32 @@
-//! The lock on a folder that a process writes in: two that wrote there at once would spoil each other's files.
+//! A lock on an output folder: only one process at a time may write in it.
 //!
-//! In: a folder. Out: a [`Lock`] while it is ours, or that somebody else has it. The system gives it back when the process
-//! ends, however that happens; the file itself is empty, stays, and means nothing.
+//! The lock is an advisory lock on an empty file in the folder. The operating system releases it when the process ends,
+//! however it ends; the file stays and its existence means nothing.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;
 
 use super::RunError;
+use super::folder::not_writable;
 
-/// A folder is ours as long as this lives.
+/// A held lock, released on drop.
 #[derive(Debug)]
 pub struct Lock(#[expect(dead_code, reason = "it is held, not read")] File);
 
 impl Lock {
-    /// Locks `folder` by `file`, which is made if it is not there.
+    /// Locks `folder` with the lock file `file`, which is created if it does not exist.
     ///
     /// # Errors
-    /// Another process has it, or the file cannot be made.
+    /// Another process holds the lock, or the file cannot be created.
     pub fn acquire(folder: &Path, file: &Path) -> Result<Self, RunError> {
-        let lock =
-            OpenOptions::new().create(true).truncate(false).write(true).open(file).map_err(|error| {
-                RunError::invalid_input(
-                    folder,
-                    format!("can't be written ({error}): give --out another folder"),
-                )
-            })?;
-        match lock.try_lock() {
-            // A file system without locks: better unlocked than not at all.
-            Ok(()) | Err(TryLockError::Error(_)) => Ok(Self(lock)),
+        let mut options = OpenOptions::new();
+        let file = options.create(true).truncate(false).write(true).open(file);
+        let file = file.map_err(|error| not_writable(folder, &error))?;
+        match file.try_lock() {
+            // On a file system without locks, an unlocked folder is better than no run.
+            Ok(()) | Err(TryLockError::Error(_)) => Ok(Self(file)),
             Err(TryLockError::WouldBlock) => {
-                let why =
-                    "another wayfield is at work in it: wait until that has ended, or use another folder";
+                let why = "another wayfield process is writing in it; help: wait until that ends, or use another folder";
                 Err(RunError::invalid_input(folder, why))
             }
         }

@@ -1,8 +1,7 @@
-//! What a run writes down: a row for each episode, a row for each evaluation, and a summary.
+//! The metrics of a run: a row per episode, a row per evaluation, and a summary.
 //!
-//! In: what the training loop saw. Out: serde types, whose field names are the columns of `episodes.csv` and
-//! `evaluations.csv` and the keys of `summary.json`. Columns called `wall_s` are the only ones that differ between
-//! two runs of the same seed.
+//! The field names are the columns of `episodes.csv` and `evaluations.csv` and the keys of `summary.json`. Only `wall_s`
+//! differs between two runs with the same seed.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,48 +11,48 @@ use crate::task::EpisodeEnd;
 /// A row of `episodes.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeRow {
-    /// Number of the episode, from 1, in the order in which they ended.
+    /// Number of the episode, from 1, in the order of their ends.
     pub episode: u64,
-    /// The arena it was driven in, from 0.
+    /// Index of the arena, from 0.
     pub arena: usize,
-    /// Env steps of the whole run when it ended.
+    /// Env steps of the run when the episode ended.
     pub env_steps: u64,
-    /// Gradient steps of the whole run when it ended.
+    /// Gradient steps of the run when the episode ended.
     pub gradient_steps: u64,
-    /// Its own length in control steps.
+    /// Length of the episode in control steps.
     pub steps: u32,
-    /// The undiscounted sum of its rewards.
+    /// Undiscounted sum of the rewards.
     #[serde(rename = "return")]
     pub total_return: f64,
-    /// Of which r+ for reached goals.
+    /// Part of the return: r+ for reached goals.
     pub reward_goal: f32,
-    /// Of which r- for the collision.
+    /// Part of the return: r- for the collision.
     pub reward_collision: f32,
-    /// Of which the fall of the attraction U_a.
+    /// Part of the return: the decrease of the attractive potential U_a.
     pub reward_attraction: f32,
-    /// Of which the fall of the repulsion U_r.
+    /// Part of the return: the decrease of the repulsive potential U_r.
     pub reward_repulsion: f32,
     /// Of which the reward terms of plugins: columns of their own behind all others, called `reward_<name>`.
     #[serde(skip)]
     pub extra_rewards: Vec<f32>,
-    /// Targets reached.
+    /// Number of goals reached.
     pub goals: u32,
-    /// Whether it ended in a collision: 1 or 0 (the time limit).
+    /// 1 if the episode ended in a collision, 0 if at the time limit.
     pub collision: u8,
-    /// Epsilon when it ended.
+    /// Epsilon when the episode ended.
     pub epsilon: f32,
-    /// Mean loss of the gradient steps since the row before (the row before's, if there were none).
+    /// Mean loss of the gradient steps since the previous row (without any: the previous row's mean).
     pub loss: Option<f64>,
-    /// Their mean absolute TD error.
+    /// Mean absolute TD error of the same gradient steps.
     pub td_error: Option<f64>,
-    /// Their mean Q-value of the actions taken.
+    /// Mean Q-value of the actions taken, over the same gradient steps.
     pub mean_q: Option<f64>,
-    /// Wall time since the process began (all processes together, if resumed), in s.
+    /// Wall time from the start of the process, in s; summed over all processes of a resumed run.
     pub wall_s: f64,
 }
 
 impl EpisodeRow {
-    /// The number in the column `collision`.
+    /// The value of the column `collision`.
     #[must_use]
     pub fn collision_flag(end: EpisodeEnd) -> u8 {
         u8::from(end == EpisodeEnd::Collided)
@@ -63,35 +62,35 @@ impl EpisodeRow {
 /// A row of `evaluations.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EvaluationRow {
-    /// Env steps when the policy was evaluated.
+    /// Env steps of the run when the policy was submitted.
     pub env_steps: u64,
-    /// Episodes ended by then.
+    /// Ended episodes by then.
     pub episodes: u64,
     /// Gradient steps taken by then.
     pub gradient_steps: u64,
     /// Share of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
-    /// Share that ended in a collision.
+    /// Share of episodes that ended in a collision, 0 to 1.
     pub collision_rate: f64,
-    /// Share that ran out of time.
+    /// Share of episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
-    /// Mean simulated time of the successful ones, in s.
+    /// Mean simulated time of the successful episodes, in s.
     pub mean_time_s: Option<f64>,
-    /// Mean simulated time of all, in s, where one that failed counts as the whole time limit: by it the best policy is
-    /// chosen.
+    /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best policy is chosen
+    /// by it.
     pub mean_cost_s: f64,
-    /// Wall time since the process began (all processes together, if resumed), in s.
+    /// Wall time from the start of the process, in s; summed over all processes of a resumed run.
     pub wall_s: f64,
 }
 
-/// When a success rate was first reached in an evaluation.
+/// The first evaluation that reached a given success rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Milestone {
     /// Env steps by then.
     pub env_steps: u64,
     /// Episodes by then.
     pub episodes: u64,
-    /// Wall time by then, from the process's start, evaluations included, in s.
+    /// Wall time by then from the start of the process, including evaluations, in s.
     pub wall_s: f64,
 }
 
@@ -102,36 +101,36 @@ pub struct Summary {
     pub version: String,
     /// The scenario's name.
     pub scenario: String,
-    /// The scenario, as it was asked for.
+    /// The scenario's file or shipped name, as given by the user.
     pub scenario_from: String,
-    /// The preset, as it was asked for.
+    /// The preset's file or shipped name, as given by the user.
     pub preset: String,
     /// The run's seed.
     pub seed: u64,
-    /// Whether the run has used up its budget.
+    /// Whether the budget is used up.
     pub finished: bool,
-    /// Episodes ended.
+    /// Ended episodes.
     pub episodes: u64,
     /// Env steps taken, over all arenas.
     pub env_steps: u64,
     /// Gradient steps taken.
     pub gradient_steps: u64,
-    /// Wall time from the process's start, evaluations included, in s; over all processes, if resumed.
+    /// Wall time from the start of the process, including evaluations, in s; summed over all processes of a resumed run.
     pub wall_s: f64,
-    /// Success rate of the best policy in its evaluation, 0 to 1.
+    /// Success rate of the best policy in its evaluation, 0 to 1; `None` without an evaluation.
     pub best_success_rate: Option<f64>,
-    /// Mean time of the best policy's successful episodes there, in s.
+    /// Mean simulated time of the successful episodes in that evaluation, in s.
     pub best_mean_time_s: Option<f64>,
     /// Success rate in the last evaluation, 0 to 1.
     pub last_success_rate: Option<f64>,
-    /// When 96 % (the paper's figure) was first reached.
+    /// The first evaluation with a success rate of at least 96 % (the paper's result).
     pub first_96: Option<Milestone>,
-    /// When 99 % was first reached.
+    /// The first evaluation with a success rate of at least 99 %.
     pub first_99: Option<Milestone>,
 }
 
 impl Summary {
-    /// The summary in the run's folder at `path`; None if there is none that can be read.
+    /// The summary of the run in the folder `path`; `None` if it is missing or cannot be read.
     #[must_use]
     pub fn read(path: &std::path::Path) -> Option<Self> {
         let text = read_text(path.join("summary.json")).ok()?;

@@ -1,14 +1,14 @@
-//! What is noted of a training while it goes on, with a window or without: the rows of ended episodes, the policies to
-//! be examined, what came of that, and the best of them.
+//! The metrics of a training run, with or without a window: rows of episodes and evaluations, and the best policy.
 //!
-//! In: the world after a control step, examinations. Out: rows, and a [`TrainerState`] brought up to date. Nothing here
-//! writes a file or touches what is learnt.
+//! In: the world after a control step; results of evaluations. Out: rows, and an updated [`TrainerState`]. Nothing here writes
+//! files or affects learning.
 
 use bevy::prelude::*;
 
 use super::background_evaluator::{Candidate, EvalResult};
 use super::checkpoint::{BestPolicy, TrainerState};
 use super::folder::RunConfig;
+use super::limits::MAX_RECENT_RETURNS;
 use super::metric_rows::{EpisodeRow, EvaluationRow, Milestone};
 use super::{RunError, policy_card};
 use crate::agent::{ActiveLearner, TrainingStats};
@@ -16,11 +16,8 @@ use crate::policy::Policy;
 use crate::random::{self, Stream};
 use crate::task::EpisodeEnded;
 
-/// So many of the last returns are kept to be averaged.
-const RECENT: usize = 100;
-
-/// A row for every episode that ended since the last call; `wall_s` is what to write as the time. The messages of their
-/// ends are taken out of the world.
+/// The rows of all episodes that ended since the last call, with the wall time `wall_s`. Their messages are removed from
+/// `world`.
 pub fn take_episode_rows(
     world: &mut World,
     trainer_state: &mut TrainerState,
@@ -59,14 +56,14 @@ pub fn take_episode_rows(
     let rows: Vec<EpisodeRow> = (before + 1..).zip(&ended).map(row).collect();
     for row in &rows {
         trainer_state.recent_returns.push_back(row.total_return);
-        if trainer_state.recent_returns.len() > RECENT {
+        if trainer_state.recent_returns.len() > MAX_RECENT_RETURNS {
             trainer_state.recent_returns.pop_front();
         }
     }
     rows
 }
 
-/// The policy in training as it stands, with its card.
+/// The current policy, with its card.
 #[must_use]
 pub fn policy(config: &RunConfig, world: &World) -> Policy {
     let learner = &world.resource::<ActiveLearner>().0;
@@ -75,7 +72,7 @@ pub fn policy(config: &RunConfig, world: &World) -> Policy {
     policy
 }
 
-/// The same, to be examined.
+/// The current policy as a candidate for evaluation.
 #[must_use]
 pub fn candidate(config: &RunConfig, world: &World) -> Candidate {
     let learner = &world.resource::<ActiveLearner>().0;
@@ -87,26 +84,26 @@ pub fn candidate(config: &RunConfig, world: &World) -> Candidate {
     }
 }
 
-/// What an examination brought.
-pub struct EpisodeMetrics {
-    /// Its row.
+/// The metrics of an evaluation.
+pub struct EvaluationMetrics {
+    /// The row of the evaluation.
     pub row: EvaluationRow,
-    /// The success rates (0 to 1) that were reached for the first time.
+    /// Milestones (success rates, 0 to 1) reached for the first time.
     pub first: Vec<f64>,
-    /// The policy is the best so far: it stands in [`TrainerState::best`] now.
+    /// Whether the policy is the best so far, and is now in [`TrainerState::best`].
     pub is_best: bool,
 }
 
-/// Takes an examination into `trainer_state`; `wall_s` is what to write as the time.
+/// Records the result of an evaluation in `trainer_state`, with the wall time `wall_s`.
 ///
 /// # Errors
-/// The examination failed, or its policy cannot be kept.
+/// The evaluation failed, or its policy cannot be saved.
 pub fn record_evaluation(
     config: &RunConfig,
     trainer_state: &mut TrainerState,
     eval_result: EvalResult,
     wall_s: f64,
-) -> Result<EpisodeMetrics, RunError> {
+) -> Result<EvaluationMetrics, RunError> {
     let EvalResult { candidate, result, .. } = eval_result;
     let result = result?;
     let row = EvaluationRow {
@@ -144,10 +141,10 @@ pub fn record_evaluation(
             bytes: policy_bytes(&policy)?,
         });
     }
-    Ok(EpisodeMetrics { row, first: reached, is_best })
+    Ok(EvaluationMetrics { row, first: reached, is_best })
 }
 
-/// A policy as the bytes of its file.
+/// The contents of a policy's file.
 ///
 /// # Errors
 /// A weight is not finite.
@@ -155,7 +152,7 @@ pub fn policy_bytes(policy: &Policy) -> Result<Vec<u8>, RunError> {
     policy.to_bytes().map_err(|error| RunError::Failed(format!("the policy cannot be saved: {error}")))
 }
 
-/// The seed of the evaluations during training, far from any that a user would give to `--eval`.
+/// The seed of the evaluations during training. It is hashed, so that `--eval` with the same seed uses other episodes.
 #[must_use]
 pub fn evaluation_seed(seed: u64) -> u64 {
     let mut stream: Stream = random::stream(seed, "evaluation during training", 0);

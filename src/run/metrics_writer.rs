@@ -1,4 +1,4 @@
-//! The metrics writer: writes the rows of a run as they come, for people, for spreadsheets and for TensorBoard.
+//! The metrics writer: CSV files, TensorBoard events and learning curves of a run.
 //!
 //! In: rows. Out: `episodes.csv`, `evaluations.csv`, TensorBoard events, and at the end `learning-curve.svg`.
 
@@ -15,7 +15,7 @@ use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_sv
 const EPISODES: &str = "episodes.csv";
 const EVALUATIONS: &str = "evaluations.csv";
 
-/// The open files of a run's records.
+/// The open metrics files of a run.
 pub struct MetricsWriter {
     folder: RunFolder,
     episodes: csv::Writer<File>,
@@ -26,10 +26,10 @@ pub struct MetricsWriter {
 }
 
 impl MetricsWriter {
-    /// Opens the records to add rows behind what a checkpoint knows of: so many bytes of each CSV file.
+    /// Opens the files, after truncating each CSV file to the length in the checkpoint (`*_bytes`, in bytes).
     ///
     /// # Errors
-    /// A file cannot be opened, or is shorter than that.
+    /// A file cannot be opened, or is shorter than its length in the checkpoint.
     pub fn open(
         folder: &RunFolder,
         episodes_bytes: u64,
@@ -50,7 +50,7 @@ impl MetricsWriter {
     /// Writes the row of an episode.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The row cannot be written.
     pub fn episode(&mut self, row: &EpisodeRow) -> Result<(), RunError> {
         self.episodes.serialize((row, &row.extra_rewards)).map_err(|error| self.failed(EPISODES, error))?;
         for (column, &reward) in self.extra_columns.iter().zip(&row.extra_rewards) {
@@ -74,7 +74,7 @@ impl MetricsWriter {
     /// Writes the row of an evaluation.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The row cannot be written.
     pub fn evaluation(&mut self, row: &EvaluationRow) -> Result<(), RunError> {
         self.evaluations.serialize(row).map_err(|error| self.failed(EVALUATIONS, error))?;
         self.scalars(
@@ -87,15 +87,15 @@ impl MetricsWriter {
         )
     }
 
-    /// Brings every row to the disk; gives the lengths of the two CSV files, in bytes.
+    /// Flushes every row to disk. Returns the lengths of `episodes.csv` and `evaluations.csv`, in bytes.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// A file cannot be written.
     pub fn flush(&mut self) -> Result<(u64, u64), RunError> {
         self.events.flush().map_err(|error| self.failed("events", error))?;
         let length = |writer: &mut csv::Writer<File>| {
             writer.flush()?;
-            // The checkpoint that counts on these rows must not outlive them in a power cut.
+            // After a power cut, the rows that a checkpoint counts on must still be there.
             writer.get_ref().sync_data()?;
             Ok(writer.get_ref().metadata()?.len())
         };
@@ -106,11 +106,10 @@ impl MetricsWriter {
         Ok((episodes, evaluations))
     }
 
-    /// Draws `learning-curve.svg` under `title`, from the rows on disk (the first half of a resumed run is only
-    /// there).
+    /// Draws `learning-curve.svg` with the title `title`, from the rows on disk, which include those before a resume.
     ///
     /// # Errors
-    /// The rows cannot be read, or the picture cannot be written.
+    /// The rows cannot be read, or the SVG file cannot be written.
     pub fn draw(&self, title: &str) -> Result<(), RunError> {
         let episodes: Vec<EpisodePoint> = self.rows(EPISODES, |row: EpisodeRow| EpisodePoint {
             env_steps: row.env_steps,

@@ -1,26 +1,26 @@
-//! What a user does without a window: train, evaluate, transfer, resume.
+//! Training and evaluation without a window: run folders, checkpoints, policies, results.
 //!
-//! In: a scenario, a preset, a seed (or a run's folder, or a policy). Out: run folders, results, progress.
+//! In: a scenario, a preset and a seed, or a run folder, or a policy. Out: run folders, results, progress.
 //!
-//! | file | duty |
+//! | file | contents |
 //! |---|---|
-//! | `preset.rs` | how to learn: the file of all switches and numbers |
-//! | `check_files.rs` | whether scenarios and presets can be used, without using them |
-//! | `shipped.rs` | the scenarios, presets and policies that come with the program, by name |
-//! | `training_setup.rs` | what a training starts with |
-//! | `train.rs` | the training loop: step, record, evaluate, keep the best, stop |
-//! | `metrics.rs` | what is noted of a training as it goes on: rows, the best policy |
-//! | `evaluate.rs` | success over rounds of episodes, and the benchmark route |
-//! | `background_evaluator.rs` | evaluation during training, on a thread of its own (in a browser, in slices) |
-//! | `optimum/` | the least time that any policy could need |
-//! | `folder.rs` | a run's folder: what is written where, whole or not at all |
-//! | `lock.rs` | one process at a time in a folder |
-//! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and who writes them |
-//! | `policy_card.rs` | what the user of a policy needs to know |
-//! | `checkpoint.rs` | everything that a run needs to go on to the bit |
-//! | `fingerprint.rs` | whether two builds simulate alike to the bit |
-//! | `scenario_image.rs` | a world from above, as an SVG or PNG |
-//! | `tensorboard.rs`, `progress.rs` | the same rows for TensorBoard, and for whoever waits |
+//! | `preset.rs` | training presets |
+//! | `limits.rs`, `memory.rs` | the limits of all input, and of a run's memory |
+//! | `check_files.rs` | checks of scenario and preset files |
+//! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
+//! | `training_setup.rs` | the learner and the simulation of a new run |
+//! | `train.rs` | the training loop |
+//! | `metrics.rs` | metrics of episodes and evaluations, and the best policy |
+//! | `evaluate.rs` | success over rounds of episodes and on the benchmark route; comparison with optimal times |
+//! | `background_evaluator.rs` | evaluation during training |
+//! | `folder/` | run folders: configuration, CSV files, atomic writes |
+//! | `lock.rs` | the lock that keeps a second process out of a folder |
+//! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
+//! | `policy_card.rs` | the metadata in a policy file |
+//! | `checkpoint.rs` | checkpoints, from which a run resumes bit-identically |
+//! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
+//! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
+//! | `tensorboard.rs`, `progress.rs` | TensorBoard events; progress on stderr |
 
 pub mod background_evaluator;
 #[cfg(not(target_arch = "wasm32"))]
@@ -50,19 +50,19 @@ pub mod tensorboard;
 pub mod train;
 pub mod training_setup;
 
-/// Why a command could not do what it was asked.
+/// The reason why a command failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RunError {
-    /// Arguments or files that cannot be used: nothing was begun. Exit status 2.
+    /// Invalid arguments or files, found before any work began. Exit status 2.
     #[error("{0}")]
     InvalidInput(String),
-    /// The work itself failed. Exit status 1.
+    /// A failure during the work. Exit status 1.
     #[error("{0}")]
     Failed(String),
 }
 
 impl RunError {
-    /// The process's exit status.
+    /// The exit status of the process.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         match self {
@@ -71,12 +71,12 @@ impl RunError {
         }
     }
 
-    /// A file that cannot be used, and why.
+    /// The error for an invalid file.
     pub(crate) fn invalid_input(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
         Self::InvalidInput(format!("{}: {why}", path.display()))
     }
 
-    /// A file that could not be written while at work, and why.
+    /// The error for a file that failed during the work.
     pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
         Self::Failed(format!("{}: {why}", path.display()))
     }

@@ -1,9 +1,7 @@
-//! A policy's file, and the card in it: what its user needs to know.
+//! The card of a policy: metadata in the policy file that describe its inputs, actions and origin.
 //!
-//! It is for people to read; only by [`ENCODING`] does the program go, to show a policy what it was trained to see.
-//!
-//! In: the run's configuration, its counters, the success rate in the evaluation that made the policy the best. Out: text by key, the same
-//! bytes for the same run (no dates, no times).
+//! In: the run's configuration, its counters, the success rate of the policy. Out: texts by key, without dates or times, so
+//! that equal runs have equal files. The card is for people; the program itself uses only [`ENCODING`] and [`SENSORS`].
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,54 +14,54 @@ use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 use crate::scenario::{Lidar, Scenario, read_bytes};
 use crate::task::{ObservationLayout, ObservationSlice};
 
-/// The key under which a policy says in which units its observations are: `scaled`, or `raw`. Policies of wayfields
-/// that knew no other than `scaled` don't have it.
+/// The key for the encoding of the observations: `scaled` or `raw`. A policy without it is `scaled`.
 pub const ENCODING: &str = "encoding";
 
-/// The key under which a policy records the sensors of plugins in its observation, as in `speed:2, bumper:1`. Policies
-/// without such sensors don't have it.
+/// The key for the plugin sensors in the observation with their widths, such as `speed:2, bumper:1`. A policy without it uses
+/// no plugin sensors.
 pub const SENSORS: &str = "sensors";
 
 /// The policy in the file at `path`.
 ///
 /// # Errors
-/// It cannot be read, or is none.
+/// The file cannot be read, or is not a policy.
 pub fn read(path: &Path) -> Result<Policy, RunError> {
-    let invalid_input =
-        |why: String| RunError::invalid_input(path, format!("{why}: give the policy.safetensors of a run"));
+    let invalid_input = |why: String| {
+        RunError::invalid_input(path, format!("{why}; help: give the policy.safetensors of a run"))
+    };
     if path.is_dir() {
-        return Err(RunError::invalid_input(path, "is a folder: give the policy.safetensors in it"));
+        return Err(RunError::invalid_input(path, "is a folder; help: give the policy.safetensors in it"));
     }
     let bytes = read_bytes(path, MAX_POLICY_BYTES + 1)
         .map_err(|error| invalid_input(format!("can't be read ({error})")))?;
     if bytes.len() as u64 > MAX_POLICY_BYTES {
         return Err(RunError::invalid_input(
             path,
-            format!("is longer than {MAX_POLICY_BYTES} bytes: no policy is that large"),
+            format!("is larger than {MAX_POLICY_BYTES} bytes; help: give the policy.safetensors of a run"),
         ));
     }
     Policy::from_bytes(&bytes).map_err(|error| invalid_input(error.to_string()))
 }
 
-/// In which units `policy` must be shown its observations.
+/// The encoding of the observations that `policy` was trained with.
 ///
 /// # Errors
-/// It says something that this wayfield does not know.
+/// The card has an encoding that this version doesn't know.
 pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
     match policy.metadata.get(ENCODING).map(String::as_str) {
         None | Some("scaled") => Ok(Encoding::Scaled),
         Some("raw") => Ok(Encoding::Raw),
         Some(other) => Err(RunError::InvalidInput(format!(
-            "the policy's observations are encoded as \"{other}\", which this wayfield does not know (it knows scaled \
-             and raw): use a newer wayfield"
+            "the policy's observations are encoded as \"{other}\", which this version does not know (it knows scaled \
+             and raw); help: use a newer wayfield"
         ))),
     }
 }
 
-/// Checks that the sensors of plugins that `policy` was trained with are those of `layout`.
+/// Checks that `policy` was trained with the plugin sensors of `layout`.
 ///
 /// # Errors
-/// They differ: the message names both.
+/// The sensors differ. The message names both.
 pub fn check_sensors(policy: &Policy, layout: &ObservationLayout) -> Result<(), RunError> {
     let recorded = policy.metadata.get(SENSORS).map_or("", String::as_str);
     let present = sensors(layout.slices());
@@ -73,7 +71,7 @@ pub fn check_sensors(policy: &Policy, layout: &ObservationLayout) -> Result<(), 
     let named =
         |sensors: &str| if sensors.is_empty() { "no sensor plugin".into() } else { format!("`{sensors}`") };
     Err(RunError::InvalidInput(format!(
-        "the policy was trained with {}, but this simulation has {}: add the same plugins, in the same order",
+        "the policy was trained with {}, but this simulation has {}; help: add the same plugins, in the same order",
         named(recorded),
         named(&present)
     )))
@@ -84,7 +82,7 @@ fn sensors(slices: &[ObservationSlice]) -> String {
     parts.join(", ")
 }
 
-/// How `encoding` is written on the card.
+/// The name of `encoding` on the card.
 #[must_use]
 pub fn encoding_name(encoding: Encoding) -> &'static str {
     match encoding {
@@ -93,24 +91,23 @@ pub fn encoding_name(encoding: Encoding) -> &'static str {
     }
 }
 
-/// Order and units of the numbers that go in, in words.
+/// The order and units of the network's inputs, as text.
 fn observation(encoding: Encoding, lidar: &Lidar) -> String {
     let beams = lidar.beams;
     match encoding {
         Encoding::Scaled => format!(
-            "{beams} LIDAR ranges / {RANGE_SCALE_M} m (beam 0 ahead, counterclockwise); bearing of the target / pi rad \
+            "{beams} LIDAR ranges / {RANGE_SCALE_M} m (beam 0 ahead, counterclockwise); bearing of the goal / pi rad \
              (left positive); its distance / {DISTANCE_SCALE_M} m; the smallest range / {RANGE_SCALE_M} m; the number of \
              its beam / {beams}"
         ),
         Encoding::Raw => format!(
-            "{beams} LIDAR ranges in m (beam 0 ahead, counterclockwise); bearing of the target in rad (left positive); \
+            "{beams} LIDAR ranges in m (beam 0 ahead, counterclockwise); bearing of the goal in rad (left positive); \
              its distance in m; the smallest range in m; the number of its beam, from 0"
         ),
     }
 }
 
-/// What a user of a policy needs to know: what goes in, what comes out, where it comes from. `success_rate` (0 to 1)
-/// is that of its evaluation, if it had one.
+/// The card: the policy's inputs, actions and origin. `success_rate` (0 to 1) is that of its evaluation, if there was one.
 #[must_use]
 pub fn metadata(
     config: &RunConfig,

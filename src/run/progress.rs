@@ -1,8 +1,8 @@
-//! How a run is getting on, said on stderr.
+//! The progress of a run, on stderr.
 //!
-//! In: a [`Progress`] as often as one likes, and lines worth saying. Out: on a terminal a bar that stays at the
-//! foot of the screen; elsewhere (a file, a pipe, a CI log) a plain line every few seconds. stdout, which is for
-//! results, is never touched; and a stderr that is closed does not stop the run.
+//! In: a [`Progress`] at any rate, and messages. Out: on a terminal, a progress bar that stays at the bottom; elsewhere (a
+//! file, a pipe, a CI log), a plain line every few seconds. Nothing goes to stdout, which is for results. A closed stderr
+//! does not stop the run.
 
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -10,141 +10,141 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
-/// Time between two looks of the bar.
+/// Interval between updates of the bar.
 const REDRAW: Duration = Duration::from_millis(100);
-/// When the first plain line comes, after the start.
+/// Time from the start to the first plain line.
 const FIRST_LINE: Duration = Duration::from_millis(500);
-/// Time between two plain lines.
+/// Interval between plain lines.
 const NEXT_LINE: Duration = Duration::from_secs(5);
-/// How far back rates and the time left look.
+/// Window over which rates are averaged; the remaining time is estimated from them.
 const RATE_WINDOW: Duration = Duration::from_secs(5);
 
-/// What ends the run, as its total (a resumed run counts what was there before).
+/// The total at which the run ends, including the part before a resume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgressTotal {
-    /// So many ended episodes.
+    /// Number of ended episodes.
     Episodes(u64),
-    /// So many environment steps, over all arenas.
+    /// Number of env steps over all arenas.
     EnvSteps(u64),
 }
 
-/// How far a run is. Counts are totals since the run began, a resumed part included.
+/// The progress of a run. Counts start at the beginning of the run, including the part before a resume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// Ended episodes.
     pub episodes: u64,
-    /// Environment steps, over all arenas.
+    /// Env steps over all arenas.
     pub env_steps: u64,
     /// Gradient steps of the learner.
     pub gradient_steps: u64,
-    /// Mean return of the last 100 episodes; none before the first has ended.
+    /// Mean return of the last 100 episodes; `None` before the first has ended.
     pub mean_return: Option<f64>,
-    /// Success rate of the last evaluation, 0 to 1; none before it.
+    /// Success rate of the last evaluation, 0 to 1; `None` before the first.
     pub success_rate: Option<f64>,
-    /// Exploration: the chance of a random action, 0 to 1.
+    /// Probability of a random action, 0 to 1.
     pub epsilon: f32,
 }
 
-/// Who is told how a run is getting on, every tenth of a second, where no bar of its own is wanted.
+/// A callback that receives the progress every 0.1 s, in place of a bar.
 pub type ProgressListener = Box<dyn FnMut(&Progress)>;
 
-/// Shows a run's progress on stderr.
+/// A display of a run's progress.
 pub struct ProgressReporter {
     budget: ProgressTotal,
     started: Instant,
     due: Duration,
     last: Progress,
     rates: Rates,
-    face: Face,
+    display: Display,
 }
 
-enum Face {
+enum Display {
     Quiet,
-    Told(ProgressListener),
+    Listener(ProgressListener),
     Bar(ProgressBar),
     Lines,
 }
 
 impl ProgressReporter {
-    /// Starts the clock. With `quiet` nothing is shown but [warnings](Self::warn).
+    /// A display on stderr, whose clock starts now. With `quiet` it shows only [warnings](Self::warn).
     #[must_use]
     pub fn new(budget: ProgressTotal, quiet: bool) -> Self {
-        Self::with(budget, if quiet { Face::Quiet } else { Face::for_stderr(budget) })
+        Self::with(budget, if quiet { Display::Quiet } else { Display::for_stderr(budget) })
     }
 
-    /// Tells `listener` instead of anybody at stderr, who hears [warnings](Self::warn) only.
+    /// Passes the progress to `listener`; stderr gets only [warnings](Self::warn).
     #[must_use]
     pub fn with_listener(listener: ProgressListener) -> Self {
-        // The goal is the bar's, and there is none.
-        Self::with(ProgressTotal::Episodes(0), Face::Told(listener))
+        // The total is for bars only.
+        Self::with(ProgressTotal::Episodes(0), Display::Listener(listener))
     }
 
-    fn with(budget: ProgressTotal, face: Face) -> Self {
-        let due = if matches!(face, Face::Lines) { FIRST_LINE } else { Duration::ZERO };
+    fn with(budget: ProgressTotal, display: Display) -> Self {
+        let due = if matches!(display, Display::Lines) { FIRST_LINE } else { Duration::ZERO };
         let rates = Rates::default();
-        Self { budget, started: Instant::now(), due, last: Progress::default(), rates, face }
+        Self { budget, started: Instant::now(), due, last: Progress::default(), rates, display }
     }
 
-    /// Takes note of how far the run is, and shows it when that is due. Else it costs one look at the clock.
-    pub fn update(&mut self, status: &Progress) {
-        self.last = *status;
+    /// Records the progress, and shows it if an update is due. Otherwise it only reads the clock.
+    pub fn update(&mut self, progress: &Progress) {
+        self.last = *progress;
         let now = self.started.elapsed();
         if self.rates.samples.is_empty() {
-            self.rates.note(now, status);
+            self.rates.add(now, progress);
         }
         if now >= self.due {
             self.show(now);
         }
     }
 
-    /// Says `text` on a line of its own, above the bar.
+    /// Prints the line `text`, above the bar.
     pub fn line(&mut self, text: &str) {
-        match &self.face {
-            Face::Quiet | Face::Told(_) => {}
-            Face::Bar(bar) => bar.println(text),
-            Face::Lines => print_stderr(text),
+        match &self.display {
+            Display::Quiet | Display::Listener(_) => {}
+            Display::Bar(bar) => bar.println(text),
+            Display::Lines => print_stderr(text),
         }
     }
 
-    /// Says `warning: text`, even when quiet.
+    /// Prints the line `warning: text`, even if quiet.
     pub fn warn(&mut self, text: &str) {
         let text = format!("warning: {text}");
-        match &self.face {
-            Face::Bar(bar) => bar.println(text),
-            Face::Quiet | Face::Told(_) | Face::Lines => print_stderr(&text),
+        match &self.display {
+            Display::Bar(bar) => bar.println(text),
+            Display::Quiet | Display::Listener(_) | Display::Lines => print_stderr(&text),
         }
     }
 
-    /// Shows the last status, whether due or not, and says `text` under it.
+    /// Shows the last progress at once, and prints `text` below it.
     pub fn finish(&mut self, text: &str) {
         self.show(self.started.elapsed());
-        match &self.face {
-            Face::Quiet | Face::Told(_) => {}
-            Face::Bar(bar) => {
+        match &self.display {
+            Display::Quiet | Display::Listener(_) => {}
+            Display::Bar(bar) => {
                 bar.abandon();
                 print_stderr(text);
             }
-            Face::Lines => print_stderr(text),
+            Display::Lines => print_stderr(text),
         }
     }
 
     fn show(&mut self, now: Duration) {
-        self.rates.note(now, &self.last);
-        let view = View { elapsed: now, budget: self.budget, status: &self.last, rates: &self.rates };
-        match &mut self.face {
-            Face::Quiet => self.due = Duration::MAX,
-            Face::Told(listener) => {
+        self.rates.add(now, &self.last);
+        let view = View { elapsed: now, budget: self.budget, progress: &self.last, rates: &self.rates };
+        match &mut self.display {
+            Display::Quiet => self.due = Duration::MAX,
+            Display::Listener(listener) => {
                 self.due = now + REDRAW;
                 listener(&self.last);
             }
-            Face::Bar(bar) => {
+            Display::Bar(bar) => {
                 self.due = now + REDRAW;
                 bar.set_prefix(view.advance());
                 bar.set_message(view.learning());
                 bar.set_position(self.budget.done(&self.last));
                 bar.tick();
             }
-            Face::Lines => {
+            Display::Lines => {
                 self.due = now + NEXT_LINE;
                 print_stderr(&format!("{}  {}", view.advance(), view.learning()));
             }
@@ -152,15 +152,15 @@ impl ProgressReporter {
     }
 }
 
-impl Face {
-    /// A bar if stderr is a terminal that can draw one, else lines.
+impl Display {
+    /// A bar if stderr is a terminal that supports it, else lines.
     fn for_stderr(budget: ProgressTotal) -> Self {
         bar(budget.total()).map_or(Self::Lines, Self::Bar)
     }
 }
 
-/// A bar on stderr for `total` parts, with a row below it for a message; None where stderr is no terminal that can
-/// draw one.
+/// A progress bar on stderr with `total` steps and a message line below; `None` if stderr is not a terminal that supports
+/// it.
 #[must_use]
 pub fn bar(total: u64) -> Option<ProgressBar> {
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
@@ -173,7 +173,7 @@ pub fn bar(total: u64) -> Option<ProgressBar> {
     Some(bar.with_style(style).with_finish(ProgressFinish::Abandon))
 }
 
-/// Two rows, so that all fits into 80 columns: how far the run is, and how learning goes.
+/// Two lines of at most 80 columns: the bar, and the state of learning.
 const TEMPLATE: &str = "{wide_bar:.cyan/dim} {prefix}\n{wide_msg}";
 
 impl ProgressTotal {
@@ -183,35 +183,36 @@ impl ProgressTotal {
         }
     }
 
-    fn done(self, status: &Progress) -> u64 {
+    fn done(self, progress: &Progress) -> u64 {
         match self {
-            Self::Episodes(_) => status.episodes,
-            Self::EnvSteps(_) => status.env_steps,
+            Self::Episodes(_) => progress.episodes,
+            Self::EnvSteps(_) => progress.env_steps,
         }
     }
 }
 
-/// Writes to stderr. That it may be closed is no reason to stop a run, and there is nowhere left to say so.
+/// Prints a line to stderr. Errors are ignored: a closed stderr must not stop a run, and there is no other place to report
+/// it.
 pub fn print_stderr(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
-/// Samples of the last few seconds, for rates.
+/// Progress samples within [`RATE_WINDOW`].
 #[derive(Debug, Default)]
 struct Rates {
     samples: VecDeque<(Duration, Progress)>,
 }
 
 impl Rates {
-    /// Notes the status at `now`, and forgets samples that the window no longer needs (it keeps one at its edge).
-    fn note(&mut self, now: Duration, status: &Progress) {
-        self.samples.push_back((now, *status));
+    /// Adds the progress at `now`, and drops samples before the window (one at its edge is kept).
+    fn add(&mut self, now: Duration, progress: &Progress) {
+        self.samples.push_back((now, *progress));
         while self.samples.get(1).is_some_and(|second| now.saturating_sub(second.0) >= RATE_WINDOW) {
             self.samples.pop_front();
         }
     }
 
-    /// How fast `count` grows, per second; none before there is anything to tell it from.
+    /// The growth of `count` per second; `None` with fewer than two samples.
     fn of(&self, count: impl Fn(&Progress) -> u64) -> Option<f64> {
         let ((t0, first), (t1, last)) = self.samples.front().zip(self.samples.back())?;
         let seconds = t1.saturating_sub(*t0).as_secs_f64();
@@ -219,19 +220,19 @@ impl Rates {
     }
 }
 
-/// What is to be said at one moment.
+/// The text of an update.
 struct View<'a> {
     elapsed: Duration,
     budget: ProgressTotal,
-    status: &'a Progress,
+    progress: &'a Progress,
     rates: &'a Rates,
 }
 
 impl View<'_> {
-    /// How far the run is: ` 41%  412/1000 episodes  1:23, 1:58 left`.
+    /// The advance of the run, such as ` 41%  412/1000 episodes  1:23, 1:58 left`.
     fn advance(&self) -> String {
-        let (done, total) = (self.budget.done(self.status), self.budget.total());
-        // Rounded down, so that 100% means the end; a goal of nothing is reached at once.
+        let (done, total) = (self.budget.done(self.progress), self.budget.total());
+        // Rounded down, so that 100% means the end. A total of zero is complete at once.
         let percent = (u128::from(done) * 100).checked_div(u128::from(total)).unwrap_or(100).min(100);
         let unit = match self.budget {
             ProgressTotal::Episodes(_) => "episodes",
@@ -245,21 +246,21 @@ impl View<'_> {
         text
     }
 
-    /// How learning goes, in at most 80 columns; measures that do not exist yet are left out.
+    /// The state of learning in at most 80 columns. Values that do not exist yet are left out.
     fn learning(&self) -> String {
-        let status = self.status;
+        let progress = self.progress;
         let other = match self.budget {
-            ProgressTotal::Episodes(_) => format!("{} steps", count(status.env_steps)),
-            ProgressTotal::EnvSteps(_) => format!("{} episodes", count(status.episodes)),
+            ProgressTotal::Episodes(_) => format!("{} steps", count(progress.env_steps)),
+            ProgressTotal::EnvSteps(_) => format!("{} episodes", count(progress.episodes)),
         };
         let per_second = |rate: Option<f64>, unit| rate.map(|r| format!("{} {unit}/s", short(r)));
         [
             Some(other),
             per_second(self.rates.of(|s| s.env_steps), "steps"),
             per_second(self.rates.of(|s| s.gradient_steps), "grad"),
-            status.mean_return.map(|mean| format!("return {}", decimal(mean))),
-            status.success_rate.map(|rate| format!("success {}", percent(rate))),
-            Some(format!("ε {:.2}", status.epsilon)),
+            progress.mean_return.map(|mean| format!("return {}", decimal(mean))),
+            progress.success_rate.map(|rate| format!("success {}", percent(rate))),
+            Some(format!("ε {:.2}", progress.epsilon)),
         ]
         .into_iter()
         .flatten()
@@ -267,20 +268,20 @@ impl View<'_> {
         .join("  ")
     }
 
-    /// The time the rest takes at the present rate; none while nothing moves.
+    /// The estimated remaining time at the current rate; `None` without progress.
     fn left(&self) -> Option<Duration> {
-        let rate = self.rates.of(|status| self.budget.done(status)).filter(|&rate| rate > 0.0)?;
-        let rest = self.budget.total().saturating_sub(self.budget.done(self.status));
+        let rate = self.rates.of(|progress| self.budget.done(progress)).filter(|&rate| rate > 0.0)?;
+        let rest = self.budget.total().saturating_sub(self.budget.done(self.progress));
         Duration::try_from_secs_f64(rest as f64 / rate).ok()
     }
 }
 
-/// A count: exact to four digits, then short.
+/// A count: exact up to four digits, then as [`short`].
 fn count(n: u64) -> String {
     if n < 10_000 { n.to_string() } else { short(n as f64) }
 }
 
-/// A number that is not negative, with three digits and a unit: `7.4`, `68.2k`, `1.25M`.
+/// A non-negative number with three digits and a unit: `7.4`, `68.2k`, `1.25M`.
 fn short(x: f64) -> String {
     const UNITS: [&str; 5] = ["", "k", "M", "G", "T"];
     let (mut x, mut unit) = (x, 0);
@@ -297,18 +298,18 @@ fn short(x: f64) -> String {
     format!("{x:.digits$}{}", UNITS[unit])
 }
 
-/// A signed number with one decimal while it is small: `-12.3`, `340`.
+/// A signed number, with one decimal if it is small: `-12.3`, `340`.
 fn decimal(x: f64) -> String {
     if x.abs() < 99.95 { format!("{x:.1}") } else { format!("{x:.0}") }
 }
 
-/// A rate from 0 to 1 in percent. Never rounded up to 100.
+/// A rate from 0 to 1 in percent, rounded down so that 100% means all.
 fn percent(rate: f64) -> String {
     let tenths = (rate * 1000.0 + 1e-9).floor();
     if tenths >= 1000.0 { "100%".to_owned() } else { format!("{:.1}%", tenths / 10.0) }
 }
 
-/// A duration as `m:ss`, `h:mm:ss`, or in days once it is two of them.
+/// A duration as `m:ss` or `h:mm:ss`, or in days from two days on.
 fn clock(time: Duration) -> String {
     let s = time.as_secs();
     match (s / 3600, s / 60 % 60, s % 60) {
@@ -322,7 +323,7 @@ fn clock(time: Duration) -> String {
 mod tests {
     use super::*;
 
-    fn status(env_steps: u64) -> Progress {
+    fn progress(env_steps: u64) -> Progress {
         Progress {
             episodes: env_steps / 100,
             env_steps,
@@ -338,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_short() {
+    fn numbers_have_three_digits_and_a_unit() {
         let cases = [
             (0.0, "0.0"),
             (7.44, "7.4"),
@@ -362,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_read_as_on_a_clock() {
+    fn durations_read_like_a_clock() {
         for (s, text) in [(5, "0:05"), (83, "1:23"), (3599, "59:59"), (3725, "1:02:05"), (200_000, "2 days")]
         {
             assert_eq!(clock(Duration::from_secs(s)), text);
@@ -370,36 +371,40 @@ mod tests {
     }
 
     #[test]
-    fn rates_look_back_a_few_seconds_only() {
+    fn rates_are_averaged_over_the_last_seconds_only() {
         let mut rates = Rates::default();
         assert_eq!(rates.of(|s| s.env_steps), None);
-        rates.note(seconds(0.0), &status(0));
-        assert_eq!(rates.of(|s| s.env_steps), None, "one sample tells no rate");
-        // Ten seconds at 1000/s, then ten at 4000/s.
+        rates.add(seconds(0.0), &progress(0));
+        assert_eq!(rates.of(|s| s.env_steps), None, "one sample gives no rate");
+        // 10 s at 1000/s, then 10 s at 4000/s.
         for tenth in 1..=100 {
-            rates.note(seconds(f64::from(tenth) / 10.0), &status(u64::from(tenth as u32) * 100));
+            rates.add(seconds(f64::from(tenth) / 10.0), &progress(u64::from(tenth as u32) * 100));
         }
         assert_eq!(rates.of(|s| s.env_steps).map(f64::round), Some(1000.0));
         for tenth in 1..=100 {
-            rates.note(
+            rates.add(
                 seconds(10.0 + f64::from(tenth) / 10.0),
-                &status(10_000 + u64::from(tenth as u32) * 400),
+                &progress(10_000 + u64::from(tenth as u32) * 400),
             );
         }
-        assert_eq!(rates.of(|s| s.env_steps).map(f64::round), Some(4000.0), "the slow start is forgotten");
-        assert!(rates.samples.len() < 60, "and takes no room");
+        assert_eq!(
+            rates.of(|s| s.env_steps).map(f64::round),
+            Some(4000.0),
+            "the slow start no longer counts"
+        );
+        assert!(rates.samples.len() < 60, "old samples are dropped");
     }
 
     #[test]
-    fn a_view_says_all_in_80_columns() {
+    fn an_update_fits_into_80_columns() {
         let mut rates = Rates::default();
-        rates.note(seconds(80.0), &status(1_000_000));
-        rates.note(seconds(83.0), &status(1_204_747));
-        let status = status(1_204_747);
+        rates.add(seconds(80.0), &progress(1_000_000));
+        rates.add(seconds(83.0), &progress(1_204_747));
+        let progress = progress(1_204_747);
         let view = View {
             elapsed: seconds(83.0),
             budget: ProgressTotal::EnvSteps(2_000_000),
-            status: &status,
+            progress: &progress,
             rates: &rates,
         };
         assert_eq!(view.advance(), " 60%  1.20M/2.00M steps  1:23, 0:11 left");
@@ -413,39 +418,39 @@ mod tests {
         assert_eq!(view.advance(), " 40%  12.0k/30.0k episodes  1:23, 0:26 left");
         assert!(
             view.learning().starts_with("1.20M steps  68.2k steps/s"),
-            "the bar's own count is not said twice"
+            "the count in the bar is not repeated"
         );
     }
 
     #[test]
-    fn what_is_not_known_is_left_out() {
-        let (status, rates) = (Progress { epsilon: 1.0, ..Progress::default() }, Rates::default());
+    fn values_that_do_not_exist_yet_are_left_out() {
+        let (progress, rates) = (Progress { epsilon: 1.0, ..Progress::default() }, Rates::default());
         let view = View {
             elapsed: seconds(0.0),
             budget: ProgressTotal::Episodes(1000),
-            status: &status,
+            progress: &progress,
             rates: &rates,
         };
         assert_eq!(view.advance(), "  0%  0/1000 episodes  0:00");
         assert_eq!(view.learning(), "0 steps  ε 1.00");
         let view = View { budget: ProgressTotal::Episodes(0), ..view };
-        assert_eq!(view.advance(), "100%  0/0 episodes  0:00", "nothing to do is done");
+        assert_eq!(view.advance(), "100%  0/0 episodes  0:00", "an empty budget is complete");
     }
 
     #[test]
-    fn a_goal_nearly_reached_is_not_called_reached() {
-        let (status, rates) = (status(199_999), Rates::default());
+    fn percentages_are_rounded_down() {
+        let (progress, rates) = (progress(199_999), Rates::default());
         let view = View {
             elapsed: seconds(1.0),
             budget: ProgressTotal::EnvSteps(200_000),
-            status: &status,
+            progress: &progress,
             rates: &rates,
         };
         assert!(view.advance().starts_with(" 99%"), "{}", view.advance());
     }
 
     #[test]
-    fn the_template_is_one_indicatif_knows() {
+    fn the_template_is_valid() {
         assert!(ProgressStyle::with_template(TEMPLATE).is_ok());
     }
 }

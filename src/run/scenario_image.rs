@@ -1,12 +1,11 @@
-//! A world from above, as a picture.
+//! Maps of scenarios, seen from above.
 //!
-//! In: a scenario. Out: the plan that figures of it start from, and a small picture of it as an SVG or PNG file.
+//! In: a scenario. Out: the map that figures are based on, or a thumbnail as an SVG or PNG file.
 
+use bevy::math::{Vec2, vec2};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Write;
 use std::path::Path;
-
-use bevy::math::{Vec2, vec2};
 
 use super::RunError;
 use super::folder::write_atomic;
@@ -14,19 +13,21 @@ use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, Sce
 use crate::report::{DrawError, raster};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
-/// Which layout of the generated obstacles a picture shows.
-const LAYOUT: u64 = 1;
-/// Straight pieces of a rod's round end.
-const END_PIECES: u32 = 16;
+/// The layout seed of the generated obstacles in thumbnails.
+const LAYOUT_SEED: u64 = 1;
+/// Number of straight segments in a capsule's round end.
+const END_SEGMENTS: u32 = 16;
 
-/// The world with layout number `layout_seed` ([`Scenario::with_generated_obstacles`]) at the step `clock`, with its benchmark route and without a title
-/// or paths.
+/// The map of `scenario` with the generated obstacles of `layout_seed`, at control step `clock`. It shows the benchmark
+/// route, and has no title or trajectories.
 #[must_use]
 pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     let generated = scenario.with_generated_obstacles(layout_seed);
-    let pieces = generated.walls.iter().flat_map(|wall| wall.segments());
-    let walls = pieces
-        .map(|piece| MapObstacle { kind: MapObstacleKind::Wall, outline: outline(&piece, &generated, 0) });
+    let segments = generated.walls.iter().flat_map(|wall| wall.segments());
+    let walls = segments.map(|segment| MapObstacle {
+        kind: MapObstacleKind::Wall,
+        outline: outline(&segment, &generated, 0),
+    });
     let obstacles = generated.obstacles.iter().enumerate().map(|(index, obstacle)| {
         let kind = match heading(obstacle, &generated, clock) {
             Some(heading) => MapObstacleKind::Moving(heading),
@@ -35,38 +36,42 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
         };
         MapObstacle { kind, outline: outline(obstacle, &generated, clock) }
     });
-    let course = &scenario.benchmark_route;
-    let ((start_x, start_y), (target_x, target_y)) = (wide(course.start_m), wide(course.goal_m));
+    let route = &scenario.benchmark_route;
+    let ((start_x, start_y), (goal_x, goal_y)) = (wide(route.start_m), wide(route.goal_m));
     ScenarioMap {
         title: String::new(),
         enclosure: scenario.enclosure.corners_m().into_iter().map(wide).collect(),
         obstacles: walls.chain(obstacles).collect(),
         tracks: scenario.obstacles.iter().filter_map(track).collect(),
-        start: (start_x, start_y, f64::from(course.heading_rad)),
-        goal: (target_x, target_y, f64::from(scenario.task.goal_radius_m)),
+        start: (start_x, start_y, f64::from(route.heading_rad)),
+        goal: (goal_x, goal_y, f64::from(scenario.task.goal_radius_m)),
         trajectories: Vec::new(),
     }
 }
 
-/// Writes a picture of the world at step 0 to the file `path`, as SVG or PNG by the ending of its name; 480 x 360
-/// pixels.
+/// Writes a thumbnail of `scenario` at control step 0 to `path`, 480 x 360 pixels, as SVG or PNG by the file's extension.
 ///
 /// # Errors
-/// Another ending; the drawing failed; the file cannot be written.
+/// Another extension, a failure in drawing, or a file that cannot be written.
 pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
-    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let failed = |error: DrawError| RunError::failed(path, error);
-    let svg = || map(scenario, LAYOUT, 0).thumbnail_svg().map_err(failed);
-    let bytes = match ending.as_ref().and_then(|ending| ending.to_str()) {
+    let svg = || map(scenario, LAYOUT_SEED, 0).thumbnail_svg().map_err(failed);
+    let bytes = match extension.as_ref().and_then(|extension| extension.to_str()) {
         Some("svg") => svg()?.into_bytes(),
         Some("png") => raster::png(&svg()?, 1.0).map_err(failed)?,
-        _ => return Err(RunError::invalid_input(path, "write a name that ends in .svg or .png")),
+        _ => {
+            return Err(RunError::invalid_input(
+                path,
+                "unknown image format; help: give a file name that ends in .svg or .png",
+            ));
+        }
     };
     write_atomic(path, |file| file.write_all(&bytes))
         .map_err(|error| RunError::failed(path, format!("can't be written: {error}")))
 }
 
-/// Where an obstacle goes next, in rad from the x axis; none if it stands still.
+/// An obstacle's direction of motion in rad from the x axis; `None` if it stands still.
 fn heading(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Option<f64> {
     let at = |step| pose_at(obstacle, step, scenario.task.control_period_s);
     let (now, next) = (at(clock), at(clock + 1));
@@ -74,13 +79,13 @@ fn heading(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Option<f64> 
     (dx != 0.0 || dy != 0.0).then(|| dy.atan2(dx))
 }
 
-/// What an obstacle covers at the step `clock`.
+/// The area an obstacle covers at control step `clock`.
 fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> MapShape {
-    let (x, y, turn) = pose_at(obstacle, clock, scenario.task.control_period_s);
+    let (x, y, rotation) = pose_at(obstacle, clock, scenario.task.control_period_s);
     let (x, y) = wide(vec2(x, y));
-    let (sin, cos) = f64::from(turn).sin_cos();
-    let place = |(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy);
-    let own: Vec<(f64, f64)> = match &obstacle.shape {
+    let (sin, cos) = f64::from(rotation).sin_cos();
+    let to_map = |(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy);
+    let corners: Vec<(f64, f64)> = match &obstacle.shape {
         Shape::Circle { radius_m } => return MapShape::Disc(x, y, f64::from(*radius_m)),
         Shape::Rectangle { width_m, height_m } => {
             let (w, h) = (f64::from(*width_m) / 2.0, f64::from(*height_m) / 2.0);
@@ -90,18 +95,18 @@ fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> MapShape {
         Shape::Capsule { length_m, radius_m } => {
             let (half, radius) = (f64::from(*length_m) / 2.0, f64::from(*radius_m));
             let end = |middle: f64, from: f64| {
-                (0..=END_PIECES).map(move |i| {
-                    let (sin, cos) = (from + PI * f64::from(i) / f64::from(END_PIECES)).sin_cos();
+                (0..=END_SEGMENTS).map(move |i| {
+                    let (sin, cos) = (from + PI * f64::from(i) / f64::from(END_SEGMENTS)).sin_cos();
                     (middle + radius * cos, radius * sin)
                 })
             };
             end(half, -FRAC_PI_2).chain(end(-half, FRAC_PI_2)).collect()
         }
     };
-    MapShape::Polygon(own.into_iter().map(place).collect())
+    MapShape::Polygon(corners.into_iter().map(to_map).collect())
 }
 
-/// Where an obstacle goes; none if it stands still.
+/// The path of an obstacle; `None` if it stands still.
 fn track(obstacle: &Obstacle) -> Option<MapTrack> {
     let (x, y) = wide(obstacle.position_m);
     match &obstacle.motion {
@@ -138,17 +143,17 @@ mod tests {
     }
 
     #[test]
-    fn the_plan_shows_what_stands_and_moves_where_it_is() {
+    fn the_map_shows_every_obstacle_at_its_current_pose() {
         let corners_m = vec![vec2(-3.0, -2.0), vec2(3.0, -2.0), vec2(0.0, 2.0)];
         let rectangle = Shape::Rectangle { width_m: 0.4, height_m: 0.2 };
         let waypoints_m = vec![vec2(1.0, 1.0), vec2(0.0, 1.0)];
-        let rod = Shape::Capsule { length_m: 1.0, radius_m: 0.25 };
+        let capsule = Shape::Capsule { length_m: 1.0, radius_m: 0.25 };
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
             walls: vec![Wall { corners_m: vec![vec2(0.0, 0.0), vec2(0.0, 1.0)], thickness_m: 0.2 }],
             obstacles: vec![
                 obstacle(rectangle, ObstacleMotion::Static),
-                obstacle(rod, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.5 }),
+                obstacle(capsule, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.5 }),
             ],
             generators: vec![Generator {
                 count: 1,
@@ -158,10 +163,10 @@ mod tests {
             }],
             ..Scenario::default()
         };
-        // Half a metre a second, 0.2 s a step: after 15 steps 1.5 m on its loop, half a metre past the corner.
-        let map = map(&scenario, LAYOUT, 15);
+        // At 0.5 m/s and 0.2 s per step, it is 1.5 m along its loop after 15 steps, 0.5 m past the corner.
+        let map = map(&scenario, LAYOUT_SEED, 15);
         assert_near(&map.enclosure, &[(-3.0, -2.0), (3.0, -2.0), (0.0, 2.0)]);
-        let kinds: Vec<MapObstacleKind> = map.obstacles.iter().map(|solid| solid.kind).collect();
+        let kinds: Vec<MapObstacleKind> = map.obstacles.iter().map(|obstacle| obstacle.kind).collect();
         assert!(
             matches!(
                 kinds[..],
@@ -178,25 +183,26 @@ mod tests {
             MapShape::Polygon(corners) => corners.clone(),
             MapShape::Disc(..) => panic!("a circle"),
         };
-        // The wall's piece is upright and 1.2 m long, the box is turned by a quarter.
+        // The wall segment is vertical and 1.2 m long with its ends; the rectangle is rotated by 90 degrees.
         assert_near(&corners(0), &[(-0.1, 1.1), (-0.1, -0.1), (0.1, -0.1), (0.1, 1.1)]);
         assert_near(&corners(1), &[(0.9, 0.2), (0.9, -0.2), (1.1, -0.2), (1.1, 0.2)]);
-        let rod = corners(2);
+        let capsule = corners(2);
         let extent = |of: fn(&(f64, f64)) -> f64| {
-            let (low, high) = rod.iter().map(of).fold((9.0_f64, -9.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+            let (low, high) =
+                capsule.iter().map(of).fold((9.0_f64, -9.0_f64), |(l, h), v| (l.min(v), h.max(v)));
             [(low, high)]
         };
         assert_near(&extent(|at| at.0), &[(0.25, 0.75)]);
         assert_near(&extent(|at| at.1), &[(0.25, 1.75)]);
-        let MapObstacleKind::Moving(heading) = kinds[2] else { panic!("it moves") };
-        assert!((heading.abs() - PI).abs() < 1e-3, "it goes to the left, not to {heading}");
-        let [MapTrack::Lines(loop_m)] = &map.tracks[..] else { panic!("one moves") };
+        let MapObstacleKind::Moving(heading) = kinds[2] else { panic!("the obstacle moves") };
+        assert!((heading.abs() - PI).abs() < 1e-3, "it moves to the left, not to {heading}");
+        let [MapTrack::Lines(loop_m)] = &map.tracks[..] else { panic!("one obstacle moves") };
         assert_near(loop_m, &[(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0)]);
         assert_eq!((map.start, map.goal.2), ((0.0, 0.0, 0.0), f64::from(0.2_f32)));
     }
 
     #[test]
-    fn rings_show_an_orbit_and_the_reach_of_a_random_walk() {
+    fn orbits_and_random_walks_are_shown_as_rings() {
         let disc = || Shape::Circle { radius_m: 0.1 };
         let orbit = ObstacleMotion::Orbit { centre_m: vec2(1.0, 2.0), speed_rad_s: 0.1 };
         assert_eq!(track(&obstacle(disc(), orbit)), Some(MapTrack::Ring(1.0, 2.0, 2.0)));
@@ -206,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_an_svg_or_a_png_by_its_name() {
+    fn the_extension_decides_between_svg_and_png() {
         let folder = tempfile::tempdir().expect("a folder");
         let file = |name: &str| folder.path().join(name);
         for (name, first) in [("a.svg", &b"<svg"[..]), ("b.PNG", b"\x89PNG")] {
@@ -216,9 +222,14 @@ mod tests {
         }
         let error = draw(&Scenario::default(), &file("c.gif")).expect_err("no such picture");
         assert_eq!(error.exit_status(), 2);
-        assert!(error.to_string().ends_with("c.gif: write a name that ends in .svg or .png"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .ends_with("c.gif: unknown image format; help: give a file name that ends in .svg or .png"),
+            "{error}"
+        );
         assert!(!file("c.gif").exists());
-        let nowhere = draw(&Scenario::default(), &file("no/d.svg")).expect_err("there is no such folder");
-        assert!(nowhere.to_string().contains("can't be written"), "{nowhere}");
+        let error = draw(&Scenario::default(), &file("no/d.svg")).expect_err("the folder is missing");
+        assert!(error.to_string().contains("can't be written"), "{error}");
     }
 }

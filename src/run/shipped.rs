@@ -1,6 +1,6 @@
-//! The scenarios, presets, experiments and trained policies that come with the program, by name: they work from any folder.
+//! The shipped scenarios, presets, experiments and trained policies, compiled into the program.
 //!
-//! In: what the user typed after `--scenario` or `--preset`: a file's path, or a shipped name. Out: the thing itself.
+//! In: a file's path or a shipped name, as given after `--scenario` or `--preset`. Out: the scenario or preset.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -9,7 +9,7 @@ use super::preset::Preset;
 use crate::policy::Policy;
 use crate::scenario::{FileError, Scenario, closest_name, path_exists};
 
-/// A file of the project, compiled in.
+/// A shipped file.
 struct Shipped {
     name: &'static str,
     path: &'static str,
@@ -34,14 +34,13 @@ const PRESETS: &[Shipped] = shipped!("assets/presets": "fast", "dqn", "per_d3qn"
 
 const EXPERIMENTS: &[Shipped] = shipped!("assets/experiments": "fig8", "fig9", "fig10", "best", "ablation", "conditions", "hard", "transfer");
 
-/// Experts: what a training has come to in the scenario of that name (`assets/policies/README.md`).
+/// Trained policies, by the name of their scenario (`assets/policies/README.md`).
 const POLICIES: &[(&str, &[u8])] = &[
     ("scenario-1", include_bytes!("../../assets/policies/scenario-1.safetensors")),
     ("scenario-2", include_bytes!("../../assets/policies/scenario-2.safetensors")),
 ];
 
-/// The trained policies that come with the program, by the name of the scenario that each learnt in. (A test sees to it
-/// that each can be read, and drives well.)
+/// The shipped policies, by the name of the scenario they were trained in.
 pub fn policies() -> &'static [(&'static str, Policy)] {
     static READ: LazyLock<Vec<(&str, Policy)>> = LazyLock::new(|| {
         POLICIES.iter().filter_map(|(name, bytes)| Some((*name, Policy::from_bytes(bytes).ok()?))).collect()
@@ -49,47 +48,46 @@ pub fn policies() -> &'static [(&'static str, Policy)] {
     &READ
 }
 
-/// The experiments that come with the program: path in the project, text. Parsing them is the business of the room
-/// that carries them out.
+/// The shipped experiments: path in the project, text. [`reproduce`](crate::reproduce) parses them.
 pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().map(|file| (file.path, file.text))
 }
 
-/// Whether a scenario of this name is shipped.
+/// Whether `name` is a shipped scenario.
 pub fn is_scenario(name: &str) -> bool {
     SCENARIOS.iter().any(|file| file.name == name)
 }
 
-/// Whether a preset of this name is shipped.
+/// Whether `name` is a shipped preset.
 pub fn is_preset(name: &str) -> bool {
     PRESETS.iter().any(|file| file.name == name)
 }
 
-/// The text of the shipped scenario of that name.
+/// The text of the shipped scenario `name`.
 pub fn scenario_text(name: &str) -> Option<&'static str> {
     SCENARIOS.iter().find(|file| file.name == name).map(|file| file.text)
 }
 
-/// Whether `scenario` is the paper's Scenario I as it is shipped.
+/// Whether `scenario` is the shipped version of the paper's Scenario I.
 pub fn is_paper_scenario_1(scenario: &Scenario) -> bool {
     static FIRST: LazyLock<Option<Scenario>> = LazyLock::new(|| scenarios().next().map(|(_, first)| first));
     FIRST.as_ref() == Some(scenario)
 }
 
-/// The shipped scenarios, by name. (A test sees to it that each can be read.)
+/// The shipped scenarios, by name.
 pub fn scenarios() -> impl Iterator<Item = (&'static str, Scenario)> {
     SCENARIOS.iter().filter_map(|file| Some((file.name, Scenario::parse(file.text, file.path).ok()?)))
 }
 
-/// The shipped presets, by name. (A test sees to it that each can be read.)
+/// The shipped presets, by name.
 pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
     PRESETS.iter().filter_map(|file| Some((file.name, Preset::parse(file.text, file.path).ok()?)))
 }
 
-/// The scenario at the path `wanted`, or the shipped one of that name.
+/// The scenario in the file `wanted`, or the shipped scenario of that name.
 ///
 /// # Errors
-/// With file, line, column and mend, as [`Scenario::load`].
+/// As for [`Scenario::load`]; for an unknown name, the closest shipped one.
 pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
     match find(SCENARIOS, wanted) {
         Some(file) => Scenario::parse(file.text, file.path),
@@ -97,10 +95,10 @@ pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
     }
 }
 
-/// The preset at the path `wanted`, or the shipped one of that name.
+/// The preset in the file `wanted`, or the shipped preset of that name.
 ///
 /// # Errors
-/// With file, line, column and mend, as [`Preset::load`].
+/// As for [`Preset::load`]; for an unknown name, the closest shipped one.
 pub fn preset(wanted: &str) -> Result<Preset, FileError> {
     match find(PRESETS, wanted) {
         Some(file) => Preset::parse(file.text, file.path),
@@ -108,10 +106,9 @@ pub fn preset(wanted: &str) -> Result<Preset, FileError> {
     }
 }
 
-/// A shipped file is meant if no file of the user's has that path, and the name (or the path it has in the project)
-/// is one of those shipped.
+/// The shipped file with the name or project path `wanted`, unless the user has a file at that path.
 fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
-    // (A folder that happens to be called `hall` is no scenario.)
+    // A folder that happens to be called `hall` does not hide the shipped scenario.
     let path = Path::new(wanted);
     if path_exists(path) && !path.is_dir() {
         return None;
@@ -119,7 +116,7 @@ fn find<'a>(files: &'a [Shipped], wanted: &str) -> Option<&'a Shipped> {
     files.iter().find(|file| file.name == wanted || file.path == wanted)
 }
 
-/// For a name that is neither a file nor shipped: the error also says what is shipped.
+/// Adds the shipped names to the error for a missing file.
 fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
     if path_exists(Path::new(wanted)) {
         return error;
@@ -129,15 +126,14 @@ fn with_names(error: FileError, wanted: &str, files: &[Shipped]) -> FileError {
         let shipped = names.join(", ");
         return FileError::for_file(
             error.path(),
-            format!("{}; shipped by name: {shipped}", error.problems()[0].message),
+            format!("{}; shipped names: {shipped}", error.problems()[0].message),
         );
     }
     let fix = match closest_name(wanted, names.iter().copied()) {
         Some(name) => format!("did you mean `{name}`?"),
-        None => "give a file's path or a shipped name.".into(),
+        None => "give a file's path or a shipped name".into(),
     };
-    let message =
-        format!("no such file, and nothing of that name is shipped: {fix} Shipped: {}", names.join(", "));
+    let message = format!("no such file or shipped name; help: {fix} (shipped: {})", names.join(", "));
     FileError::for_file(Path::new(wanted), message)
 }
 
@@ -164,27 +160,26 @@ mod tests {
     }
 
     #[test]
-    fn the_experts_are_experts() {
-        assert_eq!(policies().len(), POLICIES.len(), "each can be read");
+    fn the_shipped_policies_succeed_in_at_least_98_percent_of_episodes() {
+        assert_eq!(policies().len(), POLICIES.len(), "every policy can be read");
         for (name, policy) in policies() {
             let scenario = Arc::new(scenario(name).expect("shipped"));
             assert_eq!(policy.metadata.get("scenario"), Some(&scenario.name), "{name}");
-            let episodes = 500;
-            let driven = Evaluator::new(&scenario, episodes)
-                .run(policy, 5, episodes, EpisodeSetup::Random)
-                .expect("it fits its scenario");
-            let rate = Evaluation::from_episodes(&driven, episodes, &scenario.task, 5).success_rate;
+            let count = 500;
+            let episodes = Evaluator::new(&scenario, count)
+                .run(policy, 5, count, EpisodeSetup::Random)
+                .expect("the policy fits its scenario");
+            let rate = Evaluation::from_episodes(&episodes, count, &scenario.task, 5).success_rate;
             assert!(rate >= 0.98, "{name}: {rate}");
         }
     }
 
     #[test]
-    fn a_mistyped_name_is_answered_with_the_nearest() {
+    fn the_error_for_a_mistyped_name_suggests_the_closest_one() {
         let error = preset("fsat").unwrap_err().to_string();
         assert_eq!(
             error,
-            "fsat: no such file, and nothing of that name is shipped: did you mean `fast`? \
-             Shipped: fast, dqn, per_d3qn, per_d3qn_tuned"
+            "fsat: no such file or shipped name; help: did you mean `fast`? (shipped: fast, dqn, per_d3qn, per_d3qn_tuned)"
         );
     }
 }

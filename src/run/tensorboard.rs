@@ -1,29 +1,29 @@
-//! TensorBoard's event files, scalars only.
+//! TensorBoard event files, scalars only.
 //!
-//! In: named numbers of a run, each with its step. Out: a file `events.out.tfevents.*` in the run folder, which
-//! TensorBoard (or any reader of its logs) shows as curves while the run still goes on.
+//! In: a run's scalars, each with a tag and a step. Out: a file `events.out.tfevents.*` in the run folder. TensorBoard
+//! plots it while the run is in progress.
 //!
-//! The format is two thin layers. An *event* is a protobuf message of four fields; a *record* frames it with its
-//! length and two masked CRC-32C sums. Both are written by hand here: the crates that do it bring a protobuf
-//! runtime and an image codec for the kinds of event that are not used, and are no longer looked after.
+//! The format has two thin layers. An *event* is a protobuf message with four fields; a *record* frames it with its length
+//! and two masked CRC-32C checksums. Both are written by hand: the crates for it are unmaintained, and depend on a
+//! protobuf runtime and an image codec that scalars don't need.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// Appends scalars to one event file. What was written is on disk after [`flush`](Self::flush), or on drop.
+/// A writer of scalars to one event file. Buffered data reaches the file on [`flush`](Self::flush) or on drop.
 #[derive(Debug)]
 pub struct EventWriter {
     file: BufWriter<File>,
 }
 
 impl EventWriter {
-    /// Starts a new file `events.out.tfevents.<unix seconds>.wayfield<name_suffix>` in the existing folder `dir`.
-    /// A file that is there already is left alone: the new one is given a number at its end.
+    /// Creates `events.out.tfevents.<unix seconds>.wayfield<name_suffix>` in the existing folder `dir`. If that file exists,
+    /// a number is appended to the name.
     ///
     /// # Errors
-    /// When the file cannot be made or written; the message names it.
+    /// The file cannot be created or written. The message names it.
     pub fn create(dir: &Path, name_suffix: &str) -> io::Result<Self> {
         let name = format!("events.out.tfevents.{}.wayfield{name_suffix}", since_1970().as_secs());
         let mut path = dir.join(&name);
@@ -47,11 +47,11 @@ impl EventWriter {
         Ok(writer)
     }
 
-    /// Writes that `tag` (slashes group: `loss/mean`) was `value` at `step` (at most 2^63 - 1). A value that is
-    /// not finite is written as it is; TensorBoard marks it in the curve.
+    /// Writes the scalar `tag` (slashes make groups: `loss/mean`) with `value` at `step` (at most 2^63 - 1). Non-finite
+    /// values are written too; TensorBoard marks them in the curve.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// The file cannot be written.
     pub fn scalar(&mut self, tag: &str, step: u64, value: f32) -> io::Result<()> {
         let mut point = Message::default();
         point.bytes(VALUE_TAG, tag.as_bytes());
@@ -64,10 +64,10 @@ impl EventWriter {
         self.record(&event.0)
     }
 
-    /// Hands all that was written to the operating system, where TensorBoard sees it.
+    /// Writes all buffered data to the file, where TensorBoard sees it.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// The file cannot be written.
     pub fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
     }
@@ -81,7 +81,7 @@ impl EventWriter {
     }
 }
 
-// Field numbers of `Event`, `Summary` and `Summary.Value` in TensorFlow's event.proto and summary.proto.
+// Field numbers in `Event`, `Summary` and `Summary.Value` in TensorFlow's event.proto and summary.proto.
 const WALL_TIME: u64 = 1;
 const STEP: u64 = 2;
 const FILE_VERSION: u64 = 3;
@@ -95,7 +95,7 @@ const VALUE_SIMPLE: u64 = 2;
 struct Message(Vec<u8>);
 
 impl Message {
-    /// An `Event` of this moment.
+    /// An `Event` with the current time.
     fn event() -> Self {
         let mut event = Self::default();
         event.raw_varint(WALL_TIME << 3 | 1);
@@ -119,7 +119,7 @@ impl Message {
         self.0.extend(value.to_le_bytes());
     }
 
-    /// Seven bits a byte, the lowest first; the high bit says that more follow.
+    /// Seven bits per byte, lowest first; the high bit is set on all bytes but the last.
     fn raw_varint(&mut self, mut value: u64) {
         while value >= 0x80 {
             self.0.push(value as u8 | 0x80);
@@ -129,7 +129,7 @@ impl Message {
     }
 }
 
-/// CRC-32C, turned and shifted so that the sum of a text that holds sums of its own stays telling.
+/// Masked CRC-32C, as in TensorFlow's record format. The mask keeps the checksum of data that contains checksums useful.
 fn masked_crc(data: &[u8]) -> u32 {
     crc32c::crc32c(data).rotate_right(15).wrapping_add(0xA282_EAD8)
 }
@@ -149,7 +149,7 @@ mod tests {
         })
     }
 
-    /// Takes the first `n` bytes off `data`.
+    /// Removes the first `n` bytes of `data` and returns them.
     fn take<'a>(data: &mut &'a [u8], n: usize) -> &'a [u8] {
         let (head, tail) = data.split_at(n);
         *data = tail;
@@ -168,7 +168,7 @@ mod tests {
         value
     }
 
-    /// The fields of a message: number, and content as bytes (varints as 8).
+    /// The fields of a message: number, and content as bytes (a varint as 8 bytes).
     fn fields(mut data: &[u8]) -> Vec<(u64, Vec<u8>)> {
         let mut found = Vec::new();
         while !data.is_empty() {
@@ -188,7 +188,7 @@ mod tests {
         found
     }
 
-    /// The records of a file, both sums of each checked.
+    /// The records of a file, with both checksums verified.
     fn records(mut data: &[u8]) -> Vec<Vec<u8>> {
         let unmasked = |bytes: &[u8]| {
             let masked = u32::from_le_bytes(bytes.try_into().expect("4 bytes"));
@@ -197,23 +197,23 @@ mod tests {
         let mut found = Vec::new();
         while !data.is_empty() {
             let length = take(&mut data, 8);
-            assert_eq!(unmasked(take(&mut data, 4)), slow_crc(length), "the length's sum");
+            assert_eq!(unmasked(take(&mut data, 4)), slow_crc(length), "checksum of the length");
             let content = take(&mut data, u64::from_le_bytes(length.try_into().expect("8 bytes")) as usize);
-            assert_eq!(unmasked(take(&mut data, 4)), slow_crc(content), "the content's sum");
+            assert_eq!(unmasked(take(&mut data, 4)), slow_crc(content), "checksum of the content");
             found.push(content.to_vec());
         }
         found
     }
 
     #[test]
-    fn the_mask_is_the_formats_own() {
-        assert_eq!(slow_crc(b"123456789"), 0xE306_9283, "the check value every CRC catalogue gives");
-        // 0xE3069283 turned right by 15 bits is 0x2507C60D; plus 0xA282EAD8 it is 0xC78AB0E5.
+    fn the_checksum_mask_is_the_one_of_the_format() {
+        assert_eq!(slow_crc(b"123456789"), 0xE306_9283, "the check value in CRC catalogues");
+        // 0xE3069283 rotated right by 15 bits is 0x2507C60D; plus 0xA282EAD8 that is 0xC78AB0E5.
         assert_eq!(masked_crc(b"123456789"), 0xC78A_B0E5);
     }
 
     #[test]
-    fn what_is_written_can_be_read() {
+    fn written_scalars_can_be_read_back() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let mut writer = EventWriter::create(dir.path(), ".test").expect("a new file");
         let points = [("episode/return", 0, -1.5_f32), ("loss", 300, 0.25), ("loss", 1 << 40, f32::MAX)];
@@ -228,7 +228,11 @@ mod tests {
         assert!(name.starts_with("events.out.tfevents.") && name.ends_with(".wayfield.test"), "{name}");
         let records = records(&std::fs::read(entry.path()).expect("the file"));
         assert_eq!(records.len(), 1 + points.len());
-        assert_eq!(fields(&records[0])[1], (3, b"brain.Event:2".to_vec()), "the first event is the version");
+        assert_eq!(
+            fields(&records[0])[1],
+            (3, b"brain.Event:2".to_vec()),
+            "the first event holds the version"
+        );
         for (record, (tag, step, value)) in records[1..].iter().zip(points) {
             let event = fields(record);
             assert_eq!(event.iter().map(|f| f.0).collect::<Vec<_>>(), [1, 2, 5]);
@@ -243,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_writer_overwrites_nothing() {
+    fn a_second_writer_creates_a_new_file() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         for _ in 0..3 {
             EventWriter::create(dir.path(), "").expect("a new file");
@@ -252,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_folder_is_named() {
+    fn the_error_for_a_missing_folder_names_it() {
         let error = EventWriter::create(Path::new("/no/such/folder"), "").expect_err("there is no folder");
         assert!(error.to_string().contains("/no/such/folder"), "{error}");
     }

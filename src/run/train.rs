@@ -1,7 +1,7 @@
 //! The training loop: step, record, evaluate, keep the best, stop.
 //!
-//! In: what to run ([`Job`]) and a flag that asks to stop. Out: a run's folder, and its [`Summary`]. Wall time decides
-//! when a checkpoint is written and what the progress bar says, never what is learnt.
+//! In: a [`Job`] and a stop flag. Out: a run folder and its [`Summary`]. Wall time decides when a checkpoint is written and
+//! what the progress bar shows, never what is learned.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,37 +25,38 @@ use crate::learning::Learner;
 use crate::policy::Policy;
 use crate::simulation::{Extensions, Simulation};
 
-/// A checkpoint is written this often, beside those at the start and the end, unless another interval is asked for.
+/// The default interval between checkpoints. Two more are written at the start and the end.
 pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
-/// What to run.
+/// A new run, or one to resume.
 pub enum Job {
     /// A new run.
     New {
-        /// All that was resolved.
+        /// The run's configuration.
         config: Box<RunConfig>,
         /// The policy to start from, if any.
         policy: Option<Policy>,
-        /// The folder, if not the default one.
+        /// The run folder; `None` for the default one.
         out: Option<PathBuf>,
     },
-    /// An old run goes on.
+    /// An existing run, resumed.
     Resume {
-        /// Its folder.
+        /// The run folder.
         folder: PathBuf,
-        /// Its budget from now on, counted from the run's very start, if another than before.
+        /// A new budget, counted from the start of the run; `None` to keep the old one.
         budget: Option<Budget>,
         /// The plugins that it was started with.
         extensions: Extensions,
     },
 }
 
-/// Runs `job` until its budget is used up or `stop` is set, whichever comes first; `began` is when the process did. A
-/// checkpoint is written `every` so often, at the start and at the end. How it is getting on is shown on stderr, or told
-/// to `listener` instead.
+/// Runs `job` until its budget is used up or `stop` is set. Returns the run folder and the summary.
+///
+/// Checkpoints are written at the start, at the end and at the interval `every`. Wall time is counted from `began`, the
+/// start of the process. Progress is shown on stderr, or passed to `listener` if there is one.
 ///
 /// # Errors
-/// Files that cannot be used or written; learning that diverged. Checkpoints written before are kept.
+/// A file cannot be used or written, or learning diverged. Earlier checkpoints are kept.
 pub fn train(
     job: Job,
     every: Duration,
@@ -64,21 +65,21 @@ pub fn train(
     listener: Option<ProgressListener>,
 ) -> Result<(PathBuf, Summary), RunError> {
     let mut run = match job {
-        Job::New { config, policy, out } => Run::begin(*config, policy, out, began, listener)?,
+        Job::New { config, policy, out } => Run::start(*config, policy, out, began, listener)?,
         Job::Resume { folder, budget, extensions } => {
             Run::resume(&folder, budget, &extensions, began, listener)?
         }
     };
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.config.description()));
     let result = run.steps(every, stop);
-    // Whatever ended it: what is under way is waited for, and rows that were written stay written.
-    let examined = run.await_evaluations();
+    // Even after an error: wait for pending evaluations, and keep the rows that were written.
+    let evaluated = run.await_evaluations();
     let flushed = run.metrics_writer.flush();
     result.map_err(|error| {
         let kept = run.folder.path().join("checkpoint");
-        RunError::Failed(format!("{error} (the last checkpoint is kept in {})", kept.display()))
+        RunError::Failed(format!("{error} (the last checkpoint is in {})", kept.display()))
     })?;
-    examined?;
+    evaluated?;
     flushed?;
     let summary = run.end()?;
     Ok((run.folder.path().to_path_buf(), summary))
@@ -99,20 +100,20 @@ struct Run {
 }
 
 impl Run {
-    fn begin(
+    fn start(
         config: RunConfig,
         policy: Option<Policy>,
         out: Option<PathBuf>,
         began: Instant,
         listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
-        // (Before the folder is made: what cannot be begun leaves none.)
+        // Before the folder is created: invalid input must not leave an empty folder.
         let learner = create_learner(&config, policy.as_ref())?;
         let folder = RunFolder::create(out, &config)?;
-        Self::from_nothing(config, policy, folder, learner, began, listener)
+        Self::from_scratch(config, policy, folder, learner, began, listener)
     }
 
-    fn from_nothing(
+    fn from_scratch(
         config: RunConfig,
         policy: Option<Policy>,
         folder: RunFolder,
@@ -144,7 +145,7 @@ impl Run {
         let folder = folder.locked()?;
         let mut config = same_extensions(config, extensions, path)?;
         if !checkpoint::exists(path) && !has_rows(path) {
-            // It was killed before its first checkpoint, and so before its first step.
+            // The run was killed before its first checkpoint, and so before its first step.
             config.preset.budget = budget.unwrap_or(config.preset.budget);
             let policy = config
                 .transfer
@@ -153,7 +154,7 @@ impl Run {
                 .transpose()?;
             let learner = create_learner(&config, policy.as_ref())?;
             folder.write_config(&config)?;
-            return Self::from_nothing(config, policy, folder, learner, began, listener);
+            return Self::from_scratch(config, policy, folder, learner, began, listener);
         }
         let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
         let budget = budget.unwrap_or(config.preset.budget);
@@ -165,8 +166,8 @@ impl Run {
             return Err(RunError::invalid_input(
                 path,
                 format!(
-                    "this run has had {done} already: to go on, give --episodes or --steps more than that \
-                     (they count from the run's start)"
+                    "this run already has {done}; help: give --episodes or --steps a larger number (counted from the \
+                     start of the run)"
                 ),
             ));
         }
@@ -179,7 +180,7 @@ impl Run {
         let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
         for (_, error) in skipped {
             run.progress
-                .warn(&format!("{error}; going on from the checkpoint before it, {env_steps} env steps"));
+                .warn(&format!("{error}; resuming from the previous checkpoint at {env_steps} env steps"));
         }
         checkpoint::restore(run.simulation.world_mut(), &run.trainer_state);
         if let Some(best) = &run.trainer_state.best {
@@ -231,7 +232,7 @@ impl Run {
         &self.simulation.world().resource::<ActiveLearner>().0
     }
 
-    /// The present policy, with its card.
+    /// The current policy, with its card.
     fn policy(&self) -> Policy {
         metrics::policy(&self.config, self.simulation.world())
     }
@@ -240,7 +241,7 @@ impl Run {
         self.earlier_s + self.began.elapsed().as_secs_f64()
     }
 
-    /// Control steps, until the budget is used up or somebody asks to stop.
+    /// Takes control steps until the budget is used up or `stop` is set.
     fn steps(&mut self, every: Duration, stop: &AtomicBool) -> Result<(), RunError> {
         while remaining(self.config.preset.budget, self.learner()) > 0 && !stop.load(Ordering::Relaxed) {
             let episodes_before = self.learner().episodes();
@@ -249,13 +250,13 @@ impl Run {
                 self.progress.warn(&format!("{}: {warning}", self.folder.path().display()));
             }
             self.record_episodes()?;
-            self.keep_policy(episodes_before)?;
+            self.save_policy(episodes_before)?;
             if self.learner().env_steps() >= self.trainer_state.next_evaluation {
                 self.trainer_state.next_evaluation += self.config.preset.evaluation.every_env_steps;
                 self.submit()?;
             }
             while let Some(eval_result) = self.evaluator.poll(false)? {
-                self.examined(eval_result)?;
+                self.record_evaluation(eval_result)?;
             }
             if self.saved.elapsed() >= every {
                 self.save()?;
@@ -279,7 +280,7 @@ impl Run {
         });
     }
 
-    /// A row for every episode that the last step ended.
+    /// Writes a row for every episode that ended in the last step.
     fn record_episodes(&mut self) -> Result<(), RunError> {
         let wall_s = self.wall_s();
         for row in metrics::take_episode_rows(self.simulation.world_mut(), &mut self.trainer_state, wall_s) {
@@ -288,19 +289,18 @@ impl Run {
         Ok(())
     }
 
-    /// Keeps the policy as it stands, if the last step has brought the run to a number of episodes for which
-    /// `config.ron` asks for it.
-    fn keep_policy(&self, episodes_before: u64) -> Result<(), RunError> {
+    /// Saves the current policy if the number of episodes has reached one in `save_policy_after_episodes`.
+    fn save_policy(&self, episodes_before: u64) -> Result<(), RunError> {
         let episodes = self.learner().episodes();
-        let asked = &self.config.save_policy_after_episodes;
-        for after in asked.iter().filter(|after| (episodes_before + 1..=episodes).contains(after)) {
+        let save_after = &self.config.save_policy_after_episodes;
+        for after in save_after.iter().filter(|after| (episodes_before + 1..=episodes).contains(after)) {
             let policy = self.policy();
             self.write_policy(&RunFolder::policy_after_file(*after), &metrics::policy_bytes(&policy)?)?;
         }
         Ok(())
     }
 
-    /// Hands the present policy to the examiner, once he is done with those before.
+    /// Submits the current policy for evaluation, after waiting for the previous evaluation.
     fn submit(&mut self) -> Result<(), RunError> {
         self.await_evaluations()?;
         let candidate = metrics::candidate(&self.config, self.simulation.world());
@@ -310,24 +310,24 @@ impl Run {
 
     fn await_evaluations(&mut self) -> Result<(), RunError> {
         while let Some(eval_result) = self.evaluator.poll(true)? {
-            self.examined(eval_result)?;
+            self.record_evaluation(eval_result)?;
         }
         Ok(())
     }
 
-    /// Writes an examination down, and keeps the policy if it is the best.
-    fn examined(&mut self, eval_result: EvalResult) -> Result<(), RunError> {
+    /// Writes the row of an evaluation, and saves the policy if it is the best.
+    fn record_evaluation(&mut self, eval_result: EvalResult) -> Result<(), RunError> {
         let wall_s = self.earlier_s + eval_result.done.duration_since(self.began).as_secs_f64();
-        let noted = metrics::record_evaluation(&self.config, &mut self.trainer_state, eval_result, wall_s)?;
-        self.metrics_writer.evaluation(&noted.row)?;
-        for rate in noted.first {
+        let metrics = metrics::record_evaluation(&self.config, &mut self.trainer_state, eval_result, wall_s)?;
+        self.metrics_writer.evaluation(&metrics.row)?;
+        for rate in metrics.first {
             self.progress.line(&format!(
                 "{:.0} % reached after {} env steps, {wall_s:.1} s",
                 100.0 * rate,
-                noted.row.env_steps
+                metrics.row.env_steps
             ));
         }
-        if let Some(best) = self.trainer_state.best.as_ref().filter(|_| noted.is_best) {
+        if let Some(best) = self.trainer_state.best.as_ref().filter(|_| metrics.is_best) {
             self.write_policy("policy.safetensors", &best.bytes)?;
         }
         Ok(())
@@ -337,7 +337,7 @@ impl Run {
         self.folder.write(name, |file| std::io::Write::write_all(file, bytes))
     }
 
-    /// A checkpoint of this moment.
+    /// Writes a checkpoint.
     fn save(&mut self) -> Result<(), RunError> {
         self.await_evaluations()?;
         (self.trainer_state.episodes_bytes, self.trainer_state.evaluations_bytes) =
@@ -348,10 +348,10 @@ impl Run {
         Ok(())
     }
 
-    /// The last checkpoint, the last evaluation, the last policy, the picture and the summary.
+    /// Writes the last checkpoint, evaluation and policy, the learning curves and the summary.
     ///
-    /// The last evaluation comes after the checkpoint: had the run gone on, it would not have taken place, and a
-    /// resumed run must end like one that never stopped.
+    /// The last evaluation comes after the checkpoint, because a longer run would not have made it here: a resumed run must
+    /// end exactly like one that was never stopped.
     fn end(&mut self) -> Result<Summary, RunError> {
         self.save()?;
         let finished = remaining(self.config.preset.budget, self.learner()) == 0;
@@ -383,15 +383,15 @@ impl Run {
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
         self.metrics_writer.draw(&self.config.description())?;
-        // Last: where there is a summary, everything is there.
+        // The summary comes last: if it exists, the run folder is complete.
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
-        let how = if finished { "done" } else { "stopped; go on with --resume" };
+        let how = if finished { "done" } else { "stopped (continue with --resume)" };
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
         Ok(summary)
     }
 }
 
-/// Whether the run in `folder` has any episode on record.
+/// Whether `episodes.csv` in `folder` has a row.
 fn has_rows(folder: &Path) -> bool {
     let header = || header::<EpisodeRow>().map_or(0, |line| line.len() as u64);
     std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header())
@@ -410,7 +410,7 @@ fn same_extensions(config: RunConfig, extensions: &Extensions, path: &Path) -> R
     ))
 }
 
-/// What is left of a budget.
+/// The rest of a budget, in its unit.
 fn remaining(budget: Budget, learner: &Learner) -> u64 {
     match budget {
         Budget::Episodes(n) => n.saturating_sub(learner.episodes()),

@@ -1,7 +1,6 @@
-//! The start of a training: its learner, new or from a policy's weights, and its simulation.
+//! The start of a training run: its learner (with random weights or a policy's) and its simulation.
 //!
-//! In: a run's configuration, and the policy to start from, if any. Out: the learner, the simulation; or an error that
-//! says what does not fit.
+//! In: a run's configuration, and the policy to start from, if any. Out: the learner and the simulation.
 
 use std::sync::Arc;
 
@@ -20,7 +19,7 @@ use crate::sim::spawn_arenas;
 use crate::simulation::{Extensions, Simulation, SimulationBuilder};
 use crate::task::{EpisodeEnded, EpisodeSetup, ObservationLayout, TaskFault, TaskMode};
 
-/// A simulation in which `learner` trains as `preset` says, in its arenas of `scenario`.
+/// A simulation in which `learner` trains with `preset` in parallel arenas of `scenario`.
 #[must_use]
 pub fn training(
     scenario: &Arc<Scenario>,
@@ -34,7 +33,7 @@ pub fn training(
     simulation
 }
 
-/// Starts a training in `world`, in place of whatever went on there.
+/// Starts a training run in `world`, replacing the current one if there is one.
 pub fn start_training(
     world: &mut World,
     scenario: &Arc<Scenario>,
@@ -57,10 +56,10 @@ pub fn start_training(
     spawn_arenas(world, scenario, preset.arenas, seed);
 }
 
-/// A learner as `config` asks for, starting from `policy` if there is one.
+/// The learner of `config`, with the weights of `policy` if there is one.
 ///
 /// # Errors
-/// The configuration or the policy does not fit.
+/// The configuration needs too much memory, or the policy does not fit it.
 pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Learner, RunError> {
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
     let actions = config.scenario.robot.motions.len();
@@ -72,7 +71,7 @@ pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Lea
         .map_err(|error| RunError::InvalidInput(format!("{}: {error}", config.preset_from)))?;
     if let (Some(policy), Some(transfer)) = (policy, &config.transfer) {
         evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())?;
-        same_encoding(policy, preset.observation)
+        check_encoding(policy, preset.observation)
             .map_err(|error| RunError::InvalidInput(format!("{}: {error}", transfer.policy)))?;
         learner
             .load_weights(policy, transfer.epsilon)
@@ -81,16 +80,15 @@ pub fn create_learner(config: &RunConfig, policy: Option<&Policy>) -> Result<Lea
     Ok(learner)
 }
 
-/// Whether `policy` was trained to see what a preset with `observation` will show it.
-fn same_encoding(policy: &Policy, observation: Encoding) -> Result<(), RunError> {
-    let own = policy_card::encoding(policy)?;
-    if own == observation {
+/// Checks that `policy` was trained with the preset's encoding of observations.
+fn check_encoding(policy: &Policy, preset: Encoding) -> Result<(), RunError> {
+    let encoding = policy_card::encoding(policy)?;
+    if encoding == preset {
         return Ok(());
     }
     Err(RunError::InvalidInput(format!(
-        "the policy was trained with {} observations, but the preset's are {}: start from it with a preset that says \
-         `observation: {own:?}`",
-        policy_card::encoding_name(own),
-        policy_card::encoding_name(observation)
+        "the policy was trained with {} observations, but the preset's are {}; help: use a preset with `observation: {encoding:?}`",
+        policy_card::encoding_name(encoding),
+        policy_card::encoding_name(preset)
     )))
 }

@@ -1,7 +1,7 @@
-//! What a step was worth, and whether it ended something.
+//! The outcome of a control step: reward, termination and truncation.
 //!
-//! In: poses, scans and goals after the step. Out: one [`StepOutcome`] per arena; what is due before the next step
-//! (in [`Episode`]); and an [`EpisodeEnded`] message for every episode that is over.
+//! In: poses, scans and goals after the step. Out: one [`StepOutcome`] per arena, the pending reset in its [`Episode`],
+//! and an [`EpisodeEnded`] message for every episode that has ended.
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -10,20 +10,20 @@ use super::{
     Arena, CurrentScenario, Episode, Goal, PendingReset, Pose, RewardConfig, RewardTerms, Scan, TaskMode,
 };
 
-/// What came of one step of one arena.
+/// The outcome of one step in one arena.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepOutcome {
     /// The reward, term by term.
     pub reward: RewardTerms,
     /// The sum of the plugins' reward terms ([`ExtraRewards`](super::ExtraRewards)).
     pub extra_reward: f32,
-    /// The goal was reached (d_g < l_a) and nothing was hit.
+    /// Whether the goal was reached (d_g < l_a) without a collision.
     pub reached: bool,
-    /// The robot hit something: d_o < l_c, or its body touches another.
+    /// Whether the robot collided: d_o < l_c, or its body touches another.
     pub collided: bool,
-    /// The episode has lasted as long as it may.
+    /// Whether the episode has reached its time limit.
     pub timed_out: bool,
-    /// The arena was parked: nothing happened, nothing is to be remembered.
+    /// Whether the arena is inactive: nothing happened, and nothing is stored.
     pub inactive: bool,
 }
 
@@ -35,20 +35,20 @@ impl StepOutcome {
         if self.extra_reward == 0.0 { paper } else { paper + self.extra_reward }
     }
 
-    /// The return ends with this step: nothing is bootstrapped from what follows. True for a collision, and for a
-    /// reached goal, whose successor state belongs to another goal.
+    /// Whether the return ends with this step, so that nothing is bootstrapped from the next state. True for a collision,
+    /// and for a reached goal, since the next state belongs to another goal.
     #[must_use]
     pub fn terminated(&self) -> bool {
         self.collided || self.reached
     }
 
-    /// The time limit cut the return short: the value of the last observation stands for the rest.
+    /// Whether the time limit cut the return short. The rest is bootstrapped from the last observation.
     #[must_use]
     pub fn truncated(&self) -> bool {
         self.timed_out && !self.terminated()
     }
 
-    /// Why the episode ends with this step, if it does.
+    /// How the episode ends with this step, if it does.
     #[must_use]
     pub fn episode_end(&self, mode: TaskMode) -> Option<EpisodeEnd> {
         if self.collided {
@@ -67,31 +67,31 @@ impl StepOutcome {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct StepOutcomes(pub Vec<StepOutcome>);
 
-/// Why an episode ended.
+/// How an episode ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EpisodeEnd {
-    /// The goal was reached (only where that ends an episode).
+    /// The robot reached its goal (not in [`TaskMode::Continuing`]).
     Reached,
-    /// The robot hit an obstacle or the enclosure.
+    /// The robot collided with an obstacle, a wall or the enclosure.
     Collided,
-    /// The time limit.
+    /// The time limit was reached.
     TimedOut,
 }
 
-/// An episode is over.
+/// The message that an episode has ended.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub struct EpisodeEnded {
-    /// In which arena.
+    /// The arena.
     pub arena: usize,
     /// How it ended.
     pub end: EpisodeEnd,
-    /// Its length in control steps.
+    /// The episode's length in control steps.
     pub steps: u32,
-    /// Targets reached in it.
+    /// The number of goals reached.
     pub goals: u32,
-    /// The undiscounted sum of its rewards, term by term.
+    /// The undiscounted sum of the rewards, term by term.
     pub rewards: RewardTerms,
-    /// The same of the plugins' terms, in the order of [`ExtraRewards::names`](super::ExtraRewards::names).
+    /// The undiscounted sums of the plugins' terms, in the order of [`ExtraRewards::names`](super::ExtraRewards::names).
     pub extra_rewards: Vec<f32>,
 }
 
@@ -103,7 +103,7 @@ impl EpisodeEnded {
     }
 }
 
-/// `Reward`: reward, collision, goal, time limit.
+/// `Reward`: computes reward, collision, goal and time limit.
 pub(super) fn compute_outcomes(
     scenario: Res<CurrentScenario>,
     reward: Res<RewardConfig>,
@@ -136,7 +136,7 @@ pub(super) fn compute_outcomes(
     }
 }
 
-/// `Reset`: publishes the episodes that are over and marks what each arena is owed.
+/// `Reset`: publishes ended episodes and sets the pending resets.
 pub(super) fn close_episodes(
     mode: Res<TaskMode>,
     outcomes: Res<StepOutcomes>,
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reached_target_ends_the_return_but_not_the_episode() {
+    fn a_reached_goal_ends_the_return_but_not_the_episode() {
         let outcome = StepOutcome { reached: true, ..StepOutcome::default() };
         assert!(outcome.terminated() && !outcome.truncated());
         assert_eq!(outcome.episode_end(TaskMode::Continuing), None);
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_target_reached_in_the_last_allowed_step_ends_the_episode_too() {
+    fn a_goal_reached_in_the_last_allowed_step_ends_the_episode_too() {
         let outcome = StepOutcome { reached: true, timed_out: true, ..StepOutcome::default() };
         assert!(outcome.terminated() && !outcome.truncated());
         assert_eq!(outcome.episode_end(TaskMode::Continuing), Some(EpisodeEnd::TimedOut));

@@ -1,7 +1,7 @@
-//! Where episodes start and goals lie.
+//! New episodes: their layouts, starts and goals.
 //!
-//! In: what each arena is owed ([`PendingReset`]), its own stream `places`, and the scenario's rules. Out: a new
-//! [`Pose`] at rest, a new [`Goal`], and an [`Episode`] at zero. Bodies, scans and observations follow in [`Reset`].
+//! In: each arena's [`PendingReset`], its stream `places`, and the scenario's placement rules. Out: a new [`Pose`] at
+//! rest, a new [`Goal`], and an empty [`Episode`]. Bodies, scans and observations follow in the schedule [`Reset`].
 
 use bevy::prelude::*;
 
@@ -13,28 +13,28 @@ use crate::control_step::Reset;
 use crate::random;
 use crate::scenario::{NoFreeSpace, Scenario, draw_goal, draw_start_and_goal};
 
-/// By which rule starts and goals are chosen.
+/// The source of starts and goals.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EpisodeSetup {
-    /// At random, by the scenario's rules.
+    /// Random draws by the scenario's placement rules.
     #[default]
     Random,
     /// The scenario's benchmark route: always the same start, heading and goal.
     BenchmarkRoute,
 }
 
-/// `Reset`: begins what is due, if anything is.
+/// `Reset`: runs the schedule [`Reset`] if an arena has a pending reset.
 pub(super) fn run_reset(world: &mut World, arenas: &mut QueryState<&Episode>) {
     if arenas.iter(world).any(|episode| episode.pending_reset != PendingReset::None) {
         world.run_schedule(Reset);
     }
 }
 
-/// So many layouts are tried for one that leaves room for a start and a goal.
+/// The most layouts that are tried to find one with free space for a start and a goal.
 const MAX_LAYOUT_ATTEMPTS: u32 = 50;
 
-/// What is read and written of an arena where something begins.
-type Begins = (
+/// The components of an arena that a reset reads and writes.
+type ResetData = (
     &'static Arena,
     &'static Clock,
     &'static mut ArenaLayout,
@@ -45,17 +45,17 @@ type Begins = (
     &'static mut Streams,
 );
 
-/// What is drawn for an arena: a start where the robot does not stay where it is, and a goal.
+/// The draw for an arena: a start, unless the robot stays where it is, and a goal.
 type StartAndGoalDraw = (Option<Pose>, Goal);
 
-/// `Draw`: a new goal, and for a new episode a new layout where there are generators and a new start, at rest.
+/// `Draw`: a new goal; for a new episode also a new start, and a new layout if the scenario has generators.
 pub(super) fn draw(
     scenario: Res<CurrentScenario>,
-    places: Res<EpisodeSetup>,
+    setup: Res<EpisodeSetup>,
     mut fault: ResMut<TaskFault>,
-    mut arenas: Query<Begins>,
+    mut arenas: Query<ResetData>,
 ) {
-    for (arena, clock, mut room, mut pose, mut twist, mut goal, mut episode, mut streams) in &mut arenas {
+    for (arena, clock, mut layout, mut pose, mut twist, mut goal, mut episode, mut streams) in &mut arenas {
         if matches!(episode.pending_reset, PendingReset::None | PendingReset::Refresh) {
             continue;
         }
@@ -64,18 +64,18 @@ pub(super) fn draw(
         }
         let stays = (episode.pending_reset == PendingReset::Goal).then_some(*pose);
         let generates = episode.pending_reset.begins_episode() && !scenario.0.generators.is_empty();
-        // A layout may leave no room: then it is another.
-        let mut tries = if generates { MAX_LAYOUT_ATTEMPTS } else { 1 };
+        // A layout without free space is replaced by another.
+        let mut attempts = if generates { MAX_LAYOUT_ATTEMPTS } else { 1 };
         let drawn = loop {
             if generates {
-                *room = ArenaLayout::new(&scenario.0, random::random_u64(&mut streams.places));
+                *layout = ArenaLayout::new(&scenario.0, random::random_u64(&mut streams.places));
             }
-            let drawn = match *places {
-                EpisodeSetup::BenchmarkRoute => Ok(course(&room.scenario)),
-                EpisodeSetup::Random => draw_for(&room.scenario, clock.0, stays, &mut streams),
+            let drawn = match *setup {
+                EpisodeSetup::BenchmarkRoute => Ok(benchmark_route(&layout.scenario)),
+                EpisodeSetup::Random => draw_for(&layout.scenario, clock.0, stays, &mut streams),
             };
-            tries -= 1;
-            if drawn.is_ok() || tries == 0 {
+            attempts -= 1;
+            if drawn.is_ok() || attempts == 0 {
                 break drawn;
             }
         };
@@ -97,14 +97,14 @@ pub(super) fn draw(
     }
 }
 
-/// The benchmark route.
-fn course(scenario: &Scenario) -> StartAndGoalDraw {
-    let course = &scenario.benchmark_route;
-    let start = Pose { x_m: course.start_m.x, y_m: course.start_m.y, heading_rad: course.heading_rad };
-    (Some(start), Goal { x_m: course.goal_m.x, y_m: course.goal_m.y })
+/// The start and goal of the benchmark route.
+fn benchmark_route(scenario: &Scenario) -> StartAndGoalDraw {
+    let route = &scenario.benchmark_route;
+    let start = Pose { x_m: route.start_m.x, y_m: route.start_m.y, heading_rad: route.heading_rad };
+    (Some(start), Goal { x_m: route.goal_m.x, y_m: route.goal_m.y })
 }
 
-/// A goal for a robot that `stays` where it is; if there is none far enough, or it doesn't stay, a start, too.
+/// A goal for a robot that `stays` at a pose. If no goal is far enough, or the robot does not stay, also a start.
 fn draw_for(
     scenario: &Scenario,
     step: u64,
@@ -112,15 +112,15 @@ fn draw_for(
     streams: &mut Streams,
 ) -> Result<StartAndGoalDraw, NoFreeSpace> {
     let stream = &mut streams.places;
-    let for_it = stays.map(|pose| draw_goal(scenario, step, vec2(pose.x_m, pose.y_m), stream));
-    if let Some(Ok(Vec2 { x: x_m, y: y_m })) = for_it {
+    let goal = stays.map(|pose| draw_goal(scenario, step, vec2(pose.x_m, pose.y_m), stream));
+    if let Some(Ok(Vec2 { x: x_m, y: y_m })) = goal {
         return Ok((None, Goal { x_m, y_m }));
     }
     let ((x_m, y_m, heading_rad), goal) = draw_start_and_goal(scenario, step, stream)?;
     Ok((Some(Pose { x_m, y_m, heading_rad }), Goal { x_m: goal.x, y_m: goal.y }))
 }
 
-/// `Observe`, last: nothing is owed any more.
+/// `Observe`, last: clears the pending resets.
 pub(super) fn clear_pending_resets(mut arenas: Query<&mut Episode>) {
     for mut episode in &mut arenas {
         episode.pending_reset = PendingReset::None;

@@ -1,23 +1,24 @@
-//! The hand on the world: what is held stays where it is held, and says in which arena.
+//! Dragging objects in an arena: which commands are sent, and for which arena.
 
 use bevy::math;
 use egui::{Event, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use wayfield::app::commands::{Command, MoveRequest};
+use wayfield::app::commands::Command;
+use wayfield::app::moves::{Movable, MoveRequest};
 
 use super::{Window, release_event, sent_commands, settle, window};
 use crate::screen_fixture::ScreenFixture;
 
-/// Where a point of the followed arena is on the screen.
-fn screen_pos(window: &Window, math::Vec2 { x: x_m, y: y_m }: math::Vec2) -> Pos2 {
+/// The screen position of a point in the followed arena.
+fn screen_pos(window: &Window, (x_m, y_m): math::Vec2) -> Pos2 {
     let followed = format!("Arena {}", window.state().view_state.followed + 1);
     let view = window.get_by_label(&followed).rect().expand2(vec2(4.0, 0.0));
-    // The enclosure is 4 m by 4 m; around it is room for the legend.
+    // The enclosure is 4 m by 4 m, with a margin for the legend.
     let scale = ((view.width() - 36.0) / 4.0).min((view.height() - 68.0) / 4.0);
     view.center() + vec2(x_m, -y_m) * scale
 }
 
-/// Takes hold of what is at `at_m` and drags it a little; gives what was ordered, and what is while the pointer rests.
+/// Drags the object at `at_m` a little; returns the commands sent while the pointer moves and while it rests.
 fn drag(window: &mut Window, at_m: math::Vec2) -> (Vec<Command>, Vec<Command>) {
     let at = screen_pos(window, at_m);
     window.hover_at(at);
@@ -39,51 +40,51 @@ fn drag(window: &mut Window, at_m: math::Vec2) -> (Vec<Command>, Vec<Command>) {
     window.event(release_event(to));
     settle(window);
     window.state_mut().commands.clear();
-    assert_eq!(sent_commands(window), [], "let go");
+    assert_eq!(sent_commands(window), [], "nothing is sent after the release");
     (moved, rested)
 }
 
 fn robot(window: &Window) -> math::Vec2 {
     let arena = &window.state().scene.arenas[window.state().view_state.followed];
-    math::vec2(arena.pose.x_m, arena.pose.y_m)
+    (arena.pose.x_m, arena.pose.y_m)
 }
 
 fn goal(window: &Window) -> math::Vec2 {
     let arena = &window.state().scene.arenas[window.state().view_state.followed];
-    math::vec2(arena.goal.x_m, arena.goal.y_m)
+    (arena.goal.x_m, arena.goal.y_m)
 }
 
 #[test]
-fn a_robot_or_a_target_does_not_leave_a_hand_that_rests() {
+fn a_dragged_robot_or_goal_stays_at_a_resting_pointer() {
     for drag_target in [robot, goal] {
         let mut window = window(ScreenFixture::default());
         let at_m = drag_target(&window);
         let (moved, rested) = drag(&mut window, at_m);
         assert!(!moved.is_empty());
-        assert_eq!(rested.len(), 6, "in each frame");
+        assert_eq!(rested.len(), 6, "one command per frame");
         assert!(rested.iter().all(|command| Some(command) == moved.last()), "{moved:?} {rested:?}");
         window.state_mut().status.paused = true;
         settle(&mut window);
         let (moved, rested) = drag(&mut window, at_m);
-        assert!(!moved.is_empty() && rested.is_empty(), "nothing drives when time stands still");
+        assert!(!moved.is_empty() && rested.is_empty(), "nothing moves while paused");
     }
 }
 
 #[test]
-fn an_obstacle_moves_with_the_pointer_alone_and_says_in_which_arena() {
+fn an_obstacle_is_moved_in_the_followed_arena_and_only_with_the_pointer() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.view_state.followed = 2;
     let mut window = window(screen_fixture);
-    let (moved, rested) = drag(&mut window, math::vec2(-0.6, -0.6));
-    let [Command::Move(MoveRequest::Obstacle { arena: 2, index: 2, to_m })] = moved[..] else {
+    let (moved, rested) = drag(&mut window, (-0.6, -0.6));
+    let [Command::Move(MoveRequest { arena: 2, object: Movable::Obstacle(2), to_m })] = moved[..] else {
         panic!("{moved:?}")
     };
-    assert!((to_m.x + 0.6).abs() < 1e-3 && to_m.y < -0.6, "{to_m:?}");
+    assert!((to_m.0 + 0.6).abs() < 1e-3 && to_m.1 < -0.6, "{to_m:?}");
     assert_eq!(rested, []);
 }
 
 #[test]
-fn what_was_pressed_is_held_though_it_drove_on() {
+fn the_object_pressed_is_dragged_even_if_it_has_moved_on() {
     let mut window = window(ScreenFixture::default());
     let at = screen_pos(&window, robot(&window));
     window.hover_at(at);
@@ -94,5 +95,8 @@ fn what_was_pressed_is_held_though_it_drove_on() {
     settle(&mut window);
     window.hover_at(pos2(at.x, at.y + 14.0));
     let moved = sent_commands(&mut window);
-    assert!(matches!(moved.first(), Some(Command::Move(MoveRequest::Robot { arena: 0, .. }))), "{moved:?}");
+    assert!(
+        matches!(moved.first(), Some(Command::Move(MoveRequest { arena: 0, object: Movable::Robot, .. }))),
+        "{moved:?}"
+    );
 }

@@ -1,4 +1,4 @@
-//! What has room: panels as wide as they were left, bars and legends in narrow windows.
+//! The layout in windows of different widths: panels, toolbar, legends.
 
 use egui_kittest::kittest::Queryable;
 
@@ -20,12 +20,12 @@ fn the_plots_panel_keeps_the_width_it_was_dragged_to() {
     settle(&mut window);
     window.event(release_event(edge - egui::vec2(60.0, 0.0)));
     settle(&mut window);
-    let width = window.state().view_state.plots_width.expect("it was dragged");
+    let width = window.state().view_state.plots_width.expect("the width is remembered");
     assert!((width - 460.0).abs() < 3.0, "{width}");
 }
 
 #[test]
-fn a_legend_stands_in_one_line_however_narrow_the_window() {
+fn a_legend_fits_on_one_line_in_any_window() {
     for width in [1100.0, 1280.0, 1600.0] {
         let mut window = window_with_size(ScreenFixture::default(), [width, 1400.0]);
         window.get_by_label("More").click();
@@ -51,7 +51,7 @@ fn a_legend_stands_in_one_line_however_narrow_the_window() {
 }
 
 #[test]
-fn nothing_overlaps_in_the_bar_of_a_narrow_window() {
+fn the_controls_of_the_toolbar_do_not_overlap() {
     for width in [1000.0, 1100.0, 1280.0, 1600.0, 2560.0] {
         let mut screen_fixture = ScreenFixture::default();
         (screen_fixture.status.env_steps, screen_fixture.status.env_steps_per_s) = (123_456_789, 98_765.0);
@@ -59,7 +59,7 @@ fn nothing_overlaps_in_the_bar_of_a_narrow_window() {
         let mut rects = toolbar_control_rects(&window);
         rects.extend(window.query_all_by_label_contains("success rate ").map(|n| n.rect()));
         rects.extend(window.query_all_by_label_contains("env steps ").map(|n| n.rect()));
-        assert!(rects.len() >= 11, "the success rate and the env steps are always there");
+        assert!(rects.len() >= 11, "success rate and env steps are always shown");
         assert_no_overlap(&rects, width);
     }
 }

@@ -1,5 +1,11 @@
-//! The screen asks for what is pressed, and for nothing else. `setup.rs`: the panel on the left; `layout.rs`: what has room
-//! in which window; `dragging.rs`: what is dragged in the world; `narrow.rs`: a phone's window.
+//! Tests of the screen: which commands its widgets and keys send, and that nothing else sends any.
+//!
+//! | file | about |
+//! |---|---|
+//! | `setup.rs` | the setup panel |
+//! | `layout.rs`, `narrow.rs` | the layout in windows of different sizes, and of a phone |
+//! | `dragging.rs` | dragging objects in an arena |
+//! | `editor.rs`, `editor_canvas.rs` | the scenario editor: its panel, its drawing |
 
 #![cfg(feature = "gui")]
 
@@ -25,7 +31,7 @@ use wayfield::app::view_state::{ThemeChoice, ViewCamera};
 
 type Window = Harness<'static, ScreenFixture>;
 
-/// A window of the usual size, drawn often enough to be at rest.
+/// A window of the usual size, after enough frames for the layout to settle.
 fn window(screen_fixture: ScreenFixture) -> Window {
     window_with_size(screen_fixture, [1280.0, 860.0])
 }
@@ -42,7 +48,7 @@ fn settle(window: &mut Window) {
     window.run_steps(6);
 }
 
-/// What was ordered since the last time.
+/// The commands sent since the last call.
 fn sent_commands(window: &mut Window) -> Vec<Command> {
     settle(window);
     std::mem::take(&mut window.state_mut().commands)
@@ -58,9 +64,9 @@ fn press(window: &mut Window, key: Key) -> Vec<Command> {
     sent_commands(window)
 }
 
-/// Where the bar's controls stand, as many as there are.
+/// The rectangles of the toolbar's controls that are shown.
 fn toolbar_control_rects(window: &Window) -> Vec<Rect> {
-    let words = [
+    let labels = [
         "Setup panel",
         "Run",
         "Pause",
@@ -75,10 +81,10 @@ fn toolbar_control_rects(window: &Window) -> Vec<Rect> {
         "Help",
         "Plots panel",
     ];
-    words.iter().filter_map(|word| window.query_by_label(word).map(|n| n.rect())).collect()
+    labels.iter().filter_map(|label| window.query_by_label(label).map(|n| n.rect())).collect()
 }
 
-/// Asserts that `rects` lie in a window of this width, and none over another.
+/// Asserts that `rects` are inside a window of this width and do not overlap.
 fn assert_no_overlap(rects: &[Rect], width: f32) {
     for (k, a) in rects.iter().enumerate() {
         assert!(a.min.x >= 0.0 && a.max.x <= width, "{a:?} is outside at {width}");
@@ -94,7 +100,7 @@ fn release_event(pos: egui::Pos2) -> egui::Event {
 }
 
 #[test]
-fn looking_orders_nothing() {
+fn changing_the_view_sends_no_command() {
     let mut window = window(ScreenFixture::default().with_notices());
     assert_eq!(sent_commands(&mut window), []);
     for label in
@@ -108,7 +114,7 @@ fn looking_orders_nothing() {
 }
 
 #[test]
-fn time_is_in_the_users_hand() {
+fn buttons_and_keys_control_the_pace() {
     let mut window = window(ScreenFixture::default());
     assert_eq!(click(&mut window, "Pause"), [Command::Pause(true)]);
     assert_eq!(press(&mut window, Key::Space), [Command::Pause(true)]);
@@ -124,7 +130,7 @@ fn time_is_in_the_users_hand() {
 }
 
 #[test]
-fn a_key_held_down_counts_once_but_for_the_step() {
+fn a_key_held_down_acts_once_except_the_step_key() {
     let mut window = window(ScreenFixture::default());
     let held = |key| egui::Event::Key {
         key,
@@ -144,20 +150,20 @@ fn a_key_held_down_counts_once_but_for_the_step() {
 }
 
 #[test]
-fn a_first_time_user_is_called_to_start() {
+fn the_start_button_is_shown_before_the_first_training_only() {
     let mut window = window(ScreenFixture::untrained());
     assert_eq!(click(&mut window, "Start learning"), [Command::Pause(false)]);
     window.state_mut().status.paused = false;
     settle(&mut window);
-    assert!(window.query_by_label("Start learning").is_none(), "the call goes when learning does");
+    assert!(window.query_by_label("Start learning").is_none(), "the button disappears when training runs");
     let mut screen_fixture = ScreenFixture::untrained();
     screen_fixture.status.transfer_from = Some("best.safetensors".into());
     let window = self::window(screen_fixture);
-    assert!(window.query_by_label("Start learning").is_none(), "it knows something already");
+    assert!(window.query_by_label("Start learning").is_none(), "the policy has been trained before");
 }
 
 #[test]
-fn the_mode_is_chosen_and_compare_asks_for_a_second_policy() {
+fn the_modes_can_be_chosen_and_compare_needs_a_second_policy() {
     let mut window = window(ScreenFixture::default());
     window.state_mut().status.expert = None;
     assert_eq!(click(&mut window, "Test"), [Command::SetMode(SessionMode::Test)]);
@@ -169,7 +175,7 @@ fn the_mode_is_chosen_and_compare_asks_for_a_second_policy() {
 }
 
 #[test]
-fn while_training_rests_it_is_said_and_there_is_nothing_to_choose_between() {
+fn in_test_mode_a_note_tells_that_training_is_paused_and_the_grid_is_not_offered() {
     let mut window = window(ScreenFixture::default().with_single_policy());
     assert!(window.query_by_label("Training is paused in this mode").is_some());
     assert!(window.query_by_label("All arenas").is_none() && window.query_by_label("Fit").is_some());
@@ -180,14 +186,14 @@ fn while_training_rests_it_is_said_and_there_is_nothing_to_choose_between() {
 }
 
 #[test]
-fn when_time_stands_still_the_bar_says_how_much_has_passed() {
+fn while_paused_the_toolbar_shows_the_simulated_time() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.status.paused = true;
-    for (simulated_s, words) in
+    for (simulated_s, time) in
         [(42.0, "42 s"), (200.0, "3 min"), (7_812.0, "2.2 h"), (7.2e6, "2,000 h"), (f64::NAN, "0 s")]
     {
         screen_fixture.status.simulated_s = simulated_s;
-        let label = format!("{words} simulated paused");
+        let label = format!("{time} simulated paused");
         let window = self::window(screen_fixture);
         assert!(window.query_by_label(&label).is_some(), "{label}");
         screen_fixture = ScreenFixture::default();
@@ -196,16 +202,16 @@ fn when_time_stands_still_the_bar_says_how_much_has_passed() {
 }
 
 #[test]
-fn arrows_steer_in_drive_mode_alone_and_are_said_once() {
+fn arrow_keys_steer_in_drive_mode_only_and_send_each_motion_once() {
     let mut window = window(ScreenFixture::default());
     assert_eq!(press(&mut window, Key::ArrowLeft), []);
     window.state_mut().status.mode = SessionMode::Drive;
-    assert_eq!(sent_commands(&mut window), [Command::Steer(2)], "straight on to begin with");
+    assert_eq!(sent_commands(&mut window), [Command::Steer(2)], "straight ahead at first");
     window.key_down(Key::ArrowLeft);
     assert_eq!(
         sent_commands(&mut window),
         [Command::Steer(0)],
-        "a sharp turn, ordered once however long it is held"
+        "a sharp turn, sent once however long the key is held"
     );
     window.key_down(Key::ArrowUp);
     assert_eq!(sent_commands(&mut window), [Command::Steer(1)]);
@@ -218,10 +224,10 @@ fn arrows_steer_in_drive_mode_alone_and_are_said_once() {
 }
 
 #[test]
-fn keys_and_switches_change_the_desk_alike() {
+fn keys_and_switches_change_the_same_settings() {
     let mut window = window(ScreenFixture::default());
     assert!(!window.state().view_state.overlays.trails);
-    click(&mut window, "Trails");
+    click(&mut window, "Past paths");
     assert!(window.state().view_state.overlays.trails);
     press(&mut window, Key::T);
     assert!(!window.state().view_state.overlays.trails);
@@ -244,7 +250,7 @@ fn keys_and_switches_change_the_desk_alike() {
 }
 
 #[test]
-fn help_opens_lists_the_keys_and_closes() {
+fn the_help_window_opens_lists_the_shortcuts_and_closes() {
     let mut window = window(ScreenFixture::default());
     click(&mut window, "Help");
     assert!(window.query_by_label("Follow the next arena").is_some());
@@ -256,19 +262,19 @@ fn help_opens_lists_the_keys_and_closes() {
 }
 
 #[test]
-fn a_notice_stands_until_it_is_read() {
+fn notices_stay_until_dismissed() {
     let mut window = window(ScreenFixture::default().with_notices());
     let text = window.state().status.notices[1].text.clone();
     assert_eq!(window.state().status.notices[1].severity, Severity::Error);
-    assert!(window.query_by_label(&text).is_some(), "all its lines are there");
+    assert!(window.query_by_label(&text).is_some(), "all lines are shown");
     for index in 0..2 {
-        window.get_all_by_label("Dismiss").nth(index).expect("each can be closed").click();
+        window.get_all_by_label("Dismiss").nth(index).expect("each notice has a button").click();
         assert_eq!(sent_commands(&mut window), [Command::DismissNotice(index)]);
     }
 }
 
 #[test]
-fn an_unknown_scenario_and_odd_numbers_are_drawn_without_a_panic() {
+fn an_unknown_scenario_and_non_finite_numbers_are_drawn_without_a_panic() {
     let mut screen_fixture = ScreenFixture::default();
     let s = &mut screen_fixture.status;
     s.scenario_from = Path::new("elsewhere").join("mine.ron").display().to_string();

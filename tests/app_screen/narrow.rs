@@ -1,4 +1,4 @@
-//! A window as narrow as a phone: the setup or the plots below the world, and a bar of two rows.
+//! A window as narrow as a phone: setup or plots below the arena, and a toolbar of two rows.
 
 use egui_kittest::kittest::Queryable;
 
@@ -9,18 +9,18 @@ fn narrow(width: f32) -> Window {
     window_with_size(ScreenFixture::default(), [width, 844.0])
 }
 
-/// Whether the setup is shown, and whether the plots are.
-fn below(window: &Window) -> (bool, bool) {
+/// Whether the setup panel is shown, and whether the plots are.
+fn visible_panels(window: &Window) -> (bool, bool) {
     let shown = |label| window.query_by_label(label).is_some();
-    (shown("Start again"), shown("Learning"))
+    (shown("Restart training"), shown("Learning"))
 }
 
 #[test]
-fn the_setup_and_the_plots_take_turns_below_the_world() {
+fn either_the_setup_or_the_plots_are_below_the_arena() {
     let mut window = narrow(390.0);
-    assert_eq!(below(&window), (false, true), "both are open, there is room for one");
-    let world = window.get_by_label("Arena 1").rect();
-    assert!(world.width() > 370.0 && world.max.y < window.get_by_label("Learning").rect().min.y, "{world}");
+    assert_eq!(visible_panels(&window), (false, true), "both are open, but only one fits");
+    let arena = window.get_by_label("Arena 1").rect();
+    assert!(arena.width() > 370.0 && arena.max.y < window.get_by_label("Learning").rect().min.y, "{arena}");
     for (button, expected) in [
         ("Setup panel", (true, false)),
         ("Setup panel", (false, false)),
@@ -30,25 +30,25 @@ fn the_setup_and_the_plots_take_turns_below_the_world() {
         ("Plots panel", (false, false)),
     ] {
         assert_eq!(click(&mut window, button), []);
-        assert_eq!(below(&window), expected, "{button}");
+        assert_eq!(visible_panels(&window), expected, "{button}");
     }
 }
 
 #[test]
-fn the_plots_are_closed_by_one_press_though_the_setup_was_open_too() {
+fn one_click_closes_the_plots_even_if_the_setup_is_open_too() {
     let mut window = narrow(390.0);
     click(&mut window, "Plots panel");
-    assert_eq!(below(&window), (false, false));
+    assert_eq!(visible_panels(&window), (false, false));
 }
 
 #[test]
-fn a_wider_window_has_room_for_both() {
-    assert_eq!(below(&narrow(700.0)), (true, true));
+fn a_wider_window_shows_both_panels() {
+    assert_eq!(visible_panels(&narrow(700.0)), (true, true));
 }
 
 #[test]
-fn nothing_overlaps_in_the_two_rows() {
-    for (width, figures, least) in
+fn the_controls_of_both_toolbar_rows_do_not_overlap() {
+    for (width, min_readouts, min_rects) in
         [(340.0, 0, 10), (360.0, 0, 11), (375.0, 0, 11), (390.0, 1, 12), (600.0, 3, 14), (699.0, 4, 15)]
     {
         let window = narrow(width);
@@ -57,13 +57,17 @@ fn nothing_overlaps_in_the_two_rows() {
         for caption in ["success rate ", "env steps ", "episodes ", "real time ", "fps "] {
             rects.extend(window.query_all_by_label_contains(caption).map(|n| n.rect()));
         }
-        assert!(rects.len() >= least && rects.len() >= before + figures, "{} at {width}", rects.len());
+        assert!(
+            rects.len() >= min_rects && rects.len() >= before + min_readouts,
+            "{} at {width}",
+            rects.len()
+        );
         assert_no_overlap(&rects, width);
     }
 }
 
 #[test]
-fn the_plots_header_drops_what_has_no_room() {
+fn the_plots_header_drops_its_unit_in_a_narrow_panel() {
     for (plots_width, dropped) in [(240.0, true), (310.0, false)] {
         let mut screen_fixture = ScreenFixture::default();
         screen_fixture.view_state.plots_width = Some(plots_width);

@@ -1,4 +1,4 @@
-//! The panel on the left: what is chosen waits for its button, and what would be lost is asked about.
+//! The setup panel: choices wait for a button, and discarding a training needs a confirmation.
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -8,85 +8,88 @@ use super::{click, press, release_event, sent_commands, settle, window};
 use crate::screen_fixture::ScreenFixture;
 
 #[test]
-fn a_choice_waits_for_the_button() {
+fn choices_take_effect_when_a_button_is_clicked() {
     let mut window = window(ScreenFixture::default());
-    assert!(window.query_by_label("Go on here with what it has learnt").is_none());
-    assert_eq!(click(&mut window, "World"), []);
+    assert!(window.query_by_label("Continue here with this policy").is_none());
+    assert_eq!(click(&mut window, "Scenario"), []);
     assert_eq!(click(&mut window, "Scenario II"), []);
     assert_eq!(click(&mut window, "Learner"), []);
     assert_eq!(click(&mut window, "DQN"), []);
-    let go_on = Command::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 };
-    assert_eq!(click(&mut window, "Go on here with what it has learnt"), [go_on]);
-    let begin = Command::StartTraining { scenario: "scenario-2".into(), preset: "dqn".into(), seed: 7 };
-    assert_eq!(click(&mut window, "Start again"), [begin]);
-    // It runs now: nothing is pending any more.
+    let transfer = Command::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 };
+    assert_eq!(click(&mut window, "Continue here with this policy"), [transfer]);
+    let restart = Command::StartTraining { scenario: "scenario-2".into(), preset: "dqn".into(), seed: 7 };
+    assert_eq!(click(&mut window, "Restart training"), [restart]);
+    // The chosen training runs now: nothing is left to start.
     let status = &mut window.state_mut().status;
     (status.scenario_from, status.preset_from, status.seed) = ("scenario-2".into(), "dqn".into(), 7);
     settle(&mut window);
-    assert!(window.query_by_label("Go on here with what it has learnt").is_none());
+    assert!(window.query_by_label("Continue here with this policy").is_none());
 }
 
 #[test]
-fn a_training_of_some_worth_is_given_up_only_after_asking_back() {
+fn a_training_worth_keeping_is_discarded_only_after_a_confirmation() {
     let mut window = window(ScreenFixture::default());
     window.state_mut().status.restart_loses_training = true;
-    assert_eq!(click(&mut window, "Start again"), []);
-    assert!(window.query_by_label("This training of 1,284 episodes will be gone.").is_some());
-    assert_eq!(click(&mut window, "Keep it"), []);
-    assert!(window.query_by_label("Keep it").is_none());
-    assert_eq!(click(&mut window, "Start again"), []);
-    let begin = Command::StartTraining { scenario: "scenario-1".into(), preset: "fast".into(), seed: 7 };
-    assert_eq!(click(&mut window, "Start again"), [begin]);
-    assert!(window.query_by_label("Keep it").is_none(), "answered");
-    // A double click is no answer.
-    let place = window.get_by_label("Start again").rect().center();
+    assert_eq!(click(&mut window, "Restart training"), []);
+    assert!(window.query_by_label("Discard this training (1,284 episodes)?").is_some());
+    assert_eq!(click(&mut window, "Cancel"), []);
+    assert!(window.query_by_label("Cancel").is_none());
+    assert_eq!(click(&mut window, "Restart training"), []);
+    let restart = Command::StartTraining { scenario: "scenario-1".into(), preset: "fast".into(), seed: 7 };
+    assert_eq!(click(&mut window, "Discard"), [restart]);
+    assert!(window.query_by_label("Cancel").is_none(), "the question is gone");
+    // A double click does not answer the question.
+    let position = window.get_by_label("Restart training").rect().center();
     for _ in 0..2 {
-        window.hover_at(place);
-        window.drag_at(place);
-        window.event(release_event(place));
+        window.hover_at(position);
+        window.drag_at(position);
+        window.event(release_event(position));
         assert_eq!(sent_commands(&mut window), []);
     }
-    assert!(window.query_by_label("Keep it").is_some());
+    assert!(window.query_by_label("Cancel").is_some());
 }
 
 #[test]
-fn a_world_changed_by_hand_says_so() {
+fn a_scenario_changed_by_hand_is_marked() {
     let mut window = window(ScreenFixture::default());
     assert!(window.query_by_label("changed by hand").is_none());
     window.state_mut().status.scenario_modified = true;
     settle(&mut window);
     assert!(window.query_by_label("changed by hand").is_some());
-    window.get_by_label("Start again").hover();
+    window.get_by_label("Restart training").hover();
     window.run_steps(60);
-    assert!(window.query_by_label_contains("this world as its file has it").is_some());
-    click(&mut window, "World");
+    assert!(window.query_by_label_contains("in the scenario as in its file").is_some());
+    click(&mut window, "Scenario");
     click(&mut window, "Scenario II");
-    assert!(window.query_by_label("changed by hand").is_none(), "not the one that is chosen now");
+    assert!(window.query_by_label("changed by hand").is_none(), "another scenario is chosen");
 }
 
 #[test]
-fn an_opened_policy_can_be_learnt_on_from() {
+fn training_can_start_from_an_opened_policy() {
     let mut window = window(ScreenFixture::default());
-    assert!(window.query_by_label("Learn on from it").is_none());
+    assert!(window.query_by_label("Continue training this policy").is_none());
     window.state_mut().status.opened_policy = Some("best.safetensors".into());
     settle(&mut window);
     assert!(window.query_by_label("best.safetensors").is_some());
-    assert_eq!(click(&mut window, "Learn on from it"), [Command::TrainFromOpened { epsilon: 0.5 }]);
+    assert_eq!(
+        click(&mut window, "Continue training this policy"),
+        [Command::TrainFromOpened { epsilon: 0.5 }]
+    );
     window.state_mut().status.restart_loses_training = true;
-    assert_eq!(click(&mut window, "Learn on from it"), []);
-    let right = window.get_by_label("Keep it").rect().max.x;
-    assert!(right < 248.0 - 14.0, "the question is no wider than the panel: {right}");
-    assert_eq!(click(&mut window, "Learn on from it"), [Command::TrainFromOpened { epsilon: 0.5 }]);
+    assert_eq!(click(&mut window, "Continue training this policy"), []);
+    let right = window.get_by_label("Cancel").rect().max.x;
+    assert!(right < 248.0 - 14.0, "the question fits into the panel: {right}");
+    assert_eq!(click(&mut window, "Discard"), [Command::TrainFromOpened { epsilon: 0.5 }]);
 }
 
 #[test]
-fn the_seed_is_typed_or_thrown() {
+fn the_seed_can_be_typed_or_drawn_at_random() {
     let mut window = window(ScreenFixture::default());
     window.get_by_label("Seed").click();
     settle(&mut window);
     window.get_by_label("Seed").type_text("1");
     settle(&mut window);
-    // While it is written, keys are text.
+    // In a text field, keys are text.
     assert_eq!(press(&mut window, Key::Space), []);
     window.key_press(Key::Enter);
     settle(&mut window);
@@ -94,19 +97,21 @@ fn the_seed_is_typed_or_thrown() {
         [Command::StartTraining { seed, .. }] => *seed,
         _ => panic!("{commands:?}"),
     };
-    let typed = seed(click(&mut window, "Start again"));
+    let typed = seed(click(&mut window, "Restart training"));
     assert_ne!(typed, 7);
-    assert_eq!(click(&mut window, "New seed"), []);
-    assert_ne!(seed(click(&mut window, "Start again")), typed);
+    assert_eq!(click(&mut window, "Random seed"), []);
+    assert_ne!(seed(click(&mut window, "Restart training")), typed);
 }
 
 #[test]
-fn files_are_asked_for_by_button_and_by_key() {
+fn buttons_and_keys_open_the_file_dialogs() {
     let mut window = window(ScreenFixture::default());
     assert_eq!(click(&mut window, "Open…"), [Command::OpenDialog]);
-    for (label, saved) in
-        [("Save policy", SaveKind::Policy), ("Save run", SaveKind::Run), ("Save world", SaveKind::Scenario)]
-    {
+    for (label, saved) in [
+        ("Save policy…", SaveKind::Policy),
+        ("Save run…", SaveKind::Run),
+        ("Save scenario…", SaveKind::Scenario),
+    ] {
         assert_eq!(click(&mut window, label), [Command::SaveDialog(saved)]);
     }
     window.key_press_modifiers(Modifiers::COMMAND, Key::S);
@@ -116,7 +121,7 @@ fn files_are_asked_for_by_button_and_by_key() {
 }
 
 #[test]
-fn an_expert_is_one_click_away_by_button_and_by_compare() {
+fn an_expert_can_be_opened_by_its_button_and_by_compare() {
     let mut window = window(ScreenFixture::default());
     assert_eq!(click(&mut window, "Watch an expert"), [Command::OpenExpert]);
     assert_eq!(click(&mut window, "Compare"), [Command::OpenExpert]);
@@ -127,11 +132,11 @@ fn an_expert_is_one_click_away_by_button_and_by_compare() {
 }
 
 #[test]
-fn in_a_browser_no_folder_is_saved_and_the_curves_are_an_svg() {
+fn without_a_disk_no_run_can_be_saved_and_the_curves_are_an_svg() {
     let mut window = window(ScreenFixture::default());
     window.state_mut().status.has_disk = false;
     settle(&mut window);
-    assert!(window.query_by_label("Save run").is_none());
-    assert_eq!(click(&mut window, "Save world"), [Command::SaveDialog(SaveKind::Scenario)]);
+    assert!(window.query_by_label("Save run…").is_none());
+    assert_eq!(click(&mut window, "Save scenario…"), [Command::SaveDialog(SaveKind::Scenario)]);
     assert_eq!(click(&mut window, "SVG…"), [Command::SaveDialog(SaveKind::Png)]);
 }

@@ -1,9 +1,11 @@
-//! What every test of the command line needs: a desk to work at, the binary, and files cut to size.
+//! Support for the tests of the command line: a temporary workspace, the binary, small presets and scenarios.
 //!
-//! The binary is run as a user runs it: arguments in, stdout, stderr, exit status and files out.
+//! The binary runs as a user runs it: arguments in; stdout, stderr, exit status and files out.
 
-// Each test binary has a copy of its own and none needs everything.
+// Each test binary compiles its own copy and uses only a part.
 #![allow(dead_code)]
+
+pub mod messages;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,12 +16,12 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// A folder of its own, in which the binary is run and which is gone afterwards.
+/// A temporary folder in which the binary runs. It is deleted on drop.
 pub struct Workspace {
     folder: TempDir,
 }
 
-/// A command that has ended.
+/// The result of a command.
 #[derive(Debug)]
 pub struct CommandOutput {
     pub status: Option<i32>,
@@ -52,16 +54,16 @@ impl Workspace {
         serde_json::from_str(&self.text(name)).unwrap()
     }
 
-    /// The binary with `arguments` (separated by blanks), ready to start.
+    /// The command for the binary with `arguments`, which are separated by spaces.
     fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_wayfield"));
-        // No window opens on whoever runs the tests.
+        // No window must open while tests run.
         command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
         command.args(arguments.split_whitespace()).current_dir(self.folder.path()).stdin(Stdio::null());
         command
     }
 
-    /// Runs the binary to its end.
+    /// Runs the binary and waits for its end.
     pub fn run(&self, arguments: &str) -> CommandOutput {
         let output = self.command(arguments).output().unwrap();
         CommandOutput {
@@ -71,29 +73,29 @@ impl Workspace {
         }
     }
 
-    /// Runs the binary to its end, which must be a success.
+    /// Runs the binary, which must succeed.
     pub fn run_ok(&self, arguments: &str) -> CommandOutput {
         let done = self.run(arguments);
         assert_eq!(done.status, Some(0), "wayfield {arguments}\n{}", done.stderr);
         done
     }
 
-    /// Starts the binary; what it says is collected by [`wait_for_output`].
+    /// Starts the binary. [`wait_for_output`] collects its output.
     pub fn start(&self, arguments: &str) -> Child {
         self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
-    /// Every file below the desk, with its bytes.
+    /// Every file in the workspace with its contents, and every folder with `None`.
     pub fn all_files(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
-        fn walk(folder: &Path, into: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {
+        fn walk(folder: &Path, files: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {
             for entry in fs::read_dir(folder).unwrap() {
                 let path = entry.unwrap().path();
                 if path.is_dir() {
-                    walk(&path, into);
-                    into.insert(path, None);
+                    walk(&path, files);
+                    files.insert(path, None);
                 } else {
                     let bytes = fs::read(&path).unwrap();
-                    into.insert(path, Some(bytes));
+                    files.insert(path, Some(bytes));
                 }
             }
         }
@@ -114,17 +116,17 @@ impl Workspace {
             .collect()
     }
 
-    /// A CSV file's text, line by line, cut before the last column, which must be `wall_s`.
+    /// The lines of a CSV file without the last column, which must be `wall_s`.
     fn lines_without_wall_time(&self, name: &str) -> Vec<String> {
         let text = self.text(name);
         assert!(text.lines().next().is_some_and(|head| head.ends_with(",wall_s")), "{name}: {text}");
         text.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned()).collect()
     }
 
-    /// Everything in the run's folder that must not differ between two runs of the same seed.
+    /// All contents of a run folder that must be equal in two runs with the same seed.
     pub fn run_contents(&self, run: &str) -> RunContents {
         let mut summary = self.json(&format!("{run}/summary.json"));
-        forget_wall_time(&mut summary);
+        remove_wall_time(&mut summary);
         RunContents {
             best: self.read(&format!("{run}/policy.safetensors")),
             last: self.read(&format!("{run}/policy-last.safetensors")),
@@ -135,7 +137,7 @@ impl Workspace {
         }
     }
 
-    /// Asserts that two runs are the same, naming the first thing that differs.
+    /// Asserts that two runs are equal. The message names the first difference.
     pub fn assert_same_run(&self, one: &str, other: &str) {
         let (a, b) = (self.run_contents(one), self.run_contents(other));
         for (name, a, b) in
@@ -154,7 +156,7 @@ impl Workspace {
     }
 }
 
-/// What a run is, wall time aside.
+/// The contents of a run folder without wall times.
 #[derive(Debug, PartialEq)]
 pub struct RunContents {
     pub best: Vec<u8>,
@@ -165,15 +167,15 @@ pub struct RunContents {
     pub summary: Value,
 }
 
-fn forget_wall_time(value: &mut Value) {
+fn remove_wall_time(value: &mut Value) {
     if let Value::Object(fields) = value {
         fields.remove("wall_s");
-        fields.values_mut().for_each(forget_wall_time);
+        fields.values_mut().for_each(remove_wall_time);
     }
 }
 
 impl CommandOutput {
-    /// The one JSON object that stdout must be.
+    /// Stdout, which must be one JSON object.
     pub fn json(&self) -> Value {
         let value: Value = serde_json::from_str(&self.stdout)
             .unwrap_or_else(|error| panic!("stdout is not one JSON value ({error}): {}", self.stdout));
@@ -182,7 +184,7 @@ impl CommandOutput {
     }
 }
 
-/// Waits for a started command.
+/// Waits for the end of a started command.
 pub fn wait_for_output(child: Child) -> CommandOutput {
     let output = child.wait_with_output().unwrap();
     CommandOutput {
@@ -192,25 +194,25 @@ pub fn wait_for_output(child: Child) -> CommandOutput {
     }
 }
 
-/// Waits until `what` holds; ends the child and fails if it does not within a minute or the child ends before.
+/// Waits until `holds` returns true. Kills the child and panics if that takes more than a minute or the child ends first.
 pub fn wait_until(child: &mut Child, what: &str, holds: impl Fn() -> bool) {
     let began = Instant::now();
     while !holds() {
         if began.elapsed() > Duration::from_secs(60) || child.try_wait().unwrap().is_some() {
             let _ = child.kill();
-            panic!("never came: {what}");
+            panic!("did not happen: {what}");
         }
         std::thread::sleep(Duration::from_millis(2));
     }
 }
 
-/// Sends the signal `name` (as `kill` spells it).
+/// Sends the signal `name` (such as `INT` or `KILL`).
 pub fn signal(child: &Child, name: &str) {
     let status = Command::new("kill").arg(format!("-{name}")).arg(child.id().to_string()).status().unwrap();
     assert!(status.success());
 }
 
-/// `text` with replacements, each of which must have exactly one place.
+/// `text` with replacements, each of which must match exactly once.
 pub fn edited(text: &str, replacements: &[(&str, &str)]) -> String {
     replacements.iter().fold(text.to_owned(), |text, (from, to)| {
         assert_eq!(text.matches(from).count(), 1, "`{from}` in {text}");
@@ -223,8 +225,8 @@ pub const PER_D3QN: &str = include_str!("../../assets/presets/per_d3qn.ron");
 pub const SCENARIO_1: &str = include_str!("../../scenarios/scenario-1.ron");
 pub const SCENARIO_2: &str = include_str!("../../scenarios/scenario-2.ron");
 
-/// The paper's algorithm in one arena, made quick: a small network, a replay buffer that overflows many times, and
-/// evaluations that are frequent and short. Prioritized, RMSProp, hard target updates, epsilon by episodes.
+/// The paper's algorithm in one arena (prioritized replay, RMSProp, hard target updates, epsilon by episodes), made fast: a
+/// small network, a replay buffer that wraps around many times, and frequent short evaluations.
 pub fn quick_per() -> String {
     edited(
         PER_D3QN,
@@ -238,8 +240,8 @@ pub fn quick_per() -> String {
     )
 }
 
-/// The default preset's algorithm in 16 arenas, made quick: 2-step returns, Adam, Huber, a soft target, schedules by
-/// env steps.
+/// The default preset in 16 arenas (2-step returns, Adam, Huber loss, soft target updates, schedules by env steps), made
+/// fast.
 pub fn quick_fast() -> String {
     edited(
         FAST,
@@ -252,17 +254,17 @@ pub fn quick_fast() -> String {
     )
 }
 
-/// A preset that shows the network eq. (8) in metres and radians.
+/// `preset` with raw observations: eq. (8) in m and rad.
 pub fn raw(preset: &str) -> String {
     edited(preset, &[("    reward: (", "    observation: Raw,\n    reward: (")])
 }
 
-/// A scenario with shorter episodes.
+/// `scenario` with shorter episodes.
 pub fn with_short_episodes(scenario: &str) -> String {
     edited(scenario, &[("    obstacles: [", "    task: (max_episode_steps: 120),\n\n    obstacles: [")])
 }
 
-/// A scenario with shorter episodes and a LIDAR that errs.
+/// `scenario` with shorter episodes and a noisy LIDAR.
 pub fn noisy(scenario: &str) -> String {
     edited(
         &with_short_episodes(scenario),

@@ -1,36 +1,42 @@
-//! The headless_app without a window: its plugins under MinimalPlugins, its screen drawn to nowhere, its time by hand.
+//! The app without a window: its plugins under `MinimalPlugins`, a screen that is laid out but not displayed, and a manual
+//! clock.
 #![allow(dead_code)]
 
 use std::time::Duration;
 
+use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use wayfield::app::app_snapshot::{AppSnapshot, Severity};
-use wayfield::app::commands::Command;
+use wayfield::app::app_snapshot::{AppSnapshot, Notice, Severity};
+use wayfield::app::commands::{Command, EditorReply};
 use wayfield::app::scene::Scene;
 use wayfield::app::screen::{self, ScreenInput};
-use wayfield::app::session::{Session, StartOptions, TrainingHistory};
+use wayfield::app::session::{
+    Journal, Notices, OpenedFiles, ScenarioSource, StartOptions, TrainingHistory, TrainingRun,
+};
 use wayfield::app::view_state::ViewState;
 use wayfield::app::{AppCorePlugin, CurrentViewState, Snapshot};
 
-/// The headless_app.
+/// The app.
 pub struct HeadlessApp {
     app: App,
     egui: egui::Context,
     frames: u32,
+    replies: MessageCursor<EditorReply>,
 }
 
 impl HeadlessApp {
-    /// The headless_app at its first frame.
-    pub fn new(first: StartOptions) -> Self {
+    /// The app before its first frame.
+    pub fn new(start: StartOptions) -> Self {
         let mut app = App::new();
-        app.add_plugins(MinimalPlugins).add_plugins(AppCorePlugin { first });
+        app.add_plugins(MinimalPlugins).add_plugins(AppCorePlugin { start });
         app.finish();
         app.cleanup();
-        Self { app, egui: egui::Context::default(), frames: 0 }
+        Self { app, egui: egui::Context::default(), frames: 0, replies: MessageCursor::default() }
     }
 
-    /// A frame that comes `after` the one before; the screen is drawn, and what it asks for is carried out in the next.
+    /// Runs a frame that comes `after` the last one, and lays out the screen. The screen's commands are executed in the next
+    /// frame.
     pub fn frame(&mut self, after: Duration) {
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(after));
         self.app.update();
@@ -41,11 +47,11 @@ impl HeadlessApp {
         self.draw();
     }
 
-    /// Draws the screen once more; gives the number of triangles.
+    /// Lays out the screen again. Returns the number of triangles.
     pub fn draw(&mut self) -> usize {
         let world = self.app.world_mut();
         let mut view_state = world.resource::<CurrentViewState>().0.clone();
-        let mut asked = Vec::new();
+        let mut requested = Vec::new();
         let mut triangles = 0;
         if let Some((scene, status)) = &world.resource::<Snapshot>().now {
             let view = ScreenInput { scene, status, history: &world.resource::<TrainingHistory>().0 };
@@ -54,27 +60,27 @@ impl HeadlessApp {
                 screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
                 ..Default::default()
             };
-            let drawn =
-                self.egui.run_ui(input, |ui| screen::screen_ui(ui, &view, &mut view_state, &mut asked));
-            for drawn in self.egui.tessellate(drawn.shapes, drawn.pixels_per_point) {
-                if let egui::epaint::Primitive::Mesh(mesh) = drawn.primitive {
+            let output =
+                self.egui.run_ui(input, |ui| screen::screen_ui(ui, &view, &mut view_state, &mut requested));
+            for clipped in self.egui.tessellate(output.shapes, output.pixels_per_point) {
+                if let egui::epaint::Primitive::Mesh(mesh) = clipped.primitive {
                     triangles += mesh.indices.len() / 3;
                 }
             }
         }
         world.resource_mut::<CurrentViewState>().0 = view_state;
-        for command in asked {
+        for command in requested {
             self.command(command);
         }
         triangles
     }
 
-    /// Asks for something, which the next frame carries out.
+    /// Sends a command, which the next frame executes.
     pub fn command(&mut self, command: Command) {
         self.app.world_mut().write_message(command);
     }
 
-    /// Single steps, until the training has had so many.
+    /// Takes single steps until the training has had `steps`.
     pub fn step_to(&mut self, steps: u64) {
         while self.steps() < steps {
             self.command(Command::Step);
@@ -84,31 +90,57 @@ impl HeadlessApp {
 
     /// Control steps of the training so far.
     pub fn steps(&self) -> u64 {
-        self.app.world().get_resource::<Session>().map_or(0, |session| session.journal.steps)
+        self.app.world().get_resource::<Journal>().map_or(0, |journal| journal.steps)
     }
 
-    /// What goes on.
-    pub fn session(&self) -> &Session {
-        self.app.world().resource::<Session>()
+    /// The training run.
+    pub fn run(&self) -> &TrainingRun {
+        self.app.world().resource()
+    }
+
+    /// The journal of the training.
+    pub fn journal(&self) -> &Journal {
+        self.app.world().resource()
+    }
+
+    /// What the user has opened.
+    pub fn opened_files(&self) -> &OpenedFiles {
+        self.app.world().resource()
+    }
+
+    /// Whether the scenario differs from its file.
+    pub fn scenario_modified(&self) -> bool {
+        self.app.world().resource::<ScenarioSource>().is_modified(&self.run().config)
     }
 
     /// What the screen draws.
     pub fn shown(&self) -> &(Scene, AppSnapshot) {
-        self.app.world().resource::<Snapshot>().now.as_ref().expect("a frame was drawn")
+        self.app.world().resource::<Snapshot>().now.as_ref().expect("a frame was run before")
     }
 
-    /// What was told of failures.
+    /// The notices, oldest first.
+    pub fn notices(&self) -> Vec<Notice> {
+        self.app.world().resource::<Notices>().list()
+    }
+
+    /// Texts of the error notices, oldest first.
     pub fn error_notices(&self) -> Vec<String> {
-        let told = self.session().notices().into_iter();
-        told.filter(|notice| notice.severity == Severity::Error).map(|notice| notice.text).collect()
+        let errors = self.notices().into_iter().filter(|notice| notice.severity == Severity::Error);
+        errors.map(|notice| notice.text).collect()
     }
 
-    /// What the user looks at.
+    /// Replies to the editor since the last call. Call it within two frames.
+    pub fn editor_replies(&mut self) -> Vec<EditorReply> {
+        let messages = self.app.world().resource::<Messages<EditorReply>>();
+        self.replies.read(messages).cloned().collect()
+    }
+
+    /// The view state.
     pub fn view_state(&mut self) -> &mut ViewState {
         &mut self.app.world_mut().resource_mut::<CurrentViewState>().into_inner().0
     }
 
-    /// The world.
+    /// The Bevy world.
     pub fn world(&mut self) -> &mut World {
         self.app.world_mut()
     }

@@ -1,7 +1,7 @@
-//! A made-up training to draw: what the screen is given, without a session, a world or a learner behind it.
+//! A made-up training to draw, without a session, a world or a learner behind it.
 //!
-//! In: nothing. Out: [`ScreenFixture`], plausible and always the same.
-#![allow(dead_code, reason = "not every test needs all of it")]
+//! In: nothing. Out: a plausible [`ScreenFixture`], always the same.
+#![allow(dead_code, reason = "no test needs all of it")]
 
 use std::sync::Arc;
 
@@ -22,19 +22,19 @@ use wayfield::task::{Goal, Pose};
 const RING_M: [Vec2; 4] = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
 const RADIUS_M: f32 = 0.15;
 
-/// All that the screen is given, and what it answers.
+/// Input and output of the screen.
 pub struct ScreenFixture {
-    /// What there is to see.
+    /// The scene.
     pub scene: Scene,
-    /// How the session would stand.
+    /// The state of the session.
     pub status: AppSnapshot,
-    /// What would have happened.
+    /// The learning curves.
     pub history: History,
-    /// What the user looks at.
+    /// What the user has chosen to see.
     pub view_state: ViewState,
-    /// What was asked for.
+    /// Commands sent by the screen.
     pub commands: Vec<Command>,
-    dressed: bool,
+    has_theme: bool,
 }
 
 impl Default for ScreenFixture {
@@ -61,13 +61,13 @@ impl Default for ScreenFixture {
             history: history(),
             view_state: ViewState::default(),
             commands: Vec::new(),
-            dressed: false,
+            has_theme: false,
         }
     }
 }
 
 impl ScreenFixture {
-    /// Nothing was learnt yet.
+    /// A training before its first step.
     pub fn untrained() -> Self {
         let mut screen_fixture = Self { history: History::new(), ..Self::default() };
         let s = &mut screen_fixture.status;
@@ -80,46 +80,46 @@ impl ScreenFixture {
         screen_fixture
     }
 
-    /// The same training in another world, each arena with its own layout; nothing is met by the beams.
+    /// The training in another scenario, each arena with its own generated obstacles. The beams hit nothing.
     pub fn with_scenario(mut self, scenario: Scenario) -> Self {
         for (layout_seed, arena) in (0..).zip(&mut self.scene.arenas) {
-            let room = scenario.with_generated_obstacles(layout_seed);
-            let at = |o: &Obstacle| (o.position_m.x, o.position_m.y, o.rotation_rad);
-            arena.obstacles = room.obstacles.iter().map(at).collect();
+            let layout = scenario.with_generated_obstacles(layout_seed);
+            let at = |o: &Obstacle| (o.position_m.0, o.position_m.1, o.rotation_rad);
+            arena.obstacles = layout.obstacles.iter().map(at).collect();
             arena.ranges_m = vec![0.4 * scenario.lidar.max_range_m; scenario.lidar.beams];
-            arena.scenario = Arc::new(room);
+            arena.scenario = Arc::new(layout);
         }
         self.scene.scenario = Arc::new(scenario);
         self
     }
 
-    /// The present policy drives alone in one arena.
+    /// A test of the present policy in one arena.
     pub fn with_single_policy(mut self) -> Self {
         self.scene.arenas.truncate(1);
-        self.scene.arenas[0].driver = DriverLabel::Policy("Present policy".into());
+        self.scene.arenas[0].driver = DriverLabel::Policy("Current policy".into());
         self.status.mode = SessionMode::Test;
         self
     }
 
-    /// With a notice of either kind, the second of several lines.
+    /// With a notice of each severity, the second with several lines.
     pub fn with_notices(mut self) -> Self {
         let failed = "scenarios/mine.ron:7:5: unknown field `radius`, expected `radius_m`\n\
                       scenarios/mine.ron:12:9: the robot's start (0.6, 0.6) is inside obstacle 1; \
                       move it at least 0.25 m away";
         for (severity, text) in
-            [(Severity::Info, "The policy was saved to runs/fast.safetensors."), (Severity::Error, failed)]
+            [(Severity::Info, "Saved to runs/fast.safetensors"), (Severity::Error, failed)]
         {
             self.status.notices.push(Notice { severity, text: text.into() });
         }
         self
     }
 
-    /// Draws the window once, as the app does.
+    /// Draws one frame of the window, as the app does.
     pub fn draw(&mut self, ui: &mut egui::Ui) {
-        if !self.dressed {
+        if !self.has_theme {
             theme::install(ui.ctx());
-            self.dressed = true;
-            // The typeface is there from the next frame on.
+            self.has_theme = true;
+            // The font is available from the next frame on.
             ui.ctx().request_repaint();
             return;
         }
@@ -131,7 +131,8 @@ impl ScreenFixture {
     }
 }
 
-/// A world of all that a file can spell: an L with inner walls, each shape, each motion, a generator, a narrow view.
+/// A scenario with every feature of the file format: an L-shaped enclosure, inner walls, every shape, every motion, a
+/// generator, a narrow field of view.
 pub fn mixed_scenario() -> Scenario {
     let obstacle =
         |shape, position_m, rotation_rad, motion| Obstacle { shape, position_m, rotation_rad, motion };
@@ -148,31 +149,31 @@ pub fn mixed_scenario() -> Scenario {
             Wall { corners_m: vec![vec2(-2.0, 1.3), vec2(-1.2, 1.0)], thickness_m: 0.2 },
         ],
         obstacles: vec![
-            obstacle(disc(0.15), vec2(-1.4, 0.2), 0.0, still.clone()),
-            obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.3 }, vec2(0.9, 1.9), 0.5, still.clone()),
-            obstacle(Shape::Polygon { corners_m }, vec2(-0.6, 1.9), 0.4, still.clone()),
-            obstacle(Shape::Capsule { length_m: 0.5, radius_m: 0.12 }, vec2(3.4, -0.1), 1.1, still),
+            obstacle(disc(0.15), (-1.4, 0.2), 0.0, still.clone()),
+            obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.3 }, (0.9, 1.9), 0.5, still.clone()),
+            obstacle(Shape::Polygon { corners_m }, (-0.6, 1.9), 0.4, still.clone()),
+            obstacle(Shape::Capsule { length_m: 0.5, radius_m: 0.12 }, (3.4, -0.1), 1.1, still),
             obstacle(
                 disc(0.12),
-                vec2(1.0, -1.2),
+                (1.0, -1.2),
                 0.0,
                 ObstacleMotion::Patrol { waypoints_m: vec![vec2(2.6, -1.2), vec2(2.6, -0.5)], speed_m_s: 0.3 },
             ),
             obstacle(
                 disc(0.1),
-                vec2(-1.7, -1.2),
+                (-1.7, -1.2),
                 0.0,
                 ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(-1.7, -0.3)], speed_m_s: 0.2 },
             ),
             obstacle(
                 Shape::Rectangle { width_m: 0.3, height_m: 0.12 },
-                vec2(0.8, 0.9),
+                (0.8, 0.9),
                 0.0,
-                ObstacleMotion::Orbit { centre_m: vec2(0.3, 0.9), speed_rad_s: 0.3 },
+                ObstacleMotion::Orbit { centre_m: (0.3, 0.9), speed_rad_s: 0.3 },
             ),
             obstacle(
                 disc(0.12),
-                vec2(3.2, -1.0),
+                (3.2, -1.0),
                 0.0,
                 ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.3, seed: 1 },
             ),
@@ -181,44 +182,44 @@ pub fn mixed_scenario() -> Scenario {
             count: 3,
             shape: RandomShape::Circle { radius_m: (0.05, 0.1) },
             gap_m: 0.3,
-            within: Some(Region { min_m: vec2(1.2, -0.4), max_m: vec2(2.8, 0.4) }),
+            within: Some(Region { min_m: (1.2, -0.4), max_m: (2.8, 0.4) }),
         }],
         lidar: Lidar { beams: 12, field_of_view_rad: 2.0, ..Lidar::default() },
-        starts: PlacementRule::Within { min_m: vec2(-1.9, -0.2), max_m: vec2(-0.9, 0.6), clearance_m: 0.2 },
+        starts: PlacementRule::Within { min_m: (-1.9, -0.2), max_m: (-0.9, 0.6), clearance_m: 0.2 },
         goals: PlacementRule::OneOf { positions_m: vec![vec2(0.0, 0.2), vec2(3.7, -1.2), vec2(1.2, 1.2)] },
-        benchmark_route: BenchmarkRoute { start_m: vec2(-1.5, 1.9), heading_rad: -0.8, goal_m: vec2(3.0, 0.2) },
+        benchmark_route: BenchmarkRoute { start_m: (-1.5, 1.9), heading_rad: -0.8, goal_m: (3.0, 0.2) },
         ..Scenario::default()
     }
 }
 
-/// A field like a hollow with a ridge, for the overlays.
-pub fn field(version: u64, deep: f32) -> Arc<ScalarField> {
+/// A scalar field with a basin and ridges, for the overlays.
+pub fn field(version: u64, depth: f32) -> Arc<ScalarField> {
     let size = [40, 40];
     let at = |k: usize| (k as f32 + 0.5) / 10.0 - 2.0;
-    let value = |Vec2 { x, y }: Vec2| {
-        let near = RING_M.iter().map(|&Vec2 { x: a, y: b }| (x - a).hypot(y - b)).fold(f32::MAX, f32::min);
-        if near < RADIUS_M + 0.1 { f32::NAN } else { deep * (x - 1.2).hypot(y - 1.2) - deep * 0.2 / near }
+    let value = |(x, y): Vec2| {
+        let near = RING_M.iter().map(|&(a, b)| (x - a).hypot(y - b)).fold(f32::MAX, f32::min);
+        if near < RADIUS_M + 0.1 { f32::NAN } else { depth * (x - 1.2).hypot(y - 1.2) - depth * 0.2 / near }
     };
-    let values = (0..1600).map(|k| value(vec2(at(k % 40), at(k / 40)))).collect();
+    let values = (0..1600).map(|k| value((at(k % 40), at(k / 40)))).collect();
     Arc::new(ScalarField { size, min_m: [-2.0, -2.0], max_m: [2.0, 2.0], values, version })
 }
 
-fn arena(n: usize, room: &Arc<Scenario>) -> ArenaScene {
+fn arena(n: usize, layout: &Arc<Scenario>) -> ArenaScene {
     let turn = n as f32 * 0.8;
     let pose = Pose { x_m: -0.1 + 0.9 * turn.sin(), y_m: -1.1 * turn.cos() + 0.1, heading_rad: 0.9 + turn };
-    let path_m = (0..40).map(|k| back(pose, 0.03 * (39 - k) as f32)).collect();
+    let path_m = (0..40).map(|k| behind(pose, 0.03 * (39 - k) as f32)).collect();
     let trail = |(k, end)| Trail {
         points_m: (0..60)
-            .map(|i| back(Pose { heading_rad: pose.heading_rad + 1.1 * k as f32, ..pose }, 0.03 * i as f32))
+            .map(|i| behind(Pose { heading_rad: pose.heading_rad + 1.1 * k as f32, ..pose }, 0.03 * i as f32))
             .collect(),
         end,
     };
     let ends = [TrailEnd::Reached, TrailEnd::Collided, TrailEnd::Reached, TrailEnd::TimedOut];
     ArenaScene {
-        scenario: room.clone(),
+        scenario: layout.clone(),
         pose,
         goal: Goal { x_m: 1.2 * (turn + 0.8).cos(), y_m: 1.2 * (turn + 0.8).sin() },
-        obstacles: RING_M.iter().map(|&Vec2 { x, y }| (x, y, 0.0)).collect(),
+        obstacles: RING_M.iter().map(|&(x, y)| (x, y, 0.0)).collect(),
         ranges_m: (0..24).map(|k| range_m(pose, k as f32 / 24.0 * std::f32::consts::TAU)).collect(),
         scan_pose: pose,
         driver: DriverLabel::Learner,
@@ -233,17 +234,20 @@ fn arena(n: usize, room: &Arc<Scenario>) -> ArenaScene {
     }
 }
 
-/// The point so far behind `pose`, on a gentle curve.
-fn back(pose: Pose, way_m: f32) -> [f32; 2] {
-    let heading = pose.heading_rad - 0.5 * way_m;
-    [(pose.x_m - way_m * heading.cos()).clamp(-1.9, 1.9), (pose.y_m - way_m * heading.sin()).clamp(-1.9, 1.9)]
+/// The point at `distance_m` behind `pose`, on a gentle curve.
+fn behind(pose: Pose, distance_m: f32) -> [f32; 2] {
+    let heading = pose.heading_rad - 0.5 * distance_m;
+    [
+        (pose.x_m - distance_m * heading.cos()).clamp(-1.9, 1.9),
+        (pose.y_m - distance_m * heading.sin()).clamp(-1.9, 1.9),
+    ]
 }
 
-/// How far the beam at `angle` to the heading goes in the square with four cylinders.
+/// Range in m of the beam at `angle` (rad) from the heading, in the square enclosure with four cylinders.
 fn range_m(pose: Pose, angle: f32) -> f32 {
     let (dy, dx) = (pose.heading_rad + angle).sin_cos();
-    let wall = |at: f32, way: f32| if way == 0.0 { f32::MAX } else { (2.0 * way.signum() - at) / way };
-    let hit = |&Vec2 { x, y }: &Vec2| {
+    let wall = |at: f32, d: f32| if d == 0.0 { f32::MAX } else { (2.0 * d.signum() - at) / d };
+    let hit = |&(x, y): &Vec2| {
         let (x, y) = (x - pose.x_m, y - pose.y_m);
         let (along, aside) = (x * dx + y * dy, x * dy - y * dx);
         let under = RADIUS_M * RADIUS_M - aside * aside;
@@ -298,7 +302,6 @@ fn status() -> AppSnapshot {
         expert: Some("Expert of Scenario I".into()),
         has_disk: true,
         saved_scenario: None,
-        draft: None,
     }
 }
 
@@ -306,7 +309,7 @@ fn history() -> History {
     let mut history = History::new();
     for n in 1..=1284_u64 {
         let learnt = 1.0 - (-(n as f64) / 300.0).exp();
-        // Scattered, but always alike.
+        // Scattered, but deterministic.
         let chance = (n * 7_919 % 101) as f64 / 101.0;
         let goals = (6.0 * learnt * chance) as u32;
         history.push_episode(&EpisodeRow {

@@ -1,9 +1,9 @@
-//! A renderer for `egui_kittest` that needs no GPU: egui's triangles, rasterised on the CPU.
+//! A software renderer for `egui_kittest`: rasterises egui's triangles on the CPU.
 //!
-//! In: what egui wants painted. Out: its picture, to the bit the same wherever the triangles are. Positions are snapped
-//! to 1/256 pixel and the edges worked in integers with the top-left rule, so that neighbours neither overlap nor gape;
-//! colours are blended premultiplied, in gamma space and 8 bits, as egui's own painters do it. Paint callbacks and
-//! repeating textures are not for it.
+//! In: egui's output. Out: an image, bit-identical on every machine for the same triangles. Positions are snapped to 1/256
+//! pixel and edges are evaluated in integers with the top-left rule, so that adjacent triangles neither overlap nor leave
+//! gaps. Colours are blended premultiplied, in gamma space with 8 bits, as in egui's own renderers. Paint callbacks and
+//! repeating textures are not supported.
 
 use std::collections::HashMap;
 
@@ -12,10 +12,10 @@ use egui::{Color32, ImageData, TextureFilter, TextureId, TexturesDelta};
 use egui_kittest::TestRenderer;
 use image::RgbaImage;
 
-/// Sub-positions of a pixel along each axis.
+/// Subpixel positions along each axis.
 const SUB: i64 = 256;
 
-/// The renderer: for `Harness::builder().renderer(SoftwareRenderer::default())`.
+/// The renderer. Use it as `Harness::builder().renderer(SoftwareRenderer::default())`.
 #[derive(Default)]
 pub struct SoftwareRenderer {
     textures: HashMap<TextureId, Texture>,
@@ -40,9 +40,9 @@ impl TestRenderer for SoftwareRenderer {
         let mut canvas = Canvas::new(size.x as usize, size.y as usize, paper);
         for clipped in ctx.tessellate(output.shapes.clone(), scale) {
             let Primitive::Mesh(mesh) = &clipped.primitive else { continue };
-            let texture = self.textures.get(&mesh.texture_id).ok_or("a texture that was never set")?;
+            let texture = self.textures.get(&mesh.texture_id).ok_or("unknown texture")?;
             let clip = clipped.clip_rect * scale;
-            let bound = |at: f32, most: usize| (at.round().max(0.0) as usize).min(most) as i64;
+            let bound = |at: f32, max: usize| (at.round().max(0.0) as usize).min(max) as i64;
             canvas.clip = [
                 bound(clip.min.x, canvas.width),
                 bound(clip.max.x, canvas.width),
@@ -52,11 +52,12 @@ impl TestRenderer for SoftwareRenderer {
             canvas.mesh(mesh, texture, scale);
         }
         let bytes = canvas.pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
-        RgbaImage::from_raw(canvas.width as u32, canvas.height as u32, bytes).ok_or("no picture".into())
+        RgbaImage::from_raw(canvas.width as u32, canvas.height as u32, bytes)
+            .ok_or("image size mismatch".into())
     }
 }
 
-/// An image to sample from.
+/// A texture.
 #[derive(Default)]
 struct Texture {
     size: [usize; 2],
@@ -84,7 +85,7 @@ impl Texture {
         self.pixels[at as usize].to_array().map(f32::from)
     }
 
-    /// The colour at a place in 0..1, each channel 0..255.
+    /// The colour at (u, v), each 0 to 1; each channel 0 to 255.
     fn sample(&self, u: f32, v: f32) -> [f32; 4] {
         let (x, y) = (u * self.size[0] as f32, v * self.size[1] as f32);
         if self.nearest {
@@ -103,23 +104,27 @@ fn mix(a: [f32; 4], b: [f32; 4], part: f32) -> [f32; 4] {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
 }
 
-/// A corner of a triangle: where it is in 1/256 pixel, and what it carries: red, green, blue, alpha, u, v.
+/// A corner of a triangle: its position in 1/256 pixel, and its attributes red, green, blue, alpha, u, v.
 #[derive(Clone, Copy)]
 struct Corner {
     x: i64,
     y: i64,
-    carried: [f32; 6],
+    attributes: [f32; 6],
 }
 
 impl Corner {
     fn new(vertex: &Vertex, scale: f32) -> Self {
         let snap = |at: f32| (f64::from(at) * f64::from(scale) * SUB as f64).round() as i64;
         let [r, g, b, a] = vertex.color.to_array().map(f32::from);
-        Self { x: snap(vertex.pos.x), y: snap(vertex.pos.y), carried: [r, g, b, a, vertex.uv.x, vertex.uv.y] }
+        Self {
+            x: snap(vertex.pos.x),
+            y: snap(vertex.pos.y),
+            attributes: [r, g, b, a, vertex.uv.x, vertex.uv.y],
+        }
     }
 }
 
-/// Twice the signed area of the triangle a, b and the point: positive on the edge's inner side.
+/// Twice the signed area of the triangle (a, b, point): positive on the inner side of the edge.
 fn side(a: &Corner, b: &Corner, x: i64, y: i64) -> i64 {
     (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x)
 }
@@ -128,7 +133,7 @@ struct Canvas {
     width: usize,
     height: usize,
     pixels: Vec<Color32>,
-    /// Columns from, to; rows from, to.
+    /// First and last column, first and last row; the last ones are exclusive.
     clip: [i64; 4],
 }
 
@@ -140,8 +145,8 @@ impl Canvas {
     fn mesh(&mut self, mesh: &Mesh, texture: &Texture, scale: f32) {
         for triangle in mesh.indices.chunks_exact(3) {
             let vertices = [0, 1, 2].map(|k| &mesh.vertices[triangle[k] as usize]);
-            let sound = |v: &&Vertex| v.pos.x.abs() < 1e6 && v.pos.y.abs() < 1e6;
-            if texture.pixels.is_empty() || !vertices.iter().all(sound) {
+            let is_valid = |v: &&Vertex| v.pos.x.abs() < 1e6 && v.pos.y.abs() < 1e6;
+            if texture.pixels.is_empty() || !vertices.iter().all(is_valid) {
                 continue;
             }
             let [a, b, c] = vertices.map(|vertex| Corner::new(vertex, scale));
@@ -155,8 +160,8 @@ impl Canvas {
 
     fn triangle(&mut self, corners: [Corner; 3], area: i64, texture: &Texture) {
         let [a, b, c] = &corners;
-        let flat = a.carried == b.carried && b.carried == c.carried;
-        let flat = flat.then(|| fragment(a.carried, texture));
+        let flat = a.attributes == b.attributes && b.attributes == c.attributes;
+        let flat = flat.then(|| fragment(a.attributes, texture));
         let [from_x, to_x, from_y, to_y] = self.clip;
         let row_of = |y: i64| (y - SUB / 2).div_euclid(SUB);
         let (top, low) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
@@ -164,7 +169,7 @@ impl Canvas {
             let y = row * SUB + SUB / 2;
             let (mut from, mut to) = (from_x, to_x);
             for (p, q) in [(a, b), (b, c), (c, a)] {
-                // On the edge itself a pixel belongs to the triangle only if the edge is a top or a left one.
+                // A pixel on an edge belongs to the triangle only if it is a top or left edge.
                 let owns = q.y < p.y || (q.y == p.y && q.x > p.x);
                 let needs = i64::from(!owns);
                 let at_first = side(p, q, SUB / 2, y);
@@ -190,24 +195,24 @@ impl Canvas {
             let at = |x: i64| -> [f64; 6] {
                 let (of_b, of_c) = (parts(c, a, x), parts(a, b, x));
                 std::array::from_fn(|k| {
-                    let [a, b, c] = [a, b, c].map(|corner| f64::from(corner.carried[k]));
+                    let [a, b, c] = [a, b, c].map(|corner| f64::from(corner.attributes[k]));
                     a + of_b * (b - a) + of_c * (c - a)
                 })
             };
             let (first, next) = (at(x), at(x + SUB));
             for (n, pixel) in span.iter_mut().enumerate() {
-                let carried = std::array::from_fn(|k| (first[k] + (next[k] - first[k]) * n as f64) as f32);
-                blend(pixel, fragment(carried, texture));
+                let attributes = std::array::from_fn(|k| (first[k] + (next[k] - first[k]) * n as f64) as f32);
+                blend(pixel, fragment(attributes, texture));
             }
         }
     }
 }
 
-/// The colour of a place that carries so much, 0..255.
-fn fragment(carried: [f32; 6], texture: &Texture) -> [f32; 4] {
-    let [.., u, v] = carried;
+/// The colour of a pixel with these attributes, each channel 0 to 255.
+fn fragment(attributes: [f32; 6], texture: &Texture) -> [f32; 4] {
+    let [.., u, v] = attributes;
     let sampled = texture.sample(u, v);
-    std::array::from_fn(|k| carried[k] * sampled[k] / 255.0)
+    std::array::from_fn(|k| attributes[k] * sampled[k] / 255.0)
 }
 
 fn fill(span: &mut [Color32], colour: [f32; 4]) {
@@ -220,10 +225,10 @@ fn fill(span: &mut [Color32], colour: [f32; 4]) {
     }
 }
 
-/// `over`, premultiplied: what is there shows through as far as the colour is not opaque.
+/// Blends a premultiplied colour over a pixel.
 fn blend(pixel: &mut Color32, colour: [f32; 4]) {
     let under = pixel.to_array();
-    let shows = 1.0 - colour[3] / 255.0;
-    let [r, g, b, a] = std::array::from_fn(|k| (colour[k] + f32::from(under[k]) * shows + 0.5) as u8);
+    let transparency = 1.0 - colour[3] / 255.0;
+    let [r, g, b, a] = std::array::from_fn(|k| (colour[k] + f32::from(under[k]) * transparency + 0.5) as u8);
     *pixel = Color32::from_rgba_premultiplied(r, g, b, a);
 }

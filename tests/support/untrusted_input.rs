@@ -1,8 +1,7 @@
-//! What is done with a file from a stranger: for each kind what a user's program would do with it, as far as it takes no
-//! time. The fuzzers (`fuzz/`) and the tests (`tests/untrusted_input.rs`) go through these functions.
+//! Readers for untrusted files, one per kind. The fuzzers (`fuzz/`) and the tests (`tests/untrusted_input.rs`) use them.
 //!
-//! In: any bytes. Out: nothing, or whether they were a sound file; what must never come is a panic, a long wait, or a lot
-//! of memory. Where a file is sound, what was read of it must be worth something: it is written and read again, and used.
+//! In: any bytes. Out: whether they are a valid file. A reader must not panic, take long or use much memory. It uses a valid
+//! file as the program would, as far as that is fast, and checks that it is unchanged after being written and read again.
 
 use std::cell::RefCell;
 use std::io::Read;
@@ -21,11 +20,11 @@ use wayfield::scenario::{MAX_FILE_BYTES, Scenario, draw_start_and_goal, parse_ro
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::{EpisodeEnded, ObservationLayout, TaskFault};
 
-/// The name that errors give the file.
-const NAME: &str = "stranger.ron";
+/// The file name in error messages.
+const NAME: &str = "untrusted.ron";
 
-/// A policy's file. Where it begins with `S`, the length of its header, which mutations spoil at once, is put right: `S`,
-/// two bytes of length, the header, the tensors.
+/// Reads a policy file. Bytes that start with `S` are in a framed form, in which mutations cannot invalidate the length of the
+/// header: `S`, two bytes of length, the header, the tensors.
 pub fn policy(bytes: &[u8]) -> bool {
     let file = match bytes {
         [b'S', low, high, rest @ ..] => {
@@ -52,13 +51,12 @@ pub fn policy(bytes: &[u8]) -> bool {
     let _ = policy_card::encoding(&policy).map_err(|error| error.to_string());
     let _ = evaluate::check_compatible(&policy, &Scenario::default(), &ObservationLayout::default())
         .map_err(|error| error.to_string());
-    let again =
-        Policy::from_bytes(&policy.to_bytes().expect("its weights are finite")).expect("it was written");
-    assert!(again == policy, "what is written is read back");
+    let again = Policy::from_bytes(&policy.to_bytes().expect("finite weights")).expect("a valid policy");
+    assert!(again == policy, "writing and reading changes nothing");
     true
 }
 
-/// The text of a scenario's file: as it is run, and as it is edited.
+/// Reads a scenario as for a run; an invalid one as a draft for the editor.
 pub fn scenario(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     if let Err(error) = parse_ron::<Scenario>(text, NAME) {
@@ -67,34 +65,34 @@ pub fn scenario(bytes: &[u8]) -> bool {
     }
     match Scenario::parse(text, NAME) {
         Ok(scenario) => {
-            written_and_read(&scenario, text);
+            check_round_trip(&scenario, text);
             let layout_seed = bytes.len() as u64;
-            let room = scenario.with_generated_obstacles(layout_seed);
-            assert!(room.obstacles.len() <= scenario.max_obstacles());
-            // There may be none at this moment; then it says so.
-            let _ = draw_start_and_goal(&room, layout_seed, &mut stream(layout_seed, "places", 0));
+            let generated = scenario.with_generated_obstacles(layout_seed);
+            assert!(generated.obstacles.len() <= scenario.max_obstacles());
+            // There may be no free space for them; then it returns an error.
+            let _ = draw_start_and_goal(&generated, layout_seed, &mut stream(layout_seed, "places", 0));
             true
         }
         Err(error) => {
             assert!(!error.to_string().is_empty());
             if let Ok(draft) = Scenario::parse_draft(text, NAME) {
-                written_and_read(&draft, text);
+                check_round_trip(&draft, text);
             }
             false
         }
     }
 }
 
-fn written_and_read(scenario: &Scenario, like: &str) {
+fn check_round_trip(scenario: &Scenario, like: &str) {
     for text in [to_text(scenario, Some(like)), to_text(scenario, None)] {
-        // (Thousands of obstacles without a space between them take more bytes when they are written in order.)
+        // Thousands of obstacles without any spaces between them need more bytes when they are formatted.
         let too_long = text.len() as u64 > MAX_FILE_BYTES;
         let again = parse_ron::<Scenario>(&text, NAME);
-        assert!(too_long || again.as_ref() == Ok(scenario), "what is written is read back: {text}");
+        assert!(too_long || again.as_ref() == Ok(scenario), "writing and reading changes nothing: {text}");
     }
 }
 
-/// The text of a preset's file; where what it asks for is small, a learner is made and fed.
+/// Reads a preset. If it describes a small learner, creates and trains one.
 pub fn preset(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     let preset = match Preset::parse(text, NAME) {
@@ -104,20 +102,20 @@ pub fn preset(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    let again = Preset::parse(&to_ron(&preset).expect("a preset is RON"), NAME);
-    assert!(again.as_ref() == Ok(&preset), "what is written is read back");
+    let again = Preset::parse(&to_ron(&preset).expect("a preset can be written as RON"), NAME);
+    assert!(again.as_ref() == Ok(&preset), "writing and reading changes nothing");
     let learning = &preset.learning;
     let widths: usize = learning.network.hidden.iter().sum();
     let steps = preset.arenas * (learning.n_step + 1);
     if learning.replay.capacity <= 512 && widths <= 32 && steps <= 64 {
-        fed(&preset);
+        train_learner(&preset);
     }
     true
 }
 
-/// A learner for observations of two numbers and two actions, that remembers a few steps, and learns if it soon can.
-fn fed(preset: &Preset) {
-    let mut learner = Learner::new(&preset.learning, 2, 2, preset.arenas, 1).expect("it was checked");
+/// Creates a learner with two inputs and two actions, stores a few transitions, and trains it if that is fast.
+fn train_learner(preset: &Preset) {
+    let mut learner = Learner::new(&preset.learning, 2, 2, preset.arenas, 1).expect("a valid configuration");
     for step in 0..12 {
         for env_index in 0..preset.arenas {
             learner.store(&Experience {
@@ -135,7 +133,7 @@ fn fed(preset: &Preset) {
         }
         assert!((0.0..=1.0).contains(&learner.epsilon()));
         if learner.config().batch_size <= 16 && learner.pending_updates() <= 2 {
-            // It may diverge; then it says so.
+            // It may diverge; then it returns an error.
             let _ = learner.train().map_err(|diverged| diverged.to_string());
         }
     }
@@ -147,7 +145,7 @@ fn fed(preset: &Preset) {
     assert_eq!((q(learner.network()), q(learner.target_network())), (2, 2));
 }
 
-/// The text of an experiment's file; where it names what is shipped and asks for few trainings, they are planned.
+/// Reads an experiment. If it uses only shipped files and few training runs, plans them.
 pub fn experiment(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     let experiment = match Experiment::parse(text, NAME) {
@@ -157,11 +155,11 @@ pub fn experiment(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    // (By its text: what it changes may be no number, which is told when it is planned.)
-    let written = to_ron(&experiment).expect("an experiment is RON");
+    // Compared as text, because overrides may contain NaN, which planning rejects.
+    let written = to_ron(&experiment).expect("an experiment can be written as RON");
     let again = Experiment::parse(&written, NAME).map(|again| to_ron(&again));
-    assert!(again == Ok(Ok(written)), "what is written is read back");
-    // Planning reads the scenarios: those of the smallest, now and then.
+    assert!(again == Ok(Ok(written)), "writing and reading changes nothing");
+    // Planning loads the scenarios, so only small ones are planned, and only one time in sixteen.
     let shipped = |name: &str, known: &[&str]| known.contains(&name);
     let stages = experiment.arms.iter().flat_map(|arm| &arm.stages);
     let known = stages.clone().all(|stage| {
@@ -176,15 +174,15 @@ pub fn experiment(bytes: &[u8]) -> bool {
             tables: (0..experiment.tables.len()).collect(),
             source: ExperimentSource { from: NAME.into(), experiment },
         };
-        // What it changes may not fit; then it says so.
+        // Its overrides may not fit; then it returns an error.
         let _ = RunPlan::new(&[selected]).map_err(|error| error.to_string());
     }
     true
 }
 
-/// What a run of two arenas is told whose checkpoint is read here.
+/// The scenario and the preset of the run whose checkpoints are read here.
 const SCENARIO: &str = r#"(
-    name: "Strangers",
+    name: "Untrusted input",
     enclosure: Rectangle(width_m: 3.0, height_m: 3.0),
     obstacles: [(shape: Circle(radius_m: 0.1), position_m: (0.8, 0.0), motion: Orbit(centre_m: (0.0, 0.0), speed_rad_s: 0.5))],
     generators: [(count: 1, shape: Rectangle(width_m: (0.1, 0.2), height_m: (0.1, 0.2)), gap_m: 0.3)],
@@ -208,7 +206,7 @@ const PRESET: &str = "(
     ),
 )";
 
-/// That run: its configuration, and its world, which is made once.
+/// The run: its configuration and its simulation, which is built once per thread.
 struct Run {
     config: RunConfig,
     simulation: Simulation,
@@ -231,7 +229,7 @@ impl Run {
             scenario,
             preset,
         };
-        let learner = Learner::new(&config.preset.learning, 7, 2, 2, 1).expect("it was checked");
+        let learner = Learner::new(&config.preset.learning, 7, 2, 2, 1).expect("a valid configuration");
         let scenario = Arc::new(config.scenario.clone());
         let simulation =
             training_setup::training(&scenario, &config.preset, 1, learner, &Extensions::default());
@@ -243,9 +241,9 @@ thread_local! {
     static RUN: RefCell<Run> = RefCell::new(Run::new());
 }
 
-/// A checkpoint, without what mutations spoil at once: two bytes of length, two more, the head of the run's part and the
-/// head of the learner's, which are so long, and the learner's arrays. What is missing of those is taken to be zeros.
-/// Where it is sound, the run goes on from there for two steps.
+/// Reads a checkpoint in a framed form, in which mutations cannot invalidate lengths and checksums: two lengths of two bytes,
+/// the run's head, the learner's head, and the learner's arrays, padded with zeros. From a valid checkpoint the run continues
+/// for two control steps.
 pub fn checkpoint(bytes: &[u8]) -> bool {
     RUN.with_borrow_mut(|Run { config, simulation }| {
         let (trainer_state, learner) = match checkpoint::read_from(Framed::new(bytes), config) {
@@ -261,10 +259,11 @@ pub fn checkpoint(bytes: &[u8]) -> bool {
         world.insert_resource(TrainingFault::default());
         checkpoint::restore(world, &trainer_state);
         let again = written(world, &mut trainer_state.clone());
-        let (there, _) = checkpoint::read_from(&again[..], config).expect("what is written is read back");
-        assert!(there == trainer_state, "to the bit");
+        let (there, _) =
+            checkpoint::read_from(&again[..], config).expect("writing and reading changes nothing");
+        assert!(there == trainer_state, "writing and reading changes nothing");
         for _ in 0..2 {
-            // No place may be found, or it may diverge; then it says so.
+            // There may be no free space, or learning may diverge; then it returns an error.
             if wayfield::simulation::step(world).map_err(|error| error.to_string()).is_err() {
                 break;
             }
@@ -276,12 +275,12 @@ pub fn checkpoint(bytes: &[u8]) -> bool {
 
 fn written(world: &mut World, trainer_state: &mut checkpoint::TrainerState) -> Vec<u8> {
     let mut file = Vec::new();
-    checkpoint::write_to(&mut file, world, trainer_state).expect("memory can be written");
+    checkpoint::write_to(&mut file, world, trainer_state).expect("a vector can be written");
     file
 }
 
-/// What [`checkpoint`] takes as a sound one: of the run after `steps` control steps.
-#[allow(dead_code, reason = "the fuzzers have theirs from a file")]
+/// A valid checkpoint of the run after `steps` control steps, in the framed form.
+#[allow(dead_code, reason = "the fuzzers read checkpoints from files")]
 pub fn valid_checkpoint(steps: usize) -> Vec<u8> {
     let Run { config, mut simulation } = Run::new();
     let policy = simulation.world().resource::<ActiveLearner>().0.policy();
@@ -290,7 +289,7 @@ pub fn valid_checkpoint(steps: usize) -> Vec<u8> {
         mean_time_s: Some(3.0),
         mean_cost_s: 4.0,
         min_cost_s: 4.0,
-        bytes: policy.to_bytes().expect("its weights are finite"),
+        bytes: policy.to_bytes().expect("finite weights"),
     };
     let mut trainer_state = checkpoint::TrainerState {
         best: Some(best),
@@ -304,21 +303,21 @@ pub fn valid_checkpoint(steps: usize) -> Vec<u8> {
         simulation.step().unwrap_or_else(|error| panic!("{error}"));
     }
     let file = written(simulation.world_mut(), &mut trainer_state);
-    let number = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().expect("eight bytes")) as usize;
+    let number = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().expect("8 bytes")) as usize;
     let head = &file[24..24 + number(12)];
     let learner = &file[24 + head.len()..];
-    let its_length = number(24 + head.len() + 12);
-    let its_head = &learner[20..20 + its_length];
-    let arrays = &learner[20 + its_length..learner.len() - 4];
-    let lengths = [head.len() as u16, its_head.len() as u16].map(u16::to_le_bytes).concat();
-    [&lengths, head, its_head, arrays].concat()
+    let learner_head_length = number(24 + head.len() + 12);
+    let learner_head = &learner[20..20 + learner_head_length];
+    let arrays = &learner[20 + learner_head_length..learner.len() - 4];
+    let lengths = [head.len() as u16, learner_head.len() as u16].map(u16::to_le_bytes).concat();
+    [&lengths, head, learner_head, arrays].concat()
 }
 
-/// The file of a checkpoint in which lengths and checksums are right whatever the bytes are.
+/// A checkpoint file with valid lengths and checksums around arbitrary bytes.
 struct Framed<'a> {
     /// Everything up to the learner's arrays.
     before: Vec<u8>,
-    /// Where the learner's part begins, over which its checksum goes.
+    /// The start of the learner's part, which its checksum covers.
     learner: usize,
     read: usize,
     arrays: &'a [u8],
@@ -333,18 +332,18 @@ impl<'a> Framed<'a> {
             usize::from(u16::from_le_bytes([byte(2 * k), byte(2 * k + 1)]))
         };
         let (head, rest) = rest.split_at(length(0).min(rest.len()));
-        let (its_head, arrays) = rest.split_at(length(1).min(rest.len()));
-        let mut before = Vec::with_capacity(64 + head.len() + its_head.len());
+        let (learner_head, arrays) = rest.split_at(length(1).min(rest.len()));
+        let mut before = Vec::with_capacity(64 + head.len() + learner_head.len());
         before.extend_from_slice(b"wayfrun\n");
-        before.extend_from_slice(&3_u32.to_le_bytes());
+        before.extend_from_slice(&checkpoint::VERSION.to_le_bytes());
         before.extend_from_slice(&(head.len() as u64).to_le_bytes());
         before.extend_from_slice(&crc32c::crc32c(head).to_le_bytes());
         before.extend_from_slice(head);
         let learner = before.len();
         before.extend_from_slice(b"wayfield");
         before.extend_from_slice(&1_u32.to_le_bytes());
-        before.extend_from_slice(&(its_head.len() as u64).to_le_bytes());
-        before.extend_from_slice(its_head);
+        before.extend_from_slice(&(learner_head.len() as u64).to_le_bytes());
+        before.extend_from_slice(learner_head);
         Self { before, learner, read: 0, arrays, crc: 0 }
     }
 }
@@ -353,7 +352,7 @@ impl Read for Framed<'_> {
     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
         let left = &self.before[self.read..];
         if left.is_empty() && into.len() == 4 {
-            // Only the checksum at the end is so short.
+            // Only the checksum at the end is read with 4 bytes.
             into.copy_from_slice(&self.crc.to_le_bytes());
             return Ok(4);
         }

@@ -1,12 +1,12 @@
-// The page in a real browser, as its user meets it. Slow (a software GPU draws some ten frames a second), so each test
-// does much; all of them are about what is promised in docs/browser.md.
+// The page in a real browser, as a user meets it. A software GPU draws only about ten frames per second, so each test checks
+// several promises of docs/browser.md at once.
 
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { brotliCompressSync, constants } from 'node:zlib';
-import { SOFTWARE_GPU, canBeHidden, click, launch, open, picture, press, serve, standing, until } from './support.mjs';
+import { SOFTWARE_GPU, canBeHidden, click, launch, open, picture, press, serve, status, until } from './support.mjs';
 
 let host;
 let browser;
@@ -19,61 +19,60 @@ after(async () => {
     await browser?.close();
 });
 
-// Where some controls stand in Scenario I with the preset fast, in a viewport 1280 points wide and high enough.
-const HIGH = { viewport: { width: 1280, height: 900 } };
+// Positions of controls in Scenario I with the preset fast, in a viewport 1280 points wide.
+const TALL = { viewport: { width: 1280, height: 900 } };
 const PAUSE = [123, 28];
 const PLOTS_PANEL = [1257, 28];
-const WORLD = [123, 101];
-const THIRD_WORLD = [50, 192];
-// With the world Empty chosen, whose description is shorter.
-const START_AGAIN = [123, 318];
-const GO_ON_WITH_WHAT_IT_HAS_LEARNT = [123, 354];
+const SCENARIO = [123, 101];
+const THIRD_SCENARIO = [50, 192];
+// With the scenario Empty selected, whose description is shorter.
+const START_NEW = [123, 318];
+const KEEP_TRAINING_HERE = [123, 354];
 const EXPERT = [123, 707];
 const OPEN = [67, 739];
-const SAVE_WORLD = [67, 771];
-const SAVE_WORLD_ONCE_CHANGED = [67, 790];
+const SAVE_SCENARIO = [67, 771];
+const SAVE_MODIFIED_SCENARIO = [67, 790];
 const OBSTACLE = [491, 381];
 // In the editor.
 const ADD_CIRCLE = [48, 217];
 const UNDO = [169, 112];
-const EDITED_SAVE = [67, 875];
-const GO_ON_HERE = [67, 841];
+const EDITOR_SAVE = [67, 875];
+const CONTINUE_HERE = [67, 841];
 
-const noComplaints = (page) => assert.deepEqual(page.complaints, []);
+const assertNoErrors = (page) => assert.deepEqual(page.errors, []);
 
-test('the module is at most 6 MB on its way', async (t) => {
+test('the compressed module has at most 6 MB', async (t) => {
     const module = await readFile(new URL('wayfield_bg.wasm', pathToFileURL(`${process.env.WAYFIELD_PAGE}/`)));
-    const packed = brotliCompressSync(module, { params: { [constants.BROTLI_PARAM_QUALITY]: 9 } }).length;
-    t.diagnostic(`${module.length} bytes, ${packed} by brotli`);
-    assert.ok(packed <= 6_000_000, `${packed} bytes`);
+    const compressed = brotliCompressSync(module, { params: { [constants.BROTLI_PARAM_QUALITY]: 9 } }).length;
+    t.diagnostic(`${module.length} bytes, ${compressed} with brotli`);
+    assert.ok(compressed <= 6_000_000, `${compressed} bytes`);
 });
 
-test('it loads below any path, asks nobody else, and learns to drive', async (t) => {
+test('the page works under any path, contacts no other host, and the robot learns to drive', async (t) => {
     const page = await open(browser, `${host.address}?pace=full`, { options: { colorScheme: 'light' } });
     assert.equal(await page.evaluate(() => document.body.dataset.state), 'started');
-    const started = await page.evaluate(() => Number(document.body.dataset.startedMs));
+    const startedMs = await page.evaluate(() => Number(document.body.dataset.startedMs));
     const first = await until(page, (now) => now.env_steps > 0);
     await until(page, (now) => now.episodes > first.episodes && now.gradient_steps > 0);
     const good = await until(page, (now) => now.best_success_rate >= 0.9, 240);
     const goodAfter = await page.evaluate(() => performance.now() / 1000);
-    assert.ok(good.env_steps <= 30_000, `${good.env_steps} env steps to 90 %`);
+    assert.ok(good.env_steps <= 30_000, `${good.env_steps} env steps to 90 % success`);
     const best = await until(page, (now) => now.best_success_rate >= 0.99, 240);
     const seconds = await page.evaluate(() => performance.now() / 1000);
-    t.diagnostic(`started after ${started} ms; 90 % after ${goodAfter.toFixed(1)} s, 99 % after ${seconds.toFixed(1)} s `
+    t.diagnostic(`started after ${startedMs} ms; 90 % after ${goodAfter.toFixed(1)} s, 99 % after ${seconds.toFixed(1)} s `
         + `(${best.env_steps} env steps); longest slice ${best.longest_slice_ms.toFixed(1)} ms, `
-        + `on average ${(best.stepping_ms / best.frames).toFixed(1)} ms a frame; ${best.frames_per_s.toFixed(1)} frames/s; `
-        + `${(best.stepping_ms / best.gradient_steps).toFixed(2)} ms for a gradient step with all that goes with it`);
-    assert.ok(seconds <= 60, `${seconds} s to 99 %`);
+        + `mean ${(best.stepping_ms / best.frames).toFixed(1)} ms per frame; ${best.frames_per_s.toFixed(1)} frames/s; `
+        + `${(best.stepping_ms / best.gradient_steps).toFixed(2)} ms of stepping per gradient step`);
+    assert.ok(seconds <= 60, `${seconds} s to 99 % success`);
     await picture(page, 'learnt');
-    // What who cannot see the canvas is told.
-    const told = await page.textContent('#standing');
-    assert.match(told, /scenario-1, fast: \d+ episodes, [\d.]+ % of the test's episodes succeed/);
-    for (const url of page.asked) assert.ok(url.startsWith(host.address) || url === 'data:,', `it asked for ${url}`);
-    noComplaints(page);
+    const description = await page.textContent('#status');
+    assert.match(description, /Scenario scenario-1, preset fast: \d+ episodes, success rate [\d.]+ %/, 'for screen readers');
+    for (const url of page.requests) assert.ok(url.startsWith(host.address) || url === 'data:,', `unexpected request: ${url}`);
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('it runs no script but its own, and can reach nobody else, whoever tries', async () => {
+test('the page runs no foreign script and can contact no other host', async () => {
     const page = await open(browser, host.address);
     const tried = await page.evaluate(async () => {
         const forbidden = new Set();
@@ -93,7 +92,7 @@ test('it runs no script but its own, and can reach nobody else, whoever tries', 
                 return 'refused';
             }
         };
-        // (Later: what the debugger asks for at once is allowed more than the page is.)
+        // Delayed, because code that the debugger evaluates directly is not subject to the page's policy.
         const evaluated = await new Promise((later) => setTimeout(() => later(evaluate()), 100));
         await new Promise((later) => setTimeout(later, 500));
         return { reached, evaluated, ran: globalThis.ran ?? 'nothing', forbidden: [...forbidden].sort() };
@@ -105,78 +104,78 @@ test('it runs no script but its own, and can reach nobody else, whoever tries', 
     await page.context().close();
 });
 
-test('the address chooses scenario, preset, seed and pace, and follows what is chosen', async () => {
+test('the address selects scenario, preset, seed and pace', async () => {
     const page = await open(browser, `${host.address}?scenario=scenario-2&preset=per_d3qn&seed=4294967295&pace=20&paused`);
     const now = await until(page, (now) => now.scenario === 'scenario-2');
     assert.deepEqual([now.preset, now.seed, now.paused, now.pace], ['per_d3qn', 4294967295, true, { Times: 20 }]);
     assert.equal(now.env_steps, 0);
-    await picture(page, 'asked-for');
-    noComplaints(page);
+    await picture(page, 'from-address');
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('another world is chosen with the mouse, with what was learnt or from nothing, and the address tells', async () => {
-    const page = await open(browser, `${host.address}?seed=5`, { options: HIGH });
+test('another scenario is selected with the mouse, for a transfer or a new training, and the address follows', async () => {
+    const page = await open(browser, `${host.address}?seed=5`, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
-    await click(page, ...WORLD);
-    await click(page, ...THIRD_WORLD);
-    await picture(page, 'chosen');
-    await click(page, ...GO_ON_WITH_WHAT_IT_HAS_LEARNT);
+    await click(page, ...SCENARIO);
+    await click(page, ...THIRD_SCENARIO);
+    await picture(page, 'selected');
+    await click(page, ...KEEP_TRAINING_HERE);
     await until(page, (now) => now.scenario === 'empty' && now.env_steps > 0);
     await page.waitForFunction(() => location.search === '', null, { timeout: 20_000 });
-    await click(page, ...START_AGAIN);
+    await click(page, ...START_NEW);
     await page.waitForFunction(() => new URLSearchParams(location.search).get('scenario') === 'empty', null, { timeout: 20_000 });
-    const now = await standing(page);
+    const now = await status(page);
     assert.deepEqual([now.scenario, now.preset, now.seed], ['empty', 'fast', 5]);
-    noComplaints(page);
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('an expert is one click away, beside what was learnt so far', async () => {
-    const page = await open(browser, host.address, { options: HIGH });
+test('an expert drives next to the present policy after one click', async () => {
+    const page = await open(browser, host.address, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
     await click(page, ...EXPERT);
     const now = await until(page, (now) => now.mode === 'Compare');
     assert.match(now.notice, /Expert of Scenario I/);
     await page.waitForTimeout(4000);
     await picture(page, 'expert');
-    assert.equal((await standing(page)).env_steps, now.env_steps, 'nothing is learnt meanwhile');
-    noComplaints(page);
+    assert.equal((await status(page)).env_steps, now.env_steps, 'training is suspended meanwhile');
+    assertNoErrors(page);
     await page.context().close();
 });
 
-const ownWorld = async (name) => (await readFile(new URL('../../scenarios/scenario-1.ron', import.meta.url), 'utf8'))
+const ownScenario = async (name) => (await readFile(new URL('../../scenarios/scenario-1.ron', import.meta.url), 'utf8'))
     .replace(/name: "[^"]*"/, `name: "${name}"`);
 const file = (name, text) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
 
-test('a broken scenario is answered with line and column, and all goes on; a good one is begun, and shared by its link', async () => {
-    const page = await open(browser, host.address, { options: HIGH });
+test('a broken scenario is reported with line and column and training continues; a valid one starts, and its link can be shared', async () => {
+    const page = await open(browser, host.address, { options: TALL });
     const before = await until(page, (now) => now.env_steps > 0);
-    const good = await ownWorld('Mine');
-    await page.setInputFiles('#file', file('broken.ron', good.replace('radius_m', 'radius_cm')));
-    const told = await until(page, (now) => now.notice !== null);
-    assert.match(told.notice, /broken\.ron:\d+:\d+: .*radius_cm.*did you mean `radius_m`/s);
-    await until(page, (now) => now.env_steps > told.env_steps);
+    const valid = await ownScenario('Mine');
+    await page.setInputFiles('#file', file('broken.ron', valid.replace('radius_m', 'radius_cm')));
+    const reported = await until(page, (now) => now.notice !== null);
+    assert.match(reported.notice, /broken\.ron:\d+:\d+: .*radius_cm.*did you mean `radius_m`/s);
+    await until(page, (now) => now.env_steps > reported.env_steps);
     await picture(page, 'broken');
-    for (const [name, text] of [['empty.ron', ''], ['picture.png', 'not a world'], ['short.safetensors', 'no policy'],
+    for (const [name, text] of [['empty.ron', ''], ['picture.png', 'not an image'], ['short.safetensors', 'not a policy'],
         ['deep.ron', '('.repeat(100_000)]]) {
         await page.setInputFiles('#file', file(name, text));
         await until(page, (now) => now.notice?.includes(name));
     }
-    await page.setInputFiles('#file', file('mine.ron', good));
-    const begun = await until(page, (now) => now.scenario === 'mine.ron' && now.env_steps > 0);
-    assert.equal(begun.preset, before.preset);
-    await page.waitForFunction(() => location.hash.startsWith('#world='));
+    await page.setInputFiles('#file', file('mine.ron', valid));
+    const started = await until(page, (now) => now.scenario === 'mine.ron' && now.env_steps > 0);
+    assert.equal(started.preset, before.preset);
+    await page.waitForFunction(() => location.hash.startsWith('#scenario='));
     const link = page.url();
-    assert.ok(link.length < 2000, `${link.length} letters`);
-    noComplaints(page);
+    assert.ok(link.length < 2000, `${link.length} characters`);
+    assertNoErrors(page);
     await page.context().close();
 
-    const other = await open(browser, link, { options: HIGH });
+    const other = await open(browser, link, { options: TALL });
     const shared = await until(other, (now) => now.env_steps > 0);
     assert.equal(shared.scenario, 'mine.ron');
     await picture(other, 'shared');
-    noComplaints(other);
+    assertNoErrors(other);
     await other.context().close();
 
     const damaged = await open(browser, `${link.slice(0, -40)}`);
@@ -186,8 +185,8 @@ test('a broken scenario is answered with line and column, and all goes on; a goo
     await damaged.context().close();
 });
 
-test('a policy goes out as a file and comes back; a dropped file is opened, too', async () => {
-    const page = await open(browser, host.address, { options: HIGH });
+test('a policy is saved and opened again; a dropped file is opened, too', async () => {
+    const page = await open(browser, host.address, { options: TALL });
     await until(page, (now) => now.gradient_steps > 0);
     const [saved] = await Promise.all([page.waitForEvent('download'), press(page, 'Control', 's')]);
     assert.equal(saved.suggestedFilename(), 'scenario-1-fast-0.safetensors');
@@ -202,21 +201,21 @@ test('a policy goes out as a file and comes back; a dropped file is opened, too'
         dataTransfer.items.add(new File([text], name));
         document.querySelector('canvas').dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
     }, [name, text]);
-    await drop('dropped.ron', await ownWorld('Dropped'));
+    await drop('dropped.ron', await ownScenario('Dropped'));
     await until(page, (now) => now.scenario === 'dropped.ron' && now.mode === 'Train');
-    noComplaints(page);
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('an obstacle is dragged with the mouse, and the world saved as it stands then', async () => {
-    const page = await open(browser, `${host.address}?paused`, { options: HIGH });
+test('an obstacle is dragged with the mouse, and the modified scenario is saved', async () => {
+    const page = await open(browser, `${host.address}?paused`, { options: TALL });
     await until(page, (now) => now.paused);
     const saveAt = async (place) => {
         const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...place)]);
         assert.match(saved.suggestedFilename(), /\.ron$/);
         return readFile(await saved.path(), 'utf8');
     };
-    const before = await saveAt(SAVE_WORLD);
+    const before = await saveAt(SAVE_SCENARIO);
     assert.match(before, /name: "Scenario I"/);
     await page.mouse.move(...OBSTACLE);
     await page.waitForTimeout(500);
@@ -228,42 +227,42 @@ test('an obstacle is dragged with the mouse, and the world saved as it stands th
     await page.mouse.up();
     await until(page, (now) => now.scenario_modified);
     await picture(page, 'dragged');
-    const moved = await saveAt(SAVE_WORLD_ONCE_CHANGED);
+    const moved = await saveAt(SAVE_MODIFIED_SCENARIO);
     const differ = before.split('\n').filter((line, k) => line !== moved.split('\n')[k]);
-    assert.equal(differ.length, 1, `one obstacle's place: ${differ}`);
-    noComplaints(page);
+    assert.equal(differ.length, 1, `only the position of one obstacle differs: ${differ}`);
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('a world is edited, saved with its comments, and what was learnt goes on in it', async () => {
-    const page = await open(browser, `${host.address}?scenario=empty&edit`, { options: HIGH });
+test('a scenario is edited, saved with its comments, and the training continues in it', async () => {
+    const page = await open(browser, `${host.address}?scenario=empty&edit`, { options: TALL });
     await until(page, (now) => now.paused);
     const save = async () => {
-        const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...EDITED_SAVE)]);
+        const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...EDITOR_SAVE)]);
         assert.equal(saved.suggestedFilename(), 'empty.ron');
         return readFile(await saved.path(), 'utf8');
     };
     const before = await save();
-    assert.match(before, /^\/\/ The enclosure alone/, 'the comments are there');
+    assert.match(before, /^\/\/ The enclosure alone/, 'comments are kept');
     await click(page, ...ADD_CIRCLE);
     await picture(page, 'editor');
     const added = await save();
     const lines = added.split('\n').filter((line) => !before.split('\n').includes(line));
-    assert.equal(lines.filter((line) => line.includes('Circle(radius_m:')).length, 1, `one more: ${lines}`);
-    assert.ok(lines.length <= 3, `and nothing else: ${lines}`);
+    assert.equal(lines.filter((line) => line.includes('Circle(radius_m:')).length, 1, `one more circle: ${lines}`);
+    assert.ok(lines.length <= 3, `nothing else has changed: ${lines}`);
     await click(page, ...UNDO);
-    assert.doesNotMatch(await save(), /Circle\(radius_m:/, 'undone is undone');
+    assert.doesNotMatch(await save(), /Circle\(radius_m:/, 'after undo the circle is gone');
     await click(page, ...ADD_CIRCLE);
-    const then = await standing(page);
-    await click(page, ...GO_ON_HERE);
-    const now = await until(page, (now) => now.scenario_modified && !now.paused && now.env_steps > then.env_steps);
-    assert.equal(now.scenario, 'empty.ron', 'as it was saved');
-    await picture(page, 'goes-on-in-the-edited-world');
-    noComplaints(page);
+    const beforeApplying = await status(page);
+    await click(page, ...CONTINUE_HERE);
+    const now = await until(page, (now) => now.scenario_modified && !now.paused && now.env_steps > beforeApplying.env_steps);
+    assert.equal(now.scenario, 'empty.ron', 'the saved file');
+    await picture(page, 'continues-in-edited-scenario');
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('the world and the first weights are to the bit what they are natively', async () => {
+test('simulation and initial weights are bit-identical to a native build', async () => {
     const page = await open(browser, `${host.address}?paused`);
     const fixture = new URL('../../tests/fixtures/fingerprints.json', import.meta.url);
     for (const { scenario, preset, seed, control_steps, fingerprint } of JSON.parse(await readFile(fixture))) {
@@ -271,15 +270,15 @@ test('the world and the first weights are to the bit what they are natively', as
             await page.setInputFiles('#file', file(scenario, await readFile(new URL(scenario, fixture))));
             await until(page, (now) => now.scenario === scenario);
         }
-        const found = await page.evaluate((asked) => wayfieldPage.program.fingerprint(...asked),
+        const found = await page.evaluate((args) => wayfieldPage.app.fingerprint(...args),
             [scenario, preset, seed, control_steps]);
         assert.equal(found, fingerprint, `${scenario}, ${preset}, seed ${seed}`);
     }
-    noComplaints(page);
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('while it is paused it costs next to nothing', async (t) => {
+test('a paused page uses almost no CPU', async (t) => {
     const page = await open(browser, `${host.address}?paused`);
     await until(page, (now) => now.paused);
     await page.waitForTimeout(3000);
@@ -289,29 +288,29 @@ test('while it is paused it costs next to nothing', async (t) => {
         const { metrics } = await cdp.send('Performance.getMetrics');
         return metrics.find(({ name }) => name === 'TaskDuration').value;
     };
-    const [before, frames] = [await busy(), (await standing(page)).frames];
+    const [before, frames] = [await busy(), (await status(page)).frames];
     await page.waitForTimeout(10_000);
-    const [after, later] = [await busy(), (await standing(page)).frames];
-    t.diagnostic(`paused for 10 s: the page's thread was busy for ${((after - before) * 1000).toFixed(0)} ms, `
+    const [after, later] = [await busy(), (await status(page)).frames];
+    t.diagnostic(`paused for 10 s: the main thread was busy for ${((after - before) * 1000).toFixed(0)} ms, `
         + `${later - frames} frames`);
     assert.ok(later - frames <= 20, `${later - frames} frames in 10 s`);
     assert.ok(after - before < 1, `busy for ${after - before} s of 10`);
-    noComplaints(page);
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('it outlives being hidden, and resized; and it takes touch', async () => {
+test('the page survives being hidden and resized, and accepts touch', async () => {
     const page = await open(browser, host.address, { options: { hasTouch: true }, prepare: canBeHidden });
     await until(page, (now) => now.env_steps > 0);
     await page.evaluate(() => hide());
     await page.waitForTimeout(2000);
-    const asleep = await standing(page);
+    const hidden = await status(page);
     await page.waitForTimeout(8000);
-    assert.deepEqual(await standing(page), asleep, 'nothing happens meanwhile');
+    assert.deepEqual(await status(page), hidden, 'nothing happens while hidden');
     await page.evaluate(() => show());
-    const later = await until(page, (now) => now.env_steps > asleep.env_steps);
+    const later = await until(page, (now) => now.env_steps > hidden.env_steps);
     // 8 s would be 3,200 env steps.
-    assert.ok(later.env_steps - asleep.env_steps < 2000, 'the time that it slept is not made up for');
+    assert.ok(later.env_steps - hidden.env_steps < 2000, 'hidden time is not caught up with');
     const canvas = () => page.evaluate(() => {
         const { width, height } = document.querySelector('canvas');
         return [width, height];
@@ -322,72 +321,72 @@ test('it outlives being hidden, and resized; and it takes touch', async () => {
             const { width, height } = document.querySelector('canvas');
             return width === w && height === h;
         }, [width, height], { timeout: 20_000 })
-            .catch(async () => assert.fail(`${width} x ${height}: the canvas has ${await canvas()}`));
-        const now = await standing(page);
+            .catch(async () => assert.fail(`the canvas is ${await canvas()} instead of ${width} x ${height}`));
+        const now = await status(page);
         await until(page, (later) => later.frames > now.frames + 2);
         await picture(page, `at-${width}x${height}`);
     }
     await page.touchscreen.tap(...PAUSE);
     await until(page, (now) => now.paused);
-    noComplaints(page);
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('on a screen of double density every pixel is drawn', async (t) => {
+test('the canvas has the full resolution of a high-density screen', async (t) => {
     const dense = await launch([...SOFTWARE_GPU, '--force-device-scale-factor=2']);
     t.after(() => dense.close());
     const page = await open(dense, host.address, { options: { viewport: null } });
     await until(page, (now) => now.frames > 3);
-    const [ratio, wide, drawn] = await page.evaluate(() =>
+    const [ratio, width, pixels] = await page.evaluate(() =>
         [devicePixelRatio, innerWidth, document.querySelector('canvas').width]);
     assert.equal(ratio, 2);
-    assert.equal(drawn, 2 * wide);
-    await picture(page, 'dense');
-    noComplaints(page);
+    assert.equal(pixels, 2 * width);
+    await picture(page, 'high-density');
+    assertNoErrors(page);
 });
 
-test('what cannot be begun is said, and the default begins', async () => {
+test('invalid options in the address are reported, and the defaults are used', async () => {
     const page = await open(browser, `${host.address}?scenario=scenario-9&seed=-1&pace=fastest`);
     const now = await until(page, (now) => now.env_steps > 0);
     assert.deepEqual([now.scenario, now.seed, now.pace], ['scenario-1', 0, { Times: 5 }]);
     assert.match(now.notice, /scenario-9.*did you mean `scenario-\d`/s);
-    await picture(page, 'no-such-world');
+    await picture(page, 'no-such-scenario');
     await page.context().close();
 });
 
-test('the browser keeps its keys, the program its own, and the desk is found as it was left', async () => {
+test('the app and the browser each keep their keys, and the view is restored after a reload', async () => {
     const page = await open(browser, host.address);
     await until(page, (now) => now.env_steps > 0);
-    const taken = (options) => page.evaluate((options) => {
+    const isTaken = (options) => page.evaluate((options) => {
         const event = new KeyboardEvent('keydown', { bubbles: true, cancelable: true, ...options });
         return !document.querySelector('canvas').dispatchEvent(event);
     }, options);
     for (const options of [{ key: ' ' }, { key: 'Tab' }, { key: 'ArrowUp' }, { key: 's', ctrlKey: true }, { key: 'o', metaKey: true }])
-        assert.ok(await taken(options), JSON.stringify(options));
+        assert.ok(await isTaken(options), JSON.stringify(options));
     for (const options of [{ key: 'F5' }, { key: 'F12' }, { key: 'r', ctrlKey: true }, { key: 'c', ctrlKey: true }, { key: 'Tab', ctrlKey: true }])
-        assert.ok(!await taken(options), JSON.stringify(options));
+        assert.ok(!await isTaken(options), JSON.stringify(options));
     await click(page, ...PLOTS_PANEL);
     await page.waitForFunction(() => localStorage.getItem('wayfield: preferences')?.includes('plots_open: false'));
     await page.reload();
     await until(page, (now) => now.frames > 5);
     await picture(page, 'without-plots');
     assert.match(await page.evaluate(() => localStorage.getItem('wayfield: preferences')), /plots_open: false/);
-    noComplaints(page);
+    assertNoErrors(page);
     await page.context().close();
 });
 
-test('without WebGL 2, or without the module, the page says so', async (t) => {
-    const none = await launch(['--disable-gpu', '--disable-3d-apis']);
-    t.after(() => none.close());
-    const blind = await open(none, host.address);
-    assert.equal(await blind.evaluate(() => document.body.dataset.state), 'failed');
-    assert.match(await blind.textContent('#said'), /WebGL 2/);
-    await picture(blind, 'no-webgl');
+test('a missing WebGL 2 or a missing module is reported', async (t) => {
+    const withoutWebGl = await launch(['--disable-gpu', '--disable-3d-apis']);
+    t.after(() => withoutWebGl.close());
+    const failed = await open(withoutWebGl, host.address);
+    assert.equal(await failed.evaluate(() => document.body.dataset.state), 'failed');
+    assert.match(await failed.textContent('#message'), /WebGL 2/);
+    await picture(failed, 'no-webgl');
     const page = await open(browser, host.address, {
         prepare: (page) => page.route('**/*.wasm?*', (route) => route.fulfill({ status: 404 })),
     });
     assert.equal(await page.evaluate(() => document.body.dataset.state), 'failed');
-    assert.match(await page.textContent('#said'), /could not be loaded/);
+    assert.match(await page.textContent('#message'), /could not be loaded/);
     assert.match(await page.textContent('#detail'), /404/);
     await picture(page, 'no-module');
     await page.context().close();

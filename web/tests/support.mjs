@@ -1,5 +1,5 @@
-// What the tests of the page share: a host that serves it, a browser that opens it, and words for what a user does.
-// In: the folder that web/build made. Out: pages, and what they say of themselves (`standing`, from src/app/browser.rs).
+// Shared by the page tests: a host that serves the page, a browser that opens it, and user actions.
+// In: the folder made by web/build. Out: pages, and the status that they report (from src/app/browser.rs).
 
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
@@ -13,14 +13,14 @@ const TYPES = {
     '.wasm': 'application/wasm',
 };
 
-/// Serves the page below a path of its own, as a project's page on a shared host; answers with its address.
+/// Serves the page under a sub-path, like a project page on a shared host. Returns its address.
 export async function serve() {
-    const below = '/some/where/';
+    const base = '/some/where/';
     const server = createServer(async (request, response) => {
-        const path = new URL(request.url, 'http://localhost').pathname; // (Without what tells builds apart.)
-        const name = path === below ? 'index.html' : path.slice(below.length);
+        const path = new URL(request.url, 'http://localhost').pathname; // Without the query, which is the mark of the build.
+        const name = path === base ? 'index.html' : path.slice(base.length);
         try {
-            if (!path.startsWith(below) || name.includes('/')) throw new Error('elsewhere');
+            if (!path.startsWith(base) || name.includes('/')) throw new Error('not served');
             const bytes = await readFile(join(WAYFIELD_PAGE, name));
             response.writeHead(200, { 'Content-Type': TYPES[extname(name)] ?? 'application/octet-stream' });
             response.end(bytes);
@@ -30,7 +30,7 @@ export async function serve() {
         }
     });
     await new Promise((listening) => server.listen(0, '127.0.0.1', listening));
-    return { address: `http://127.0.0.1:${server.address().port}${below}`, close: () => server.close() };
+    return { address: `http://127.0.0.1:${server.address().port}${base}`, close: () => server.close() };
 }
 
 const FLAGS = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
@@ -40,39 +40,39 @@ export const SOFTWARE_GPU = ['--use-gl=angle', '--use-angle=swiftshader', '--ena
 export const launch = (gpu = SOFTWARE_GPU) =>
     chromium.launch({ executablePath: WAYFIELD_CHROMIUM, args: [...FLAGS, ...gpu] });
 
-/// Opens a page that writes down all it complains of and all that it asks the network for.
+/// Opens a page, and records its errors and its network requests.
 export async function open(browser, address, { options = {}, prepare = async () => {} } = {}) {
     const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, acceptDownloads: true, ...options });
     const page = await context.newPage();
-    page.complaints = [];
-    page.asked = [];
+    page.errors = [];
+    page.requests = [];
     page.on('console', (message) => {
-        if (['error', 'warning'].includes(message.type())) page.complaints.push(message.text());
+        if (['error', 'warning'].includes(message.type())) page.errors.push(message.text());
     });
-    page.on('pageerror', (error) => page.complaints.push(String(error)));
-    page.on('request', (request) => page.asked.push(request.url()));
+    page.on('pageerror', (error) => page.errors.push(String(error)));
+    page.on('request', (request) => page.requests.push(request.url()));
     await prepare(page);
     await page.goto(address);
     await page.waitForFunction(() => document.body.dataset.state !== undefined, null, { timeout: 120_000 });
     return page;
 }
 
-/// What the page said last of how the training stands.
-export const standing = (page) => page.evaluate(() => JSON.parse(document.body.dataset.standing ?? 'null'));
+/// The status that the page reported last.
+export const status = (page) => page.evaluate(() => JSON.parse(document.body.dataset.status ?? 'null'));
 
-/// Waits until `holds` of the standing; answers with it.
-export async function until(page, holds, seconds = 60) {
+/// Waits until `condition` holds for the status. Returns the status.
+export async function until(page, condition, seconds = 60) {
     const end = Date.now() + seconds * 1000;
     let last;
     for (;;) {
-        last = await standing(page);
-        if (last !== null && holds(last)) return last;
-        if (Date.now() > end) throw new Error(`not within ${seconds} s: ${holds}\nlast: ${JSON.stringify(last)}`);
+        last = await status(page);
+        if (last !== null && condition(last)) return last;
+        if (Date.now() > end) throw new Error(`not within ${seconds} s: ${condition}\nlast status: ${JSON.stringify(last)}`);
         await page.waitForTimeout(200);
     }
 }
 
-/// Presses the mouse at a place long enough for a slow software GPU to draw a frame in between.
+/// Clicks at a position, slowly enough for a software GPU to draw a frame in between.
 export async function click(page, x, y) {
     await page.mouse.move(x, y);
     await page.waitForTimeout(300);
@@ -82,7 +82,7 @@ export async function click(page, x, y) {
     await page.waitForTimeout(600);
 }
 
-/// Presses a key with another one held, as long.
+/// Presses a key while holding another one, just as slowly.
 export async function press(page, held, key) {
     await page.keyboard.down(held);
     await page.waitForTimeout(400);
@@ -93,29 +93,29 @@ export async function press(page, held, key) {
     await page.keyboard.up(held);
 }
 
-/// Gives the page `hide` and `show`, which do what a browser does when the user goes to another tab and comes back: no more
-/// frames are asked for, and it is told. (Headless Chromium takes every tab for visible.)
+/// Adds `hide` and `show` to the page, which act like a browser when the user switches to another tab and back: animation
+/// frames stop, and the page is notified. (Headless Chromium treats every tab as visible.)
 export const canBeHidden = (page) => page.addInitScript(() => {
     const ask = requestAnimationFrame.bind(globalThis);
     let held = null;
     globalThis.requestAnimationFrame = (callback) => (held === null ? ask(callback) : held.push(callback));
-    const tell = (state) => {
+    const notify = (state) => {
         Object.defineProperty(document, 'visibilityState', { value: state, configurable: true });
         Object.defineProperty(document, 'hidden', { value: state === 'hidden', configurable: true });
         document.dispatchEvent(new Event('visibilitychange'));
     };
     globalThis.hide = () => {
         held = [];
-        tell('hidden');
+        notify('hidden');
     };
     globalThis.show = () => {
         const waiting = held;
         held = null;
-        tell('visible');
+        notify('visible');
         waiting.forEach(ask);
     };
 });
 
-/// Keeps a picture for whoever wants to look.
+/// Saves a screenshot for inspection.
 export const picture = (page, name) =>
     page.screenshot({ path: join(WAYFIELD_SEEN, `${name}.png`), timeout: 120_000 });

@@ -1,30 +1,30 @@
-//! Marks: what happened beside the rows, at a place on the x axis ("transfer to Scenario II").
+//! Annotations: texts at a position on the x axis, such as "transfer to Scenario II".
 //!
-//! In: words, and the env steps at which they apply. Out: few marks, however often something happens.
+//! In: a text and its env steps. Out: a bounded number of annotations, however often something happens.
 
-/// Something that happened.
+/// A text at a position on the x axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Annotation {
-    /// Env steps when it happened first.
+    /// Env steps at the first occurrence.
     pub env_steps: u64,
-    /// What, in a few words.
+    /// A few words.
     pub text: String,
-    /// Env steps when it happened last, if the same happened again and again.
+    /// Env steps at the last occurrence, if the same text was repeated.
     pub last_env_steps: u64,
 }
 
-/// At most so many are kept.
+/// The most annotations kept.
 const MAX_ANNOTATIONS: usize = 60;
-/// The same again within this share of the axis is no new mark.
-const REGION: f64 = 0.05;
+/// A repetition within this share of the axis extends the last annotation.
+const REPEAT_SHARE: f64 = 0.05;
 
-/// Adds a mark in order. The same as the last one, soon after it, only lengthens that; and when there are too many,
-/// the one closest behind another goes.
+/// Adds an annotation. The same text soon after the last one only extends that. If there are too many, the
+/// one closest behind another is removed.
 pub fn add(marks: &mut Vec<Annotation>, env_steps: u64, text: String) {
     let env_steps = marks.last().map_or(env_steps, |last| env_steps.max(last.last_env_steps));
     if let Some(last) = marks.last_mut()
         && last.text == text
-        && (env_steps - last.last_env_steps) as f64 <= REGION * env_steps as f64
+        && (env_steps - last.last_env_steps) as f64 <= REPEAT_SHARE * env_steps as f64
     {
         last.last_env_steps = env_steps;
         return;

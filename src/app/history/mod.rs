@@ -1,10 +1,12 @@
-//! The history of a training: all that the plots draw, and what can be saved of it.
+//! The history of a training: the data of the plots and of their exports.
 //!
-//! In: a row for each episode and each evaluation, as they come; marks for what the user did. Out: [`LearningCurves`] to draw,
-//! `episodes.csv` with the columns of a run without a window, and the learning curve as PNG. Memory stays flat
-//! however long training goes: curves are [`DownsampledSeries`], and the rows lie in temporary files (`spool.rs`).
+//! In: a row for each episode and each evaluation, and annotations for the user's changes. Out:
+//! [`LearningCurves`] to draw, the same `episodes.csv` as a headless run writes, and the learning curve as
+//! PNG. Memory does not grow with the length of the training: curves are [`DownsampledSeries`], and the rows
+//! are in temporary files (`spool.rs`).
 
 mod annotations;
+mod curves;
 mod series;
 mod spool;
 #[cfg(test)]
@@ -14,6 +16,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub use self::annotations::Annotation;
+pub use self::curves::LearningCurves;
 pub use self::series::{DownsampledSeries, MAX_POINTS, MOVING_AVERAGE_EPISODES, MovingAverage};
 use self::spool::Spool;
 #[cfg(not(target_arch = "wasm32"))]
@@ -23,82 +26,16 @@ use crate::run::checkpoint::BestPolicy;
 use crate::run::folder::write_atomic;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 
-/// The PNG is drawn from so many episodes at most; of more, every n-th is taken.
+/// The most episodes drawn in the PNG; of more, every n-th is drawn.
 const MAX_PNG_EPISODES: u64 = 200_000;
-
-/// The curves over env steps.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LearningCurves {
-    /// Share of the navigations in the last [`MOVING_AVERAGE_EPISODES`] episodes that reached their goal, 0 to 1. An episode with n
-    /// goals is n + 1 navigations of which n succeeded, whether the last ended in a collision or was cut off by
-    /// the time limit.
-    pub success: MovingAverage,
-    /// Success rate of the greedy policy in each evaluation, 0 to 1.
-    pub evaluated: DownsampledSeries,
-    /// Return of each episode.
-    pub returns: DownsampledSeries,
-    /// Its moving mean.
-    pub return_mean: MovingAverage,
-    /// Targets reached in each episode.
-    pub goals: DownsampledSeries,
-    /// Their moving mean.
-    pub goal_mean: MovingAverage,
-    /// The loss, as a logarithm to base 10: so the mean of many rows is the geometric one, as suits a log axis.
-    pub loss_log: DownsampledSeries,
-    /// The mean absolute TD error, likewise.
-    pub td_error_log: DownsampledSeries,
-    /// Mean Q-value of the actions taken, in units of reward as they are learnt.
-    pub mean_q: DownsampledSeries,
-    /// Epsilon, 0 to 1.
-    pub epsilon: DownsampledSeries,
-    /// Moving mean of the reward for reached goals in an episode.
-    pub reached: MovingAverage,
-    /// That for the collision.
-    pub collided: MovingAverage,
-    /// That of the attraction's fall.
-    pub attraction: MovingAverage,
-    /// That of the repulsion's fall.
-    pub repulsion: MovingAverage,
-}
-
-impl LearningCurves {
-    fn push_episode(&mut self, row: &EpisodeRow) {
-        let x = row.env_steps as f64;
-        let goals = f64::from(row.goals);
-        self.success.push_ratio(x, goals, goals + 1.0);
-        self.returns.push(x, row.total_return);
-        self.return_mean.push(x, row.total_return);
-        self.goals.push(x, goals);
-        self.goal_mean.push(x, goals);
-        for (series, value) in [
-            // A logarithm of nothing is no number, and is left out.
-            (&mut self.loss_log, row.loss.map(f64::log10)),
-            (&mut self.td_error_log, row.td_error.map(f64::log10)),
-            (&mut self.mean_q, row.mean_q),
-            (&mut self.epsilon, Some(f64::from(row.epsilon))),
-        ] {
-            if let Some(value) = value {
-                series.push(x, value);
-            }
-        }
-        for (mean, term) in [
-            (&mut self.reached, row.reward_goal),
-            (&mut self.collided, row.reward_collision),
-            (&mut self.attraction, row.reward_attraction),
-            (&mut self.repulsion, row.reward_repulsion),
-        ] {
-            mean.push(x, f64::from(term));
-        }
-    }
-}
 
 /// The history of a training.
 pub struct History {
     curves: LearningCurves,
     annotations: Vec<Annotation>,
-    /// Where the x axis begins and ends, in env steps.
+    /// The ends of the x axis, in env steps.
     range: Option<(u64, u64)>,
-    /// Rows in `rows`.
+    /// The number of rows in `rows`.
     episodes: u64,
     rows: Spool<EpisodeRow>,
     evaluations: Spool<EvaluationRow>,
@@ -111,7 +48,8 @@ impl Default for History {
 }
 
 impl History {
-    /// An empty one. Without room for temporary files there are still plots and a coarser PNG, but no CSV.
+    /// An empty history. If temporary files cannot be written, plots and a coarser PNG still work, but not
+    /// the CSV.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -124,12 +62,12 @@ impl History {
         }
     }
 
-    /// Forgets everything: a new training begins.
+    /// Removes everything, before a new training starts.
     pub fn clear(&mut self) {
         *self = Self::new();
     }
 
-    /// Adds an episode.
+    /// Adds a finished episode.
     pub fn push_episode(&mut self, row: &EpisodeRow) {
         self.curves.push_episode(row);
         self.rows.push(row);
@@ -144,39 +82,40 @@ impl History {
         self.extend_to(row.env_steps, row.episodes <= 1);
     }
 
-    /// Marks the place `env_steps` by a few words.
+    /// Adds an annotation at `env_steps`.
     pub fn annotate(&mut self, env_steps: u64, text: String) {
         annotations::add(&mut self.annotations, env_steps, text);
     }
 
-    /// Lengthens the x axis. It begins at 0 if the first row is of a training's `beginning`.
-    fn extend_to(&mut self, env_steps: u64, beginning: bool) {
-        let first = if beginning { 0 } else { env_steps };
+    /// Extends the x axis to `env_steps`. It starts at 0 if the first row is the `first_row` of a training,
+    /// not of a resumed run.
+    fn extend_to(&mut self, env_steps: u64, first_row: bool) {
+        let first = if first_row { 0 } else { env_steps };
         let (from, to) = self.range.unwrap_or((first, env_steps));
         self.range = Some((from.min(env_steps), to.max(env_steps)));
     }
 
-    /// What to draw.
+    /// The curves to draw.
     #[must_use]
     pub fn curves(&self) -> &LearningCurves {
         &self.curves
     }
 
-    /// What happened, in order.
+    /// The annotations, in order.
     #[must_use]
     pub fn annotations(&self) -> &[Annotation] {
         &self.annotations
     }
 
-    /// From where to where the rows go, in env steps: from 0, or from the first row if that is not the training's first.
-    /// None if there is no row.
+    /// The ends of the x axis, in env steps: from 0, or from the first row of a resumed run, to the last row.
+    /// `None` without rows.
     #[must_use]
     pub fn range(&self) -> Option<(u64, u64)> {
         self.range
     }
 
-    /// The points of the learning curve: of each episode and each evaluation from the spooled rows (of very many
-    /// episodes every n-th), or from the curves if the disk has failed.
+    /// The points of the learning curve for export: all episodes (of very many, every n-th) and all
+    /// evaluations, or the points of the downsampled curves if the temporary files failed.
     pub fn learning_curve_points(&mut self) -> (Vec<EpisodePoint>, Vec<EvaluationPoint>) {
         (self.episode_points(), self.evaluation_points())
     }
@@ -213,7 +152,7 @@ impl History {
         if all.is_ok() {
             return points;
         }
-        // Their times are lost; no cost at all means that none is called the best.
+        // Their times are unknown; with a NaN cost, none is marked as the best.
         let point = |point: &egui_plot::PlotPoint| EvaluationPoint {
             env_steps: point.x as u64,
             success_rate: point.y,
@@ -223,19 +162,18 @@ impl History {
         self.curves.evaluated.points().iter().map(point).collect()
     }
 
-    /// Writes every episode's row, with the columns of a run's `episodes.csv`: whole or not at all.
+    /// Writes a row per episode, with the columns of `episodes.csv`. The file is written atomically.
     ///
     /// # Errors
-    /// The rows could not be kept, or the file cannot be written.
+    /// If the rows could not be stored, or `to` cannot be written.
     pub fn write_csv(&mut self, to: &Path) -> io::Result<()> {
         write_atomic(to, |file| self.rows.write_csv_to(file))
     }
 
-    /// Draws the learning curve under `title`, as a PNG 1280 pixels wide; in a browser, which draws such itself, as
-    /// the SVG.
+    /// Writes the learning curve with `title` as a PNG 1280 pixels wide, or in a browser as an SVG.
     ///
     /// # Errors
-    /// It cannot be drawn, or the file cannot be written; in words.
+    /// If it cannot be drawn, or `to` cannot be written.
     pub fn write_png(&mut self, title: &str, to: &Path) -> Result<(), String> {
         let (episodes, evaluations) = self.learning_curve_points();
         let svg = learning_curve_svg(title, &episodes, &evaluations, BestPolicy::COST_TOLERANCE);

@@ -1,29 +1,30 @@
-//! Series: a curve of any number of rows in a bounded number of points.
+//! Series: curves of any length in a bounded number of points.
 //!
-//! In: a value at a time, with its place on the x axis. Out: points to draw. [`DownsampledSeries`] keeps at most
-//! [`MAX_POINTS`] buckets; each covers the same number of rows (the last maybe fewer) and knows their mean, least and
-//! greatest. When all are full, neighbours are merged, two into one, and from then on a bucket covers twice as
-//! many. So the curve keeps its whole length, and a day of training costs no more to keep or to draw than a minute.
+//! In: one value at a time, with its x. Out: points to draw. A [`DownsampledSeries`] keeps at most
+//! [`MAX_POINTS`] buckets. Each covers the same number of rows (the last one maybe fewer) and stores their
+//! mean, minimum and maximum. When all are full, neighbours are merged in pairs, and from then on a bucket
+//! covers twice as many rows. So the curve keeps its whole length, and a day of training takes no more memory
+//! or drawing time than a minute.
 
 use std::collections::VecDeque;
 
 use egui_plot::PlotPoint;
 
-/// At most so many points in a series; even, so that full buckets merge without a rest.
+/// The most points of a series; even, so that full buckets merge in pairs.
 pub const MAX_POINTS: usize = 1000;
-/// Episodes in a moving mean, as far as there are so many.
+/// The window of a moving average, in episodes; shorter at the start of a training.
 pub const MOVING_AVERAGE_EPISODES: usize = 100;
 
-/// A curve in at most [`MAX_POINTS`] points.
+/// A curve of at most [`MAX_POINTS`] points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DownsampledSeries {
-    /// For each bucket the mean of its rows' x and of their values.
+    /// The mean x and the mean value of each bucket.
     means: Vec<PlotPoint>,
     lows: Vec<f64>,
     highs: Vec<f64>,
-    /// How many rows a full bucket covers.
+    /// Rows in a full bucket.
     stride: u64,
-    /// How many the last bucket covers.
+    /// Rows in the last bucket.
     filled: u64,
     latest: Option<PlotPoint>,
 }
@@ -35,8 +36,8 @@ impl Default for DownsampledSeries {
 }
 
 impl DownsampledSeries {
-    /// Adds a row. A value that is no finite number is left out, and an x before the last one counts as the last one:
-    /// points are always in order.
+    /// Adds a row. Non-finite values are ignored. An x before the last one is replaced by the last one, so
+    /// that points stay in order.
     pub fn push(&mut self, x: f64, value: f64) {
         if !x.is_finite() || !value.is_finite() {
             return;
@@ -64,46 +65,46 @@ impl DownsampledSeries {
         *high = high.max(value);
     }
 
-    /// Makes one bucket of each two; all are full.
+    /// Merges the buckets in pairs; all of them must be full.
     fn merge(&mut self) {
-        let halves = |a: f64, b: f64| a + (b - a) / 2.0;
-        merge_pairs(&mut self.means, |a, b| PlotPoint::new(halves(a.x, b.x), halves(a.y, b.y)));
+        let midpoint = |a: f64, b: f64| a + (b - a) / 2.0;
+        merge_pairs(&mut self.means, |a, b| PlotPoint::new(midpoint(a.x, b.x), midpoint(a.y, b.y)));
         merge_pairs(&mut self.lows, f64::min);
         merge_pairs(&mut self.highs, f64::max);
         self.stride *= 2;
     }
 
-    /// The buckets' means in order of x, each where its rows are on average.
+    /// The mean x and mean value of each bucket, in order of x.
     #[must_use]
     pub fn points(&self) -> &[PlotPoint] {
         &self.means
     }
 
-    /// The least value of each bucket.
+    /// The minimum of each bucket.
     #[must_use]
     pub fn lows(&self) -> &[f64] {
         &self.lows
     }
 
-    /// The greatest value of each bucket.
+    /// The maximum of each bucket.
     #[must_use]
     pub fn highs(&self) -> &[f64] {
         &self.highs
     }
 
-    /// Whether each point is a row of its own: as long as there are at most [`MAX_POINTS`].
+    /// Whether every point is a single row: true up to [`MAX_POINTS`] rows.
     #[must_use]
     pub fn is_full_resolution(&self) -> bool {
         self.stride == 1
     }
 
-    /// The last row as it was, x and value.
+    /// The last row: x and value.
     #[must_use]
     pub fn latest(&self) -> Option<PlotPoint> {
         self.latest
     }
 
-    /// The value of the point nearest to `x`.
+    /// The value of the point nearest to `x`; `None` without points.
     #[must_use]
     pub fn value_near(&self, x: f64) -> Option<f64> {
         let after = self.means.partition_point(|point| point.x < x);
@@ -114,30 +115,30 @@ impl DownsampledSeries {
     }
 }
 
-/// Replaces each two neighbours by what `merged` makes of them.
-fn merge_pairs<T: Copy>(of: &mut Vec<T>, merged: impl Fn(T, T) -> T) {
-    let half = of.len() / 2;
+/// Replaces each pair of neighbours by the result of `merged`.
+fn merge_pairs<T: Copy>(values: &mut Vec<T>, merged: impl Fn(T, T) -> T) {
+    let half = values.len() / 2;
     for index in 0..half {
-        of[index] = merged(of[2 * index], of[2 * index + 1]);
+        values[index] = merged(values[2 * index], values[2 * index + 1]);
     }
-    of.truncate(half);
+    values.truncate(half);
 }
 
-/// The mean over the last [`MOVING_AVERAGE_EPISODES`] rows, exactly, as a series.
+/// The moving average over the last [`MOVING_AVERAGE_EPISODES`] rows, as a series.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MovingAverage {
-    /// The last rows: what is to be divided, and by what.
+    /// Numerator and denominator of the last rows.
     rows: VecDeque<(f64, f64)>,
     series: DownsampledSeries,
 }
 
 impl MovingAverage {
-    /// Adds a row of a plain mean.
+    /// Adds a value.
     pub fn push(&mut self, x: f64, value: f64) {
         self.push_ratio(x, value, 1.0);
     }
 
-    /// Adds a row of a share: `part` out of `whole`. The mean is that of all parts over that of all wholes.
+    /// Adds the share `part` / `whole`. The average is the sum of all parts over the sum of all wholes.
     pub fn push_ratio(&mut self, x: f64, part: f64, whole: f64) {
         if !part.is_finite() || !whole.is_finite() {
             return;
@@ -146,12 +147,12 @@ impl MovingAverage {
             self.rows.pop_front();
         }
         self.rows.push_back((part, whole));
-        // Summed anew each time: so no rounding ever piles up.
+        // Summed from scratch each time, so that rounding errors do not accumulate.
         let (parts, wholes) = self.rows.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
         self.series.push(x, parts / wholes);
     }
 
-    /// The mean as it was after each row.
+    /// The average after each row.
     #[must_use]
     pub fn series(&self) -> &DownsampledSeries {
         &self.series

@@ -1,7 +1,7 @@
-//! The spool: all rows ever, on the disk instead of in memory.
+//! The spool: all rows of a training, in a temporary file instead of in memory.
 //!
-//! In: rows, one at a time. Out: the very CSV that a run without a window writes, or the rows again. The file is
-//! temporary and has no name: it is gone with the window, however that ends. (In a browser there is only memory.)
+//! In: rows, one at a time. Out: the same CSV as a headless run writes, or the rows again. The file has no
+//! name, so it disappears with the process, however that ends. In a browser it is in memory.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::fs::File;
@@ -15,22 +15,23 @@ use serde::de::DeserializeOwned;
 use self::memory::File;
 use crate::run::folder::header;
 
-/// Rows on the disk. If the disk fails, the first failure is told to whoever asks for the rows, and all else goes on.
+/// Rows in a temporary file. The first write error is kept and returned when the rows are read; adding rows
+/// never fails.
 pub struct Spool<Row> {
     file: Result<csv::Writer<File>, String>,
     row: PhantomData<fn() -> Row>,
 }
 
 impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
-    /// An empty one.
+    /// An empty spool.
     #[must_use]
     pub fn new() -> Self {
-        let begin = || -> io::Result<_> {
+        let open = || -> io::Result<_> {
             let mut file = temporary()?;
             file.write_all(header::<Row>()?.as_bytes())?;
             Ok(csv::WriterBuilder::new().has_headers(false).from_writer(file))
         };
-        Self { file: begin().map_err(|error| error.to_string()), row: PhantomData }
+        Self { file: open().map_err(|error| error.to_string()), row: PhantomData }
     }
 
     /// Adds a row.
@@ -42,29 +43,29 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
         }
     }
 
-    /// Writes all rows as CSV, under their columns' names.
+    /// Writes all rows as CSV, with a header.
     ///
     /// # Errors
-    /// They could not be kept, or cannot be written.
+    /// If a row could not be stored, or `to` cannot be written.
     pub fn write_csv_to(&mut self, to: &mut impl Write) -> io::Result<()> {
         self.read(|mut file| io::copy(&mut file, to).map(|_| ()))
     }
 
-    /// Gives every row to `take`, in order.
+    /// Calls `visit` with each row, in order.
     ///
     /// # Errors
-    /// They could not be kept, or cannot be read.
-    pub fn for_each(&mut self, mut take: impl FnMut(Row)) -> io::Result<()> {
+    /// If a row could not be stored, or cannot be read back.
+    pub fn for_each(&mut self, mut visit: impl FnMut(Row)) -> io::Result<()> {
         self.read(|file| {
             let mut reader = csv::Reader::from_reader(BufReader::new(file));
-            reader.deserialize().try_for_each(|row| row.map(&mut take)).map_err(io::Error::other)
+            reader.deserialize().try_for_each(|row| row.map(&mut visit)).map_err(io::Error::other)
         })
     }
 
-    /// Reads the file from its start; afterwards rows are added at its end again.
+    /// Reads the file from its start and returns to its end.
     fn read<T>(&mut self, read: impl FnOnce(&File) -> io::Result<T>) -> io::Result<T> {
         let writer = self.file.as_mut().map_err(|error| {
-            io::Error::other(format!("the rows could not be kept in a temporary file: {error}"))
+            io::Error::other(format!("could not store the episodes in a temporary file: {error}"))
         })?;
         writer.flush()?;
         let mut file = writer.get_ref();
@@ -75,7 +76,7 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
     }
 }
 
-/// A temporary file without a name.
+/// Opens a temporary file without a name.
 #[cfg(not(target_arch = "wasm32"))]
 fn temporary() -> io::Result<File> {
     tempfile::tempfile()
@@ -88,12 +89,12 @@ fn temporary() -> io::Result<File> {
 
 #[cfg(target_arch = "wasm32")]
 mod memory {
-    //! What a temporary file is where there is no disk.
+    //! The temporary file of a platform without a disk.
 
     use std::io::{Cursor, Read, Result, Seek, SeekFrom, Write};
     use std::sync::{Mutex, MutexGuard, PoisonError};
 
-    /// Bytes that are written, sought and read through a shared reference, as a file's are.
+    /// Bytes in memory that can be written, sought and read through a shared reference, like a file.
     #[derive(Default)]
     pub struct File(Mutex<Cursor<Vec<u8>>>);
 

@@ -1,10 +1,10 @@
-//! Tests of the history: bounds, brute force, files.
+//! Tests of the history: downsampling against brute force, memory bounds, exported files.
 
 use std::io::ErrorKind;
 
 use super::*;
 
-/// Numbers that look random, the same each time.
+/// Pseudo-random numbers from -1 to 1, the same each time.
 fn noise(count: usize) -> impl Iterator<Item = f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     std::iter::repeat_with(move || {
@@ -24,7 +24,7 @@ fn row(episode: u64, goals: u32) -> EpisodeRow {
     }
 }
 
-/// The series of `values` at x = 0, 3, 6, ... next to what it should be, by brute force.
+/// Compares the series of `values` at x = 0, 3, 6, ... with a brute-force computation.
 fn assert_series_of(values: &[f64]) {
     let mut series = DownsampledSeries::default();
     for (index, &value) in values.iter().enumerate() {
@@ -40,17 +40,17 @@ fn assert_series_of(values: &[f64]) {
     for (index, bucket) in values.chunks(stride).enumerate() {
         let mean = bucket.iter().sum::<f64>() / bucket.len() as f64;
         let middle = 3.0 * (index * stride) as f64 + 1.5 * (bucket.len() - 1) as f64;
-        assert!((points[index].y - mean).abs() < 1e-9, "the mean of bucket {index}");
-        assert!((points[index].x - middle).abs() <= 1e-9 * middle, "the middle of bucket {index}");
+        assert!((points[index].y - mean).abs() < 1e-9, "mean value of bucket {index}");
+        assert!((points[index].x - middle).abs() <= 1e-9 * middle, "mean x of bucket {index}");
         assert_eq!(lows[index], bucket.iter().copied().fold(f64::INFINITY, f64::min));
         assert_eq!(highs[index], bucket.iter().copied().fold(f64::NEG_INFINITY, f64::max));
     }
-    assert!(points.is_sorted_by(|a, b| a.x < b.x), "x ascends");
+    assert!(points.is_sorted_by(|a, b| a.x < b.x), "x is in order");
     assert_eq!(series.latest().map(|latest| latest.y), values.last().copied());
 }
 
 #[test]
-fn a_series_agrees_with_brute_force_whatever_its_length() {
+fn a_series_of_any_length_agrees_with_brute_force() {
     let values: Vec<f64> = noise(20_011).collect();
     for length in [0, 1, 2, 999, 1000, 1001, 1002, 1999, 2000, 2001, 3999, 4001, 16_000, 16_001, 20_011] {
         assert_series_of(&values[..length]);
@@ -58,12 +58,12 @@ fn a_series_agrees_with_brute_force_whatever_its_length() {
 }
 
 #[test]
-fn a_million_rows_stay_within_the_bound() {
+fn a_million_rows_keep_to_the_maximum_of_points() {
     assert_series_of(&noise(1_000_003).collect::<Vec<_>>());
 }
 
 #[test]
-fn what_cannot_be_drawn_is_left_out_and_x_never_falls() {
+fn non_finite_values_are_ignored_and_x_never_decreases() {
     let mut series = DownsampledSeries::default();
     for (x, value) in
         [(5.0, 1.0), (f64::NAN, 1.0), (6.0, f64::INFINITY), (3.0, 2.0), (7.0, f64::NAN), (9.0, 4.0)]
@@ -78,7 +78,7 @@ fn what_cannot_be_drawn_is_left_out_and_x_never_falls() {
 }
 
 #[test]
-fn a_moving_mean_is_that_of_the_last_hundred() {
+fn a_moving_average_covers_the_last_hundred_rows() {
     let values: Vec<f64> = noise(777).collect();
     let mut trailing = MovingAverage::default();
     for (index, &value) in values.iter().enumerate() {
@@ -90,22 +90,22 @@ fn a_moving_mean_is_that_of_the_last_hundred() {
 }
 
 #[test]
-fn the_success_rate_counts_navigations_not_episodes() {
+fn the_success_rate_counts_goals_attempted_not_episodes() {
     let mut history = History::new();
     for (episode, goals) in [(1, 0), (2, 3), (3, 1)] {
         history.push_episode(&row(episode, goals));
     }
     let rate = history.curves().success.series().latest().expect("a point").y;
-    assert!((rate - 4.0 / 7.0).abs() < 1e-12, "4 of 7 navigations: {rate}");
+    assert!((rate - 4.0 / 7.0).abs() < 1e-12, "4 of 7 goals attempted: {rate}");
     for episode in 4..=103 {
         history.push_episode(&row(episode, 9));
     }
     let rate = history.curves().success.series().latest().expect("a point").y;
-    assert!((rate - 0.9).abs() < 1e-12, "the first three are out of the window: {rate}");
+    assert!((rate - 0.9).abs() < 1e-12, "the first three episodes have left the window: {rate}");
 }
 
 #[test]
-fn the_axis_begins_at_0_or_where_a_resumed_run_does() {
+fn the_axis_starts_at_0_or_at_the_first_row_of_a_resumed_run() {
     let mut history = History::new();
     assert_eq!(history.range(), None);
     history.push_episode(&row(1, 0));
@@ -118,7 +118,7 @@ fn the_axis_begins_at_0_or_where_a_resumed_run_does() {
 }
 
 #[test]
-fn the_same_mark_again_soon_is_one_mark() {
+fn a_text_repeated_soon_extends_the_last_annotation() {
     let mut history = History::new();
     for step in 1000..1040 {
         history.annotate(step, "goal moved".into());
@@ -137,37 +137,40 @@ fn the_same_mark_again_soon_is_one_mark() {
 }
 
 #[test]
-fn the_csv_is_that_of_a_run_with_every_row() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (ours, theirs) = (folder.path().join("ours.csv"), folder.path().join("theirs.csv"));
+fn the_csv_equals_that_of_a_headless_run() {
+    let folder = tempfile::tempdir().expect("creates a folder");
+    let (exported, expected) = (folder.path().join("ours.csv"), folder.path().join("theirs.csv"));
     let mut history = History::new();
-    history.write_csv(&ours).expect("is written");
-    let header = std::fs::read_to_string(&ours).expect("is there");
+    history.write_csv(&exported).expect("writes the file");
+    let header = std::fs::read_to_string(&exported).expect("reads the file");
     assert!(header.starts_with("episode,arena,env_steps,") && header.lines().count() == 1, "{header}");
 
-    let mut writer = csv::Writer::from_path(&theirs).expect("opens");
+    let mut writer = csv::Writer::from_path(&expected).expect("opens the file");
     for episode in 1..=5000 {
         let row = EpisodeRow { loss: (episode > 9).then_some(1e-7 / episode as f64), ..row(episode, 2) };
-        writer.serialize(&row).expect("is written");
+        writer.serialize(&row).expect("writes the file");
         history.push_episode(&row);
         if episode % 1234 == 0 {
-            history.write_csv(&ours).expect("is written in between, too");
+            history.write_csv(&exported).expect("writes the CSV between episodes");
         }
     }
-    writer.flush().expect("is written");
-    history.write_csv(&ours).expect("is written");
-    assert_eq!(std::fs::read(&ours).expect("is there"), std::fs::read(&theirs).expect("is there"));
+    writer.flush().expect("writes the file");
+    history.write_csv(&exported).expect("writes the file");
+    assert_eq!(
+        std::fs::read(&exported).expect("reads the file"),
+        std::fs::read(&expected).expect("reads the file")
+    );
     history.clear();
-    history.write_csv(&ours).expect("is written");
-    assert_eq!(std::fs::read_to_string(&ours).expect("is there"), header);
+    history.write_csv(&exported).expect("writes the file");
+    assert_eq!(std::fs::read_to_string(&exported).expect("reads the file"), header);
 }
 
 #[test]
-fn the_png_is_drawn_from_every_row_and_none() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn the_png_is_drawn_with_and_without_rows() {
+    let folder = tempfile::tempdir().expect("creates a folder");
     let path = folder.path().join("curve.png");
     let mut history = History::new();
-    history.write_png("Nothing yet", &path).expect("is drawn");
+    history.write_png("Nothing yet", &path).expect("draws the PNG");
     for episode in 1..=3000 {
         history.push_episode(&row(episode, 1));
     }
@@ -175,15 +178,18 @@ fn the_png_is_drawn_from_every_row_and_none() {
     let (episodes, evaluations) = history.learning_curve_points();
     assert_eq!((episodes.len(), evaluations.len()), (3000, 1));
     assert_eq!(episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 });
-    history.write_png("A run", &path).expect("is drawn");
-    assert!(std::fs::read(&path).expect("is there").starts_with(b"\x89PNG"));
+    history.write_png("A run", &path).expect("draws the PNG");
+    assert!(std::fs::read(&path).expect("reads the file").starts_with(b"\x89PNG"));
     let nowhere = folder.path().join("no/such/folder.png");
     assert!(history.write_png("A run", &nowhere).is_err());
-    assert_eq!(history.write_csv(&nowhere).expect_err("no folder").kind(), ErrorKind::NotFound);
+    assert_eq!(
+        history.write_csv(&nowhere).expect_err("the folder does not exist").kind(),
+        ErrorKind::NotFound
+    );
 }
 
 #[test]
-fn a_history_can_be_a_resource() {
-    fn is_one<T: Send + Sync + 'static>() {}
-    is_one::<History>();
+fn a_history_is_send_and_sync() {
+    fn assert_send_sync<T: Send + Sync + 'static>() {}
+    assert_send_sync::<History>();
 }

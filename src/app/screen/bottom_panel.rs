@@ -1,18 +1,21 @@
-//! The choice of panel below the arena in a narrow window, where only one has room.
+//! The choice of panel below the arena in a narrow window, where only one fits.
 
 use crate::app::view_state::ViewState;
 
-/// What can be seen below the world in a narrow window.
+/// The panel below the arena in a narrow window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BottomPanel {
+    /// The setup panel, or the panel of the editor.
     Setup,
+    /// The learning curves.
     Plots,
 }
 
-/// What is seen there: one of the panels that are open, the plots before the setup, but not before the editor's.
+/// The panel shown below the arena, if one is open. Of two open panels it is the plots, except that the
+/// editor's panel takes precedence over them.
 pub fn visible_bottom_panel(view_state: &ViewState) -> Option<BottomPanel> {
-    let panel_first = view_state.editor.is_some() && view_state.setup_open;
-    if view_state.plots_open && !panel_first {
+    let editor_panel_open = view_state.editor.is_some() && view_state.setup_open;
+    if view_state.plots_open && !editor_panel_open {
         Some(BottomPanel::Plots)
     } else {
         view_state.setup_open.then_some(BottomPanel::Setup)

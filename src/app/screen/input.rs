@@ -1,16 +1,16 @@
-//! The data that the screen draws in one frame.
+//! The input of the screen: references to the scene, the session state and the history.
 
 use crate::app::app_snapshot::AppSnapshot;
 use crate::app::history::History;
 use crate::app::scene::Scene;
 
-/// What there is to see this frame.
+/// The data that the screen draws in one frame.
 #[derive(Clone, Copy)]
 pub struct ScreenInput<'a> {
-    /// The world.
+    /// The arenas.
     pub scene: &'a Scene,
-    /// How the session stands.
+    /// The state of the session.
     pub status: &'a AppSnapshot,
-    /// What has happened so far.
+    /// The learning curves so far.
     pub history: &'a History,
 }

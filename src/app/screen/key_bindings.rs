@@ -4,67 +4,67 @@ use egui::Key;
 
 use crate::app::commands::Pace;
 
-/// The paces that can be chosen, and how they are written.
+/// The paces offered in the toolbar: pace, label, tooltip.
 pub const PACES: [(Pace, &str, &str); 5] = [
-    (Pace::Times(1.0), "1×", "As it would be in reality"),
-    (Pace::Times(5.0), "5×", "Five times as quickly as in reality"),
-    (Pace::Times(20.0), "20×", "Twenty times as quickly"),
-    (Pace::Times(100.0), "100×", "A hundred times as quickly"),
-    (Pace::Full, "Full", "As quickly as it goes: to learn, not to watch"),
+    (Pace::Times(1.0), "1×", "Real time"),
+    (Pace::Times(5.0), "5×", "5× real time"),
+    (Pace::Times(20.0), "20×", "20× real time"),
+    (Pace::Times(100.0), "100×", "100× real time"),
+    (Pace::Full, "Full", "As fast as possible"),
 ];
 
-/// What a key does.
+/// The effect of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shortcut {
-    /// Pause, or run.
+    /// Pauses or resumes.
     Pause,
-    /// One control step.
+    /// Advances one control step.
     Step,
-    /// One of [`PACES`]; with the digits, not in the table one by one.
+    /// Sets one of [`PACES`] by its number.
     Pace,
-    /// Arrow keys, in Drive mode.
+    /// Steers in Drive mode.
     Steer,
-    /// All arenas, or one.
+    /// Switches between one arena and the grid of all.
     Grid,
-    /// The next arena.
+    /// Follows the next arena.
     Next,
-    /// The whole enclosure.
+    /// Fits the arena to the view.
     Fit,
-    /// An overlay.
+    /// Toggles the LIDAR beams.
     Beams,
-    /// An overlay.
+    /// Toggles the current path.
     Path,
-    /// An overlay.
+    /// Toggles the past paths.
     Trails,
-    /// An overlay.
+    /// Toggles the potential field.
     Potential,
-    /// An overlay.
+    /// Toggles the state value.
     Value,
-    /// An overlay.
+    /// Toggles the Q-values.
     QValues,
-    /// Into the editor, or out of it.
+    /// Opens or closes the scenario editor.
     Edit,
-    /// Light or dark.
-    ThemeChoice,
-    /// The help window.
+    /// Switches between the light and the dark theme.
+    Theme,
+    /// Opens or closes the help window.
     Help,
-    /// Open a file.
+    /// Opens a file.
     Open,
-    /// Save the policy.
+    /// Saves the policy.
     Save,
 }
 
-/// A row of the table: what it does, the key as it is written, and in words.
+/// A row of the table of shortcuts.
 pub struct KeyBinding {
-    /// What it does.
+    /// The effect.
     pub shortcut: Shortcut,
-    /// As it stands on the keyboard.
+    /// The label of the key, as printed on a keyboard.
     pub key: &'static str,
-    /// In words.
+    /// The effect, as listed in the help window.
     pub description: &'static str,
-    /// For `Ctrl` and the key (Command on a Mac).
+    /// Whether Ctrl (Command on a Mac) must be held.
     pub ctrl: bool,
-    /// The keys that trigger it; empty where `shortcuts.rs` handles them one by one.
+    /// The keys that trigger it; empty if it is handled elsewhere (digits, arrows).
     pub codes: &'static [Key],
 }
 
@@ -77,46 +77,43 @@ const fn plain(
     KeyBinding { shortcut, key, description, ctrl: false, codes }
 }
 
-/// All of them, in the order in which they are listed.
+const fn with_ctrl(
+    shortcut: Shortcut,
+    codes: &'static [Key],
+    key: &'static str,
+    description: &'static str,
+) -> KeyBinding {
+    KeyBinding { shortcut, key, description, ctrl: true, codes }
+}
+
+/// All shortcuts, in the order of the help window.
 pub const KEY_BINDINGS: [KeyBinding; 18] = [
-    plain(Shortcut::Pause, &[Key::Space], "Space", "Run or pause"),
-    plain(Shortcut::Step, &[Key::Period], ".", "One control step, then stand still"),
-    plain(Shortcut::Pace, &[], "1 … 5", "How quickly time passes"),
+    plain(Shortcut::Pause, &[Key::Space], "Space", "Pause or resume"),
+    plain(Shortcut::Step, &[Key::Period], ".", "Advance one control step"),
+    plain(Shortcut::Pace, &[], "1 … 5", "Simulation speed"),
     plain(Shortcut::Steer, &[], "← ↑ →", "In Drive: steer; ↑ with ← or → turns gently"),
-    plain(Shortcut::Grid, &[Key::G], "G", "All arenas, or one"),
+    plain(Shortcut::Grid, &[Key::G], "G", "Show one arena or all"),
     plain(Shortcut::Next, &[Key::Tab], "Tab", "Follow the next arena"),
-    plain(Shortcut::Fit, &[Key::F], "F", "Show the whole enclosure"),
+    plain(Shortcut::Fit, &[Key::F], "F", "Fit the arena to the view"),
     plain(Shortcut::Beams, &[Key::B], "B", "LIDAR beams"),
-    plain(Shortcut::Path, &[Key::W], "W", "Way driven"),
-    plain(Shortcut::Trails, &[Key::T], "T", "Trails by outcome"),
+    plain(Shortcut::Path, &[Key::W], "W", "Current path"),
+    plain(Shortcut::Trails, &[Key::T], "T", "Past paths"),
     plain(Shortcut::Potential, &[Key::P], "P", "Potential field"),
-    plain(Shortcut::Value, &[Key::V], "V", "Value by the network"),
+    plain(Shortcut::Value, &[Key::V], "V", "State value"),
     plain(Shortcut::QValues, &[Key::Q], "Q", "Q-values"),
-    plain(Shortcut::Edit, &[Key::E], "E", "Edit the world, or leave the editor"),
-    plain(Shortcut::ThemeChoice, &[Key::L], "L", "Light or dark"),
-    plain(Shortcut::Help, &[Key::H, Key::Questionmark], "H or ?", "This list"),
-    KeyBinding {
-        shortcut: Shortcut::Open,
-        key: "Ctrl+O",
-        description: "Open a policy or a run",
-        ctrl: true,
-        codes: &[Key::O],
-    },
-    KeyBinding {
-        shortcut: Shortcut::Save,
-        key: "Ctrl+S",
-        description: "Save the policy",
-        ctrl: true,
-        codes: &[Key::S],
-    },
+    plain(Shortcut::Edit, &[Key::E], "E", "Open or close the scenario editor"),
+    plain(Shortcut::Theme, &[Key::L], "L", "Light or dark theme"),
+    plain(Shortcut::Help, &[Key::H, Key::Questionmark], "H or ?", "Help and shortcuts"),
+    with_ctrl(Shortcut::Open, &[Key::O], "Ctrl+O", "Open a policy or a run"),
+    with_ctrl(Shortcut::Save, &[Key::S], "Ctrl+S", "Save the policy"),
 ];
 
-/// How the key for `shortcut` is written.
+/// The label of the key for `shortcut`.
 pub fn key_label(shortcut: Shortcut) -> &'static str {
     KEY_BINDINGS.iter().find(|row| row.shortcut == shortcut).map_or("", |row| row.key)
 }
 
-/// `text`, and the key for `shortcut` after it.
+/// `text` followed by the key for `shortcut` in parentheses.
 pub fn with_key_hint(text: &str, shortcut: Shortcut) -> String {
     format!("{text}  ({})", key_label(shortcut))
 }

@@ -1,7 +1,8 @@
 //! The screen: draws the whole window, every frame.
 //!
-//! In: the data to draw ([`ScreenInput`]) and the user's view settings ([`ViewState`]). Out: [`Command`]s. Nothing here
-//! can reach the simulation or the learner except by a command, so opening, hovering or clicking never changes training.
+//! In: the data to draw ([`ScreenInput`]) and the user's view settings ([`ViewState`]). Out: [`Command`]s.
+//! Nothing here can reach the simulation or the learner except by a command, so opening, hovering or clicking
+//! never changes training.
 //!
 //! | file | duty |
 //! |---|---|
@@ -16,8 +17,9 @@
 //! | `numbers.rs` | number formatting |
 //! | `input.rs` | the data to draw |
 //!
-//! Modules depend on each other in one direction: `theme`, `numbers`, `input`, `key_bindings` and `widgets` at the bottom,
-//! then `plots` and `arena_view`, then `editor`, then `panels` and `shortcuts`, then `side_panels`.
+//! Modules depend on each other in one direction: `theme`, `numbers`, `input`, `key_bindings` and `widgets`
+//! at the bottom, then `plots` and `arena_view`, then `editor`, then `panels` and `shortcuts`, then
+//! `side_panels`.
 
 mod arena_view;
 mod bottom_panel;
@@ -32,24 +34,24 @@ mod side_panels;
 pub mod theme;
 mod widgets;
 
-use egui::{CentralPanel, Frame, Margin, Panel, ThemePreference, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, Rect, ThemePreference, Ui};
 
 use self::panels::{help, notices, toolbar};
 use self::side_panels::{bottom_panel_ui, plots_panel_ui, setup_panel_ui};
 use self::theme::Palette;
 use super::commands::Command;
 use super::editor::Editor;
-use super::view_state::{ThemeChoice, ViewState};
+use super::view_state::{EditorSource, ThemeChoice, ViewState};
 
 pub use self::input::ScreenInput;
 
 const BAR_HEIGHT: f32 = 56.0;
-/// Windows narrower than this, in points, have no room for a panel next to the arena.
+/// Windows narrower than this, in points, have no space for panels next to the arena.
 const NARROW: f32 = 700.0;
 const NARROW_BAR_HEIGHT: f32 = 92.0;
 
-/// Draws the window into `ui` and appends the user's requests to `commands`. Expects the typeface and the colours of
-/// [`theme::install`].
+/// Draws the window into `ui` and appends the user's requests to `commands`. Expects the typeface and the
+/// colours of [`theme::install`].
 pub fn screen_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
@@ -62,17 +64,45 @@ pub fn screen_ui(
         ThemeChoice::Dark => ThemePreference::Dark,
     });
     view_state.followed = view_state.followed.min(view.scene.arenas.len().saturating_sub(1));
-    if std::mem::take(&mut view_state.open_editor) && view_state.editor.is_none() {
-        editor::confirm_exit::enter_editor(view, view_state, commands);
-        if let Some((_, from, world)) = &view.status.draft {
-            view_state.editor = Some(Box::new(Editor::open(world.clone(), from.clone(), true)));
-        }
-    }
+    open_requested_editor(ui, view, view_state, commands);
     shortcuts::handle(ui, view, view_state, commands);
     if view_state.editor.is_none() {
         arena_view::steer::handle(ui, view, &mut view_state.interaction.steered, commands);
     }
-    let palette = Palette::from_ui(ui);
+    toolbar_and_panels_ui(ui, view, view_state, commands);
+    let middle = middle_ui(ui, view, view_state, commands);
+    if view_state.editor.is_none() {
+        arena_view::welcome::welcome_ui(ui, middle, view, commands);
+    }
+    editor::confirm_exit::confirm_exit_ui(ui, middle, view_state, commands);
+    notices::notices_ui(ui, middle, &view.status.notices, commands);
+    help::help_ui(ui, view_state);
+}
+
+/// Opens the editor if that was requested since the last frame and it is not open.
+fn open_requested_editor(
+    ui: &Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
+    if let Some(source) = view_state.open_editor.take()
+        && view_state.editor.is_none()
+    {
+        editor::confirm_exit::enter_editor(view, view_state, commands);
+        if let EditorSource::Draft { from, scenario } = source {
+            view_state.editor = Some(Box::new(Editor::open(scenario, from, true)));
+        }
+    }
+}
+
+/// Draws the toolbar, and the panels at the sides or, in a narrow window, below.
+fn toolbar_and_panels_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
     if ui.available_width() < NARROW {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(6, 0));
         let panel = Panel::top("bar").exact_size(NARROW_BAR_HEIGHT).frame(bar);
@@ -85,21 +115,22 @@ pub fn screen_ui(
         setup_panel_ui(ui, view, view_state, commands);
         plots_panel_ui(ui, view, view_state, commands);
     }
-    let middle = CentralPanel::default()
-        .frame(Frame::new().fill(palette.background))
-        .show(ui, |ui| {
-            if view_state.editor.is_some() {
-                editor::editor_ui(ui, view.status, view_state);
-            } else {
-                arena_view::arenas_ui(ui, view, view_state, commands);
-            }
-        })
-        .response
-        .rect;
-    if view_state.editor.is_none() {
-        arena_view::welcome::welcome_ui(ui, middle, view, commands);
-    }
-    editor::confirm_exit::confirm_exit_ui(ui, middle, view_state, commands);
-    notices::notices_ui(ui, middle, &view.status.notices, commands);
-    help::help_ui(ui, view_state);
+}
+
+/// Draws the arenas, or the scenario that is edited; returns their rectangle.
+fn middle_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) -> Rect {
+    let frame = Frame::new().fill(Palette::from_ui(ui).background);
+    let panel = CentralPanel::default().frame(frame).show(ui, |ui| {
+        if view_state.editor.is_some() {
+            editor::editor_ui(ui, view_state);
+        } else {
+            arena_view::arenas_ui(ui, view, view_state, commands);
+        }
+    });
+    panel.response.rect
 }

@@ -1,8 +1,7 @@
-//! Numbers for people: grouped, rounded, short.
-//!
-//! In: counts and shares. Out: text whose width hardly changes while they do.
+//! Number formatting for display: grouped, rounded and short, so that the width of a changing number stays
+//! about the same.
 
-/// 12,345, and from a million on 1.23M.
+/// A count with thousands separators (12,345), or from a million on in short form (1.23M).
 pub fn format_count(n: u64) -> String {
     if n >= 1_000_000 {
         let scaled = n as f64;
@@ -15,12 +14,12 @@ pub fn format_count(n: u64) -> String {
     if n >= 1000 { format!("{},{:03}", n / 1000, n % 1000) } else { n.to_string() }
 }
 
-/// A rate as [`format_count`] writes it; nothing that is no number.
+/// A rate, rounded and formatted as by [`format_count`]; a dash if it is not finite.
 pub fn format_rate(per_s: f64) -> String {
     if per_s.is_finite() { format_count(per_s.max(0.0).round() as u64) } else { "–".into() }
 }
 
-/// How many times: 0.4×, 12×, 1,200×.
+/// A factor: 0.4×, 12×, 1,200×.
 pub fn format_factor(factor: f64) -> String {
     if factor.is_finite() && factor < 9.95 {
         format!("{:.1}×", factor.max(0.0))
@@ -29,19 +28,19 @@ pub fn format_factor(factor: f64) -> String {
     }
 }
 
-/// 0.987 as 98.7%. Rounded down: 100% is said only if nothing ever failed.
+/// A share from 0 to 1 in percent, 0.987 as 98.7%. Rounded down, so that 100% means that nothing failed.
 pub fn format_percent(share: f64) -> String {
     let percent = (share * 1000.0 + 1e-9).floor() / 10.0;
     if percent.is_finite() { format!("{percent:.*}%", usize::from(percent != 100.0)) } else { "–".into() }
 }
 
-/// A number in about three figures, with a true minus sign.
+/// A number with about three significant digits and a true minus sign.
 #[must_use]
 pub fn format_value(value: f32) -> String {
     format_decimals(value, decimals_for(value))
 }
 
-/// Decimals that give a number of the size of `value` about three figures.
+/// The number of decimals that gives a number of the size of `value` about three significant digits.
 #[must_use]
 pub fn decimals_for(value: f32) -> usize {
     match value.abs() {
@@ -51,7 +50,7 @@ pub fn decimals_for(value: f32) -> usize {
     }
 }
 
-/// A number with so many decimals and a true minus sign.
+/// A number with `decimals` decimals and a true minus sign; a rounded zero has no sign.
 #[must_use]
 pub fn format_decimals(value: f32, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -67,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_grouped_and_short() {
+    fn counts_are_grouped_and_short() {
         assert_eq!(
             [0, 999, 1000, 12_345, 999_999].map(format_count),
             ["0", "999", "1,000", "12,345", "999,999"]
@@ -80,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_have_about_three_figures() {
+    fn values_have_about_three_significant_digits() {
         assert_eq!(
             ["0.00", "\u{2212}1.25", "12.3", "100"],
             [-0.001, -1.25, 12.34, 99.96].map(format_value)[..]

@@ -17,7 +17,7 @@ const PLOTS_MIN_WIDTH: f32 = 240.0;
 /// The share of a narrow window's height, below the toolbar, that the bottom panel takes.
 const BOTTOM_SHARE: f32 = 0.45;
 
-/// The panel below the world in a narrow window.
+/// Draws the panel below the arena in a narrow window.
 pub fn bottom_panel_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
@@ -45,13 +45,14 @@ pub fn bottom_panel_ui(
     });
 }
 
-/// The panel on the left. Panels can be closed by their edge, and from inside.
+/// Draws the panel on the left. The user can close it by its edge or from inside.
 pub fn setup_panel_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
     view_state: &mut ViewState,
     commands: &mut Vec<Command>,
 ) {
+    // egui sets `open` to false when the edge is dragged shut; a button inside may have closed it as well.
     let mut open = view_state.setup_open;
     let panel = Panel::left("setup")
         .exact_size(SETUP_WIDTH)
@@ -61,7 +62,7 @@ pub fn setup_panel_ui(
     view_state.setup_open &= open;
 }
 
-/// What is in the panel on the left, or below a narrow window's world.
+/// Draws the setup panel, or the panel of the editor while a scenario is edited.
 fn left_panel_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
@@ -75,7 +76,7 @@ fn left_panel_ui(
     }
 }
 
-/// The panel on the right; the user may drag its edge, and finds it as it was left.
+/// Draws the plots on the right. The user can drag the edge; the width is remembered.
 pub fn plots_panel_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
@@ -84,10 +85,12 @@ pub fn plots_panel_ui(
 ) {
     let id = Id::new("plots");
     let width = |ui: &Ui| PanelState::load(ui.ctx(), id).map(|panel| panel.size().x);
-    let (before, room) = (width(ui), ui.available_width());
-    let range = Rangef::new(PLOTS_MIN_WIDTH, (room * 0.6).max(PLOTS_MIN_WIDTH + 20.0));
-    let wanted =
-        view_state.plots_width.filter(|width| width.is_finite()).unwrap_or((room * 0.34).clamp(310.0, 460.0));
+    let (before, available) = (width(ui), ui.available_width());
+    let range = Rangef::new(PLOTS_MIN_WIDTH, (available * 0.6).max(PLOTS_MIN_WIDTH + 20.0));
+    let wanted = view_state
+        .plots_width
+        .filter(|width| width.is_finite())
+        .unwrap_or((available * 0.34).clamp(310.0, 460.0));
     let mut open = view_state.plots_open;
     let frame = Frame::side_top_panel(ui.style());
     let panel = Panel::right(id)
@@ -104,7 +107,7 @@ pub fn plots_panel_ui(
             commands,
         )
     });
-    // egui takes note of the width when the edge is let go; a window made smaller is not the user's choice.
+    // Remember the width only when the user releases the edge, not when the window shrinks.
     let after = width(ui);
     if open && before.is_some() && after != before && ui.input(|i| i.pointer.any_released()) {
         view_state.plots_width = after;

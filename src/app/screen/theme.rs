@@ -1,61 +1,61 @@
-//! The look: one typeface, one scale of type, one accent, for light and dark.
+//! The theme: one typeface, one set of font sizes, and a light and a dark palette.
 //!
-//! In: whether it is dark. Out: colours by what they mean ([`Palette`]), and egui's style set up with them.
+//! In: light or dark. Out: colours named by their role ([`Palette`]), and egui's style set up with them.
 
 use egui::{Color32, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Shadow, Stroke, TextStyle};
 
-/// The typeface of the reports, too: Arial's widths, figures of equal width.
+/// The typeface, shared with the reports: metrics of Arial, digits of equal width.
 const FONT: &[u8] = include_bytes!("../../../assets/fonts/wayfield-sans.ttf");
 
-/// The scale of type, in points: captions, text, headings.
+/// Font size of captions, in points.
 pub const SMALL: f32 = 11.0;
-/// Text.
+/// Font size of body text, in points.
 pub const BODY: f32 = 13.0;
-/// Headings.
+/// Font size of headings, in points.
 pub const HEADING: f32 = 16.0;
-/// The one figure that matters, where there is one.
+/// Font size of the success rate in the toolbar, in points.
 pub const DISPLAY: f32 = 22.0;
 
-/// Space between things that belong together; groups are two or three of it apart.
+/// Space between related elements, in points; groups are two or three times as far apart.
 pub const GAP: f32 = 6.0;
 
-/// Colours by what they mean.
+/// Colours named by their role.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Palette {
     /// Behind everything.
     pub background: Color32,
-    /// Panels.
+    /// Background of panels.
     pub panel: Color32,
-    /// What can be pressed.
+    /// Background of buttons and fields.
     pub control: Color32,
     /// The floor of an arena.
     pub floor: Color32,
-    /// Its lines: fainter than the faintest beam.
+    /// Grid lines of the floor, fainter than the faintest beam.
     pub grid: Color32,
     /// Text and outlines.
     pub text: Color32,
-    /// Captions, axes: what is to be read second.
+    /// Captions, axes and other secondary text.
     pub weak_text: Color32,
-    /// Hairlines.
+    /// Borders and separators.
     pub border: Color32,
-    /// The one accent: what is active, the robot, the chosen action.
+    /// The accent: the active control, the robot, the chosen action.
     pub accent: Color32,
-    /// Text on the accent.
+    /// Text on the accent colour.
     pub on_accent: Color32,
     /// Walls and obstacles.
     pub obstacle: Color32,
-    /// Success: the goal, a reached trail.
+    /// Success: the goal, a path that reached it.
     pub success: Color32,
-    /// Failure: a collision.
+    /// Failure: a collision, an error.
     pub error: Color32,
-    /// Neither: out of time, an exploring action, a warning.
+    /// Warning: a timeout, a random action, a question.
     pub warning: Color32,
-    /// Fields over the plane, least and greatest: a hue that nothing else has.
+    /// Field overlays, at the lowest and the highest value: violet, which nothing else uses.
     pub field_colors: [Color32; 2],
 }
 
 impl Palette {
-    /// For a light or a dark screen.
+    /// The palette of the light or the dark theme.
     #[must_use]
     pub const fn new(dark: bool) -> Self {
         let rgb = Color32::from_rgb;
@@ -98,20 +98,20 @@ impl Palette {
         }
     }
 
-    /// The accent as a wash over `under`: behind what is chosen.
+    /// Background of a selected element: `under` with a tint of the accent.
     #[must_use]
     pub fn selected_background(&self, under: Color32) -> Color32 {
         under.lerp_to_gamma(self.accent, 0.16)
     }
 
-    /// Those of the style that `ui` is drawn with.
+    /// The palette of the theme that `ui` is drawn with.
     #[must_use]
     pub fn from_ui(ui: &egui::Ui) -> Self {
         Self::new(ui.visuals().dark_mode)
     }
 }
 
-/// The project's own typeface for everything.
+/// The project's own typeface, for all font families.
 #[must_use]
 pub fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::empty();
@@ -122,7 +122,7 @@ pub fn fonts() -> FontDefinitions {
     fonts
 }
 
-/// Gives `ctx` the typeface, the scale and the colours.
+/// Installs typeface, font sizes and colours in `ctx`.
 pub fn install(ctx: &egui::Context) {
     ctx.set_fonts(fonts());
     for (theme, dark) in [(egui::Theme::Light, false), (egui::Theme::Dark, true)] {
@@ -158,15 +158,15 @@ fn apply_palette(style: &mut egui::Style, palette: Palette) {
     v.menu_corner_radius = CornerRadius::same(6);
     let radius = CornerRadius::same(5);
     let w = &mut v.widgets;
-    for (widget, fill, deep, stroke) in [
+    for (widget, fill, track, stroke) in [
         (&mut w.noninteractive, palette.panel, palette.border, palette.border),
         (&mut w.inactive, palette.control, palette.border, palette.border),
         (&mut w.hovered, palette.control, palette.border, palette.accent),
         (&mut w.active, palette.border, palette.border, palette.accent),
         (&mut w.open, palette.control, palette.border, palette.accent),
     ] {
-        // egui fills buttons with the weak one; the other is under sliders and ticks.
-        (widget.weak_bg_fill, widget.bg_fill) = (fill, deep);
+        // egui fills buttons with `weak_bg_fill`, sliders and checkboxes with `bg_fill`.
+        (widget.weak_bg_fill, widget.bg_fill) = (fill, track);
         widget.bg_stroke = Stroke::new(1.0, stroke);
         widget.fg_stroke = Stroke::new(1.0, palette.text);
         widget.corner_radius = radius;

@@ -1,155 +1,162 @@
-//! Each order, carried out between two control steps.
+//! The execution of each [`Command`], between two control steps.
 //!
-//! In: an [`Command`]. Out: what it asked for, or a notice that says why not.
+//! In: a command. Out: its effect, or a notice that says why it failed.
+
+use std::path::Path;
 
 use bevy::prelude::*;
 
+use super::TrainingHistory;
+use super::active_mode::{self, ActiveMode};
+use super::evaluations::Evaluations;
+use super::interventions::{self, Intervention};
+use super::journal::Journal;
+use super::notices::{NoticeTopic, Notices, notify};
+use super::open::{self, OpenedFiles};
+use super::pacer::Pacer;
+use super::save;
+use super::scenario_changes::{self, ScenarioSource};
+use super::start_training;
 use super::trails::Trails;
-use super::{Session, TrainingHistory, interventions};
+use super::training_run::TrainingRun;
 use crate::agent::{ActionSource, ActionSources, ActiveLearner};
 use crate::app::app_snapshot::Severity;
-use crate::app::commands::{Command, MoveRequest, SaveKind};
+use crate::app::commands::{Command, SaveKind};
+use crate::app::moves::{Movable, MoveRequest};
 use crate::run::{RunError, metrics, shipped};
 use crate::scenario::Scenario;
 use crate::task::CurrentScenario;
 
-/// How a notice begins that says why something cannot be moved to where it is dragged.
-const NOT_THERE: &str = "Not there";
-
-impl Session {
-    /// Carries out `command`; what goes wrong becomes a notice.
-    pub(super) fn execute(&mut self, world: &mut World, command: Command) {
-        let done = match command {
-            Command::Pause(paused) => {
-                self.pacer.paused = paused;
-                Ok(())
-            }
-            Command::Step => {
-                self.pacer.step_once();
-                Ok(())
-            }
-            Command::SetPace(pace) => {
-                self.pacer.pace = pace;
-                Ok(())
-            }
-            Command::SetMode(mode) => self.set_mode(world, mode),
-            Command::StartTraining { scenario, preset, seed } => {
-                let begun = self.start_training(world, &scenario, &preset, seed);
-                #[cfg(not(target_arch = "wasm32"))]
-                if begun.is_err() {
-                    self.retry_when_fixed(&scenario, super::file_watch::RetryAction::Open);
-                }
-                begun
-            }
-            Command::Transfer { scenario, epsilon } => {
-                let name = format!("{} after {} episodes", self.config.scenario.name, self.episodes(world));
-                let policy = metrics::policy(&self.config, world);
-                let found = shipped::scenario(&scenario).map_err(RunError::from);
-                found.and_then(|found| {
-                    self.start_from_policy(world, Some((&scenario, found)), (name, policy), epsilon)
-                })
-            }
-            Command::TrainFromOpened { epsilon } => match self.opened_policy.clone() {
-                Some(opened_policy) => self.start_from_policy(world, None, opened_policy, epsilon),
-                None => {
-                    Err(RunError::InvalidInput("there is no policy to start from: open one first".into()))
-                }
-            },
-            Command::Move(moved) => {
-                self.move_by_hand(world, &moved);
-                Ok(())
-            }
-            Command::Steer(motion) => {
-                if let Some(ActionSource::Manual(held)) =
-                    world.resource_mut::<ActionSources>().arenas.first_mut()
-                {
-                    *held = motion;
-                }
-                Ok(())
-            }
-            Command::OpenExpert => self.open_expert(world),
-            Command::Open(path) => {
-                self.open_or_notify(world, &path);
-                Ok(())
-            }
-            Command::Save(what, path) => match self.save(world, what, &path) {
-                Ok(()) => {
-                    if matches!(what, SaveKind::Policy | SaveKind::Run) {
-                        self.saved_at = Some(world.resource::<ActiveLearner>().0.env_steps());
-                    }
-                    self.notify(Severity::Info, format!("Saved to {}", path.display()));
-                    Ok(())
-                }
-                Err(error) => Err(error),
-            },
-            Command::ApplyScenario { scenario, from, again } => {
-                self.apply_edited(world, &scenario, from, again)
-            }
-            Command::SaveScenario { scenario, like, path: Some(path) } => {
-                self.save_scenario(&scenario, &like, &path)
-            }
-            Command::OpenInEditor(Some(path)) => self.open_in_editor(&path),
-            Command::DismissNotice(index) => {
-                if index < self.notices.len() {
-                    self.notices.remove(index);
-                }
-                Ok(())
-            }
-            // Whoever has dialogs here answers with an order of their own.
-            Command::OpenDialog
-            | Command::SaveDialog(_)
-            | Command::SaveScenario { path: None, .. }
-            | Command::OpenInEditor(None) => Ok(()),
-        };
-        if let Err(error) = done {
-            self.notify(Severity::Error, error.to_string());
-        }
+/// Executes `command`. A failure becomes a notice.
+pub(super) fn execute(world: &mut World, command: Command) {
+    let topic = topic(&command);
+    if let Err(error) = try_execute(world, command) {
+        notify(world, topic, Severity::Error, error.to_string());
     }
+}
 
-    fn episodes(&self, world: &World) -> u64 {
-        world.resource::<ActiveLearner>().0.episodes()
+/// The topic of a notice about `command`.
+fn topic(command: &Command) -> NoticeTopic {
+    match command {
+        Command::Save(_, path)
+        | Command::SaveScenario { path: Some(path), .. }
+        | Command::OpenInEditor(Some(path)) => NoticeTopic::File(path.display().to_string()),
+        _ => NoticeTopic::General,
     }
+}
 
-    /// Moves what the user drags, where it can be.
-    fn move_by_hand(&mut self, world: &mut World, moved: &MoveRequest) {
-        let intervention = match interventions::resolve(world, moved) {
-            Ok(intervention) => intervention,
-            Err(why) => return self.notify(Severity::Info, format!("{NOT_THERE}: {why}")),
-        };
-        self.retract_notice(NOT_THERE);
-        interventions::apply(world, &intervention);
-        if let interventions::Intervention::Robot { arena, .. } = &intervention {
-            world.resource_mut::<Trails>().restart_path(*arena);
+fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
+    match command {
+        Command::Pause(paused) => world.resource_mut::<Pacer>().set_paused(paused),
+        Command::Step => world.resource_mut::<Pacer>().step_once(),
+        Command::SetPace(pace) => world.resource_mut::<Pacer>().pace = pace,
+        Command::SetMode(mode) => active_mode::set_mode(world, mode)?,
+        Command::StartTraining { scenario, preset, seed } => {
+            start_training::start_or_notify(world, &scenario, &preset, seed);
         }
-        let of_the_world = matches!(intervention, interventions::Intervention::Obstacle { .. });
-        let exact = self.config.scenario.lidar.is_exact();
-        match &mut self.suspended {
-            None => self.journal.record(intervention, exact),
-            Some(aside) if of_the_world => {
-                aside.record(intervention.clone(), exact);
-                self.journal.record(intervention, exact);
-            }
-            // Where a robot or goal is while somebody else drives is nothing to the training.
-            Some(_) => {}
+        Command::Transfer { scenario, epsilon } => transfer(world, &scenario, epsilon)?,
+        Command::TrainFromOpened { epsilon } => train_from_opened(world, epsilon)?,
+        Command::Move(request) => move_object(world, &request),
+        Command::Steer(motion) => steer(world, motion),
+        Command::OpenExpert => open::open_expert(world)?,
+        Command::Open(path) => open::open_or_notify(world, &path),
+        Command::Save(what, path) => save_to(world, what, &path)?,
+        Command::ApplyScenario { scenario, from, restart } => {
+            scenario_changes::apply_edited(world, &scenario, from, restart)?;
         }
-        if of_the_world {
-            self.on_scenario_changed(world);
+        Command::SaveScenario { scenario, based_on, path: Some(path) } => {
+            scenario_changes::save_scenario(world, &scenario, &based_on, &path)?;
         }
+        Command::OpenInEditor(Some(path)) => scenario_changes::open_in_editor(world, &path)?,
+        Command::DismissNotice(index) => world.resource_mut::<Notices>().dismiss(index),
+        // The file dialogs answer these with a command that has a path.
+        Command::OpenDialog
+        | Command::SaveDialog(_)
+        | Command::SaveScenario { path: None, .. }
+        | Command::OpenInEditor(None) => {}
     }
+    Ok(())
+}
 
-    /// The world that is driven in is another from now on, for the training, too.
-    pub(super) fn on_scenario_changed(&mut self, world: &mut World) {
-        let scenario = world.resource::<CurrentScenario>().0.clone();
-        self.config.scenario = Scenario::clone(&scenario);
-        if self.suspended.is_none() {
-            self.scenario = scenario;
-        }
-        self.evaluator_is_stale = true;
-        // What was saved before is older than this.
-        self.saved_scenario = None;
-        // What was best in another world is nothing to go by.
-        self.trainer_state.best = None;
+/// Continues in another scenario with the present weights.
+fn transfer(world: &mut World, scenario: &str, epsilon: f32) -> Result<(), RunError> {
+    let config = &world.resource::<TrainingRun>().config;
+    let episodes = world.resource::<ActiveLearner>().0.episodes();
+    let name = format!("{} after {episodes} episodes", config.scenario.name);
+    let policy = metrics::policy(config, world);
+    let found = shipped::scenario(scenario)?;
+    start_training::start_from_policy(world, Some((scenario, found)), (name, policy), epsilon)
+}
+
+/// Starts a training from the opened policy.
+fn train_from_opened(world: &mut World, epsilon: f32) -> Result<(), RunError> {
+    let Some(policy) = world.resource::<OpenedFiles>().policy.clone() else {
+        return Err(RunError::InvalidInput("No policy to start from\nhelp: open a policy file first".into()));
+    };
+    start_training::start_from_policy(world, None, policy, epsilon)
+}
+
+/// Sets the motion of the arena that the user drives, if there is one.
+fn steer(world: &mut World, motion: usize) {
+    if let Some(ActionSource::Manual(held)) = world.resource_mut::<ActionSources>().arenas.first_mut() {
+        *held = motion;
+    }
+}
+
+fn save_to(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunError> {
+    save::save(world, what, path)?;
+    if matches!(what, SaveKind::Policy | SaveKind::Run) {
         let env_steps = world.resource::<ActiveLearner>().0.env_steps();
-        world.resource_mut::<TrainingHistory>().0.annotate(env_steps, "world changed".into());
+        world.resource_mut::<TrainingRun>().saved_at = Some(env_steps);
     }
+    notify_saved(world, path);
+    Ok(())
+}
+
+/// Confirms that `path` was written.
+pub(super) fn notify_saved(world: &mut World, path: &Path) {
+    let path = path.display().to_string();
+    let text = format!("Saved to {path}");
+    notify(world, NoticeTopic::File(path), Severity::Info, text);
+}
+
+/// Moves an object that the user drags, if it may go there.
+fn move_object(world: &mut World, request: &MoveRequest) {
+    let intervention = match interventions::resolve(world, request) {
+        Ok(intervention) => intervention,
+        Err(rejection) => {
+            return notify(world, NoticeTopic::Move, Severity::Info, rejection.to_string());
+        }
+    };
+    world.resource_mut::<Notices>().remove(&NoticeTopic::Move);
+    interventions::apply(world, &intervention);
+    if request.object == Movable::Robot {
+        world.resource_mut::<Trails>().restart_path(request.arena);
+    }
+    record(world, &intervention, matches!(request.object, Movable::Obstacle(_)));
+}
+
+/// Records an intervention in the journal. During a demo only a change of the scenario concerns the training.
+fn record(world: &mut World, intervention: &Intervention, changes_scenario: bool) {
+    if changes_scenario || world.resource::<ActiveMode>().is_training() {
+        let exact = world.resource::<TrainingRun>().config.scenario.lidar.is_exact();
+        world.resource_mut::<ActiveMode>().record_for_training(intervention, exact);
+        world.resource_mut::<Journal>().record(intervention.clone(), exact);
+    }
+    if changes_scenario {
+        on_scenario_changed(world);
+    }
+}
+
+/// Updates what depends on the scenario after it has changed in `world`.
+pub(super) fn on_scenario_changed(world: &mut World) {
+    let scenario = Scenario::clone(&world.resource::<CurrentScenario>().0);
+    let mut run = world.resource_mut::<TrainingRun>();
+    run.config.scenario = scenario;
+    // The best policy in the previous scenario need not be good in this one.
+    run.trainer_state.best = None;
+    world.resource_mut::<Evaluations>().mark_outdated();
+    world.resource_mut::<ScenarioSource>().forget_saved();
+    let env_steps = world.resource::<ActiveLearner>().0.env_steps();
+    world.resource_mut::<TrainingHistory>().0.annotate(env_steps, "scenario changed".into());
 }

@@ -1,82 +1,92 @@
-//! The scenario's file, watched: whoever saves it in an editor sees the world change in the window.
+//! File watches: the scenario follows its file, which the user may edit in another program.
 //!
-//! In: the file, as often as a few times a second. Out: a world that is taken when the next episode ends, or what is wrong
-//! with the file, while the last good world goes on. What is taken stands in the journal, as what the hand does.
+//! In: the file, checked a few times a second. Out: a scenario that the training adopts when the next episode ends, or a
+//! notice about what is wrong with the file while the last valid scenario keeps running. Adopted scenarios are recorded in
+//! the journal.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use bevy::platform::time::Instant;
-use bevy::prelude::World;
+use bevy::prelude::*;
 
-use super::Session;
+use super::notices::{NoticeTopic, Notices, notify};
+use super::pacer::Pacer;
+use super::scenario_changes::{ScenarioSource, check_can_switch};
+use super::training_run::TrainingRun;
+use super::{open, start_training};
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
 use crate::run::preset::Preset;
 use crate::run::shipped;
 use crate::scenario::{FileError, Scenario};
 
-/// So long between two looks at the file.
-const EVERY: Duration = Duration::from_millis(200);
+/// Time between two checks of a file.
+const CHECK_INTERVAL: Duration = Duration::from_millis(200);
 
-/// When it was written, and its length.
+/// Modification time and length of a file.
 type Stamp = (SystemTime, u64);
 
-/// The files that are watched.
-#[derive(Default)]
+/// The watched files.
+#[derive(Resource, Default)]
 pub(super) struct FileWatches {
-    /// The scenario's, if it is one.
-    pub file: Option<FileWatch>,
-    /// One that could not be used, and what is done as soon as it can.
-    waited_for: Option<(FileWatch, RetryAction)>,
+    /// The file of the scenario, if it has one.
+    scenario: Option<FileWatch>,
+    /// A file that could not be used, and what to do once it can.
+    waiting: Option<(FileWatch, RetryAction)>,
 }
 
 impl FileWatches {
-    /// Watches the file that `from` names, if it is one.
+    /// Watches the scenario file `from`, if it is a file. Its content is read at the first check, because it may have been
+    /// written since the caller read it.
     pub fn new(from: &str) -> Self {
-        Self { file: FileWatch::new(from), waited_for: None }
+        Self { scenario: FileWatch::new(from), waiting: None }
+    }
+
+    /// Watches the scenario file `from`, if it is a file. Its present content is known already.
+    pub fn watch_known(&mut self, from: &str) {
+        self.scenario = FileWatch::new(from).map(|watch| FileWatch { read: watch.stamp, ..watch });
     }
 }
 
-/// What is done when a file can be used at last.
+/// What to do when a broken file can be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum RetryAction {
-    /// A training begins in it: the one that goes on is nobody's choice.
+    /// Start a training in it: the user asked for it on the command line, and did not choose the one that runs instead.
     StartTraining,
-    /// It is opened, as if it had been asked for again.
+    /// Open it, as the user asked before.
     Open,
 }
 
-/// A file that is watched.
-pub(super) struct FileWatch {
+/// A watched file.
+struct FileWatch {
     path: PathBuf,
-    looked: Instant,
-    /// As it was at the last look; none while there is no such file.
+    checked: Instant,
+    /// Stamp at the last check; `None` while the file does not exist.
     stamp: Option<Stamp>,
-    /// As it was when it was read last.
+    /// Stamp when the file was read last.
     read: Option<Stamp>,
 }
 
 impl FileWatch {
-    /// Watches the file that `from` names, whether it is there at this moment or not; a shipped world's name is none. It
-    /// is read once at first: it may have been written since whoever asks has read it.
-    pub fn new(from: &str) -> Option<Self> {
+    /// Watches the file `from`, which need not exist now. `None` for the name of a shipped scenario.
+    fn new(from: &str) -> Option<Self> {
         let path = PathBuf::from(from);
         let stamp = stamp(&path);
         let is_file = stamp.is_some() || !shipped::is_scenario(from);
-        is_file.then(|| Self { path, looked: Instant::now(), stamp, read: None })
+        is_file.then(|| Self { path, checked: Instant::now(), stamp, read: None })
     }
 
-    /// The file, if it is to be read: it has changed, and has been the same for two looks, so that nobody is in the middle
-    /// of writing it.
+    /// The file's path, if it is to be read: it has changed since, but not between the last two checks, so that no program is
+    /// still writing it.
     fn changed(&mut self) -> Option<PathBuf> {
-        if self.looked.elapsed() < EVERY {
+        if self.checked.elapsed() < CHECK_INTERVAL {
             return None;
         }
-        self.looked = Instant::now();
+        self.checked = Instant::now();
         let before = std::mem::replace(&mut self.stamp, stamp(&self.path));
-        let is_idle = self.stamp.is_some() && self.stamp == before;
-        if !is_idle || self.stamp == self.read {
+        let is_settled = self.stamp.is_some() && self.stamp == before;
+        if !is_settled || self.stamp == self.read {
             return None;
         }
         self.read = self.stamp;
@@ -89,89 +99,92 @@ fn stamp(path: &Path) -> Option<Stamp> {
     Some((file.modified().ok()?, file.len()))
 }
 
-impl Session {
-    /// A look at the files that are watched.
-    pub(super) fn poll_watched_files(&mut self, world: &mut World) {
-        if let Some(path) = self.file_watches.file.as_mut().and_then(FileWatch::changed) {
-            self.scenario_changed(&path);
-        }
-        let waited_for = self.file_watches.waited_for.as_mut();
-        if let Some(path) = waited_for.and_then(|(watch, _)| watch.changed()) {
-            self.try_again(world, &path);
-        }
+/// Checks the watched files.
+pub(super) fn poll(world: &mut World) {
+    let changed = world.resource_mut::<FileWatches>().scenario.as_mut().and_then(FileWatch::changed);
+    if let Some(path) = changed {
+        read_scenario(world, &path);
     }
-
-    /// The scenario's file was written: its world is coming, or what is wrong with it is told.
-    fn scenario_changed(&mut self, path: &Path) {
-        let name = path.display().to_string();
-        let found = Scenario::load(path);
-        let loaded_scenario = found.as_ref() == Ok(&self.loaded_scenario);
-        if loaded_scenario && self.pending_scenario.is_none() {
-            // What was told of its mistakes is over.
-            return self.notices.retain(|(notice, _)| {
-                notice.severity != Severity::Error || notice.text.split(':').next() != Some(&name)
-            });
-        }
-        self.retract_notice(&name);
-        self.pending_scenario = None;
-        match found {
-            Err(error) => self.notify(Severity::Error, error.to_string()),
-            Ok(_) if loaded_scenario => {}
-            Ok(found) if found == self.config.scenario => self.loaded_scenario = found,
-            Ok(found) => match self.check_can_switch(&found) {
-                Err(error) => self.notify(Severity::Error, format!("{name}: {error}")),
-                Ok(()) => {
-                    self.notify(
-                        Severity::Info,
-                        format!("{name}: its new world is taken when the next episode ends"),
-                    );
-                    self.pending_scenario = Some(found);
-                }
-            },
-        }
-    }
-
-    /// A file that could not be used was written. If it can be now, it is, unless a training of some worth would be gone.
-    fn try_again(&mut self, world: &mut World, path: &Path) {
-        let name = path.display().to_string();
-        self.retract_notice(&name);
-        if let Err(error) = usable(path) {
-            return self.notify(Severity::Error, error.to_string());
-        }
-        let Some((_, then)) = self.file_watches.waited_for.take() else { return };
-        if self.would_lose_training(world.resource::<ActiveLearner>().0.env_steps()) {
-            return self.notify(Severity::Info, format!("{name}: it can be used now; open it, if you like"));
-        }
-        let paused = self.pacer.paused;
-        match then {
-            RetryAction::Open => self.open_or_notify(world, path),
-            RetryAction::StartTraining => {
-                let (preset, seed) = (self.config.preset_from.clone(), self.config.seed);
-                match self.start_training(world, &name, &preset, seed) {
-                    Ok(()) => self.notify(Severity::Info, format!("{name}: training begins there")),
-                    Err(error) => self.notify(Severity::Error, error.to_string()),
-                }
-            }
-        }
-        self.pacer.paused = paused;
-    }
-
-    /// Where the file `from` is there and cannot be used, it is waited for.
-    pub(super) fn retry_when_fixed(&mut self, from: &str, then: RetryAction) {
-        if Path::new(from).is_file() && usable(Path::new(from)).is_err() {
-            self.file_watches.waited_for = FileWatch::new(from).map(|watch| (watch, then));
-        }
-    }
-
-    /// From now on the scenario's file is watched, if it is one; what it holds now is known.
-    pub(super) fn watch_scenario_file(&mut self) {
-        self.file_watches.file =
-            FileWatch::new(&self.config.scenario_from).map(|watch| FileWatch { read: watch.stamp, ..watch });
+    let mut watches = world.resource_mut::<FileWatches>();
+    let fixed = watches.waiting.as_mut().and_then(|(watch, _)| watch.changed());
+    if let Some(path) = fixed {
+        retry(world, &path);
     }
 }
 
-/// Whether there is a scenario in the file at `path`, or else a preset.
-fn usable(path: &Path) -> Result<(), FileError> {
+/// Reads the file of the scenario, which has changed, and schedules the scenario, or reports what is wrong with it.
+fn read_scenario(world: &mut World, path: &Path) {
+    let name = path.display().to_string();
+    let topic = NoticeTopic::File(name.clone());
+    let found = Scenario::load(path);
+    let mut source = world.resource_mut::<ScenarioSource>();
+    let is_loaded = found.as_ref() == Ok(&source.loaded);
+    if is_loaded && source.pending.is_none() {
+        return world.resource_mut::<Notices>().remove_error(&topic);
+    }
+    source.pending = None;
+    world.resource_mut::<Notices>().remove(&topic);
+    let config = &world.resource::<TrainingRun>().config;
+    match found {
+        Err(error) => notify(world, topic, Severity::Error, error.to_string()),
+        Ok(_) if is_loaded => {}
+        Ok(found) if found == config.scenario => world.resource_mut::<ScenarioSource>().loaded = found,
+        Ok(found) => match check_can_switch(config, &found) {
+            Err(error) => notify(world, topic, Severity::Error, format!("{name}: {error}")),
+            Ok(()) => {
+                let text = format!("{name}: the changed scenario runs when the next episode ends");
+                notify(world, topic, Severity::Info, text);
+                world.resource_mut::<ScenarioSource>().pending = Some(found);
+            }
+        },
+    }
+}
+
+/// Tries again to use a file that could not be used before. If that would discard a training worth keeping,
+/// only reports that it can be used.
+fn retry(world: &mut World, path: &Path) {
+    let name = path.display().to_string();
+    let topic = NoticeTopic::File(name.clone());
+    world.resource_mut::<Notices>().remove(&topic);
+    if let Err(error) = check_usable(path) {
+        return notify(world, topic, Severity::Error, error.to_string());
+    }
+    let Some((_, action)) = world.resource_mut::<FileWatches>().waiting.take() else { return };
+    let env_steps = world.resource::<ActiveLearner>().0.env_steps();
+    if world.resource::<TrainingRun>().would_lose_training(env_steps) {
+        let text = format!("{name}: the file is valid now\nhelp: open it to start a training there");
+        return notify(world, topic, Severity::Info, text);
+    }
+    let paused = world.resource::<Pacer>().is_paused();
+    match action {
+        RetryAction::Open => open::open_or_notify(world, path),
+        RetryAction::StartTraining => start_there(world, name),
+    }
+    world.resource_mut::<Pacer>().set_paused(paused);
+}
+
+/// Starts a training in the scenario file `name`, with the present preset and seed.
+fn start_there(world: &mut World, name: String) {
+    let config = &world.resource::<TrainingRun>().config;
+    let (preset, seed) = (config.preset_from.clone(), config.seed);
+    let (severity, text) = match start_training::start_training(world, &name, &preset, seed) {
+        Ok(()) => (Severity::Info, format!("{name}: training started")),
+        Err(error) => (Severity::Error, error.to_string()),
+    };
+    notify(world, NoticeTopic::File(name), severity, text);
+}
+
+/// Waits until the file `from` can be used, if it exists and cannot be used now. Returns whether it waits.
+pub(super) fn retry_when_fixed(world: &mut World, from: &str, action: RetryAction) -> bool {
+    let is_broken = Path::new(from).is_file() && check_usable(Path::new(from)).is_err();
+    if is_broken {
+        world.resource_mut::<FileWatches>().waiting = FileWatch::new(from).map(|watch| (watch, action));
+    }
+    is_broken
+}
+
+/// Checks that the file at `path` is a valid scenario or a valid preset.
+fn check_usable(path: &Path) -> Result<(), FileError> {
     match Scenario::load(path) {
         Err(_) if Preset::load(path).is_ok() => Ok(()),
         found => found.map(drop),

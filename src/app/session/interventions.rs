@@ -1,7 +1,8 @@
-//! The hand in the world: a goal, a robot or an obstacle is put elsewhere, between two control steps.
+//! Interventions: changes made to a running training, between two control steps.
 //!
-//! In: what the user moves ([`MoveRequest`]). Out: a [`Intervention`], if it can be done, which says the same whenever it is done
-//! again; and the world changed by it, with a learner that knows its chains of observations to be broken.
+//! In: a [`MoveRequest`], or another scenario. Out: an [`Intervention`] that has the same effect whenever it is replayed, and
+//! the world changed by it. The learner's trajectories are cut there, because the next observation does not follow from
+//! the last action.
 
 use std::sync::Arc;
 
@@ -10,152 +11,100 @@ use bevy::prelude::World;
 use serde::{Deserialize, Serialize};
 
 use crate::agent::{ActionSelection, ActiveLearner};
-use crate::app::commands::MoveRequest;
-use crate::scenario::{ObstacleMotion, Scenario, clearance, diagnostics, pose_at};
+use crate::app::moves::{
+    Movable, MoveContext, MoveRejection, MoveRequest, ObstaclePose, check_move, initial_position,
+    with_obstacle_at,
+};
+use crate::scenario::{Scenario, pose_at};
 use crate::sim;
-use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario};
+use crate::task::{Arena, ArenaLayout, Clock, CurrentScenario, Goal, Pose};
 
-/// What the hand did.
+/// A change made to a running training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Intervention {
-    /// The goal of an arena was put there.
-    Goal {
-        /// Which arena.
+    /// An object was moved.
+    Move {
+        /// Index of the arena. An obstacle moves in all of them.
         arena: usize,
-        /// Where to, in m.
+        /// The object.
+        object: Movable,
+        /// Its new position in m; for an obstacle, that at step 0.
         to_m: Vec2,
     },
-    /// The robot of an arena was put there; its heading stayed.
-    Robot {
-        /// Which arena.
-        arena: usize,
-        /// Where to, in m.
-        to_m: Vec2,
-    },
-    /// An obstacle was moved in all arenas: its position at step 0 is this now, and its way is shifted with it.
-    Obstacle {
-        /// Its number in the scenario.
-        index: usize,
-        /// Its position at step 0, in m.
-        position_m: Vec2,
-    },
-    /// Another world was taken, from the editor or from its file: all arenas began anew in it.
-    World(Box<Scenario>),
+    /// Another scenario was adopted from the editor or from its file. Every arena began a new episode.
+    Scenario(Box<Scenario>),
 }
 
 impl Intervention {
-    /// Whether both moved the same thing.
+    /// Whether both moved the same object.
     #[must_use]
     pub fn affects_same_object(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Goal { arena: a, .. }, Self::Goal { arena: b, .. })
-            | (Self::Robot { arena: a, .. }, Self::Robot { arena: b, .. })
-            | (Self::Obstacle { index: a, .. }, Self::Obstacle { index: b, .. }) => a == b,
+            (Self::Move { arena: a, object, .. }, Self::Move { arena: b, object: same, .. }) => {
+                object == same && (a == b || matches!(object, Movable::Obstacle(_)))
+            }
             _ => false,
         }
     }
 }
 
-/// What `moved` comes to in the world as it stands.
+/// The intervention that fulfils `request` in `world` as it is now.
 ///
 /// # Errors
-/// It cannot be done, and why: beyond the walls, in what is solid, or, for an obstacle, to where no file could put it.
-pub fn resolve(world: &mut World, moved: &MoveRequest) -> Result<Intervention, String> {
-    let nowhere = || "there is no such thing".to_string();
-    let (MoveRequest::Goal { to_m, .. }
-    | MoveRequest::Robot { to_m, .. }
-    | MoveRequest::Obstacle { to_m, .. }) = *moved;
-    if !(to_m.x.is_finite() && to_m.y.is_finite()) {
-        return Err("that is no place".into());
-    }
+/// Why the object cannot be moved there.
+pub fn resolve(world: &mut World, request: &MoveRequest) -> Result<Intervention, MoveRejection> {
+    let &MoveRequest { arena, object, to_m } = request;
     let scenario = world.resource::<CurrentScenario>().0.clone();
-    match *moved {
-        MoveRequest::Goal { arena, to_m } => {
-            let (room, clock) = room(world, arena).ok_or_else(nowhere)?;
-            let room_m = clearance(&room, to_m, clock);
-            if room_m > 0.0 {
-                Ok(Intervention::Goal { arena, to_m })
-            } else {
-                Err("something stands there".into())
-            }
-        }
-        MoveRequest::Robot { arena, to_m } => {
-            let (room, clock) = room(world, arena).ok_or_else(nowhere)?;
-            let room_m = clearance(&room, to_m, clock);
-            let free = room_m > scenario.task.collision_range_m;
-            if free {
-                Ok(Intervention::Robot { arena, to_m })
-            } else {
-                Err("the robot would collide there".into())
-            }
-        }
-        MoveRequest::Obstacle { arena, index, to_m } => {
-            let generated = || "it is drawn anew for every episode".to_string();
-            let obstacle = scenario.obstacles.get(index).ok_or_else(generated)?;
-            let (_, clock) = room(world, arena).ok_or_else(nowhere)?;
-            let (x, y, _) = pose_at(obstacle, clock, scenario.task.control_period_s);
-            let position_m = match obstacle.motion {
-                ObstacleMotion::Static => to_m,
-                _ => vec2(obstacle.position_m.x + to_m.x - x, obstacle.position_m.y + to_m.y - y),
-            };
-            let changed = with_obstacle_at(&scenario, index, position_m).ok_or_else(nowhere)?;
-            match diagnostics(&changed).first() {
-                None => Ok(Intervention::Obstacle { index, position_m }),
-                Some(finding) if finding.path.starts_with("benchmark_route") => {
-                    Err("the benchmark route starts or ends there".into())
-                }
-                Some(finding) => Err(finding.to_string()),
-            }
-        }
-    }
+    let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock, &Pose, &Goal)>();
+    let found = arenas.iter(world).find(|(other, ..)| other.0 == arena);
+    let (_, layout, clock, robot, goal) = found.ok_or(MoveRejection::NotMovable)?;
+    let layout = &*layout.scenario;
+    let period_s = layout.task.control_period_s;
+    let obstacles: Vec<ObstaclePose> =
+        layout.obstacles.iter().map(|obstacle| pose_at(obstacle, clock.0, period_s)).collect();
+    let view = MoveContext {
+        scenario: &scenario,
+        layout,
+        obstacles: &obstacles,
+        robot_m: vec2(robot.x_m, robot.y_m),
+        goal_m: vec2(goal.x_m, goal.y_m),
+    };
+    check_move(&view, object, to_m)?;
+    let to_m = match object {
+        Movable::Goal | Movable::Robot => to_m,
+        Movable::Obstacle(index) => initial_position(&scenario.obstacles[index], obstacles[index], to_m),
+    };
+    Ok(Intervention::Move { arena, object, to_m })
 }
 
-/// Does it.
+/// Applies `intervention` to the world. An arena or obstacle that does not exist is ignored.
 pub fn apply(world: &mut World, intervention: &Intervention) {
     match intervention {
-        Intervention::Goal { arena, to_m } => sim::move_goal(world, *arena, *to_m),
-        Intervention::Robot { arena, to_m } => sim::move_robot(world, *arena, *to_m),
-        Intervention::World(scenario) => {
-            sim::reset_with_scenario(world, &Arc::new(Scenario::clone(scenario)))
-        }
-        &Intervention::Obstacle { index, position_m } => {
-            let changed = with_obstacle_at(&world.resource::<CurrentScenario>().0, index, position_m);
-            match changed.map(Arc::new) {
-                // What is drawn anew would stand elsewhere, perhaps where a robot is.
-                Some(changed) if !changed.generators.is_empty() => sim::reset_with_scenario(world, &changed),
-                Some(changed) => sim::change_scenario(world, &changed),
-                None => {}
-            }
+        &Intervention::Move { arena, object, to_m } => match object {
+            Movable::Goal => sim::move_goal(world, arena, to_m),
+            Movable::Robot => sim::move_robot(world, arena, to_m),
+            Movable::Obstacle(index) => move_obstacle(world, index, to_m),
+        },
+        Intervention::Scenario(scenario) => {
+            sim::reset_with_scenario(world, &Arc::new(Scenario::clone(scenario)));
         }
     }
     if *world.resource::<ActionSelection>() == ActionSelection::EpsilonGreedy
-        && let Some(mut trainer) = world.get_resource_mut::<ActiveLearner>()
+        && let Some(mut learner) = world.get_resource_mut::<ActiveLearner>()
     {
-        trainer.0.truncate_trajectories();
+        learner.0.truncate_trajectories();
     }
 }
 
-/// `scenario` with the obstacle `index` at `position_m` at step 0, its way shifted with it.
-fn with_obstacle_at(scenario: &Scenario, index: usize, position_m: Vec2) -> Option<Scenario> {
-    let mut changed = scenario.clone();
-    let obstacle = changed.obstacles.get_mut(index)?;
-    let (dx, dy) = (position_m.x - obstacle.position_m.x, position_m.y - obstacle.position_m.y);
-    let shift = |point: &mut Vec2| *point = vec2(point.x + dx, point.y + dy);
-    match &mut obstacle.motion {
-        ObstacleMotion::Static | ObstacleMotion::RandomWalk { .. } => {}
-        ObstacleMotion::Orbit { centre_m, .. } => shift(centre_m),
-        ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
-            waypoints_m.iter_mut().for_each(shift);
-        }
+/// Moves an obstacle in all arenas; `position_m` is its position at step 0.
+fn move_obstacle(world: &mut World, index: usize, position_m: Vec2) {
+    let changed = with_obstacle_at(&world.resource::<CurrentScenario>().0, index, position_m);
+    let Some(changed) = changed.map(Arc::new) else { return };
+    if changed.generators.is_empty() {
+        sim::change_scenario(world, &changed);
+    } else {
+        // Generated obstacles would be drawn elsewhere, perhaps on a robot: every arena begins a new episode.
+        sim::reset_with_scenario(world, &changed);
     }
-    obstacle.position_m = position_m;
-    Some(changed)
-}
-
-/// The world as it stands in `arena`, and its obstacles' clock.
-fn room(world: &mut World, arena: usize) -> Option<(Arc<Scenario>, u64)> {
-    let mut arenas = world.query::<(&Arena, &ArenaLayout, &Clock)>();
-    let found = arenas.iter(world).find(|(other, ..)| other.0 == arena);
-    found.map(|(_, room, clock)| (room.scenario.clone(), clock.0))
 }

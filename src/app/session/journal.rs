@@ -1,65 +1,67 @@
-//! The journal: all that the hand did to a training, so that it can be had again to the bit.
+//! The journal: every intervention in a training, so that the training can be replayed bit for bit.
 //!
-//! In: what was done, and after how many control steps of the training. Out: `journal.ron` in a saved run's folder; and
-//! the same training again, without a window ([`Journal::replay`], [`verify`]).
+//! In: each intervention, and the number of control steps before it. Out: `journal.ron` in the folder of a saved run; and the
+//! same training again, without a window ([`Journal::replay`], [`verify`]).
 
 use std::path::Path;
 use std::sync::Arc;
 
+use bevy::prelude::Resource;
 use serde::{Deserialize, Serialize};
 
 use super::interventions::{self, Intervention};
 use crate::agent::ActiveLearner;
-use crate::learning::{Learner, Policy};
+use crate::learning::Learner;
+use crate::policy::Policy;
 use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder};
 use crate::run::{RunError, checkpoint, policy_card, training_setup};
 use crate::scenario::{Scenario, diagnostics, read_ron_with_limit};
 use crate::simulation::Simulation;
 use crate::task::{Fault, TaskFault};
 
-/// Its name in a saved run's folder.
+/// Name of the journal in a run folder.
 pub const JOURNAL: &str = "journal.ron";
 
-/// It holds every world that was taken, so it may grow; what is larger is none.
+/// Maximum size of a journal. It holds every adopted scenario, so it may be large.
 const MAX_JOURNAL_BYTES: u64 = 256 << 20;
 
-/// Nothing is moved farther than this along an axis, in m: the widest world ends sooner.
+/// Largest coordinate of a moved object, in m. It exceeds the largest scenario.
 const MAX_MOVE_M: f32 = 1000.0;
 
-/// What the hand did, and when.
+/// An intervention and its time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JournalEntry {
-    /// After so many control steps of the training.
+    /// Control steps of the training before it.
     pub after_steps: u64,
-    /// What it did.
+    /// The intervention.
     pub intervention: Intervention,
 }
 
-/// A training from its beginning, with all that the hand did.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The configuration of a training, and every intervention in it.
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Journal {
-    /// What was begun.
+    /// Configuration at the start of the training.
     pub begun: RunConfig,
-    /// Control steps taken since.
+    /// Control steps so far.
     pub steps: u64,
-    /// What the hand did, in order.
+    /// Interventions, oldest first.
     pub entries: Vec<JournalEntry>,
 }
 
 impl Journal {
-    /// A training that begins now.
+    /// The journal of a training that starts now.
     #[must_use]
     pub fn new(begun: RunConfig) -> Self {
         Self { begun, steps: 0, entries: Vec::new() }
     }
 
-    /// The journal of the run in `folder`, which stands where `learner` does. One that was trained without a window has
-    /// none, for no hand was in it; and one that went on without a window has a journal that ends before it does.
+    /// The journal of the run in `folder`, whose learner is `learner`. A run trained without a window has no journal file,
+    /// because nobody intervened. A run that continued without a window has one that ends before the run does.
     ///
     /// # Errors
-    /// There is one that cannot be read, or that is of another run.
+    /// The file cannot be read, is invalid, or belongs to another run.
     pub fn load(folder: &RunFolder, config: &RunConfig, learner: &Learner) -> Result<Self, RunError> {
         let file = folder.path().join(JOURNAL);
         let mut journal = Self::new(config.clone());
@@ -70,47 +72,52 @@ impl Journal {
         journal.steps = learner.env_steps() / config.preset.arenas as u64;
         let times: Vec<u64> = journal.entries.iter().map(|entry| entry.after_steps).collect();
         if !times.is_sorted() || times.last().is_some_and(|last| *last > journal.steps) {
-            let why = "its entries are not in order, or go beyond where the run stands: it is of another run";
+            let why = "its entries are out of order or later than the checkpoint: it belongs to another run";
             return Err(RunError::invalid_input(&file, why));
         }
         Ok(journal)
     }
 
-    /// Whether what it holds can be done: it may come from a stranger.
+    /// Checks that the journal can be replayed. It may come from an untrusted source.
+    ///
+    /// # Errors
+    /// Something in it is invalid.
     fn check(&self) -> Result<(), String> {
         let RunConfig { scenario, preset, .. } = &self.begun;
         let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
-        let sound = |world: &Scenario| {
-            let finding = diagnostics(world).into_iter().next().map(|finding| finding.to_string());
-            finding.map_or(Ok(()), Err).and_then(|()| preset.check_memory(world))
+        let check_scenario = |scenario: &Scenario| {
+            let found = diagnostics(scenario).into_iter().next().map(|found| found.to_string());
+            found.map_or(Ok(()), Err).and_then(|()| preset.check_memory(scenario))
         };
-        if let Some(finding) = preset.diagnostics().first() {
-            return Err(format!("it began with a preset that cannot be: {finding}"));
+        if let Some(found) = preset.diagnostics().first() {
+            return Err(format!("the preset of the run is invalid: {found}"));
         }
-        sound(scenario).map_err(|why| format!("it began in a world that cannot be: {why}"))?;
+        check_scenario(scenario).map_err(|why| format!("the scenario of the run is invalid: {why}"))?;
         for JournalEntry { after_steps, intervention } in &self.entries {
-            let place_m = match intervention {
-                Intervention::Goal { to_m, .. } | Intervention::Robot { to_m, .. } => *to_m,
-                Intervention::Obstacle { position_m, .. } => *position_m,
-                Intervention::World(world) if shape(world) == shape(scenario) => {
-                    sound(world).map_err(|why| format!("the world after {after_steps} steps: {why}"))?;
-                    continue;
+            match intervention {
+                Intervention::Move { to_m, .. } => {
+                    if !(to_m.x.abs() <= MAX_MOVE_M && to_m.y.abs() <= MAX_MOVE_M) {
+                        return Err(format!(
+                            "after {after_steps} steps an object was moved to ({x_m}, {y_m}), which lies outside every scenario"
+                        ));
+                    }
                 }
-                Intervention::World(_) => {
+                Intervention::Scenario(next) if shape(next) == shape(scenario) => {
+                    check_scenario(next)
+                        .map_err(|why| format!("the scenario after {after_steps} steps is invalid: {why}"))?;
+                }
+                Intervention::Scenario(_) => {
                     return Err(format!(
-                        "the world after {after_steps} steps has other beams or motions than the first"
+                        "the scenario after {after_steps} steps has other numbers of beams or motions than the first"
                     ));
                 }
-            };
-            if !(place_m.x.abs() <= MAX_MOVE_M && place_m.y.abs() <= MAX_MOVE_M) {
-                return Err(format!("what was moved after {after_steps} steps went to {place_m:?}"));
             }
         }
         Ok(())
     }
 
-    /// Notes what is done now. Of what is dragged about between two steps only the last place counts, unless each look
-    /// around draws from the sensor's stream (the LIDAR is not `exact`).
+    /// Records an intervention made now. Of an object dragged between two control steps, only the last position counts. If
+    /// the LIDAR is not `exact`, every position counts, because each scan draws from the sensor's random stream.
     pub fn record(&mut self, intervention: Intervention, exact: bool) {
         if let Some(last) = self.entries.last_mut()
             && exact
@@ -123,8 +130,8 @@ impl Journal {
         self.entries.push(JournalEntry { after_steps: self.steps, intervention });
     }
 
-    /// The same training again, from its beginning to where the journal ends; `policy` is the one that it started from,
-    /// if there was one.
+    /// Replays the training from its start to the end of the journal. `policy` is the policy that the training started from,
+    /// if any.
     ///
     /// # Errors
     /// The configuration or the policy cannot be used, or the training fails.
@@ -144,7 +151,7 @@ impl Journal {
                 interventions::apply(simulation.world_mut(), &entry.intervention);
             }
             if step < self.steps {
-                // A world without room for a goal is told of in the window, and mended there by hand: time goes on.
+                // In the app the user made room where there was no free space, and the training continued.
                 let stepped = simulation.step();
                 let fault = simulation.world_mut().resource_mut::<TaskFault>().0.take();
                 if !matches!(fault, Some(Fault::NoFreeSpace { .. })) {
@@ -156,21 +163,21 @@ impl Journal {
     }
 }
 
-/// What came of a replay.
+/// The result of a replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReplayResult {
-    /// Control steps.
+    /// Control steps replayed.
     pub steps: u64,
-    /// Changes by hand among them.
+    /// Interventions replayed.
     pub interventions: usize,
-    /// Replay buffer, weights, moments and streams came out as they stand in the folder's checkpoint, to the bit.
+    /// Whether the learner (replay buffer, weights, moments, random streams) equals that of the checkpoint, bit for bit.
     pub bit_identical: bool,
 }
 
-/// Replays the run saved in the folder at `path`, and compares what comes out with its checkpoint.
+/// Replays the run saved in the folder at `path`, and compares the learner with that of its checkpoint.
 ///
 /// # Errors
-/// The folder holds no such run, or one that cannot be used.
+/// The folder holds no run, or one that cannot be used.
 pub fn verify(path: &Path) -> Result<ReplayResult, RunError> {
     let (folder, config) = RunFolder::open(path)?;
     let learner = checkpoint::load(&folder, &config)?.learner;
@@ -185,10 +192,10 @@ pub fn verify(path: &Path) -> Result<ReplayResult, RunError> {
     Ok(ReplayResult { steps: journal.steps, interventions: journal.entries.len(), bit_identical: same })
 }
 
-/// The policy that the run in `folder` started from, if there was one.
+/// The policy that the run in `folder` started from, if any.
 ///
 /// # Errors
-/// It cannot be read.
+/// Its file cannot be read.
 pub fn initial_policy(folder: &RunFolder, begun: &RunConfig) -> Result<Option<Policy>, RunError> {
     if begun.transfer.is_none() {
         return Ok(None);

@@ -1,158 +1,204 @@
-//! Files opened in the window: a run or its checkpoint, a policy, a scenario, a preset.
+//! Files opened in the app: a run or its checkpoint, a policy, a scenario, a preset.
 //!
-//! In: a path. Out: a training that goes on or begins, or a second policy to compare with; or why it cannot be used.
+//! In: a path. Out: a training that resumes or starts, or a second policy to compare with; otherwise a notice that says why
+//! the file cannot be used.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::Session;
+use super::active_mode::{ActiveMode, set_mode};
+use super::notices::{NoticeTopic, notify};
+use super::start_training;
+use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::{Choice, Severity};
 use crate::app::commands::SessionMode;
 use crate::policy::Policy;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
-use crate::run::{RunError, policy_card, shipped};
+use crate::run::{RunError, evaluate, policy_card, shipped};
 use crate::scenario::{Scenario, read_text};
 
-impl Session {
-    /// Opens the file at `path`, or says why it cannot be.
-    pub(super) fn open_or_notify(&mut self, world: &mut World, path: &Path) {
-        match self.open(world, path) {
-            Ok(told) => self.notify(Severity::Info, told),
-            Err(error) => {
-                self.notify(Severity::Error, error.to_string());
-                #[cfg(not(target_arch = "wasm32"))]
-                if path.extension().is_some_and(|ending| ending == "ron") {
-                    self.retry_when_fixed(&path.display().to_string(), super::file_watch::RetryAction::Open);
-                }
+/// What the user has opened. A new training keeps it.
+#[derive(Resource, Default)]
+pub struct OpenedFiles {
+    /// A second policy to compare with, and its name.
+    pub policy: Option<(String, Policy)>,
+    /// The user's own scenarios.
+    pub scenarios: Vec<Choice>,
+    /// The user's own presets.
+    pub presets: Vec<Choice>,
+    /// A path that the user wanted to open once, although an unsaved training would be lost.
+    pub(super) requested_once: Option<PathBuf>,
+}
+
+/// Opens the file at `path`. Reports the result, or why the file cannot be opened.
+pub(super) fn open_or_notify(world: &mut World, path: &Path) {
+    let topic = NoticeTopic::File(path.display().to_string());
+    match open(world, path) {
+        Ok(text) => notify(world, topic, Severity::Info, text),
+        Err(error) => {
+            notify(world, topic, Severity::Error, error.to_string());
+            #[cfg(not(target_arch = "wasm32"))]
+            if path.extension().is_some_and(|extension| extension == "ron") {
+                use super::file_watch::{RetryAction, retry_when_fixed};
+                retry_when_fixed(world, &path.display().to_string(), RetryAction::Open);
             }
-        }
-    }
-
-    /// Whether what is at `path` is to be opened although a training of some worth would be gone: when it is asked for twice.
-    ///
-    /// # Errors
-    /// It was asked for once: what would happen, in words.
-    fn confirm_by_repeating(&mut self, world: &World, path: &Path) -> Result<(), RunError> {
-        let learner = &world.resource::<ActiveLearner>().0;
-        if self.would_lose_training(learner.env_steps()) && self.open_requested_once.as_deref() != Some(path)
-        {
-            self.open_requested_once = Some(path.into());
-            return Err(RunError::InvalidInput(format!(
-                "The training of {} episodes would be gone: save the {} first, or open {} once more",
-                learner.episodes(),
-                if cfg!(target_arch = "wasm32") { "policy" } else { "run" },
-                path.display()
-            )));
-        }
-        self.open_requested_once = None;
-        Ok(())
-    }
-
-    /// Opens what is at `path`: a run's folder or its checkpoint, a policy, a scenario, a preset. Gives what to say.
-    fn open(&mut self, world: &mut World, path: &Path) -> Result<String, RunError> {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        if path.is_dir() {
-            self.confirm_by_repeating(world, path)?;
-            self.resume(world, path)?;
-            return Ok(format!("The run {name} goes on"));
-        }
-        match path.extension().and_then(|ending| ending.to_str()) {
-            Some("bin") => {
-                self.confirm_by_repeating(world, path)?;
-                let folder = path.parent().and_then(Path::parent).unwrap_or(path);
-                self.resume(world, folder)?;
-                Ok("The run goes on from its checkpoint".into())
-            }
-            Some("safetensors") => {
-                let policy = policy_card::read(path)?;
-                self.check_can_drive(&path.display().to_string(), &policy)?;
-                self.compare_with(world, (name.clone(), policy))?;
-                Ok(format!("{name} drives beside the present policy"))
-            }
-            Some("ron") => self.open_ron(world, path),
-            _ => Err(RunError::InvalidInput(format!(
-                "{}: neither a policy (.safetensors), nor a scenario or preset (.ron), nor a run's folder",
-                path.display()
-            ))),
-        }
-    }
-
-    /// Lets the shipped policy drive that can drive here, beside the present one.
-    ///
-    /// # Errors
-    /// None can.
-    pub(super) fn open_expert(&mut self, world: &mut World) -> Result<(), RunError> {
-        let Some((name, policy)) = self.expert() else {
-            let why = "no policy that comes with the program can drive here: its LIDAR, its robot or the preset's \
-                       observations are others";
-            return Err(RunError::InvalidInput(why.into()));
-        };
-        self.notify(Severity::Info, format!("{name} drives beside the present policy"));
-        self.compare_with(world, (name, policy.clone()))
-    }
-
-    /// The shipped policy for the present world, or else the first that can drive here, and what to call it.
-    pub(crate) fn expert(&self) -> Option<(String, &'static Policy)> {
-        let all = shipped::policies();
-        let of_this_world = all.iter().filter(|(name, _)| *name == self.config.scenario_from);
-        let (name, policy) =
-            of_this_world.chain(all).find(|(name, policy)| self.check_can_drive(name, policy).is_ok())?;
-        let world = policy.metadata.get("scenario").map_or(*name, String::as_str);
-        Some((format!("Expert of {world}"), policy))
-    }
-
-    /// Lets `opened_policy` drive beside the present policy.
-    fn compare_with(&mut self, world: &mut World, opened_policy: (String, Policy)) -> Result<(), RunError> {
-        self.opened_policy = Some(opened_policy);
-        if self.mode == SessionMode::Compare {
-            self.set_mode(world, SessionMode::Test)?;
-        }
-        self.set_mode(world, SessionMode::Compare)
-    }
-
-    /// The present scenario and preset can be chosen from now on, also where they are the user's own.
-    pub(super) fn list_user_files(&mut self) {
-        let RunConfig { scenario_from, preset_from, scenario, preset, .. } = &self.config;
-        if !shipped::is_scenario(scenario_from) {
-            let (title, about) = (scenario.name.clone(), scenario.about.clone());
-            add(&mut self.user_scenarios, Choice { from: scenario_from.clone(), title, about });
-        }
-        if !shipped::is_preset(preset_from) {
-            let (title, about) = (self.config.preset_name(), preset.about.clone());
-            add(&mut self.user_presets, Choice { from: preset_from.clone(), title, about });
-        }
-    }
-
-    /// Opens a scenario or a preset: a training of it begins.
-    fn open_ron(&mut self, world: &mut World, path: &Path) -> Result<String, RunError> {
-        let from = path.display().to_string();
-        let text = read_text(path)?;
-        let seed = self.config.seed;
-        match Scenario::parse(&text, path) {
-            Ok(scenario) => {
-                self.confirm_by_repeating(world, path)?;
-                let preset = self.config.preset_from.clone();
-                self.start_training(world, &from, &preset, seed)?;
-                Ok(format!("Training begins in {}", scenario.name))
-            }
-            // What is a good preset is no bad scenario; anything else is told as the scenario that it was meant to be.
-            Err(error) => match Preset::parse(&text, path) {
-                Ok(_) => {
-                    self.confirm_by_repeating(world, path)?;
-                    let scenario = self.config.scenario_from.clone();
-                    self.start_training(world, &scenario, &from, seed)?;
-                    Ok(format!("Training begins with {}", self.config.preset_name()))
-                }
-                Err(_) => Err(error.into()),
-            },
         }
     }
 }
 
-fn add(choices: &mut Vec<Choice>, choice: Choice) {
+/// Checks that opening `path` loses no unsaved training, or that the user asks for it the second time.
+///
+/// # Errors
+/// The user asks for the first time: what would be lost.
+fn confirm_by_repeating(world: &mut World, path: &Path) -> Result<(), RunError> {
+    let learner = &world.resource::<ActiveLearner>().0;
+    let (env_steps, episodes) = (learner.env_steps(), learner.episodes());
+    let would_lose = world.resource::<TrainingRun>().would_lose_training(env_steps);
+    let requested_once = &mut world.resource_mut::<OpenedFiles>().requested_once;
+    if !would_lose || requested_once.as_deref() == Some(path) {
+        *requested_once = None;
+        return Ok(());
+    }
+    *requested_once = Some(path.into());
+    Err(RunError::InvalidInput(format!(
+        "The unsaved training of {episodes} episodes would be lost\nhelp: save the {} first, or open {} again",
+        if cfg!(target_arch = "wasm32") { "policy" } else { "run" },
+        path.display()
+    )))
+}
+
+/// Opens a run's folder or its checkpoint, a policy, a scenario or a preset. Returns a confirmation for the user.
+fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    if path.is_dir() {
+        return resume(world, path, path);
+    }
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("bin") => {
+            let folder = path.parent().and_then(Path::parent).unwrap_or(path);
+            resume(world, path, folder)
+        }
+        Some("safetensors") => {
+            let policy = policy_card::read(path)?;
+            let config = &world.resource::<TrainingRun>().config;
+            check_can_drive(config, &path.display().to_string(), &policy)?;
+            let text = format!("{name} drives next to the present policy");
+            compare_with(world, (name, policy))?;
+            Ok(text)
+        }
+        Some("ron") => open_ron(world, path),
+        _ => Err(RunError::InvalidInput(format!(
+            "{}: not a policy (.safetensors), a scenario or preset (.ron), or a run folder",
+            path.display()
+        ))),
+    }
+}
+
+/// Resumes the run in `folder`, which the user opened by `path`.
+fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunError> {
+    confirm_by_repeating(world, path)?;
+    start_training::resume(world, folder)?;
+    let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
+    Ok(format!("Resumed the run {name}"))
+}
+
+/// Opens a scenario or a preset, and starts a training with it.
+fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
+    let from = path.display().to_string();
+    let text = read_text(path)?;
+    let RunConfig { scenario_from, preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
+    let (scenario_from, preset_from, seed) = (scenario_from.clone(), preset_from.clone(), *seed);
+    match Scenario::parse(&text, path) {
+        Ok(scenario) => {
+            confirm_by_repeating(world, path)?;
+            start_training::start_training(world, &from, &preset_from, seed)?;
+            Ok(format!("Training started in {}", scenario.name))
+        }
+        // A valid preset is no broken scenario; any other text is reported as a broken scenario.
+        Err(error) => {
+            Preset::parse(&text, path).map_err(|_| error)?;
+            confirm_by_repeating(world, path)?;
+            start_training::start_training(world, &scenario_from, &from, seed)?;
+            let preset = world.resource::<TrainingRun>().config.preset_name();
+            Ok(format!("Training started with the preset {preset}"))
+        }
+    }
+}
+
+/// Lets a shipped policy drive next to the present one.
+///
+/// # Errors
+/// No shipped policy can drive here.
+pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
+    let Some((name, policy)) = expert(&world.resource::<TrainingRun>().config) else {
+        let why = "No shipped policy can drive here: they were trained with another LIDAR, another robot or other \
+                   observations";
+        return Err(RunError::InvalidInput(why.into()));
+    };
+    let text = format!("{name} drives next to the present policy");
+    notify(world, NoticeTopic::General, Severity::Info, text);
+    compare_with(world, (name, policy.clone()))
+}
+
+/// The shipped policy for the scenario of `config`, or else the first one that can drive there, with a name for it.
+pub(crate) fn expert(config: &RunConfig) -> Option<(String, &'static Policy)> {
+    let all = shipped::policies();
+    let of_this_scenario = all.iter().filter(|(name, _)| *name == config.scenario_from);
+    let (name, policy) =
+        of_this_scenario.chain(all).find(|(name, policy)| check_can_drive(config, name, policy).is_ok())?;
+    let scenario = policy.metadata.get("scenario").map_or(*name, String::as_str);
+    Some((format!("Expert of {scenario}"), policy))
+}
+
+/// Checks that `policy`, called `name`, can drive in the scenario of `config` with the observations of its preset.
+///
+/// # Errors
+/// It cannot, and why.
+pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -> Result<(), RunError> {
+    let unusable = |why: String| RunError::InvalidInput(format!("{name}: {why}"));
+    evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())
+        .map_err(|error| unusable(error.to_string()))?;
+    if policy_card::encoding(policy)? != config.preset.observation {
+        return Err(unusable(
+            "its observations are encoded differently from those of the present preset".into(),
+        ));
+    }
+    Ok(())
+}
+
+/// Lets `policy` drive next to the present policy.
+fn compare_with(world: &mut World, policy: (String, Policy)) -> Result<(), RunError> {
+    world.resource_mut::<OpenedFiles>().policy = Some(policy);
+    if world.resource::<ActiveMode>().mode() == SessionMode::Compare {
+        set_mode(world, SessionMode::Test)?;
+    }
+    set_mode(world, SessionMode::Compare)
+}
+
+/// Lists the present scenario and preset among the user's own, if they are not shipped.
+pub(super) fn list_user_files(world: &mut World) {
+    let RunConfig { scenario_from, preset_from, scenario, preset, .. } =
+        &world.resource::<TrainingRun>().config;
+    let scenario = (!shipped::is_scenario(scenario_from)).then(|| Choice {
+        from: scenario_from.clone(),
+        title: scenario.name.clone(),
+        about: scenario.about.clone(),
+    });
+    let preset = (!shipped::is_preset(preset_from)).then(|| Choice {
+        from: preset_from.clone(),
+        title: world.resource::<TrainingRun>().config.preset_name(),
+        about: preset.about.clone(),
+    });
+    let opened = world.resource_mut::<OpenedFiles>().into_inner();
+    add(&mut opened.scenarios, scenario);
+    add(&mut opened.presets, preset);
+}
+
+fn add(choices: &mut Vec<Choice>, choice: Option<Choice>) {
+    let Some(choice) = choice else { return };
     choices.retain(|other| other.from != choice.from);
     choices.push(choice);
 }

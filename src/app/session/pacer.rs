@@ -1,123 +1,159 @@
-//! The pacer: how many control steps a frame is given.
+//! The pacer: how many control steps each frame may take.
 //!
-//! In: the time since the last frame, what the user asked for, how long the frame has stepped already. Out: whether to
-//! step once more. What is learnt depends on the number of steps alone, never on when they are taken.
+//! In: the time since the last frame, the requested pace, and how long this frame has stepped already. Out: whether to take
+//! another step. What is learnt depends only on the number of steps, never on when they are taken.
 
 use std::time::Duration;
 
+use bevy::prelude::Resource;
+
 use crate::app::commands::Pace;
 
-/// So long may steps take of one frame: what is left of a 60th of a second is for drawing.
+/// Time that steps may take of a frame. The rest of 1/60 s is for drawing.
 const STEP_BUDGET: Duration = Duration::from_millis(12);
 
-/// Where drawing alone takes longer than a frame at 30 a second, steps may take as long as drawing, but not longer than
-/// this: on a machine that draws slowly, little of its time would be left for learning else. (With the step that is under
-/// way then, it stays below 50 ms.)
+/// Upper limit of the budget where drawing is slow. If drawing alone takes longer than 1/30 s, steps may take as long as
+/// drawing, up to this; otherwise a slow machine would spend little of its time on learning. Together with a step that has
+/// already begun, this stays below 50 ms.
 const MAX_STEP_BUDGET: Duration = Duration::from_millis(36);
 
-/// A frame that took longer than this, in s, is not made up for: the window was hidden, or hung. (A software GPU may
-/// need a fifth of a second for each.)
+/// Drawing that takes longer than this raises the budget.
+const SLOW_DRAWING: Duration = Duration::from_millis(33);
+
+/// A frame that took longer than this, in s, is not caught up with: the window was hidden, or the system hung. (A software
+/// GPU may need 0.2 s per frame.)
 const MAX_FRAME_S: f64 = 0.25;
 
-/// When to step.
-#[derive(Clone, Debug)]
+/// The state of the simulated time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TimeState {
+    /// Time passes at the pace.
+    Running,
+    /// Time is paused.
+    Paused,
+    /// Time is paused after one more step.
+    SingleStep,
+    /// No step is taken while a screenshot is, though the screen shows running time.
+    OnHold,
+}
+
+/// Decides when to take control steps.
+#[derive(Resource, Clone, Debug)]
 pub struct Pacer {
-    /// Time stands still.
-    pub paused: bool,
-    /// How quickly it passes.
+    /// Requested pace while time runs.
     pub pace: Pace,
-    /// No step is taken while a picture is, though time does not stand still.
-    pub on_hold: bool,
-    /// One step was asked for.
-    single: bool,
-    /// Simulated time that has passed on the screen and was not stepped yet, in s.
-    owed_s: f64,
-    /// What one step is worth, in s.
+    time: TimeState,
+    /// Simulated time in s that has passed on the screen and has not been stepped yet.
+    pending_s: f64,
+    /// Duration of one control step, in s of simulated time.
     period_s: f64,
-    /// So long may steps take of this frame.
+    /// Time that steps may take of this frame.
     budget: Duration,
-    /// So long they took of the last.
+    /// Time that steps took of the last frame, or of this one so far.
     spent: Duration,
 }
 
 impl Pacer {
-    /// A pacer that begins at `pace`.
+    /// A pacer that starts at `pace`.
     #[must_use]
     pub fn new(pace: Pace, paused: bool) -> Self {
         Self {
-            paused,
             pace,
-            on_hold: false,
-            single: false,
-            owed_s: 0.0,
+            time: if paused { TimeState::Paused } else { TimeState::Running },
+            pending_s: 0.0,
             period_s: 0.2,
             budget: STEP_BUDGET,
             spent: Duration::ZERO,
         }
     }
 
-    /// One step, and then stand still.
-    pub fn step_once(&mut self) {
-        self.paused = true;
-        self.single = true;
+    /// Whether time is paused.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        matches!(self.time, TimeState::Paused | TimeState::SingleStep)
     }
 
-    /// A frame begins, `real_s` after the last; a step is worth `period_s`.
+    /// Pauses time, or lets it run.
+    pub fn set_paused(&mut self, paused: bool) {
+        self.time = match self.time {
+            _ if paused => TimeState::Paused,
+            TimeState::OnHold => TimeState::OnHold,
+            _ => TimeState::Running,
+        };
+    }
+
+    /// Takes no more steps while time runs.
+    pub fn hold(&mut self) {
+        if self.time == TimeState::Running {
+            self.time = TimeState::OnHold;
+        }
+    }
+
+    /// Takes one step, then pauses.
+    pub fn step_once(&mut self) {
+        self.time = TimeState::SingleStep;
+    }
+
+    /// Begins a frame `real_s` seconds after the last one; a control step lasts `period_s`.
     pub fn begin_frame(&mut self, real_s: f64, period_s: f64) {
         self.period_s = period_s;
         let drawing = Duration::from_secs_f64(real_s.clamp(0.0, 1.0)).saturating_sub(self.spent);
-        self.budget =
-            if drawing > Duration::from_millis(33) { drawing.min(MAX_STEP_BUDGET) } else { STEP_BUDGET };
+        self.budget = if drawing > SLOW_DRAWING { drawing.min(MAX_STEP_BUDGET) } else { STEP_BUDGET };
         self.spent = Duration::ZERO;
-        if let (false, Pace::Times(times)) = (self.paused, self.pace) {
-            self.owed_s += real_s.clamp(0.0, MAX_FRAME_S) * f64::from(times.max(0.0));
+        if let (false, Pace::Times(times)) = (self.is_paused(), self.pace) {
+            self.pending_s += real_s.clamp(0.0, MAX_FRAME_S) * f64::from(times.max(0.0));
         }
     }
 
-    /// Whether to step once more in this frame, which has stepped for `spent` already.
+    /// Whether to take another step in this frame, which has stepped for `spent` already.
     pub fn should_step(&mut self, spent: Duration) -> bool {
         self.spent = spent;
-        if std::mem::take(&mut self.single) {
-            self.owed_s = self.period_s;
-            return true;
+        match self.time {
+            TimeState::SingleStep => {
+                self.time = TimeState::Paused;
+                self.pending_s = self.period_s;
+                true
+            }
+            TimeState::Paused | TimeState::OnHold => false,
+            TimeState::Running => self.should_step_at_pace(),
         }
-        if self.paused || self.on_hold {
-            return false;
-        }
+    }
+
+    fn should_step_at_pace(&mut self) -> bool {
         match self.pace {
             Pace::Full => {
-                self.owed_s = self.period_s;
-                spent < self.budget
+                self.pending_s = self.period_s;
+                self.spent < self.budget
             }
-            Pace::Times(_) if self.owed_s < self.period_s => false,
-            Pace::Times(_) if spent >= self.budget => {
-                // It doesn't go any quicker on this machine; what could not be stepped is let go.
-                self.owed_s = self.owed_s.min(self.period_s);
+            Pace::Times(_) if self.pending_s < self.period_s => false,
+            Pace::Times(_) if self.spent >= self.budget => {
+                // This machine is too slow for the pace: the remaining steps are dropped.
+                self.pending_s = self.pending_s.min(self.period_s);
                 false
             }
             Pace::Times(_) => {
-                self.owed_s -= self.period_s;
+                self.pending_s -= self.period_s;
                 true
             }
         }
     }
 
-    /// Whether a frame that has worked for `spent` already may do more that is no step.
+    /// Whether a frame that has worked for `spent` already has time left for work other than steps.
     pub fn has_budget(&mut self, spent: Duration) -> bool {
         self.spent = spent;
         spent < self.budget
     }
 
-    /// So long the steps of the last frame took.
+    /// Time that the steps of the last frame took.
     #[must_use]
     pub fn spent(&self) -> Duration {
         self.spent
     }
 
-    /// How far the picture is on its way from the state before the last step to the one after it, 0 to 1.
+    /// Progress of the picture from the state before the last step (0) to the state after it (1).
     #[must_use]
     pub fn interpolation(&self) -> f32 {
-        (self.owed_s / self.period_s).clamp(0.0, 1.0) as f32
+        (self.pending_s / self.period_s).clamp(0.0, 1.0) as f32
     }
 }
 
@@ -131,71 +167,80 @@ mod tests {
     }
 
     #[test]
-    fn real_time_is_five_steps_a_second() {
+    fn real_time_is_five_steps_per_second() {
         let mut pacer = Pacer::new(Pace::Times(1.0), false);
         let steps: usize = (0..600).map(|_| steps_in(&mut pacer, 1.0 / 60.0)).sum();
-        assert!((49..=50).contains(&steps), "ten seconds at 60 frames a second were {steps} steps");
+        assert!((49..=50).contains(&steps), "{steps} steps in 10 s at 60 frames per second");
     }
 
     #[test]
-    fn a_hundred_times_real_time_is_a_hundred_times_as_many() {
+    fn a_hundred_times_real_time_is_a_hundred_times_as_many_steps() {
         let mut pacer = Pacer::new(Pace::Times(100.0), false);
         let steps: usize = (0..60).map(|_| steps_in(&mut pacer, 1.0 / 60.0)).sum();
         assert!((499..=500).contains(&steps), "{steps}");
     }
 
     #[test]
-    fn a_frame_that_hung_is_not_made_up_for() {
+    fn a_very_long_frame_is_not_caught_up_with() {
         let mut pacer = Pacer::new(Pace::Times(1.0), false);
-        assert_eq!(steps_in(&mut pacer, 3600.0), 1, "an hour counts as a quarter of a second");
+        assert_eq!(steps_in(&mut pacer, 3600.0), 1, "an hour counts as 0.25 s");
     }
 
     #[test]
-    fn steps_end_with_the_budget_and_leave_no_debt() {
+    fn steps_beyond_the_budget_are_dropped() {
         let mut pacer = Pacer::new(Pace::Times(100.0), false);
         pacer.begin_frame(0.016, 0.2);
         assert!(pacer.should_step(Duration::ZERO) && !pacer.should_step(STEP_BUDGET));
         let later = steps_in(&mut pacer, 0.0);
-        assert_eq!(later, 1, "one step is owed at most");
+        assert_eq!(later, 1, "at most one step is pending");
         let mut full = Pacer::new(Pace::Full, false);
         full.begin_frame(0.016, 0.2);
         assert!(full.should_step(Duration::ZERO) && !full.should_step(STEP_BUDGET));
     }
 
     #[test]
-    fn where_drawing_is_slow_learning_gets_its_share() {
+    fn slow_drawing_raises_the_step_budget() {
         let mut pacer = Pacer::new(Pace::Full, false);
         let after = |milliseconds| Duration::from_millis(milliseconds);
         pacer.begin_frame(0.140, 0.2);
         assert!(
             pacer.should_step(after(35)) && !pacer.should_step(after(36)),
-            "never longer, though drawing is"
+            "the budget has an upper limit"
         );
         pacer.begin_frame(0.071, 0.2);
         assert!(
             pacer.should_step(after(34)) && !pacer.should_step(after(35)),
-            "of 71 ms 36 were steps: 35 of drawing"
+            "71 ms minus 36 ms of steps leave 35 ms of drawing"
         );
         pacer.begin_frame(0.055, 0.2);
-        assert!(!pacer.should_step(after(12)), "of 55 ms 35 were steps: drawing is quick");
+        assert!(!pacer.should_step(after(12)), "55 ms minus 35 ms of steps leave 20 ms: drawing is fast");
     }
 
     #[test]
-    fn paused_means_paused_but_for_the_one_step_asked_for() {
+    fn a_paused_pacer_takes_only_the_single_step_that_was_requested() {
         let mut pacer = Pacer::new(Pace::Full, true);
         assert_eq!(steps_in(&mut pacer, 1.0), 0);
         pacer.step_once();
         assert_eq!(steps_in(&mut pacer, 1.0), 1);
-        assert!((pacer.interpolation() - 1.0).abs() < 1e-6, "and the picture shows it whole");
+        assert!((pacer.interpolation() - 1.0).abs() < 1e-6, "the picture shows the state after the step");
         assert_eq!(steps_in(&mut pacer, 1.0), 0);
     }
 
     #[test]
-    fn the_picture_is_between_two_steps() {
+    fn the_picture_is_interpolated_between_two_steps() {
         let mut pacer = Pacer::new(Pace::Times(1.0), false);
         steps_in(&mut pacer, 0.1);
         assert!((pacer.interpolation() - 0.5).abs() < 1e-6);
         steps_in(&mut pacer, 0.05);
         assert!((pacer.interpolation() - 0.75).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_pacer_on_hold_takes_no_step_and_does_not_look_paused() {
+        let mut pacer = Pacer::new(Pace::Full, false);
+        pacer.hold();
+        assert!(!pacer.is_paused() && !pacer.should_step(Duration::ZERO));
+        pacer.set_paused(false);
+        assert!(!pacer.should_step(Duration::ZERO));
     }
 }

@@ -1,6 +1,6 @@
-//! What is written to files: the policy, the whole run, the rows, the curves, the world.
+//! Files written by the app: the policy, the run, the episodes, the curves, the scenario.
 //!
-//! In: what is wanted, and where. Out: a file or a folder, whole or not at all.
+//! In: what to save, and where. Out: a file or a folder, complete or not at all.
 
 use std::io::Write;
 use std::path::Path;
@@ -8,16 +8,20 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::journal::JOURNAL;
-use super::{Session, TrainingHistory};
-use crate::app::commands::{SaveKind, SessionMode};
+use super::TrainingHistory;
+use super::active_mode::while_training;
+use super::evaluations::{self, Evaluations};
+use super::journal::{JOURNAL, Journal};
+use super::scenario_changes;
+use super::training_run::TrainingRun;
+use crate::app::commands::SaveKind;
 use crate::run::folder::{INITIAL_POLICY_FILE, RunFolder, write_atomic};
 use crate::run::metric_rows::EvaluationRow;
 use crate::run::{RunError, checkpoint, metrics};
 use crate::scenario::to_ron;
 
-impl Session {
-    /// The file name that is proposed for `what`.
+impl TrainingRun {
+    /// A file name for `what`.
     #[must_use]
     pub fn suggested_file_name(&self, what: SaveKind) -> String {
         let config = &self.config;
@@ -28,106 +32,123 @@ impl Session {
             SaveKind::Csv => format!("{name}-episodes.csv"),
             SaveKind::Png if cfg!(target_arch = "wasm32") => format!("{name}-curves.svg"),
             SaveKind::Png => format!("{name}-curves.png"),
-            SaveKind::Scenario => "my-world.ron".into(),
+            SaveKind::Scenario => "my-scenario.ron".into(),
         }
     }
+}
 
-    /// Writes `what` to `path`.
-    ///
-    /// # Errors
-    /// It cannot be written; a run's folder holds something already.
-    pub(super) fn save(&mut self, world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunError> {
-        let failed = |error: String| RunError::failed(path, error);
-        match what {
-            SaveKind::Policy => {
-                // Of a training that went wrong the best that it had.
-                let bytes = match &self.trainer_state.best {
-                    Some(best) if self.broken => best.bytes.clone(),
-                    _ => metrics::policy_bytes(&metrics::policy(&self.config, world))?,
-                };
-                write_atomic(path, |file| file.write_all(&bytes)).map_err(|error| failed(error.to_string()))
-            }
-            SaveKind::Scenario => {
-                let (scenario, like) =
-                    (Arc::new(self.config.scenario.clone()), self.config.scenario_from.clone());
-                self.save_scenario(&scenario, &like, path)
-            }
-            SaveKind::Csv => {
-                let curves = &mut world.resource_mut::<TrainingHistory>().0;
-                curves.write_csv(path).map_err(|error| failed(error.to_string()))
-            }
-            SaveKind::Png => {
-                let title = self.config.description();
-                world.resource_mut::<TrainingHistory>().0.write_png(&title, path).map_err(failed)
-            }
-            SaveKind::Run => self.save_run(world, path),
+/// Saves `what` to `path`.
+///
+/// # Errors
+/// The file cannot be written. A run is not saved over existing files, nor after it has failed.
+pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunError> {
+    let failed = |error: String| RunError::failed(path, error);
+    match what {
+        SaveKind::Policy => {
+            let bytes = policy_bytes(world)?;
+            write_atomic(path, |file| file.write_all(&bytes)).map_err(|error| failed(error.to_string()))
         }
+        SaveKind::Scenario => {
+            let config = &world.resource::<TrainingRun>().config;
+            let (scenario, based_on) = (Arc::new(config.scenario.clone()), config.scenario_from.clone());
+            scenario_changes::save_scenario(world, &scenario, &based_on, path)
+        }
+        SaveKind::Csv => {
+            let curves = &mut world.resource_mut::<TrainingHistory>().0;
+            curves.write_csv(path).map_err(|error| failed(error.to_string()))
+        }
+        SaveKind::Png => {
+            let title = world.resource::<TrainingRun>().config.description();
+            world.resource_mut::<TrainingHistory>().0.write_png(&title, path).map_err(failed)
+        }
+        SaveKind::Run => save_run(world, path),
     }
+}
 
-    /// Writes a folder that `--train --resume` goes on from, and `journal.ron` beside its files. The training is taken up
-    /// for a moment, if it was set aside.
-    fn save_run(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
-        if cfg!(target_arch = "wasm32") {
-            let instead = "a browser saves no folders: save the policy, the episodes and the world";
-            return Err(RunError::InvalidInput(instead.into()));
-        }
-        let occupied = std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
-        if occupied || path.is_file() {
-            return Err(RunError::invalid_input(path, "there is something already: choose another name"));
-        }
-        if self.broken {
-            let instead =
-                "this training went wrong and cannot go on: save its best policy, its episodes or its curves";
-            return Err(RunError::InvalidInput(instead.into()));
-        }
-        let (mode, pace) = (self.mode, self.pacer.pace);
-        self.set_mode(world, SessionMode::Train)?;
-        let saved = self.write_run_whole(world, path);
-        self.set_mode(world, mode)?;
-        self.pacer.pace = pace;
-        saved
+/// The present policy as a file; after a failure of the training, its best policy.
+fn policy_bytes(world: &World) -> Result<Vec<u8>, RunError> {
+    let run = world.resource::<TrainingRun>();
+    match &run.trainer_state.best {
+        Some(best) if run.has_failed => Ok(best.bytes.clone()),
+        _ => metrics::policy_bytes(&metrics::policy(&run.config, world)),
     }
+}
 
-    /// Writes it beside `path` first: should that fail, nothing is left behind.
-    fn write_run_whole(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
-        let failed = |error: std::io::Error| RunError::failed(path, format!("can't be written: {error}"));
-        let beside = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        std::fs::create_dir_all(beside).map_err(failed)?;
-        let temporary = tempfile::Builder::new().prefix(".saving-").tempdir_in(beside).map_err(failed)?;
-        let written = temporary.path().join("run");
-        self.write_run(world, &written)?;
-        std::fs::rename(&written, path).map_err(failed)
+/// Saves a folder that `--train --resume` can continue, with `journal.ron` in it. A suspended training is resumed for the
+/// time of saving.
+fn save_run(world: &mut World, path: &Path) -> Result<(), RunError> {
+    if cfg!(target_arch = "wasm32") {
+        let why =
+            "A browser cannot save folders\nhelp: save the policy, the episodes and the scenario instead";
+        return Err(RunError::InvalidInput(why.into()));
     }
+    let is_occupied = std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
+    if is_occupied || path.is_file() {
+        return Err(RunError::invalid_input(path, "this already exists\nhelp: choose another name"));
+    }
+    if world.resource::<TrainingRun>().has_failed {
+        let why = "This training has failed and cannot continue\n\
+                   help: save its best policy, its episodes or its curves instead";
+        return Err(RunError::InvalidInput(why.into()));
+    }
+    while_training(world, |world| write_run_atomically(world, path))
+}
 
-    fn write_run(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
-        self.poll_evaluations(world, true)?;
-        let folder = RunFolder::create(Some(path.into()), &self.config)?;
-        let failed = |name: &str, error: String| RunError::failed(&path.join(name), error);
-        let episodes = path.join("episodes.csv");
-        let rows = world.resource_mut::<TrainingHistory>().0.write_csv(&episodes);
-        rows.map_err(|error| failed("episodes.csv", error.to_string()))?;
-        let mut evaluations = folder.csv::<EvaluationRow>("evaluations.csv", 0, &[])?;
-        for row in &self.evaluations {
-            evaluations.serialize(row).map_err(|error| failed("evaluations.csv", error.to_string()))?;
-        }
-        evaluations.flush().map_err(|error| failed("evaluations.csv", error.to_string()))?;
-        let length = |name: &str| std::fs::metadata(path.join(name)).map(|file| file.len());
-        self.trainer_state.episodes_bytes =
-            length("episodes.csv").map_err(|error| failed("episodes.csv", error.to_string()))?;
-        self.trainer_state.evaluations_bytes =
-            length("evaluations.csv").map_err(|error| failed("evaluations.csv", error.to_string()))?;
-        self.trainer_state.wall_s = self.wall_s();
-        checkpoint::save(&folder, world, &mut self.trainer_state)?;
-        let bytes = metrics::policy_bytes(&metrics::policy(&self.config, world))?;
-        folder.write("policy-last.safetensors", |file| file.write_all(&bytes))?;
-        if let Some(best) = &self.trainer_state.best {
-            folder.write("policy.safetensors", |file| file.write_all(&best.bytes))?;
-        }
-        if let Some(init) = &self.init {
-            let bytes = metrics::policy_bytes(init)?;
-            folder.write(INITIAL_POLICY_FILE, |file| file.write_all(&bytes))?;
-        }
-        let journal = to_ron(&self.journal).map_err(|error| failed(JOURNAL, error.to_string()))?;
+/// Writes the run to a temporary folder next to `path` first, so that a failure leaves nothing behind.
+fn write_run_atomically(world: &mut World, path: &Path) -> Result<(), RunError> {
+    let failed = |error: std::io::Error| RunError::failed(path, format!("cannot be written: {error}"));
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(parent).map_err(failed)?;
+    let temporary = tempfile::Builder::new().prefix(".saving-").tempdir_in(parent).map_err(failed)?;
+    let written = temporary.path().join("run");
+    write_run(world, &written)?;
+    std::fs::rename(&written, path).map_err(failed)
+}
+
+fn write_run(world: &mut World, path: &Path) -> Result<(), RunError> {
+    evaluations::record_finished(world, true)?;
+    world.resource_scope(|world, mut run: Mut<TrainingRun>| {
+        let folder = RunFolder::create(Some(path.into()), &run.config)?;
+        write_rows(world, &mut run, &folder)?;
+        run.trainer_state.wall_s = run.wall_s();
+        checkpoint::save(&folder, world, &mut run.trainer_state)?;
+        write_policies(world, &run, &folder)?;
+        let failed = |error: String| RunError::failed(&path.join(JOURNAL), error);
+        let journal = to_ron(world.resource::<Journal>()).map_err(|error| failed(error.to_string()))?;
         folder.write(JOURNAL, |file| file.write_all(journal.as_bytes()))
+    })
+}
+
+/// Writes the rows of episodes and evaluations, and records the lengths of both files.
+fn write_rows(world: &mut World, run: &mut TrainingRun, folder: &RunFolder) -> Result<(), RunError> {
+    let file = |name: &str| folder.path().join(name);
+    let failed = |name: &str, error: String| RunError::failed(&file(name), error);
+    let rows = world.resource_mut::<TrainingHistory>().0.write_csv(&file("episodes.csv"));
+    rows.map_err(|error| failed("episodes.csv", error.to_string()))?;
+    let mut evaluations = folder.csv::<EvaluationRow>("evaluations.csv", 0, &[])?;
+    for row in &world.resource::<Evaluations>().rows {
+        evaluations.serialize(row).map_err(|error| failed("evaluations.csv", error.to_string()))?;
     }
+    evaluations.flush().map_err(|error| failed("evaluations.csv", error.to_string()))?;
+    let length = |name: &str| {
+        let file = std::fs::metadata(file(name)).map_err(|error| failed(name, error.to_string()))?;
+        Ok::<_, RunError>(file.len())
+    };
+    run.trainer_state.episodes_bytes = length("episodes.csv")?;
+    run.trainer_state.evaluations_bytes = length("evaluations.csv")?;
+    Ok(())
+}
+
+/// Writes the last policy, the best one, and the one that the run started from.
+fn write_policies(world: &World, run: &TrainingRun, folder: &RunFolder) -> Result<(), RunError> {
+    let bytes = metrics::policy_bytes(&metrics::policy(&run.config, world))?;
+    folder.write("policy-last.safetensors", |file| file.write_all(&bytes))?;
+    if let Some(best) = &run.trainer_state.best {
+        folder.write("policy.safetensors", |file| file.write_all(&best.bytes))?;
+    }
+    if let Some(initial_policy) = &run.initial_policy {
+        let bytes = metrics::policy_bytes(initial_policy)?;
+        folder.write(INITIAL_POLICY_FILE, |file| file.write_all(&bytes))?;
+    }
+    Ok(())
 }

@@ -1,182 +1,246 @@
-//! Another world under the training: one that was edited, or whose file has changed.
+//! Changes of the scenario under a training: edited in the app, or rewritten in its file.
 //!
-//! In: a world. Out: the training goes on in it, or begins anew there; worlds written to files, and opened to be edited.
+//! In: a scenario. Out: the training continues in it, or restarts there. Also: scenarios saved to files and opened in the
+//! editor, which learns the result from an [`EditorReply`].
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use super::active_mode;
+use super::execute::{notify_saved, on_scenario_changed};
+#[cfg(not(target_arch = "wasm32"))]
+use super::file_watch::FileWatches;
+use super::interventions::{self, Intervention};
+use super::journal::Journal;
+use super::notices::{NoticeTopic, notify};
+use super::open;
+use super::start_training;
 use super::trails::Trails;
-use super::{Session, interventions};
-use crate::app::app_snapshot::Severity;
-use crate::app::commands::SessionMode;
-use crate::run::folder::write_atomic;
+use super::training_run::TrainingRun;
+use crate::app::app_snapshot::{ScenarioFile, Severity};
+use crate::app::commands::EditorReply;
+use crate::run::folder::{RunConfig, write_atomic};
 use crate::run::{RunError, shipped};
 use crate::scenario::{MAX_FILE_BYTES, Scenario, diagnostics, path_exists, read_text, to_text};
 
-impl Session {
-    /// The training goes on in an edited world, or begins anew there.
+/// Where the scenario of the training comes from, and what its file is known to hold.
+#[derive(Resource)]
+pub struct ScenarioSource {
+    /// The scenario in its file, or as it is shipped.
+    pub(super) loaded: Scenario,
+    /// A scenario to adopt when the next episode ends.
+    pub(super) pending: Option<Scenario>,
+    /// The scenario that was saved last. `None` once the scenario of the training has changed after it.
+    saved: Option<ScenarioFile>,
+    /// The scenario that was opened last in the editor.
+    opened_in_editor: Option<ScenarioFile>,
+    /// A file that somebody else has changed, and that the user wanted to overwrite once.
+    overwrite_requested: Option<PathBuf>,
+}
+
+impl ScenarioSource {
+    /// The source of the scenario in `config`.
+    pub(super) fn new(config: &RunConfig) -> Self {
+        Self {
+            loaded: load_source(&config.scenario_from).unwrap_or_else(|| config.scenario.clone()),
+            pending: None,
+            saved: None,
+            opened_in_editor: None,
+            overwrite_requested: None,
+        }
+    }
+
+    /// Keeps what `old` knows about files when a new training replaces one.
+    pub(super) fn keep_known_files(&mut self, old: Self) {
+        self.saved = old.saved;
+        self.opened_in_editor = old.opened_in_editor;
+    }
+
+    /// Whether the scenario of the training differs from its file: an object was moved, or an edit was not saved.
+    #[must_use]
+    pub fn is_modified(&self, config: &RunConfig) -> bool {
+        self.loaded != config.scenario
+    }
+
+    /// The scenario that was saved last, and its file.
+    #[must_use]
+    pub fn saved(&self) -> Option<&ScenarioFile> {
+        self.saved.as_ref()
+    }
+
+    /// Forgets the saved scenario: the scenario of the training is newer.
+    pub(super) fn forget_saved(&mut self) {
+        self.saved = None;
+    }
+
+    /// Checks that writing `scenario` to `path` destroys nobody's work. That holds if the file has the same content as when
+    /// it was read or written here last, if it was never read here (the file dialog has asked then), or if the user asks for
+    /// the second time.
     ///
     /// # Errors
-    /// The world can't be, or the network doesn't fit it; all stays as it was then.
-    pub(super) fn apply_edited(
+    /// Somebody else has changed the file, and the user asks for the first time.
+    fn check_overwrite(
         &mut self,
-        world: &mut World,
+        config: &RunConfig,
         scenario: &Scenario,
-        from: String,
-        again: bool,
-    ) -> Result<(), RunError> {
-        if let Some(finding) = diagnostics(scenario).first() {
-            return Err(RunError::InvalidInput(format!("{}: {finding}", scenario.name)));
-        }
-        if again {
-            return self.start_in_scenario(world, scenario.clone(), from);
-        }
-        self.switch_scenario(world, scenario)?;
-        self.loaded_scenario = load_source(&from).unwrap_or_else(|| scenario.clone());
-        self.config.scenario_from = from;
-        #[cfg(not(target_arch = "wasm32"))]
-        self.watch_scenario_file();
-        self.list_user_files();
-        Ok(())
-    }
-
-    /// The training goes on in `scenario`, all arenas with a new episode.
-    ///
-    /// # Errors
-    /// The network doesn't fit it.
-    pub(super) fn switch_scenario(&mut self, world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
-        self.check_can_switch(scenario)?;
-        let (mode, pace) = (self.mode, self.pacer.pace);
-        self.set_mode(world, SessionMode::Train)?;
-        let intervention = interventions::Intervention::World(Box::new(scenario.clone()));
-        interventions::apply(world, &intervention);
-        self.journal.record(intervention, false);
-        self.on_scenario_changed(world);
-        let arenas = self.config.preset.arenas;
-        world.resource_mut::<Trails>().restart(arenas);
-        self.pending_scenario = None;
-        self.set_mode(world, mode)?;
-        self.pacer.pace = pace;
-        Ok(())
-    }
-
-    /// Whether the training can go on in `scenario`.
-    ///
-    /// # Errors
-    /// It cannot: what the network was made for differs, or it takes too much memory.
-    pub(super) fn check_can_switch(&self, scenario: &Scenario) -> Result<(), RunError> {
-        let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
-        let ((beams, motions), here) = (shape(scenario), shape(&self.config.scenario));
-        if (beams, motions) == here {
-            let fits = self.config.preset.check_memory(scenario);
-            return fits.map_err(|error| RunError::InvalidInput(format!("{}: {error}", scenario.name)));
-        }
-        Err(RunError::InvalidInput(format!(
-            "{}: it has {beams} beams and {motions} motions, and the network was made for {} and {}: begin a new \
-             training there",
-            scenario.name, here.0, here.1
-        )))
-    }
-
-    /// Writes an edited world to `path`, with the comments of `like`, that it was made from, or else of the file that is
-    /// there.
-    ///
-    /// # Errors
-    /// It cannot be written; or somebody else has changed the file, and it was not asked for twice.
-    pub(super) fn save_scenario(
-        &mut self,
-        scenario: &Arc<Scenario>,
-        like: &str,
         path: &Path,
     ) -> Result<(), RunError> {
-        self.may_overwrite(scenario, path)?;
-        let older = text_of(like).or_else(|| read_text(path).ok());
-        let text = to_text(scenario, older.as_deref());
-        if text.len() as u64 > MAX_FILE_BYTES {
-            let why =
-                "the world is too large: its file would have more than 1 MiB, and could not be read again";
-            return Err(RunError::failed(path, why));
-        }
-        write_atomic(path, |file| file.write_all(text.as_bytes()))
-            .map_err(|error| RunError::failed(path, error.to_string()))?;
         let file = path.display().to_string();
-        // What the page has saved is a file of the user's from now on, which can be asked for.
-        #[cfg(target_arch = "wasm32")]
-        crate::scenario::virtual_files::add_upload(file.clone(), text.into_bytes());
-        if file == self.config.scenario_from {
-            self.loaded_scenario = Scenario::clone(scenario);
-            // Whether it is driven in, the user says in the editor.
-            #[cfg(not(target_arch = "wasm32"))]
-            self.watch_scenario_file();
-        }
-        self.retract_notice(&file);
-        self.notify(Severity::Info, format!("Saved to {file}"));
-        self.saved_scenario = Some((file, scenario.clone()));
-        Ok(())
-    }
-
-    /// Whether the file at `path` may be written over: what is there is what was read or written last, or it is asked for
-    /// the second time. (Of a file that was never read here whoever chose it was asked.)
-    ///
-    /// # Errors
-    /// It is asked for the first time.
-    fn may_overwrite(&mut self, scenario: &Scenario, path: &Path) -> Result<(), RunError> {
-        let file = path.display().to_string();
-        let asked = (file == self.config.scenario_from).then_some(&self.loaded_scenario);
-        let saved = self.saved_scenario.iter().filter(|saved| saved.0 == file).map(|saved| &*saved.1);
-        let draft = self.draft.iter().filter(|draft| draft.1 == file).map(|draft| &*draft.2);
-        let mut known = asked.into_iter().chain(saved).chain(draft).peekable();
-        let there = Scenario::load_draft(path).ok();
-        let as_known = known.peek().is_none()
-            || there.as_ref() == Some(scenario)
-            || known.any(|known| there.as_ref() == Some(known));
-        let again = self.overwrite_requested.take().as_deref() == Some(path);
-        if !path_exists(path) || as_known || again {
+        let loaded = (file == config.scenario_from).then_some(&self.loaded);
+        let files = self.saved.iter().chain(&self.opened_in_editor);
+        let known = files.filter(|known| known.0 == file).map(|known| &*known.1);
+        let mut known = loaded.into_iter().chain(known).peekable();
+        let present = Scenario::load_draft(path).ok();
+        let is_unchanged = known.peek().is_none()
+            || present.as_ref() == Some(scenario)
+            || known.any(|known| present.as_ref() == Some(known));
+        let is_repeated = self.overwrite_requested.take().as_deref() == Some(path);
+        if !path_exists(path) || is_unchanged || is_repeated {
             return Ok(());
         }
         self.overwrite_requested = Some(path.into());
-        let why = "it was changed since by somebody else, which would be gone: save once more, or save it elsewhere";
+        let why = "another program has changed this file, and its changes would be lost\n\
+                   help: save again to overwrite it, or choose another name";
         Err(RunError::failed(path, why))
-    }
-
-    /// Opens the scenario at `path`, a file or a shipped name, to be edited: also one whose parts don't fit together yet.
-    ///
-    /// # Errors
-    /// It cannot be read.
-    pub(super) fn open_in_editor(&mut self, path: &Path) -> Result<(), RunError> {
-        let from = path.display().to_string();
-        let scenario = if path_exists(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;
-        let number = self.draft.as_ref().map_or(0, |draft| draft.0) + 1;
-        self.draft = Some((number, from, Arc::new(scenario)));
-        Ok(())
-    }
-
-    /// After an episode's end: the world that was waiting for it is taken.
-    pub(super) fn apply_pending_scenario(&mut self, world: &mut World) {
-        let Some(scenario) = self.pending_scenario.take() else { return };
-        match self.switch_scenario(world, &scenario) {
-            Ok(()) => {
-                self.notify(
-                    Severity::Info,
-                    format!("{}: the changed world is driven in now", self.config.scenario_from),
-                );
-                self.loaded_scenario = scenario;
-            }
-            Err(error) => self.notify(Severity::Error, error.to_string()),
-        }
     }
 }
 
-/// The world that is asked for by `from`, a shipped name or a file, as it stands there.
-pub(super) fn load_source(from: &str) -> Option<Scenario> {
+/// Continues the training in an edited scenario, or restarts it there.
+///
+/// # Errors
+/// The scenario is invalid, or the network does not fit it. Nothing has changed then.
+pub(super) fn apply_edited(
+    world: &mut World,
+    scenario: &Scenario,
+    from: String,
+    restart: bool,
+) -> Result<(), RunError> {
+    if let Some(found) = diagnostics(scenario).first() {
+        return Err(RunError::InvalidInput(format!("{}: {found}", scenario.name)));
+    }
+    if restart {
+        return start_training::start_in_scenario(world, scenario.clone(), from);
+    }
+    switch_scenario(world, scenario)?;
+    world.resource_mut::<ScenarioSource>().loaded = load_source(&from).unwrap_or_else(|| scenario.clone());
+    world.resource_mut::<TrainingRun>().config.scenario_from.clone_from(&from);
+    #[cfg(not(target_arch = "wasm32"))]
+    world.resource_mut::<FileWatches>().watch_known(&from);
+    open::list_user_files(world);
+    Ok(())
+}
+
+/// Continues the training in `scenario`, with a new episode in every arena.
+///
+/// # Errors
+/// The network does not fit it. Nothing has changed then.
+fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
+    check_can_switch(&world.resource::<TrainingRun>().config, scenario)?;
+    active_mode::while_training(world, |world| {
+        let intervention = Intervention::Scenario(Box::new(scenario.clone()));
+        interventions::apply(world, &intervention);
+        world.resource_mut::<Journal>().record(intervention, false);
+        on_scenario_changed(world);
+        let arenas = world.resource::<TrainingRun>().config.preset.arenas;
+        world.resource_mut::<Trails>().restart(arenas);
+        world.resource_mut::<ScenarioSource>().pending = None;
+        Ok(())
+    })
+}
+
+/// Checks that the training of `config` can continue in `scenario`.
+///
+/// # Errors
+/// The network was made for other numbers of beams or motions, or the scenario needs too much memory.
+pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Result<(), RunError> {
+    let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
+    let ((beams, motions), here) = (shape(scenario), shape(&config.scenario));
+    if (beams, motions) == here {
+        let fits = config.preset.check_memory(scenario);
+        return fits.map_err(|error| RunError::InvalidInput(format!("{}: {error}", scenario.name)));
+    }
+    Err(RunError::InvalidInput(format!(
+        "{}: it has {beams} beams and {motions} motions, but the network was built for {} and {}\n\
+         help: start a new training there",
+        scenario.name, here.0, here.1
+    )))
+}
+
+/// Adopts the scenario that waits for the end of an episode, if there is one.
+pub(super) fn apply_pending_scenario(world: &mut World) {
+    let Some(scenario) = world.resource_mut::<ScenarioSource>().pending.take() else { return };
+    let file = world.resource::<TrainingRun>().config.scenario_from.clone();
+    let (severity, text) = match switch_scenario(world, &scenario) {
+        Ok(()) => {
+            world.resource_mut::<ScenarioSource>().loaded = scenario;
+            (Severity::Info, format!("{file}: now running the changed scenario"))
+        }
+        Err(error) => (Severity::Error, error.to_string()),
+    };
+    notify(world, NoticeTopic::File(file), severity, text);
+}
+
+/// Saves an edited scenario to `path`. The comments are those of `based_on`, the file or shipped scenario that it was made
+/// from, or else those of the file at `path`.
+///
+/// # Errors
+/// The file cannot be written, or another program has changed it and the user has not confirmed yet.
+pub(super) fn save_scenario(
+    world: &mut World,
+    scenario: &Arc<Scenario>,
+    based_on: &str,
+    path: &Path,
+) -> Result<(), RunError> {
+    world.resource_scope(|world, mut source: Mut<ScenarioSource>| {
+        source.check_overwrite(&world.resource::<TrainingRun>().config, scenario, path)
+    })?;
+    let older = source_text(based_on).or_else(|| read_text(path).ok());
+    let text = to_text(scenario, older.as_deref());
+    if text.len() as u64 > MAX_FILE_BYTES {
+        let why = "the scenario is too large: its file would exceed 1 MiB and could not be read again";
+        return Err(RunError::failed(path, why));
+    }
+    write_atomic(path, |file| file.write_all(text.as_bytes()))
+        .map_err(|error| RunError::failed(path, error.to_string()))?;
+    let file = path.display().to_string();
+    // In a browser a saved scenario becomes one of the user's files, so that a training can use it.
+    #[cfg(target_arch = "wasm32")]
+    crate::scenario::virtual_files::add_upload(file.clone(), text.into_bytes());
+    if file == world.resource::<TrainingRun>().config.scenario_from {
+        world.resource_mut::<ScenarioSource>().loaded = Scenario::clone(scenario);
+        // The user decides in the editor whether to run it; the file watch must not.
+        #[cfg(not(target_arch = "wasm32"))]
+        world.resource_mut::<FileWatches>().watch_known(&file);
+    }
+    notify_saved(world, path);
+    world.resource_mut::<ScenarioSource>().saved = Some((file.clone(), scenario.clone()));
+    world.write_message(EditorReply::Saved { file, scenario: scenario.clone() });
+    Ok(())
+}
+
+/// Opens the scenario at `path`, a file or a shipped scenario's name, in the editor. It need not be valid.
+///
+/// # Errors
+/// It cannot be read.
+pub(super) fn open_in_editor(world: &mut World, path: &Path) -> Result<(), RunError> {
+    let from = path.display().to_string();
+    let scenario = if path_exists(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;
+    let scenario = Arc::new(scenario);
+    world.resource_mut::<ScenarioSource>().opened_in_editor = Some((from.clone(), scenario.clone()));
+    world.write_message(EditorReply::Opened { from, scenario });
+    Ok(())
+}
+
+/// The present content of `from`, a shipped scenario's name or a file.
+fn load_source(from: &str) -> Option<Scenario> {
     shipped::scenario(from).ok()
 }
 
 /// The text of a shipped scenario or of a file.
-fn text_of(from: &str) -> Option<String> {
+fn source_text(from: &str) -> Option<String> {
     match shipped::scenario_text(from) {
         Some(text) if !path_exists(Path::new(from)) => Some(text.into()),
         _ => read_text(from).ok(),

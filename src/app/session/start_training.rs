@@ -1,235 +1,214 @@
-//! A training begun in the window: anew, from a policy's weights, or from a checkpoint.
+//! Trainings started in the app: from random weights, from a policy, or from a checkpoint.
 //!
-//! In: names or files. Out: a [`Session`] in place of the one before, and its arenas at their first observation. If
-//! something cannot be used, all stays as it was.
+//! In: names or files. Out: a new [`TrainingRun`] in place of the previous one, its arenas at their first observation. If
+//! something cannot be used, nothing changes.
 
 use std::path::Path;
 use std::sync::Arc;
 
-use bevy::platform::cell::SyncCell;
-use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use super::advance::WARNING_PREFIX;
+use super::active_mode::ActiveMode;
+use super::evaluations::Evaluations;
 #[cfg(not(target_arch = "wasm32"))]
-use super::file_watch;
+use super::file_watch::{self, FileWatches, RetryAction};
 use super::journal::{self, Journal};
-use super::modes::{self, Rounds};
+use super::notices::{NoticeTopic, Notices, notify};
+use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
-use super::scenario_changes::load_source;
+use super::scenario_changes::{self, ScenarioSource};
 use super::trails::Trails;
-use super::{Session, StartOptions, Throughput, TrainingHistory};
+use super::training_run::TrainingRun;
+use super::{StartOptions, TrainingHistory};
 use crate::app::app_snapshot::Severity;
-use crate::app::commands::SessionMode;
-use crate::learning::{Learner, Policy};
-use crate::run::background_evaluator::BackgroundEvaluator;
+use crate::learning::Learner;
+use crate::policy::Policy;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
-use crate::run::{RunError, metrics, training_setup};
+use crate::run::{RunError, training_setup};
 use crate::scenario::Scenario;
 
-/// A training that could begin.
-struct Beginning {
+/// A training that is ready to start.
+struct PreparedTraining {
     config: RunConfig,
-    init: Option<Policy>,
+    initial_policy: Option<Policy>,
     learner: Learner,
     trainer_state: TrainerState,
 }
 
-/// The first session of the process. What was asked for was checked before; where it cannot be used all the same, the
-/// default begins, with a notice.
-pub(super) fn first_session(world: &mut World, first: &StartOptions) {
-    let usual = StartOptions::default();
-    let asked = from_nothing(&first.scenario, &first.preset, first.seed);
-    let problem = asked.as_ref().err().map(ToString::to_string);
-    let instead = |preset: &str| from_nothing(&usual.scenario, preset, first.seed);
-    match asked.or_else(|_| instead(&first.preset)).or_else(|_| instead(&usual.preset)) {
-        Ok(beginning) => {
-            let mut session = session(world, beginning, Pacer::new(first.pace, first.paused));
-            session.list_user_files();
-            world.insert_resource(session);
+/// Starts the first training. The options were checked before; if they cannot be used after all, the default training
+/// starts, with a notice.
+pub(super) fn start_first(world: &mut World, start: &StartOptions) {
+    let default = StartOptions::default();
+    let requested = prepare_new(&start.scenario, &start.preset, start.seed);
+    let problem = requested.as_ref().err().map(ToString::to_string);
+    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed);
+    match requested.or_else(|_| fallback(&start.preset)).or_else(|_| fallback(&default.preset)) {
+        Ok(prepared) => {
+            world.insert_resource(Pacer::new(start.pace, start.paused));
+            insert_run(world, prepared);
+            open::list_user_files(world);
         }
-        // What is compiled in can be used: a test sees to it.
-        Err(error) => error!("{error}"),
+        // Unreachable as long as the shipped files are valid, which a test checks.
+        Err(error) => return error!("{error}"),
     }
-    world.try_resource_scope(|world, mut session: Mut<Session>| {
-        for problem in first.invalid_options.iter().cloned().chain(problem) {
-            session.notify(Severity::Error, problem);
-        }
-        if first.edit && session.config.scenario_from != first.scenario {
-            // It cannot be driven in, as was told, but perhaps be mended.
-            let _ = session.open_in_editor(Path::new(&first.scenario));
-        }
-        #[cfg(not(target_arch = "wasm32"))]
-        session.retry_when_fixed(&first.scenario, file_watch::RetryAction::StartTraining);
-        if let Some(path) = &first.open {
-            session.open_or_notify(world, path);
-        }
-    });
+    for option in &start.invalid_options {
+        notify(world, NoticeTopic::General, Severity::Error, option.clone());
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    let is_broken = file_watch::retry_when_fixed(world, &start.scenario, RetryAction::StartTraining);
+    #[cfg(target_arch = "wasm32")]
+    let is_broken = false;
+    if let Some(problem) = problem {
+        notify(world, scenario_topic(&start.scenario, is_broken), Severity::Error, problem);
+    }
+    if start.edit && world.resource::<TrainingRun>().config.scenario_from != start.scenario {
+        // The scenario is invalid, as the notice says, but perhaps it can be fixed in the editor.
+        let _ = scenario_changes::open_in_editor(world, Path::new(&start.scenario));
+    }
+    if let Some(path) = &start.open {
+        open::open_or_notify(world, path);
+    }
 }
 
-fn prepare(config: RunConfig, init: Option<Policy>) -> Result<Beginning, RunError> {
-    let learner = training_setup::create_learner(&config, init.as_ref())?;
-    let trainer_state =
-        TrainerState { next_evaluation: config.preset.evaluation.every_env_steps, ..TrainerState::default() };
-    Ok(Beginning { config, init, learner, trainer_state })
+/// The topic of a problem with a new training in `scenario`, whose file `is_broken` or not.
+fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
+    if is_broken { NoticeTopic::File(scenario.into()) } else { NoticeTopic::General }
 }
 
-fn from_nothing(scenario: &str, preset: &str, seed: u64) -> Result<Beginning, RunError> {
+fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<PreparedTraining, RunError> {
+    let learner = training_setup::create_learner(&config, initial_policy.as_ref())?;
+    let next_evaluation = config.preset.evaluation.every_env_steps;
+    let trainer_state = TrainerState { next_evaluation, ..TrainerState::default() };
+    Ok(PreparedTraining { config, initial_policy, learner, trainer_state })
+}
+
+fn prepare_new(scenario: &str, preset: &str, seed: u64) -> Result<PreparedTraining, RunError> {
     prepare(RunConfig::resolve(scenario, preset, seed)?, None)
 }
 
-/// The session of `beginning`, whose arenas it puts in place of whatever there is.
-fn session(world: &mut World, beginning: Beginning, pacer: Pacer) -> Session {
-    let Beginning { config, init, learner, trainer_state } = beginning;
+/// Inserts the resources of a prepared training, and puts its arenas in place of the present ones.
+fn insert_run(world: &mut World, prepared: PreparedTraining) {
+    let PreparedTraining { config, initial_policy, learner, trainer_state } = prepared;
     let scenario = Arc::new(config.scenario.clone());
     training_setup::start_training(world, &scenario, &config.preset, config.seed, learner);
     world.resource_mut::<Trails>().restart(config.preset.arenas);
     world.resource_mut::<TrainingHistory>().0.clear();
-    Session {
-        evaluator: SyncCell::new(evaluator(&config, &scenario)),
-        journal: Journal::new(config.clone()),
-        previous_wall_s: trainer_state.wall_s,
-        loaded_scenario: load_source(&config.scenario_from).unwrap_or_else(|| config.scenario.clone()),
-        saved_scenario: None,
-        draft: None,
-        pending_scenario: None,
-        #[cfg(not(target_arch = "wasm32"))]
-        file_watches: file_watch::FileWatches::new(&config.scenario_from),
-        scenario,
-        config,
-        trainer_state,
-        init,
-        mode: SessionMode::Train,
-        pacer,
-        opened_policy: None,
-        notices: Vec::new(),
-        user_scenarios: Vec::new(),
-        user_presets: Vec::new(),
-        throughput: Throughput::default(),
-        evaluations: Vec::new(),
-        evaluating: false,
-        evaluator_is_stale: false,
-        suspended: None,
-        rounds: Rounds::default(),
-        broken: false,
-        saved_at: None,
-        open_requested_once: None,
-        overwrite_requested: None,
-        began: Instant::now(),
-    }
+    world.insert_resource(Evaluations::new(&config, &scenario));
+    world.insert_resource(Journal::new(config.clone()));
+    world.insert_resource(ScenarioSource::new(&config));
+    #[cfg(not(target_arch = "wasm32"))]
+    world.insert_resource(FileWatches::new(&config.scenario_from));
+    world.insert_resource(ActiveMode::Train);
+    world.insert_resource(TrainingRun::new(config, initial_policy, trainer_state));
 }
 
-/// Who examines the policies of a training in `scenario`.
-pub(super) fn evaluator(config: &RunConfig, scenario: &Arc<Scenario>) -> BackgroundEvaluator {
-    let seed = metrics::evaluation_seed(config.seed);
-    BackgroundEvaluator::new(scenario, config.preset.evaluation.episodes, seed, &config.extensions)
+/// Replaces the present training. What the user has opened or saved, and notices about anything else, stay.
+fn replace(world: &mut World, prepared: PreparedTraining) {
+    if let Some(pace) = world.resource::<ActiveMode>().suspended_pace() {
+        world.resource_mut::<Pacer>().pace = pace;
+    }
+    let old = world.remove_resource::<ScenarioSource>();
+    insert_run(world, prepared);
+    if let Some(old) = old {
+        world.resource_mut::<ScenarioSource>().keep_known_files(old);
+    }
+    world.resource_mut::<OpenedFiles>().requested_once = None;
+    world.resource_mut::<Notices>().remove_training();
+    open::list_user_files(world);
 }
 
-impl Session {
-    /// Puts `beginning` in place of this training; what the user has opened and told stays.
-    fn replace(&mut self, world: &mut World, beginning: Beginning) {
-        let mut pacer = self.pacer.clone();
-        pacer.pace = self.suspended.as_ref().map_or(pacer.pace, modes::SuspendedTraining::pace);
-        let new = session(world, beginning, pacer);
-        let old = std::mem::replace(self, new);
-        self.opened_policy = old.opened_policy;
-        self.notices = old.notices;
-        self.retract_notice(WARNING_PREFIX);
-        self.user_scenarios = old.user_scenarios;
-        self.user_presets = old.user_presets;
-        self.throughput = old.throughput;
-        self.saved_scenario = old.saved_scenario;
-        self.draft = old.draft;
-        self.list_user_files();
-    }
+/// Starts a training from random weights, or reports why it cannot start.
+pub(super) fn start_or_notify(world: &mut World, scenario: &str, preset: &str, seed: u64) {
+    let Err(error) = start_training(world, scenario, preset, seed) else { return };
+    #[cfg(not(target_arch = "wasm32"))]
+    let is_broken = file_watch::retry_when_fixed(world, scenario, RetryAction::Open);
+    #[cfg(target_arch = "wasm32")]
+    let is_broken = false;
+    notify(world, scenario_topic(scenario, is_broken), Severity::Error, error.to_string());
+}
 
-    /// A new training from nothing.
-    ///
-    /// # Errors
-    /// The scenario or the preset cannot be used.
-    pub(super) fn start_training(
-        &mut self,
-        world: &mut World,
-        scenario: &str,
-        preset: &str,
-        seed: u64,
-    ) -> Result<(), RunError> {
-        let beginning = from_nothing(scenario, preset, seed)?;
-        self.pacer.paused = false;
-        self.replace(world, beginning);
-        Ok(())
-    }
+/// Starts a training from random weights.
+///
+/// # Errors
+/// The scenario or the preset cannot be used.
+pub(super) fn start_training(
+    world: &mut World,
+    scenario: &str,
+    preset: &str,
+    seed: u64,
+) -> Result<(), RunError> {
+    let prepared = prepare_new(scenario, preset, seed)?;
+    world.resource_mut::<Pacer>().set_paused(false);
+    replace(world, prepared);
+    Ok(())
+}
 
-    /// A new training of the same preset and seed from nothing, in `scenario`, which is asked for by `from`.
-    ///
-    /// # Errors
-    /// The preset does not fit.
-    pub(super) fn start_in_scenario(
-        &mut self,
-        world: &mut World,
-        scenario: Scenario,
-        from: String,
-    ) -> Result<(), RunError> {
-        let mut config = self.config.clone();
+/// Starts a training from random weights in `scenario`, which comes from `from`, with the present preset and seed.
+///
+/// # Errors
+/// The preset does not fit the scenario.
+pub(super) fn start_in_scenario(world: &mut World, scenario: Scenario, from: String) -> Result<(), RunError> {
+    let mut config = world.resource::<TrainingRun>().config.clone();
+    config.scenario = scenario;
+    config.scenario_from = from;
+    config.transfer = None;
+    let prepared = prepare(config, None)?;
+    world.resource_mut::<Pacer>().set_paused(false);
+    replace(world, prepared);
+    Ok(())
+}
+
+/// Starts a training from `policy`, called `name`, with the present preset and seed, in the present scenario or another.
+/// Exploration starts at `epsilon`, limited to 0..1.
+///
+/// # Errors
+/// The policy does not fit.
+pub(super) fn start_from_policy(
+    world: &mut World,
+    scenario: Option<(&str, Scenario)>,
+    (name, policy): (String, Policy),
+    epsilon: f32,
+) -> Result<(), RunError> {
+    let mut config = world.resource::<TrainingRun>().config.clone();
+    if let Some((from, scenario)) = scenario {
+        config.scenario_from = from.into();
         config.scenario = scenario;
-        config.scenario_from = from;
-        config.transfer = None;
-        let beginning = prepare(config, None)?;
-        self.pacer.paused = false;
-        self.replace(world, beginning);
-        Ok(())
     }
+    config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
+    let prepared = prepare(config, Some(policy))?;
+    replace(world, prepared);
+    Ok(())
+}
 
-    /// A new training of the same preset and seed from `policy`, which is called `name`; in another scenario, if there is
-    /// one.
-    ///
-    /// # Errors
-    /// The policy does not fit.
-    pub(super) fn start_from_policy(
-        &mut self,
-        world: &mut World,
-        scenario: Option<(&str, Scenario)>,
-        (name, policy): (String, Policy),
-        epsilon: f32,
-    ) -> Result<(), RunError> {
-        let mut config = self.config.clone();
-        if let Some((from, scenario)) = scenario {
-            config.scenario_from = from.into();
-            config.scenario = scenario;
-        }
-        config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
-        let beginning = prepare(config, Some(policy))?;
-        self.replace(world, beginning);
-        Ok(())
+/// Resumes the run in the folder at `path`.
+///
+/// # Errors
+/// The folder holds no run, or one that cannot be used.
+pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
+    let (folder, config) = RunFolder::open(path)?;
+    let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
+    let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
+    let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
+    let (episodes, env_steps) = (learner.episodes(), learner.env_steps());
+    let journal = Journal::load(&folder, &config, &learner)?;
+    // A missing initial policy prevents a replay, not resuming.
+    let initial_policy = journal::initial_policy(&folder, &journal.begun).ok().flatten();
+    replace(world, PreparedTraining { config, initial_policy, learner, trainer_state });
+    world.insert_resource(journal);
+    world.resource_scope(|world, mut run: Mut<TrainingRun>| {
+        run.saved_at = Some(env_steps);
+        checkpoint::restore(world, &run.trainer_state);
+    });
+    let curves = &mut world.resource_mut::<TrainingHistory>().0;
+    rows.iter().filter(|row| row.episode <= episodes).for_each(|row| curves.push_episode(row));
+    evaluations.retain(|row| row.env_steps <= env_steps);
+    evaluations.iter().for_each(|row| curves.push_evaluation(row));
+    world.resource_mut::<Evaluations>().rows = evaluations;
+    for (_, error) in skipped {
+        let text = format!("{error}\nThe checkpoint before it was used instead");
+        notify(world, NoticeTopic::General, Severity::Error, text);
     }
-
-    /// The training in the run's folder at `path` goes on.
-    ///
-    /// # Errors
-    /// It holds no run, or one that cannot be used.
-    pub(super) fn resume(&mut self, world: &mut World, path: &Path) -> Result<(), RunError> {
-        let (folder, config) = RunFolder::open(path)?;
-        let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
-        let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
-        let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
-        let (known, env_steps) = (learner.episodes(), learner.env_steps());
-        let journal = Journal::load(&folder, &config, &learner)?;
-        // It goes on without knowing what it started from; only a replay would not.
-        let init = journal::initial_policy(&folder, &journal.begun).ok().flatten();
-        self.replace(world, Beginning { config, init, learner, trainer_state });
-        self.journal = journal;
-        self.saved_at = Some(env_steps);
-        checkpoint::restore(world, &self.trainer_state);
-        let curves = &mut world.resource_mut::<TrainingHistory>().0;
-        rows.iter().filter(|row| row.episode <= known).for_each(|row| curves.push_episode(row));
-        evaluations.retain(|row| row.env_steps <= env_steps);
-        evaluations.iter().for_each(|row| curves.push_evaluation(row));
-        self.evaluations = evaluations;
-        for (_, error) in skipped {
-            self.notify(Severity::Error, format!("{error}; the checkpoint before it is taken instead"));
-        }
-        Ok(())
-    }
+    Ok(())
 }

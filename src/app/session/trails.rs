@@ -1,6 +1,7 @@
-//! The ways that robots have driven: each arena's running navigation, and its last ones with their ends.
+//! Trails: the path of each arena's current episode, and those of its last episodes with their outcomes.
 //!
-//! In: poses and outcomes after each control step. Out: points in m. Bounded: so many navigations an arena.
+//! In: poses and outcomes after each control step. Out: points in m. Memory is bounded by `MAX_TRAILS` paths per arena. In
+//! training a path ends at every goal, collision or timeout.
 
 use std::collections::VecDeque;
 
@@ -9,94 +10,94 @@ use bevy::prelude::*;
 use crate::app::scene::{Trail, TrailEnd};
 use crate::task::{Arena, Pose, StepOutcomes};
 
-/// So many ended navigations are kept for each arena.
+/// Number of finished paths kept for each arena.
 const MAX_TRAILS: usize = 24;
 
-/// The ways of one arena.
+/// The paths of one arena.
 #[derive(Clone, Debug, Default)]
 pub struct ArenaTrails {
-    /// The running navigation, oldest first, in m.
+    /// Path towards the current goal, oldest point first, in m.
     pub path_m: Vec<[f32; 2]>,
-    /// The last ones, oldest first.
+    /// Finished paths, oldest first.
     pub finished: VecDeque<Trail>,
-    /// Targets reached since the driver began.
+    /// Goals reached since the present driver took over.
     pub goals_reached: u32,
     /// Collisions since then.
     pub collisions: u32,
-    /// The pose before the last step, unless the robot has been put elsewhere since.
+    /// Pose before the last step; `None` if the robot has been moved since, or has a new start.
     pub previous_pose: Option<Pose>,
 }
 
-/// The ways of all arenas, by number.
+/// The paths of all arenas, by arena index.
 #[derive(Resource, Default)]
 pub struct Trails(pub Vec<ArenaTrails>);
 
 impl Trails {
-    /// Forgets everything: `arenas` arenas begin.
+    /// Clears everything, for `arenas` arenas.
     pub fn restart(&mut self, arenas: usize) {
         self.0.clear();
         self.0.resize_with(arenas, ArenaTrails::default);
     }
 
-    /// The robot of `arena` was put elsewhere: its way begins there.
+    /// Restarts the path of `arena`, whose robot has been moved.
     pub fn restart_path(&mut self, arena: usize) {
-        if let Some(ways) = self.0.get_mut(arena) {
-            ways.path_m.clear();
-            ways.previous_pose = None;
+        if let Some(paths) = self.0.get_mut(arena) {
+            paths.path_m.clear();
+            paths.previous_pose = None;
         }
     }
 
-    /// Notes where each robot is before a step.
+    /// Records where each robot is before a step.
     pub fn record_before_step(&mut self, arenas: &[(usize, Pose)]) {
         for (arena, pose) in arenas {
-            if let Some(ways) = self.0.get_mut(*arena) {
-                ways.previous_pose = Some(*pose);
-                if ways.path_m.is_empty() {
-                    ways.path_m.push([pose.x_m, pose.y_m]);
+            if let Some(paths) = self.0.get_mut(*arena) {
+                paths.previous_pose = Some(*pose);
+                if paths.path_m.is_empty() {
+                    paths.path_m.push([pose.x_m, pose.y_m]);
                 }
             }
         }
     }
 
-    /// Notes what came of the step.
+    /// Records where each robot is after a step, and how the step ended.
     pub fn record_after_step(&mut self, arenas: &[(usize, Pose)], outcomes: &StepOutcomes) {
         for (arena, pose) in arenas {
-            let (Some(ways), Some(outcome)) = (self.0.get_mut(*arena), outcomes.0.get(*arena)) else {
+            let (Some(paths), Some(outcome)) = (self.0.get_mut(*arena), outcomes.0.get(*arena)) else {
                 continue;
             };
             if outcome.inactive {
                 continue;
             }
             let end = if outcome.collided {
-                ways.collisions += 1;
+                paths.collisions += 1;
                 Some(TrailEnd::Collided)
             } else if outcome.reached {
-                ways.goals_reached += 1;
+                paths.goals_reached += 1;
                 Some(TrailEnd::Reached)
             } else if outcome.timed_out {
                 Some(TrailEnd::TimedOut)
             } else {
                 None
             };
-            // After a collision or the time limit the robot stands at its next start already.
+            // After a collision or a timeout the robot is already at its next start.
             let replaced = outcome.collided || outcome.timed_out;
             if !replaced {
-                ways.path_m.push([pose.x_m, pose.y_m]);
+                paths.path_m.push([pose.x_m, pose.y_m]);
             } else {
-                ways.previous_pose = None;
+                paths.previous_pose = None;
             }
             if let Some(end) = end {
-                let points_m = std::mem::take(&mut ways.path_m);
-                if ways.finished.len() == MAX_TRAILS {
-                    ways.finished.pop_front();
+                let points_m = std::mem::take(&mut paths.path_m);
+                if paths.finished.len() == MAX_TRAILS {
+                    paths.finished.pop_front();
                 }
-                ways.finished.push_back(Trail { points_m, end });
+                paths.finished.push_back(Trail { points_m, end });
             }
         }
     }
 }
 
-/// Where every robot is, by arena.
+/// Every robot's pose, with the index of its arena.
 pub fn poses(world: &mut World) -> Vec<(usize, Pose)> {
     let mut arenas = world.query::<(&Arena, &Pose)>();
     arenas.iter(world).map(|(arena, pose)| (arena.0, *pose)).collect()
@@ -117,20 +118,20 @@ mod tests {
     }
 
     #[test]
-    fn a_navigation_ends_where_its_target_is_and_the_next_begins_there() {
+    fn a_path_ends_at_the_goal_and_the_next_one_starts_there() {
         let mut trails = Trails::default();
         trails.restart(1);
         drive(&mut trails, 0.0, 0.1, StepOutcome::default());
         drive(&mut trails, 0.1, 0.2, StepOutcome { reached: true, ..StepOutcome::default() });
         drive(&mut trails, 0.2, 0.3, StepOutcome::default());
-        let ways = &trails.0[0];
-        assert_eq!(ways.finished[0].points_m, [[0.0, 0.0], [0.1, 0.0], [0.2, 0.0]]);
-        assert_eq!((ways.finished[0].end, ways.goals_reached), (TrailEnd::Reached, 1));
-        assert_eq!(ways.path_m, [[0.2, 0.0], [0.3, 0.0]]);
+        let paths = &trails.0[0];
+        assert_eq!(paths.finished[0].points_m, [[0.0, 0.0], [0.1, 0.0], [0.2, 0.0]]);
+        assert_eq!((paths.finished[0].end, paths.goals_reached), (TrailEnd::Reached, 1));
+        assert_eq!(paths.path_m, [[0.2, 0.0], [0.3, 0.0]]);
     }
 
     #[test]
-    fn after_a_collision_nothing_is_drawn_to_the_next_start() {
+    fn no_line_leads_from_a_collision_to_the_next_start() {
         let mut trails = Trails::default();
         trails.restart(1);
         drive(&mut trails, 0.0, 1.7, StepOutcome { collided: true, ..StepOutcome::default() });
@@ -140,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn so_many_are_kept_and_no_more() {
+    fn only_the_latest_paths_are_kept() {
         let mut trails = Trails::default();
         trails.restart(1);
         for k in 0..100 {
@@ -148,6 +149,6 @@ mod tests {
             drive(&mut trails, x, x, StepOutcome { reached: true, ..StepOutcome::default() });
         }
         assert_eq!(trails.0[0].finished.len(), MAX_TRAILS);
-        assert_eq!(trails.0[0].finished[MAX_TRAILS - 1].points_m[0], [99.0, 0.0], "the latest is there");
+        assert_eq!(trails.0[0].finished[MAX_TRAILS - 1].points_m[0], [99.0, 0.0], "the latest path is kept");
     }
 }

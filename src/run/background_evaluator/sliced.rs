@@ -1,6 +1,4 @@
-//! The examiner where there is one thread: he works in slices, whenever he is asked.
-//!
-//! In: policies, in order. Out: their examinations, in the same order, with the same numbers as from a thread.
+//! The background evaluator on a single thread: it works in time slices whenever it is polled.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,72 +13,70 @@ use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
-/// So long he works when asked, or one control step if that is longer.
+/// Duration of a time slice; at least one control step is taken.
 const SLICE: Duration = Duration::from_millis(3);
 
-/// The examiner, seen from the training loop.
+/// The evaluator, with the state of the evaluation in progress.
 pub struct BackgroundEvaluator {
     scenario: Arc<Scenario>,
-    episodes: usize,
+    count: usize,
     seed: u64,
-    waiting: VecDeque<Candidate>,
-    /// His world, and what is being driven in it.
+    pending: VecDeque<Candidate>,
     evaluator: Evaluator,
-    drive: Option<EvaluationRun>,
+    run: Option<EvaluationRun>,
 }
 
 impl BackgroundEvaluator {
-    /// An examiner who drives `episodes` episodes of `scenario` with each policy, always the same ones, of
-    /// `seed`.
+    /// An evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, episodes: usize, seed: u64, extensions: &Extensions) -> Self {
-        // At once: to build a world takes longer than any slice.
-        let evaluator = Evaluator::with_extensions(scenario, episodes, extensions);
+    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
+        // Built here, because building a simulation takes longer than a slice.
+        let evaluator = Evaluator::with_extensions(scenario, count, extensions);
         let scenario = scenario.clone();
-        Self { scenario, episodes, seed, waiting: VecDeque::new(), evaluator, drive: None }
+        Self { scenario, count, seed, pending: VecDeque::new(), evaluator, run: None }
     }
 
-    /// Hands in a candidate.
+    /// Submits a candidate.
     ///
     /// # Errors
-    /// None here.
+    /// None; the threaded evaluator has some.
     pub fn submit(&mut self, candidate: Candidate) -> Result<(), RunError> {
-        self.waiting.push_back(candidate);
+        self.pending.push_back(candidate);
         Ok(())
     }
 
-    /// The next examination: if a slice of work gets it done, or, if `wait`, whatever it takes. None if no
-    /// candidate is waiting, or none is done.
+    /// Works for a time slice, or until the result is there if `wait` is set. Returns the next result, or `None` if it is
+    /// not there yet or no candidate is pending.
     ///
     /// # Errors
-    /// None here.
+    /// None; the threaded evaluator has some.
     pub fn poll(&mut self, wait: bool) -> Result<Option<EvalResult>, RunError> {
-        let Some(candidate) = self.waiting.front() else { return Ok(None) };
+        let Some(candidate) = self.pending.front() else { return Ok(None) };
         let began = Instant::now();
-        let (scenario, count, evaluator) = (&self.scenario, self.episodes, &mut self.evaluator);
+        let (scenario, count, evaluator) = (&self.scenario, self.count, &mut self.evaluator);
         let result = loop {
-            let went_on = match &mut self.drive {
-                Some(drive) => evaluator.step(drive),
+            let is_done = match &mut self.run {
+                Some(run) => evaluator.step(run),
                 None => evaluator
                     .start(&candidate.policy, self.seed, count, EpisodeSetup::Random)
-                    .map(|drive| self.drive = Some(drive))
+                    .map(|run| self.run = Some(run))
                     .map(|()| false),
             };
-            match went_on {
+            match is_done {
                 Ok(false) if wait || began.elapsed() < SLICE => {}
                 Ok(false) => return Ok(None),
                 Ok(true) => {
-                    let driven = self.drive.take().map_or_else(Vec::new, |drive| drive.episodes);
-                    break Ok(Evaluation::from_episodes(&driven, count, &scenario.task, self.seed));
+                    let episodes = self.run.take().map_or_else(Vec::new, |run| run.episodes);
+                    break Ok(Evaluation::from_episodes(&episodes, count, &scenario.task, self.seed));
                 }
                 Err(error) => {
-                    self.drive = None;
+                    self.run = None;
                     break Err(error);
                 }
             }
         };
-        let examined = self.waiting.pop_front();
-        Ok(examined.map(|candidate| EvalResult { candidate, result, done: Instant::now() }))
+        let candidate = self.pending.pop_front();
+        Ok(candidate.map(|candidate| EvalResult { candidate, result, done: Instant::now() }))
     }
 }
 
@@ -91,31 +87,32 @@ mod tests {
     use crate::run::shipped;
 
     #[test]
-    fn in_small_batches_the_same_navigations_are_driven() {
+    fn the_number_of_parallel_arenas_does_not_change_the_episodes() {
         let scenario = Arc::new(shipped::scenario("scenario-2").expect("shipped"));
         let (_, policy) = &shipped::policies()[1];
-        let driven = |side_by_side| {
-            Evaluator::new(&scenario, side_by_side).run(policy, 4, 40, EpisodeSetup::Random).expect("drives")
+        let episodes = |arenas| {
+            Evaluator::new(&scenario, arenas).run(policy, 4, 40, EpisodeSetup::Random).expect("episodes")
         };
-        assert_eq!(driven(16), driven(40));
+        assert_eq!(episodes(16), episodes(40));
     }
 
     #[test]
-    fn slices_come_to_what_a_thread_comes_to() {
+    fn slices_and_a_thread_give_the_same_evaluation() {
         let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
         let (_, policy) = &shipped::policies()[0];
         let candidate = || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0 };
-        let mut there = threaded::BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
-        there.submit(candidate()).expect("handed in");
-        let expected = there.poll(true).expect("alive").expect("handed in").result.expect("drives");
-        let mut here = BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
-        here.submit(candidate()).expect("handed in");
-        let examined = loop {
-            if let Some(eval_result) = here.poll(false).expect("none") {
-                break eval_result.result.expect("drives");
+        let mut threaded = threaded::BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
+        threaded.submit(candidate()).expect("submitted");
+        let expected =
+            threaded.poll(true).expect("no panic").expect("a result").result.expect("an evaluation");
+        let mut sliced = BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
+        sliced.submit(candidate()).expect("submitted");
+        let evaluation = loop {
+            if let Some(done) = sliced.poll(false).expect("no error") {
+                break done.result.expect("an evaluation");
             }
         };
-        assert_eq!(examined, expected);
-        assert!(here.poll(true).expect("none").is_none(), "nobody waits");
+        assert_eq!(evaluation, expected);
+        assert!(sliced.poll(true).expect("no error").is_none(), "no candidate is pending");
     }
 }

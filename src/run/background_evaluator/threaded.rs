@@ -1,9 +1,7 @@
-//! The examiner where there are threads.
-//!
-//! In: policies, in order. Out: their examinations, in the same order.
+//! The background evaluator on a separate thread.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
 
 use bevy::platform::time::Instant;
@@ -15,70 +13,68 @@ use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
-/// The examiner, seen from the training loop.
+/// The training loop's handle to the evaluator thread.
 pub struct BackgroundEvaluator {
     candidates: Sender<Candidate>,
-    examinations: Receiver<EvalResult>,
-    /// Candidates handed in whose examination was not taken yet.
-    waiting: usize,
+    results: Receiver<EvalResult>,
+    /// Number of submitted candidates whose results have not been polled.
+    pending: usize,
 }
 
 impl BackgroundEvaluator {
-    /// An examiner who drives `episodes` episodes of `scenario` with each policy, always the same ones, of
-    /// `seed`.
+    /// Starts an evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, episodes: usize, seed: u64, extensions: &Extensions) -> Self {
+    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
         let (candidates, inbox) = channel::<Candidate>();
-        let (outbox, examinations) = channel();
+        let (outbox, results) = channel();
         let (scenario, extensions) = (scenario.clone(), extensions.clone());
         thread::spawn(move || {
-            let mut evaluator = Evaluator::with_extensions(&scenario, episodes, &extensions);
+            let mut evaluator = Evaluator::with_extensions(&scenario, count, &extensions);
             for candidate in inbox {
-                let driven = evaluator.run(&candidate.policy, seed, episodes, EpisodeSetup::Random);
-                let result =
-                    driven.map(|driven| Evaluation::from_episodes(&driven, episodes, &scenario.task, seed));
+                let episodes = evaluator.run(&candidate.policy, seed, count, EpisodeSetup::Random);
+                let result = episodes
+                    .map(|episodes| Evaluation::from_episodes(&episodes, count, &scenario.task, seed));
                 if outbox.send(EvalResult { candidate, result, done: Instant::now() }).is_err() {
                     return;
                 }
             }
         });
-        Self { candidates, examinations, waiting: 0 }
+        Self { candidates, results, pending: 0 }
     }
 
-    /// Hands in a candidate.
+    /// Submits a candidate.
     ///
     /// # Errors
-    /// The examiner's thread has died.
+    /// The evaluator thread has panicked.
     pub fn submit(&mut self, candidate: Candidate) -> Result<(), RunError> {
-        self.candidates.send(candidate).map_err(|_| died())?;
-        self.waiting += 1;
+        self.candidates.send(candidate).map_err(|_| panicked())?;
+        self.pending += 1;
         Ok(())
     }
 
-    /// The next examination: if it is done by now, or, if `wait`, as soon as it is. None if no candidate is waiting,
-    /// or none is done.
+    /// The next result. Without one, waits for it if `wait` is set, else returns `None`. Also `None` if no candidate is
+    /// pending.
     ///
     /// # Errors
-    /// The examiner's thread has died.
+    /// The evaluator thread has panicked.
     pub fn poll(&mut self, wait: bool) -> Result<Option<EvalResult>, RunError> {
-        use std::sync::mpsc::TryRecvError;
-        if self.waiting == 0 {
+        if self.pending == 0 {
             return Ok(None);
         }
-        let eval_result = if wait {
-            self.examinations.recv().map_err(|_| died())?
+        let result = if wait {
+            self.results.recv().map_err(|_| panicked())?
         } else {
-            match self.examinations.try_recv() {
-                Ok(eval_result) => eval_result,
+            match self.results.try_recv() {
+                Ok(result) => result,
                 Err(TryRecvError::Empty) => return Ok(None),
-                Err(TryRecvError::Disconnected) => return Err(died()),
+                Err(TryRecvError::Disconnected) => return Err(panicked()),
             }
         };
-        self.waiting -= 1;
-        Ok(Some(eval_result))
+        self.pending -= 1;
+        Ok(Some(result))
     }
 }
 
-fn died() -> RunError {
-    RunError::Failed("the evaluation of a policy ended unexpectedly (its own message stands above)".into())
+fn panicked() -> RunError {
+    RunError::Failed("the evaluation of a policy panicked (see the message above)".into())
 }

@@ -1,52 +1,53 @@
-//! One arena: floor, walls, obstacles, goal, robot, and the ways that were driven.
+//! The objects of an arena: walls, obstacles, goal and robot.
 //!
-//! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`], drawn from the ground up: [`draw_floor`], then a
-//! field if there is one, then [`draw_trajectories`], [`draw_solids`], [`draw_goal`], [`draw_robot`].
+//! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`]. The order of drawing is floor, field,
+//! trajectories, solids, goal, beams, robot.
 
 use egui::{Color32, Shape as Mark, Stroke, StrokeKind};
 
 use super::canvas::Canvas;
 use super::polygon;
-use super::silhouette::{self, ObstaclePose, Silhouette};
+use super::silhouette::{self, Silhouette};
 use super::transform::{ArenaBounds, screen_direction};
+use crate::app::moves::ObstaclePose;
 use crate::app::scene::ArenaScene;
 use crate::scenario::{Enclosure, Scenario, Wall};
 use crate::task::Pose;
 
-/// The walls around and within, and the obstacles of an arena layout at their poses.
-pub fn draw_solids(canvas: &Canvas, room: &Scenario, poses: &[ObstaclePose]) {
-    walls(canvas, room, canvas.palette.obstacle);
-    for (obstacle, &pose) in room.obstacles.iter().zip(poses) {
+/// Draws the walls of `scenario`, and its obstacles at `poses`.
+pub fn draw_solids(canvas: &Canvas, scenario: &Scenario, poses: &[ObstaclePose]) {
+    walls(canvas, scenario, canvas.palette.obstacle);
+    for (obstacle, &pose) in scenario.obstacles.iter().zip(poses) {
         let outline = Silhouette::Obstacle { shape: obstacle.shape.clone(), pose };
         silhouette::draw(canvas, &outline, canvas.palette.obstacle, Stroke::NONE);
     }
 }
 
-/// The walls around and within; where those within end at one around, they don't show beyond it.
-fn walls(canvas: &Canvas, room: &Scenario, ink: Color32) {
-    let thick = if canvas.compact { 1.5 } else { 4.0 };
-    for piece in room.walls.iter().flat_map(Wall::segments) {
-        silhouette::draw(canvas, &Silhouette::from_obstacle(&piece), ink, Stroke::NONE);
+/// Draws the inner walls, then the enclosure, which hides the ends of inner walls that reach beyond it.
+fn walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
+    let thickness = if canvas.compact { 1.5 } else { 4.0 };
+    for piece in scenario.walls.iter().flat_map(Wall::segments) {
+        silhouette::draw(canvas, &Silhouette::from_obstacle(&piece), color, Stroke::NONE);
     }
-    if !room.walls.is_empty() {
-        let beyond = room.walls.iter().map(|wall| wall.thickness_m).fold(0.0, f32::max);
-        let (low, high) = room.enclosure.bounds_m();
-        let behind = if canvas.compact { canvas.palette.panel } else { canvas.palette.background };
-        polygon::fill_outside(canvas, &room.enclosure.corners_m(), low - beyond, high + beyond, behind);
+    if !scenario.walls.is_empty() {
+        let margin_m = scenario.walls.iter().map(|wall| wall.thickness_m).fold(0.0, f32::max);
+        let (low, high) = scenario.enclosure.bounds_m();
+        let outside = if canvas.compact { canvas.palette.panel } else { canvas.palette.background };
+        polygon::fill_outside(canvas, &scenario.enclosure.corners_m(), low - margin_m, high + margin_m, outside);
     }
-    match &room.enclosure {
+    match &scenario.enclosure {
         Enclosure::Rectangle { .. } => {
-            let bounds = ArenaBounds::from_enclosure(&room.enclosure);
+            let bounds = ArenaBounds::from_enclosure(&scenario.enclosure);
             let inside = canvas.transform.to_screen_rect(bounds.min_m, bounds.max_m);
-            canvas.painter.rect_stroke(inside, 0.0, Stroke::new(thick, ink), StrokeKind::Outside);
+            canvas.painter.rect_stroke(inside, 0.0, Stroke::new(thickness, color), StrokeKind::Outside);
         }
         Enclosure::Polygon { .. } => {
-            silhouette::draw_closed_line(canvas, &room.enclosure.corners_m(), thick, ink)
+            silhouette::draw_closed_line(canvas, &scenario.enclosure.corners_m(), thickness, color)
         }
     }
 }
 
-/// The goal: where it is, and from how far it counts as reached.
+/// Draws the goal at `at_m` as a disc with the radius within which it counts as reached.
 pub fn draw_goal(canvas: &Canvas, scenario: &Scenario, at_m: [f32; 2]) {
     let palette = &canvas.palette;
     let centre = canvas.to_screen(at_m);
@@ -65,30 +66,34 @@ pub fn draw_goal(canvas: &Canvas, scenario: &Scenario, at_m: [f32; 2]) {
     }
 }
 
-/// The robot's colour: grey where nothing moves any more.
+/// The colour of the robot: grey in an inactive arena.
 #[must_use]
 pub fn robot_color(canvas: &Canvas, arena: &ArenaScene) -> Color32 {
     if arena.inactive { canvas.palette.weak_text } else { canvas.palette.accent }
 }
 
-/// The robot: its body, where it looks, and how near anything may come.
-pub fn draw_robot(canvas: &Canvas, scenario: &Scenario, pose: Pose, skin: Color32) {
+/// Draws the robot: its body, its heading, and the collision range around it.
+pub fn draw_robot(canvas: &Canvas, scenario: &Scenario, pose: Pose, color: Color32) {
     let (painter, palette) = (&canvas.painter, &canvas.palette);
     let Pose { x_m, y_m, heading_rad } = pose;
     let centre = canvas.to_screen([x_m, y_m]);
     let body = canvas.transform.to_screen_length(scenario.robot.radius_m);
     if !canvas.compact {
-        let guard = canvas.transform.to_screen_length(scenario.task.collision_range_m);
-        painter.circle_stroke(centre, guard, Stroke::new(1.0, palette.weak_text.gamma_multiply(0.55)));
+        let collision_range = canvas.transform.to_screen_length(scenario.task.collision_range_m);
+        painter.circle_stroke(
+            centre,
+            collision_range,
+            Stroke::new(1.0, palette.weak_text.gamma_multiply(0.55)),
+        );
     }
-    let least = if canvas.compact { 4.0 } else { 6.0 };
-    let radius = body.max(least);
+    let min_radius = if canvas.compact { 4.0 } else { 6.0 };
+    let radius = body.max(min_radius);
     let halo = if canvas.compact { 1.0 } else { 1.5 };
     painter.circle_filled(centre, radius + halo, palette.floor);
-    painter.circle_filled(centre, radius, skin);
+    painter.circle_filled(centre, radius, color);
     let along = screen_direction(heading_rad) * radius;
     let across = along.rot90();
-    // An arrow with a notch is no convex polygon: two halves, and a line over their seam.
+    // An arrow with a notch is not convex: draw two halves, and a line over their seam.
     let (tip, notch) = (centre + along * 0.84, centre - along * 0.24);
     for side in [across, -across] {
         let half = vec![tip, centre - along * 0.56 + side * 0.58, notch];

@@ -1,8 +1,9 @@
-//! All arenas as a grid of cells, to choose one from.
+//! The grid of all arenas.
 //!
-//! In: the scene. Out: a small picture of each arena; a click follows that arena and leaves the grid.
+//! In: the scene. Out: a cell with a small view of each arena; a click on one follows that arena and leaves
+//! the grid.
 
-use egui::{Align2, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 
 use super::canvas::Canvas;
 use super::single_arena::set_arena_name;
@@ -13,34 +14,35 @@ use crate::app::screen::theme::Palette;
 use crate::app::view_state::{ViewCamera, ViewState};
 
 const MARGIN: Vec2 = vec2(5.0, 5.0);
-/// Cells from this size on show the beams.
-const BEAMS_FROM: f32 = 190.0;
+/// Cells at least this wide and high, in points, show the beams.
+const MIN_SIZE_FOR_BEAMS: f32 = 190.0;
 
+/// A count with its noun in the singular or plural.
 fn counted(count: u32, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// Columns and rows that give `count` cells of the shape `aspect` (width by height) the most size.
-fn columns_rows(count: usize, room: Vec2, aspect: f32) -> (usize, usize) {
+/// The columns and rows that make `count` cells of the aspect ratio `aspect` (width by height) largest.
+fn columns_rows(count: usize, available: Vec2, aspect: f32) -> (usize, usize) {
     let size = |columns: usize| {
         let rows = count.div_ceil(columns);
-        (room.x / columns as f32 / aspect).min(room.y / rows as f32)
+        (available.x / columns as f32 / aspect).min(available.y / rows as f32)
     };
     let columns =
         (1..=count.max(1)).max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a))).unwrap_or(1);
     (columns, count.div_ceil(columns))
 }
 
-/// Fills `rect` with a cell for each arena.
+/// Draws a cell for each arena in `rect`.
 pub(super) fn arena_grid_ui(ui: &Ui, rect: Rect, scene: &Scene, view_state: &mut ViewState) {
-    let room = rect.shrink(8.0);
+    let area = rect.shrink(8.0);
     let [width_m, height_m] = ArenaBounds::from_enclosure(&scene.scenario.enclosure).size_m();
-    let (columns, rows) = columns_rows(scene.arenas.len(), room.size(), width_m / height_m);
-    let each = vec2(room.width() / columns as f32, room.height() / rows as f32);
+    let (columns, rows) = columns_rows(scene.arenas.len(), area.size(), width_m / height_m);
+    let cell_size = vec2(area.width() / columns as f32, area.height() / rows as f32);
     for (index, arena) in scene.arenas.iter().enumerate() {
         let (column, row) = ((index % columns) as f32, (index / columns) as f32);
-        let place = Rect::from_min_size(room.min + vec2(column * each.x, row * each.y), each);
-        let cell = place.shrink((each.min_elem() * 0.03).min(4.0));
+        let slot = Rect::from_min_size(area.min + vec2(column * cell_size.x, row * cell_size.y), cell_size);
+        let cell = slot.shrink((cell_size.min_elem() * 0.03).min(4.0));
         let response = ui.interact(cell, ui.id().with(("cell", index)), Sense::click());
         set_arena_name(&response, index);
         if response.clicked() {
@@ -48,19 +50,20 @@ pub(super) fn arena_grid_ui(ui: &Ui, rect: Rect, scene: &Scene, view_state: &mut
             view_state.grid = false;
         }
         draw_cell(ui, cell, scene, arena, index, view_state, response.hovered());
-        let (reached, hit) = (arena.goals_reached, arena.collisions);
+        let (reached, collisions) = (arena.goals_reached, arena.collisions);
         if !response.hovered() {
             continue;
         }
         response.on_hover_text(format!(
-            "Arena {}: {}, {}. Click to look closer.",
+            "Arena {}: {}, {}. Click to follow it",
             index + 1,
             counted(reached, "goal reached", "goals reached"),
-            counted(hit, "collision", "collisions")
+            counted(collisions, "collision", "collisions")
         ));
     }
 }
 
+/// Draws a small view of an arena, with a caption if the cell is large enough.
 fn draw_cell(
     ui: &Ui,
     cell: Rect,
@@ -86,29 +89,35 @@ fn draw_cell(
     trajectories::draw(&canvas, arena, &view_state.overlays);
     arena::draw_solids(&canvas, &arena.scenario, &arena.obstacles);
     arena::draw_goal(&canvas, scenario, [arena.goal.x_m, arena.goal.y_m]);
-    if view_state.overlays.beams && !arena.inactive && view.size().min_elem() >= BEAMS_FROM {
+    if view_state.overlays.beams && !arena.inactive && view.size().min_elem() >= MIN_SIZE_FOR_BEAMS {
         beams::draw(&canvas, scenario, arena);
     }
     arena::draw_robot(&canvas, scenario, arena.pose, arena::robot_color(&canvas, arena));
+    let followed = index == view_state.followed;
     if caption > 0.0 {
-        let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
-        let y = cell.top() + 2.0 + caption / 2.0;
-        let ink = if index == view_state.followed { palette.accent } else { palette.weak_text };
-        canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), ink);
-        let hit = arena.collisions.to_string();
-        let hit = canvas.small_text(pos2(right, y), Align2::RIGHT_CENTER, &hit, palette.error);
-        let reached = arena.goals_reached.to_string();
-        canvas.small_text(pos2(hit.left() - 8.0, y), Align2::RIGHT_CENTER, &reached, palette.success);
+        let color = if followed { palette.accent } else { palette.weak_text };
+        draw_caption(&canvas, cell, cell.top() + 2.0 + caption / 2.0, arena, index, color);
     }
-    let (width, ink) = match (index == view_state.followed, hovered) {
+    let (width, color) = match (followed, hovered) {
         (true, _) => (2.0, palette.accent),
         (false, true) => (1.5, palette.weak_text),
         (false, false) => (1.0, palette.border),
     };
-    painter.rect_stroke(cell, 4.0, Stroke::new(width, ink), StrokeKind::Inside);
+    painter.rect_stroke(cell, 4.0, Stroke::new(width, color), StrokeKind::Inside);
     if hovered {
         ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
     }
+}
+
+/// Draws the number of the arena on the left, its goals reached and its collisions on the right.
+fn draw_caption(canvas: &Canvas, cell: Rect, y: f32, arena: &ArenaScene, index: usize, color: Color32) {
+    let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
+    canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), color);
+    let collisions = arena.collisions.to_string();
+    let right = canvas.small_text(pos2(right, y), Align2::RIGHT_CENTER, &collisions, canvas.palette.error);
+    let reached = arena.goals_reached.to_string();
+    let at = pos2(right.left() - 8.0, y);
+    canvas.small_text(at, Align2::RIGHT_CENTER, &reached, canvas.palette.success);
 }
 
 #[cfg(test)]
@@ -116,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_grid_wastes_no_room() {
+    fn the_grid_makes_its_cells_as_large_as_possible() {
         assert_eq!(columns_rows(16, vec2(800.0, 800.0), 1.0), (4, 4));
         assert_eq!(columns_rows(16, vec2(1600.0, 400.0), 1.0), (8, 2));
         assert_eq!(columns_rows(3, vec2(300.0, 900.0), 1.0), (1, 3));

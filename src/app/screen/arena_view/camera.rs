@@ -5,16 +5,17 @@ use egui::{CursorIcon, Response, Ui};
 use super::transform::ViewTransform;
 use crate::app::view_state::ViewCamera;
 
-/// Pan, zoom and fit; pan and fit only with a hand that is `empty`.
+/// Zooms by the scroll wheel; pans by dragging and fits by a double click if the pointer is on free floor
+/// (`on_floor`).
 pub fn steer_camera(
     ui: &Ui,
     response: &Response,
     transform: &mut ViewTransform,
     camera: &mut ViewCamera,
-    empty: bool,
+    on_floor: bool,
 ) {
     let before = *camera;
-    if empty && response.dragged() {
+    if on_floor && response.dragged() {
         *camera = transform.panned(*camera, response.drag_delta());
         ui.ctx().set_cursor_icon(CursorIcon::AllScroll);
     }
@@ -25,7 +26,7 @@ pub fn steer_camera(
             *camera = transform.zoomed(*camera, at, factor);
         }
     }
-    if response.double_clicked() && empty {
+    if response.double_clicked() && on_floor {
         *camera = ViewCamera::default();
     }
     if *camera != before {

@@ -1,7 +1,5 @@
-//! The canvas: what all that draws an arena draws with, and the few marks that egui's painter has not.
-//!
-//! In: a painter, the plane, the colours. Out: ribbons (lines whose colour changes along them) and chips (small labels
-//! that can be read on anything).
+//! The canvas that arenas are drawn on, with drawing functions that egui's painter lacks: lines with a colour
+//! gradient, labels that are legible on any background, arrow heads.
 
 use egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
@@ -10,82 +8,83 @@ use egui::{
 use super::transform::{ViewTransform, constrain_to};
 use crate::app::screen::theme::{Palette, SMALL};
 
-/// What an arena is drawn with.
+/// A painter with the transform and the palette of a view.
 #[derive(Clone)]
 pub struct Canvas {
-    /// Clipped to the view.
+    /// The painter, clipped to the view.
     pub painter: Painter,
-    /// The world's place on the screen.
+    /// The transform from metres to points.
     pub transform: ViewTransform,
     /// The colours.
     pub palette: Palette,
-    /// A cell of the grid: fewer marks.
+    /// A small cell of the grid: less detail.
     pub compact: bool,
 }
 
 impl Canvas {
-    /// Where a point of the world, in m, is on the screen.
+    /// The screen position of a point in m.
     #[must_use]
     pub fn to_screen(&self, point_m: [f32; 2]) -> Pos2 {
         self.transform.to_screen(point_m)
     }
 
-    /// A line `width` points wide through points of the world, in m; `colour` gives its colour at each part of its
-    /// length in points, 0 to 1.
+    /// Draws a line `width` points wide through points in m; `color_at` maps the position along it, 0 to 1,
+    /// to a colour.
     pub fn gradient_line(
         &self,
         points_m: impl Iterator<Item = [f32; 2]>,
         width: f32,
-        colour: impl Fn(f32) -> Color32,
+        color_at: impl Fn(f32) -> Color32,
     ) {
-        let apart = if self.compact { 3.0 } else { 1.2 };
-        let points = thinned(points_m.map(|point| self.to_screen(point)), apart);
-        if let Some(mesh) = ribbon(&points, width, 1.0 / self.painter.pixels_per_point(), colour) {
+        let min_distance = if self.compact { 3.0 } else { 1.2 };
+        let points = thinned(points_m.map(|point| self.to_screen(point)), min_distance);
+        if let Some(mesh) = line_mesh(&points, width, 1.0 / self.painter.pixels_per_point(), color_at) {
             self.painter.add(Shape::mesh(mesh));
         }
     }
 
-    /// A small label at `at`, kept within the view; gives the space it takes.
-    pub fn label(&self, at: Pos2, anchor: Align2, text: &str, ink: Color32) -> Rect {
-        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(SMALL), ink);
+    /// Draws a small label at `at`, moved into the view if necessary, and returns its rectangle.
+    pub fn label(&self, at: Pos2, anchor: Align2, text: &str, color: Color32) -> Rect {
+        let galley = self.painter.layout_no_wrap(text.to_owned(), FontId::proportional(SMALL), color);
         let size = galley.size() + vec2(8.0, 3.0);
         let rect = constrain_to(anchor.anchor_size(at, size), self.transform.rect.shrink(3.0));
-        let back = self.palette.panel.gamma_multiply(0.9);
-        self.painter.rect_filled(rect, CornerRadius::same(4), back);
-        self.painter.galley(rect.center() - galley.size() / 2.0, galley, ink);
+        let background = self.palette.panel.gamma_multiply(0.9);
+        self.painter.rect_filled(rect, CornerRadius::same(4), background);
+        self.painter.galley(rect.center() - galley.size() / 2.0, galley, color);
         rect
     }
 
-    /// A card of `rect` to write on.
+    /// Draws the background of a card.
     pub fn card_background(&self, rect: Rect) {
-        let (radius, edge) = (CornerRadius::same(6), Stroke::new(1.0, self.palette.border));
-        self.painter.rect(rect, radius, self.palette.panel, edge, egui::StrokeKind::Inside);
+        let (radius, border) = (CornerRadius::same(6), Stroke::new(1.0, self.palette.border));
+        self.painter.rect(rect, radius, self.palette.panel, border, egui::StrokeKind::Inside);
     }
 
-    /// The ground of a line of explanations: not seen beside the arena, only over it.
+    /// Draws the background of a line of text in the colour around the arena, so that it shows only over the
+    /// arena.
     pub fn strip_background(&self, rect: Rect) {
         self.painter.rect_filled(rect, CornerRadius::same(4), self.palette.background);
     }
 
-    /// Small text; gives the space it takes.
-    pub fn small_text(&self, at: Pos2, anchor: Align2, text: &str, ink: Color32) -> Rect {
-        self.painter.text(at, anchor, text, FontId::proportional(SMALL), ink)
+    /// Draws small text and returns its rectangle.
+    pub fn small_text(&self, at: Pos2, anchor: Align2, text: &str, color: Color32) -> Rect {
+        self.painter.text(at, anchor, text, FontId::proportional(SMALL), color)
     }
 
-    /// An arrow's head with its tip at `tip`, `length` points long.
-    pub fn arrow_head(&self, tip: Pos2, along: Vec2, length: f32, colour: Color32) {
+    /// Draws an arrow head of `length` points with its tip at `tip`, pointing along the unit vector `along`.
+    pub fn arrow_head(&self, tip: Pos2, along: Vec2, length: f32, color: Color32) {
         let (back, side) = (tip - along * length, along.rot90() * length * 0.55);
         let corners = vec![tip, back + side, back - side];
-        self.painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
+        self.painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
     }
 }
 
-/// The points without those nearer than `apart` to the one before; the last one stays.
-fn thinned(points: impl Iterator<Item = Pos2>, apart: f32) -> Vec<Pos2> {
+/// Drops points closer than `min_distance` to the one before, but keeps the last.
+fn thinned(points: impl Iterator<Item = Pos2>, min_distance: f32) -> Vec<Pos2> {
     let mut kept: Vec<Pos2> = Vec::new();
     let mut skipped = None;
     for point in points.filter(|point| point.is_finite()) {
-        if kept.last().is_none_or(|last| last.distance(point) > apart) {
+        if kept.last().is_none_or(|last| last.distance(point) > min_distance) {
             kept.push(point);
             skipped = None;
         } else {
@@ -98,12 +97,12 @@ fn thinned(points: impl Iterator<Item = Pos2>, apart: f32) -> Vec<Pos2> {
     kept
 }
 
-/// A line through `points` as a mesh with soft edges; none of fewer than two points.
-fn ribbon(points: &[Pos2], width: f32, pixel: f32, colour: impl Fn(f32) -> Color32) -> Option<Mesh> {
+/// A line through `points` as a mesh with soft edges one `pixel` wide; `None` for fewer than two points.
+fn line_mesh(points: &[Pos2], width: f32, pixel: f32, color_at: impl Fn(f32) -> Color32) -> Option<Mesh> {
     if points.len() < 2 {
         return None;
     }
-    let whole: f32 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    let total: f32 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
     let (inner, outer) = ((width.max(pixel) - pixel) / 2.0, (width.max(pixel) + pixel) / 2.0);
     let mut mesh = Mesh::default();
     mesh.reserve_vertices(points.len() * 4);
@@ -113,13 +112,13 @@ fn ribbon(points: &[Pos2], width: f32, pixel: f32, colour: impl Fn(f32) -> Color
         let before = points[i.saturating_sub(1)];
         let after = points[(i + 1).min(points.len() - 1)];
         so_far += before.distance(point);
-        let ink = colour(if whole > 0.0 { so_far / whole } else { 1.0 });
+        let color = color_at(if total > 0.0 { so_far / total } else { 1.0 });
         let across = (after - before).normalized().rot90();
-        for (side, ink) in
-            [(-outer, Color32::TRANSPARENT), (-inner, ink), (inner, ink), (outer, Color32::TRANSPARENT)]
+        for (side, color) in
+            [(-outer, Color32::TRANSPARENT), (-inner, color), (inner, color), (outer, Color32::TRANSPARENT)]
         {
             let corner = point + across * side;
-            mesh.colored_vertex(pos2(corner.x, corner.y), ink);
+            mesh.colored_vertex(pos2(corner.x, corner.y), color);
         }
         if i > 0 {
             let first = 4 * (i as u32 - 1);
@@ -137,19 +136,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ribbon_runs_through_its_points_with_a_colour_for_each_part() {
+    fn a_gradient_line_runs_through_its_points_and_has_the_colour_of_each_part() {
         let points = [pos2(0.0, 0.0), pos2(10.0, 0.0), pos2(30.0, 0.0)];
         let mesh =
-            ribbon(&points, 2.0, 0.5, |part| Color32::from_gray((part * 240.0) as u8)).expect("a mesh");
+            line_mesh(&points, 2.0, 0.5, |part| Color32::from_gray((part * 240.0) as u8)).expect("a mesh");
         assert!(mesh.is_valid());
         assert_eq!(mesh.vertices.len(), 12);
         assert_eq!(mesh.vertices[5].color, Color32::from_gray(80), "a third of the way");
         assert_eq!(mesh.calc_bounds(), Rect::from_min_max(pos2(0.0, -1.25), pos2(30.0, 1.25)));
-        assert!(ribbon(&points[..1], 2.0, 0.5, |_| Color32::RED).is_none());
+        assert!(line_mesh(&points[..1], 2.0, 0.5, |_| Color32::RED).is_none());
     }
 
     #[test]
-    fn thinning_keeps_the_ends() {
+    fn thinning_keeps_both_ends() {
         let points: Vec<Pos2> = (0..100).map(|i| pos2(i as f32 * 0.5, 0.0)).collect();
         let kept = thinned(points.iter().copied(), 1.2);
         assert!(kept.len() < 40 && kept.first() == points.first() && kept.last() == points.last());

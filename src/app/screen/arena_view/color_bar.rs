@@ -9,23 +9,24 @@ use crate::app::scene::ScalarField;
 use crate::app::screen::numbers::format_value;
 use crate::app::screen::theme::SMALL;
 
-/// The key to the colours in the upper right corner of the view, on one line if there is room; gives the space it takes.
+/// Draws the colour bar in the upper right corner of the view, on one line if it fits, and returns its
+/// rectangle.
 pub fn draw(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<Rect> {
     const BAR: f32 = 110.0;
-    let whole = value_range(field, kind.outermost())?;
+    let range = value_range(field, kind.clipped_shares())?;
     let palette = &canvas.palette;
     let font = FontId::proportional(SMALL);
-    let text = |words: String, ink| canvas.painter.layout_no_wrap(words, font.clone(), ink);
+    let text = |words: String, color| canvas.painter.layout_no_wrap(words, font.clone(), color);
     let (title, low, high) = (
         text(kind.title().into(), palette.text),
-        text(limit(whole.low, whole.below, "≤ "), palette.weak_text),
-        text(limit(whole.high, whole.above, "≥ "), palette.weak_text),
+        text(limit(range.low, range.below, "≤ "), palette.weak_text),
+        text(limit(range.high, range.above, "≥ "), palette.weak_text),
     );
     let scale = low.size().x + BAR + high.size().x + 12.0;
-    let (one_line, room) = (title.size().x + 14.0 + scale, canvas.transform.rect.width() - 20.0);
-    let lines = if one_line + 110.0 <= room { 1.0 } else { 2.0 };
+    let (one_line, available) = (title.size().x + 14.0 + scale, canvas.transform.rect.width() - 20.0);
+    let lines = if one_line + 110.0 <= available { 1.0 } else { 2.0 };
     let width = if lines < 2.0 { one_line } else { scale.max(title.size().x) } + 12.0;
-    if width > room || canvas.transform.rect.height() < 160.0 {
+    if width > available || canvas.transform.rect.height() < 160.0 {
         return None;
     }
     let corner = canvas.transform.rect.right_top() + vec2(-8.0 - width, 6.0);
@@ -44,7 +45,7 @@ pub fn draw(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) -
     Some(strip)
 }
 
-/// The number at an end of the key, and before it that values go beyond.
+/// The number at an end of the colour bar, after `sign` if some values are beyond it.
 fn limit(value: f32, beyond: bool, sign: &str) -> String {
     format!("{}{}", if beyond { sign } else { "" }, format_value(value))
 }
@@ -54,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_key_says_that_values_go_beyond_its_ends() {
+    fn the_colour_bar_marks_an_end_that_some_values_exceed() {
         assert_eq!([limit(-3.0, true, "≤ "), limit(4.5, false, "≥ ")], ["≤ \u{2212}3.00", "4.50"]);
     }
 }

@@ -1,12 +1,13 @@
-//! A field as a picture: its colours, from low values to high ones.
+//! Field overlays as images: the colours of a field, from low to high values.
 //!
-//! In: a [`ScalarField`]. Out: an image for a texture, and a bar of the same colours for the key.
+//! In: a [`ScalarField`]. Out: an image for a texture, and a bar of the same colours.
 
 use egui::{Color32, ColorImage, Mesh, Rect, pos2};
 
 use crate::app::scene::ScalarField;
 
-/// Even steps of lightness in one hue that nothing else here has, from the floor's own lightness away: violet.
+/// Seven colours from low to high: even steps of lightness, starting at that of the floor, in violet, which
+/// nothing else uses.
 fn ramp(dark: bool) -> [Color32; 7] {
     let rgb = Color32::from_rgb;
     if dark {
@@ -32,7 +33,7 @@ fn ramp(dark: bool) -> [Color32; 7] {
     }
 }
 
-/// The colour of `part`, 0 (least) to 1 (most); none of what is not a number.
+/// The colour at `part` of the range, 0 (lowest) to 1 (highest); transparent if `part` is not finite.
 fn ramp_color(dark: bool, part: f32) -> Color32 {
     if !part.is_finite() {
         return Color32::TRANSPARENT;
@@ -43,21 +44,22 @@ fn ramp_color(dark: bool, part: f32) -> Color32 {
     stops[low].lerp_to_gamma(stops[low + 1], place - low as f32).gamma_multiply(0.88)
 }
 
-/// From which value to which the colours go.
+/// The range of values that the colours cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ValueRange {
     /// The value of the first colour.
     pub low: f32,
     /// The value of the last colour.
     pub high: f32,
-    /// Some values are less than the first colour's.
+    /// Some values are below `low`.
     pub below: bool,
-    /// Some values are more than the last colour's.
+    /// Some values are above `high`.
     pub above: bool,
 }
 
-/// The span of the values that are numbers without the outermost parts of them, `parts.0` of the least and `parts.1` of
-/// the greatest: a few extremes don't take the colours from all others.
+/// The range of the finite values of `field`, without the lowest share `parts.0` and the highest share
+/// `parts.1` of them, so that a few extremes do not leave all others in one colour. `None` if no value is
+/// finite.
 pub(super) fn value_range(field: &ScalarField, parts: (f32, f32)) -> Option<ValueRange> {
     let mut numbers: Vec<f32> = field.values.iter().copied().filter(|value| value.is_finite()).collect();
     numbers.sort_unstable_by(f32::total_cmp);
@@ -65,30 +67,31 @@ pub(super) fn value_range(field: &ScalarField, parts: (f32, f32)) -> Option<Valu
     let last = numbers.len() - 1;
     let at = |part: f32| numbers[((part * last as f32).round() as usize).min(last)];
     let (low, high) = (at(parts.0), at(1.0 - parts.1));
-    // Where nearly all are alike, the few others are what there is to see.
+    // If nearly all values are equal, the few others are what matters.
     let (low, high) = if low < high { (low, high) } else { (least, most) };
     Some(ValueRange { low, high, below: least < low, above: most > high })
 }
 
+/// The position of `value` in the range, 0 to 1 within it.
 fn part_of(value: f32, ValueRange { low, high, .. }: ValueRange) -> f32 {
     if high > low || !value.is_finite() { (value - low) / (high - low) } else { 0.5 }
 }
 
-/// The field's colours, finer than the field itself where it is coarse, so that the edge of where the robot cannot be is
+/// The image of `field`, at twice its resolution if it is coarse, so that the edges of missing values are
 /// smooth.
-pub(super) fn field_image(field: &ScalarField, whole: ValueRange, dark: bool) -> ColorImage {
+pub(super) fn field_image(field: &ScalarField, range: ValueRange, dark: bool) -> ColorImage {
     let [width, height] = field.size;
-    let finer = if width.max(height) <= 128 { 2 } else { 1 };
+    let upscale = if width.max(height) <= 128 { 2 } else { 1 };
     let colors: Vec<Color32> = (0..=255).map(|k| ramp_color(dark, k as f32 / 255.0)).collect();
-    let mut image = ColorImage::filled([width * finer, height * finer], Color32::TRANSPARENT);
+    let mut image = ColorImage::filled([width * upscale, height * upscale], Color32::TRANSPARENT);
     let place = |k: usize, count: usize| {
-        let at = ((k as f32 + 0.5) / finer as f32 - 0.5).clamp(0.0, (count - 1) as f32);
+        let at = ((k as f32 + 0.5) / upscale as f32 - 0.5).clamp(0.0, (count - 1) as f32);
         let low = at as usize;
         (low, (low + 1).min(count - 1), at - low as f32)
     };
-    let (values, there) = fill_gaps(field);
-    // The image's first row is the uppermost, the field's the lowest.
-    for (row, line) in image.pixels.chunks_exact_mut(width * finer).rev().enumerate() {
+    let (values, coverage) = fill_gaps(field);
+    // The first row of the image is the top one, that of the field the bottom one.
+    for (row, line) in image.pixels.chunks_exact_mut(width * upscale).rev().enumerate() {
         let (y0, y1, v) = place(row, height);
         for (column, pixel) in line.iter_mut().enumerate() {
             let (x0, x1, u) = place(column, width);
@@ -97,9 +100,9 @@ pub(super) fn field_image(field: &ScalarField, whole: ValueRange, dark: bool) ->
                 let upper = of[y1 * width + x0] * (1.0 - u) + of[y1 * width + x1] * u;
                 lower * (1.0 - v) + upper * v
             };
-            let clear = ((between(&there) - 0.35) / 0.3).clamp(0.0, 1.0);
+            let clear = ((between(&coverage) - 0.35) / 0.3).clamp(0.0, 1.0);
             if clear > 0.0 {
-                let part = part_of(between(&values), whole).clamp(0.0, 1.0);
+                let part = part_of(between(&values), range).clamp(0.0, 1.0);
                 *pixel = colors[(part * 255.0).round() as usize].gamma_multiply(clear);
             }
         }
@@ -107,13 +110,14 @@ pub(super) fn field_image(field: &ScalarField, whole: ValueRange, dark: bool) ->
     image
 }
 
-/// The values with those missing taken from their neighbours, and how much of each cell's surroundings is there.
+/// The values with gaps filled by a weighted mean of their neighbours, and the weighted share of finite
+/// neighbours, 0 to 1.
 fn fill_gaps(field: &ScalarField) -> (Vec<f32>, Vec<f32>) {
     const TENT: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
     let [width, height] = field.size;
-    let (mut values, mut there) = (field.values.clone(), vec![1.0; field.values.len()]);
+    let (mut values, mut coverage) = (field.values.clone(), vec![1.0; field.values.len()]);
     if field.values.iter().all(|value| value.is_finite()) {
-        return (values, there);
+        return (values, coverage);
     }
     let near = |k: usize, by: usize, count: usize| (k + by).saturating_sub(2).min(count - 1);
     for y in 0..height {
@@ -129,16 +133,16 @@ fn fill_gaps(field: &ScalarField) -> (Vec<f32>, Vec<f32>) {
                 }
             }
             let at = y * width + x;
-            there[at] = weight / 81.0;
+            coverage[at] = weight / 81.0;
             if !values[at].is_finite() {
                 values[at] = if weight > 0.0 { sum / weight } else { 0.0 };
             }
         }
     }
-    (values, there)
+    (values, coverage)
 }
 
-/// The colours from left to right.
+/// The colours from left to right as a mesh.
 pub(super) fn color_bar_mesh(bar: Rect, dark: bool) -> Mesh {
     let stops = ramp(dark);
     let mut mesh = Mesh::default();
@@ -167,48 +171,48 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_ramp_spans_the_numbers_only() {
+    fn the_range_ignores_non_finite_values() {
         let mut field = bowl();
         field.values[0] = f32::NAN;
-        let whole = value_range(&field, (0.0, 0.0)).expect("numbers");
-        let ValueRange { low, high, below, above } = whole;
+        let range = value_range(&field, (0.0, 0.0)).expect("finite values");
+        let ValueRange { low, high, below, above } = range;
         assert!(low < 0.01 && high > 11.0 && !below && !above);
         assert_eq!(ramp_color(true, f32::NAN), Color32::TRANSPARENT);
-        assert_eq!((part_of(low, whole), part_of(high, whole)), (0.0, 1.0));
-        assert_eq!(part_of(3.0, ValueRange { low: 3.0, high: 3.0, ..whole }), 0.5);
+        assert_eq!((part_of(low, range), part_of(high, range)), (0.0, 1.0));
+        assert_eq!(part_of(3.0, ValueRange { low: 3.0, high: 3.0, ..range }), 0.5);
         field.values.fill(f32::NAN);
         assert_eq!(value_range(&field, (0.0, 0.0)), None);
     }
 
     #[test]
-    fn extremes_do_not_take_the_colours_from_the_others() {
+    fn a_few_extremes_do_not_stretch_the_range() {
         let mut field = bowl();
         for (k, value) in field.values.iter_mut().enumerate() {
             *value = k as f32;
         }
         (field.values[3], field.values[1000]) = (-1e6, 1e6);
-        let middle = value_range(&field, (0.02, 0.02)).expect("numbers");
+        let middle = value_range(&field, (0.02, 0.02)).expect("finite values");
         assert_eq!(middle, ValueRange { low: 32.0, high: 1568.0, below: true, above: true });
-        let top = value_range(&field, (0.0, 0.03)).expect("numbers");
+        let top = value_range(&field, (0.0, 0.03)).expect("finite values");
         assert_eq!((top.low, top.below, top.above), (-1e6, false, true));
         field.values.fill(2.0);
         field.values[7] = 5.0;
-        let few = value_range(&field, (0.02, 0.02)).expect("numbers");
+        let few = value_range(&field, (0.02, 0.02)).expect("finite values");
         assert_eq!(
             few,
             ValueRange { low: 2.0, high: 5.0, below: false, above: false },
-            "all but one are alike"
+            "all but one are equal"
         );
     }
 
     #[test]
-    fn the_picture_has_the_fields_top_at_its_top_and_holes_where_it_has() {
+    fn the_image_has_the_fields_top_row_on_top_and_is_transparent_where_values_are_missing() {
         let mut field = bowl();
         field.values[36 * 40..].fill(f32::NAN);
         let image =
             field_image(&field, ValueRange { low: 0.0, high: 13.0, below: false, above: false }, false);
         assert_eq!(image.size, [80, 80]);
-        assert_eq!(image.pixels[5], Color32::TRANSPARENT, "the uppermost rows are missing");
-        assert_eq!(image.pixels[79 * 80 + 60].a(), ramp_color(false, 0.5).a(), "the lowest is there");
+        assert_eq!(image.pixels[5], Color32::TRANSPARENT, "the top rows are missing");
+        assert_eq!(image.pixels[79 * 80 + 60].a(), ramp_color(false, 0.5).a(), "the bottom row is there");
     }
 }

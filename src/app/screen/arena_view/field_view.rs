@@ -1,7 +1,7 @@
-//! Fields over the plane: the potential and the network's value, as colours, as arrows, and their key.
+//! Field overlays: the potential and the state value as colours and as arrows.
 //!
-//! In: a [`ScalarField`]. Out: a texture that is made again only when the field's version changes, arrows down its slope, and
-//! a bar that says what the colours mean.
+//! In: a [`ScalarField`]. Out: a texture, made again only when the version of the field changes, and arrows
+//! downhill.
 
 use egui::{Color32, Context, Id, Rect, Stroke, TextureHandle, pos2};
 
@@ -10,31 +10,31 @@ use super::field_image::{field_image, value_range};
 use super::transform::screen_direction;
 use crate::app::scene::ScalarField;
 
-/// Arrows along the longer side.
+/// Arrows along the longer side of the field.
 const ARROWS: usize = 14;
 
-/// Which field: each has its own texture.
+/// The kind of a field; each has its own texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FieldKind {
-    /// U of eq. (4).
+    /// The potential U of eq. (4).
     Potential,
-    /// V(s) of the network.
+    /// The state value V(s) of the network.
     Value,
 }
 
 impl FieldKind {
-    /// What the key calls it.
+    /// The title of the colour bar.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
-            Self::Potential => "Potential U, eq. (4)",
-            Self::Value => "Value V(s) here, with this heading",
+            Self::Potential => "Potential U (eq. 4)",
+            Self::Value => "State value V(s), current heading",
         }
     }
 
-    /// The parts of the least and the greatest values that share a colour: a network's extremes at either end, and of
-    /// the potential what is close to an obstacle.
-    pub fn outermost(self) -> (f32, f32) {
+    /// The shares of the lowest and of the highest values that the colours do not cover: the extremes of a
+    /// network at both ends, and the potential close to obstacles.
+    pub fn clipped_shares(self) -> (f32, f32) {
         match self {
             Self::Potential => (0.0, 0.03),
             Self::Value => (0.02, 0.02),
@@ -42,34 +42,37 @@ impl FieldKind {
     }
 }
 
-/// Whether the field has as many values as it says.
-fn is_whole(field: &ScalarField) -> bool {
+/// Whether the number of values matches the size of the field.
+fn is_complete(field: &ScalarField) -> bool {
     let [width, height] = field.size;
     width > 0 && height > 0 && width.checked_mul(height) == Some(field.values.len())
 }
 
+/// A texture in egui's memory, and the version and size of the field and the theme it was made for.
 #[derive(Clone)]
 struct Cached {
-    of: (u64, [usize; 2], bool),
+    key: (u64, [usize; 2], bool),
     texture: TextureHandle,
 }
 
+/// The texture of `field`, from the cache if it is up to date; `None` if no value is finite or it is too
+/// large.
 fn texture(ctx: &Context, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<TextureHandle> {
     let id = Id::new(("wayfield field", kind));
-    let of = (field.version, field.size, dark);
+    let key = (field.version, field.size, dark);
     let cached = ctx.data(|data| data.get_temp::<Cached>(id));
     if let Some(cached) = &cached
-        && cached.of == of
+        && cached.key == key
     {
         return Some(cached.texture.clone());
     }
-    let whole = value_range(field, kind.outermost())?;
+    let range = value_range(field, kind.clipped_shares())?;
     let [width, height] = field.size;
     if 2 * width.max(height) > ctx.input(|input| input.max_texture_side) {
         return None;
     }
-    let image = field_image(field, whole, dark);
-    // The old one is drawn until the new colours have reached the GPU, which may take a frame: no flicker.
+    let image = field_image(field, range, dark);
+    // Setting the old texture avoids flicker: it is drawn until the new image has reached the GPU.
     let options = egui::TextureOptions::LINEAR;
     let texture = match cached {
         Some(Cached { mut texture, .. }) => {
@@ -78,13 +81,13 @@ fn texture(ctx: &Context, kind: FieldKind, field: &ScalarField, dark: bool) -> O
         }
         None => ctx.load_texture(format!("field {kind:?}"), image, options),
     };
-    ctx.data_mut(|data| data.insert_temp(id, Cached { of, texture: texture.clone() }));
+    ctx.data_mut(|data| data.insert_temp(id, Cached { key, texture: texture.clone() }));
     Some(texture)
 }
 
-/// Draws `field` as colours.
+/// Draws `field` as a heat map.
 pub fn draw_heatmap(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark: bool) {
-    if !is_whole(field) {
+    if !is_complete(field) {
         return;
     }
     if let Some(texture) = texture(canvas.painter.ctx(), kind, field, dark) {
@@ -94,9 +97,9 @@ pub fn draw_heatmap(canvas: &Canvas, kind: FieldKind, field: &ScalarField, dark:
     }
 }
 
-/// Draws which way `field` falls, as arrows on a coarse grid.
-pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
-    if !is_whole(field) {
+/// Draws arrows downhill on a coarse grid.
+pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, color: Color32) {
+    if !is_complete(field) {
         return;
     }
     let [width, height] = field.size;
@@ -106,7 +109,7 @@ pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
     if length < 4.0 {
         return;
     }
-    let stroke = Stroke::new(1.25, ink);
+    let stroke = Stroke::new(1.25, color);
     for iy in (step / 2..height).step_by(step) {
         for ix in (step / 2..width).step_by(step) {
             let Some([dx, dy]) = descent(field, ix, iy) else { continue };
@@ -118,12 +121,13 @@ pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, ink: Color32) {
             }
             let tip = middle + along * length / 2.0;
             canvas.painter.line_segment([tip - along * length, tip - along * 4.9], stroke);
-            canvas.arrow_head(tip, along, 5.0, ink);
+            canvas.arrow_head(tip, along, 5.0, color);
         }
     }
 }
 
-/// The unit vector down the slope of `field` at a cell; none at its edge, where it is flat, or beside what is no number.
+/// The unit vector downhill at a cell; `None` at the edge of the field, where it is flat, or next to a
+/// non-finite value.
 fn descent(field: &ScalarField, ix: usize, iy: usize) -> Option<[f32; 2]> {
     let [width, height] = field.size;
     if ix == 0 || iy == 0 || ix + 1 >= width || iy + 1 >= height {
@@ -133,8 +137,8 @@ fn descent(field: &ScalarField, ix: usize, iy: usize) -> Option<[f32; 2]> {
     let cell_m = [0, 1].map(|k| (field.max_m[k] - field.min_m[k]) / field.size[k] as f32);
     let dx = (value(ix - 1, iy) - value(ix + 1, iy)) / cell_m[0];
     let dy = (value(ix, iy - 1) - value(ix, iy + 1)) / cell_m[1];
-    let steep = dx.hypot(dy);
-    (steep.is_finite() && steep > 1e-6).then(|| [dx / steep, dy / steep])
+    let slope = dx.hypot(dy);
+    (slope.is_finite() && slope > 1e-6).then(|| [dx / slope, dy / slope])
 }
 
 #[cfg(test)]
@@ -143,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_arrows_lead_downhill() {
+    fn arrows_point_downhill() {
         let field = bowl();
         let [dx, dy] = descent(&field, 10, 35).expect("a slope");
         let (x, y) = (-2.0 + 10.5 * 0.1, -2.0 + 35.5 * 0.1);
@@ -154,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn beside_nothing_there_is_no_slope() {
+    fn there_is_no_arrow_next_to_a_missing_value() {
         let mut field = bowl();
         field.values[20 * 40 + 21] = f32::NAN;
         assert_eq!(descent(&field, 20, 20), None);

@@ -1,6 +1,6 @@
-//! The legend: what the marks over the world mean, for those that are on, and the length of the floor's squares.
+//! The legend of the overlays that are on, and the distance of the grid lines.
 //!
-//! In: the overlays. Out: a line along the lower edge of the view, where no arena is at zoom 1.
+//! In: the overlays. Out: a line along the bottom of the view, which the arena does not cover at zoom 1.
 
 use std::sync::Arc;
 
@@ -17,34 +17,36 @@ use crate::app::view_state::Overlays;
 const ROW: f32 = 20.0;
 const SWATCH: f32 = 20.0;
 const PAD: f32 = 6.0;
-const BETWEEN: f32 = 15.0;
+const ENTRY_GAP: f32 = 15.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Entry {
-    Square,
+    GridCell,
     Beams,
     Path,
     Trail(TrailEnd),
-    Slope,
+    Downhill,
 }
 
+/// The entries for the overlays that are on.
 fn entries(overlays: &Overlays) -> Vec<Entry> {
     let trails = [TrailEnd::Reached, TrailEnd::Collided, TrailEnd::TimedOut].map(Entry::Trail);
-    let mut entries = vec![Entry::Square];
-    for (on, some) in [
+    let mut entries = vec![Entry::GridCell];
+    for (on, group) in [
         (overlays.beams, &[Entry::Beams][..]),
         (overlays.path, &[Entry::Path]),
         (overlays.trails, &trails),
-        (overlays.potential, &[Entry::Slope]),
+        (overlays.potential, &[Entry::Downhill]),
     ] {
         if on {
-            entries.extend_from_slice(some);
+            entries.extend_from_slice(group);
         }
     }
     entries
 }
 
-/// Draws the legend along the lower edge, in as many lines as it takes; gives the space it takes, if there is room.
+/// Draws the legend along the bottom of the view, in as many lines as necessary, and returns its rectangle;
+/// `None` if the view is too small.
 pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
     let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
     if view.width() < 220.0 || view.height() < 220.0 {
@@ -56,7 +58,7 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
         .map(|entry| {
             (
                 entry,
-                canvas.painter.layout_no_wrap(words(canvas, entry), font.clone(), canvas.palette.weak_text),
+                canvas.painter.layout_no_wrap(label(canvas, entry), font.clone(), canvas.palette.weak_text),
             )
         })
         .collect();
@@ -67,8 +69,8 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
             at = pos2(PAD, at.y + ROW);
         }
         places.push(at);
-        at.x += width + BETWEEN;
-        widest = widest.max(at.x - BETWEEN + PAD);
+        at.x += width + ENTRY_GAP;
+        widest = widest.max(at.x - ENTRY_GAP + PAD);
     }
     let size = vec2(widest, at.y + ROW);
     let strip = Rect::from_min_size(view.left_bottom() - vec2(0.0, size.y), size);
@@ -84,18 +86,18 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
 }
 
 fn swatch_width(entry: Entry) -> f32 {
-    if entry == Entry::Square { 10.0 } else { SWATCH }
+    if entry == Entry::GridCell { 10.0 } else { SWATCH }
 }
 
-fn words(canvas: &Canvas, entry: Entry) -> String {
+fn label(canvas: &Canvas, entry: Entry) -> String {
     match entry {
-        Entry::Square => return format!("{} m", length_words(grid_step_m(canvas.transform.scale))),
+        Entry::GridCell => return format!("{} m", format_length(grid_step_m(canvas.transform.scale))),
         Entry::Beams => "LIDAR",
-        Entry::Path => "This navigation",
+        Entry::Path => "Current path",
         Entry::Trail(TrailEnd::Reached) => "Reached",
         Entry::Trail(TrailEnd::Collided) => "Collided",
-        Entry::Trail(TrailEnd::TimedOut) => "Out of time",
-        Entry::Slope => "Down U",
+        Entry::Trail(TrailEnd::TimedOut) => "Timed out",
+        Entry::Downhill => "Downhill",
     }
     .into()
 }
@@ -104,8 +106,8 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
     let (painter, palette) = (&canvas.painter, &canvas.palette);
     let (left, right) = (swatch.left_center(), swatch.right_center());
     match entry {
-        // One of the floor's squares, though not as large.
-        Entry::Square => {
+        // A cell of the floor's grid, at a fixed size.
+        Entry::GridCell => {
             painter.rect(swatch, 0.0, palette.floor, Stroke::new(1.0, palette.weak_text), StrokeKind::Inside);
         }
         Entry::Beams => {
@@ -116,11 +118,11 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
             fading(canvas, left, right, 2.5, |part| palette.accent.gamma_multiply(0.06 + 0.84 * part * part));
         }
         Entry::Trail(end) => {
-            let ink = outcome_color(palette, end);
-            fading(canvas, left, right, 1.5, |part| ink.gamma_multiply(0.3 + 0.7 * part));
-            outcome_mark(painter, right - vec2(3.0, 0.0), end, ink);
+            let color = outcome_color(palette, end);
+            fading(canvas, left, right, 1.5, |part| color.gamma_multiply(0.3 + 0.7 * part));
+            outcome_mark(painter, right - vec2(3.0, 0.0), end, color);
         }
-        Entry::Slope => {
+        Entry::Downhill => {
             let along = vec2(1.0, 0.0);
             painter.line_segment(
                 [left + along * 4.0, right - along * 4.0],
@@ -131,13 +133,14 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
     }
 }
 
-fn fading(canvas: &Canvas, left: Pos2, right: Pos2, width: f32, ink: impl Fn(f32) -> egui::Color32) {
+/// Draws a line with the colour gradient `color`.
+fn fading(canvas: &Canvas, left: Pos2, right: Pos2, width: f32, color: impl Fn(f32) -> egui::Color32) {
     let points = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| canvas.transform.to_world(left.lerp(right, part)));
-    canvas.gradient_line(points.into_iter(), width, ink);
+    canvas.gradient_line(points.into_iter(), width, color);
 }
 
-/// A round length without needless zeros.
-fn length_words(metres: f32) -> String {
+/// A round length in m, without trailing zeros.
+fn format_length(metres: f32) -> String {
     if metres >= 1.0 {
         return format!("{metres:.0}");
     }
@@ -150,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_is_on_is_explained() {
+    fn only_overlays_that_are_on_have_an_entry() {
         let off = Overlays {
             beams: false,
             path: false,
@@ -159,12 +162,12 @@ mod tests {
             value: false,
             q_values: false,
         };
-        assert_eq!(entries(&off), [Entry::Square]);
+        assert_eq!(entries(&off), [Entry::GridCell]);
         assert_eq!(entries(&Overlays { trails: true, ..off }).len(), 4);
     }
 
     #[test]
-    fn lengths_are_short() {
-        assert_eq!([0.05, 0.2, 0.5, 1.0, 20.0].map(length_words), ["0.05", "0.2", "0.5", "1", "20"]);
+    fn lengths_have_no_trailing_zeros() {
+        assert_eq!([0.05, 0.2, 0.5, 1.0, 20.0].map(format_length), ["0.05", "0.2", "0.5", "1", "20"]);
     }
 }

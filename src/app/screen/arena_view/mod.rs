@@ -1,7 +1,8 @@
-//! The arena view: one arena, a grid of all arenas, or two side by side; with the camera, the overlays and dragging.
+//! The arena view: one arena, a grid of all arenas, or two side by side; with the camera, the overlays and
+//! dragging.
 //!
-//! In: the [`ScreenInput`]. Out: shapes, changes of the [`ViewState`] (camera, followed arena, drag), and [`Command`]s that
-//! move a dragged object.
+//! In: the [`ScreenInput`]. Out: shapes, changes of the [`ViewState`] (camera, followed arena, drag), and
+//! [`Command`]s that move a dragged object.
 //!
 //! | file | duty |
 //! |---|---|
@@ -49,7 +50,7 @@ pub mod welcome;
 
 use egui::{FontId, Rect, Stroke, Ui, vec2};
 
-use self::single_arena::{MARGIN, is_pair, large};
+use self::single_arena::{MARGIN, is_pair, single_arena};
 use self::transform::{ArenaBounds, ViewTransform};
 use crate::app::commands::Command;
 use crate::app::scene::{DriverLabel, Scene};
@@ -57,7 +58,7 @@ use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::{Palette, SMALL};
 use crate::app::view_state::{ViewCamera, ViewState};
 
-/// Fills what is left of `ui` with the world.
+/// Fills the free space of `ui` with the arenas.
 pub fn arenas_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
@@ -74,13 +75,13 @@ pub fn arenas_ui(
     view_state.followed = view_state.followed.min(scene.arenas.len() - 1);
     if is_pair(scene) {
         pair_ui(ui, rect, view, view_state, commands);
-    } else if is_alone(scene) {
-        headed(ui, rect, view, 0, view_state, commands);
+    } else if is_single_policy(scene) {
+        with_score(ui, rect, view, 0, view_state, commands);
     } else if view_state.grid && scene.arenas.len() > 1 {
         arena_grid::arena_grid_ui(ui, rect, scene, view_state);
     } else {
         let index = view_state.followed;
-        let canvas = large(ui, rect, view, index, view_state, commands);
+        let canvas = single_arena(ui, rect, view, index, view_state, commands);
         if scene.arenas.len() > 1 {
             let words = format!("Arena {} of {}", index + 1, scene.arenas.len());
             let at = rect.min + vec2(14.0, 16.0);
@@ -93,11 +94,12 @@ pub fn arenas_ui(
     }
 }
 
-/// One arena that a policy drives alone.
-fn is_alone(scene: &Scene) -> bool {
+/// Whether the scene has one arena only, driven by a policy.
+fn is_single_policy(scene: &Scene) -> bool {
     matches!(&scene.arenas[..], [only] if matches!(only.driver, DriverLabel::Policy(_)))
 }
 
+/// Draws two arenas side by side, or one above the other in a tall view.
 fn pair_ui(
     ui: &mut Ui,
     rect: Rect,
@@ -114,12 +116,12 @@ fn pair_ui(
         rect.split_top_bottom_at_fraction(0.5)
     };
     for (index, part) in [first, second].into_iter().enumerate() {
-        headed(ui, part, view, index, view_state, commands);
+        with_score(ui, part, view, index, view_state, commands);
     }
 }
 
-/// One arena, under a header that says who drives there and how well.
-fn headed(
+/// Draws one arena with its score above it.
+fn with_score(
     ui: &Ui,
     part: Rect,
     view: &ScreenInput<'_>,
@@ -129,9 +131,9 @@ fn headed(
 ) {
     let (header, below) = part.split_top_bottom_at_y(part.top() + score::HEIGHT);
     let below = below.shrink2(vec2(1.0, 0.0));
-    large(ui, below, view, index, view_state, commands);
+    single_arena(ui, below, view, index, view_state, commands);
     if let Some(arena) = view.scene.arenas.get(index) {
-        // As wide as the arena is when it fits.
+        // As wide as the arena at zoom 1.
         let bounds = ArenaBounds::from_enclosure(&view.scene.scenario.enclosure);
         let fit = ViewTransform::new(below, MARGIN, ViewCamera::default(), bounds);
         score::draw(ui, header, fit.bounds_rect().width(), arena);

@@ -1,4 +1,4 @@
-//! The arrow that stands for a motion: it bends the way the motion turns.
+//! The arrow symbol of a motion: it bends in the direction of the turn.
 
 use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2};
 
@@ -6,26 +6,28 @@ use super::canvas::Canvas;
 use super::transform::screen_direction;
 use crate::scenario::Motion;
 
-/// A little arrow that bends as the motion turns.
-pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, ink: Color32) {
+/// Draws the arrow of `motion` centred at `middle`; `fastest` is the largest turn rate of the robot, in
+/// rad/s.
+pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, color: Color32) {
     let points = arc_points(motion, fastest);
     let (Some(&last), Some(&before)) = (points.last(), points.iter().rev().nth(1)) else { return };
     let shift = middle.to_vec2() - Rect::from_points(&points).center().to_vec2();
     let along = (last - before).normalized();
     let tip = last + shift + along * 2.0;
     let line = points.iter().map(|&point| point + shift).collect();
-    canvas.painter.add(Shape::line(line, Stroke::new(1.5, ink)));
-    canvas.arrow_head(tip, along, 5.0, ink);
+    canvas.painter.add(Shape::line(line, Stroke::new(1.5, color)));
+    canvas.arrow_head(tip, along, 5.0, color);
 }
 
-/// The way of a motion, looking up, y down, in points: an arc of up to 110 degrees; a circle's part if it only turns.
+/// The points of the arrow for a robot that faces up, in points with y down: an arc of up to 110°, or most of
+/// a circle for a turn on the spot.
 fn arc_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
     const PARTS: usize = 10;
     let turn = (motion.w_rad_s / fastest).clamp(-1.0, 1.0) * 1.92;
-    let stands = motion.v_m_s.abs() < 1e-6;
-    let (step, first) = if stands { (1.1, turn.signum() * -0.6) } else { (1.25, 0.0) };
+    let on_the_spot = motion.v_m_s.abs() < 1e-6;
+    let (step, first) = if on_the_spot { (1.1, turn.signum() * -0.6) } else { (1.25, 0.0) };
     let step = if motion.v_m_s < 0.0 { -step } else { step };
-    let turn = if stands { turn.signum() * 4.0 } else { turn };
+    let turn = if on_the_spot { turn.signum() * 4.0 } else { turn };
     let mut at = pos2(0.0, 0.0);
     let mut points = vec![at];
     for k in 0..PARTS {
@@ -41,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_glyph_bends_the_way_of_its_motion() {
+    fn an_arrow_bends_in_the_direction_of_the_turn() {
         let end = |w| arc_points(Motion { v_m_s: 0.15, w_rad_s: w }, 1.5).last().copied().unwrap_or_default();
         assert!(end(1.5).x < -3.0 && end(-1.5).x > 3.0);
         assert!(end(0.0).x.abs() < 1e-3 && end(0.0).y < -8.0);

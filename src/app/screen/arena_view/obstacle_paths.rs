@@ -1,6 +1,5 @@
-//! The ways of moving obstacles: where one goes, as a broken line, before it goes there.
-//!
-//! In: an obstacle with its motion. Out: an orbit's circle, a patrol's legs with its corners, a random walk's reach.
+//! The paths of moving obstacles as dashed lines: the circle of an orbit, the legs of a patrol, the reach of
+//! a random walk.
 
 use bevy::math;
 use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
@@ -8,12 +7,12 @@ use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
 use super::canvas::Canvas;
 use crate::scenario::{Obstacle, ObstacleMotion};
 
-/// A dash and the gap after it, in points.
+/// Lengths of a dash and of the gap after it, in points.
 const DASH: (f32, f32) = (6.0, 4.0);
 
-/// Draws where `obstacle` goes; nothing of one that stands still.
-pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
-    let stroke = Stroke::new(1.5, ink);
+/// Draws the path of `obstacle`; nothing for a static one.
+pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
+    let stroke = Stroke::new(1.5, color);
     let at = canvas.to_screen(obstacle.position_m.into());
     match &obstacle.motion {
         ObstacleMotion::Static => {}
@@ -23,11 +22,16 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
             for side in [vec2(4.0, 0.0), vec2(0.0, 4.0)] {
                 canvas.painter.line_segment([centre - side, centre + side], stroke);
             }
-            // A little ahead of the obstacle. y is down here: counterclockwise is towards smaller angles.
+            // An arrow a little ahead of the obstacle. With y down, counterclockwise means smaller angles.
             if *speed_rad_s != 0.0 && centre.distance(at) > 12.0 {
-                let way = -speed_rad_s.signum();
-                let spoke = Vec2::angled((at - centre).angle() + way * 0.6);
-                canvas.arrow_head(centre + spoke * centre.distance(at), spoke.rot90() * -way, 8.0, ink);
+                let direction = -speed_rad_s.signum();
+                let spoke = Vec2::angled((at - centre).angle() + direction * 0.6);
+                canvas.arrow_head(
+                    centre + spoke * centre.distance(at),
+                    spoke.rot90() * -direction,
+                    8.0,
+                    color,
+                );
             }
         }
         ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
@@ -37,13 +41,14 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, ink: Color32) {
         }
         ObstacleMotion::RandomWalk { radius_m, .. } => {
             let reach = canvas.transform.to_screen_length(*radius_m);
-            canvas.painter.circle_filled(at, reach, ink.gamma_multiply(0.08));
+            canvas.painter.circle_filled(at, reach, color.gamma_multiply(0.08));
             ring(canvas, at, reach, stroke);
         }
     }
 }
 
-/// A broken line through the corners, with an arrow on each leg that is long enough, and both ways if it comes back.
+/// Draws a dashed line through the corners, with an arrow on each long leg, in both directions if the path is
+/// not closed.
 fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, closed: bool, stroke: Stroke) {
     let mut points: Vec<Pos2> = corners.into_iter().map(|corner| canvas.to_screen(corner.into())).collect();
     for &corner in points.iter().skip(1) {
@@ -59,16 +64,16 @@ fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, closed: bool, stroke: Stroke)
         if from.distance(to) < 40.0 {
             continue;
         }
-        // Not in the middle, where a new corner can be dragged out of it.
-        let late = from.lerp(to, 0.7);
-        canvas.arrow_head(late + along * 4.0, along, 8.0, stroke.color);
+        // Not in the middle, where the editor has its handle for a new corner.
+        let position = from.lerp(to, 0.7);
+        canvas.arrow_head(position + along * 4.0, along, 8.0, stroke.color);
         if !closed {
             canvas.arrow_head(from.lerp(to, 0.3) - along * 4.0, -along, 8.0, stroke.color);
         }
     }
 }
 
-/// A broken circle.
+/// Draws a dashed circle.
 fn ring(canvas: &Canvas, centre: Pos2, radius: f32, stroke: Stroke) {
     if !(radius > 1.0 && radius < 1e5) {
         return;

@@ -1,7 +1,7 @@
-//! Polygons on the plane: filled, wherever their corners point; grown; and which parts of a line lie within.
+//! Polygons: filling, growing, and cutting a line with one.
 //!
-//! In: corners in order, either way round. Out: triangles, corners, spans. What crosses itself is filled somehow, never a
-//! panic: a drawing may be unfinished.
+//! In: corners in order, clockwise or counterclockwise. Out: triangles, corners, spans. A polygon that
+//! crosses itself, such as an unfinished drawing, is filled in some way, but never causes a panic.
 
 use bevy::math::{Vec2, vec2};
 use egui::{Color32, Mesh, Pos2, Shape};
@@ -9,95 +9,94 @@ use egui::{Color32, Mesh, Pos2, Shape};
 use super::canvas::Canvas;
 use crate::scenario::polygon;
 
-
-/// How far a grown corner may be from where it was, in times of the growth.
+/// The furthest that a corner moves when a polygon grows, as a multiple of the growth.
 const MITRE: f32 = 3.0;
 
-/// Twice the signed area of the triangle a, b, c: positive where they go counterclockwise.
+/// Twice the signed area of the triangle a, b, c; positive if they are in counterclockwise order.
 fn turn(a: Vec2, b: Vec2, c: Vec2) -> f32 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }
 
-/// Whether the corners go counterclockwise.
+/// Whether the corners are in counterclockwise order.
 fn is_counterclockwise(corners: &[Vec2]) -> bool {
     polygon::area(corners) >= 0.0
 }
 
-/// Whether no corner points inwards and it goes round once.
+/// Whether the polygon is convex and goes round once.
 #[must_use]
 pub fn is_convex(corners: &[Vec2]) -> bool {
     let n = corners.len();
-    let left = is_counterclockwise(corners);
-    let bends = (0..n).all(|k| {
+    let counterclockwise = is_counterclockwise(corners);
+    let turns_one_way = (0..n).all(|k| {
         let by = turn(corners[k], corners[(k + 1) % n], corners[(k + 2) % n]);
-        if left { by >= 0.0 } else { by <= 0.0 }
+        if counterclockwise { by >= 0.0 } else { by <= 0.0 }
     });
-    // A star bends one way only, but goes round twice: it crosses its own middle height more than twice.
-    let falls = (0..n).filter(|&k| {
+    // A star also turns one way only, but goes round twice: it rises and falls more than once.
+    let extrema = (0..n).filter(|&k| {
         let rises = |k: usize| corners[(k + 1) % n].y > corners[k % n].y;
         rises(k) != rises(k + 1)
     });
-    bends && falls.count() <= 2
+    turns_one_way && extrema.count() <= 2
 }
 
-/// The corners' numbers, three for each triangle of the polygon's area.
+/// The triangles that make up the polygon, as indices of its corners.
 #[must_use]
 pub fn triangles(corners: &[Vec2]) -> Vec<[usize; 3]> {
     clip_ears(corners).0
 }
 
-/// The triangles: ears are cut off until one is left. And whether there always was an ear: where a polygon crosses itself
-/// there may be none, and any corner is taken for one.
+/// The triangles by ear clipping, and whether there was an ear in every step. In a polygon that crosses
+/// itself there may be none; then any corner is cut off.
 fn clip_ears(corners: &[Vec2]) -> (Vec<[usize; 3]>, bool) {
     let mut valid = true;
-    let mut left: Vec<usize> = (0..corners.len()).collect();
+    let mut remaining: Vec<usize> = (0..corners.len()).collect();
     if !is_counterclockwise(corners) {
-        left.reverse();
+        remaining.reverse();
     }
     let mut found = Vec::with_capacity(corners.len().saturating_sub(2));
-    while left.len() > 3 {
-        let n = left.len();
-        let around = |k: usize| [left[(k + n - 1) % n], left[k], left[(k + 1) % n]];
-        let ear = (0..n).find(|&k| is_ear(corners, &left, around(k)));
+    while remaining.len() > 3 {
+        let n = remaining.len();
+        let around = |k: usize| [remaining[(k + n - 1) % n], remaining[k], remaining[(k + 1) % n]];
+        let ear = (0..n).find(|&k| is_ear(corners, &remaining, around(k)));
         valid &= ear.is_some();
         let cut = ear.unwrap_or(0);
         found.push(around(cut));
-        left.remove(cut);
+        remaining.remove(cut);
     }
-    if let [a, b, c] = left[..] {
+    if let [a, b, c] = remaining[..] {
         found.push([a, b, c]);
     }
     (found, valid)
 }
 
-/// Whether the triangle points outwards and holds none of the other corners.
-fn is_ear(corners: &[Vec2], left: &[usize], [a, b, c]: [usize; 3]) -> bool {
+/// Whether the triangle is convex and contains none of the other `remaining` corners.
+fn is_ear(corners: &[Vec2], remaining: &[usize], [a, b, c]: [usize; 3]) -> bool {
     let [pa, pb, pc] = [a, b, c].map(|k| corners[k]);
     if turn(pa, pb, pc) <= 0.0 {
         return false;
     }
     let within = |p: Vec2| turn(pa, pb, p) >= 0.0 && turn(pb, pc, p) >= 0.0 && turn(pc, pa, p) >= 0.0;
-    // Where a polygon touches itself, another corner is in the same place.
-    !left.iter().map(|&k| corners[k]).any(|p| ![pa, pb, pc].contains(&p) && within(p))
+    // If the polygon touches itself, another corner may be at the same point.
+    !remaining.iter().map(|&k| corners[k]).any(|p| ![pa, pb, pc].contains(&p) && within(p))
 }
 
-/// Fills it, without soft edges.
-pub fn fill(canvas: &Canvas, corners: &[Vec2], ink: Color32) {
-    paint(canvas, corners, &triangles(corners), ink);
+/// Fills a polygon, without anti-aliasing.
+pub fn fill(canvas: &Canvas, corners: &[Vec2], color: Color32) {
+    paint(canvas, corners, &triangles(corners), color);
 }
 
-/// Fills what is around it, as far as the box from `low` to `high` goes, which has it well inside; nothing around one that
+/// Fills the area between a polygon and the box from `low` to `high` around it; nothing if the polygon
 /// crosses itself.
-pub fn fill_outside(canvas: &Canvas, corners: &[Vec2], low: Vec2, high: Vec2, ink: Color32) {
+pub fn fill_outside(canvas: &Canvas, corners: &[Vec2], low: Vec2, high: Vec2, color: Color32) {
     let ring = ring(corners, low, high);
     let (triangles, valid) = clip_ears(&ring);
     if valid {
-        paint(canvas, &ring, &triangles, ink);
+        paint(canvas, &ring, &triangles, color);
     }
 }
 
-/// The box with the polygon cut out of it, as one polygon: there is a cut from the box's right side to the corner that is
-/// furthest on the right.
+/// The box with a hole in the shape of the polygon, as one polygon: a cut leads from the right side of the
+/// box to the rightmost corner.
 fn ring(corners: &[Vec2], low: Vec2, high: Vec2) -> Vec<Vec2> {
     let mut hole = corners.to_vec();
     if is_counterclockwise(&hole) {
@@ -111,11 +110,11 @@ fn ring(corners: &[Vec2], low: Vec2, high: Vec2) -> Vec<Vec2> {
     frame.into_iter().chain(hole.iter().copied()).chain(hole.first().copied()).collect()
 }
 
-fn paint(canvas: &Canvas, corners: &[Vec2], triangles: &[[usize; 3]], ink: Color32) {
+fn paint(canvas: &Canvas, corners: &[Vec2], triangles: &[[usize; 3]], color: Color32) {
     let mut mesh = Mesh::default();
     for &Vec2 { x, y } in corners {
         let at: Pos2 = canvas.to_screen([x, y]);
-        mesh.colored_vertex(at, ink);
+        mesh.colored_vertex(at, color);
     }
     for &[a, b, c] in triangles {
         mesh.add_triangle(a as u32, b as u32, c as u32);
@@ -125,22 +124,23 @@ fn paint(canvas: &Canvas, corners: &[Vec2], triangles: &[[usize; 3]], ink: Color
     }
 }
 
-/// The corners of the polygon whose sides are `by_m` further out.
+/// The corners of the polygon with its sides moved outwards by `by_m`.
 #[must_use]
 pub fn inflated(corners: &[Vec2], by_m: f32) -> Vec<Vec2> {
     let n = corners.len();
     let out = if is_counterclockwise(corners) { 1.0 } else { -1.0 };
-    // The unit vector out of side k.
+    // The outward unit normal of side k.
     let normal = |k: usize| {
         let (a, b) = (corners[k % n], corners[(k + 1) % n]);
         let (dx, dy) = (b.x - a.x, b.y - a.y);
-        let long = dx.hypot(dy);
-        if long > 0.0 { (out * dy / long, -out * dx / long) } else { (0.0, 0.0) }
+        let length = dx.hypot(dy);
+        if length > 0.0 { (out * dy / length, -out * dx / length) } else { (0.0, 0.0) }
     };
     let moved = |k: usize| {
         let (before, after) = (normal(k + n - 1), normal(k));
         let (sx, sy) = (before.0 + after.0, before.1 + after.1);
-        // The sum of two unit vectors is 2 cos of half the bend long, and the corner goes by 1 / cos.
+        // The sum of the two unit normals has length 2 cos(bend / 2), and the corner moves by 1 / cos(bend /
+        // 2).
         let square = sx * sx + sy * sy;
         let by = (2.0 / square.max(1e-6)).min(MITRE / square.max(1e-6).sqrt()) * by_m;
         vec2(corners[k].x + sx * by, corners[k].y + sy * by)
@@ -148,7 +148,7 @@ pub fn inflated(corners: &[Vec2], by_m: f32) -> Vec<Vec2> {
     (0..n).map(moved).collect()
 }
 
-/// The parts of the line x = `at_m` that lie within, from where to where along y, in order.
+/// The parts of the line x = `at_m` inside the polygon, each from its lowest to its highest y, in order.
 #[must_use]
 pub fn spans(corners: &[Vec2], at_m: f32) -> Vec<[f32; 2]> {
     let crossed = polygon::sides(corners).filter(|(a, b)| (a.x > at_m) != (b.x > at_m));
@@ -162,19 +162,19 @@ pub fn spans(corners: &[Vec2], at_m: f32) -> Vec<[f32; 2]> {
 mod tests {
     use super::*;
 
-    /// An L: a square of 2 m without its upper right quarter.
-    const L: [Vec2; 6] = [vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
-    const STAR: [Vec2; 5] = [vec2(0.0, 1.0), vec2(0.6, -0.8), vec2(-1.0, 0.3), vec2(1.0, 0.3), vec2(-0.6, -0.8)];
+    /// An L: a square with sides of 2 m without its upper right quarter.
+    const L: [Vec2; 6] = [vec2(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
+    const STAR: [Vec2; 5] = [vec2(0.0, 1.0), (0.6, -0.8), (-1.0, 0.3), (1.0, 0.3), (-0.6, -0.8)];
 
     #[test]
-    fn an_l_is_filled_without_its_notch_either_way_round() {
+    fn an_l_is_filled_without_its_notch_in_either_order() {
         let mut corners = L;
         for _ in 0..2 {
             let found = triangles(&corners);
             assert_eq!(found.len(), 4);
             let area: f32 =
                 found.iter().map(|t| turn(corners[t[0]], corners[t[1]], corners[t[2]]) / 2.0).sum();
-            assert_eq!(area, 3.0, "three quarters of 4, none of it twice");
+            assert_eq!(area, 3.0, "three quarters of 4, no area covered twice");
             for t in found {
                 let middle = |of: fn(&Vec2) -> f32| t.iter().map(|&k| of(&corners[k])).sum::<f32>() / 3.0;
                 assert!(middle(|c| c.x) < 1.0 || middle(|c| c.y) < 1.0, "{t:?} is in the notch");
@@ -184,54 +184,57 @@ mod tests {
     }
 
     #[test]
-    fn around_an_l_there_is_its_box_less_the_l() {
-        for turned in [false, true] {
+    fn the_outside_of_an_l_is_its_box_without_the_l() {
+        for clockwise in [false, true] {
             let mut corners = L;
-            if turned {
+            if clockwise {
                 corners.reverse();
             }
             let ring = ring(&corners, vec2(-1.0, -1.0), vec2(3.0, 3.0));
             let (found, valid) = clip_ears(&ring);
             let area: f32 = found.iter().map(|t| turn(ring[t[0]], ring[t[1]], ring[t[2]]) / 2.0).sum();
-            assert!(valid && (area - 13.0).abs() < 1e-5, "{area}: 16 less 3");
-            assert!(found.iter().all(|t| turn(ring[t[0]], ring[t[1]], ring[t[2]]) >= 0.0), "nothing twice");
+            assert!(valid && (area - 13.0).abs() < 1e-5, "{area}: 16 minus 3");
+            assert!(
+                found.iter().all(|t| turn(ring[t[0]], ring[t[1]], ring[t[2]]) >= 0.0),
+                "no area is covered twice"
+            );
         }
         assert!(!clip_ears(&ring(&STAR, vec2(-2.0, -2.0), vec2(2.0, 2.0))).1);
     }
 
     #[test]
-    fn what_crosses_itself_or_has_no_area_is_no_panic() {
+    fn polygons_that_cross_themselves_or_have_no_area_cause_no_panic() {
         assert_eq!(triangles(&STAR).len(), 3);
         assert_eq!(triangles(&[vec2(0.0, 0.0); 5]).len(), 3);
         assert_eq!(triangles(&L[..2]), Vec::<[usize; 3]>::new());
-        assert_eq!(triangles(&[vec2(f32::NAN, 0.0), vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(2.0, 2.0)]).len(), 2);
+        assert_eq!(triangles(&[vec2(f32::NAN, 0.0), (1.0, 0.0), (0.0, 1.0), (2.0, 2.0)]).len(), 2);
         assert!(inflated(&[], 1.0).is_empty() && spans(&[], 0.0).is_empty());
     }
 
     #[test]
-    fn only_a_square_is_convex_among_these() {
-        let square = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
+    fn a_square_is_convex_but_an_l_and_a_star_are_not() {
+        let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         assert!(is_convex(&square) && !is_convex(&L) && !is_convex(&STAR));
     }
 
     #[test]
-    fn a_grown_square_is_as_much_wider_on_each_side() {
+    fn a_square_grows_equally_on_all_sides() {
         let square = [vec2(0.0, 0.0), vec2(0.0, 2.0), vec2(2.0, 2.0), vec2(2.0, 0.0)];
         let expected = [vec2(-0.5, -0.5), vec2(-0.5, 2.5), vec2(2.5, 2.5), vec2(2.5, -0.5)];
         for (found, expected) in inflated(&square, 0.5).into_iter().zip(expected) {
             assert!((found.x - expected.x).abs() < 1e-6 && (found.y - expected.y).abs() < 1e-6, "{found:?}");
         }
         let needle = [vec2(0.0, 0.0), vec2(10.0, 0.01), vec2(0.0, 0.02)];
-        assert!(inflated(&needle, 0.1)[1].x < 10.31, "a sharp corner does not run away");
+        assert!(inflated(&needle, 0.1)[1].x < 10.31, "a sharp corner stays near");
     }
 
     #[test]
-    fn a_line_through_a_u_is_within_it_twice() {
+    fn a_line_through_a_u_has_two_parts_inside() {
         let u =
             [vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(3.0, 2.0), vec2(2.0, 2.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
         assert_eq!(spans(&u, 1.5), [[0.0, 1.0]]);
-        let lying = u.map(|corner| vec2(corner.y, corner.x));
-        assert_eq!(spans(&lying, 1.5), [[0.0, 1.0], [2.0, 3.0]]);
+        let transposed = u.map(|corner| vec2(corner.y, corner.x));
+        assert_eq!(spans(&transposed, 1.5), [[0.0, 1.0], [2.0, 3.0]]);
         assert!(spans(&u, 5.0).is_empty());
     }
 }

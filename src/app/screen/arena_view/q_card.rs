@@ -1,8 +1,8 @@
-//! The Q-values beside the robot: for each motion, in order of turning, a bar of its advantage (its Q-value less their
-//! mean) and its Q-value, with the chosen one marked.
+//! The card of Q-values next to the robot: for each motion, from left to right, its advantage (Q-value minus
+//! the mean) as a bar and its Q-value as a number, with the chosen motion highlighted.
 //!
-//! In: the Q-values of an [`ArenaScene`]. Out: a small card near the robot that covers neither it nor the goal as far
-//! as there is room, and a thin line from one to the other.
+//! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and
+//! a line that connects the two.
 
 use std::cmp::Ordering;
 
@@ -15,18 +15,18 @@ use crate::app::scene::{ArenaScene, DriverLabel};
 use crate::app::screen::numbers::{decimals_for, format_decimals};
 use crate::scenario::{Motion, Scenario};
 
-/// With more motions than these, only the chosen and the best are shown.
+/// With more motions than this, only the chosen and the best one are shown.
 const MAX_ROWS: usize = 9;
 const ROW: f32 = 16.0;
 const HEAD: f32 = 18.0;
 const FOOT: f32 = 15.0;
 const PAD: f32 = 8.0;
-/// Widths of a row's glyph, bar and number.
-const GLYPH: f32 = 22.0;
+/// Widths of the arrow, the bar and the number of a row, in points.
+const ARROW: f32 = 22.0;
 const BAR: f32 = 76.0;
-const FIGURES: f32 = 48.0;
+const NUMBER: f32 = 48.0;
 
-/// The motions' indices, the hardest left turn first, the hardest right turn last.
+/// The indices of the motions, from the sharpest left turn to the sharpest right turn.
 #[must_use]
 pub fn motions_left_to_right(motions: &[Motion]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..motions.len()).collect();
@@ -38,7 +38,7 @@ pub fn motions_left_to_right(motions: &[Motion]) -> Vec<usize> {
     order
 }
 
-/// The motions that get a row, in order.
+/// The indices of the motions shown, from left to right.
 fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
     let mut order = motions_left_to_right(motions);
     order.retain(|&k| k < q.len());
@@ -49,16 +49,17 @@ fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
     order
 }
 
-/// Draws the card, if there are Q-values; `avoid` is what lies over the view already.
+/// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`; `id` keeps its side of
+/// the robot.
 pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
     let (motions, q) = (&scenario.robot.motions, &arena.q_values);
     if q.is_empty() || !q.iter().all(|value| value.is_finite()) {
         return;
     }
     let rows = rows(motions, q, arena.action);
-    // Who learns explores now and then: there is a line that says which it is.
+    // The learner explores: its card has a line at the bottom that tells exploring from greedy actions.
     let foot = if arena.driver == DriverLabel::Learner { FOOT } else { 0.0 };
-    let size = vec2(GLYPH + BAR + FIGURES + 2.0 * PAD, HEAD + rows.len() as f32 * ROW + foot + PAD);
+    let size = vec2(ARROW + BAR + NUMBER + 2.0 * PAD, HEAD + rows.len() as f32 * ROW + foot + PAD);
     let view = canvas.transform.rect.shrink(8.0);
     let robot = canvas.to_screen([arena.pose.x_m, arena.pose.y_m]);
     if rows.is_empty() || 1.8 * size.x > view.width() || 1.8 * size.y > view.height() || !view.contains(robot)
@@ -69,38 +70,54 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
     let card = card_rect(canvas, scenario, arena, size, body, avoid, id);
     leader(canvas, card, robot, body);
     canvas.card_background(card);
+    draw_captions(canvas, card, arena, foot > 0.0);
+    draw_rows(canvas, card.with_max_y(card.bottom() - foot), motions, arena, &rows);
+}
+
+/// Draws the column titles, and in the last line whether the action was random.
+fn draw_captions(canvas: &Canvas, card: Rect, arena: &ArenaScene, has_last_line: bool) {
     let palette = &canvas.palette;
-    let zero = card.left() + PAD + GLYPH + BAR / 2.0;
     let (top, right) = (card.top() + 4.0, card.right() - PAD);
-    canvas.small_text(pos2(zero, top), Align2::CENTER_TOP, "advantage", palette.weak_text);
+    canvas.small_text(pos2(zero_x(card), top), Align2::CENTER_TOP, "advantage", palette.weak_text);
     canvas.small_text(pos2(right, top), Align2::RIGHT_TOP, "Q-values", palette.weak_text);
-    let marked = if arena.explored { palette.warning } else { palette.accent };
-    if foot > 0.0 {
-        let (words, ink) =
+    if has_last_line {
+        let (words, color) =
             if arena.explored { ("exploring", palette.warning) } else { ("greedy", palette.weak_text) };
         let at = pos2(card.left() + PAD, card.bottom() - 5.0);
-        canvas.small_text(at, Align2::LEFT_BOTTOM, words, ink);
-    }
-    let mean = q.iter().sum::<f32>() / q.len() as f32;
-    let most = q.iter().map(|value| (value - mean).abs()).fold(1e-6, f32::max);
-    let decimals = decimals_for(q.iter().copied().fold(0.0, |most: f32, value| most.max(value.abs())));
-    let fastest = motions.iter().map(|motion| motion.w_rad_s.abs()).fold(1e-6, f32::max);
-    let lines = card.top() + HEAD..=card.bottom() - foot - PAD + 2.0;
-    canvas.painter.vline(zero, lines, Stroke::new(1.0, palette.border));
-    for (row, &k) in rows.iter().enumerate() {
-        let y = card.top() + HEAD + (row as f32 + 0.5) * ROW;
-        let chosen = k == arena.action;
-        let ink = if chosen { marked } else { palette.weak_text };
-        motion_arrow::draw(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, ink);
-        let end = zero + (q[k] - mean) / most * (BAR / 2.0 - 4.0);
-        let bar = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), y - 4.0..=y + 4.0);
-        let fill = if chosen { marked } else { palette.weak_text.gamma_multiply(0.55) };
-        canvas.painter.rect_filled(bar, 1.5, fill);
-        let (at, words) = (pos2(right, y), format_decimals(q[k], decimals));
-        canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { palette.text } else { ink });
+        canvas.small_text(at, Align2::LEFT_BOTTOM, words, color);
     }
 }
 
+/// The x of an advantage of zero.
+fn zero_x(card: Rect) -> f32 {
+    card.left() + PAD + ARROW + BAR / 2.0
+}
+
+/// Draws a row for each motion in `rows`: arrow, bar and number.
+fn draw_rows(canvas: &Canvas, card: Rect, motions: &[Motion], arena: &ArenaScene, rows: &[usize]) {
+    let (palette, q, zero) = (&canvas.palette, &arena.q_values, zero_x(card));
+    let highlight = if arena.explored { palette.warning } else { palette.accent };
+    let mean = q.iter().sum::<f32>() / q.len() as f32;
+    let max_advantage = q.iter().map(|value| (value - mean).abs()).fold(1e-6, f32::max);
+    let decimals = decimals_for(q.iter().copied().fold(0.0, |max: f32, value| max.max(value.abs())));
+    let fastest = motions.iter().map(|motion| motion.w_rad_s.abs()).fold(1e-6, f32::max);
+    let axis = card.top() + HEAD..=card.bottom() - PAD + 2.0;
+    canvas.painter.vline(zero, axis, Stroke::new(1.0, palette.border));
+    for (row, &k) in rows.iter().enumerate() {
+        let y = card.top() + HEAD + (row as f32 + 0.5) * ROW;
+        let chosen = k == arena.action;
+        let color = if chosen { highlight } else { palette.weak_text };
+        motion_arrow::draw(canvas, pos2(card.left() + PAD + 8.0, y), motions[k], fastest, color);
+        let end = zero + (q[k] - mean) / max_advantage * (BAR / 2.0 - 4.0);
+        let bar = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), y - 4.0..=y + 4.0);
+        let fill = if chosen { highlight } else { palette.weak_text.gamma_multiply(0.55) };
+        canvas.painter.rect_filled(bar, 1.5, fill);
+        let (at, words) = (pos2(card.right() - PAD, y), format_decimals(q[k], decimals));
+        canvas.small_text(at, Align2::RIGHT_CENTER, &words, if chosen { palette.text } else { color });
+    }
+}
+
+/// Draws the line from the robot to the card.
 fn leader(canvas: &Canvas, card: Rect, robot: Pos2, body: f32) {
     let near = card.clamp(robot);
     let away = near - robot;
@@ -128,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_motions_only_the_chosen_and_the_best_are_shown() {
+    fn of_many_motions_only_the_chosen_and_the_best_one_have_a_row() {
         let motions: Vec<Motion> = (0..12).map(|k| motion(0.1, k as f32)).collect();
         let mut q = vec![0.0; 12];
         q[3] = 5.0;

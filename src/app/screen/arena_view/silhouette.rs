@@ -1,6 +1,6 @@
-//! Outlines: the shapes of things in the world, drawn filled or as lines.
+//! Outlines of the objects in an arena, drawn filled or as lines.
 //!
-//! In: a shape and where it is. Out: a mark on a [`Canvas`].
+//! In: a shape and its pose. Out: a drawing on a [`Canvas`].
 
 use bevy::math;
 use egui::epaint::{CircleShape, PathStroke};
@@ -8,39 +8,37 @@ use egui::{Color32, Pos2, Rect, Shape as Mark, Stroke, vec2};
 
 use super::canvas::Canvas;
 use super::polygon;
+use crate::app::moves::ObstaclePose;
 use crate::scenario::{Obstacle, Shape};
 
-/// x in m, y in m, rotation in rad.
-pub type ObstaclePose = (f32, f32, f32);
-
-/// The outline of something in the world, in m.
+/// The outline of an object, in m.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Silhouette {
     /// A disc.
     Disc {
-        /// Its middle.
+        /// The centre, in m.
         at_m: [f32; 2],
-        /// From the middle to the rim.
+        /// The radius, in m.
         radius_m: f32,
     },
     /// An obstacle's shape at a pose.
     Obstacle {
         /// The shape.
         shape: Shape,
-        /// Where.
+        /// The pose.
         pose: ObstaclePose,
     },
 }
 
 impl Silhouette {
-    /// That of `obstacle` where it is at step 0.
+    /// The outline of `obstacle` at step 0.
     #[must_use]
     pub fn from_obstacle(obstacle: &Obstacle) -> Self {
         let math::Vec2 { x, y } = obstacle.position_m;
         Self::Obstacle { shape: obstacle.shape.clone(), pose: (x, y, obstacle.rotation_rad) }
     }
 
-    /// From its middle to its farthest point, in m.
+    /// The distance from the centre to the farthest point, in m.
     #[must_use]
     pub fn reach_m(&self) -> f32 {
         match self {
@@ -49,7 +47,7 @@ impl Silhouette {
         }
     }
 
-    /// The outline `by_m` further out.
+    /// The outline moved outwards by `by_m`.
     #[must_use]
     pub fn inflated(self, by_m: f32) -> Self {
         let (shape, pose) = match self {
@@ -67,7 +65,7 @@ impl Silhouette {
         Self::Obstacle { shape, pose }
     }
 
-    /// The box around it on the screen.
+    /// The bounding box on the screen.
     #[must_use]
     pub fn screen_rect(&self, canvas: &Canvas) -> Rect {
         let (x, y) = match self {
@@ -81,10 +79,10 @@ impl Silhouette {
     }
 }
 
-/// Draws `outline` if it is in view and not too small to be seen.
+/// Draws `outline` unless it is out of view or too small to see.
 pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) {
-    let space = outline.screen_rect(canvas).expand(edge.width);
-    if !(space.intersects(canvas.painter.clip_rect()) && space.size().max_elem() > 0.6) {
+    let bounds = outline.screen_rect(canvas).expand(edge.width);
+    if !(bounds.intersects(canvas.painter.clip_rect()) && bounds.size().max_elem() > 0.6) {
         return;
     }
     match outline {
@@ -101,23 +99,23 @@ pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) 
             if polygon::is_convex(&corners) {
                 convex(canvas, &corners, fill, edge);
             } else {
-                // It can't stand in a world, only be drawn.
+                // Only while it is edited: a valid scenario has convex obstacles.
                 polygon::fill(canvas, &corners, fill);
                 canvas.painter.add(Mark::closed_line(on_screen(canvas, &corners), edge));
             }
         }
         Silhouette::Obstacle { shape: Shape::Capsule { length_m, radius_m }, pose } => {
             let parts = (canvas.transform.to_screen_length(*radius_m) / 2.0).clamp(6.0, 32.0) as usize;
-            convex(canvas, &transformed(&rod(*length_m, *radius_m, parts), *pose), fill, edge);
+            convex(canvas, &transformed(&capsule(*length_m, *radius_m, parts), *pose), fill, edge);
         }
     }
 }
 
-/// A closed line through corners of the world, `width` points wide, all of it on the outer side.
-pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[math::Vec2], width: f32, ink: Color32) {
+/// Draws a closed line `width` points wide along the outside of a polygon.
+pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[math::Vec2], width: f32, color: Color32) {
     let mut points = on_screen(canvas, counterclockwise);
     points.reverse();
-    canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, ink).outside()));
+    canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, color).outside()));
 }
 
 fn on_screen(canvas: &Canvas, corners: &[math::Vec2]) -> Vec<Pos2> {
@@ -133,15 +131,15 @@ fn disc(canvas: &Canvas, at_m: [f32; 2], radius_m: f32, fill: Color32, edge: Str
     canvas.painter.add(Mark::Circle(CircleShape { center, radius, fill, stroke: edge }));
 }
 
-/// Corners in a shape's own frame, at a pose.
+/// Transforms corners from the frame of a shape to the arena.
 #[must_use]
 pub fn transformed(corners: &[math::Vec2], (x, y, rotation): ObstaclePose) -> Vec<math::Vec2> {
     let (sin, cos) = rotation.sin_cos();
     corners.iter().map(|&math::Vec2 { x: a, y: b }| math::vec2(x + a * cos - b * sin, y + a * sin + b * cos)).collect()
 }
 
-/// The outline of a rod with round ends of so many parts, counterclockwise.
-fn rod(length_m: f32, radius_m: f32, parts: usize) -> Vec<math::Vec2> {
+/// The corners of a capsule, counterclockwise, with ends of `parts` segments.
+fn capsule(length_m: f32, radius_m: f32, parts: usize) -> Vec<math::Vec2> {
     use std::f32::consts::{FRAC_PI_2, PI};
     let end = |side: f32, from: f32| {
         (0..=parts).map(move |k| {
@@ -159,23 +157,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_box_turns_counterclockwise() {
+    fn rotation_is_counterclockwise() {
         let corners = transformed(&[math::vec2(1.0, 0.5)], (1.0, 0.0, FRAC_PI_2));
         assert!((corners[0].x - 0.5).abs() < 1e-6 && (corners[0].y - 1.0).abs() < 1e-6, "{corners:?}");
     }
 
     #[test]
-    fn a_rods_outline_is_at_its_radius_from_its_middle_line() {
-        let corners = rod(2.0, 0.5, 4);
+    fn the_outline_of_a_capsule_is_at_its_radius_from_its_axis() {
+        let corners = capsule(2.0, 0.5, 4);
         assert_eq!(corners.len(), 10);
         for math::Vec2 { x, y } in corners {
-            let past = (x.abs() - 1.0).max(0.0);
-            assert!((past.hypot(y) - 0.5).abs() < 1e-6, "{x} {y}");
+            let beyond = (x.abs() - 1.0).max(0.0);
+            assert!((beyond.hypot(y) - 0.5).abs() < 1e-6, "{x} {y}");
         }
     }
 
     #[test]
-    fn each_shape_grows_by_as_much_and_knows_its_reach() {
+    fn every_shape_grows_by_the_same_amount() {
         let corners_m = vec![math::vec2(1.0, 1.0), math::vec2(-1.0, 1.0), math::vec2(-1.0, -1.0), math::vec2(1.0, -1.0)];
         for (shape, reach, inflated) in [
             (Shape::Circle { radius_m: 1.0 }, 1.0, 1.5),

@@ -1,4 +1,4 @@
-//! One arena with all its overlays, and the pointer in it.
+//! One arena with all its overlays, and the pointer over it.
 
 use egui::{Align2, CursorIcon, Id, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, vec2};
 
@@ -11,22 +11,23 @@ use super::{
     trajectories,
 };
 use crate::app::commands::Command;
-use crate::app::interaction::{ActiveDrag, DragTarget};
+use crate::app::interaction::ActiveDrag;
+use crate::app::moves::Movable;
 use crate::app::scene::{ArenaScene, Scene};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::{Overlays, ViewState};
 
-/// Space around the walls, in points: the legend and the colour bar are there.
+/// Space around the walls for the legend and the colour bar, in points.
 pub const MARGIN: Vec2 = vec2(18.0, 34.0);
 
-/// Two arenas that are driven by different drivers are always seen side by side.
+/// Whether the scene has two arenas with different drivers, which are shown side by side.
 pub fn is_pair(scene: &Scene) -> bool {
     matches!(&scene.arenas[..], [a, b] if a.driver != b.driver)
 }
 
-/// One arena with everything, and the pointer in it.
-pub fn large(
+/// Draws arena `index` in `rect` and handles the pointer over it.
+pub fn single_arena(
     ui: &Ui,
     rect: Rect,
     view: &ScreenInput<'_>,
@@ -35,8 +36,8 @@ pub fn large(
     commands: &mut Vec<Command>,
 ) -> Canvas {
     let scene = view.scene;
-    let id = ui.id().with(("world view", index));
-    // The panels' edges can be taken hold of from this side, too.
+    let id = ui.id().with(("arena view", index));
+    // Leave a margin so that the edges of the panels can be dragged from this side too.
     let response = ui.interact(rect.shrink2(vec2(4.0, 0.0)), id, Sense::click_and_drag());
     set_arena_name(&response, index);
     let mut transform = ViewTransform::new(
@@ -45,30 +46,30 @@ pub fn large(
         view_state.camera,
         ArenaBounds::from_enclosure(&scene.scenario.enclosure),
     );
-    let held =
+    let active =
         drag::update(ui, &response, &transform, view, index, &mut view_state.interaction.drag, commands);
-    if response.clicked() || held.is_some() {
+    if response.clicked() || active.is_some() {
         view_state.followed = index;
     }
-    let pointed = response.hover_pos().filter(|_| response.contains_pointer());
-    let drag_target = match (&held, pointed, scene.arenas.get(index)) {
-        (Some(held), _, _) => Some(held.drag_target),
+    let hovered = response.hover_pos().filter(|_| response.contains_pointer());
+    let object = match (&active, hovered, scene.arenas.get(index)) {
+        (Some(active), _, _) => Some(active.object),
         (None, Some(at), Some(arena)) if !response.dragged() => {
             drag_target::hit_test(&transform, scene, arena, at)
         }
         _ => None,
     };
-    steer_camera(ui, &response, &mut transform, &mut view_state.camera, drag_target.is_none());
+    steer_camera(ui, &response, &mut transform, &mut view_state.camera, object.is_none());
     let canvas =
         Canvas { painter: ui.painter_at(rect), transform, palette: Palette::from_ui(ui), compact: false };
     if let Some(arena) = scene.arenas.get(index) {
-        draw_large(ui, &canvas, scene, index, arena, view_state, id);
-        draw_drag_feedback(ui, &response, &canvas, arena, drag_target, held);
+        draw_arena(ui, &canvas, scene, index, arena, view_state, id);
+        draw_drag_feedback(ui, &response, &canvas, arena, object, active.as_ref());
     }
     canvas
 }
 
-fn draw_large(
+fn draw_arena(
     ui: &Ui,
     canvas: &Canvas,
     scene: &Scene,
@@ -78,9 +79,9 @@ fn draw_large(
     id: Id,
 ) {
     let (scenario, overlays, dark) = (&*scene.scenario, &view_state.overlays, ui.visuals().dark_mode);
-    let here = index == view_state.followed;
-    let value = scene.value.as_deref().filter(|_| here && overlays.value);
-    let potential = scene.potential.as_deref().filter(|_| here && overlays.potential);
+    let followed = index == view_state.followed;
+    let value = scene.value.as_deref().filter(|_| followed && overlays.value);
+    let potential = scene.potential.as_deref().filter(|_| followed && overlays.potential);
     let field =
         value.map(|field| (FieldKind::Value, field)).or(potential.map(|field| (FieldKind::Potential, field)));
     floor::draw_floor(canvas, &scenario.enclosure);
@@ -96,41 +97,42 @@ fn draw_large(
     let beams = overlays.beams && !arena.inactive;
     let label = beams.then(|| beams::draw(canvas, scenario, arena)).flatten();
     arena::draw_robot(canvas, scenario, arena.pose, arena::robot_color(canvas, arena));
-    // Of two beside each other, one explains for both.
-    let explains = index == 0 || !is_pair(scene);
+    // Of two arenas side by side, only the first has a legend, for both.
+    let has_legend = index == 0 || !is_pair(scene);
     let beams =
         overlays.beams && if is_pair(scene) { scene.arenas.iter().any(|a| !a.inactive) } else { beams };
-    let slope = overlays.potential && scene.potential.is_some();
-    let shown = Overlays { beams, potential: slope, ..*overlays };
-    let mut taken: Vec<Rect> = label.into_iter().collect();
-    taken.extend(explains.then(|| legend::draw(canvas, &shown)).flatten());
-    taken.extend(field.and_then(|(kind, field)| color_bar::draw(canvas, kind, field, dark)));
+    let downhill = overlays.potential && scene.potential.is_some();
+    let shown = Overlays { beams, potential: downhill, ..*overlays };
+    let mut occupied: Vec<Rect> = label.into_iter().collect();
+    occupied.extend(has_legend.then(|| legend::draw(canvas, &shown)).flatten());
+    occupied.extend(field.and_then(|(kind, field)| color_bar::draw(canvas, kind, field, dark)));
     if overlays.q_values && !arena.inactive {
-        q_card::draw(canvas, scenario, arena, &taken, id.with("q side"));
+        q_card::draw(canvas, scenario, arena, &occupied, id.with("q side"));
     }
 }
 
-/// Shows what the pointer could take hold of or holds.
+/// Highlights the object under the pointer or being dragged; an object that cannot be put down here is shown
+/// in orange with the reason.
 fn draw_drag_feedback(
     ui: &Ui,
     response: &Response,
     canvas: &Canvas,
     arena: &ArenaScene,
-    drag_target: Option<DragTarget>,
-    held: Option<ActiveDrag>,
+    object: Option<Movable>,
+    active: Option<&ActiveDrag>,
 ) {
-    let (palette, Some(drag_target)) = (&canvas.palette, drag_target) else { return };
-    let to_m = held.and_then(|held| held.rejection.map(|_| held.to_m));
-    let Some(outline) = drag_target::silhouette(arena, drag_target, to_m) else { return };
-    if let DragTarget::Obstacle(obstacle) = drag_target
+    let (palette, Some(object)) = (&canvas.palette, object) else { return };
+    let to_m = active.filter(|drag| drag.rejection.is_some()).map(|drag| drag.to_m);
+    let Some(outline) = drag_target::silhouette(arena, object, to_m) else { return };
+    if let Movable::Obstacle(obstacle) = object
         && let Some(obstacle) = arena.scenario.obstacles.get(obstacle)
     {
         obstacle_paths::draw(canvas, obstacle, palette.weak_text);
     }
     let around = outline.clone().inflated(4.5 / canvas.transform.scale);
     let clear = egui::Color32::TRANSPARENT;
-    match held {
-        Some(ActiveDrag { rejection: Some(why), to_m, .. }) => {
+    match active {
+        Some(ActiveDrag { rejection: Some(reason), to_m, .. }) => {
             ui.ctx().set_cursor_icon(CursorIcon::NoDrop);
             silhouette::draw(
                 canvas,
@@ -139,7 +141,12 @@ fn draw_drag_feedback(
                 Stroke::new(2.0, palette.error),
             );
             let below = vec2(0.0, canvas.transform.to_screen_length(outline.reach_m()) + 7.0);
-            canvas.label(canvas.to_screen(to_m) + below, Align2::CENTER_TOP, why, palette.error);
+            canvas.label(
+                canvas.to_screen(*to_m) + below,
+                Align2::CENTER_TOP,
+                &reason.to_string(),
+                palette.error,
+            );
         }
         Some(_) => {
             ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
@@ -148,7 +155,7 @@ fn draw_drag_feedback(
         None => {
             ui.ctx().set_cursor_icon(CursorIcon::Grab);
             silhouette::draw(canvas, &around, clear, Stroke::new(1.5, palette.text.gamma_multiply(0.8)));
-            response.clone().on_hover_text_at_pointer(drag::tooltip(drag_target));
+            response.clone().on_hover_text_at_pointer(drag::tooltip(object));
         }
     }
 }

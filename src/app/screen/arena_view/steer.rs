@@ -1,6 +1,7 @@
-//! Steering by hand: the arrow keys as the robot's own motions, so that a person and a policy have the same choice.
+//! Steering with the arrow keys in Drive mode. The keys choose among the robot's motions, so that a person
+//! and a policy have the same actions.
 //!
-//! In: which arrows are held. Out: [`Command::Steer`], whenever it is another motion than before.
+//! In: the arrow keys held down. Out: [`Command::Steer`] when the motion changes.
 
 use egui::{Key, Ui};
 
@@ -8,7 +9,8 @@ use crate::app::commands::{Command, SessionMode};
 use crate::app::screen::input::ScreenInput;
 use crate::scenario::Motion;
 
-/// In Drive mode, sends the motion that the arrow keys ask for whenever it changes; `last` is the motion sent last.
+/// In Drive mode, sends the motion that the arrow keys ask for whenever it changes; `last` is the motion sent
+/// last.
 pub fn handle(
     ui: &Ui,
     view: &ScreenInput<'_>,
@@ -33,20 +35,21 @@ pub fn handle(
     }
 }
 
-/// Which of `motions` the arrows ask for: without left or right the straightest, with one of them the sharpest turn to
-/// that side, and the gentlest if up is held with it.
+/// The index of the motion for the arrow keys held down: the straightest without left or right, otherwise the
+/// sharpest turn to that side, or the gentlest if up is held too. `None` without motions.
 fn steered(motions: &[Motion], left: bool, right: bool, up: bool) -> Option<usize> {
     let turn = |&(_, motion): &(usize, &Motion)| motion.w_rad_s.abs();
     let by_turn = |a: &(usize, &Motion), b: &(usize, &Motion)| turn(a).total_cmp(&turn(b));
-    let all = || motions.iter().enumerate();
-    let straight = all().min_by(by_turn);
-    let aside =
-        |to_left: bool| all().filter(move |(_, m)| if to_left { m.w_rad_s > 0.0 } else { m.w_rad_s < 0.0 });
+    let indexed = || motions.iter().enumerate();
+    let straight = indexed().min_by(by_turn);
+    let turns = |to_left: bool| {
+        indexed().filter(move |(_, m)| if to_left { m.w_rad_s > 0.0 } else { m.w_rad_s < 0.0 })
+    };
     let chosen = match (left, right) {
-        (true, false) if up => aside(true).min_by(by_turn),
-        (true, false) => aside(true).max_by(by_turn),
-        (false, true) if up => aside(false).min_by(by_turn),
-        (false, true) => aside(false).max_by(by_turn),
+        (true, false) if up => turns(true).min_by(by_turn),
+        (true, false) => turns(true).max_by(by_turn),
+        (false, true) if up => turns(false).min_by(by_turn),
+        (false, true) => turns(false).max_by(by_turn),
         _ => straight,
     };
     chosen.or(straight).map(|(index, _)| index)
@@ -58,20 +61,20 @@ mod tests {
     use crate::scenario::Robot;
 
     #[test]
-    fn arrows_ask_for_the_five_motions() {
+    fn the_arrow_keys_reach_all_five_motions() {
         let motions = Robot::default().motions;
-        let asked = |left, right, up| steered(&motions, left, right, up);
-        assert_eq!(asked(false, false, false), Some(2));
-        assert_eq!(asked(false, false, true), Some(2));
-        assert_eq!(asked(true, false, false), Some(0));
-        assert_eq!(asked(true, false, true), Some(1));
-        assert_eq!(asked(false, true, true), Some(3));
-        assert_eq!(asked(false, true, false), Some(4));
-        assert_eq!(asked(true, true, false), Some(2), "both cancel out");
+        let chosen = |left, right, up| steered(&motions, left, right, up);
+        assert_eq!(chosen(false, false, false), Some(2));
+        assert_eq!(chosen(false, false, true), Some(2));
+        assert_eq!(chosen(true, false, false), Some(0));
+        assert_eq!(chosen(true, false, true), Some(1));
+        assert_eq!(chosen(false, true, true), Some(3));
+        assert_eq!(chosen(false, true, false), Some(4));
+        assert_eq!(chosen(true, true, false), Some(2), "both cancel out");
     }
 
     #[test]
-    fn a_robot_with_other_motions_does_what_it_can() {
+    fn a_missing_turn_falls_back_to_the_straightest_motion() {
         let ahead = Motion { v_m_s: 0.2, w_rad_s: 0.0 };
         assert_eq!(steered(&[ahead], true, false, false), Some(0));
         assert_eq!(steered(&[], true, false, false), None);

@@ -1,4 +1,4 @@
-//! Trajectories: the path of the current attempt, and past paths coloured by outcome.
+//! Trajectories: the path since the last goal, and past paths coloured by outcome.
 
 use egui::{Color32, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 
@@ -7,20 +7,21 @@ use crate::app::scene::{ArenaScene, Trail, TrailEnd};
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::Overlays;
 
-/// The path of this navigation, fading out towards its start, and the last navigations by outcome.
+/// Draws the past paths by outcome and the current path, which fades towards its start, as far as the
+/// overlays are on.
 pub fn draw(canvas: &Canvas, arena: &ArenaScene, overlays: &Overlays) {
     if overlays.trails {
         let count = arena.trails.len().min(if canvas.compact { 3 } else { usize::MAX });
         for (age, trail) in arena.trails.iter().rev().take(count).enumerate().rev() {
-            let newness = 1.0 - age as f32 / count as f32;
-            draw_trail(canvas, trail, 0.22 + 0.38 * newness);
+            let recency = 1.0 - age as f32 / count as f32;
+            draw_trail(canvas, trail, 0.22 + 0.38 * recency);
         }
     }
     if overlays.path && !arena.path_m.is_empty() {
         let path = arena.path_m.iter().copied().chain([[arena.pose.x_m, arena.pose.y_m]]);
-        let ink = canvas.palette.accent;
+        let color = canvas.palette.accent;
         let width = if canvas.compact { 1.25 } else { 2.5 };
-        canvas.gradient_line(path, width, |part| ink.gamma_multiply(0.06 + 0.84 * part * part));
+        canvas.gradient_line(path, width, |part| color.gamma_multiply(0.06 + 0.84 * part * part));
     }
 }
 
@@ -34,23 +35,30 @@ pub fn outcome_color(palette: &Palette, end: TrailEnd) -> Color32 {
     }
 }
 
+/// Draws a past path with the opacity `strength`.
 fn draw_trail(canvas: &Canvas, trail: &Trail, strength: f32) {
-    let ink = outcome_color(&canvas.palette, trail.end);
+    let color = outcome_color(&canvas.palette, trail.end);
     let width = if canvas.compact { 1.0 } else { 1.5 };
     canvas.gradient_line(trail.points_m.iter().copied(), width, |part| {
-        ink.gamma_multiply(strength * (0.35 + 0.65 * part))
+        color.gamma_multiply(strength * (0.35 + 0.65 * part))
     });
     if let (Some(&end), false) = (trail.points_m.last(), canvas.compact) {
-        outcome_mark(&canvas.painter, canvas.to_screen(end), trail.end, ink.gamma_multiply(strength + 0.25));
+        outcome_mark(
+            &canvas.painter,
+            canvas.to_screen(end),
+            trail.end,
+            color.gamma_multiply(strength + 0.25),
+        );
     }
 }
 
-/// The mark at a trail's end: a dot where the goal was reached, a cross at a collision, a square out of time.
-pub fn outcome_mark(painter: &Painter, at: Pos2, end: TrailEnd, ink: Color32) {
-    let stroke = Stroke::new(1.75, ink);
+/// Draws the mark at the end of a past path: a dot for a reached goal, a cross for a collision, a square for
+/// a timeout.
+pub fn outcome_mark(painter: &Painter, at: Pos2, end: TrailEnd, color: Color32) {
+    let stroke = Stroke::new(1.75, color);
     match end {
         TrailEnd::Reached => {
-            painter.circle_filled(at, 2.75, ink);
+            painter.circle_filled(at, 2.75, color);
         }
         TrailEnd::Collided => {
             painter.line_segment([at - vec2(3.0, 3.0), at + vec2(3.0, 3.0)], stroke);
@@ -58,7 +66,7 @@ pub fn outcome_mark(painter: &Painter, at: Pos2, end: TrailEnd, ink: Color32) {
         }
         TrailEnd::TimedOut => {
             let square = Rect::from_center_size(pos2(at.x, at.y), vec2(5.0, 5.0));
-            painter.rect_stroke(square, 0.0, Stroke::new(1.25, ink), StrokeKind::Middle);
+            painter.rect_stroke(square, 0.0, Stroke::new(1.25, color), StrokeKind::Middle);
         }
     }
 }

@@ -1,6 +1,4 @@
-//! The call to a first-time user: one button in the middle of the world, until it was pressed.
-//!
-//! In: whether anything was learnt yet. Out: [`Command::Pause`] of false.
+//! The start button in the middle of the arena, shown before anything has been learned.
 
 use egui::{Align2, Area, Frame, Id, Margin, Rect, RichText, Stroke, Ui, vec2};
 
@@ -9,8 +7,9 @@ use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::{HEADING, Palette, SMALL};
 use crate::app::screen::widgets::buttons;
 
-/// Draws it in the middle of `world` while nothing has happened yet and nothing was learnt elsewhere.
-pub fn welcome_ui(ui: &mut Ui, world: Rect, view: &ScreenInput<'_>, commands: &mut Vec<Command>) {
+/// Draws the start button in the middle of `arena` while training is paused at step 0 and does not start from
+/// another policy.
+pub fn welcome_ui(ui: &mut Ui, arena: Rect, view: &ScreenInput<'_>, commands: &mut Vec<Command>) {
     let status = view.status;
     let fresh = status.env_steps == 0 && status.transfer_from.is_none();
     if !(status.paused && fresh && status.mode == SessionMode::Train) {
@@ -19,8 +18,8 @@ pub fn welcome_ui(ui: &mut Ui, world: Rect, view: &ScreenInput<'_>, commands: &m
     let palette = Palette::from_ui(ui);
     Area::new(Id::new("welcome"))
         .pivot(Align2::CENTER_CENTER)
-        .fixed_pos(world.center())
-        .constrain_to(world)
+        .fixed_pos(arena.center())
+        .constrain_to(arena)
         .show(ui.ctx(), |ui| {
             let frame = Frame::new()
                 .fill(palette.panel)
@@ -36,7 +35,7 @@ pub fn welcome_ui(ui: &mut Ui, world: Rect, view: &ScreenInput<'_>, commands: &m
                         commands.push(Command::Pause(false));
                     }
                     ui.add_space(4.0);
-                    let text = "The robot knows nothing yet. It finds out for itself how to reach the goal.";
+                    let text = "The robot knows nothing yet. It learns by trial and error to reach the goal.";
                     ui.label(RichText::new(text).size(SMALL).color(palette.weak_text));
                 });
             });

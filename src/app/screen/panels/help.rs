@@ -1,6 +1,4 @@
-//! The help window: what one sees, in five sentences, and the keys.
-//!
-//! In: whether it is open, and whether a world is edited. Out: nothing else.
+//! The help window: a short explanation and the list of keyboard shortcuts, for the arenas or for the editor.
 
 use egui::{Align2, RichText, Ui, vec2};
 
@@ -10,27 +8,25 @@ use crate::app::screen::theme::{BODY, GAP};
 use crate::app::screen::widgets::text::key_cap_ui;
 use crate::app::view_state::ViewState;
 
-const SENTENCES: [&str; 5] = [
-    "A robot that knows nothing drives in a walled world, and all it sees of it are the ranges of its LIDAR's beams \
-     and where its green goal lies.",
-    "Reaching the goal is rewarded and a collision punished; from that alone it learns what to do where.",
-    "At first it mostly tries things at random; the more it has learnt, the more it trusts its Q-values, the bars \
-     beside it: what it expects of each of its motions.",
-    "The success rate at the top tells how often it reached the goal in the last test, where nothing is left to \
-     chance.",
-    "The curves show how learning went, and with Test, Drive and Compare you watch the policy alone, race \
-     against it, or set it against another.",
+const ARENA_HELP: [&str; 5] = [
+    "A robot that knows nothing drives in a walled arena. All it perceives are the ranges of its LIDAR beams and the \
+     direction and distance of its green goal.",
+    "Reaching the goal is rewarded and a collision is punished. From that alone it learns how to drive.",
+    "At first most actions are random. As it learns, it relies more on its Q-values, shown as bars next to it: the \
+     return it expects from each motion.",
+    "The success rate at the top is the share of goals reached in the last evaluation, which has no random actions.",
+    "The plots show the progress of training. Test runs the policy alone, Drive lets you race it, and Compare runs it \
+     next to another policy.",
 ];
 
-/// The same of the editor.
-const EDITING: [&str; 3] = [
-    "Here the world is a drawing: what you click is selected, what you drag moves, and the panel has its numbers.",
-    "What can't be meant is shown in orange, with what is wrong and how to mend it; such a world can't be driven in.",
-    "Nothing changes for the robot until you take the world over: then the policy goes on in it, or a training begins \
-     there from nothing. Saved as a file, it can be opened in any text editor, too.",
+const EDITOR_HELP: [&str; 3] = [
+    "Click an object to select it, drag it to move it, and edit its numbers in the panel.",
+    "Errors are orange, with a suggested fix. A scenario with errors cannot be used for training.",
+    "Your changes reach the robot only when you continue or restart training in the edited scenario. A saved scenario is \
+     a text file that any text editor can open.",
 ];
 
-/// Draws it if it is open, and takes note when it is closed.
+/// Draws the help window if it is open. Escape and its close button close it.
 pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
     let editing = view_state.editor.is_some();
     let rows: Vec<(&str, &str)> = if editing {
@@ -52,21 +48,21 @@ pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
         .show(ui.ctx(), |ui| {
             ui.spacing_mut().item_spacing.y = GAP;
             ui.add_space(GAP);
-            for &sentence in if editing { &EDITING[..] } else { &SENTENCES } {
-                ui.label(sentence);
+            for &paragraph in if editing { &EDITOR_HELP[..] } else { &ARENA_HELP } {
+                ui.label(paragraph);
             }
             ui.add_space(2.0 * GAP);
-            ui.label(RichText::new("Keys").size(BODY).strong());
+            ui.label(RichText::new("Keyboard shortcuts").size(BODY).strong());
             let half = rows.len().div_ceil(2);
             ui.columns(2, |columns| {
                 for (column, rows) in columns.iter_mut().zip(rows.chunks(half)) {
-                    for (key, what) in rows {
+                    for (key, description) in rows {
                         column.horizontal(|ui| {
                             let width = 58.0;
                             let start = ui.cursor().left();
                             key_cap_ui(ui, key);
                             ui.add_space((start + width - ui.cursor().left()).max(0.0));
-                            ui.add(egui::Label::new(*what).wrap());
+                            ui.add(egui::Label::new(*description).wrap());
                         });
                     }
                 }

@@ -1,23 +1,27 @@
-//! The panels: all that stands around the world in words and buttons.
+//! The panels: toolbar, setup panel, notices and help window.
 //!
-//! In: the status and the desk. Out: orders, and what the user looks at.
+//! In: the session state and the [`ViewState`](crate::app::view_state::ViewState). Out: commands, and changes
+//! of the view state.
 //!
 //! | file | duty |
 //! |---|---|
-//! | `toolbar.rs` | the bar at the top: time, who drives |
-//! | `readouts.rs` | its figures: how learning stands |
-//! | `setup.rs` | the panel on the left, from top to bottom |
-//! | `training.rs` | its first part: which world and learner, and beginning a training |
-//! | `setup_form.rs` | what is chosen there but not yet begun |
-//! | `overlays.rs` | the overlays' switches |
-//! | `notices.rs` | what went as asked and what didn't |
-//! | `help.rs` | what one sees, and the keys |
-//! | `segments.rs`, `buttons.rs` | two controls: a few choices in a row; the primary button |
+//! | `toolbar.rs` | the toolbar at the top: layout, run and step buttons, pace, panel buttons |
+//! | `mode_switch.rs` | its choice of mode: Train, Test, Drive, Compare, Edit |
+//! | `readouts.rs` | its numbers: success rate, steps, speed |
+//! | `setup.rs` | the setup panel on the left |
+//! | `training.rs` | its first section: scenario, learner, and the buttons that start a training |
+//! | `seed.rs`, `discard_question.rs` | the seed field; the question before a training is discarded |
+//! | `overlays.rs` | its switches for the overlays |
+//! | `notices.rs` | notices over the arena |
+//! | `help.rs` | the help window |
 
+mod discard_question;
 pub mod help;
+mod mode_switch;
 pub mod notices;
 mod overlays;
 mod readouts;
+mod seed;
 pub mod setup;
 pub mod toolbar;
 mod training;

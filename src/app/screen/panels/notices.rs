@@ -1,6 +1,6 @@
-//! Notices: what went as asked and what didn't, over the foot of the world.
+//! Notices: confirmations and errors, over the bottom of the arena.
 //!
-//! In: the notices, oldest first. Out: [`Command::DismissNotice`] of the one that is closed.
+//! In: the notices, oldest first. Out: [`Command::DismissNotice`] when one is closed.
 
 use egui::{Align, Align2, Area, Color32, Frame, Id, Layout, Margin, Order as Layer, Rect, Stroke, Ui, vec2};
 
@@ -9,33 +9,33 @@ use crate::app::commands::Command;
 use crate::app::screen::theme::{GAP, Palette};
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 
-/// More than these would hide the world.
+/// The most notices shown; more would hide the arena.
 const MAX_SHOWN: usize = 4;
 const WIDTH: f32 = 520.0;
 const EDGE: f32 = 3.0;
 
-/// Draws them over the foot of `world`.
-pub fn notices_ui(ui: &mut Ui, world: Rect, notices: &[Notice], commands: &mut Vec<Command>) {
+/// Draws the notices over the bottom of `arena`.
+pub fn notices_ui(ui: &mut Ui, arena: Rect, notices: &[Notice], commands: &mut Vec<Command>) {
     if notices.is_empty() {
         return;
     }
-    let width = WIDTH.min(world.width() - 4.0 * GAP).max(120.0);
+    let width = WIDTH.min(arena.width() - 4.0 * GAP).max(120.0);
     Area::new(Id::new("notices"))
         .order(Layer::Foreground)
         .pivot(Align2::CENTER_BOTTOM)
-        .fixed_pos(world.center_bottom() - vec2(0.0, 2.0 * GAP))
-        .constrain_to(world)
+        .fixed_pos(arena.center_bottom() - vec2(0.0, 2.0 * GAP))
+        .constrain_to(arena)
         .show(ui.ctx(), |ui| {
             ui.set_width(width);
             ui.spacing_mut().item_spacing.y = GAP;
             let hidden = notices.len().saturating_sub(MAX_SHOWN);
             for (k, notice) in notices.iter().enumerate().skip(hidden) {
-                ui.push_id(k, |ui| toast_ui(ui, notice, k, commands));
+                ui.push_id(k, |ui| notice_ui(ui, notice, k, commands));
             }
         });
 }
 
-fn toast_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Command>) {
+fn notice_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Command>) {
     let palette = Palette::from_ui(ui);
     let edge = match notice.severity {
         Severity::Info => palette.accent,
@@ -49,8 +49,9 @@ fn toast_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Comma
         .inner_margin(Margin { left: 14, right: 8, top: 7, bottom: 7 });
     let shown = frame.show(ui, |ui| {
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
-            let tip = "Read: take it away";
-            if icons::icon_button_ui(ui, Icon::Close, ButtonStyle::Quiet, 22.0, "Dismiss", tip).clicked() {
+            if icons::icon_button_ui(ui, Icon::Close, ButtonStyle::Quiet, 22.0, "Dismiss", "Dismiss")
+                .clicked()
+            {
                 commands.push(Command::DismissNotice(index));
             }
             ui.with_layout(Layout::left_to_right(Align::Min), |ui| {

@@ -1,6 +1,4 @@
-//! The overlays' switches: one row each, with a sample of what it draws, and its key.
-//!
-//! In: what is on. Out: what is to be on.
+//! The switches of the overlays: a row each, with a sample of the drawing and the key.
 
 use egui::{
     Align2, FontId, Mesh, Painter, Rect, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType,
@@ -13,31 +11,43 @@ use crate::app::view_state::Overlays;
 
 const ROW: f32 = 26.0;
 
-/// Draws them.
-pub fn overlays_ui(ui: &mut Ui, over: &mut Overlays) {
+/// Draws a row for each overlay.
+pub fn overlays_ui(ui: &mut Ui, overlays: &mut Overlays) {
     let spacing = std::mem::take(&mut ui.spacing_mut().item_spacing.y);
-    row(
+    overlay_row_ui(
         ui,
-        &mut over.beams,
-        "Beams",
+        &mut overlays.beams,
+        "LIDAR beams",
         Shortcut::Beams,
-        "The LIDAR's rays, by how near they end; the nearest is marked",
+        "LIDAR beams, coloured by distance; the shortest is labelled",
     );
-    row(ui, &mut over.path, "Way driven", Shortcut::Path, "From the last goal to here");
-    row(ui, &mut over.trails, "Trails", Shortcut::Trails, "The last drives, by how they ended");
-    row(ui, &mut over.q_values, "Q-values", Shortcut::QValues, "What the network expects of each motion");
-    row(
+    overlay_row_ui(ui, &mut overlays.path, "Current path", Shortcut::Path, "Path since the last goal");
+    overlay_row_ui(
         ui,
-        &mut over.potential,
+        &mut overlays.trails,
+        "Past paths",
+        Shortcut::Trails,
+        "Recent paths, coloured by outcome",
+    );
+    overlay_row_ui(ui, &mut overlays.q_values, "Q-values", Shortcut::QValues, "Q-value of each motion");
+    overlay_row_ui(
+        ui,
+        &mut overlays.potential,
         "Potential",
         Shortcut::Potential,
-        "The field behind the reward, eq. (4): downhill is better",
+        "Potential field used by the reward (eq. 4): lower is better",
     );
-    row(ui, &mut over.value, "Value", Shortcut::Value, "What the network expects if the robot stood there");
+    overlay_row_ui(
+        ui,
+        &mut overlays.value,
+        "State value",
+        Shortcut::Value,
+        "State value of each position, at the robot's current heading",
+    );
     ui.spacing_mut().item_spacing.y = spacing;
 }
 
-fn row(ui: &mut Ui, on: &mut bool, name: &str, shortcut: Shortcut, about: &str) {
+fn overlay_row_ui(ui: &mut Ui, on: &mut bool, name: &str, shortcut: Shortcut, about: &str) {
     let palette = Palette::from_ui(ui);
     let (rect, mut response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     if response.clicked() {
@@ -64,26 +74,27 @@ fn row(ui: &mut Ui, on: &mut bool, name: &str, shortcut: Shortcut, about: &str) 
         Rect::from_center_size(pos2(rect.left() + 40.0, middle), vec2(26.0, 14.0)),
         palette,
     );
-    let put =
-        |x, side, text, size, ink| painter.text(pos2(x, middle), side, text, FontId::proportional(size), ink);
-    let ink = if *on { palette.text } else { palette.weak_text };
-    put(rect.left() + 62.0, Align2::LEFT_CENTER, name, BODY, ink);
-    put(rect.right(), Align2::RIGHT_CENTER, key_label(shortcut), SMALL, palette.weak_text);
+    let text = |x, side, words, size, color| {
+        painter.text(pos2(x, middle), side, words, FontId::proportional(size), color)
+    };
+    let color = if *on { palette.text } else { palette.weak_text };
+    text(rect.left() + 62.0, Align2::LEFT_CENTER, name, BODY, color);
+    text(rect.right(), Align2::RIGHT_CENTER, key_label(shortcut), SMALL, palette.weak_text);
     response.on_hover_text(about);
 }
 
-/// What the overlay draws, in small.
+/// A small sample of what the overlay draws.
 fn sample(painter: &Painter, shortcut: Shortcut, rect: Rect, palette: Palette) {
     let at = |x: f32, y: f32| rect.lerp_inside(vec2(x, y));
-    let line = |from, to, ink| {
-        painter.line_segment([from, to], Stroke::new(1.5, ink));
+    let line = |from, to, color| {
+        painter.line_segment([from, to], Stroke::new(1.5, color));
     };
     match shortcut {
         Shortcut::Beams => {
-            for (x, y, ink) in
+            for (x, y, color) in
                 [(0.95, 0.0, palette.weak_text), (1.0, 0.5, palette.error), (0.95, 1.0, palette.weak_text)]
             {
-                line(at(0.1, 0.5), at(x, y), ink);
+                line(at(0.1, 0.5), at(x, y), color);
             }
             painter.circle_filled(at(0.1, 0.5), 2.5, palette.accent);
         }
@@ -93,41 +104,41 @@ fn sample(painter: &Painter, shortcut: Shortcut, rect: Rect, palette: Palette) {
             painter.add(Shape::line(points, Stroke::new(1.5, palette.accent)));
         }
         Shortcut::Trails => {
-            for (y, ink) in [(0.1, palette.success), (0.5, palette.warning), (0.9, palette.error)] {
-                line(at(0.0, y), at(1.0, y), ink);
+            for (y, color) in [(0.1, palette.success), (0.5, palette.warning), (0.9, palette.error)] {
+                line(at(0.0, y), at(1.0, y), color);
             }
         }
         Shortcut::QValues => {
             for (k, height) in [0.35, 0.6, 1.0, 0.7, 0.25].into_iter().enumerate() {
                 let x = 0.1 + k as f32 * 0.19;
-                let ink = if k == 2 { palette.accent } else { palette.obstacle };
+                let color = if k == 2 { palette.accent } else { palette.obstacle };
                 painter.rect_filled(
                     Rect::from_min_max(at(x - 0.07, 1.0 - height), at(x + 0.07, 1.0)),
                     0.5,
-                    ink,
+                    color,
                 );
             }
         }
         Shortcut::Potential => {
-            shades(painter, rect, palette);
+            gradient(painter, rect, palette);
             let (from, to) = (at(0.3, 0.5), at(0.7, 0.5));
             line(from, to, palette.text);
             for y in [0.25, 0.75] {
                 line(at(0.56, y), to, palette.text);
             }
         }
-        Shortcut::Value => shades(painter, rect, palette),
+        Shortcut::Value => gradient(painter, rect, palette),
         _ => {}
     }
 }
 
-/// The colours of the fields, from the least to the greatest.
-fn shades(painter: &Painter, rect: Rect, palette: Palette) {
+/// The colours of a field overlay, from the lowest value to the highest.
+fn gradient(painter: &Painter, rect: Rect, palette: Palette) {
     let [from, to] = palette.field_colors;
     let mut mesh = Mesh::default();
-    for (x, ink) in [(rect.left(), from), (rect.right(), to)] {
-        mesh.colored_vertex(pos2(x, rect.top()), ink);
-        mesh.colored_vertex(pos2(x, rect.bottom()), ink);
+    for (x, color) in [(rect.left(), from), (rect.right(), to)] {
+        mesh.colored_vertex(pos2(x, rect.top()), color);
+        mesh.colored_vertex(pos2(x, rect.bottom()), color);
     }
     mesh.add_triangle(0, 1, 2);
     mesh.add_triangle(1, 2, 3);

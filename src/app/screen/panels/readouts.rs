@@ -1,6 +1,4 @@
-//! The readouts at the right of the bar: how learning stands, in figures.
-//!
-//! In: the status, and how much room there is. Out: the most important of them that fit.
+//! The readouts on the right of the toolbar: success rate, steps and speed, as many as fit.
 
 use egui::{Align2, FontId, Response, Sense, Ui, WidgetInfo, WidgetType, pos2, vec2};
 
@@ -8,13 +6,14 @@ use crate::app::app_snapshot::AppSnapshot;
 use crate::app::screen::numbers;
 use crate::app::screen::theme::{BODY, DISPLAY, GAP, Palette, SMALL};
 
-/// One figure with its caption.
+/// A number with its caption.
 struct Readout {
     value: String,
     caption: String,
     tip: String,
     width: f32,
     large: bool,
+    /// Whether there is a value yet.
     known: bool,
 }
 
@@ -26,14 +25,13 @@ impl Readout {
 
 const HEIGHT: f32 = 40.0;
 
-/// Draws, from the right, as many as have room: the success rate before all others.
-///
-/// `ui` lays out from right to left. In a `tight` bar none of the room is to be wasted.
+/// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight`
+/// saves space in the toolbar of a narrow window.
 pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
-    // There the last one stands right beside its neighbour.
-    let mut left = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };
+    // In a tight toolbar there is no gap after the last one.
+    let mut free = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };
     let mut fit: Vec<(usize, Readout)> = Vec::new();
-    // By weight; the number is the place from the right.
+    // Ordered by importance; the number is the position from the right.
     for (place, readout) in [
         (0, Readout { width: if tight { 68.0 } else { 84.0 }, ..success(status) }),
         (3, episodes(status)),
@@ -42,10 +40,10 @@ pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
         (4, frames(status)),
     ] {
         let needs = readout.width + 2.0 * GAP;
-        if needs > left {
+        if needs > free {
             break;
         }
-        left -= needs;
+        free -= needs;
         fit.push((place, readout));
     }
     fit.sort_by_key(|(place, _)| *place);
@@ -60,18 +58,24 @@ fn readout_ui(ui: &mut Ui, readout: &Readout) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(readout.width, HEIGHT), Sense::hover());
     let words = format!("{} {}", readout.caption, readout.value);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &words));
-    let (size, ink) = if readout.large {
+    let (size, color) = if readout.large {
         (DISPLAY, if readout.known { palette.accent } else { palette.weak_text })
     } else {
         (BODY, palette.text)
     };
-    // All captions on one line, all figures on another; a larger one hangs lower by what its descenders take.
-    let put = |y, text: &String, size, ink| {
-        ui.painter().text(pos2(rect.left(), y), Align2::LEFT_BOTTOM, text, FontId::proportional(size), ink);
+    // Captions share a baseline, and so do numbers; the larger font needs a shift by its descenders.
+    let text = |y, words: &String, size, color| {
+        ui.painter().text(
+            pos2(rect.left(), y),
+            Align2::LEFT_BOTTOM,
+            words,
+            FontId::proportional(size),
+            color,
+        );
     };
-    let foot = rect.bottom() - 3.0;
-    put(foot - 15.0 + (size - BODY) * 0.24, &readout.value, size, ink);
-    put(foot, &readout.caption, SMALL, palette.weak_text);
+    let bottom = rect.bottom() - 3.0;
+    text(bottom - 15.0 + (size - BODY) * 0.24, &readout.value, size, color);
+    text(bottom, &readout.caption, SMALL, palette.weak_text);
     response
 }
 
@@ -79,13 +83,11 @@ fn success(status: &AppSnapshot) -> Readout {
     let value = status.success_rate.map_or("–".into(), numbers::format_percent);
     let tip = match (status.success_rate, status.best_success_rate) {
         (Some(_), Some(best)) => format!(
-            "How often the goal was reached in the last test without random actions. The best so far: {}.",
+            "Share of goals reached in the last evaluation, without random actions. Best so far: {}",
             numbers::format_percent(best)
         ),
-        (Some(_), None) => "How often the goal was reached in the last test without random actions.".into(),
-        (None, _) => {
-            "How often the goal is reached without random actions: the first test is still to come.".into()
-        }
+        (Some(_), None) => "Share of goals reached in the last evaluation, without random actions".into(),
+        (None, _) => "Share of goals reached without random actions. No evaluation yet".into(),
     };
     Readout {
         large: true,
@@ -95,16 +97,19 @@ fn success(status: &AppSnapshot) -> Readout {
 }
 
 fn episodes(status: &AppSnapshot) -> Readout {
-    let tip = "Drives that have ended, by a collision or by the time limit, in all arenas together.".into();
+    let tip = "Episodes finished by a collision or the time limit, in all arenas together".into();
     Readout::new(numbers::format_count(status.episodes), "episodes", 52.0, tip)
 }
 
 fn env_steps(status: &AppSnapshot) -> Readout {
     let more = status.budget_env_steps.map_or_else(String::new, |budget| {
-        format!(" The learner is meant for {}; here it goes on.", numbers::format_count(budget))
+        format!(
+            ". The preset's budget is {}; here training continues beyond it",
+            numbers::format_count(budget)
+        )
     });
     let tip = format!(
-        "Control steps of all arenas together, each of them experience to learn from. Gradient steps: {}.{more}",
+        "Control steps of all arenas together. Gradient steps: {}{more}",
         numbers::format_count(status.gradient_steps)
     );
     Readout::new(numbers::format_count(status.env_steps), "env steps", 56.0, tip)
@@ -112,7 +117,7 @@ fn env_steps(status: &AppSnapshot) -> Readout {
 
 fn speed(status: &AppSnapshot) -> Readout {
     let tip = format!(
-        "Env steps per second of your time, and how much quicker than reality one arena runs. Simulated: {}.",
+        "Env steps per second of wall time, and speed of one arena relative to real time. Simulated per arena: {}",
         duration(status.simulated_s)
     );
     let value = if status.paused {
@@ -129,11 +134,11 @@ fn speed(status: &AppSnapshot) -> Readout {
 }
 
 fn frames(status: &AppSnapshot) -> Readout {
-    let tip = "Pictures drawn per second.".into();
+    let tip = "Frames drawn per second".into();
     Readout::new(numbers::format_rate(status.frames_per_s), "fps", 26.0, tip)
 }
 
-/// As [`duration`], in one unit.
+/// A duration of `s` seconds in one unit: 42 s, 3 min, 2.2 h.
 fn short_duration(s: f64) -> String {
     let s = s.max(0.0);
     match s {
@@ -144,6 +149,7 @@ fn short_duration(s: f64) -> String {
     }
 }
 
+/// A duration of `s` seconds in hours and minutes: 42 s, 3 min, 2 h 10 min.
 fn duration(s: f64) -> String {
     let minutes = (s.max(0.0) / 60.0) as u64;
     match minutes {

@@ -1,6 +1,7 @@
-//! The panel on the left: what is learnt where (`training.rs`), what is drawn, what is kept.
+//! The setup panel on the left: training (`training.rs`), overlays, view and files.
 //!
-//! In: the status and the desk. Out: orders. What is chosen here waits in [`SetupForm`] until a button is pressed.
+//! In: the session state and the view state. Out: commands. Choices wait in [`SetupForm`] until a button is
+//! clicked.
 
 use egui::{Button, Frame, Margin, ScrollArea, Ui, vec2};
 
@@ -9,28 +10,30 @@ use crate::app::app_snapshot::AppSnapshot;
 use crate::app::commands::{Command, SaveKind, SessionMode};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::key_bindings::{Shortcut, with_key_hint};
+use crate::app::screen::widgets::buttons::wide_button_ui;
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::segments::{self, Segment};
 use crate::app::screen::widgets::text::{key_cap_ui, section_title_ui, separator_ui, weak_text};
 use crate::app::setup_form::SetupForm;
 use crate::app::view_state::{ViewCamera, ViewState};
 
-/// What can be opened.
-const OPENS: &str = "Opens a policy to set against the present one, a saved run to go on with, or a world or preset of \
-                     your own.";
+/// The height of the buttons for files, in points.
+const FILE_BUTTON_HEIGHT: f32 = 26.0;
 
-/// The same where there is no disk.
-const OPENS_WITHOUT_DISK: &str = "Opens a policy to set against the present one, or a world or preset of your own. It \
-                                  stays on your machine.";
+const OPEN_HELP: &str = "Open a policy to compare with, a saved run to resume, a scenario or a preset";
 
-/// Draws it.
+/// The same without a disk, where no run can be opened.
+const OPEN_HELP_WITHOUT_DISK: &str =
+    "Open a policy to compare with, a scenario or a preset. The file stays on your machine";
+
+/// Draws the panel.
 pub fn setup_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,
     view_state: &mut ViewState,
     commands: &mut Vec<Command>,
 ) {
-    // The scroll bar has its place in the margin.
+    // The scroll bar is in the margin.
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         Frame::new()
             .inner_margin(Margin::symmetric(14, 12))
@@ -50,36 +53,36 @@ fn content_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, c
     section_title_ui(ui, "Overlays");
     overlays::overlays_ui(ui, &mut view_state.overlays);
     separator_ui(ui);
-    framing_ui(ui, view, view_state);
+    view_ui(ui, view, view_state);
     separator_ui(ui);
     files_ui(ui, view.status, commands);
 }
 
-fn framing_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState) {
+fn view_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState) {
     section_title_ui(ui, "View");
     ui.horizontal(|ui| {
         let side = 28.0;
         if view.status.mode == SessionMode::Train {
             arena_choice_ui(ui, view, view_state, side);
         }
-        let about = with_key_hint("Show the whole enclosure", Shortcut::Fit);
+        let about = with_key_hint("Fit the arena to the view", Shortcut::Fit);
         if icons::icon_button_ui(ui, Icon::Fit, ButtonStyle::Framed, side, "Fit", &about).clicked() {
             view_state.camera = ViewCamera::default();
         }
     });
 }
 
-/// The followed arena or all of them; leaves room for a button `beside` points wide.
-fn arena_choice_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, beside: f32) {
+/// The choice of one arena or all; leaves `reserved` points on the right for a button.
+fn arena_choice_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, reserved: f32) {
     let all = format!("All {}", view.scene.arenas.len());
     let segments = [
-        Segment::new("One arena", with_key_hint("The arena that is followed, large", Shortcut::Grid)),
+        Segment::new("One arena", with_key_hint("Show one arena", Shortcut::Grid)),
         Segment {
             name: "All arenas".into(),
-            ..Segment::new(&all, with_key_hint("All arenas side by side", Shortcut::Grid))
+            ..Segment::new(&all, with_key_hint("Show all arenas", Shortcut::Grid))
         },
     ];
-    let width = ui.available_width() - beside - ui.spacing().item_spacing.x;
+    let width = ui.available_width() - reserved - ui.spacing().item_spacing.x;
     if let Some(k) =
         segments::segments_ui(ui, "framing", &segments, Some(usize::from(view_state.grid)), Some(width))
     {
@@ -90,35 +93,19 @@ fn arena_choice_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewSta
 fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
     section_title_ui(ui, "Files");
     if let Some(expert) = &status.expert {
-        let about = format!("A policy that comes with the program drives beside the present one: {expert}");
-        let button = ui.add_sized(vec2(ui.available_width(), 26.0), Button::new("Watch an expert"));
-        if button.on_hover_text(about).clicked() {
+        let about = format!("Compare the current policy with a shipped one: {expert}");
+        if wide_button_ui(ui, "Watch an expert", FILE_BUTTON_HEIGHT).on_hover_text(about).clicked() {
             commands.push(Command::OpenExpert);
         }
     }
-    let opens = if status.has_disk { OPENS } else { OPENS_WITHOUT_DISK };
-    let mut all = vec![
-        ("Open…", with_key_hint(opens, Shortcut::Open), Command::OpenDialog),
-        (
-            "Save policy",
-            with_key_hint("What it has learnt", Shortcut::Save),
-            Command::SaveDialog(SaveKind::Policy),
-        ),
-    ];
-    if status.has_disk {
-        all.push((
-            "Save run",
-            "All of the training, to go on from".into(),
-            Command::SaveDialog(SaveKind::Run),
-        ));
-    }
-    let world = "The world as it stands, with what you moved";
-    all.push(("Save world", world.into(), Command::SaveDialog(SaveKind::Scenario)));
     let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
-    for row in all.chunks(2) {
+    for row in file_buttons(status.has_disk).chunks(2) {
         ui.horizontal(|ui| {
+            // Less padding, so that the longest text fits.
+            ui.spacing_mut().button_padding.x = 4.0;
             for (text, about, command) in row {
-                if ui.add_sized(vec2(width, 26.0), Button::new(*text)).on_hover_text(about).clicked() {
+                let button = ui.add_sized(vec2(width, FILE_BUTTON_HEIGHT), Button::new(*text));
+                if button.on_hover_text(about).clicked() {
                     commands.push(command.clone());
                 }
             }
@@ -126,18 +113,34 @@ fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
     }
 }
 
+/// Text, tooltip and command of each button. Without a disk no run can be saved.
+fn file_buttons(has_disk: bool) -> Vec<(&'static str, String, Command)> {
+    let open = with_key_hint(if has_disk { OPEN_HELP } else { OPEN_HELP_WITHOUT_DISK }, Shortcut::Open);
+    let policy = with_key_hint("Save the current network as .safetensors", Shortcut::Save);
+    let run = "Save the whole run, so that it can be resumed".to_owned();
+    let scenario = "Save the scenario, including objects you moved".to_owned();
+    let mut buttons = vec![
+        ("Open…", open, Command::OpenDialog),
+        ("Save policy…", policy, Command::SaveDialog(SaveKind::Policy)),
+        ("Save run…", run, Command::SaveDialog(SaveKind::Run)),
+        ("Save scenario…", scenario, Command::SaveDialog(SaveKind::Scenario)),
+    ];
+    buttons.retain(|(.., command)| has_disk || *command != Command::SaveDialog(SaveKind::Run));
+    buttons
+}
+
 fn driving_help_ui(ui: &mut Ui) {
-    section_title_ui(ui, "You drive");
-    for (keys, what) in [
-        (&["↑"][..], "straight on, as without a key"),
-        (&["↑", "←"], "or → with it: a gentle turn"),
-        (&["←"], "or → alone: a sharp turn"),
+    section_title_ui(ui, "Steering");
+    for (keys, effect) in [
+        (&["↑"][..], "straight ahead (also without a key)"),
+        (&["↑", "←"], "or ↑ →: gentle turn"),
+        (&["←"], "or →: sharp turn"),
     ] {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             keys.iter().for_each(|key| key_cap_ui(ui, key));
             ui.add_space(3.0);
-            ui.label(weak_text(what));
+            ui.label(weak_text(effect));
         });
     }
 }

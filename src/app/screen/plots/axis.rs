@@ -1,6 +1,4 @@
-//! Axes of the plots: where grid lines stand, how numbers are written, where words about marks have room.
-//!
-//! In: what part of an axis is visible. Out: few round numbers.
+//! Axes of the plots: grid lines at round values, tick labels, and number formats.
 
 use egui_plot::GridMark;
 
@@ -8,10 +6,10 @@ use crate::app::history::DownsampledSeries;
 use crate::app::screen::numbers;
 use crate::report::format::number;
 
-/// What a y axis measures.
+/// The scale of a y axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisScale {
-    /// A share from 0 to 1, written in percent.
+    /// A share from 0 to 1, in percent.
     Percent,
     /// A number from 0 to 1.
     Unit,
@@ -19,12 +17,13 @@ pub enum AxisScale {
     Linear,
     /// Any number from 0 upwards.
     FromZero,
-    /// Logarithms to base 10 of what is written.
+    /// Base-10 logarithms of the values shown.
     Log10,
 }
 
 impl AxisScale {
-    /// The ends of the axis, if they are always the same; a little outside, so that a line at the end is seen whole.
+    /// The fixed ends of the axis, if any; a little wider than the values, so that a line at an end is fully
+    /// visible.
     #[must_use]
     pub fn fixed_range(self) -> Option<(f64, f64)> {
         match self {
@@ -33,7 +32,7 @@ impl AxisScale {
         }
     }
 
-    /// Values that the axis must include.
+    /// Values that the axis must include: the reference line, zero, or whole decades.
     pub(super) fn included_values<'a>(
         self,
         series: impl Iterator<Item = &'a DownsampledSeries>,
@@ -54,7 +53,7 @@ impl AxisScale {
         values
     }
 
-    /// The grid lines of an axis from the first of `bounds` to the second.
+    /// The grid lines of an axis over `bounds`.
     #[must_use]
     pub fn grid_marks(self, bounds: (f64, f64)) -> Vec<GridMark> {
         match self {
@@ -69,7 +68,7 @@ impl AxisScale {
         }
     }
 
-    /// A grid line's number, where they are `step` apart.
+    /// The tick label of a grid line, where lines are `step` apart.
     #[must_use]
     pub fn tick_label(self, value: f64, step: f64) -> String {
         match self {
@@ -80,7 +79,7 @@ impl AxisScale {
         }
     }
 
-    /// A value to read, with `digits` decimals.
+    /// A value to display, with `digits` decimals (on a log axis: significant digits).
     #[must_use]
     pub fn format_value(self, value: f64, digits: usize) -> String {
         match self {
@@ -94,12 +93,12 @@ impl AxisScale {
     }
 }
 
-/// A number with `digits` decimals, or by its power of ten if it is out of all proportion, as when learning diverges.
+/// A number with `digits` decimals, or in scientific notation from a million on, as when learning diverges.
 fn short(value: f64, digits: usize) -> String {
     if value.abs() < 1e6 { number(value, digits) } else { format!("{value:.1e}") }
 }
 
-/// 10 to the power of a whole number.
+/// The tick label of 10 to the power of a whole number.
 fn power(exponent: f64) -> String {
     if (-4.0..=5.0).contains(&exponent) {
         number(10.0_f64.powf(exponent), (-exponent).max(0.0) as usize)
@@ -108,7 +107,7 @@ fn power(exponent: f64) -> String {
     }
 }
 
-/// About `wanted` steps of 1, 2 or 5 times a power of ten, over `bounds`.
+/// About `wanted` grid lines over `bounds`, at multiples of 1, 2 or 5 times a power of ten.
 #[must_use]
 pub fn round_grid_marks(bounds: (f64, f64), wanted: f64) -> Vec<GridMark> {
     let rough = (bounds.1 - bounds.0) / wanted;
@@ -125,14 +124,14 @@ pub fn round_grid_marks(bounds: (f64, f64), wanted: f64) -> Vec<GridMark> {
     every(factor * decade, bounds)
 }
 
-/// All multiples of `step` within `bounds`.
+/// All multiples of `step` within `bounds`, at most 50.
 fn every(step: f64, bounds: (f64, f64)) -> Vec<GridMark> {
     let (first, last) = ((bounds.0 / step).ceil(), (bounds.1 / step).floor());
     let count = (last - first + 1.0).clamp(0.0, 50.0) as usize;
     (0..count).map(|index| GridMark { value: (first + index as f64) * step, step_size: step }).collect()
 }
 
-/// A number of env steps in short: 800, 50k, 1.25M.
+/// A number of env steps in short form: 800, 50k, 1.25M.
 #[must_use]
 pub fn format_env_steps(value: f64) -> String {
     let trimmed = |value: f64, unit: &str| {
@@ -151,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn env_steps_are_short() {
+    fn env_steps_have_a_short_form() {
         let written = [0.0, 224.0, 999.4, 1000.0, 50_000.0, 96_140.0, 999_960.0, 1_200_000.0, 1_250_000.0]
             .map(format_env_steps);
         assert_eq!(written, ["0", "224", "999", "1k", "50k", "96.1k", "1M", "1.2M", "1.25M"]);
@@ -173,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_written_for_people() {
+    fn values_are_formatted_by_their_scale() {
         let percent = [0.0, 0.9996, 1.0].map(|share| AxisScale::Percent.format_value(share, 0));
         assert_eq!(percent, ["0.0%", "99.9%", "100%"]);
         let logs =

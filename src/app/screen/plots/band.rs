@@ -1,6 +1,5 @@
-//! A band: the area between the least and the greatest values of each bucket of a series.
-//!
-//! In: a series, borrowed. Out: an item of an egui plot, without a copy of the series.
+//! The band: the area between the minimum and the maximum of each bucket of a series, as an item of an egui
+//! plot. The series is borrowed, not copied.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -10,7 +9,7 @@ use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, Plo
 
 use crate::app::history::DownsampledSeries;
 
-/// The area between a series' least and greatest values.
+/// The area between the minima and the maxima of a series.
 pub struct Band<'a> {
     series: &'a DownsampledSeries,
     color: Color32,

@@ -1,18 +1,16 @@
-//! What stands above a plot: its title, its values, what its lines are.
-//!
-//! In: the card, and where the pointer is on the x axis. Out: two lines of text.
+//! The caption above a plot: title and value, and the legend.
 
 use egui::{Align, Color32, FontId, Layout, RichText};
 
 use super::card::{Card, CardContext, Trace, TraceStyle};
 use crate::app::screen::theme::{BODY, Palette, SMALL};
 
-/// Between two entries of a legend.
-const APART: f32 = 12.0;
-/// Cards less wide than this have short legends.
+/// The gap between two entries of the legend, in points.
+const ENTRY_GAP: f32 = 12.0;
+/// Cards narrower than this, in points, have short names in the legend.
 const NARROW: f32 = 300.0;
 
-/// The title, and the first line's value.
+/// Draws the title, and the value of the first line.
 pub(super) fn heading_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, palette: Palette) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(card.title).size(BODY).color(palette.text)).on_hover_text(card.about);
@@ -26,8 +24,8 @@ pub(super) fn heading_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContex
     });
 }
 
-/// What the lines are, each in its colour, those beside the first with their values; in fewer words where it is narrow.
-/// No entry is ever broken in two.
+/// Draws the legend: the name of each line in its colour, with its value unless that stands next to the
+/// title. Short names are used if the full ones do not fit. An entry is never wrapped.
 pub(super) fn legend_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, palette: Palette) {
     let entries = |short: bool| -> Vec<_> {
         let traces = card.traces.iter().enumerate().map(|(index, trace)| {
@@ -46,21 +44,21 @@ pub(super) fn legend_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext
         let one = |text: &String| {
             ui.painter().layout_no_wrap(text.clone(), font.clone(), palette.weak_text).size().x
         };
-        entries.iter().map(|(text, _)| one(text) + APART).sum::<f32>() - APART
+        entries.iter().map(|(text, _)| one(text) + ENTRY_GAP).sum::<f32>() - ENTRY_GAP
     };
-    let room = ui.available_width();
+    let available = ui.available_width();
     let long = entries(false);
-    // Below a certain width all cards are short, so that the same line has the same name on each.
-    let shown = if room < NARROW || width(&long) > room { entries(true) } else { long };
+    // In narrow windows all cards use short names, so that a line has the same name on each.
+    let shown = if available < NARROW || width(&long) > available { entries(true) } else { long };
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = APART;
+        ui.spacing_mut().item_spacing.x = ENTRY_GAP;
         for (text, color) in shown {
             ui.add(egui::Label::new(RichText::new(text).size(SMALL).color(color)).extend());
         }
     });
 }
 
-/// A trace's value at the pointer, or else its latest.
+/// The value of a line at the pointer, or its latest value if the pointer is on no plot.
 pub(super) fn value_at(card: &Card<'_>, trace: &Trace<'_>, hovered: Option<f64>) -> Option<String> {
     let latest = || trace.series.latest().map(|latest| latest.y);
     let value = hovered.map_or_else(latest, |x| trace.series.value_near(x))?;

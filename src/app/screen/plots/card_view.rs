@@ -1,7 +1,7 @@
 //! The drawing of a plot card: title, legend, and a plot over env steps.
 //!
-//! In: a [`Card`] with borrowed series. Out: shapes, and the pointer's position on the x axis. All cards share that axis:
-//! panning or zooming one moves all, and each shows its values at the pointer.
+//! In: a [`Card`] with borrowed series. Out: shapes, and the pointer's position on the x axis. All cards
+//! share that axis: panning or zooming one moves all, and each shows its values at the pointer.
 
 use egui::{Color32, FontId, Rect, Sense, Stroke, Vec2, vec2};
 use egui_plot::{AxisHints, HLine, Line, LineStyle, Plot, PlotPoints, PlotUi, Points, VLine};
@@ -13,14 +13,14 @@ use super::card::{Card, CardContext, CardResponse, Trace, TraceStyle};
 use super::marks::label_marks;
 use crate::app::screen::theme::{Palette, SMALL};
 
-/// The height of a plot with its axis, in points.
+/// The height of a plot including its axis, in points.
 const HEIGHT: f32 = 112.0;
-/// The width of the y axis, in points: the same for all, so that they stand in line.
+/// The width of the y axis, in points; equal on all cards, so that the plots are aligned.
 const AXIS_WIDTH: f32 = 44.0;
-/// Up to so many points each has a dot.
+/// The most points of a line that are drawn with a dot each.
 const MAX_DOTS: usize = 40;
 
-/// Shows a card; `labelled` if its marks have their words, too.
+/// Draws a card; `labelled` adds the texts of the vertical marks.
 pub fn card_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, labelled: bool) -> CardResponse {
     let palette = Palette::from_ui(ui);
     ui.scope(|ui| {
@@ -30,11 +30,11 @@ pub fn card_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, lab
         legend_ui(ui, card, shared, palette);
         ui.add_space(2.0);
         let size = vec2(ui.available_width(), HEIGHT);
-        let place = Rect::from_min_size(ui.cursor().min, size);
+        let rect = Rect::from_min_size(ui.cursor().min, size);
         if card.traces.iter().all(|trace| trace.series.points().is_empty()) {
             empty_card_ui(ui, card.empty_text, size, palette);
             CardResponse::default()
-        } else if ui.is_rect_visible(place) {
+        } else if ui.is_rect_visible(rect) {
             plot_ui(ui, card, shared, labelled, palette)
         } else {
             ui.allocate_space(size);
@@ -44,7 +44,7 @@ pub fn card_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, lab
     .inner
 }
 
-/// The plot's place between two lines, and a quiet sentence.
+/// Draws the placeholder of a card without data: `text` between two lines.
 fn empty_card_ui(ui: &mut egui::Ui, text: &str, size: Vec2, palette: Palette) {
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let place = rect.with_min_x(rect.left() + AXIS_WIDTH).with_max_y(rect.bottom() - 14.0);
@@ -55,6 +55,7 @@ fn empty_card_ui(ui: &mut egui::Ui, text: &str, size: Vec2, palette: Palette) {
     ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak_text);
 }
 
+/// Draws the plot of a card.
 fn plot_ui(
     ui: &mut egui::Ui,
     card: &Card<'_>,
@@ -62,58 +63,16 @@ fn plot_ui(
     labelled: bool,
     palette: Palette,
 ) -> CardResponse {
-    let font = FontId::proportional(SMALL);
-    let axis = |hints: AxisHints<'static>| {
-        let hints = hints.tick_label_font(font.clone()).tick_label_color(palette.weak_text);
-        hints.label_spacing(egui::Rangef::new(0.0, 1.0))
-    };
-    let scale = card.scale;
-    let group = "learning";
-    let mut plot = Plot::new(card.title)
-        .height(HEIGHT)
-        // While there is nothing to drag, a finger that passes over it scrolls the list.
-        .sense(if shared.zoomed { Sense::click_and_drag() } else { Sense::click() })
-        .allow_drag([shared.zoomed, false])
-        .allow_zoom([true, false])
-        .allow_scroll(false)
-        .allow_axis_zoom_drag(false)
-        .allow_boxed_zoom(false)
-        .link_axis(group, [true, false])
-        .link_cursor(group, [true, false])
-        .cursor_color(palette.text.gamma_multiply(0.5))
-        .show_y(false)
-        .show_background(false)
-        .grid_color(palette.border)
-        .grid_fade(0.0)
-        .set_margin_fraction(vec2(0.0, 0.06))
-        .include_x(shared.range.0)
-        .include_x(shared.range.1)
-        .custom_x_axes(vec![axis(AxisHints::new_x()).formatter(|mark, _| axis::format_env_steps(mark.value))])
-        .custom_y_axes(vec![
-            axis(AxisHints::new_y())
-                .min_thickness(AXIS_WIDTH)
-                .formatter(move |mark, _| scale.tick_label(mark.value, mark.step_size)),
-        ])
-        .x_grid_spacer(|input| axis::round_grid_marks(input.bounds, 4.0))
-        .y_grid_spacer(move |input| scale.grid_marks(input.bounds))
-        .label_formatter(|pointer| tooltip(card, pointer));
-    plot = match scale.fixed_range() {
-        Some((low, high)) => plot.default_y_bounds(low, high),
-        None => scale
-            .included_values(card.traces.iter().map(|trace| trace.series), card.reference.map(|r| r.0))
-            .into_iter()
-            .fold(plot, Plot::include_y),
-    };
-    let frame = plot.show(ui, |plot| {
+    let frame = configure(card, shared, palette).show(ui, |plot| {
         if shared.reset {
             plot.set_auto_bounds(true);
         } else if !plot.auto_bounds().x {
-            stay_within(plot, shared.range);
+            keep_in_range(plot, shared.range);
         }
-        let marked = palette.weak_text.gamma_multiply(if labelled { 0.8 } else { 0.45 });
+        let mark_color = palette.weak_text.gamma_multiply(if labelled { 0.8 } else { 0.45 });
         for mark in shared.marks {
             let line = VLine::new("", mark.env_steps as f64).allow_hover(false);
-            plot.vline(line.stroke(Stroke::new(1.0, marked)).style(LineStyle::dashed_dense()));
+            plot.vline(line.stroke(Stroke::new(1.0, mark_color)).style(LineStyle::dashed_dense()));
         }
         if let Some((value, _)) = card.reference {
             let line = HLine::new("", value).allow_hover(false).style(LineStyle::dashed_loose());
@@ -132,10 +91,59 @@ fn plot_ui(
     CardResponse { hovered, zoomed: frame.inner }
 }
 
-/// Brings the part that is shown back to where there are rows; if that is all, it grows with them again.
-fn stay_within(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
-    let shown = plot.plot_bounds();
-    let (low, width) = (shown.min()[0], shown.width());
+/// An empty plot with the axes, the bounds and the interactions of a card.
+fn configure<'a>(card: &'a Card<'_>, shared: &CardContext<'_>, palette: Palette) -> Plot<'a> {
+    let scale = card.scale;
+    let group = "learning";
+    let plot = Plot::new(card.title)
+        .height(HEIGHT)
+        // Without zoom there is nothing to drag, and a swipe scrolls the list of plots instead.
+        .sense(if shared.zoomed { Sense::click_and_drag() } else { Sense::click() })
+        .allow_drag([shared.zoomed, false])
+        .allow_zoom([true, false])
+        .allow_scroll(false)
+        .allow_axis_zoom_drag(false)
+        .allow_boxed_zoom(false)
+        .link_axis(group, [true, false])
+        .link_cursor(group, [true, false])
+        .cursor_color(palette.text.gamma_multiply(0.5))
+        .show_y(false)
+        .show_background(false)
+        .grid_color(palette.border)
+        .grid_fade(0.0)
+        .set_margin_fraction(vec2(0.0, 0.06))
+        .include_x(shared.range.0)
+        .include_x(shared.range.1)
+        .custom_x_axes(vec![
+            axis_hints(AxisHints::new_x(), palette).formatter(|mark, _| axis::format_env_steps(mark.value)),
+        ])
+        .custom_y_axes(vec![
+            axis_hints(AxisHints::new_y(), palette)
+                .min_thickness(AXIS_WIDTH)
+                .formatter(move |mark, _| scale.tick_label(mark.value, mark.step_size)),
+        ])
+        .x_grid_spacer(|input| axis::round_grid_marks(input.bounds, 4.0))
+        .y_grid_spacer(move |input| scale.grid_marks(input.bounds))
+        .label_formatter(|pointer| tooltip(card, pointer));
+    match scale.fixed_range() {
+        Some((low, high)) => plot.default_y_bounds(low, high),
+        None => scale
+            .included_values(card.traces.iter().map(|trace| trace.series), card.reference.map(|r| r.0))
+            .into_iter()
+            .fold(plot, Plot::include_y),
+    }
+}
+
+fn axis_hints(hints: AxisHints<'static>, palette: Palette) -> AxisHints<'static> {
+    let hints = hints.tick_label_font(FontId::proportional(SMALL)).tick_label_color(palette.weak_text);
+    hints.label_spacing(egui::Rangef::new(0.0, 1.0))
+}
+
+/// Moves the visible part of the x axis back into the range of the data; if it covers all of that, follow new
+/// data again.
+fn keep_in_range(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
+    let visible = plot.plot_bounds();
+    let (low, width) = (visible.min()[0], visible.width());
     if width >= to - from {
         plot.set_auto_bounds(true);
     } else if low < from {
@@ -145,6 +153,7 @@ fn stay_within(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
     }
 }
 
+/// Draws a line of a card in its style.
 fn draw<'a>(plot: &mut PlotUi<'a>, trace: &Trace<'a>) {
     let points = trace.series.points();
     let line = |width: f32, color: Color32| {
@@ -170,7 +179,7 @@ fn draw<'a>(plot: &mut PlotUi<'a>, trace: &Trace<'a>) {
     }
 }
 
-/// All that can be read at the pointer, in a line.
+/// The tooltip: the values of the lines at the pointer.
 fn tooltip(card: &Card<'_>, pointer: &egui_plot::HoverPosition<'_>) -> Option<String> {
     let (egui_plot::HoverPosition::NearDataPoint { position, .. }
     | egui_plot::HoverPosition::Elsewhere { position }) = pointer;

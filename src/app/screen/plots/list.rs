@@ -45,7 +45,7 @@ fn success(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
     let line = |name, series, color, style| Trace { name, short_name: name, series, color, style };
     Card {
         title: "Success rate",
-        about: "Share of goals reached. Greedy: regular tests of the policy without random actions, on starts and \
+        about: "Share of goals reached. Greedy: regular evaluations of the policy without random actions, on starts and \
                 goals it has not been trained on. In training: over the last 100 episodes, including random actions; \
                 the last goal of each episode counts as missed, even if only the time ran out",
         scale: AxisScale::Percent,

@@ -1,41 +1,42 @@
-//! A segmented control: a few choices in a row, of which one at most is on.
+//! A segmented control: a few choices in a row, of which at most one is selected.
 //!
-//! In: the choices and which one is on. Out: the one that was pressed.
+//! In: the choices and the selected one. Out: the one that was clicked.
 
 use egui::{FontId, Id, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, vec2};
 
 use crate::app::screen::theme::{BODY, Palette};
 
-/// One choice.
+/// One choice of a segmented control.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    /// What stands on it.
+    /// The text on it.
     pub text: String,
-    /// What a screen reader calls it.
+    /// The accessible name.
     pub name: String,
-    /// What it does, in a sentence.
+    /// The tooltip.
     pub tip: String,
 }
 
 impl Segment {
-    /// One that can be pressed, and is called what stands on it.
+    /// A choice whose accessible name is its text.
     pub fn new(text: &str, tip: impl Into<String>) -> Self {
         Self { text: text.into(), name: text.into(), tip: tip.into() }
     }
 }
 
 const HEIGHT: f32 = 28.0;
+/// Padding left and right of each text, in points.
 const SIDE: f32 = 10.0;
-/// What each may give away of that, both sides together, where there is little room.
-const CLOSER: f32 = 6.0;
+/// The most by which the padding of a segment, left and right together, shrinks where space is short.
+const MAX_SHRINK: f32 = 6.0;
 
-/// Draws them in a row, as wide as they need to be, or `width` in all, for which they come a little closer; answers with
-/// the one that was pressed.
+/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts need,
+/// or `width` points in all, as far as the padding can shrink.
 pub fn segments_ui(
     ui: &mut Ui,
     id: &str,
     segments: &[Segment],
-    on: Option<usize>,
+    selected: Option<usize>,
     width: Option<f32>,
 ) -> Option<usize> {
     let palette = Palette::from_ui(ui);
@@ -44,11 +45,11 @@ pub fn segments_ui(
         .iter()
         .map(|s| ui.painter().layout_no_wrap(s.text.clone(), font.clone(), egui::Color32::PLACEHOLDER))
         .collect();
-    let own: f32 = texts.iter().map(|text| text.size().x.ceil() + 2.0 * SIDE).sum();
-    let spare = width.map_or(0.0, |width| width - own) / segments.len().max(1) as f32;
-    let spare = spare.max(-CLOSER);
+    let natural: f32 = texts.iter().map(|text| text.size().x.ceil() + 2.0 * SIDE).sum();
+    let spare = width.map_or(0.0, |width| width - natural) / segments.len().max(1) as f32;
+    let spare = spare.max(-MAX_SHRINK);
     let (whole, _) =
-        ui.allocate_exact_size(vec2(own + spare * segments.len() as f32, HEIGHT), Sense::hover());
+        ui.allocate_exact_size(vec2(natural + spare * segments.len() as f32, HEIGHT), Sense::hover());
     let radius = ui.visuals().widgets.inactive.corner_radius;
     ui.painter().rect(
         whole,
@@ -57,7 +58,7 @@ pub fn segments_ui(
         Stroke::new(1.0, palette.border),
         StrokeKind::Inside,
     );
-    let mut pressed = None;
+    let mut clicked = None;
     let mut left = whole.left();
     for (k, (segment, text)) in segments.iter().zip(texts).enumerate() {
         let size = vec2(text.size().x.ceil() + 2.0 * SIDE + spare, HEIGHT);
@@ -65,9 +66,9 @@ pub fn segments_ui(
         left = rect.right();
         let part = ui.new_child(UiBuilder::new().max_rect(rect));
         let response = part.interact(rect, Id::new(id).with(k), Sense::click());
-        let chosen = on == Some(k);
+        let chosen = selected == Some(k);
         response.widget_info(|| WidgetInfo::selected(WidgetType::RadioButton, true, chosen, &segment.name));
-        let lit = response.hovered() || response.has_focus();
+        let highlighted = response.hovered() || response.has_focus();
         if chosen {
             let stroke = Stroke::new(1.0, palette.accent);
             part.painter().rect(
@@ -77,19 +78,19 @@ pub fn segments_ui(
                 stroke,
                 StrokeKind::Inside,
             );
-        } else if lit {
+        } else if highlighted {
             part.painter().rect_filled(rect.shrink(2.0), radius, palette.control);
         }
         if response.has_focus() {
             part.painter().rect_stroke(rect, radius, Stroke::new(2.0, palette.accent), StrokeKind::Inside);
         }
-        let ink = if chosen { palette.accent } else { palette.text };
+        let color = if chosen { palette.accent } else { palette.text };
         let at = rect.center() - text.size() / 2.0;
-        part.painter().galley(at, text, ink);
+        part.painter().galley(at, text, color);
         if response.clicked() {
-            pressed = Some(k);
+            clicked = Some(k);
         }
         response.on_hover_text(&segment.tip).on_disabled_hover_text(&segment.tip);
     }
-    pressed
+    clicked
 }

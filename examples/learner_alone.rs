@@ -1,0 +1,52 @@
+//! The learner without Bevy and without robots: double dueling DQN with prioritized replay in a corridor of five cells.
+//!
+//! `cargo run --release --no-default-features --example learner_alone`
+
+use wayfield_learning::{
+    Experience, Exploration, Learner, LearningConfig, NetworkConfig, Schedule, epsilon_greedy, greedy,
+};
+use wayfield_random::stream;
+
+/// Cells 0 to 4; the agent starts in the middle. Action 1 moves right, action 0 left. The right end gives 1.
+const CELLS: usize = 5;
+
+fn observation(cell: usize) -> [f32; CELLS] {
+    std::array::from_fn(|k| f32::from(k == cell))
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut config = LearningConfig {
+        network: NetworkConfig { hidden: vec![16], dueling: true },
+        learning_rate: Schedule::Constant(5e-3),
+        exploration: Exploration::Linear { start: 1.0, end: 0.1, env_steps: 1_000 },
+        batch_size: 16,
+        ..LearningConfig::default()
+    };
+    config.replay.learning_starts = 100;
+    let mut learner = Learner::new(&config, CELLS, 2, 1, 7)?;
+    let mut noise = stream(7, "corridor", 0);
+    let (mut cell, mut q) = (CELLS / 2, Vec::new());
+    for _ in 0..3_000 {
+        learner.q_values(&observation(cell), 1, &mut q);
+        let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut noise);
+        let next = if action == 1 { cell + 1 } else { cell - 1 };
+        let terminated = next == 0 || next == CELLS - 1;
+        learner.store(&Experience {
+            env_index: 0,
+            observation: &observation(cell),
+            action,
+            reward: f32::from(next == CELLS - 1),
+            next_observation: &observation(next),
+            terminated,
+            truncated: false,
+        });
+        learner.train()?;
+        cell = if terminated { CELLS / 2 } else { next };
+    }
+    for cell in 1..CELLS - 1 {
+        learner.q_values(&observation(cell), 1, &mut q);
+        println!("cell {cell}: Q(left) {:.2}, Q(right) {:.2}", q[0], q[1]);
+        assert_eq!(greedy(&q), 1, "the learner has found out that the reward is on the right");
+    }
+    Ok(())
+}

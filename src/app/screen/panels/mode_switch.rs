@@ -1,0 +1,61 @@
+//! The choice of mode in the toolbar: Train, Test, Drive, Compare, and the editor.
+
+use egui::Ui;
+
+use crate::app::commands::{Command, SessionMode};
+use crate::app::screen::editor::confirm_exit;
+use crate::app::screen::input::ScreenInput;
+use crate::app::screen::key_bindings::{Shortcut, with_key_hint};
+use crate::app::screen::widgets::segments::{self, Segment};
+use crate::app::view_state::ViewState;
+
+const MODES: [SessionMode; 4] =
+    [SessionMode::Train, SessionMode::Test, SessionMode::Drive, SessionMode::Compare];
+
+/// Draws the choice of mode, as wide as it needs or `width` points in all. Compare opens a second policy
+/// first if there is none.
+pub(super) fn mode_switch_ui(
+    ui: &mut Ui,
+    view: &ScreenInput<'_>,
+    view_state: &mut ViewState,
+    width: Option<f32>,
+    commands: &mut Vec<Command>,
+) {
+    let opened_policy = view.status.opened_policy.as_deref();
+    let expert = view.status.expert.as_deref();
+    let current = MODES.iter().position(|mode| *mode == view.status.mode);
+    let editing = view_state.editor.is_some();
+    let selected = if editing { Some(MODES.len()) } else { current };
+    let segments = segments(opened_policy, expert);
+    let Some(clicked) = segments::segments_ui(ui, "mode", &segments, selected, width) else { return };
+    let command = MODES.get(clicked).map(|mode| match (*mode, opened_policy, expert) {
+        (SessionMode::Compare, None, Some(_)) => Command::OpenExpert,
+        (SessionMode::Compare, None, None) => Command::OpenDialog,
+        (mode, ..) => Command::SetMode(mode),
+    });
+    match command {
+        Some(command) if editing => {
+            let command = (Some(clicked) != current).then_some(command);
+            confirm_exit::request_exit(ui.ctx(), view_state, command, commands)
+        }
+        Some(command) => commands.push(command),
+        None if !editing => confirm_exit::enter_editor(ui.ctx(), view, view_state, commands),
+        None => {}
+    }
+}
+
+fn segments(opened_policy: Option<&str>, expert: Option<&str>) -> [Segment; 5] {
+    let compare = match (opened_policy, expert) {
+        (Some(name), _) => format!("Compare the current policy with {name}, on the same goals"),
+        (None, Some(_)) => "Compare the current policy with an expert, or with one you open".into(),
+        (None, None) => "Open a second policy to compare with the current one".into(),
+    };
+    let edit = "Edit the scenario, save it, train in it";
+    [
+        Segment::new("Train", "Robots explore and learn"),
+        Segment::new("Test", "Test the current policy: no exploration, no learning"),
+        Segment::new("Drive", "Race the policy to the same goals: steer with the arrow keys"),
+        Segment::new("Compare", compare),
+        Segment::new("Edit", with_key_hint(edit, Shortcut::Edit)),
+    ]
+}

@@ -1,0 +1,152 @@
+//! Evaluation during training: the policies that the background evaluator is given, and the results it returns.
+//!
+//! In: the policy in training, whenever the preset asks for an evaluation. Out: rows of `evaluations.csv`, the curves, and
+//! the best policy. A result for a scenario that has changed since is discarded.
+
+use std::sync::Arc;
+
+use bevy::platform::cell::SyncCell;
+use bevy::prelude::*;
+
+use super::TrainingHistory;
+use super::notices::{NoticeTopic, notify};
+use super::training_run::TrainingRun;
+use crate::agent::ActiveLearner;
+use crate::app::app_snapshot::Severity;
+use crate::run::background_evaluator::{BackgroundEvaluator, Candidate, EvalResult};
+use crate::run::folder::RunConfig;
+use crate::run::metric_rows::EvaluationRow;
+use crate::run::{RunError, metrics};
+use crate::scenario::Scenario;
+use crate::task::CurrentScenario;
+
+/// The state of the background evaluator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum EvaluatorState {
+    /// Waits for a policy.
+    Idle,
+    /// Evaluates a policy.
+    Running,
+    /// Waits, but for the scenario before the last change: it is replaced before the next evaluation.
+    Outdated,
+    /// Evaluates a policy in the scenario before the last change: its result is discarded.
+    RunningOutdated,
+}
+
+/// The background evaluator and the results so far.
+#[derive(Resource)]
+pub struct Evaluations {
+    /// In a `SyncCell` because the evaluator's channel may be used by one thread at a time.
+    evaluator: SyncCell<BackgroundEvaluator>,
+    state: EvaluatorState,
+    /// Results so far, oldest first.
+    pub(super) rows: Vec<EvaluationRow>,
+}
+
+impl Evaluations {
+    /// An idle evaluator for the policies of a training in `scenario`.
+    pub(super) fn new(config: &RunConfig, scenario: &Arc<Scenario>) -> Self {
+        Self {
+            evaluator: SyncCell::new(evaluator(config, scenario)),
+            state: EvaluatorState::Idle,
+            rows: Vec::new(),
+        }
+    }
+
+    /// Whether a policy is being evaluated.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        matches!(self.state, EvaluatorState::Running | EvaluatorState::RunningOutdated)
+    }
+
+    /// Marks the evaluator as outdated: the scenario of the training has changed.
+    pub(super) fn mark_outdated(&mut self) {
+        self.state =
+            if self.is_running() { EvaluatorState::RunningOutdated } else { EvaluatorState::Outdated };
+    }
+
+    /// Ends a running evaluation.
+    fn finish(&mut self) {
+        self.state = match self.state {
+            EvaluatorState::Idle | EvaluatorState::Running => EvaluatorState::Idle,
+            EvaluatorState::Outdated | EvaluatorState::RunningOutdated => EvaluatorState::Outdated,
+        };
+    }
+
+    fn submit(
+        &mut self,
+        config: &RunConfig,
+        scenario: &Arc<Scenario>,
+        candidate: Candidate,
+    ) -> Result<(), RunError> {
+        if self.state == EvaluatorState::Outdated {
+            self.evaluator = SyncCell::new(evaluator(config, scenario));
+        }
+        self.state = EvaluatorState::Running;
+        self.evaluator.get().submit(candidate)
+    }
+
+    /// The next result for the present scenario, if there is one. With `wait`, blocks until a running evaluation is done.
+    fn poll(&mut self, wait: bool) -> Result<Option<EvalResult>, RunError> {
+        while let Some(result) = self.evaluator.get().poll(wait)? {
+            self.finish();
+            if self.state == EvaluatorState::Idle {
+                return Ok(Some(result));
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn evaluator(config: &RunConfig, scenario: &Arc<Scenario>) -> BackgroundEvaluator {
+    let seed = metrics::evaluation_seed(config.seed);
+    BackgroundEvaluator::new(scenario, config.preset.evaluation.episodes, seed, &config.extensions)
+}
+
+/// Whether the preset asks for an evaluation now.
+pub(super) fn is_due(world: &World) -> bool {
+    let next_evaluation = world.resource::<TrainingRun>().trainer_state.next_evaluation;
+    world.resource::<ActiveLearner>().0.env_steps() >= next_evaluation
+}
+
+/// Gives the policy in training to the evaluator, and schedules the next evaluation.
+///
+/// # Errors
+/// The evaluator's thread has ended.
+pub(super) fn submit(world: &mut World) -> Result<(), RunError> {
+    let scenario = world.resource::<CurrentScenario>().0.clone();
+    let candidate = metrics::candidate(&world.resource::<TrainingRun>().config, world);
+    world.resource_scope(|world, mut run: Mut<TrainingRun>| {
+        run.trainer_state.next_evaluation += run.config.preset.evaluation.every_env_steps;
+        run.trainer_state.evaluated_at = Some(candidate.env_steps);
+        world.resource_mut::<Evaluations>().submit(&run.config, &scenario, candidate)
+    })
+}
+
+/// Records every finished evaluation. With `wait`, waits for a running one first.
+///
+/// # Errors
+/// An evaluation failed, or the evaluator's thread has ended.
+pub(super) fn record_finished(world: &mut World, wait: bool) -> Result<(), RunError> {
+    while let Some(result) = world.resource_mut::<Evaluations>().poll(wait)? {
+        let run = world.resource_mut::<TrainingRun>().into_inner();
+        let wall_s = run.wall_s();
+        let noted = metrics::record_evaluation(&run.config, &mut run.trainer_state, result, wall_s)?;
+        world.resource_mut::<TrainingHistory>().0.push_evaluation(&noted.row);
+        world.resource_mut::<Evaluations>().rows.push(noted.row);
+    }
+    Ok(())
+}
+
+/// Records every finished evaluation. If the evaluator has failed, another one takes its place and a running evaluation is
+/// lost.
+pub(super) fn record_finished_or_restart(world: &mut World) {
+    let Err(error) = record_finished(world, false) else { return };
+    notify(world, NoticeTopic::Evaluation, Severity::Error, error.to_string());
+    let scenario = world.resource::<CurrentScenario>().0.clone();
+    world.resource_scope(|world, run: Mut<TrainingRun>| {
+        let mut evaluations = world.resource_mut::<Evaluations>();
+        evaluations.evaluator = SyncCell::new(evaluator(&run.config, &scenario));
+        evaluations.finish();
+    });
+}

@@ -1,0 +1,140 @@
+//! Notices: messages to the user, one per topic.
+//!
+//! In: what happened. Out: the [`Notice`]s that the screen shows. Confirmations disappear after a while, errors stay until
+//! they are dismissed or their topic has better news.
+
+use std::time::Duration;
+
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+
+use crate::app::app_snapshot::{Notice, Severity};
+
+/// At most this many notices are kept; the oldest goes first.
+const MAX_NOTICES: usize = 4;
+
+/// Time after which a confirmation disappears.
+const INFO_NOTICE_DURATION: Duration = Duration::from_secs(8);
+
+/// The subject of a notice. A newer notice replaces the one with the same topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoticeTopic {
+    /// No particular subject: replaces only a notice with the same text.
+    General,
+    /// A file or folder, by its path.
+    File(String),
+    /// An object that the user tried to move.
+    Move,
+    /// A warning about the present training. A new training removes it.
+    TrainingWarning,
+    /// The error that stopped the present training. A new training removes it.
+    TrainingFailure,
+    /// Evaluation during training.
+    Evaluation,
+}
+
+struct Entry {
+    topic: NoticeTopic,
+    notice: Notice,
+    since: Instant,
+}
+
+/// The notices that are shown, oldest first.
+#[derive(Resource, Default)]
+pub struct Notices(Vec<Entry>);
+
+impl Notices {
+    /// Adds a notice, in place of an earlier one with the same topic.
+    pub fn add(&mut self, topic: NoticeTopic, severity: Severity, text: impl Into<String>) {
+        let text = text.into();
+        match topic {
+            NoticeTopic::General => self.0.retain(|entry| entry.notice.text != text),
+            _ => self.remove(&topic),
+        }
+        if self.0.len() == MAX_NOTICES {
+            self.0.remove(0);
+        }
+        self.0.push(Entry { topic, notice: Notice { severity, text }, since: Instant::now() });
+    }
+
+    /// Removes the notice about `topic`, if there is one.
+    pub(super) fn remove(&mut self, topic: &NoticeTopic) {
+        self.0.retain(|entry| entry.topic != *topic);
+    }
+
+    /// Removes an error about `topic`; a confirmation stays.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn remove_error(&mut self, topic: &NoticeTopic) {
+        self.0.retain(|entry| entry.topic != *topic || entry.notice.severity != Severity::Error);
+    }
+
+    /// Removes what was reported about a training that is being replaced.
+    pub(super) fn remove_training(&mut self) {
+        self.remove(&NoticeTopic::TrainingWarning);
+        self.remove(&NoticeTopic::TrainingFailure);
+    }
+
+    /// Removes the notice at `index`, if there is one.
+    pub(super) fn dismiss(&mut self, index: usize) {
+        if index < self.0.len() {
+            self.0.remove(index);
+        }
+    }
+
+    /// The notices, oldest first.
+    #[must_use]
+    pub fn list(&self) -> Vec<Notice> {
+        self.0.iter().map(|entry| entry.notice.clone()).collect()
+    }
+
+    fn remove_expired(&mut self) {
+        self.0.retain(|entry| {
+            entry.notice.severity == Severity::Error || entry.since.elapsed() < INFO_NOTICE_DURATION
+        });
+    }
+}
+
+/// Removes confirmations that have been shown long enough.
+pub(super) fn expire(mut notices: ResMut<Notices>) {
+    notices.remove_expired();
+}
+
+/// Adds a notice to the world's [`Notices`].
+pub(super) fn notify(world: &mut World, topic: NoticeTopic, severity: Severity, text: impl Into<String>) {
+    world.resource_mut::<Notices>().add(topic, severity, text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(notices: &Notices) -> Vec<String> {
+        notices.list().into_iter().map(|notice| notice.text).collect()
+    }
+
+    #[test]
+    fn a_newer_notice_replaces_the_one_with_the_same_topic() {
+        let mut notices = Notices::default();
+        let file = |name: &str| NoticeTopic::File(name.into());
+        notices.add(file("a.ron"), Severity::Error, "a is broken");
+        notices.add(file("b.ron"), Severity::Error, "b is broken");
+        notices.add(file("a.ron"), Severity::Info, "a is loaded");
+        assert_eq!(texts(&notices), ["b is broken", "a is loaded"]);
+        notices.add(NoticeTopic::General, Severity::Error, "one");
+        notices.add(NoticeTopic::General, Severity::Error, "two");
+        notices.add(NoticeTopic::General, Severity::Error, "one");
+        assert_eq!(texts(&notices), ["b is broken", "a is loaded", "two", "one"]);
+    }
+
+    #[test]
+    fn no_more_than_four_notices_are_kept() {
+        let mut notices = Notices::default();
+        for k in 0..9 {
+            notices.add(NoticeTopic::General, Severity::Error, k.to_string());
+        }
+        assert_eq!(texts(&notices), ["5", "6", "7", "8"]);
+        notices.dismiss(1);
+        notices.dismiss(9);
+        assert_eq!(texts(&notices), ["5", "7", "8"]);
+    }
+}

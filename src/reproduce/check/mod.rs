@@ -1,0 +1,276 @@
+//! The check of an experiment: everything invalid in it, with the path of the field and the fix.
+//!
+//! Scenarios and presets that it names are checked when they are loaded.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `sizes.rs` | limits on the size of the file |
+//! | `collector.rs` | the diagnostics found |
+
+mod collector;
+mod sizes;
+
+use collector::Collector;
+use sizes::MAX_SEEDS;
+
+use super::claim::Claim;
+use super::experiment::{Arm, Experiment, TestedPolicy};
+use super::figure_spec::FigureKind;
+use super::measure::Measure;
+use super::table_spec::TableKind;
+use crate::run::limits::MAX_STEPS;
+use crate::run::preset::Budget;
+use crate::scenario::{Diagnostic, closest_name};
+
+/// All diagnostics of `experiment`. If it exceeds a size limit, only those are reported.
+pub(super) fn diagnostics(experiment: &Experiment) -> Vec<Diagnostic> {
+    let mut check = Check { arms: &experiment.arms, found: Collector::default() };
+    sizes::check(&mut check.found, experiment);
+    if check.found.diagnostics.is_empty() {
+        check.header(experiment);
+        check.arms();
+        check.found.names("conditions", experiment.conditions.iter().map(|c| c.name.as_str()));
+        check.figures(experiment);
+        check.tables(experiment);
+    }
+    check.found.diagnostics
+}
+
+/// The check of a file within the size limits.
+struct Check<'a> {
+    arms: &'a [Arm],
+    found: Collector,
+}
+
+impl Check<'_> {
+    fn header(&mut self, experiment: &Experiment) {
+        let found = &mut self.found;
+        if experiment.title.trim().is_empty() {
+            found.add("title", "is empty; help: write what the experiment is about");
+        }
+        found.range("seeds", experiment.seeds, 1, MAX_SEEDS);
+        found.range("test.rounds", experiment.test.rounds as u64, 1, 1000);
+        found.range("test.episodes", experiment.test.episodes as u64, 1, 10_000);
+        if let Some(rule) = &experiment.evaluation {
+            found.range("evaluation.every_env_steps", rule.every_env_steps, 1, u64::MAX);
+            found.range("evaluation.episodes", rule.episodes as u64, 1, 100_000);
+        }
+        if experiment.figures.is_empty() && experiment.tables.is_empty() {
+            found.add("tables", "is empty, and so is figures; help: give at least one figure or table");
+        }
+    }
+
+    fn arms(&mut self) {
+        if self.arms.is_empty() {
+            self.found.add("arms", "is empty; help: give at least one arm");
+        }
+        self.found.names("arms", self.arms.iter().map(|arm| arm.name.as_str()));
+        for (i, arm) in self.arms.iter().enumerate() {
+            if arm.stages.is_empty() {
+                self.found.add(&format!("arms[{i}].stages"), "is empty; help: give at least one stage");
+            }
+            for (k, stage) in arm.stages.iter().enumerate() {
+                let at = format!("arms[{i}].stages[{k}]");
+                if let Some(Budget::Episodes(n) | Budget::EnvSteps(n)) = stage.budget {
+                    self.found.range(&format!("{at}.budget"), n, 1, MAX_STEPS);
+                }
+                self.epsilon(&format!("{at}.epsilon"), stage.epsilon, k == 0);
+            }
+        }
+    }
+
+    fn epsilon(&mut self, path: &str, epsilon: Option<f32>, is_first_stage: bool) {
+        match epsilon {
+            Some(x) if !(0.0..=1.0).contains(&x) => {
+                self.found.add(path, format!("is {x}; help: give 0 to 1"));
+            }
+            Some(_) if is_first_stage => self.found.add(
+                path,
+                "is only for stages that start from another stage's weights; help: set epsilon in the preset",
+            ),
+            _ => {}
+        }
+    }
+
+    fn figures(&mut self, experiment: &Experiment) {
+        for (i, figure) in experiment.figures.iter().enumerate() {
+            let at = format!("figures[{i}]");
+            self.found.file_name(&format!("{at}.name"), &figure.name);
+            match &figure.draw {
+                FigureKind::LearningCurves { series, smoothing, .. } => {
+                    if series.is_empty() {
+                        self.found.add(&format!("{at}.draw.series"), "is empty; help: give [Return]");
+                    }
+                    self.found.range(&format!("{at}.draw.smoothing"), *smoothing as u64, 1, 10_000);
+                }
+                FigureKind::DotPlot { measures, after } => {
+                    self.measures(&format!("{at}.draw.measures"), measures);
+                    self.after(&format!("{at}.draw.after"), *after, false);
+                }
+                FigureKind::BenchmarkRoute { after } => {
+                    self.after(&format!("{at}.draw.after"), *after, false);
+                }
+            }
+            self.claims(&at, &figure.claims);
+        }
+    }
+
+    fn tables(&mut self, experiment: &Experiment) {
+        for (i, table) in experiment.tables.iter().enumerate() {
+            let at = format!("tables[{i}]");
+            self.found.file_name(&format!("{at}.name"), &table.name);
+            self.table_kind(&format!("{at}.show"), &table.show);
+            self.claims(&at, &table.claims);
+        }
+        let names = experiment.figures.iter().map(|f| f.name.as_str());
+        self.found.names("figures", names.chain(experiment.tables.iter().map(|t| t.name.as_str())));
+    }
+
+    fn table_kind(&mut self, at: &str, kind: &TableKind) {
+        let after_path = format!("{at}.after");
+        match kind {
+            TableKind::Seeds { measure, after, paper } => {
+                self.measures(&format!("{at}.measure"), &[*measure]);
+                self.after(&after_path, *after, false);
+                paper.iter().for_each(|(name, _)| self.arm(&format!("{at}.paper"), name));
+            }
+            TableKind::Rounds { after, paper } => {
+                self.after(&after_path, *after, false);
+                paper.iter().for_each(|(name, _)| self.arm(&format!("{at}.paper"), name));
+            }
+            TableKind::Measures { measures, after } => {
+                self.measures(&format!("{at}.measures"), measures);
+                self.after(&after_path, *after, false);
+            }
+            TableKind::Contrast { measures, better, than, after, of_last_stage } => {
+                self.measures(&format!("{at}.measures"), measures);
+                self.arm(&format!("{at}.better"), better);
+                self.arm(&format!("{at}.than"), than);
+                if after.is_empty() {
+                    self.found.add(&after_path, "is empty; help: give at least one number of episodes");
+                }
+                for after in after {
+                    self.after(&after_path, *after, *of_last_stage);
+                }
+            }
+        }
+    }
+
+    fn claims(&mut self, at: &str, claims: &[Claim]) {
+        for (i, claim) in claims.iter().enumerate() {
+            let at = format!("{at}.claims[{i}]");
+            self.measures(&format!("{at}.measure"), &[claim.measure]);
+            self.arm(&format!("{at}.better"), &claim.better);
+            self.arm(&format!("{at}.than"), &claim.than);
+            self.after(&format!("{at}.after"), claim.after, claim.of_last_stage);
+        }
+    }
+
+    /// The name of an arm must exist.
+    fn arm(&mut self, path: &str, name: &str) {
+        if self.arms.iter().any(|arm| arm.name == name) {
+            return;
+        }
+        let names = || self.arms.iter().map(|arm| arm.name.as_str());
+        let help = match closest_name(name, names()) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => format!("the arms are: {}", names().collect::<Vec<_>>().join(", ")),
+        };
+        self.found.add(path, format!("names \"{name}\", but there is no such arm; help: {help}"));
+    }
+
+    fn measures(&mut self, path: &str, measures: &[Measure]) {
+        if measures.is_empty() {
+            self.found.add(path, "is empty; help: give [Success]");
+        }
+        for reason in measures.iter().filter_map(|measure| measure.invalid_reason()) {
+            self.found.add(path, reason);
+        }
+    }
+
+    /// Every arm whose policy is tested after `after` episodes must be trained that long.
+    fn after(&mut self, path: &str, after: u64, of_last_stage: bool) {
+        self.found.range(path, after, 1, MAX_STEPS);
+        for arm in self.arms.iter().filter(|arm| arm.policy == TestedPolicy::AtEpisode) {
+            let first = if of_last_stage { arm.stages.len().saturating_sub(1) } else { 0 };
+            let budgets = arm.stages[first..].iter().map(|stage| match stage.budget {
+                Some(Budget::Episodes(n)) => Some(n),
+                // A budget of the preset is checked when the preset is loaded.
+                _ => None,
+            });
+            if let Some(total) = total(budgets).filter(|&total| total < after) {
+                let message = format!(
+                    "is {after}, but arm \"{}\" is trained for {total} episodes; help: reduce it, or train longer",
+                    arm.name
+                );
+                self.found.add(path, message);
+            }
+        }
+    }
+}
+
+/// The sum of counts, saturating; `None` if any is unknown.
+fn total(mut counts: impl Iterator<Item = Option<u64>>) -> Option<u64> {
+    counts.try_fold(0_u64, |sum, count| Some(sum.saturating_add(count?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::shipped;
+
+    /// A change that makes a valid experiment invalid, and the path of the field that must be reported.
+    type Breakage = (&'static str, fn(&mut Experiment));
+
+    #[test]
+    fn files_beyond_the_size_limits_are_rejected_before_their_contents_are_checked() {
+        let text = shipped::experiments().find(|(from, _)| from.ends_with("fig10.ron")).expect("shipped").1;
+        let valid = Experiment::parse(text, "fig10.ron").expect("it is valid");
+        let breakages: &[Breakage] = &[
+            ("title", |e| e.title = "x".repeat(201)),
+            ("arms", |e| e.arms = vec![e.arms[0].clone(); 201]),
+            ("arms[0].stages", |e| e.arms[0].stages = vec![e.arms[0].stages[0].clone(); 21]),
+            ("arms[0].stages[0].scenario", |e| e.arms[0].stages[0].scenario = "x".repeat(4097)),
+            ("arms[0].stages[0].budget", |e| {
+                e.arms[0].stages[0].budget = Some(Budget::Episodes(u64::MAX));
+            }),
+            ("figures", |e| e.figures = vec![e.figures[0].clone(); 201]),
+            ("tables", |e| e.tables = vec![e.tables[0].clone(); 201]),
+            ("tables[0].claims", |e| {
+                let claim = Claim {
+                    statement: String::new(),
+                    measure: Measure::Success,
+                    better: "nobody".into(),
+                    than: "nobody".into(),
+                    after: 1,
+                    of_last_stage: false,
+                };
+                e.tables[0].claims = vec![claim; 201];
+            }),
+            // 1,000 seeds with at least 11 trainings each.
+            ("seeds", |e| {
+                let stage = e.arms[0].stages[0].clone();
+                (e.seeds, e.arms[0].stages) = (1000, vec![stage; 11]);
+            }),
+            ("seeds", |e| e.seeds = u64::MAX),
+            ("tables[0].show.paper[0][1]", |e| {
+                let paper = vec![("nobody".into(), f64::NAN)];
+                e.tables[0].show = TableKind::Seeds { measure: Measure::Success, after: 1, paper };
+            }),
+        ];
+        for (path, breakage) in breakages {
+            let mut broken = valid.clone();
+            breakage(&mut broken);
+            let found = diagnostics(&broken);
+            assert!(found.iter().any(|diagnostic| diagnostic.path == *path), "{path}: {found:?}");
+            assert!(found.len() < 10, "{path}: too many other diagnostics: {found:?}");
+        }
+    }
+
+    #[test]
+    fn sums_of_episodes_saturate() {
+        assert_eq!(total([Some(3), Some(4)].into_iter()), Some(7));
+        assert_eq!(total([Some(u64::MAX), Some(4)].into_iter()), Some(u64::MAX));
+        assert_eq!(total([Some(3), None].into_iter()), None);
+    }
+}

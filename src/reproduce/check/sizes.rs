@@ -1,0 +1,143 @@
+//! Limits on the size of an experiment's file: numbers of entries, lengths of texts, and the number of trainings.
+
+use super::collector::Collector;
+use crate::reproduce::claim::Claim;
+use crate::reproduce::experiment::{Arm, Experiment};
+use crate::reproduce::figure_spec::{FigureKind, FigureSpec};
+use crate::reproduce::table_spec::{TableKind, TableSpec};
+
+/// Most seeds of an experiment.
+pub(super) const MAX_SEEDS: u64 = 1000;
+/// Most arms, conditions, figures, tables or claims, and most numbers or names in one of their lists.
+const MAX_ENTRIES: usize = 200;
+/// Most panels of a figure.
+const MAX_SERIES: usize = 10;
+/// Most columns of a figure or table.
+const MAX_MEASURES: usize = 20;
+/// Most rounds of the paper in a table.
+const MAX_ROUNDS: usize = 1000;
+/// Most stages of an arm.
+const MAX_STAGES: usize = 20;
+/// Most trainings of an experiment. A larger plan takes long to make, and would not finish.
+const MAX_TRAININGS: u64 = 10_000;
+/// Most characters of a name or heading.
+const MAX_NAME_CHARS: usize = 200;
+/// Most characters of a path.
+const MAX_PATH_CHARS: usize = 4096;
+/// Most characters of a text.
+const MAX_TEXT_CHARS: usize = 20_000;
+
+/// Adds a diagnostic for everything in `experiment` that is too large.
+pub(super) fn check(found: &mut Collector, experiment: &Experiment) {
+    let Experiment { title, about, arms, conditions, figures, tables, .. } = experiment;
+    found.text("title", title, MAX_NAME_CHARS);
+    found.text("about", about, MAX_TEXT_CHARS);
+    found.count("arms", arms.len(), MAX_ENTRIES);
+    for (i, arm) in arms.iter().enumerate().take(MAX_ENTRIES) {
+        check_arm(found, &format!("arms[{i}]"), arm);
+    }
+    found.count("conditions", conditions.len(), MAX_ENTRIES);
+    for (i, condition) in conditions.iter().enumerate().take(MAX_ENTRIES) {
+        found.text(&format!("conditions[{i}].name"), &condition.name, MAX_NAME_CHARS);
+        let scenario = condition.overrides.scenario.as_deref().unwrap_or_default();
+        found.text(&format!("conditions[{i}].overrides.scenario"), scenario, MAX_PATH_CHARS);
+    }
+    found.count("figures", figures.len(), MAX_ENTRIES);
+    for (i, figure) in figures.iter().enumerate().take(MAX_ENTRIES) {
+        check_figure(found, &format!("figures[{i}]"), figure);
+    }
+    found.count("tables", tables.len(), MAX_ENTRIES);
+    for (i, table) in tables.iter().enumerate().take(MAX_ENTRIES) {
+        check_table(found, &format!("tables[{i}]"), table);
+    }
+    check_trainings(found, experiment);
+}
+
+fn check_arm(found: &mut Collector, at: &str, arm: &Arm) {
+    found.text(&format!("{at}.name"), &arm.name, MAX_NAME_CHARS);
+    found.count(&format!("{at}.stages"), arm.stages.len(), MAX_STAGES);
+    for (k, stage) in arm.stages.iter().enumerate().take(MAX_STAGES) {
+        let at = format!("{at}.stages[{k}]");
+        found.text(&format!("{at}.scenario"), &stage.scenario, MAX_PATH_CHARS);
+        found.text(&format!("{at}.preset"), &stage.preset, MAX_PATH_CHARS);
+        let scenario = stage.overrides.scenario.as_deref().unwrap_or_default();
+        found.text(&format!("{at}.overrides.scenario"), scenario, MAX_PATH_CHARS);
+    }
+}
+
+fn check_figure(found: &mut Collector, at: &str, figure: &FigureSpec) {
+    found.text(&format!("{at}.title"), &figure.title, MAX_NAME_CHARS);
+    found.text(&format!("{at}.caption"), &figure.caption, MAX_TEXT_CHARS);
+    check_claims(found, at, &figure.claims);
+    match &figure.draw {
+        FigureKind::LearningCurves { series, reference_lines, .. } => {
+            found.count(&format!("{at}.draw.series"), series.len(), MAX_SERIES);
+            found.count(&format!("{at}.draw.reference_lines"), reference_lines.len(), MAX_ENTRIES);
+            for (k, line) in reference_lines.iter().enumerate().take(MAX_ENTRIES) {
+                let at = format!("{at}.draw.reference_lines[{k}]");
+                found.value(&format!("{at}.value"), line.value);
+                found.text(&format!("{at}.label"), &line.label, MAX_NAME_CHARS);
+            }
+        }
+        FigureKind::DotPlot { measures, .. } => {
+            found.count(&format!("{at}.draw.measures"), measures.len(), MAX_MEASURES);
+        }
+        FigureKind::BenchmarkRoute { .. } => {}
+    }
+}
+
+fn check_table(found: &mut Collector, at: &str, table: &TableSpec) {
+    found.text(&format!("{at}.title"), &table.title, MAX_NAME_CHARS);
+    found.count(&format!("{at}.aliases"), table.aliases.len(), MAX_ENTRIES);
+    for (k, name) in table.aliases.iter().enumerate().take(MAX_ENTRIES) {
+        found.text(&format!("{at}.aliases[{k}]"), name, MAX_NAME_CHARS);
+    }
+    check_claims(found, at, &table.claims);
+    let at = format!("{at}.show");
+    match &table.show {
+        TableKind::Seeds { paper, .. } => {
+            found.count(&format!("{at}.paper"), paper.len(), MAX_ENTRIES);
+            for (k, (_, value)) in paper.iter().enumerate().take(MAX_ENTRIES) {
+                found.value(&format!("{at}.paper[{k}][1]"), *value);
+            }
+        }
+        TableKind::Rounds { paper, .. } => {
+            found.count(&format!("{at}.paper"), paper.len(), MAX_ENTRIES);
+            for (k, (_, rounds)) in paper.iter().enumerate().take(MAX_ENTRIES) {
+                found.count(&format!("{at}.paper[{k}][1]"), rounds.len(), MAX_ROUNDS);
+                for (j, value) in rounds.iter().enumerate().take(MAX_ROUNDS) {
+                    found.value(&format!("{at}.paper[{k}][1][{j}]"), *value);
+                }
+            }
+        }
+        TableKind::Measures { measures, .. } => {
+            found.count(&format!("{at}.measures"), measures.len(), MAX_MEASURES);
+        }
+        TableKind::Contrast { measures, after, .. } => {
+            found.count(&format!("{at}.measures"), measures.len(), MAX_MEASURES);
+            found.count(&format!("{at}.after"), after.len(), MAX_ENTRIES);
+        }
+    }
+}
+
+fn check_claims(found: &mut Collector, at: &str, claims: &[Claim]) {
+    found.count(&format!("{at}.claims"), claims.len(), MAX_ENTRIES);
+    for (k, claim) in claims.iter().enumerate().take(MAX_ENTRIES) {
+        found.text(&format!("{at}.claims[{k}].statement"), &claim.statement, MAX_TEXT_CHARS);
+    }
+}
+
+fn check_trainings(found: &mut Collector, experiment: &Experiment) {
+    let seeds = experiment.seeds;
+    let stages: u64 = experiment.arms.iter().map(|arm| arm.stages.len() as u64).sum();
+    let conditions = experiment.conditions.len().max(1) as u64;
+    let trainings = seeds.saturating_mul(stages).saturating_mul(conditions);
+    // A number of seeds that is itself out of range has its own diagnostic.
+    if trainings > MAX_TRAININGS && seeds <= MAX_SEEDS {
+        let message = format!(
+            "is {seeds}, which makes {trainings} trainings with these arms and conditions; help: reduce it to at most \
+             {MAX_TRAININGS} trainings"
+        );
+        found.add("seeds", message);
+    }
+}

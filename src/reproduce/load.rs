@@ -1,0 +1,40 @@
+//! Reading and checking an experiment's file.
+
+use std::path::Path;
+
+use super::check;
+use super::experiment::Experiment;
+use crate::scenario::{Diagnostic, FileError, parse_ron, read_text};
+
+impl Experiment {
+    /// The experiment in the file at `path`, checked.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not an experiment, or has invalid values. The error names file, line and column, and
+    /// how to fix it.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        Self::parse(&read_text(path)?, path)
+    }
+
+    /// The experiment in `text`, checked; `path` is only used in errors.
+    ///
+    /// # Errors
+    /// As [`Experiment::load`].
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let experiment: Self = parse_ron(text, path)?;
+        let diagnostics = experiment.diagnostics();
+        if diagnostics.is_empty() {
+            Ok(experiment)
+        } else {
+            Err(FileError::from_diagnostics(path, text, &diagnostics))
+        }
+    }
+
+    /// All invalid values, with their fixes; empty for a valid experiment.
+    #[must_use]
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        check::diagnostics(self)
+    }
+}

@@ -1,0 +1,20 @@
+//! The options of `--reproduce`.
+
+use std::path::PathBuf;
+
+/// What to reproduce, and how.
+#[derive(Clone, Debug, Default)]
+pub struct ReproduceOptions {
+    /// Experiment files of the user; if there are none, all shipped experiments.
+    pub experiments: Vec<PathBuf>,
+    /// Names of figures, tables or experiments; if there are none, all of them.
+    pub only: Vec<String>,
+    /// The number of seeds, instead of the experiments' own.
+    pub seeds: Option<u64>,
+    /// Whether to run a short version with a tenth of the episodes.
+    pub quick: bool,
+    /// The report's folder, instead of the default one.
+    pub out: Option<PathBuf>,
+    /// The number of runs in parallel, instead of one per core.
+    pub jobs: Option<usize>,
+}

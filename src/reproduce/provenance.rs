@@ -1,0 +1,57 @@
+//! How a report was made: version, command, seeds, trainings, machine and time.
+
+use super::plan::RunPlan;
+use super::results::Results;
+use crate::report::format::number;
+use crate::run::preset::Budget;
+
+/// The provenance of a report, as names and values.
+pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f64) -> Vec<(String, String)> {
+    let seeds = plan.trainings.iter().map(|training| training.config.seed).max().unwrap_or(0);
+    let episodes = plan.trainings.iter().map(|training| match training.config.preset.budget {
+        Budget::Episodes(n) => n,
+        Budget::EnvSteps(_) => 0,
+    });
+    let command: Vec<String> = std::env::args().skip(1).collect();
+    let entries = [
+        ("Version", format!("wayfield {}", env!("CARGO_PKG_VERSION"))),
+        ("Command", format!("wayfield {}", command.join(" "))),
+        ("Seeds", if seeds == 1 { "1".into() } else { format!("1 to {seeds}") }),
+        (
+            "Trainings",
+            format!(
+                "{}: {} episodes (trainings with a budget in environment steps not counted), {} environment steps",
+                plan.trainings.len(),
+                number(episodes.sum::<u64>() as f64, 0),
+                number(results.total_env_steps() as f64, 0)
+            ),
+        ),
+        ("Machine", machine()),
+        (
+            "Time",
+            format!(
+                "{:.1} minutes with {jobs} runs in parallel; {:.1} minutes as the sum of all runs",
+                wall_s / 60.0,
+                results.total_wall_minutes()
+            ),
+        ),
+    ];
+    entries.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// Processor, cores, memory and operating system, as far as they are known.
+fn machine() -> String {
+    let mut parts = Vec::new();
+    if let Ok(mut system) = sysinfo::System::new() {
+        system.refresh_memory();
+        system.refresh_cpu_all();
+        let cpus = system.cpus();
+        if let Some(cpu) = cpus.first() {
+            parts.push(cpu.brand().trim().to_string());
+        }
+        parts.push(format!("{} cores", cpus.len()));
+        parts.push(format!("{:.0} GiB", system.total_memory() as f64 / f64::from(1 << 30)));
+    }
+    parts.push(sysinfo::System::long_os_version().unwrap_or_else(|_| std::env::consts::OS.into()));
+    parts.join(", ")
+}

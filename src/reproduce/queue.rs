@@ -1,0 +1,97 @@
+//! The queue of trainings: hands out those whose origin is finished, and collects the results.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError};
+
+use super::plan::RunPlan;
+use crate::run::RunError;
+use crate::run::preset::Budget;
+
+/// The trainings that are not finished.
+pub struct Queue<'a> {
+    plan: &'a RunPlan,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+struct State {
+    /// Trainings not started yet, the most urgent first.
+    waiting: Vec<usize>,
+    done: BTreeSet<usize>,
+    running: usize,
+    failed: Option<RunError>,
+}
+
+impl<'a> Queue<'a> {
+    pub fn new(plan: &'a RunPlan) -> Self {
+        let mut waiting: Vec<usize> = (0..plan.trainings.len()).collect();
+        // First those that others start from, then the longest, so that all cores stay busy until the end.
+        let urgency = |&index: &usize| {
+            let is_origin = plan.trainings.iter().any(|t| t.origin == Some(index));
+            let length = match plan.trainings[index].config.preset.budget {
+                Budget::Episodes(n) => n,
+                Budget::EnvSteps(n) => n / 2000,
+            };
+            (std::cmp::Reverse(is_origin), std::cmp::Reverse(length))
+        };
+        waiting.sort_by_key(urgency);
+        let state = State { waiting, done: BTreeSet::new(), running: 0, failed: None };
+        Self { plan, state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    /// The next training that can start; waits for one if necessary. `None` when there is nothing left to do.
+    pub fn next(&self, stop: &AtomicBool) -> Option<usize> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if stop.load(Ordering::Relaxed) || state.failed.is_some() || state.waiting.is_empty() {
+                return None;
+            }
+            let ready = |&index: &usize| match self.plan.trainings[index].origin {
+                Some(from) => state.done.contains(&from),
+                None => true,
+            };
+            if let Some(at) = state.waiting.iter().position(ready) {
+                state.running += 1;
+                return Some(state.waiting.remove(at));
+            }
+            if state.running == 0 {
+                return None;
+            }
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Records the result of training `index`: `Ok(true)` if it is finished, `Ok(false)` if it was stopped.
+    ///
+    /// After a failure, `stop` is set: the other runs write a checkpoint and stop.
+    pub fn finish(&self, index: usize, result: Result<bool, RunError>, stop: &AtomicBool) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.running -= 1;
+        match result {
+            Ok(true) => {
+                state.done.insert(index);
+            }
+            Ok(false) => {}
+            Err(error) => {
+                let name = &self.plan.trainings[index].name;
+                let error = match error {
+                    RunError::Failed(why) => RunError::Failed(format!("{name}: {why}")),
+                    invalid_input => invalid_input,
+                };
+                state.failed.get_or_insert(error);
+                stop.store(true, Ordering::Relaxed);
+            }
+        }
+        self.changed.notify_all();
+    }
+
+    /// The number of finished trainings.
+    ///
+    /// # Errors
+    /// The first run that failed.
+    pub fn into_result(self) -> Result<usize, RunError> {
+        let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        state.failed.map_or(Ok(state.done.len()), Err)
+    }
+}

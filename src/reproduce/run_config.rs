@@ -1,0 +1,96 @@
+//! The configuration of a stage's training run, and the name of its folder.
+
+use std::path::{Path, PathBuf};
+
+use super::experiment::{Experiment, Stage, TestedPolicy};
+use crate::run::folder::RunConfig;
+use crate::run::preset::Budget;
+use crate::run::{RunError, shipped};
+use crate::scenario::{self, FileError, to_ron};
+use crate::simulation::Extensions;
+
+/// The configuration of `stage` under a condition, without its transfer. `from` is the experiment's file.
+///
+/// # Errors
+/// The scenario or the preset cannot be used, or is invalid after the changes.
+pub fn run_config(
+    from: &str,
+    experiment: &Experiment,
+    condition: usize,
+    stage: &Stage,
+    seed: u64,
+) -> Result<RunConfig, RunError> {
+    let condition = experiment.conditions.get(condition).map(|condition| &condition.overrides);
+    let scenario_from = condition
+        .and_then(|overrides| overrides.scenario.as_ref())
+        .or(stage.overrides.scenario.as_ref())
+        .unwrap_or(&stage.scenario)
+        .clone();
+    for name in [&scenario_from, &stage.preset] {
+        check_is_file(from, name)?;
+    }
+    let mut scenario = shipped::scenario(&resolve(from, &scenario_from))?;
+    let mut preset = shipped::preset(&resolve(from, &stage.preset))?;
+    preset.budget = stage.budget.unwrap_or(preset.budget);
+    preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
+    stage.overrides.apply(&mut scenario, &mut preset);
+    if let Some(condition) = condition {
+        condition.apply(&mut scenario, &mut preset);
+    }
+    let diagnostics = scenario::diagnostics(&scenario).into_iter().chain(preset.diagnostics());
+    if let Some(diagnostic) = diagnostics.into_iter().next() {
+        let why = format!("the overrides of {scenario_from} or {}: {diagnostic}", stage.preset);
+        return Err(FileError::for_file(Path::new(from), why).into());
+    }
+    Ok(RunConfig {
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed,
+        scenario_from,
+        preset_from: stage.preset.clone(),
+        transfer: None,
+        save_policy_after_episodes: Vec::new(),
+        sensors: Vec::new(),
+        reward_terms: Vec::new(),
+        extensions: Extensions::default(),
+        scenario,
+        preset,
+    })
+}
+
+/// The name of a run's folder: equal configurations have equal names. The number of episodes is not part of it, unless
+/// the best policy is tested, because a longer run contains the shorter one.
+pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
+    let mut identity = config.clone();
+    identity.save_policy_after_episodes.clear();
+    if tested == TestedPolicy::AtEpisode && matches!(identity.preset.budget, Budget::Episodes(_)) {
+        identity.preset.budget = Budget::Episodes(1);
+    }
+    let text = to_ron(&identity).map_err(|error| RunError::Failed(error.to_string()))?;
+    let hash = crc32c::crc32c(text.as_bytes());
+    let (scenario, preset) = (config.scenario_name(), config.preset_name());
+    Ok(format!("{preset}-{scenario}-{hash:08x}-seed{}", config.seed))
+}
+
+/// Adds a number of episodes after which the policy is saved.
+pub fn save_policy_after(config: &mut RunConfig, episodes: u64) {
+    if !config.save_policy_after_episodes.contains(&episodes) {
+        config.save_policy_after_episodes.push(episodes);
+        config.save_policy_after_episodes.sort_unstable();
+    }
+}
+
+/// The path of a file relative to the experiment's folder if it exists there, else `name` itself.
+fn resolve(experiment: &str, name: &str) -> String {
+    let path: PathBuf = Path::new(experiment).parent().unwrap_or(Path::new("")).join(name);
+    if path.is_file() { path.display().to_string() } else { name.into() }
+}
+
+/// An untrusted experiment must not name a pipe or a device, because reading it might never end.
+fn check_is_file(experiment: &str, name: &str) -> Result<(), RunError> {
+    let path = resolve(experiment, name);
+    let path = Path::new(&path);
+    if path.exists() && !path.is_file() && !path.is_dir() {
+        return Err(RunError::invalid_input(path, format!("{experiment} names it, but it is not a file")));
+    }
+    Ok(())
+}

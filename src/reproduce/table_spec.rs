@@ -1,0 +1,71 @@
+//! The schema of an experiment's tables.
+
+use serde::{Deserialize, Serialize};
+
+use super::claim::Claim;
+use super::measure::Measure;
+
+/// A table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableSpec {
+    /// The name of its files and for `--only`: lower-case letters, digits and `-`.
+    pub name: String,
+    /// Other names for `--only`.
+    #[serde(default)]
+    pub aliases: Vec<String>,
+    /// The title.
+    pub title: String,
+    /// The kind of table.
+    pub show: TableKind,
+    /// Claims to test.
+    #[serde(default)]
+    pub claims: Vec<Claim>,
+}
+
+/// The kind of a table. `after` is a number of episodes over all stages, after which the policy is tested.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum TableKind {
+    /// A row for each arm: the value of every seed, their mean with its 95 % interval, the paper's value and the
+    /// difference.
+    Seeds {
+        /// The measure.
+        measure: Measure,
+        /// Episodes over all stages.
+        after: u64,
+        /// The paper's values, by arm.
+        #[serde(default)]
+        paper: Vec<(String, f64)>,
+    },
+    /// Success in percent, with a row for each arm and seed, a column for each round of the test, and rows for the
+    /// paper's rounds.
+    Rounds {
+        /// Episodes over all stages.
+        after: u64,
+        /// The paper's rounds in percent, by arm.
+        #[serde(default)]
+        paper: Vec<(String, Vec<f64>)>,
+    },
+    /// Means with their 95 % intervals: a row for each arm (and condition), a column for each measure.
+    Measures {
+        /// The measures, one column each.
+        measures: Vec<Measure>,
+        /// Episodes over all stages.
+        after: u64,
+    },
+    /// One arm against another: a row for each condition and number of episodes.
+    Contrast {
+        /// The measures, a group of columns each.
+        measures: Vec<Measure>,
+        /// The arm that the paper expects to be better.
+        better: String,
+        /// The other arm.
+        than: String,
+        /// Numbers of episodes over all stages.
+        after: Vec<u64>,
+        /// Whether the episodes are those of the last stage only.
+        #[serde(default)]
+        of_last_stage: bool,
+    },
+}

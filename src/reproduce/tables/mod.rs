@@ -1,0 +1,99 @@
+//! The tables of an experiment, with notes on how the numbers were obtained.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `seeds.rs` | a table of every seed's value |
+//! | `contrast.rs` | a table of one arm against another |
+//! | `parts.rs` | columns and cells |
+//! | `notes.rs` | notes |
+
+mod contrast;
+mod notes;
+mod parts;
+mod seeds;
+
+use parts::{TableParts, mean_cell, number_column, text_column};
+
+use super::measure::Measure;
+use super::results::Results;
+use super::rows::{row_name, rows};
+use super::table_spec::{TableKind, TableSpec};
+use crate::report::statistics::Estimate;
+use crate::report::table::{Cell, Table};
+use crate::run::RunError;
+
+/// Makes a table of the experiment at `index`.
+///
+/// # Errors
+/// Results are missing.
+pub fn make(results: &Results<'_>, index: usize, spec: &TableSpec) -> Result<Table, RunError> {
+    let TableParts { columns, rows, mut notes } = match &spec.show {
+        TableKind::Seeds { measure, after, paper } => seeds::seeds(results, index, *measure, *after, paper)?,
+        TableKind::Rounds { after, paper } => rounds(results, index, *after, paper)?,
+        TableKind::Measures { measures, after } => means(results, index, measures, *after)?,
+        TableKind::Contrast { measures, better, than, after, of_last_stage } => {
+            contrast::contrast(results, index, measures, (better, than), after, *of_last_stage)?
+        }
+    };
+    notes.extend(notes::notes(results.experiment(index), spec));
+    Ok(Table { name: spec.name.clone(), title: spec.title.clone(), columns, rows, notes })
+}
+
+/// Success round by round: a row for each seed, and rows for the paper's rounds.
+fn rounds(
+    results: &Results<'_>,
+    index: usize,
+    after: u64,
+    paper: &[(String, Vec<f64>)],
+) -> Result<TableParts, RunError> {
+    let experiment = results.experiment(index);
+    let count = experiment.test.rounds;
+    let mut columns = vec![text_column("")];
+    columns.extend((1..=count).map(|round| number_column(format!("Round {round}"), "%")));
+    columns.push(number_column("Mean", "%"));
+    let mut table_rows = Vec::new();
+    for (condition, arm) in rows(results, index) {
+        let name = row_name(results, index, (condition, arm));
+        if let Some((_, rounds)) = paper.iter().find(|(of, _)| *of == experiment.arms[arm].name) {
+            table_rows.push(round_row(format!("{name}: paper"), rounds, count));
+        }
+        for seed in 1..=experiment.seeds {
+            let rounds = results.rounds(index, condition, arm, seed, after)?;
+            table_rows.push(round_row(format!("{name}: seed {seed}"), &rounds, count));
+        }
+    }
+    Ok(TableParts { columns, rows: table_rows, notes: Vec::new() })
+}
+
+/// A row of `count` rounds and their mean. The paper may have more or fewer rounds than we do.
+fn round_row(name: String, rounds: &[f64], count: usize) -> Vec<Cell> {
+    let mut row = vec![Cell::Text(name)];
+    let cell = |round: usize| match rounds.get(round) {
+        Some(&value) => Cell::Number { value, digits: 0 },
+        None => Cell::Empty,
+    };
+    row.extend((0..count).map(cell));
+    let mean = Estimate::from_values(rounds);
+    row.push(mean.map_or(Cell::Empty, |mean| Cell::Number { value: mean.mean, digits: 1 }));
+    row
+}
+
+/// Means with their intervals: a row for each arm and condition, a column for each measure.
+fn means(
+    results: &Results<'_>,
+    index: usize,
+    measures: &[Measure],
+    after: u64,
+) -> Result<TableParts, RunError> {
+    let mut columns = vec![text_column("")];
+    columns.extend(measures.iter().map(|measure| number_column(measure.heading(), measure.unit())));
+    let row = |(condition, arm): (usize, usize)| {
+        let mut row = vec![Cell::Text(row_name(results, index, (condition, arm)))];
+        for &measure in measures {
+            row.push(mean_cell(&results.values(index, condition, arm, measure, after)?, measure));
+        }
+        Ok(row)
+    };
+    let rows = rows(results, index).into_iter().map(row).collect::<Result<_, RunError>>()?;
+    Ok(TableParts { columns, rows, notes: Vec::new() })
+}

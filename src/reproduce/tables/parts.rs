@@ -1,0 +1,45 @@
+//! Columns and cells that several kinds of tables use.
+
+use crate::report::statistics::Estimate;
+use crate::report::table::{Cell, Column, ColumnKind};
+use crate::reproduce::measure::Measure;
+use crate::reproduce::measured_value::{MeasuredValue, raw_values};
+
+/// The columns, rows and notes of a table.
+#[derive(Default)]
+pub(super) struct TableParts {
+    pub(super) columns: Vec<Column>,
+    pub(super) rows: Vec<Vec<Cell>>,
+    pub(super) notes: Vec<String>,
+}
+
+pub(super) fn text_column(heading: &str) -> Column {
+    Column { heading: heading.into(), unit: String::new(), kind: ColumnKind::Text }
+}
+
+pub(super) fn number_column(heading: impl Into<String>, unit: &str) -> Column {
+    Column { heading: heading.into(), unit: unit.into(), kind: ColumnKind::Number }
+}
+
+pub(super) fn value_cell(value: &MeasuredValue, digits: usize) -> Cell {
+    match *value {
+        MeasuredValue { value, is_lower_bound: true } => Cell::AtLeast { value, digits },
+        MeasuredValue { value, is_lower_bound: false } => Cell::Number { value, digits },
+    }
+}
+
+pub(super) fn estimate_cell(estimate: Option<Estimate>, digits: usize) -> Cell {
+    estimate.map_or(Cell::Empty, |e| Cell::Estimate { mean: e.mean, half_width: e.half_width, digits })
+}
+
+/// The mean over the seeds with its interval; a lower bound if any value is one.
+pub(super) fn mean_cell(values: &[MeasuredValue], measure: Measure) -> Cell {
+    let digits = measure.digits();
+    let mean = Estimate::from_values(&raw_values(values));
+    match mean {
+        Some(mean) if values.iter().any(|value| value.is_lower_bound) => {
+            Cell::AtLeast { value: mean.mean, digits }
+        }
+        mean => estimate_cell(mean, digits),
+    }
+}

@@ -1,0 +1,132 @@
+//! Tables of single seeds: every value, the mean, the paper's value and, for times, the ratio to the optimal time.
+
+use super::parts::{TableParts, estimate_cell, number_column, text_column, value_cell};
+use crate::planner::StepBounds;
+use crate::report::format::number;
+use crate::report::statistics::Estimate;
+use crate::report::table::{Cell, Column};
+use crate::reproduce::measure::Measure;
+use crate::reproduce::measured_value::raw_values;
+use crate::reproduce::results::Results;
+use crate::reproduce::rows::{row_name, rows};
+use crate::run::RunError;
+use crate::run::evaluate::period_s;
+
+pub(super) fn seeds(
+    results: &Results<'_>,
+    index: usize,
+    measure: Measure,
+    after: u64,
+    paper: &[(String, f64)],
+) -> Result<TableParts, RunError> {
+    let experiment = results.experiment(index);
+    let digits = measure.digits();
+    let mut parts = TableParts {
+        columns: columns(measure, experiment.seeds, !paper.is_empty()),
+        ..TableParts::default()
+    };
+    for (condition, arm) in rows(results, index) {
+        let values = results.values(index, condition, arm, measure, after)?;
+        let mean = Estimate::from_values(&raw_values(&values));
+        let mut row = vec![Cell::Text(row_name(results, index, (condition, arm)))];
+        row.extend(values.iter().map(|value| value_cell(value, digits)));
+        row.push(estimate_cell(mean, digits));
+        let of_paper = paper.iter().find(|(name, _)| *name == experiment.arms[arm].name).map(|p| p.1);
+        if !paper.is_empty() {
+            row.extend(paper_cells(of_paper, mean, digits));
+        }
+        if is_time(measure) {
+            let optimal = mean_optimal_time(results, index, (condition, arm), measure, after)?;
+            let ratio = |time_s: Option<f64>| match time_s.zip(optimal) {
+                Some((time_s, (plan_s, _))) => Cell::Number { value: time_s / plan_s, digits: 3 },
+                None => Cell::Empty,
+            };
+            row.push(ratio(mean.map(|mean| mean.mean)));
+            if !paper.is_empty() {
+                row.push(ratio(of_paper));
+            }
+            if let Some(optimal) = optimal {
+                let (training, _) = results.policy(index, condition, arm, 1, after);
+                let note = optimal_time_note(&results.training(training).config.scenario.name, optimal);
+                if !parts.notes.contains(&note) {
+                    parts.notes.push(note);
+                }
+            }
+        }
+        parts.rows.push(row);
+    }
+    Ok(parts)
+}
+
+fn is_time(measure: Measure) -> bool {
+    matches!(measure, Measure::BenchmarkRouteTime | Measure::MeanTime)
+}
+
+fn columns(measure: Measure, seeds: u64, with_paper: bool) -> Vec<Column> {
+    let unit = measure.unit();
+    let mut columns = vec![text_column("")];
+    columns.extend((1..=seeds).map(|seed| number_column(format!("Seed {seed}"), "")));
+    columns.push(number_column("Mean", unit));
+    if with_paper {
+        columns.push(number_column("Paper", unit));
+        columns.push(number_column("Difference", unit));
+    }
+    if is_time(measure) {
+        columns.push(number_column("Mean / optimal", ""));
+        if with_paper {
+            columns.push(number_column("Paper / optimal", ""));
+        }
+    }
+    columns
+}
+
+/// The paper's value, and the difference of our mean to it.
+fn paper_cells(paper: Option<f64>, mean: Option<Estimate>, digits: usize) -> [Cell; 2] {
+    let value = |value| Cell::Number { value, digits: digits.max(decimals(value)) };
+    let difference = match paper.zip(mean) {
+        Some((paper, mean)) => Cell::Signed { value: mean.mean - paper, half_width: mean.half_width, digits },
+        None => Cell::Empty,
+    };
+    [paper.map_or(Cell::Empty, value), difference]
+}
+
+fn optimal_time_note(scenario: &str, (plan_s, bound_s): (f64, f64)) -> String {
+    format!(
+        "Optimal time in {scenario}, mean over the episodes: {}\u{a0}s by a planner that knows the scenario; the proven \
+         lower bound is {}\u{a0}s. Both keep the exact distance to obstacles, while the collision check, which uses the \
+         LIDAR beams, can miss a few millimetres (docs/optimum.md).",
+        number(plan_s, 2),
+        number(bound_s, 2)
+    )
+}
+
+/// The planner's mean time and the mean lower bound, in s, over the episodes that the measure is about. `None` if the
+/// planner found no path for one of them.
+fn mean_optimal_time(
+    results: &Results<'_>,
+    index: usize,
+    (condition, arm): (usize, usize),
+    measure: Measure,
+    after: u64,
+) -> Result<Option<(f64, f64)>, RunError> {
+    let (training, policy) = results.policy(index, condition, arm, 1, after);
+    let optimal = results.optimal_times(training, policy, results.experiment(index).test)?;
+    let bounds =
+        if measure == Measure::BenchmarkRouteTime { &optimal.benchmark_route } else { &optimal.episodes };
+    let period_s = period_s(results.training(training).config.scenario.task.control_period_s);
+    let known: Option<Vec<(u32, u32)>> = bounds
+        .iter()
+        .map(|&StepBounds { lower_steps, plan_steps }| Some((plan_steps?, lower_steps)))
+        .collect();
+    Ok(known.filter(|known| !known.is_empty()).map(|known| {
+        let mean = |of: fn(&(u32, u32)) -> u32| {
+            known.iter().map(|pair| f64::from(of(pair))).sum::<f64>() / known.len() as f64 * period_s
+        };
+        (mean(|pair| pair.0), mean(|pair| pair.1))
+    }))
+}
+
+/// The number of decimals of a number in the paper, at most 3.
+fn decimals(value: f64) -> usize {
+    (0..3).find(|&digits| (value * 10_f64.powi(digits)).fract().abs() < 1e-6).unwrap_or(3) as usize
+}

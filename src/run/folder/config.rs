@@ -1,0 +1,120 @@
+//! The configuration of a run: `config.ron`.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::run::preset::Preset;
+use crate::run::shipped;
+use crate::scenario::{FileError, Scenario};
+use crate::simulation::Extensions;
+use crate::task::{ObservationLayout, ObservationSlice};
+
+/// The resolved configuration of a run: everything that another run needs to be bit-identical.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunConfig {
+    /// The version of wayfield that made the run.
+    pub version: String,
+    /// The seed of every random stream.
+    pub seed: u64,
+    /// The scenario's file or shipped name, as given by the user.
+    pub scenario_from: String,
+    /// The preset's file or shipped name, as given by the user.
+    pub preset_from: String,
+    /// The policy that training starts from, if any.
+    #[serde(default)]
+    pub transfer: Option<Transfer>,
+    /// Numbers of ended episodes after which the current policy is saved, in addition to the best and the last policy
+    /// ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub save_policy_after_episodes: Vec<u64>,
+    /// The observation slices of plugin sensors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<ObservationSlice>,
+    /// The names of plugin reward terms.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reward_terms: Vec<String>,
+    /// The plugins, which are not part of the file.
+    #[serde(skip)]
+    pub extensions: Extensions,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The preset, including changes from the command line.
+    pub preset: Preset,
+}
+
+impl RunConfig {
+    /// The configuration of a run that starts from random weights, with scenario and preset given by file or shipped name.
+    ///
+    /// # Errors
+    /// A file cannot be used. The message gives line, column and a fix.
+    pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            seed,
+            scenario_from: scenario_from.into(),
+            preset_from: preset_from.into(),
+            transfer: None,
+            save_policy_after_episodes: Vec::new(),
+            sensors: Vec::new(),
+            reward_terms: Vec::new(),
+            extensions: Extensions::default(),
+            scenario: shipped::scenario(scenario_from)?,
+            preset: shipped::preset(preset_from)?,
+        })
+    }
+
+    /// This configuration with the user's plugins; their sensors and reward terms are recorded.
+    #[must_use]
+    pub fn with_extensions(self, extensions: &Extensions) -> Self {
+        let (sensors, reward_terms) = extensions.describe();
+        Self { sensors, reward_terms, extensions: extensions.clone(), ..self }
+    }
+
+    /// The layout of the run's observations.
+    #[must_use]
+    pub fn observation_layout(&self) -> ObservationLayout {
+        ObservationLayout::new(self.preset.observation, self.sensors.clone())
+    }
+
+    /// A one-line description.
+    #[must_use]
+    pub fn description(&self) -> String {
+        let name = self.preset_name();
+        let from = self.transfer.as_ref().map_or(String::new(), |t| format!(", from {}", t.policy));
+        let arenas = self.preset.arenas;
+        format!(
+            "{}, preset {name}, seed {}, {arenas} arena{}{from}",
+            self.scenario.name,
+            self.seed,
+            if arenas == 1 { "" } else { "s" }
+        )
+    }
+
+    /// The scenario's file name without folder and extension.
+    #[must_use]
+    pub fn scenario_name(&self) -> String {
+        stem(&self.scenario_from)
+    }
+
+    /// The preset's file name without folder and extension.
+    #[must_use]
+    pub fn preset_name(&self) -> String {
+        stem(&self.preset_from)
+    }
+}
+
+fn stem(from: &str) -> String {
+    Path::new(from).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Knowledge transfer: training starts from the weights of a policy (section 3.2 of the paper).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Transfer {
+    /// The policy's file, as given by the user.
+    pub policy: String,
+    /// The initial epsilon; `None` for the preset's.
+    pub epsilon: Option<f32>,
+}

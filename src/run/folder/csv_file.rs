@@ -1,0 +1,66 @@
+//! The CSV files of a run folder.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Seek, SeekFrom, Write};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::RunFolder;
+use crate::run::RunError;
+
+impl RunFolder {
+    /// The rows of the CSV file `name`.
+    ///
+    /// # Errors
+    /// The file cannot be read, or its rows are not of type `Row`.
+    pub fn rows<Row: DeserializeOwned>(&self, name: &str) -> Result<Vec<Row>, RunError> {
+        let path = self.path.join(name);
+        let rows = csv::Reader::from_path(&path).map(|mut reader| reader.deserialize().collect());
+        rows.flatten().map_err(|error| RunError::failed(&path, error))
+    }
+
+    /// A writer that appends rows to the CSV file `name` after truncating it to `bytes` bytes. A new file starts with the
+    /// header of `Row`, followed by `extra_columns`.
+    ///
+    /// # Errors
+    /// The file cannot be opened, or is shorter than `bytes`.
+    pub fn csv<Row: Serialize + Default>(
+        &self,
+        name: &str,
+        bytes: u64,
+        extra_columns: &[String],
+    ) -> Result<csv::Writer<File>, RunError> {
+        let path = self.path.join(name);
+        let open = || -> io::Result<File> {
+            let mut file = OpenOptions::new().create(true).truncate(false).write(true).open(&path)?;
+            if file.metadata()?.len() < bytes {
+                return Err(io::Error::other(
+                    "rows are missing: the file is shorter than the checkpoint records",
+                ));
+            }
+            file.set_len(bytes)?;
+            file.seek(SeekFrom::End(0))?;
+            if bytes == 0 {
+                let header = header::<Row>()?;
+                let extra: String = extra_columns.iter().map(|column| format!(",{column}")).collect();
+                file.write_all(format!("{}{extra}\n", header.trim_end()).as_bytes())?;
+            }
+            Ok(file)
+        };
+        let file = open().map_err(|error| RunError::invalid_input(&path, error))?;
+        Ok(csv::WriterBuilder::new().has_headers(false).from_writer(file))
+    }
+}
+
+/// The header line of a CSV file with rows of type `Row`, including the line break.
+///
+/// # Errors
+/// `Row` cannot be serialized.
+pub fn header<Row: Serialize + Default>() -> io::Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.serialize(Row::default()).map_err(io::Error::other)?;
+    let bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+    let line = bytes.split_inclusive(|&byte| byte == b'\n').next().unwrap_or_default();
+    Ok(String::from_utf8_lossy(line).into_owned())
+}

@@ -1,0 +1,231 @@
+//! A run folder. Every file in it is written atomically.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `config.ron` | the resolved configuration: scenario, preset, seed, version ([`RunConfig`]) |
+//! | `episodes.csv`, `evaluations.csv` | one row per episode and per evaluation ([`metric_rows`](super::metric_rows)) |
+//! | `events.out.tfevents.*` | the same metrics for TensorBoard |
+//! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last policy |
+//! | `policy-init.safetensors` | the policy that training started from, if any |
+//! | `policy-after-N-episodes.safetensors` | the policy after N episodes, if the configuration asks for it |
+//! | `checkpoint/` | the last three checkpoints ([`checkpoint`](super::checkpoint)) and a lock |
+//! | `summary.json`, `learning-curve.svg` | the summary, and the learning curves |
+
+mod atomic;
+mod config;
+mod csv_file;
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+#[cfg(not(target_arch = "wasm32"))]
+use std::sync::Arc;
+
+use super::RunError;
+use super::limits::MAX_CONFIG_BYTES;
+#[cfg(not(target_arch = "wasm32"))]
+use super::lock::Lock;
+use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
+
+use atomic::is_temporary;
+
+pub use atomic::{Sink, write_atomic};
+pub use config::{RunConfig, Transfer};
+pub use csv_file::header;
+
+/// The name of the file with the policy that training started from.
+pub const INITIAL_POLICY_FILE: &str = "policy-init.safetensors";
+
+/// Extensions of the files that are read and written in a run folder.
+const EXTENSIONS: [&str; 5] = ["ron", "csv", "json", "safetensors", "bin"];
+
+/// A run folder on disk.
+#[derive(Clone, Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+    /// The lock that allows writing; `None` if the folder was only opened.
+    #[cfg(not(target_arch = "wasm32"))]
+    _lock: Option<Arc<Lock>>,
+}
+
+impl RunFolder {
+    /// Creates the folder of a new run and writes `config.ron` into it. Without a path the folder is
+    /// `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists.
+    ///
+    /// # Errors
+    /// The folder already holds a run or other files, or cannot be written.
+    pub fn create(path: Option<PathBuf>, config: &RunConfig) -> Result<Self, RunError> {
+        let folder = match path {
+            Some(path) => Self::new(path),
+            None => Self::new(create_default_folder(config)?),
+        };
+        folder.check_vacant()?;
+        fs::create_dir_all(folder.path.join("checkpoint"))
+            .map_err(|error| not_writable(&folder.path, &error))?;
+        let folder = folder.locked()?;
+        // Another process may have created a run before the lock was taken.
+        folder.check_vacant()?;
+        folder.write_config(config).map_err(|error| match error {
+            RunError::Failed(text) | RunError::InvalidInput(text) => RunError::InvalidInput(text),
+        })?;
+        Ok(folder)
+    }
+
+    fn new(path: PathBuf) -> Self {
+        Self {
+            path,
+            #[cfg(not(target_arch = "wasm32"))]
+            _lock: None,
+        }
+    }
+
+    /// Checks that a new run can be created here: the folder is missing or empty, or holds the remains of a run that was
+    /// killed before it wrote `config.ron`.
+    fn check_vacant(&self) -> Result<(), RunError> {
+        if self.config().exists() {
+            let why = "already holds a run; help: continue it with --resume, or give --out another folder";
+            return Err(RunError::invalid_input(&self.path, why));
+        }
+        let is_leftover = |entry: io::Result<fs::DirEntry>| {
+            entry.is_ok_and(|entry| entry.file_name() == "checkpoint" || is_temporary(&entry))
+        };
+        if fs::read_dir(&self.path).is_ok_and(|mut entries| !entries.all(is_leftover)) {
+            let why = "is not empty; help: give --out a new or an empty folder";
+            return Err(RunError::invalid_input(&self.path, why));
+        }
+        Ok(())
+    }
+
+    /// This folder, locked for writing. Temporary files that a killed process left are deleted.
+    ///
+    /// # Errors
+    /// Another process has the lock, or the folder cannot be written.
+    pub fn locked(self) -> Result<Self, RunError> {
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let lock = Arc::new(Lock::acquire(&self.path, &self.path.join("checkpoint/lock"))?);
+            for folder in [self.path.clone(), self.path.join("checkpoint")] {
+                for entry in fs::read_dir(folder).into_iter().flatten().flatten().filter(is_temporary) {
+                    // A file that cannot be deleted does no harm.
+                    let _ = fs::remove_file(entry.path());
+                }
+            }
+            Ok(Self { _lock: Some(lock), ..self })
+        }
+        #[cfg(target_arch = "wasm32")]
+        Ok(self)
+    }
+
+    /// The folder of an existing run, and its configuration. It is read-only until it is [`locked`](Self::locked).
+    ///
+    /// # Errors
+    /// The folder does not exist, or its `config.ron` cannot be used.
+    pub fn open(path: &Path) -> Result<(Self, RunConfig), RunError> {
+        let folder = Self::new(path.into());
+        if !folder.config().exists() {
+            let why = "is not a run folder (it has no config.ron); help: give --resume the folder of a run";
+            return Err(RunError::invalid_input(path, why));
+        }
+        folder.check_files_are_regular()?;
+        let config: RunConfig = read_ron_with_limit(folder.config(), MAX_CONFIG_BYTES)?;
+        folder.check_config(&config)?;
+        Ok((folder, config))
+    }
+
+    fn check_config(&self, config: &RunConfig) -> Result<(), RunError> {
+        let mut diagnostics = config.preset.diagnostics();
+        diagnostics.extend(crate::scenario::diagnostics(&config.scenario));
+        if !diagnostics.is_empty() {
+            let text = read_text_with_limit(self.config(), MAX_CONFIG_BYTES)?;
+            return Err(FileError::from_diagnostics(&self.config(), &text, &diagnostics).into());
+        }
+        let fits = config.preset.check_memory(&config.scenario);
+        fits.map_err(|error| RunError::invalid_input(&self.config(), error))
+    }
+
+    /// Checks that the run's files are regular files. With links, a folder from an untrusted source could overwrite any
+    /// file of the user; reading a pipe would block forever.
+    ///
+    /// # Errors
+    /// The first file that is a link or a pipe.
+    fn check_files_are_regular(&self) -> Result<(), RunError> {
+        for folder in [self.path.clone(), self.path.join("checkpoint")] {
+            for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+                // The type of the entry itself: links are not followed.
+                let is_regular = entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_dir());
+                if is_run_file(&entry) && !is_regular {
+                    let why = "is a link or a pipe; help: put the file itself into the run folder";
+                    return Err(RunError::invalid_input(&entry.path(), why));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes `config.ron`, replacing the old one.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_config(&self, config: &RunConfig) -> Result<(), RunError> {
+        let text = to_ron(config).map_err(|error| RunError::failed(&self.config(), error))?;
+        self.write("config.ron", |file| file.write_all(text.as_bytes()))
+    }
+
+    /// Writes the file `name` with `write`, as [`write_atomic`] does.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, name: &str, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> Result<(), RunError> {
+        let path = self.path.join(name);
+        write_atomic(&path, write)
+            .map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
+    }
+
+    /// The name of the file with the policy after `episodes` episodes.
+    #[must_use]
+    pub fn policy_after_file(episodes: u64) -> String {
+        format!("policy-after-{episodes}-episodes.safetensors")
+    }
+
+    /// The folder's path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn config(&self) -> PathBuf {
+        self.path.join("config.ron")
+    }
+}
+
+/// Whether the file is one that runs read or write.
+fn is_run_file(entry: &fs::DirEntry) -> bool {
+    let (path, name) = (entry.path(), entry.file_name());
+    path.extension().is_some_and(|found| EXTENSIONS.iter().any(|extension| found == *extension))
+        || ["checkpoint", "lock"].iter().any(|file| name == *file)
+        || name.to_string_lossy().starts_with("events.")
+}
+
+/// Creates `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists. Creating the folder at once reserves
+/// the name.
+fn create_default_folder(config: &RunConfig) -> Result<PathBuf, RunError> {
+    let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
+    let runs = Path::new("runs");
+    let mut path = runs.join(&name);
+    let mut number = 2;
+    loop {
+        match fs::create_dir_all(runs).and_then(|()| fs::create_dir(&path)) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => {
+                path = runs.join(format!("{name}-{number}"));
+                number += 1;
+            }
+            Err(error) => return Err(not_writable(&path, &error)),
+        }
+    }
+}
+
+/// The error for an output folder that cannot be written.
+pub(super) fn not_writable(folder: &Path, error: &io::Error) -> RunError {
+    RunError::invalid_input(folder, format!("can't be written ({error}); help: give --out another folder"))
+}

@@ -1,0 +1,229 @@
+//! The vectorised environment and the extension points keep Gymnasium's promises.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use wayfield::env::{VecEnv, VecEnvConfig, VecEnvError};
+use wayfield::random::{stream, uniform_index};
+use wayfield::run::shipped;
+use wayfield::scenario::Scenario;
+use wayfield::simulation::{Extensions, SimulationBuilder};
+use wayfield::task::{
+    Arena, ExtraRewards, ObservationLayout, RewardTerm, SensorReadings, SensorSlice, SimulationAppExt,
+    StepOutcomes, TaskMode, Twist,
+};
+
+fn env(num_envs: usize, mode: TaskMode) -> VecEnv {
+    let mut scenario = shipped::scenario("scenario-1").expect("shipped");
+    scenario.task.max_episode_steps = 40;
+    VecEnv::new(&scenario, VecEnvConfig { num_envs, mode, ..VecEnvConfig::default() }).expect("it has room")
+}
+
+fn bits(values: &[f32]) -> Vec<u32> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// The observations and rewards of environment 0 over 200 random steps after `reset(seed)`.
+fn rollout(env: &mut VecEnv, seed: u64) -> Vec<Vec<u32>> {
+    let mut streams: Vec<_> = (0..env.num_envs() as u64).map(|k| stream(1, "actions", k)).collect();
+    let (width, motions) = (env.observation_width(), env.num_actions());
+    let mut seen = vec![bits(&env.reset(seed).expect("it has room")[..width])];
+    for _ in 0..200 {
+        let actions: Vec<usize> = streams.iter_mut().map(|stream| uniform_index(stream, motions)).collect();
+        let step = env.step(&actions).expect("a valid step");
+        seen.push(bits(&step.observations[..width]));
+        seen.push(bits(&step.rewards[..1]));
+    }
+    seen
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_after_any_history_and_beside_any_number_of_others() {
+    let mut one = env(1, TaskMode::Episodic);
+    let first = rollout(&mut one, 7);
+    assert_eq!(rollout(&mut one, 7), first, "reset again");
+    assert_eq!(rollout(&mut env(9, TaskMode::Episodic), 7), first, "beside eight others");
+    assert_ne!(rollout(&mut one, 8), first, "another seed");
+}
+
+#[test]
+fn an_episode_that_ends_is_followed_by_a_new_one_and_its_final_observation_is_kept() {
+    let mut env = env(4, TaskMode::Episodic);
+    let width = env.observation_width();
+    env.reset(3).expect("it has room");
+    let mut ended = 0;
+    for _ in 0..400 {
+        let step = env.step(&[2; 4]).expect("a valid step");
+        for k in 0..4 {
+            let row = k * width..(k + 1) * width;
+            let (next, last) = (&step.observations[row.clone()], &step.final_observations[row]);
+            assert!(!(step.terminated[k] && step.truncated[k]), "one or the other");
+            if step.terminated[k] || step.truncated[k] {
+                ended += 1;
+                assert_ne!(next, last, "a new episode starts elsewhere");
+                assert!(step.ended.iter().any(|episode| episode.arena == k));
+            } else {
+                assert_eq!(next, last, "nothing was reset");
+            }
+        }
+    }
+    assert!(ended > 10, "robots that drive straight ahead end their episodes soon: {ended}");
+}
+
+#[test]
+fn at_the_goal_an_episode_ends_or_continues_as_the_mode_says() {
+    // The goal is straight ahead of the start.
+    let scenario = Scenario::parse(
+        "(
+            starts: Fixed(position_m: (-0.3, 0.0), heading_rad: 0.0),
+            goals: Fixed(position_m: (0.5, 0.0)),
+        )",
+        "test",
+    )
+    .unwrap_or_else(|error| panic!("{error}"));
+    for (mode, ends) in [(TaskMode::Episodic, 1), (TaskMode::Continuing, 0)] {
+        let config = VecEnvConfig { mode, ..VecEnvConfig::default() };
+        let mut env = VecEnv::new(&scenario, config).expect("it has room");
+        let mut reached = 0;
+        let mut episodes = 0;
+        for _ in 0..2_000 {
+            let step = env.step(&[2]).expect("a valid step");
+            if step.outcomes[0].reached {
+                reached += 1;
+                episodes += step.ended.len();
+                assert!(step.terminated[0], "nothing is bootstrapped across a reached goal");
+            }
+        }
+        assert!(reached > 5, "{mode:?}: straight ahead leads to the goal");
+        assert_eq!(episodes, reached * ends, "{mode:?}");
+    }
+}
+
+#[test]
+fn invalid_actions_are_named() {
+    let mut env = env(2, TaskMode::Episodic);
+    let error = env.step(&[0]).expect_err("one action for two environments");
+    assert_eq!(error, VecEnvError::ActionCount { given: 1, num_envs: 2 });
+    let error = env.step(&[0, 5]).expect_err("there are five actions, 0 to 4");
+    assert_eq!(error.to_string(), "action 5 of environment 1 is out of range: the robot has actions 0 to 4");
+}
+
+/// A sensor of the robot's speed, and a reward of 1 in every step and of -2 in every odd arena.
+#[derive(Clone)]
+struct Extras;
+
+impl Plugin for Extras {
+    fn build(&self, app: &mut App) {
+        app.add_sensor("speed", 1, |slice: SensorSlice| {
+            move |mut arenas: Query<(&Twist, &mut SensorReadings)>| {
+                for (twist, mut readings) in &mut arenas {
+                    readings.slice_mut(&slice)[0] = twist.v_m_s;
+                }
+            }
+        })
+        .add_sensor("arena", 1, |slice: SensorSlice| {
+            move |mut arenas: Query<(&Arena, &mut SensorReadings)>| {
+                for (arena, mut readings) in &mut arenas {
+                    readings.slice_mut(&slice)[0] = arena.0 as f32;
+                }
+            }
+        })
+        .add_reward_term("alive", |term: RewardTerm| {
+            move |mut rewards: ResMut<ExtraRewards>, arenas: Query<&Arena>| {
+                arenas.iter().for_each(|arena| rewards.set(arena.0, term, 1.0));
+            }
+        })
+        .add_reward_term("odd", |term: RewardTerm| {
+            move |mut rewards: ResMut<ExtraRewards>, arenas: Query<&Arena>| {
+                for arena in arenas.iter().filter(|arena| arena.0 % 2 == 1) {
+                    rewards.set(arena.0, term, -2.0);
+                }
+            }
+        });
+    }
+}
+
+#[test]
+fn sensors_and_reward_terms_of_plugins_are_part_of_the_observation_and_the_reward() {
+    let scenario = shipped::scenario("empty").expect("shipped");
+    let config = VecEnvConfig { num_envs: 3, ..VecEnvConfig::default() };
+    let extras = VecEnvConfig { extensions: Extensions::default().plugin(Extras), ..config.clone() };
+    let mut plain = VecEnv::new(&scenario, config).expect("it has room");
+    let mut extended = VecEnv::new(&scenario, extras).expect("it has room");
+    assert_eq!(extended.observation_width(), plain.observation_width() + 2);
+    let width = extended.observation_width();
+    for _ in 0..20 {
+        let plain = plain.step(&[2; 3]).expect("a valid step");
+        let extended = extended.step(&[2; 3]).expect("a valid step");
+        for k in 0..3 {
+            let row = &extended.final_observations[k * width..(k + 1) * width];
+            assert_eq!(row[width - 2..], [0.15, k as f32], "the robot drives at 0.15 m/s");
+            let extra = if k % 2 == 1 { -1.0 } else { 1.0 };
+            assert_eq!(extended.rewards[k], plain.rewards[k] + extra);
+        }
+    }
+}
+
+#[test]
+fn one_builder_serves_plain_simulations_too() {
+    let scenario = Arc::new(shipped::scenario("scenario-2").expect("shipped"));
+    let extensions = Extensions::default().plugin(Extras);
+    let (sensors, terms) = extensions.describe();
+    assert_eq!(sensors.iter().map(|slice| slice.name.as_str()).collect::<Vec<_>>(), ["speed", "arena"]);
+    assert_eq!(terms, ["alive", "odd"]);
+    let mut simulation = SimulationBuilder::new(&scenario).arenas(2).extensions(&extensions).build();
+    simulation.step().expect("a valid step");
+    let layout = simulation.world().resource::<ObservationLayout>();
+    assert_eq!(layout.width(24), 30);
+    let outcomes = &simulation.world().resource::<StepOutcomes>().0;
+    assert_eq!(outcomes.iter().map(|outcome| outcome.extra_reward).collect::<Vec<_>>(), [1.0, -1.0]);
+}
+
+#[test]
+fn a_run_with_plugins_resumes_to_the_bit_and_only_with_the_same_plugins() {
+    use std::sync::atomic::AtomicBool;
+    use std::time::Instant;
+    use wayfield::run::folder::RunConfig;
+    use wayfield::run::preset::Budget;
+    use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let extensions = Extensions::default().plugin(Extras);
+    let never = AtomicBool::new(false);
+    let run = |job| train(job, CHECKPOINT_INTERVAL, &never, Instant::now(), Some(Box::new(|_| ())));
+    let new = |name: &str, env_steps| {
+        let mut config =
+            RunConfig::resolve("scenario-1", "fast", 3).expect("shipped").with_extensions(&extensions);
+        config.preset.budget = Budget::EnvSteps(env_steps);
+        Job::New { config: Box::new(config), policy: None, out: Some(folder.path().join(name)) }
+    };
+    run(new("whole", 6_400)).expect("it trains");
+    run(new("parts", 3_200)).expect("it trains");
+    let resume = |extensions: &Extensions| Job::Resume {
+        folder: folder.path().join("parts"),
+        budget: Some(Budget::EnvSteps(6_400)),
+        extensions: extensions.clone(),
+    };
+    let error = run(resume(&Extensions::default())).expect_err("it lacks the plugins").to_string();
+    assert!(error.contains("other sensor or reward plugins"), "{error}");
+    run(resume(&extensions)).expect("it resumes");
+    let policy =
+        |name: &str| std::fs::read(folder.path().join(name).join("policy-last.safetensors")).expect("kept");
+    assert!(policy("whole") == policy("parts"), "the same weights to the bit");
+    let rows = |name: &str| {
+        let text = std::fs::read_to_string(folder.path().join(name).join("episodes.csv")).expect("kept");
+        // Without the wall time.
+        let wall =
+            text.lines().next().and_then(|header| header.split(',').position(|column| column == "wall_s"));
+        let keep = |line: &str| -> Vec<String> {
+            line.split(',')
+                .enumerate()
+                .filter(|(k, _)| Some(*k) != wall)
+                .map(|(_, cell)| cell.into())
+                .collect()
+        };
+        text.lines().map(keep).collect::<Vec<_>>()
+    };
+    assert!(rows("whole")[0].ends_with(&["reward_alive".to_string(), "reward_odd".to_string()]));
+    assert_eq!(rows("whole"), rows("parts"));
+}
