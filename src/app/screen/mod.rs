@@ -64,7 +64,7 @@ pub fn screen_ui(
         ThemeChoice::Dark => ThemePreference::Dark,
     });
     view_state.followed = view_state.followed.min(view.scene.arenas.len().saturating_sub(1));
-    open_requested_editor(ui, view, view_state, commands);
+    open_requested_editor(view, view_state, commands);
     shortcuts::handle(ui, view, view_state, commands);
     if view_state.editor.is_none() {
         arena_view::steer::handle(ui, view, &mut view_state.interaction.steered, commands);
@@ -81,7 +81,6 @@ pub fn screen_ui(
 
 /// Opens the editor if that was requested since the last frame and it is not open.
 fn open_requested_editor(
-    ui: &Ui,
     view: &ScreenInput<'_>,
     view_state: &mut ViewState,
     commands: &mut Vec<Command>,
