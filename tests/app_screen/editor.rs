@@ -186,7 +186,10 @@ fn the_kind_of_motion_and_rule_can_be_chosen() {
         PlacementRule::OneOf { positions_m: vec![vec2(0.0, 0.0), vec2(1.5, 0.0)] }
     );
     click(&mut window, "Remove start 1");
-    assert_eq!(edited_scenario(&mut window).starts, PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0)] });
+    assert_eq!(
+        edited_scenario(&mut window).starts,
+        PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0)] }
+    );
 }
 
 #[test]
@@ -304,11 +307,7 @@ fn scenarios_are_saved_and_opened() {
         based_on: based_on.into(),
         path: path.map(PathBuf::from),
     };
-    assert_eq!(
-        click(&mut window, "Save"),
-        [save(None, "scenario-1")],
-        "a built-in scenario has no file"
-    );
+    assert_eq!(click(&mut window, "Save"), [save(None, "scenario-1")], "a built-in scenario has no file");
     let saved = EditorReply::Saved { file: "scenarios/mine.ron".into(), scenario: scenario.clone() };
     window.state_mut().view_state.receive(&saved);
     settle(&mut window);
@@ -317,7 +316,11 @@ fn scenarios_are_saved_and_opened() {
     assert_eq!(click(&mut window, "Save as…"), [save(None, "scenarios/mine.ron")]);
     window.state_mut().status.has_disk = false;
     settle(&mut window);
-    assert_eq!(click(&mut window, "Save"), [save(None, "scenarios/mine.ron")], "a browser cannot overwrite a file");
+    assert_eq!(
+        click(&mut window, "Save"),
+        [save(None, "scenarios/mine.ron")],
+        "a browser cannot overwrite a file"
+    );
 
     assert_eq!(click(&mut window, "Open…"), [Command::OpenInEditor(None)]);
     assert_eq!(click(&mut window, "New from…"), []);
@@ -370,7 +373,12 @@ fn nothing_is_wider_than_the_panel() {
     // Long numbers.
     let shape = Shape::Rectangle { width_m: 12.125, height_m: 10.375 };
     let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(-10.125, -10.125)], speed_m_s: 0.125 };
-    scenario.obstacles.push(Obstacle { shape, position_m: vec2(-12.125, -12.125), rotation_rad: 2.0, motion });
+    scenario.obstacles.push(Obstacle {
+        shape,
+        position_m: vec2(-12.125, -12.125),
+        rotation_rad: 2.0,
+        motion,
+    });
     let obstacles = (0..scenario.obstacles.len()).map(Selection::Obstacle);
     let others = [
         Selection::Nothing,

@@ -243,7 +243,10 @@ fn goal_positions_are_added_by_clicks_until_a_secondary_click() {
     // One is dragged, the other is removed by a double-click.
     drag(&mut window, vec2(1.5, 0.0), vec2(1.5, -0.5));
     double_click_at(&mut window, vec2(-1.5, 0.0));
-    assert_eq!(edited_scenario(&mut window).goals, PlacementRule::OneOf { positions_m: vec![vec2(1.5, -0.5)] });
+    assert_eq!(
+        edited_scenario(&mut window).goals,
+        PlacementRule::OneOf { positions_m: vec![vec2(1.5, -0.5)] }
+    );
 }
 
 #[test]
@@ -377,7 +380,7 @@ fn a_mixed_scenario_is_edited_in_any_window_without_a_panic() {
             settle(&mut window);
         }
         editor(&mut window).edit("enclosure", |scenario| {
-            let corners_m = vec![vec2(0.0, 0.0), vec2(f32::NAN, 1.0), (1.0, f32::INFINITY), vec2(0.0, 1.0)];
+            let corners_m = vec![vec2(0.0, 0.0), vec2(f32::NAN, 1.0), vec2(1.0, f32::INFINITY), vec2(0.0, 1.0)];
             scenario.enclosure = wayfield::scenario::Enclosure::Polygon { corners_m };
             scenario.obstacles[0].position_m.x = f32::NAN;
         });

@@ -24,7 +24,8 @@ pub(super) fn nearest(scenario: &Scenario, wanted_m: Vec2, radius_m: f32, snap: 
     let reserved: Vec<Vec2> = ends.into_iter().chain(rules.copied()).collect();
     let apart_m = radius_m + scenario.task.collision_range_m + MARGIN_M;
     let is_free = |at: &Vec2| {
-        clearance(scenario, *at, 0) >= radius_m && reserved.iter().all(|&place| distance(place, *at) >= apart_m)
+        clearance(scenario, *at, 0) >= radius_m
+            && reserved.iter().all(|&place| distance(place, *at) >= apart_m)
     };
     ring_offsets(radius_m.max(0.1))
         .map(|offset| snap.point(wanted_m + offset, centre))

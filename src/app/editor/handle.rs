@@ -1,6 +1,5 @@
 //! Handles: the points by which a selected item is dragged.
 
-
 use bevy::math::Vec2;
 
 /// The part of an item that a handle changes.

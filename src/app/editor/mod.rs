@@ -42,9 +42,9 @@ mod tests;
 mod tool;
 mod undo;
 
-
 pub use document::Editor;
 pub use handle::{Handle, HandleKind};
+pub use interaction::{EditorInteraction, ExitRequest, PointerHit, Press};
 pub use items::Body;
 pub use kinds::{EnclosureKind, MotionKind, PlacementKind, PlacementRole};
 pub use new_items::NewItem;
@@ -52,4 +52,3 @@ pub use points::format_metres;
 pub use selection::Selection;
 pub use snap::Snap;
 pub use tool::Tool;
-pub use interaction::{EditorInteraction, ExitRequest, PointerHit, Press};

@@ -74,9 +74,7 @@ fn outline_distance(Region { min_m, max_m }: Region, point_m: Vec2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{
-        Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Shape, Wall,
-    };
+    use crate::scenario::{Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Shape, Wall};
 
     fn crowded() -> Scenario {
         let disc = |position_m, radius_m| Obstacle {

@@ -24,8 +24,7 @@ pub(super) fn point_to_mm(Vec2 { x, y }: Vec2) -> Vec2 {
 
 /// An angle in rad, wrapped to [-π, π] and rounded to four decimals.
 pub(super) fn to_angle(angle_rad: f32) -> f32 {
-    let wrapped =
-        if angle_rad.abs() <= PI { angle_rad } else { angle_rad - (angle_rad / TAU).round() * TAU };
+    let wrapped = if angle_rad.abs() <= PI { angle_rad } else { angle_rad - (angle_rad / TAU).round() * TAU };
     round_to(wrapped, 10_000.0)
 }
 
@@ -114,7 +113,11 @@ mod tests {
     #[test]
     fn world_and_local_coordinates_convert_both_ways() {
         let frame = LocalFrame::new(vec2(1.0, 2.0), 1.5708);
-        assert_eq!(frame.to_world(vec2(0.5, 0.25)), vec2(0.75, 2.5), "a quarter turn: x points up, y to the left");
+        assert_eq!(
+            frame.to_world(vec2(0.5, 0.25)),
+            vec2(0.75, 2.5),
+            "a quarter turn: x points up, y to the left"
+        );
         assert_eq!(frame.to_local(vec2(0.75, 2.5)), vec2(0.5, 0.25));
     }
 }

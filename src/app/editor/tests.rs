@@ -37,7 +37,10 @@ fn full() -> Scenario {
     let patrol = ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
     Scenario {
         obstacles: vec![circle(-1.0, -1.0), Obstacle { motion: patrol, ..circle(1.0, 0.0) }],
-        walls: vec![Wall { corners_m: vec![vec2(-1.5, 0.5), vec2(-1.0, 0.5), vec2(-1.0, 1.0)], thickness_m: 0.1 }],
+        walls: vec![Wall {
+            corners_m: vec![vec2(-1.5, 0.5), vec2(-1.0, 0.5), vec2(-1.0, 1.0)],
+            thickness_m: 0.1,
+        }],
         generators: vec![Generator {
             count: 2,
             shape: RandomShape::Circle { radius_m: (0.05, 0.1) },
@@ -247,7 +250,8 @@ fn every_new_motion_fits_the_scenario() {
     for at in [vec2(0.0, -0.6), vec2(-1.7, -1.7), vec2(1.0, 1.8), vec2(0.6, 0.0)] {
         for kind in MotionKind::ALL {
             for shape in [Shape::Circle { radius_m: 0.1 }, Shape::Rectangle { width_m: 0.2, height_m: 0.1 }] {
-                let mut scenario = Scenario { obstacles: vec![static_obstacle(shape, at)], ..Scenario::default() };
+                let mut scenario =
+                    Scenario { obstacles: vec![static_obstacle(shape, at)], ..Scenario::default() };
                 scenario.benchmark_route.start_m = vec2(-1.5, 1.5);
                 scenario.benchmark_route.goal_m = vec2(-1.5, 0.5);
                 let mut editor = editor(scenario);
@@ -266,7 +270,8 @@ fn changing_between_patrol_and_back_and_forth_keeps_the_path() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
     editor.set_motion(MotionKind::BackAndForth);
-    let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
+    let expected =
+        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
     assert_eq!(editor.scenario().obstacles[1].motion, expected);
     editor.set_motion(MotionKind::Patrol);
     assert_eq!(editor.scenario().obstacles[1], full().obstacles[1]);
@@ -291,7 +296,10 @@ fn changing_a_rule_keeps_what_both_kinds_have() {
     let mut editor = editor(full());
     editor.set_rule(PlacementRole::Goals, PlacementKind::Fixed);
     assert_eq!(editor.selection(), Selection::Goals);
-    assert_eq!(editor.scenario().goals, PlacementRule::Fixed { position_m: vec2(0.0, 1.5), heading_rad: None });
+    assert_eq!(
+        editor.scenario().goals,
+        PlacementRule::Fixed { position_m: vec2(0.0, 1.5), heading_rad: None }
+    );
     editor.set_rule(PlacementRole::Goals, PlacementKind::OneOf);
     assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5)] });
     editor.edit("clearance", |s| s.starts = PlacementRule::Random { clearance_m: 0.5 });
@@ -299,7 +307,10 @@ fn changing_a_rule_keeps_what_both_kinds_have() {
     let (min_m, max_m) = (vec2(-1.0, -1.0), vec2(1.0, 1.0));
     assert_eq!(editor.scenario().starts, PlacementRule::Within { min_m, max_m, clearance_m: 0.5 });
     editor.set_rule(PlacementRole::Starts, PlacementKind::Fixed);
-    assert_eq!(editor.scenario().starts, PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: None });
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: None }
+    );
     editor.delete();
     assert_eq!(editor.scenario().starts, PlacementRule::default());
     assert!(!editor.can_delete(), "the default rule cannot be deleted");
@@ -331,7 +342,10 @@ fn drawing_a_wall_is_one_undo_step() {
     editor.undo_tool_point();
     assert!(!editor.can_undo(), "the scenario is unchanged so far");
     let after = one_step(&mut editor, Editor::finish_tool);
-    assert_eq!(after.walls, [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]);
+    assert_eq!(
+        after.walls,
+        [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]
+    );
     assert_eq!(*editor.tool(), Tool::Select);
     // One corner does not make a wall.
     editor.set_tool(Tool::Wall { corners_m: Vec::new() });
@@ -360,7 +374,10 @@ fn paths_and_positions_are_drawn_for_the_selected_item() {
     for at in [vec2(0.5, 0.5), vec2(0.51, 0.5), vec2(-0.5, 0.0)] {
         editor.click_with_tool(at, false);
     }
-    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] });
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] }
+    );
     editor.undo();
     assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });
     editor.set_tool(Tool::Positions);
@@ -432,7 +449,11 @@ fn the_editor_knows_its_file_and_whether_it_is_saved() {
     assert!(editor.is_modified());
     editor.redo();
     assert!(!editor.is_modified());
-    assert_eq!(Editor::open(Arc::default(), "empty".into(), true).file(), None, "a built-in scenario has no file");
+    assert_eq!(
+        Editor::open(Arc::default(), "empty".into(), true).file(),
+        None,
+        "a built-in scenario has no file"
+    );
     assert!(Editor::open(Arc::default(), "empty".into(), false).is_modified());
 }
 

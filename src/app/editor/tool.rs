@@ -1,6 +1,5 @@
 //! The tool: what a click in the scenario does.
 
-
 use bevy::math::Vec2;
 
 /// A tool.

@@ -4,8 +4,8 @@ use bevy::math::Vec2;
 
 use super::super::handle::{Handle, HandleKind};
 use super::super::points::place_text;
-use super::editable::{Body, DragTarget, Editable};
 use super::corners;
+use super::editable::{Body, DragTarget, Editable};
 use crate::scenario::Scenario;
 
 pub(super) struct BenchmarkGoalItem;

@@ -107,12 +107,7 @@ pub(in super::super) trait Editable {
     fn drag(&self, scenario: &mut Scenario, kind: HandleKind, target: DragTarget) -> Option<()>;
 
     /// Inserts the point of an insert handle at `position_m`. Returns the handle of the new point.
-    fn insert(
-        &self,
-        _scenario: &mut Scenario,
-        _kind: HandleKind,
-        _position_m: Vec2,
-    ) -> Option<HandleKind> {
+    fn insert(&self, _scenario: &mut Scenario, _kind: HandleKind, _position_m: Vec2) -> Option<HandleKind> {
         None
     }
 

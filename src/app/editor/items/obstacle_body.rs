@@ -9,8 +9,8 @@ use super::super::handle::{Handle, HandleKind};
 use super::super::limits::POLYGON_CORNERS;
 use super::super::points::{LocalFrame, degrees_text, format_metres, place_text, point_to_mm, size_text};
 use super::super::snap::Snap;
-use super::rectangles::SIDES;
 use super::editable::DragTarget;
+use super::rectangles::SIDES;
 use super::{corners, obstacle_path};
 use crate::scenario::{Obstacle, Shape};
 
@@ -40,9 +40,8 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
 }
 
 fn shape_handles(shape: &Shape, frame: LocalFrame) -> Vec<Handle> {
-    let handle = |kind, local: Vec2, text: String, about| {
-        Handle::new(kind, frame.to_world(local), text, about)
-    };
+    let handle =
+        |kind, local: Vec2, text: String, about| Handle::new(kind, frame.to_world(local), text, about);
     let radius_text = |radius_m: f32| format!("r {} m", format_metres(radius_m));
     match shape {
         Shape::Circle { radius_m: r } => {
@@ -58,7 +57,12 @@ fn shape_handles(shape: &Shape, frame: LocalFrame) -> Vec<Handle> {
         Shape::Capsule { length_m, radius_m: r } => {
             let end = |right: bool, sign: f32| {
                 let text = format!("{} m long", format_metres(*length_m));
-                handle(HandleKind::CapsuleEnd(right), vec2(sign * (length_m / 2.0 + r), 0.0), text, "Change the length")
+                handle(
+                    HandleKind::CapsuleEnd(right),
+                    vec2(sign * (length_m / 2.0 + r), 0.0),
+                    text,
+                    "Change the length",
+                )
             };
             let radius = handle(HandleKind::Radius, vec2(0.0, *r), radius_text(*r), "Change the radius");
             vec![radius, end(false, -1.0), end(true, 1.0)]

@@ -5,8 +5,8 @@ use bevy::math::{Vec2, vec2};
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::MAX_POINTS;
 use super::super::points::{distance, format_metres, place_text, point_to_mm};
-use super::editable::DragTarget;
 use super::corners;
+use super::editable::DragTarget;
 use crate::scenario::{Obstacle, ObstacleMotion};
 
 /// Handles of the path, the orbit or the random walk.

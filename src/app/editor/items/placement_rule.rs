@@ -6,7 +6,7 @@ use super::super::handle::{Handle, HandleKind};
 use super::super::kinds::PlacementRole;
 use super::super::points::{LocalFrame, degrees_text, distance, place_text};
 use super::editable::{Body, DragTarget, Editable};
-use super::rule_points::{positions, points_mut, region};
+use super::rule_points::{points_mut, positions, region};
 use super::{corners, rectangles};
 use crate::scenario::{PlacementRule, Scenario};
 
@@ -50,7 +50,8 @@ impl Editable for RuleItem {
             PlacementRule::OneOf { .. } => "Move this position; double-click removes it",
             _ => "Move this position",
         };
-        let place = |(k, &at): (usize, &Vec2)| Handle::new(HandleKind::Position(k), at, place_text(at), about);
+        let place =
+            |(k, &at): (usize, &Vec2)| Handle::new(HandleKind::Position(k), at, place_text(at), about);
         handles.extend(positions(rule).iter().enumerate().map(place));
         handles
     }

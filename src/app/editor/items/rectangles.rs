@@ -12,11 +12,7 @@ pub(super) const SIDES: [(i8, i8); 8] =
     [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (1, 1), (-1, 1)];
 
 /// Handles on the sides and corners.
-pub(super) fn side_handles(
-    centre: Vec2,
-    size: Vec2,
-    about: &'static str,
-) -> Vec<Handle> {
+pub(super) fn side_handles(centre: Vec2, size: Vec2, about: &'static str) -> Vec<Handle> {
     let handle = |(x, y): (i8, i8)| {
         let at = centre + vec2(f32::from(x), f32::from(y)) * size / 2.0;
         Handle::new(HandleKind::Side(x, y), at, size_text(size), about)

@@ -4,8 +4,8 @@ use bevy::math::Vec2;
 
 use super::super::handle::{Handle, HandleKind};
 use super::super::limits::WALL_CORNERS;
-use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
 use super::corners;
+use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
 use crate::scenario::{Scenario, inner_wall_distance};
 
 pub(super) struct WallItem(pub usize);

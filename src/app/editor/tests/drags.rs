@@ -1,7 +1,7 @@
 //! Drags of every handle, with results calculated by hand.
 
-use bevy::math::{Vec2, vec2};
 use super::*;
+use bevy::math::{Vec2, vec2};
 
 /// Drags a handle of the selected item by `by`, in two steps.
 fn drag(editor: &mut Editor, kind: HandleKind, by: Vec2, free: bool) {
@@ -55,7 +55,11 @@ fn the_centre_snaps_to_the_grid_wherever_the_item_was_pressed() {
     editor.drag_to(vec2(1.332, -0.95), false);
     assert_eq!(editor.scenario().obstacles[0].position_m, vec2(1.25, -1.0), "1.232 is nearest to 1.25");
     editor.drag_to(vec2(1.332_4, -0.95), true);
-    assert_eq!(editor.scenario().obstacles[0].position_m, vec2(1.232, -1.0), "without snapping, to the millimetre");
+    assert_eq!(
+        editor.scenario().obstacles[0].position_m,
+        vec2(1.232, -1.0),
+        "without snapping, to the millimetre"
+    );
     editor.drag_to(vec2(f32::NAN, 0.0), true);
     assert_eq!(editor.scenario().obstacles[0].position_m, vec2(1.232, -1.0));
 }
@@ -114,7 +118,8 @@ fn resizing_a_moving_obstacle_moves_its_path() {
     let expected = ObstacleMotion::Orbit { centre_m: vec2(0.5, 1.4), speed_rad_s: 0.15 };
     assert_eq!(o.motion, expected, "the radius is still 1 m");
     let shape = Shape::Capsule { length_m: 1.0, radius_m: 0.1 };
-    let motion = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.0, 1.0), vec2(1.0, 1.0)], speed_m_s: 0.1 };
+    let motion =
+        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.0, 1.0), vec2(1.0, 1.0)], speed_m_s: 0.1 };
     let mut editor = with(Obstacle { motion, ..static_obstacle(shape, vec2(0.0, 0.0)) });
     // The left end goes from -0.5 to -0.9.
     drag(&mut editor, HandleKind::CapsuleEnd(false), vec2(-0.4, 0.0), false);
@@ -181,7 +186,8 @@ fn rotation_snaps_to_fifteen_degrees_wherever_the_drag_began() {
 #[test]
 fn corners_of_a_polygon_are_dragged_inserted_and_removed() {
     let corners_m = vec![vec2(-0.2, -0.2), vec2(0.2, -0.2), vec2(0.0, 0.2)];
-    let triangle = Obstacle { rotation_rad: 1.5708, ..static_obstacle(Shape::Polygon { corners_m }, vec2(1.0, 0.0)) };
+    let triangle =
+        Obstacle { rotation_rad: 1.5708, ..static_obstacle(Shape::Polygon { corners_m }, vec2(1.0, 0.0)) };
     let mut editor = with(triangle);
     // In world coordinates: (1.2, -0.2), (1.2, 0.2), (0.8, 0).
     assert!(near(position(&editor, HandleKind::Corner(2)), vec2(0.8, 0.0), 1e-5));
@@ -240,7 +246,10 @@ fn a_wall_is_dragged_by_its_corners_or_as_a_whole() {
 fn a_path_is_dragged_by_its_waypoints_or_as_a_whole() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
-    assert_eq!(full().obstacles[1].path_m(), Some((vec![vec2(1.0, 0.0), vec2(1.0, 1.5), vec2(0.5, 1.5)], true)));
+    assert_eq!(
+        full().obstacles[1].path_m(),
+        Some((vec![vec2(1.0, 0.0), vec2(1.0, 1.5), vec2(0.5, 1.5)], true))
+    );
     drag(&mut editor, HandleKind::Waypoint(0), vec2(0.3, -0.1), false);
     drag(&mut editor, HandleKind::PathStart, vec2(0.1, 0.1), false);
     drag(&mut editor, HandleKind::InsertWaypoint(2), vec2(-0.2, 0.0), false);
@@ -305,7 +314,11 @@ fn regions_are_moved_and_resized() {
     assert_eq!(region, Some(Region { min_m: vec2(-1.0, -1.0), max_m: vec2(0.5, -0.2) }));
     drag(&mut editor, HandleKind::Side(-1, 0), vec2(9.0, 0.0), false);
     let region = editor.scenario().generators[0].within;
-    assert_eq!(region, Some(Region { min_m: vec2(0.45, -1.0), max_m: vec2(0.5, -0.2) }), "at least one grid step");
+    assert_eq!(
+        region,
+        Some(Region { min_m: vec2(0.45, -1.0), max_m: vec2(0.5, -0.2) }),
+        "at least one grid step"
+    );
     editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
     drag(&mut editor, HandleKind::Side(0, -1), vec2(0.0, 0.5), false);
     let (min_m, max_m) = (vec2(-1.0, -0.5), vec2(1.0, 1.0));
@@ -320,7 +333,10 @@ fn given_positions_and_the_ends_of_the_benchmark_route_are_dragged() {
     let mut editor = editor(full());
     editor.select(Selection::Goals);
     drag(&mut editor, HandleKind::Position(1), vec2(-0.5, 0.1), false);
-    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.0, -1.4)] });
+    assert_eq!(
+        editor.scenario().goals,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.0, -1.4)] }
+    );
     assert!(editor.remove_handle(HandleKind::Position(0)) && !editor.remove_handle(HandleKind::Position(0)));
     editor.select(Selection::BenchmarkGoal);
     drag(&mut editor, HandleKind::Middle, vec2(0.1, -0.2), false);
@@ -344,13 +360,18 @@ fn given_positions_and_the_ends_of_the_benchmark_route_are_dragged() {
 #[test]
 fn every_handle_can_be_dragged() {
     let mut scenario = full();
-    scenario.obstacles.push(static_obstacle(Shape::Rectangle { width_m: 0.3, height_m: 0.2 }, vec2(0.5, -1.0)));
-    scenario.obstacles.push(static_obstacle(Shape::Capsule { length_m: 0.3, radius_m: 0.1 }, vec2(0.5, -1.5)));
+    scenario
+        .obstacles
+        .push(static_obstacle(Shape::Rectangle { width_m: 0.3, height_m: 0.2 }, vec2(0.5, -1.0)));
+    scenario
+        .obstacles
+        .push(static_obstacle(Shape::Capsule { length_m: 0.3, radius_m: 0.1 }, vec2(0.5, -1.5)));
     let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.1 };
     scenario.obstacles.push(Obstacle { motion, ..circle(0.0, 1.0) });
     let motion = ObstacleMotion::RandomWalk { radius_m: 0.2, speed_m_s: 0.1, seed: 0 };
     scenario.obstacles.push(Obstacle { motion, ..circle(0.0, -1.0) });
-    scenario.starts = PlacementRule::Within { min_m: vec2(-1.0, -1.0), max_m: vec2(1.0, 1.0), clearance_m: 0.2 };
+    scenario.starts =
+        PlacementRule::Within { min_m: vec2(-1.0, -1.0), max_m: vec2(1.0, 1.0), clearance_m: 0.2 };
     let obstacles = (0..scenario.obstacles.len()).map(Selection::Obstacle);
     let others = [
         Selection::Enclosure,
@@ -386,5 +407,8 @@ fn dragging_a_rule_by_its_body_drags_the_nearest_position() {
     assert_eq!(editor.dragged(), Some(HandleKind::Position(1)));
     editor.drag_to(vec2(1.25, -1.5), false);
     editor.end_drag();
-    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.3, -1.5)] });
+    assert_eq!(
+        editor.scenario().goals,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.3, -1.5)] }
+    );
 }

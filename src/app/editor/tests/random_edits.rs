@@ -1,8 +1,8 @@
 //! Random sequences of edits: every sequence can be undone, redone and saved.
 
-use bevy::math::{Vec2, vec2};
 use super::*;
 use crate::random::{Stream, stream, uniform};
+use bevy::math::{Vec2, vec2};
 
 /// A random index below `count`.
 fn one_of(stream: &mut Stream, count: usize) -> usize {
@@ -96,8 +96,11 @@ fn random_edit(editor: &mut Editor, stream: &mut Stream) {
         }
         // Any other edit may happen before the tool is finished.
         18..=20 => {
-            let tools =
-                [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }, Tool::Positions];
+            let tools = [
+                Tool::Wall { corners_m: Vec::new() },
+                Tool::Path { waypoints_m: Vec::new() },
+                Tool::Positions,
+            ];
             editor.set_tool(tools[one_of(stream, 3)].clone());
         }
         21..=24 => click(editor, at),
@@ -115,14 +118,18 @@ fn random_edits_can_be_undone_redone_and_saved() {
         let mut most = 0;
         for _ in 0..400 {
             let before = editor.selection();
-           random_edit(&mut editor, &mut stream);
+            random_edit(&mut editor, &mut stream);
             assert_tool_fits(&editor, before);
             paths += usize::from(matches!(editor.tool(), Tool::Path { .. }));
             places += usize::from(*editor.tool() == Tool::Positions);
             assert_eq!(editor.selection(), editor.selection().if_present(editor.scenario()));
             most = most.max(item_count(editor.scenario()));
             if editor.dragged().is_none() {
-                assert_eq!(editor.diagnostics(), diagnostics(editor.scenario()), "diagnostics are up to date");
+                assert_eq!(
+                    editor.diagnostics(),
+                    diagnostics(editor.scenario()),
+                    "diagnostics are up to date"
+                );
             }
         }
         assert!(most > 8, "items were added: {most}");

@@ -1,6 +1,7 @@
 //! Saved and unsaved changes of a document.
 
 use super::*;
+use bevy::math::vec2;
 
 #[test]
 fn a_late_save_of_the_previous_document_is_ignored() {

@@ -1,7 +1,7 @@
 //! A tool is put away when it no longer fits the selected item.
 
-use bevy::math::vec2;
 use super::*;
+use bevy::math::vec2;
 
 fn path() -> Tool {
     Tool::Path { waypoints_m: Vec::new() }

@@ -9,9 +9,9 @@ use crate::app::commands::Command;
 use crate::app::editor::{Editor, EditorInteraction};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::numbers;
+use crate::app::screen::theme::{BODY, GAP, Palette};
 use crate::app::screen::widgets::buttons;
 use crate::app::screen::widgets::text::weak_text;
-use crate::app::screen::theme::{BODY, GAP, Palette};
 use crate::scenario::Scenario;
 
 /// Height of the wide buttons, in points.
@@ -117,7 +117,11 @@ fn save_ui(ui: &mut Ui, input: &ScreenInput<'_>, editor: &mut Editor, commands: 
 }
 
 /// The question before the current training is discarded.
-fn confirm_restart_ui(ui: &mut Ui, input: &ScreenInput<'_>, interaction: &mut EditorInteraction) -> Option<Action> {
+fn confirm_restart_ui(
+    ui: &mut Ui,
+    input: &ScreenInput<'_>,
+    interaction: &mut EditorInteraction,
+) -> Option<Action> {
     let palette = Palette::from_ui(ui);
     let frame = Frame::new()
         .stroke(Stroke::new(1.0, palette.warning))
@@ -129,7 +133,8 @@ fn confirm_restart_ui(ui: &mut Ui, input: &ScreenInput<'_>, interaction: &mut Ed
         let episodes = if count == 1 { "episode" } else { "episodes" };
         let text = format!("Discard this training ({} {episodes})?", numbers::format_count(count));
         ui.label(RichText::new(text).color(palette.text));
-        let buttons = [("Discard", "Start a new training", true), ("Cancel", "Keep the current training", true)];
+        let buttons =
+            [("Discard", "Start a new training", true), ("Cancel", "Keep the current training", true)];
         button_row_ui(ui, &buttons)
     });
     let clicked = clicked.inner?;

@@ -2,9 +2,7 @@
 //!
 //! The simulation is paused while the editor is open, and resumes afterwards if it was running.
 
-use egui::{
-    Align2, Area, Button, Frame, Id, Margin, Order as Layer, Rect, RichText, Stroke, Ui, vec2,
-};
+use egui::{Align2, Area, Button, Frame, Id, Margin, Order as Layer, Rect, RichText, Stroke, Ui, vec2};
 
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, EditorInteraction, ExitRequest};
@@ -23,7 +21,8 @@ pub fn enter_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands
         newer.map_or((&scene.scenario, !status.scenario_modified), |(_, scenario)| (scenario, true));
     let editor = Editor::open(scenario.clone(), status.scenario_from.clone(), saved);
     view_state.editor = Some(Box::new(editor));
-    view_state.interaction.editor = EditorInteraction { resume_on_exit: !status.paused, ..EditorInteraction::default() };
+    view_state.interaction.editor =
+        EditorInteraction { resume_on_exit: !status.paused, ..EditorInteraction::default() };
     view_state.setup_open = true;
     if !status.paused {
         commands.push(Command::Pause(true));

@@ -2,8 +2,8 @@
 
 use egui::{Align, Button, ComboBox, Layout, Response, RichText, Ui, vec2};
 
-use crate::app::screen::widgets::text::weak_text;
 use crate::app::screen::theme::BODY;
+use crate::app::screen::widgets::text::weak_text;
 
 /// Width of a choice, in points, without the space between two fields.
 const CHOICE_WIDTH: f32 = 132.0;

@@ -7,13 +7,7 @@ use crate::app::editor::{Editor, HandleKind, PointerHit, Selection, Tool};
 use crate::app::screen::arena_view::transform::ViewTransform;
 
 /// Sets the cursor icon for what is under the pointer.
-pub fn set_icon(
-    ui: &Ui,
-    response: &Response,
-    transform: &ViewTransform,
-    editor: &Editor,
-    hit: PointerHit,
-) {
+pub fn set_icon(ui: &Ui, response: &Response, transform: &ViewTransform, editor: &Editor, hit: PointerHit) {
     if !(response.contains_pointer() || response.is_pointer_button_down_on()) {
         return;
     }

@@ -4,8 +4,8 @@ use egui::{CursorIcon, Frame, Margin, RichText, Sense, Stroke, Ui, WidgetInfo, W
 
 use super::scenario_panel;
 use crate::app::editor::{Editor, EditorInteraction, Selection};
-use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::app::screen::theme::{Palette, SMALL};
+use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::scenario::Diagnostic;
 
 /// Most problems listed.

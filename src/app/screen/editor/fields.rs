@@ -8,9 +8,9 @@ use egui::{Align, DragValue, Id, Label, Layout, Ui, vec2};
 
 use super::number::{FieldEvents, FieldName, HEIGHT, NumberSpec, WIDTH, is_left, number_ui, with_tip};
 use crate::app::editor::Editor;
+use crate::app::screen::theme::Palette;
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::text::weak_text;
-use crate::app::screen::theme::Palette;
 use crate::scenario::Scenario;
 
 /// Most entries of a list that are shown.

@@ -3,10 +3,10 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
 use crate::app::editor::{Body, Editor, Handle, HandleKind, PointerHit, Selection};
-use crate::app::screen::theme::SMALL;
 use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::arena_view::silhouette::Silhouette;
 use crate::app::screen::arena_view::transform::ViewTransform;
+use crate::app::screen::theme::SMALL;
 
 /// Half the side of a handle, in points.
 const HALF: f32 = 4.0;

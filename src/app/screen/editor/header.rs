@@ -9,9 +9,9 @@ use super::controls::set_accessible_name;
 use crate::app::commands::Command;
 use crate::app::editor::Editor;
 use crate::app::screen::input::ScreenInput;
+use crate::app::screen::theme::SMALL;
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::text::weak_text;
-use crate::app::screen::theme::SMALL;
 
 /// Longest name of a scenario, in characters.
 const MAX_NAME: usize = 100;

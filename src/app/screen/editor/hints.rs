@@ -4,8 +4,8 @@ use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{FontId, Rect, vec2};
 
 use crate::app::editor::{Editor, HandleKind, PointerHit, Selection, Tool};
-use crate::app::screen::theme::SMALL;
 use crate::app::screen::arena_view::canvas::Canvas;
+use crate::app::screen::theme::SMALL;
 
 /// Draws the hint line, unless the canvas is too low.
 pub fn draw(canvas: &Canvas, editor: &Editor, hit: PointerHit) {

@@ -45,10 +45,10 @@ pub mod shortcuts;
 
 use egui::{EventFilter, Sense, Ui, Vec2, WidgetInfo, WidgetType, vec2};
 
-use super::theme::Palette;
-use super::arena_view::canvas::Canvas;
 use super::arena_view::camera::steer_camera;
+use super::arena_view::canvas::Canvas;
 use super::arena_view::transform::ViewTransform;
+use super::theme::Palette;
 use crate::app::editor::{PointerHit, Tool};
 use crate::app::view_state::ViewState;
 

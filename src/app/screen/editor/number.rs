@@ -40,7 +40,9 @@ impl NumberSpec {
         Self { suffix: " m/s", factor: 1.0, stored: 3, shown: (2, 3), speed: 0.005, range: (0.0, 5.0) };
     /// An angular velocity, stored in rad/s and shown in degrees per second.
     pub const ANGULAR_VELOCITY: Self =
-        Self { suffix: " °/s", factor: DEGREES, stored: 4, shown: (0, 1), speed: 0.01, range: (-20.0, 20.0) };
+        Self {
+            suffix: " °/s", factor: DEGREES, stored: 4, shown: (0, 1), speed: 0.01, range: (-20.0, 20.0)
+        };
     /// A fraction, shown in percent.
     pub const FRACTION: Self =
         Self { suffix: "%", factor: 100.0, stored: 4, shown: (0, 2), speed: 0.005, range: (0.0, 1.0) };

@@ -95,13 +95,7 @@ fn begin_drag(ui: &Ui, editor: &mut Editor, Press { hit, position_m }: Press) ->
 }
 
 /// Handles a click, a double-click or a secondary click.
-fn click(
-    ui: &Ui,
-    response: &Response,
-    transform: &ViewTransform,
-    editor: &mut Editor,
-    press: Option<Press>,
-) {
+fn click(ui: &Ui, response: &Response, transform: &ViewTransform, editor: &mut Editor, press: Option<Press>) {
     let drawing = *editor.tool() != Tool::Select;
     let at = response.interact_pointer_pos();
     let free = ui.input(|input| input.modifiers.alt);

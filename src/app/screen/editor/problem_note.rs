@@ -4,9 +4,9 @@ use egui::{FontId, Rect, Vec2, pos2, vec2};
 
 use super::outlines;
 use crate::app::editor::{Editor, Selection};
-use crate::app::screen::theme::SMALL;
 use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::arena_view::transform::constrain_to;
+use crate::app::screen::theme::SMALL;
 use crate::scenario::Diagnostic;
 
 /// Largest width of the card, in points.
@@ -35,9 +35,9 @@ fn shown_problem<'e>(canvas: &Canvas, editor: &'e Editor) -> Option<(Rect, &'e D
     let mut problems: Vec<_> = editor.diagnostics().iter().map(located).collect();
     problems.retain(|(item, _)| *item == selected || editor.dragged().is_some());
     problems.sort_by_key(|(item, _)| *item != selected);
-    problems.into_iter().find_map(|(item, problem)| {
-        Some((outlines::screen_rect(canvas, editor.scenario(), item)?, problem))
-    })
+    problems
+        .into_iter()
+        .find_map(|(item, problem)| Some((outlines::screen_rect(canvas, editor.scenario(), item)?, problem)))
 }
 
 /// Below the item, or above it where the canvas ends.

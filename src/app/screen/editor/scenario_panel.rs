@@ -8,8 +8,8 @@ use super::number::NumberSpec;
 use super::placement_fields::{benchmark_goal_ui, benchmark_start_ui, rule_ui};
 use super::robot_fields::{lidar_ui, robot_ui, task_ui};
 use crate::app::editor::{Editor, EditorInteraction, EnclosureKind, PlacementRole, Selection};
-use crate::app::screen::widgets::text::weak_text;
 use crate::app::screen::theme::BODY;
+use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::Enclosure;
 
 /// Longest description of a scenario, in characters.
