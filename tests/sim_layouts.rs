@@ -21,9 +21,19 @@ fn irregular_walls() -> Scenario {
     let walk = ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.1, seed: 4 };
     Scenario {
         enclosure: Enclosure::Polygon {
-            corners_m: vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(2.0, 0.0), vec2(0.0, 0.0), vec2(0.0, 2.0), vec2(-2.0, 2.0)],
+            corners_m: vec![
+                vec2(-2.0, -2.0),
+                vec2(2.0, -2.0),
+                vec2(2.0, 0.0),
+                vec2(0.0, 0.0),
+                vec2(0.0, 2.0),
+                vec2(-2.0, 2.0),
+            ],
         },
-        walls: vec![Wall { corners_m: vec![vec2(-2.0, 0.2), vec2(-1.2, 0.2), vec2(-1.2, 0.9)], thickness_m: 0.1 }],
+        walls: vec![Wall {
+            corners_m: vec![vec2(-2.0, 0.2), vec2(-1.2, 0.2), vec2(-1.2, 0.9)],
+            thickness_m: 0.1,
+        }],
         obstacles: vec![
             common::still(rod.clone(), vec2(-0.6, 0.9), 0.6),
             common::still(triangle.clone(), vec2(0.6, -0.7), 0.4),

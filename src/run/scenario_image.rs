@@ -2,10 +2,11 @@
 //!
 //! In: a scenario. Out: the map that figures are based on, or a thumbnail as an SVG or PNG file.
 
-use bevy::math::{Vec2, vec2};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Write;
 use std::path::Path;
+
+use bevy::math::{Vec2, vec2};
 
 use super::RunError;
 use super::folder::write_atomic;

@@ -179,7 +179,8 @@ pub fn moving_obstacles() -> Scenario {
         ..still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)
     };
     let slab = Shape::Rectangle { width_m: 0.3, height_m: 0.15 };
-    let patrol = ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.4, -1.5), vec2(0.9, -1.2)], speed_m_s: 0.1 };
+    let patrol =
+        ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.4, -1.5), vec2(0.9, -1.2)], speed_m_s: 0.1 };
     Scenario {
         name: "Moving".into(),
         obstacles: vec![

@@ -172,11 +172,21 @@ fn longest_step() -> Scenario {
 fn the_longest_step_ends_at_the_thinnest_thing() {
     let wall = |corners_m| Wall { corners_m, thickness_m: 0.01 };
     let thin = |shape: Shape, turn| still(shape, vec2(0.0, 0.0), turn);
-    let l = vec![vec2(-60.0, -60.0), vec2(60.0, -60.0), vec2(60.0, 0.0), vec2(0.0, 0.0), vec2(0.0, 60.0), vec2(-60.0, 60.0)];
+    let l = vec![
+        vec2(-60.0, -60.0),
+        vec2(60.0, -60.0),
+        vec2(60.0, 0.0),
+        vec2(0.0, 0.0),
+        vec2(0.0, 60.0),
+        vec2(-60.0, 60.0),
+    ];
     let plate = Shape::Polygon { corners_m: vec![vec2(-0.5, 0.0), vec2(0.5, -0.0005), vec2(0.5, 0.0005)] };
     let worlds = [
         Scenario { walls: vec![wall(vec![vec2(-40.0, 0.0), vec2(40.0, 0.0)])], ..longest_step() },
-        Scenario { walls: vec![wall(vec![vec2(-40.0, -40.0), vec2(0.0, 0.0), vec2(40.0, -40.0)])], ..longest_step() },
+        Scenario {
+            walls: vec![wall(vec![vec2(-40.0, -40.0), vec2(0.0, 0.0), vec2(40.0, -40.0)])],
+            ..longest_step()
+        },
         Scenario {
             obstacles: vec![thin(Shape::Rectangle { width_m: 60.0, height_m: 0.001 }, 0.3)],
             ..longest_step()
@@ -223,7 +233,11 @@ fn the_longest_step_ends_at_the_thinnest_thing() {
 
 /// Ends of a benchmark route that are far apart, and clear of what the thin worlds have.
 fn far_benchmark_route() -> wayfield::scenario::BenchmarkRoute {
-    wayfield::scenario::BenchmarkRoute { start_m: vec2(-45.0, -50.0), heading_rad: 0.0, goal_m: vec2(30.0, -55.0) }
+    wayfield::scenario::BenchmarkRoute {
+        start_m: vec2(-45.0, -50.0),
+        heading_rad: 0.0,
+        goal_m: vec2(30.0, -55.0),
+    }
 }
 
 #[test]
@@ -237,7 +251,10 @@ fn what_drives_over_a_standing_robot_collides_with_it() {
         put(Shape::Circle { radius_m: 0.001 }, to_and_fro()),
         put(Shape::Circle { radius_m: 0.05 }, to_and_fro()),
         put(Shape::Rectangle { width_m: 0.001, height_m: 0.4 }, to_and_fro()),
-        put(Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(0.2, 0.0), vec2(0.0, 0.03)] }, to_and_fro()),
+        put(
+            Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(0.2, 0.0), vec2(0.0, 0.03)] },
+            to_and_fro(),
+        ),
         put(needle(), orbit(vec2(-1.0, 0.0), 5.0 * PI)),
         put(needle(), orbit(vec2(-0.9, 0.1), -5.0 * PI)),
         put(Shape::Circle { radius_m: 0.001 }, orbit(vec2(-0.2, 0.0), 3.125)),

@@ -53,15 +53,16 @@ pub fn between_steps(room: &Scenario, step: u64, part: f64) -> Scenario {
     let period = room.task.control_period_s;
     let still = |obstacle: &Obstacle| {
         let (from, to) = (pose_at(obstacle, step, period), pose_at(obstacle, step + 1, period));
-        let (at, turn) = if let ObstacleMotion::Orbit { centre_m: Vec2 { x: cx, y: cy }, speed_rad_s } = obstacle.motion {
-            let angle = part * f64::from(speed_rad_s) * f64::from(period);
-            let (sin, cos) = angle.sin_cos();
-            let (x, y) = (f64::from(from.0 - cx), f64::from(from.1 - cy));
-            let at = (f64::from(cx) + x * cos - y * sin, f64::from(cy) + x * sin + y * cos);
-            (at, f64::from(from.2) + angle)
-        } else {
-            (straight(wide(vec2(from.0, from.1)), wide(vec2(to.0, to.1)), part), f64::from(from.2))
-        };
+        let (at, turn) =
+            if let ObstacleMotion::Orbit { centre_m: Vec2 { x: cx, y: cy }, speed_rad_s } = obstacle.motion {
+                let angle = part * f64::from(speed_rad_s) * f64::from(period);
+                let (sin, cos) = angle.sin_cos();
+                let (x, y) = (f64::from(from.0 - cx), f64::from(from.1 - cy));
+                let at = (f64::from(cx) + x * cos - y * sin, f64::from(cy) + x * sin + y * cos);
+                (at, f64::from(from.2) + angle)
+            } else {
+                (straight(wide(vec2(from.0, from.1)), wide(vec2(to.0, to.1)), part), f64::from(from.2))
+            };
         Obstacle {
             position_m: vec2(at.0 as f32, at.1 as f32),
             rotation_rad: turn as f32,

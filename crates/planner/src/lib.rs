@@ -50,9 +50,9 @@ mod configuration_space;
 mod geodesic;
 mod search;
 
-use glam::Vec2;
 use bound::LowerBound;
 use configuration_space::{ConfigurationSpace, GoalRegion};
+use glam::Vec2;
 use search::{LOOKAHEAD_STATES, SearchLimits, StateGrid, search, search_lower_bound};
 
 use serde::{Deserialize, Serialize};

@@ -34,7 +34,11 @@ fn cylinders(speed_rad_s: f32) -> Scenario {
 fn maze() -> Scenario {
     let tilted = Obstacle { rotation_rad: 0.5, ..static_box(vec2(-1.0, 0.9), 0.8, 0.1) };
     let mut scenario = cylinders(0.0);
-    scenario.obstacles.extend([static_box(vec2(1.1, 0.0), 1.8, 0.1), static_box(vec2(0.0, -1.2), 0.2, 1.0), tilted]);
+    scenario.obstacles.extend([
+        static_box(vec2(1.1, 0.0), 1.8, 0.1),
+        static_box(vec2(0.0, -1.2), 0.2, 1.0),
+        tilted,
+    ]);
     scenario
 }
 

@@ -27,9 +27,9 @@ mod speeds;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-use glam::Vec2;
 use super::file_error::Diagnostic;
 use super::schema::Scenario;
+use glam::Vec2;
 
 const METRES: &str = " (metres)";
 const METRES_PER_SECOND: &str = " (metres a second)";
@@ -96,12 +96,7 @@ impl Diagnostics {
 
     /// Reports a list of points unless it has as many as `range` says, and each that lies beyond the largest
     /// enclosure.
-    fn check_points(
-        &mut self,
-        path: fmt::Arguments<'_>,
-        points: &[Vec2],
-        range: RangeInclusive<usize>,
-    ) {
+    fn check_points(&mut self, path: fmt::Arguments<'_>, points: &[Vec2], range: RangeInclusive<usize>) {
         let most = *range.end();
         self.check_count(path, points.len(), range);
         for (k, &point) in points.iter().enumerate().take(most) {

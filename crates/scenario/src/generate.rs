@@ -5,9 +5,9 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, vec2};
 use super::geometry::{is_clear, length};
 use super::schema::{Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Scenario, Shape};
+use glam::{Vec2, vec2};
 use wayfield_random::{Stream, stream, uniform};
 
 /// So many places are tried for an obstacle before it is left out.
@@ -51,12 +51,7 @@ impl Scenario {
 }
 
 /// One more obstacle for `room`, if a place is found for it.
-fn one(
-    room: &Scenario,
-    generator: &Generator,
-    kept_free: &[Vec2],
-    stream: &mut Stream,
-) -> Option<Obstacle> {
+fn one(room: &Scenario, generator: &Generator, kept_free: &[Vec2], stream: &mut Stream) -> Option<Obstacle> {
     let mut size = |(low, high): (f32, f32)| uniform(stream, low, high);
     let (shape, turns) = match generator.shape {
         RandomShape::Circle { radius_m } => (Shape::Circle { radius_m: size(radius_m) }, false),
@@ -70,8 +65,9 @@ fn one(
         Some(region) => (region.min_m, region.max_m),
         None => room.enclosure.bounds_m(),
     };
-    let position_m =
-        (0..TRIES).map(|_| vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y))).find(|&at| {
+    let position_m = (0..TRIES)
+        .map(|_| vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y)))
+        .find(|&at| {
             is_clear(room, at, 0, away) && kept_free.iter().all(|p| length(p.x - at.x, p.y - at.y) >= away)
         })?;
     Some(Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static })

@@ -3,10 +3,10 @@
 //! In: a [`Scenario`], a point, a step. Out: signed distances, positive in the open; extents. f32 by plain arithmetic
 //! and `libm`, so that what is drawn by them is the same on every platform.
 
-use glam::{Vec2, vec2};
 use super::motion::pose_at;
 use super::polygon;
 use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape, Wall};
+use glam::{Vec2, vec2};
 
 /// The distance, in m, from `point_m` to the nearest surface of an obstacle (where it is at `step`) or of a
 /// wall; negative inside an obstacle or a wall or outside the enclosure.
@@ -91,7 +91,9 @@ impl Shape {
         match self {
             Self::Circle { radius_m } => *radius_m,
             Self::Rectangle { width_m, height_m } => length(width_m / 2.0, height_m / 2.0),
-            Self::Polygon { corners_m } => corners_m.iter().map(|&Vec2 { x, y }| length(x, y)).fold(0.0, f32::max),
+            Self::Polygon { corners_m } => {
+                corners_m.iter().map(|&Vec2 { x, y }| length(x, y)).fold(0.0, f32::max)
+            }
             Self::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
         }
     }
@@ -199,7 +201,10 @@ mod tests {
         assert!(near(shape_distance(&circle, (0.6, 0.6, 0.0), vec2(0.6, 0.6)), -0.15));
         let slab = Shape::Rectangle { width_m: 2.0, height_m: 1.0 };
         assert!(near(shape_distance(&slab, (0.0, 0.0, 0.0), vec2(4.0, 4.5)), 5.0), "from a corner: 3, 4, 5");
-        assert!(near(shape_distance(&slab, (0.0, 0.0, 0.0), vec2(0.9, 0.0)), -0.1), "inside, the nearest side");
+        assert!(
+            near(shape_distance(&slab, (0.0, 0.0, 0.0), vec2(0.9, 0.0)), -0.1),
+            "inside, the nearest side"
+        );
         assert!(
             near(shape_distance(&slab, (0.0, 0.0, FRAC_PI_2), vec2(2.0, 0.0)), 1.5),
             "upright after a quarter turn"
@@ -219,8 +224,13 @@ mod tests {
             motion: ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: FRAC_PI_2 },
         });
         assert!(near(clearance(&scenario, vec2(0.0, 0.5), 0), 1.25_f32.sqrt() - 0.2));
-        assert!(near(clearance(&scenario, vec2(0.0, 0.5), 1), 0.3), "a quarter turn later it is straight ahead");
-        assert!(is_clear(&scenario, vec2(0.0, 0.5), 1, 0.299) && !is_clear(&scenario, vec2(0.0, 0.5), 1, 0.301));
+        assert!(
+            near(clearance(&scenario, vec2(0.0, 0.5), 1), 0.3),
+            "a quarter turn later it is straight ahead"
+        );
+        assert!(
+            is_clear(&scenario, vec2(0.0, 0.5), 1, 0.299) && !is_clear(&scenario, vec2(0.0, 0.5), 1, 0.301)
+        );
     }
 
     #[test]
@@ -261,7 +271,9 @@ mod tests {
         }
         let scenario = Scenario { walls: vec![wall], ..Scenario::default() };
         assert!(near(clearance(&scenario, vec2(1.0, 0.3), 0), 0.2));
-        assert!(is_clear(&scenario, vec2(1.0, 0.3), 0, 0.19) && !is_clear(&scenario, vec2(1.0, 0.3), 0, 0.21));
+        assert!(
+            is_clear(&scenario, vec2(1.0, 0.3), 0, 0.19) && !is_clear(&scenario, vec2(1.0, 0.3), 0, 0.21)
+        );
     }
 
     #[test]
@@ -293,7 +305,8 @@ mod tests {
         };
         assert!(near(max_distance_from(&o, vec2(0.0, 0.0)), 5.0), "its far corner is at (3, 4)");
         let shape = Shape::Capsule { length_m: 2.0, radius_m: 0.5 };
-        let o = Obstacle { shape, position_m: vec2(3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Static };
+        let o =
+            Obstacle { shape, position_m: vec2(3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Static };
         assert!(near(max_distance_from(&o, vec2(0.0, 0.0)), 4.5));
     }
 }

@@ -6,8 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DVec2, Vec2, dvec2};
 use super::schema::{Obstacle, ObstacleMotion};
+use glam::{DVec2, Vec2, dvec2};
 use wayfield_random::Stream;
 
 /// The pose (x in m, y in m, rotation in rad, in [-pi, pi]) of `obstacle` after `step` steps of
@@ -174,8 +174,10 @@ mod tests {
     #[test]
     fn a_quarter_turn_takes_a_corner_to_the_next_one_counterclockwise() {
         let quarter_rad_s = FRAC_PI_2 as f32;
-        let o =
-            obstacle(vec2(0.6, 0.6), ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: quarter_rad_s });
+        let o = obstacle(
+            vec2(0.6, 0.6),
+            ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: quarter_rad_s },
+        );
         assert_eq!(pose_at(&o, 0, 0.25), (0.6, 0.6, 0.0), "step 0 is the position as written, to the bit");
         assert_near(pose_at(&o, 4, 0.25), (-0.6, 0.6, FRAC_PI_2 as f32));
         assert_near(pose_at(&o, 12, 0.25), (0.6, -0.6, -FRAC_PI_2 as f32));
@@ -225,8 +227,9 @@ mod tests {
 
     #[test]
     fn a_random_walk_stays_in_reach_never_hurries_and_is_told_by_its_seed() {
-        let walk =
-            |seed| obstacle(vec2(1.0, -1.0), ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.2, seed });
+        let walk = |seed| {
+            obstacle(vec2(1.0, -1.0), ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.2, seed })
+        };
         let (one, other) = (walk(1), walk(2));
         assert_eq!(pose_at(&one, 0, 0.2), (1.0, -1.0, 0.0));
         let (mut apart, mut corners) = (0.0_f32, std::collections::BTreeSet::new());

@@ -6,9 +6,9 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{Vec2, vec2};
 use super::geometry::{is_clear, length};
 use super::schema::{PlacementRule, Scenario};
+use glam::{Vec2, vec2};
 use wayfield_random::{Stream, uniform, uniform_01, uniform_index};
 
 /// Random tries before the grid is walked.
@@ -17,8 +17,6 @@ const TRIES: u32 = 1_000;
 const GRID: usize = 64;
 /// So many starts are tried for one that leaves room for a goal.
 const STARTS: u32 = 50;
-
-
 
 /// At this moment no point satisfies the rule. (A scenario without findings has room at step 0 and at the
 /// other moments that the checks look at.)
@@ -64,7 +62,8 @@ pub fn draw_start(
     stream: &mut Stream,
 ) -> Result<(f32, f32, f32), NoFreeSpace> {
     let rule = &scenario.starts;
-    let Vec2 { x, y } = draw(scenario, rule, step, stream, |_| true).ok_or(NoFreeSpace { what: "start", step })?;
+    let Vec2 { x, y } =
+        draw(scenario, rule, step, stream, |_| true).ok_or(NoFreeSpace { what: "start", step })?;
     let heading = match rule {
         PlacementRule::Fixed { heading_rad: Some(heading), .. } => *heading,
         _ => PI - TAU * uniform_01(stream),
@@ -209,7 +208,9 @@ mod tests {
     fn places_that_are_named_are_taken_where_they_are_far_enough() {
         let mut scenario = Scenario {
             starts: PlacementRule::Fixed { position_m: vec2(-1.5, 0.5), heading_rad: Some(0.25) },
-            goals: PlacementRule::OneOf { positions_m: vec![vec2(1.0, 1.0), vec2(-1.4, 0.5), vec2(1.0, -1.0)] },
+            goals: PlacementRule::OneOf {
+                positions_m: vec![vec2(1.0, 1.0), vec2(-1.4, 0.5), vec2(1.0, -1.0)],
+            },
             ..Scenario::default()
         };
         let mut s = stream(3, "places", 0);
@@ -229,7 +230,14 @@ mod tests {
 
     #[test]
     fn a_region_holds_its_places_and_an_l_shaped_room_its_own() {
-        let corners_m = vec![vec2(0.0, 0.0), vec2(4.0, 0.0), vec2(4.0, 2.0), vec2(2.0, 2.0), vec2(2.0, 4.0), vec2(0.0, 4.0)];
+        let corners_m = vec![
+            vec2(0.0, 0.0),
+            vec2(4.0, 0.0),
+            vec2(4.0, 2.0),
+            vec2(2.0, 2.0),
+            vec2(2.0, 4.0),
+            vec2(0.0, 4.0),
+        ];
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
             starts: PlacementRule::Within { min_m: vec2(0.5, 2.0), max_m: vec2(3.5, 3.5), clearance_m: 0.35 },

@@ -3,8 +3,8 @@
 //! In: corners in order, either way round. Out: sides, signed distances, areas. Plain f32 arithmetic, alike on every
 //! platform.
 
-use glam::Vec2;
 use super::geometry::length;
+use glam::Vec2;
 
 /// From `point` to the nearest side, in m; negative outside. Sides may point inwards, but must not cross.
 pub(super) fn signed_distance(corners: &[Vec2], point: Vec2) -> f32 {
@@ -58,7 +58,8 @@ mod tests {
     use super::*;
 
     /// An L: a square of 2 m without its upper right quarter.
-    const L: [Vec2; 6] = [vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
+    const L: [Vec2; 6] =
+        [vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
 
     #[test]
     fn depth_is_positive_within_an_l_and_negative_in_its_notch() {
@@ -89,7 +90,8 @@ mod tests {
     #[test]
     fn the_way_to_a_segment_ends_at_its_ends() {
         let (from, to) = (vec2(0.0, 0.0), vec2(2.0, 0.0));
-        let found = [vec2(1.0, 0.5), vec2(5.0, 4.0), vec2(-3.0, 4.0)].map(|point| distance_to_segment(from, to, point));
+        let found = [vec2(1.0, 0.5), vec2(5.0, 4.0), vec2(-3.0, 4.0)]
+            .map(|point| distance_to_segment(from, to, point));
         assert_eq!(found, [0.5, 5.0, 5.0]);
         assert_eq!(distance_to_segment(from, from, vec2(3.0, 4.0)), 5.0, "a segment without length");
     }

@@ -57,7 +57,14 @@ fn a_polygonal_enclosure_must_be_an_outline() {
         meet(1, "corners_m[1] to corners_m[2]", "corners_m[0] to corners_m[1]")
     );
     // Either way round, and with a corner that points inwards, it is fine.
-    let mut l = vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(2.0, 2.0), vec2(0.5, 2.0), vec2(0.5, 1.7), vec2(-2.0, 1.7)];
+    let mut l = vec![
+        vec2(-2.0, -2.0),
+        vec2(2.0, -2.0),
+        vec2(2.0, 2.0),
+        vec2(0.5, 2.0),
+        vec2(0.5, 1.7),
+        vec2(-2.0, 1.7),
+    ];
     assert_eq!(enclosed(&l), [""; 0]);
     l.reverse();
     assert_eq!(enclosed(&l), [""; 0]);
@@ -120,7 +127,10 @@ fn places_that_the_rules_name_must_leave_a_way_to_go() {
         ]
     );
     let within = |min_m, max_m| PlacementRule::Within { min_m, max_m, clearance_m: 0.3 };
-    assert_eq!(with(within(vec2(-1.0, -1.0), vec2(-0.5, 1.0)), within(vec2(0.5, -1.0), vec2(1.0, 1.0))), [""; 0]);
+    assert_eq!(
+        with(within(vec2(-1.0, -1.0), vec2(-0.5, 1.0)), within(vec2(0.5, -1.0), vec2(1.0, 1.0))),
+        [""; 0]
+    );
     // Of a square of 1 m, what is 0.5 m from its middle is 1 - pi/4 of it, 21 %; of one of 1.04 m, 27 %.
     assert_eq!(with(within(vec2(-0.52, -0.52), vec2(0.52, 0.52)), fixed(0.0, None)), [""; 0]);
     assert_eq!(
@@ -202,7 +212,8 @@ fn what_the_robot_cannot_reach_is_told_with_two_points() {
         "{told:?}"
     );
     // Goals elsewhere: the starts are what is left.
-    let elsewhere = PlacementRule::Within { min_m: vec2(-2.0, -2.0), max_m: vec2(2.0, 0.9), clearance_m: 0.35 };
+    let elsewhere =
+        PlacementRule::Within { min_m: vec2(-2.0, -2.0), max_m: vec2(2.0, 0.9), clearance_m: 0.35 };
     scenario.goals = elsewhere.clone();
     let told = found(&scenario);
     assert_eq!(told.len(), 1, "{told:?}");
@@ -238,8 +249,7 @@ fn a_gap_of_twice_the_collision_range_is_the_least() {
     {
         let half = gap_m / 2.0 + 0.01;
         let ends = [(vec2(0.003, -2.0), vec2(0.003, -half)), (vec2(0.003, half), vec2(0.003, 2.0))];
-        let walls =
-            ends.map(|(from, to)| if turned { wall(from.yx(), to.yx()) } else { wall(from, to) });
+        let walls = ends.map(|(from, to)| if turned { wall(from.yx(), to.yx()) } else { wall(from, to) });
         let in_the_door = Obstacle {
             shape: Shape::Circle { radius_m: 0.2 },
             position_m: vec2(0.0, 0.0),

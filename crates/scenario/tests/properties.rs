@@ -19,16 +19,28 @@ use wayfield_scenario::{
 fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Vec2>, f32) {
     let (points, radius) = match shape {
         Shape::Circle { radius_m } => (vec![Vec2::ZERO], *radius_m),
-        Shape::Rectangle { width_m: w, height_m: h } => {
-            (vec![vec2(-w / 2.0, -h / 2.0), vec2(w / 2.0, -h / 2.0), vec2(w / 2.0, h / 2.0), vec2(-w / 2.0, h / 2.0)], 0.0)
-        }
+        Shape::Rectangle { width_m: w, height_m: h } => (
+            vec![
+                vec2(-w / 2.0, -h / 2.0),
+                vec2(w / 2.0, -h / 2.0),
+                vec2(w / 2.0, h / 2.0),
+                vec2(-w / 2.0, h / 2.0),
+            ],
+            0.0,
+        ),
         Shape::Polygon { corners_m } => (corners_m.clone(), 0.0),
         Shape::Capsule { length_m, radius_m } => {
             (vec![vec2(-length_m / 2.0, 0.0), vec2(length_m / 2.0, 0.0)], *radius_m)
         }
     };
     let (sin, cos) = rotation.sin_cos();
-    (points.into_iter().map(|Vec2 { x: a, y: b }| vec2(x + a * cos - b * sin, y + a * sin + b * cos)).collect(), radius)
+    (
+        points
+            .into_iter()
+            .map(|Vec2 { x: a, y: b }| vec2(x + a * cos - b * sin, y + a * sin + b * cos))
+            .collect(),
+        radius,
+    )
 }
 
 /// Whether a way leads from one point to another over a coarse grid whose points are all `clear` m from what stands.
@@ -37,8 +49,9 @@ fn has_way(scenario: &Scenario, from: Vec2, to: Vec2, clear: f32) -> bool {
     let (low, high) = scenario.enclosure.bounds_m();
     let (columns, rows) =
         (((high.x - low.x) / CELL_M) as usize + 1, ((high.y - low.y) / CELL_M) as usize + 1);
-    let nearest =
-        |Vec2 { x, y }: Vec2| (((x - low.x) / CELL_M).round() as usize, ((y - low.y) / CELL_M).round() as usize);
+    let nearest = |Vec2 { x, y }: Vec2| {
+        (((x - low.x) / CELL_M).round() as usize, ((y - low.y) / CELL_M).round() as usize)
+    };
     let without_moving_obstacles = without_moving_obstacles(scenario);
     let mut free: Vec<bool> = (0..columns * rows)
         .map(|k| {

@@ -37,15 +37,17 @@ impl Field {
     /// The direction in which it falls, in rad.
     fn downhill(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
         let by = 0.01;
-        let slope =
-            |dx, dy| self.height(scenario, Vec2 { x: x - dx, y: y - dy }) - self.height(scenario, Vec2 { x: x + dx, y: y + dy });
+        let slope = |dx, dy| {
+            self.height(scenario, Vec2 { x: x - dx, y: y - dy })
+                - self.height(scenario, Vec2 { x: x + dx, y: y + dy })
+        };
         slope(0.0, by).atan2(slope(by, 0.0))
     }
 
     /// The benchmark route: at each step the motion that turns the robot downhill best.
     fn drives(&self, scenario: &Scenario) -> End {
         let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
-        let (Vec2 { x: mut x, y: mut y }, mut heading) = (benchmark_route.start_m, benchmark_route.heading_rad);
+        let (Vec2 { mut x, mut y }, mut heading) = (benchmark_route.start_m, benchmark_route.heading_rad);
         for _ in 0..task.max_episode_steps {
             let downhill = self.downhill(scenario, vec2(x, y));
             let off = |motion: &&Motion| {

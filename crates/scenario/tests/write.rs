@@ -130,7 +130,11 @@ fn everything() -> Scenario {
         },
         starts: PlacementRule::Within { min_m: vec2(-1.0, -1.0), max_m: vec2(1.0, 1.0), clearance_m: 0.35 },
         goals: PlacementRule::Fixed { position_m: vec2(1.0, 1.0), heading_rad: Some(1.5) },
-        benchmark_route: BenchmarkRoute { start_m: vec2(0.0, 1.0), heading_rad: 0.785, goal_m: vec2(1.2, -1.2) },
+        benchmark_route: BenchmarkRoute {
+            start_m: vec2(0.0, 1.0),
+            heading_rad: 0.785,
+            goal_m: vec2(1.2, -1.2),
+        },
     }
 }
 

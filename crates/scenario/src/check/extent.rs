@@ -6,9 +6,9 @@
 
 use std::cell::Cell;
 
-use glam::{Vec2, vec2};
 use crate::geometry::{enclosure_distance, length, max_distance_from};
 use crate::schema::*;
+use glam::{Vec2, vec2};
 
 /// So far is allowed, in m: rounding.
 pub(super) const TOLERANCE_M: f32 = 1e-4;
@@ -16,7 +16,6 @@ pub(super) const TOLERANCE_M: f32 = 1e-4;
 const FINE_M: f32 = 0.01;
 /// So many points between corners are looked at in one scenario: a hostile file ends before it takes long.
 const MAX_SAMPLED_POINTS: u32 = 100_000;
-
 
 /// The enclosure, and what work it has taken.
 pub(super) struct EnclosureExtent<'a> {

@@ -305,7 +305,14 @@ mod tests {
         cells.set_near(&[dvec2(3.0, 0.2), dvec2(5.3, 2.5), dvec2(3.0, 4.8), dvec2(0.7, 2.5)], 0.0);
         assert_eq!(drawn(&cells), ["......", "..##..", ".####.", "..##..", "......"]);
         let mut cells = BlockedCells::none(&grid);
-        cells.set_outside(&[dvec2(0.0, 0.0), dvec2(6.0, 0.0), dvec2(6.0, 2.0), dvec2(2.0, 2.0), dvec2(2.0, 5.0), dvec2(0.0, 5.0)]);
+        cells.set_outside(&[
+            dvec2(0.0, 0.0),
+            dvec2(6.0, 0.0),
+            dvec2(6.0, 2.0),
+            dvec2(2.0, 2.0),
+            dvec2(2.0, 5.0),
+            dvec2(0.0, 5.0),
+        ]);
         assert_eq!(drawn(&cells), ["......", "......", "..####", "..####", "..####"]);
         let mut cells = BlockedCells::none(&grid);
         cells.set_outside_box(dvec2(1.0, 1.0), dvec2(4.0, 4.9));
@@ -336,6 +343,9 @@ mod tests {
         let (row, column) = grid.cell_at(dvec2(2.2, 77.9));
         assert_eq!((row, column), (2, 77));
         assert_eq!(grid.middle(row, column), dvec2(2.5, 77.5));
-        assert!(CellGrid::over(dvec2(0.0, 0.0), dvec2(1000.0, 1000.0), 0.13).is_none(), "cells of 1 m are too coarse");
+        assert!(
+            CellGrid::over(dvec2(0.0, 0.0), dvec2(1000.0, 1000.0), 0.13).is_none(),
+            "cells of 1 m are too coarse"
+        );
     }
 }

@@ -1,9 +1,9 @@
 //! Each number of a scenario against its range, and against the numbers it must fit.
 
-use glam::Vec2;
 use super::{Diagnostics, MAX_ANGLE_RAD, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, SECONDS};
 use super::{obstacles, polygons, speeds};
 use crate::schema::*;
+use glam::Vec2;
 
 /// The fastest that an obstacle or the robot may move, m/s.
 pub(super) const MAX_SPEED_M_S: f32 = 5.0;
@@ -169,12 +169,7 @@ fn clear(name: &str, clearance_m: f32, scenario: &Scenario, diagnostics: &mut Di
 }
 
 /// A rectangle's corners: each a point, the lower left one below and left of the other.
-pub(super) fn region(
-    path: std::fmt::Arguments<'_>,
-    min: Vec2,
-    max: Vec2,
-    diagnostics: &mut Diagnostics,
-) {
+pub(super) fn region(path: std::fmt::Arguments<'_>, min: Vec2, max: Vec2, diagnostics: &mut Diagnostics) {
     diagnostics.check_point(format_args!("{path}.min_m"), min);
     diagnostics.check_point(format_args!("{path}.max_m"), max);
     for (index, low, high) in [(0, min.x, max.x), (1, min.y, max.y)] {

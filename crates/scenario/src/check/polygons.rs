@@ -1,7 +1,7 @@
 //! Whether corners make an outline: sides that don't cross, and for obstacles none that points inwards.
 
-use glam::{DVec2, Vec2};
 use super::{Diagnostics, METRES};
+use glam::{DVec2, Vec2};
 
 /// The least area of an obstacle, in m^2: that of the smallest square.
 const MIN_AREA_M2: f64 = 1e-6;
@@ -9,11 +9,7 @@ const MIN_AREA_M2: f64 = 1e-6;
 const STRAIGHT: f64 = 1e-4;
 
 /// The corners of an obstacle: 3 to 32, and with all sides bent the same way.
-pub(super) fn check_convex(
-    path: std::fmt::Arguments<'_>,
-    corners: &[Vec2],
-    diagnostics: &mut Diagnostics,
-) {
+pub(super) fn check_convex(path: std::fmt::Arguments<'_>, corners: &[Vec2], diagnostics: &mut Diagnostics) {
     let before = diagnostics.0.len();
     diagnostics.check_count(path, corners.len(), 3..=32);
     for (k, &Vec2 { x, y }) in corners.iter().enumerate().take(32) {
@@ -51,11 +47,7 @@ pub(super) fn check_convex(
 }
 
 /// Reports the first two sides that cross or touch one another. There must be three corners at least.
-pub(super) fn check_simple(
-    path: std::fmt::Arguments<'_>,
-    corners: &[Vec2],
-    diagnostics: &mut Diagnostics,
-) {
+pub(super) fn check_simple(path: std::fmt::Arguments<'_>, corners: &[Vec2], diagnostics: &mut Diagnostics) {
     let corners = wide(corners);
     let n = corners.len();
     let end = |k: usize| corners[(k + 1) % n];

@@ -6,12 +6,12 @@
 //!
 //! Asked of scenarios in which everything has its room.
 
-use glam::DVec2;
 use super::Diagnostics;
 use super::extent::{moves, support_points};
 use super::grid::{BlockedCells, CellGrid, ConnectedRegions};
 use crate::polygon::sides;
 use crate::schema::*;
+use glam::DVec2;
 
 /// A part of the free space in which a rule has places: how many cells of it, and one place among them.
 struct RegionSite {
@@ -135,8 +135,7 @@ fn blocked<'a>(scenario: &Scenario, grid: &'a CellGrid, margin: f64) -> BlockedC
     let mut set = |obstacle: &Obstacle| {
         let (points, radius) = support_points(&obstacle.shape, obstacle.rotation_rad);
         let middle = obstacle.position_m.as_dvec2();
-        let points: Vec<DVec2> =
-            points.iter().map(|point| middle + point.as_dvec2()).collect();
+        let points: Vec<DVec2> = points.iter().map(|point| middle + point.as_dvec2()).collect();
         cells.set_near(&points, margin + f64::from(radius));
     };
     scenario.walls.iter().flat_map(Wall::segments).for_each(|piece| set(&piece));

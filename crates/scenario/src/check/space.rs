@@ -2,13 +2,13 @@
 //!
 //! Asked of scenarios whose numbers are sound.
 
-use glam::{Vec2, vec2};
 use super::Diagnostics;
 use super::extent::{EnclosureExtent, TOLERANCE_M, moves};
 use crate::geometry::{clearance, length};
 use crate::motion::pose_at;
 use crate::placement::free_points;
 use crate::schema::*;
+use glam::{Vec2, vec2};
 
 /// At how many moments of an episode room is looked for when obstacles move.
 const SAMPLED_STEPS: u64 = 4;
@@ -257,8 +257,7 @@ fn far_enough(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         if named.is_empty() { free_points(&frozen, rule, 0).collect() } else { named }
     };
     let goals = points(&scenario.goals);
-    let leaves =
-        |start: Vec2| goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least);
+    let leaves = |start: Vec2| goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least);
     if let (PlacementRule::Fixed { position_m: start, .. }, PlacementRule::Fixed { position_m: goal, .. }) =
         (&scenario.starts, &scenario.goals)
     {

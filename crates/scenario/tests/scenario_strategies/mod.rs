@@ -8,7 +8,8 @@ use proptest::prelude::*;
 use wayfield_random::stream;
 use wayfield_scenario::{
     BenchmarkRoute, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlacementRule,
-    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Vec2, Wall, diagnostics, draw_start_and_goal, pose_at, vec2,
+    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Vec2, Wall, diagnostics, draw_start_and_goal,
+    pose_at, vec2,
 };
 
 /// Numbers of a kind: those that a world may have, or any at all.
@@ -54,7 +55,8 @@ impl ValueRange {
             |(width, height, x, y, turned)| {
                 let (w, h) = (width / 2.0, height / 2.0);
                 let (x, y) = (w * (2.0 * x - 1.0), h * (2.0 * y - 1.0));
-                let mut corners_m = vec![vec2(-w, -h), vec2(w, -h), vec2(w, y), vec2(x, y), vec2(x, h), vec2(-w, h)];
+                let mut corners_m =
+                    vec![vec2(-w, -h), vec2(w, -h), vec2(w, y), vec2(x, y), vec2(x, h), vec2(-w, h)];
                 if turned {
                     corners_m.reverse();
                 }

@@ -33,7 +33,13 @@ fn walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
         let margin_m = scenario.walls.iter().map(|wall| wall.thickness_m).fold(0.0, f32::max);
         let (low, high) = scenario.enclosure.bounds_m();
         let outside = if canvas.compact { canvas.palette.panel } else { canvas.palette.background };
-        polygon::fill_outside(canvas, &scenario.enclosure.corners_m(), low - margin_m, high + margin_m, outside);
+        polygon::fill_outside(
+            canvas,
+            &scenario.enclosure.corners_m(),
+            low - margin_m,
+            high + margin_m,
+            outside,
+        );
     }
     match &scenario.enclosure {
         Enclosure::Rectangle { .. } => {

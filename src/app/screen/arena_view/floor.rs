@@ -1,6 +1,6 @@
 //! The floor of an arena, with grid lines at round distances.
 
-use bevy::math::{Vec2, Vec2Swizzles, vec2};
+use bevy::math::{Vec2, Vec2Swizzles};
 use egui::{Rangef, Rect, Stroke};
 
 use super::canvas::Canvas;
@@ -73,6 +73,8 @@ fn lines_between(low: f32, high: f32, step: f32) -> impl Iterator<Item = f32> {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::vec2;
+
     use super::*;
 
     #[test]

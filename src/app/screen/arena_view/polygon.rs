@@ -163,8 +163,10 @@ mod tests {
     use super::*;
 
     /// An L: a square with sides of 2 m without its upper right quarter.
-    const L: [Vec2; 6] = [vec2(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
-    const STAR: [Vec2; 5] = [vec2(0.0, 1.0), (0.6, -0.8), (-1.0, 0.3), (1.0, 0.3), (-0.6, -0.8)];
+    const L: [Vec2; 6] =
+        [vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
+    const STAR: [Vec2; 5] =
+        [vec2(0.0, 1.0), vec2(0.6, -0.8), vec2(-1.0, 0.3), vec2(1.0, 0.3), vec2(-0.6, -0.8)];
 
     #[test]
     fn an_l_is_filled_without_its_notch_in_either_order() {
@@ -207,13 +209,16 @@ mod tests {
         assert_eq!(triangles(&STAR).len(), 3);
         assert_eq!(triangles(&[vec2(0.0, 0.0); 5]).len(), 3);
         assert_eq!(triangles(&L[..2]), Vec::<[usize; 3]>::new());
-        assert_eq!(triangles(&[vec2(f32::NAN, 0.0), (1.0, 0.0), (0.0, 1.0), (2.0, 2.0)]).len(), 2);
+        assert_eq!(
+            triangles(&[vec2(f32::NAN, 0.0), vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(2.0, 2.0)]).len(),
+            2
+        );
         assert!(inflated(&[], 1.0).is_empty() && spans(&[], 0.0).is_empty());
     }
 
     #[test]
     fn a_square_is_convex_but_an_l_and_a_star_are_not() {
-        let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let square = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
         assert!(is_convex(&square) && !is_convex(&L) && !is_convex(&STAR));
     }
 
@@ -230,8 +235,16 @@ mod tests {
 
     #[test]
     fn a_line_through_a_u_has_two_parts_inside() {
-        let u =
-            [vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(3.0, 2.0), vec2(2.0, 2.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
+        let u = [
+            vec2(0.0, 0.0),
+            vec2(3.0, 0.0),
+            vec2(3.0, 2.0),
+            vec2(2.0, 2.0),
+            vec2(2.0, 1.0),
+            vec2(1.0, 1.0),
+            vec2(1.0, 2.0),
+            vec2(0.0, 2.0),
+        ];
         assert_eq!(spans(&u, 1.5), [[0.0, 1.0]]);
         let transposed = u.map(|corner| vec2(corner.y, corner.x));
         assert_eq!(spans(&transposed, 1.5), [[0.0, 1.0], [2.0, 3.0]]);

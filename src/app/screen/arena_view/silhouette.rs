@@ -92,7 +92,15 @@ pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) 
         }
         Silhouette::Obstacle { shape: Shape::Rectangle { width_m, height_m }, pose } => {
             let (w, h) = (width_m / 2.0, height_m / 2.0);
-            convex(canvas, &transformed(&[math::vec2(w, h), math::vec2(-w, h), math::vec2(-w, -h), math::vec2(w, -h)], *pose), fill, edge);
+            convex(
+                canvas,
+                &transformed(
+                    &[math::vec2(w, h), math::vec2(-w, h), math::vec2(-w, -h), math::vec2(w, -h)],
+                    *pose,
+                ),
+                fill,
+                edge,
+            );
         }
         Silhouette::Obstacle { shape: Shape::Polygon { corners_m }, pose } => {
             let corners = transformed(corners_m, *pose);
@@ -135,7 +143,10 @@ fn disc(canvas: &Canvas, at_m: [f32; 2], radius_m: f32, fill: Color32, edge: Str
 #[must_use]
 pub fn transformed(corners: &[math::Vec2], (x, y, rotation): ObstaclePose) -> Vec<math::Vec2> {
     let (sin, cos) = rotation.sin_cos();
-    corners.iter().map(|&math::Vec2 { x: a, y: b }| math::vec2(x + a * cos - b * sin, y + a * sin + b * cos)).collect()
+    corners
+        .iter()
+        .map(|&math::Vec2 { x: a, y: b }| math::vec2(x + a * cos - b * sin, y + a * sin + b * cos))
+        .collect()
 }
 
 /// The corners of a capsule, counterclockwise, with ends of `parts` segments.
@@ -174,7 +185,8 @@ mod tests {
 
     #[test]
     fn every_shape_grows_by_the_same_amount() {
-        let corners_m = vec![math::vec2(1.0, 1.0), math::vec2(-1.0, 1.0), math::vec2(-1.0, -1.0), math::vec2(1.0, -1.0)];
+        let corners_m =
+            vec![math::vec2(1.0, 1.0), math::vec2(-1.0, 1.0), math::vec2(-1.0, -1.0), math::vec2(1.0, -1.0)];
         for (shape, reach, inflated) in [
             (Shape::Circle { radius_m: 1.0 }, 1.0, 1.5),
             (Shape::Rectangle { width_m: 6.0, height_m: 8.0 }, 5.0, 3.5_f32.hypot(4.5)),

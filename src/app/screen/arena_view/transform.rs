@@ -3,7 +3,6 @@
 //! In: the rectangle of a view, the camera, the bounds of the arena. Out: a [`ViewTransform`], and the camera
 //! after a pan or a zoom.
 
-use bevy::math;
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 
 use crate::app::view_state::ViewCamera;
@@ -154,6 +153,8 @@ pub fn constrain_to(rect: Rect, bounds: Rect) -> Rect {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math;
+
     use super::*;
 
     const WALLS: ArenaBounds = ArenaBounds { min_m: [-2.0, -1.0], max_m: [2.0, 1.0] };
