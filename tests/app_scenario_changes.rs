@@ -152,7 +152,7 @@ fn fixing_a_file_discards_no_training_worth_keeping() {
     wait(&mut app, "the training is worth keeping", |app| app.shown().1.env_steps > 21_000);
     for k in 0..2 {
         write(&file, &format!("(name: \"Mine {k}\")"));
-        wait(&mut app, "the error is reported", |app| k > 0 || has_notice(app, "the file is valid now"));
+        wait(&mut app, "the fix is reported", |app| k > 0 || has_notice(app, "the file is valid now"));
     }
     let steps = app.steps();
     wait(&mut app, "training continues", |app| app.steps() > steps + 3_000);

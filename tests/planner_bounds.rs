@@ -1,5 +1,5 @@
-//! The optimal times of shipped scenarios: on the paper's benchmark route from every heading, with moved cylinders and at every
-//! phase of their orbit; and the gap between the planner's two bounds.
+//! The optimal times of shipped scenarios: on the paper's benchmark route from every heading, with moved
+//! cylinders and at every phase of their orbit; and the gap between the planner's two bounds.
 //!
 //! docs/optimum.md quotes these numbers. To print them:
 //! `cargo test --release --no-default-features --test planner_bounds -- --nocapture`
@@ -87,7 +87,8 @@ fn print(what: &str, found: &[StepBounds]) {
     );
 }
 
-/// The bounds of `episodes`. They are printed and checked: each episode has a path, none shorter than its lower bound.
+/// The bounds of `episodes`. They are printed and checked: each episode has a path, none shorter than its
+/// lower bound.
 fn checked_bounds(what: &str, scenario: &Scenario, episodes: &[EpisodeResult]) -> Vec<StepBounds> {
     let found = bounds(scenario, episodes, 0);
     print(what, &found);

@@ -1,4 +1,5 @@
-//! The shipped scenarios: each loads, is documented, has a route to the goal, is shown in docs/worlds.md, and can be trained in.
+//! The shipped scenarios: each loads, is documented, has a route to the goal, is shown in docs/worlds.md, and
+//! can be trained in.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};

@@ -19,8 +19,8 @@ const LAYOUT_SEED: u64 = 1;
 /// Number of straight segments in a capsule's round end.
 const END_SEGMENTS: u32 = 16;
 
-/// The map of `scenario` with the generated obstacles of `layout_seed`, at control step `clock`. It shows the benchmark
-/// route, and has no title or trajectories.
+/// The map of `scenario` with the generated obstacles of `layout_seed`, at control step `clock`. It shows the
+/// benchmark route, and has no title or trajectories.
 #[must_use]
 pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     let generated = scenario.with_generated_obstacles(layout_seed);
@@ -50,7 +50,8 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     }
 }
 
-/// Writes a thumbnail of `scenario` at control step 0 to `path`, 480 x 360 pixels, as SVG or PNG by the file's extension.
+/// Writes a thumbnail of `scenario` at control step 0 to `path`, 480 x 360 pixels, as SVG or PNG by the
+/// file's extension.
 ///
 /// # Errors
 /// Another extension, a failure in drawing, or a file that cannot be written.
