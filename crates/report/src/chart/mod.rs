@@ -125,7 +125,7 @@ mod tests {
         let cases = [
             ("empty", DotPlot::default()),
             ("no column", figure(&[])),
-            ("empty", figure(&[column(&[])])),
+            ("an empty column", figure(&[column(&[])])),
             ("plain", figure(&[plain.clone(), plain.clone()])),
             ("wide", figure(&[wide, plain.clone(), plain])),
         ];
