@@ -1,4 +1,5 @@
-//! Crash recovery: however a run ends, its folder stays consistent, and the resumed run equals an uninterrupted one.
+//! Crash recovery: however a run ends, its folder stays consistent, and the resumed run equals an
+//! uninterrupted one.
 #![cfg(target_os = "linux")]
 
 mod cli_support;
@@ -152,8 +153,8 @@ fn two_processes_cannot_write_in_one_run_folder() {
     workspace.run_ok("--train --resume run --steps 3000001 --checkpoint-every 1000000 --json").json();
 }
 
-/// Runs `script` with a separate temporary file system mounted at `small` in the workspace. (This needs root, or a user with
-/// permission to create namespaces.)
+/// Runs `script` with a separate temporary file system mounted at `small` in the workspace. (This needs root,
+/// or a user with permission to create namespaces.)
 fn with_small_disk(workspace: &Workspace, options: &str, script: &str) -> CommandOutput {
     std::fs::create_dir_all(workspace.path("small")).unwrap();
     let script = format!("mount -t tmpfs -o {options} tmpfs small && {script}");
