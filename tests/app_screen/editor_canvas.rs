@@ -380,7 +380,8 @@ fn a_mixed_scenario_is_edited_in_any_window_without_a_panic() {
             settle(&mut window);
         }
         editor(&mut window).edit("enclosure", |scenario| {
-            let corners_m = vec![vec2(0.0, 0.0), vec2(f32::NAN, 1.0), vec2(1.0, f32::INFINITY), vec2(0.0, 1.0)];
+            let corners_m =
+                vec![vec2(0.0, 0.0), vec2(f32::NAN, 1.0), vec2(1.0, f32::INFINITY), vec2(0.0, 1.0)];
             scenario.enclosure = wayfield::scenario::Enclosure::Polygon { corners_m };
             scenario.obstacles[0].position_m.x = f32::NAN;
         });

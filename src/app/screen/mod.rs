@@ -80,11 +80,7 @@ pub fn screen_ui(
 }
 
 /// Opens the editor if that was requested since the last frame and it is not open.
-fn open_requested_editor(
-    view: &ScreenInput<'_>,
-    view_state: &mut ViewState,
-    commands: &mut Vec<Command>,
-) {
+fn open_requested_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands: &mut Vec<Command>) {
     if let Some(source) = view_state.open_editor.take()
         && view_state.editor.is_none()
     {
