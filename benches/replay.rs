@@ -6,8 +6,7 @@
 mod allocator;
 
 use divan::{Bencher, counter::ItemsCount};
-use wayfield::learning::n_step::Transition;
-use wayfield::learning::replay::{Batch, ReplayBuffer};
+use wayfield::learning::replay::{Batch, ReplayBuffer, Transition};
 use wayfield::learning::sum_tree::SumTree;
 use wayfield::learning::{ReplayConfig, Sampling, Schedule};
 use wayfield::random::{stream, uniform_01, uniform_index};

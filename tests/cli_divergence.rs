@@ -90,7 +90,7 @@ fn q_values_beyond_the_return_bound_are_warned_about_once() {
     let [warning] = warnings.as_slice() else { panic!("one warning, not {warnings:?}: {}", done.stderr) };
     for needle in [
         "warning: run: learning seems to diverge at gradient step",
-        "no return is beyond",
+        "no return can exceed",
         "try a lower learning_rate",
     ] {
         assert!(warning.contains(needle), "`{needle}` is not in: {warning}");

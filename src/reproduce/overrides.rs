@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::learning::config::{Sampling, Schedule};
+use crate::learning::{Sampling, Schedule};
 use crate::run::preset::Preset;
 use crate::scenario::{ObstacleMotion, Scenario};
 use crate::task::{Encoding, RewardKind};

@@ -20,6 +20,7 @@ use super::folder::{RunConfig, RunFolder};
 use super::limits::{MAX_HEAD_BYTES, MAX_RECENT_RETURNS, MAX_TIME_S};
 use super::metric_rows::Milestone;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
+use crate::learning::framing::{HeaderError, HeaderFormat};
 use crate::learning::{Learner, Policy};
 use crate::random::{self, Stream};
 use crate::sim;
@@ -28,9 +29,10 @@ use crate::task::ArenaState;
 /// The files of the checkpoints, newest first. `next.bin` exists only until the others are renamed.
 const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
-const MAGIC: &[u8; 8] = b"wayfrun\n";
 /// The version of the format. It increases whenever an older reader would misread a newer file.
 pub const VERSION: u32 = 4;
+const FORMAT: HeaderFormat =
+    HeaderFormat { magic: b"wayfrun\n", version: VERSION, max_bytes: MAX_HEAD_BYTES, checksum: true };
 
 /// The state of a run, apart from its learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -135,12 +137,7 @@ pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut Tra
     trainer_state.collect_extensions();
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
-    let head = postcard::to_allocvec(trainer_state).map_err(io::Error::other)?;
-    file.write_all(MAGIC)?;
-    file.write_all(&VERSION.to_le_bytes())?;
-    file.write_all(&(head.len() as u64).to_le_bytes())?;
-    file.write_all(&crc32c::crc32c(&head).to_le_bytes())?;
-    file.write_all(&head)?;
+    FORMAT.write(&mut file, trainer_state)?;
     world.resource::<ActiveLearner>().0.save(file).map_err(io::Error::other)
 }
 
@@ -203,30 +200,7 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
 /// # Errors
 /// What is wrong with the file.
 pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerState, Learner), String> {
-    let mut array = [0_u8; 24];
-    file.read_exact(&mut array).map_err(|_| "is too short to be a checkpoint")?;
-    let (magic, rest) = array.split_at(8);
-    if magic != MAGIC {
-        return Err("is not a checkpoint of a run".into());
-    }
-    let version = u32::from_le_bytes([rest[0], rest[1], rest[2], rest[3]]);
-    if version != VERSION {
-        return Err(format!("has checkpoint version {version}, but this wayfield reads version {VERSION}"));
-    }
-    let mut length = [0_u8; 8];
-    length.copy_from_slice(&rest[4..12]);
-    let length = u64::from_le_bytes(length);
-    let crc = u32::from_le_bytes([rest[12], rest[13], rest[14], rest[15]]);
-    if length > MAX_HEAD_BYTES {
-        return Err("is damaged: the head is too long".into());
-    }
-    let mut head = Vec::new();
-    (&mut file).take(length).read_to_end(&mut head).map_err(|error| error.to_string())?;
-    if head.len() as u64 != length || crc32c::crc32c(&head) != crc {
-        return Err("is damaged: the checksum of the head does not match".into());
-    }
-    let mut trainer_state: TrainerState =
-        postcard::from_bytes(&head).map_err(|_| "is damaged: the head cannot be decoded")?;
+    let mut trainer_state: TrainerState = FORMAT.read(&mut file).map_err(header_error)?;
     trainer_state.distribute_extensions()?;
     trainer_state.check(config)?;
     let inputs = config.observation_layout().width(config.scenario.lidar.beams);
@@ -234,6 +208,21 @@ pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerStat
     let learner = Learner::restore(&config.preset.learning, inputs, actions, config.preset.arenas, file)
         .map_err(|error| error.to_string())?;
     Ok((trainer_state, learner))
+}
+
+/// What is wrong with the header of a checkpoint, as the end of a sentence that starts with the file's path.
+fn header_error(error: HeaderError) -> String {
+    match error {
+        HeaderError::Io(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            "is too short to be a checkpoint".into()
+        }
+        HeaderError::Io(error) => error.to_string(),
+        HeaderError::WrongMagic => "is not a checkpoint of a run".into(),
+        HeaderError::Version { found } => {
+            format!("has checkpoint version {found}, but this wayfield reads version {VERSION}")
+        }
+        HeaderError::Corrupt(what) => format!("is damaged: {what}"),
+    }
 }
 
 impl TrainerState {

@@ -1,6 +1,6 @@
-//! Exploration: epsilon-greedy, with epsilon a pure function of how far the run has come.
+//! Epsilon-greedy exploration. Epsilon is a pure function of env steps and episodes.
 //!
-//! In: the exploration's schedule, env steps, episodes, a row of Q-values. Out: epsilon, an action.
+//! In: the exploration schedule, env steps, episodes, a row of Q-values. Out: epsilon, an action.
 
 use wayfield_policy::greedy;
 
@@ -8,11 +8,11 @@ use super::config::{Exploration, Schedule};
 use wayfield_random::{Stream, uniform_01, uniform_index};
 
 impl Exploration {
-    /// Epsilon, the chance of a random action (0 to 1), after `env_steps` and `episodes`.
+    /// Epsilon, the probability of a random action (0 to 1), after `env_steps` and `episodes`.
     ///
-    /// Per episode it is eq. (10): max(end, start decay^episodes). `start` replaces the schedule's own start,
-    /// as knowledge transfer asks (section 3.2: 0.5). Nothing is accumulated, so a resumed run agrees to the
-    /// bit.
+    /// [`Exploration::PerEpisode`] is equation (10) of the paper: max(end, start decay^episodes). `start` replaces the
+    /// schedule's start after a knowledge transfer (section 3.2: 0.5). Nothing is accumulated, so a resumed run continues
+    /// exactly.
     #[must_use]
     pub fn epsilon(&self, env_steps: u64, episodes: u64, start: Option<f32>) -> f32 {
         match *self {
@@ -28,10 +28,13 @@ impl Exploration {
     }
 }
 
-/// A random action with chance `epsilon`, else the greedy one; and whether it was the random one.
+/// A random action with probability `epsilon`, otherwise the greedy one; and whether it is the random one.
 ///
-/// Both draws (whether, which) are made either way, so that the stream's place does not depend on the
-/// outcome. `q_row` holds one Q-value per action and must not be empty.
+/// `q_row` has one Q-value per action. Both random draws (whether to explore, and the random action) are always made, so
+/// that the position of the stream does not depend on the outcome.
+///
+/// # Panics
+/// If `q_row` is empty.
 pub fn epsilon_greedy(q_row: &[f32], epsilon: f32, stream: &mut Stream) -> (usize, bool) {
     let explored = uniform_01(stream) < epsilon;
     let random = uniform_index(stream, q_row.len());
@@ -40,15 +43,14 @@ pub fn epsilon_greedy(q_row: &[f32], epsilon: f32, stream: &mut Stream) -> (usiz
 
 #[cfg(test)]
 mod tests {
-    use wayfield_random::random_u64;
+    use wayfield_random::{random_u64, stream};
 
     use super::*;
-    use wayfield_random::stream;
 
     const TABLE_1: Exploration = Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 };
 
     #[test]
-    fn epsilon_per_episode_is_equation_10() {
+    fn epsilon_per_episode_follows_equation_10() {
         // 0.99^100 = exp(100 ln 0.99) = exp(-1.0050336) = 0.3660323; 0.99^298 = 0.0500, 0.99^299 < 0.05.
         for (episodes, epsilon) in [(0, 1.0), (1, 0.99), (100, 0.366_032_3), (299, 0.05), (100_000, 0.05)] {
             let found = TABLE_1.epsilon(0, episodes, None);
@@ -57,14 +59,14 @@ mod tests {
         assert_eq!(
             TABLE_1.epsilon(1_000_000, 3, None),
             TABLE_1.epsilon(0, 3, None),
-            "env steps do not matter"
+            "it does not depend on env steps"
         );
         let transfer = TABLE_1.epsilon(0, 10, Some(0.5));
-        assert!((transfer - 0.452_191_04).abs() < 1e-6, "0.5 x 0.99^10 = 0.5 x 0.9043821 after a transfer");
+        assert!((transfer - 0.452_191_04).abs() < 1e-6, "after a transfer: 0.5 x 0.99^10 = 0.5 x 0.9043821");
     }
 
     #[test]
-    fn linear_epsilon_goes_by_env_steps() {
+    fn linear_epsilon_depends_on_env_steps() {
         let linear = Exploration::Linear { start: 1.0, end: 0.1, env_steps: 90 };
         assert!((linear.epsilon(30, 7, None) - 0.7).abs() < 1e-6);
         assert!((linear.epsilon(30, 7, Some(0.4)) - 0.3).abs() < 1e-6, "from 0.4 down to 0.1");
@@ -72,14 +74,14 @@ mod tests {
     }
 
     #[test]
-    fn greedy_takes_the_largest_and_of_equals_the_first() {
+    fn the_greedy_action_is_the_first_with_the_largest_value() {
         assert_eq!(greedy(&[0.0, 2.0, 1.0]), 1);
         assert_eq!(greedy(&[-1.0, 3.0, 3.0, 3.0]), 1);
         assert_eq!(greedy(&[f32::NEG_INFINITY, -5.0]), 1);
     }
 
     #[test]
-    fn epsilon_is_the_share_of_random_actions_and_they_are_even() {
+    fn epsilon_is_the_share_of_random_actions_which_are_uniform() {
         let mut random = stream(1, "test", 0);
         let (mut explored, mut counts) = (0, [0; 4]);
         for _ in 0..100_000 {
@@ -94,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn the_stream_moves_alike_whether_or_not_it_explores() {
+    fn exploring_and_not_exploring_consume_the_same_random_numbers() {
         let (mut never, mut always) = (stream(1, "test", 0), stream(1, "test", 0));
         for _ in 0..100 {
             assert!(!epsilon_greedy(&[0.0; 5], 0.0, &mut never).1, "epsilon 0 never explores");

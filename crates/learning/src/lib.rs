@@ -1,34 +1,115 @@
-//! Learning: a prioritized-replay double dueling deep Q-network (PER-D3QN), readable as plain Rust.
+//! Deep Q-learning in plain Rust: double dueling DQN with prioritized replay (PER-D3QN), without Bevy.
 //!
-//! In: transitions (observation, action, reward, next observation) from any environment, and a
-//! [`LearningConfig`] whose every algorithm choice is a switch. Out: Q-values to act by, a [`Policy`] to
-//! keep, and statistics of each training. Nothing here knows of Bevy, of robots or of clocks; all randomness
-//! comes from the named streams of [`wayfield_random`], so one seed gives the same bits, always.
+//! A [`Learner`] takes the experiences of any environment with a flat observation and discrete actions, trains a Q-network
+//! on them, and returns Q-values to act on. Every part of the algorithm is an option of [`LearningConfig`]. A learner can
+//! be saved and restored exactly ([`Learner::save`]), and its network exported as a [`Policy`]. All randomness comes from
+//! seeded streams: the same seed gives the same bits on any number of threads.
 //!
-//! | file | duty |
+//! # Example
+//!
+//! Act, store, train, in a corridor of five cells with a reward at its right end:
+//!
+//! ```
+//! use wayfield_learning::*;
+//!
+//! /// Action 0 moves left, action 1 moves right. The episode ends behind the last cell, with a reward of 1.
+//! #[derive(Default)]
+//! struct Corridor {
+//!     cell: usize,
+//! }
+//!
+//! impl Corridor {
+//!     const CELLS: usize = 5;
+//!
+//!     fn observation(&self) -> [f32; 1] {
+//!         [self.cell as f32 / Self::CELLS as f32]
+//!     }
+//!
+//!     /// The reward, and whether the episode has terminated.
+//!     fn step(&mut self, action: usize) -> (f32, bool) {
+//!         self.cell = if action == 1 { self.cell + 1 } else { self.cell.saturating_sub(1) };
+//!         let terminated = self.cell == Self::CELLS;
+//!         (f32::from(u8::from(terminated)), terminated)
+//!     }
+//! }
+//!
+//! let config = LearningConfig {
+//!     network: NetworkConfig { hidden: vec![32], dueling: true },
+//!     gamma: 0.9,
+//!     optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
+//!     learning_rate: Schedule::Constant(3e-3),
+//!     replay: ReplayConfig { capacity: 10_000, learning_starts: 200, sampling: Sampling::Uniform },
+//!     target_update: TargetUpdate::Soft { tau: 0.02 },
+//!     exploration: Exploration::Linear { start: 1.0, end: 0.1, env_steps: 2_000 },
+//!     ..LearningConfig::default()
+//! };
+//! let (inputs, actions, num_envs, seed) = (1, 2, 1, 42);
+//! let mut learner = Learner::new(&config, inputs, actions, num_envs, seed)?;
+//! let mut random = stream(seed, "exploration", 0);
+//!
+//! let (mut corridor, mut q) = (Corridor::default(), Vec::new());
+//! for _ in 0..4_000 {
+//!     let observation = corridor.observation();
+//!     learner.q_values(&observation, 1, &mut q);
+//!     let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut random);
+//!     let (reward, terminated) = corridor.step(action);
+//!     let next_observation = &corridor.observation();
+//!     learner.store(&Experience {
+//!         env_index: 0,
+//!         observation: &observation,
+//!         action,
+//!         reward,
+//!         next_observation,
+//!         terminated,
+//!         truncated: false,
+//!     });
+//!     learner.train()?;
+//!     if terminated {
+//!         learner.episode_ended();
+//!         corridor = Corridor::default();
+//!     }
+//! }
+//!
+//! // It has learned to move right in every cell. The value of that is the discounted reward, 0.9^(steps to the end - 1).
+//! for cell in 0..Corridor::CELLS {
+//!     learner.q_values(&Corridor { cell }.observation(), 1, &mut q);
+//!     assert_eq!(greedy(&q), 1, "in cell {cell}: {q:?}");
+//!     let expected = 0.9_f32.powi((Corridor::CELLS - 1 - cell) as i32);
+//!     assert!((q[1] - expected).abs() < 0.1, "in cell {cell}: {} instead of {expected}", q[1]);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Modules
+//!
+//! The public types are at the top level, except for the replay buffer and its sum tree.
+//!
+//! | module | duty |
 //! |---|---|
-//! | [`config`] | what can be chosen, and which values make sense |
-//! | [`network`] | the Q-network: parameters, forward pass, gradient (with `ops`, the only users of dfdx) |
-//! | [`optimizer`] | RMSProp and Adam with visible moments |
-//! | [`replay`] | the replay buffer: state ring, transition ring, uniform and prioritized sampling |
+//! | `config` | the options, their defaults (Table 1 of the paper) and their ranges |
+//! | `learner` | storing experiences; the gradient step with TD targets and target network |
+//! | `network`, `ops`, `matmul` | the Q-network: parameters, forward pass, gradient; the only modules with dfdx |
+//! | `optimizer` | RMSProp and Adam |
+//! | [`replay`], `state_ring` | the replay buffer: rings of states and transitions, uniform and prioritized sampling |
 //! | [`sum_tree`] | proportional sampling in O(log n) |
-//! | [`n_step`] | returns over n steps, one accumulator per arena |
-//! | [`exploration`] | epsilon-greedy and its schedules |
-//! | [`learner`] | the agent's update rule: when to train, the TD target, the target network |
-//! | [`divergence`] | numbers that are none, and Q-values beyond any return |
-//! | [`checkpoint`] | everything a learner is, to the bit, in a file |
+//! | `n_step` | n-step returns |
+//! | `exploration` | epsilon-greedy actions and the decay of epsilon |
+//! | `divergence` | errors for non-finite values, warnings about Q-values above any possible return |
+//! | `checkpoint`, `framing` | a learner as a file, from which it continues exactly |
 
-pub mod checkpoint;
-pub mod config;
-pub mod divergence;
-pub mod exploration;
-pub mod learner;
+mod checkpoint;
+mod config;
+mod divergence;
+mod exploration;
+#[doc(hidden)]
+pub mod framing;
+mod learner;
 #[cfg(any(test, target_arch = "wasm32"))]
 mod matmul;
-pub mod n_step;
-pub mod network;
+mod n_step;
+mod network;
 mod ops;
-pub mod optimizer;
+mod optimizer;
 pub mod replay;
 mod state_ring;
 pub mod sum_tree;
@@ -43,3 +124,4 @@ pub use exploration::epsilon_greedy;
 pub use learner::{Experience, Learner, LoadWeightsError, MAX_STORED_FLOATS, UpdateStats};
 pub use network::QNetwork;
 pub use wayfield_policy::{NetworkShape, ParameterView, Policy, PolicyError, greedy};
+pub use wayfield_random::{Stream, stream};

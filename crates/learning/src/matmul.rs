@@ -1,28 +1,29 @@
-//! Matrix products for the browser, whose vectors gemm does not use: its only kernel there takes one number at a time.
+//! Matrix products for the browser. On wasm, gemm's only kernel is not vectorized; natively, dfdx's products are used.
 //!
-//! In: row-major matrices, the left one also transposed. Out: their product. Plain loops over blocks that fit the
-//! registers; the compiler makes vectors of them (`simd128`, see `web/build`). Natively dfdx's products are used.
+//! In: row-major matrices, of which the left one may be transposed. Out: their product. Plain loops over blocks that fit the
+//! registers, which the compiler vectorizes (`simd128`, see `web/build`).
 
-/// Rows and columns of the result that are summed up at a time.
+/// The rows of a block of the result.
 const ROWS: usize = 4;
+/// The columns of a block of the result.
 const COLUMNS: usize = 16;
 
-/// How a matrix lies in memory.
+/// A matrix with the strides of its memory layout.
 #[derive(Clone, Copy)]
-pub(super) struct LeftMatrix<'a> {
-    pub(super) values: &'a [f32],
-    /// From one row to the next, and from one column to the next.
-    pub(super) strides: (usize, usize),
+pub(crate) struct LeftMatrix<'a> {
+    pub(crate) values: &'a [f32],
+    /// The distances from one row to the next and from one column to the next.
+    pub(crate) strides: (usize, usize),
 }
 
 /// `out` = `left` (m x k) times `right` (k x n, row-major); m x n, row-major.
-pub(super) fn multiply(
+pub(crate) fn multiply(
     left: LeftMatrix<'_>,
     right: &[f32],
     (m, k, n): (usize, usize, usize),
     out: &mut [f32],
 ) {
-    // A strip of columns lies together, with zeros beyond the last: so every block is whole.
+    // A strip of columns is copied together and padded with zeros, so that every block is complete.
     let mut strip = vec![[0.0; COLUMNS]; k];
     for column in (0..n).step_by(COLUMNS) {
         let width = COLUMNS.min(n - column);
@@ -33,7 +34,7 @@ pub(super) fn multiply(
         let mut row = 0;
         while row < m {
             let height = ROWS.min(m - row);
-            // The last rows are done again rather than fewer at a time, where there are enough.
+            // The last block overlaps the previous one instead of being smaller, if there are enough rows.
             let first = if height < ROWS && m >= ROWS { m - ROWS } else { row };
             let mut write = |i: usize, sums: &[f32; COLUMNS]| {
                 let at = (first + i) * n + column;
@@ -51,7 +52,7 @@ pub(super) fn multiply(
     }
 }
 
-/// The sums of `HEIGHT` rows from `first` on, over one strip of columns.
+/// The block of `HEIGHT` rows from `first` on, in one strip of columns.
 #[inline(always)]
 fn block<const HEIGHT: usize>(
     left: LeftMatrix<'_>,
@@ -71,8 +72,8 @@ fn block<const HEIGHT: usize>(
     sums
 }
 
-/// A matrix (rows x columns, row-major) with its rows as columns.
-pub(super) fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
+/// The transpose of a matrix (rows x columns, row-major).
+pub(crate) fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
     let mut out = Vec::with_capacity(values.len());
     for column in 0..columns {
         out.extend((0..rows).map(|row| values[row * columns + column]));
@@ -85,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_agree_with_the_definition_whatever_the_sizes() {
+    fn products_of_any_size_match_the_definition() {
         let number = |k: usize| ((k * 2_654_435_761) % 1000) as f32 / 500.0 - 1.0;
         for (m, k, n) in
             [(1, 1, 1), (1, 28, 64), (3, 5, 7), (4, 16, 16), (5, 17, 33), (64, 28, 64), (66, 64, 6)]
@@ -98,9 +99,9 @@ mod tests {
             let mut out = vec![f32::NAN; m * n];
             multiply(LeftMatrix { values: &a, strides: (k, 1) }, &b, (m, k, n), &mut out);
             assert_eq!(out, expected, "{m} x {k} x {n}");
-            let turned = transposed(&a, m, k);
+            let left_transposed = transposed(&a, m, k);
             out.fill(f32::NAN);
-            multiply(LeftMatrix { values: &turned, strides: (1, m) }, &b, (m, k, n), &mut out);
+            multiply(LeftMatrix { values: &left_transposed, strides: (1, m) }, &b, (m, k, n), &mut out);
             assert_eq!(out, expected, "{m} x {k} x {n}, the left one transposed");
         }
     }

@@ -1,64 +1,64 @@
-//! Returns over n steps, one accumulator per arena.
+//! N-step returns, with one accumulator per environment.
 //!
-//! In: the steps of one arena as they come. Out: transitions whose return is R = sum of gamma^i r_i over m
-//! steps, m = n within an episode and fewer at its end, with the discount that the bootstrap value is due:
-//! gamma^m, or 0 where the return has ended (Sutton 1988; with replay: Hessel et al. 2018).
+//! In: the steps of one environment. Out: transitions with the return R = sum of gamma^i r_i over m steps, where m = n
+//! within an episode and m < n at its end, and with the discount of the bootstrap value: gamma^m, or 0 if terminated
+//! (Sutton 1988; with replay: Hessel et al. 2018).
 
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::replay::StateId;
+use super::state_ring::StateId;
 
-/// One step that is still waiting for its return.
+/// A step that waits for its n-step return.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct PendingStep {
-    /// Where it was taken.
+pub(crate) struct PendingStep {
+    /// The state before the step.
     pub state: StateId,
-    /// What was done.
+    /// The index of the action taken.
     pub action: u8,
-    /// What it brought (scaled).
+    /// The scaled reward.
     pub reward: f32,
 }
 
 /// A transition over m steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transition {
-    /// Where it starts.
+    /// The state before the first step.
     pub state: StateId,
-    /// The action taken there.
+    /// The index of the action taken in it.
     pub action: u8,
-    /// R, the sum of gamma^i r_i.
+    /// The return R, the sum of gamma^i r_i.
     pub reward: f32,
-    /// What Q(next) is multiplied by: gamma^m, 0 if terminated.
+    /// The factor of Q(next): gamma^m, or 0 if terminated.
     pub discount: f32,
-    /// The state m steps later; of no meaning if terminated.
+    /// The state m steps later; meaningless if terminated.
     pub next: StateId,
-    /// The return ended here.
+    /// Whether the return ended.
     pub terminated: bool,
-    /// A time limit (or a break from outside) cut the chain here.
+    /// Whether a time limit or a reset from outside ended the episode.
     pub truncated: bool,
 }
 
-/// How a step ended.
+/// Whether the episode ended with a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StepEnd {
-    /// It did not: the episode goes on.
+pub(crate) enum StepEnd {
+    /// The episode continues.
     Ongoing,
-    /// The return ended; nothing to bootstrap from.
+    /// The return ended: there is no value to bootstrap from.
     Terminated,
-    /// The chain was cut; bootstrap from the last observation.
+    /// The episode was cut off: the return bootstraps from the last observation.
     Truncated,
 }
 
-/// The last n steps of one arena.
+/// The steps of one environment that wait for their n-step return.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct NStepAccumulator {
+pub(crate) struct NStepAccumulator {
     pending: VecDeque<PendingStep>,
 }
 
 impl NStepAccumulator {
-    /// Adds a step that led to `next`, and hands every transition thereby complete to `emit`, oldest first.
+    /// Adds a step that led to `next`, and passes the transitions that this completes to `emit`, oldest first.
     pub fn push(
         &mut self,
         step: PendingStep,
@@ -75,16 +75,16 @@ impl NStepAccumulator {
         }
     }
 
-    /// Hands out all that is pending, with `next` as the last state known.
+    /// Passes all pending steps to `emit` as transitions that lead to `next`.
     pub fn flush(&mut self, next: StateId, end: StepEnd, gamma: f32, mut emit: impl FnMut(Transition)) {
         while !self.pending.is_empty() {
             emit(self.pop(next, end, gamma));
         }
     }
 
-    /// The oldest pending step as a transition over all that is pending.
+    /// Removes the oldest pending step, and returns the transition over all pending steps.
     fn pop(&mut self, next: StateId, end: StepEnd, gamma: f32) -> Transition {
-        // Horner's rule, from the last reward back: R = r_0 + gamma (r_1 + gamma (r_2 + ...)).
+        // Horner's method, backward from the last reward: R = r_0 + gamma (r_1 + gamma (r_2 + ...)).
         let reward = self.pending.iter().rev().fold(0.0, |sum, step| step.reward + gamma * sum);
         let discount = self.pending.iter().fold(1.0, |product, _| product * gamma);
         let PendingStep { state, action, .. } = self.pending[0];
@@ -100,8 +100,7 @@ impl NStepAccumulator {
         }
     }
 
-    /// The steps still waiting, oldest first.
-    #[must_use]
+    /// The pending steps, oldest first.
     pub fn pending(&self) -> &VecDeque<PendingStep> {
         &self.pending
     }
@@ -111,7 +110,7 @@ impl NStepAccumulator {
 mod tests {
     use super::*;
 
-    /// Feeds rewards 1, 2, 3, ... with state i before step i, the last step ending as `end`.
+    /// The transitions of an episode with the rewards 1, 2, 3, ..., state i before step i, and a last step that ends with `end`.
     fn run(n: usize, steps: u64, end: StepEnd) -> Vec<Transition> {
         let (mut accumulator, mut out) = (NStepAccumulator::default(), Vec::new());
         for i in 0..steps {
@@ -122,14 +121,14 @@ mod tests {
         out
     }
 
-    fn brief(transitions: &[Transition]) -> Vec<(u64, f32, f32, u64)> {
+    fn summary(transitions: &[Transition]) -> Vec<(u64, f32, f32, u64)> {
         transitions.iter().map(|t| (t.state.0, t.reward, t.discount, t.next.0)).collect()
     }
 
     #[test]
     fn one_step_returns_are_the_rewards() {
         assert_eq!(
-            brief(&run(1, 3, StepEnd::Ongoing)),
+            summary(&run(1, 3, StepEnd::Ongoing)),
             [(0, 1.0, 0.5, 1), (1, 2.0, 0.5, 2), (2, 3.0, 0.5, 3)]
         );
     }
@@ -137,20 +136,20 @@ mod tests {
     #[test]
     fn three_step_returns_wait_for_three_rewards() {
         // gamma 0.5: 1 + 0.5 x 2 + 0.25 x 3 = 2.75, then 2 + 1.5 + 1 = 4.5; discount 0.125.
-        assert_eq!(brief(&run(3, 4, StepEnd::Ongoing)), [(0, 2.75, 0.125, 3), (1, 4.5, 0.125, 4)]);
+        assert_eq!(summary(&run(3, 4, StepEnd::Ongoing)), [(0, 2.75, 0.125, 3), (1, 4.5, 0.125, 4)]);
     }
 
     #[test]
-    fn termination_closes_all_that_is_pending_without_bootstrap() {
+    fn termination_completes_all_pending_steps_without_bootstrapping() {
         let transitions = run(3, 3, StepEnd::Terminated);
-        assert_eq!(brief(&transitions), [(0, 2.75, 0.0, 3), (1, 3.5, 0.0, 3), (2, 3.0, 0.0, 3)]);
+        assert_eq!(summary(&transitions), [(0, 2.75, 0.0, 3), (1, 3.5, 0.0, 3), (2, 3.0, 0.0, 3)]);
         assert!(transitions.iter().all(|t| t.terminated && !t.truncated));
     }
 
     #[test]
-    fn truncation_bootstraps_from_the_last_state_over_fewer_steps() {
+    fn truncation_completes_all_pending_steps_and_bootstraps_from_the_last_state() {
         let transitions = run(3, 3, StepEnd::Truncated);
-        assert_eq!(brief(&transitions), [(0, 2.75, 0.125, 3), (1, 3.5, 0.25, 3), (2, 3.0, 0.5, 3)]);
+        assert_eq!(summary(&transitions), [(0, 2.75, 0.125, 3), (1, 3.5, 0.25, 3), (2, 3.0, 0.5, 3)]);
         assert!(transitions.iter().all(|t| t.truncated && !t.terminated));
     }
 }

@@ -1,9 +1,8 @@
-//! The network's three operations on dfdx's tape: a dense layer, the dueling combination, the TD loss.
+//! The operations of the network on dfdx's tape: dense layer, dueling combination, TD loss.
 //!
-//! In: tensors of batch x units, with or without a tape. Out: the same; with a tape, each operation has noted
-//! how gradients flow back. dfdx has such operations of its own, but its bias broadcast, ReLU and row
-//! selection walk general strides element by element and cost more than the products; these do the products
-//! by dfdx and the rest in plain loops.
+//! In: tensors of batch x units, with or without a tape. Out: tensors; on a tape, each operation records its backward pass.
+//! dfdx's own bias broadcast, ReLU and row selection iterate over general strides and cost more than the matrix products.
+//! Here dfdx computes only the products, and plain loops do the rest.
 
 use dfdx::prelude::*;
 
@@ -12,15 +11,15 @@ use super::config::Loss;
 use super::matmul::{LeftMatrix, multiply, transposed};
 
 /// A batch of rows, with or without a tape.
-pub(super) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
+pub(crate) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
 
-/// Rows from row-major `values`.
-pub(super) fn rows(device: &Cpu, values: Vec<f32>, n: usize, width: usize) -> Rows {
+/// `n` rows of `width` from row-major `values`.
+pub(crate) fn rows(device: &Cpu, values: Vec<f32>, n: usize, width: usize) -> Rows {
     device.tensor_from_vec(values, (n, width))
 }
 
 /// The values of `tensor`, row-major.
-pub(super) fn values<S: Shape, T>(tensor: &Tensor<S, f32, Cpu, T>) -> Vec<f32> {
+pub(crate) fn values<S: Shape, T>(tensor: &Tensor<S, f32, Cpu, T>) -> Vec<f32> {
     let mut values = vec![0.0; tensor.shape().num_elements()];
     tensor.copy_into(&mut values);
     values
@@ -65,17 +64,17 @@ fn times(a: &Rows, b: &Rows, out: &mut [f32]) {
     multiply(LeftMatrix { values: &values(a), strides: (k, 1) }, &values(b), (m, k, n), out);
 }
 
-/// A fully connected layer: `weight` is outputs x inputs (as in PyTorch), `bias` has one value per output.
+/// A fully connected layer. `weight` is outputs x inputs, as in PyTorch; `bias` has one value per output.
 #[derive(Debug, Clone)]
-pub(super) struct Dense {
-    pub(super) weight: Rows,
-    pub(super) bias: Tensor<(usize,), f32, Cpu>,
+pub(crate) struct Dense {
+    pub(crate) weight: Rows,
+    pub(crate) bias: Tensor<(usize,), f32, Cpu>,
 }
 
 impl Dense {
-    /// x W^T + b, then a ReLU if asked. `input_gradient`: whether x wants its gradient (observations do not).
-    /// x and the layer must have no other use on the tape: gradients are set, not added to.
-    pub(super) fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>, relu: bool, input_gradient: bool) -> Rows<T> {
+    /// x W^T + b, followed by a ReLU if `relu` is set. `input_gradient` is false for observations, which need no gradient.
+    /// Neither x nor the layer may be used elsewhere on the tape: gradients are assigned, not accumulated.
+    pub(crate) fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>, relu: bool, input_gradient: bool) -> Rows<T> {
         let (x, mut tape) = x.split_tape();
         let (n, outputs) = (x.shape().0, self.weight.shape().0);
 
@@ -114,8 +113,8 @@ impl Dense {
     }
 }
 
-/// Q = V + A - mean A over rows of (V, A_1, ..., A_k): the mean form, equation (9) of Wang et al. 2016.
-pub(super) fn dueling<T: Tape<f32, Cpu>>(head: Rows<T>) -> Rows<T> {
+/// Q = V + A - mean A for rows of (V, A_1, ..., A_k): equation (9) of Wang et al. 2016.
+pub(crate) fn dueling<T: Tape<f32, Cpu>>(head: Rows<T>) -> Rows<T> {
     let (head, mut tape) = head.split_tape();
     let (n, width) = *head.shape();
     let actions = width - 1;
@@ -145,22 +144,21 @@ pub(super) fn dueling<T: Tape<f32, Cpu>>(head: Rows<T>) -> Rows<T> {
     out.put_tape(tape)
 }
 
-/// What a batch of n is regressed on: Q(s, a) of the `actions` taken, on the `targets`, each error weighted.
+/// The regression of Q(s, a) on TD targets for a batch of n transitions.
 #[derive(Debug, Clone, Copy)]
-pub struct Regression<'a> {
-    /// Actions taken, n indices.
+pub(crate) struct Regression<'a> {
+    /// The n indices of the actions taken.
     pub actions: &'a [u8],
-    /// TD targets y, n values.
+    /// The n TD targets y.
     pub targets: &'a [f32],
-    /// Importance weights, n values.
+    /// The n importance weights.
     pub weights: &'a [f32],
-    /// What an error costs.
+    /// The loss of an error.
     pub loss: Loss,
 }
 
-/// The mean over the batch of weight x loss(Q(s, a) - y). Also hands out the TD errors Q(s, a) - y and Q(s,
-/// a).
-pub(super) fn td_loss<T: Tape<f32, Cpu>>(
+/// The mean over the batch of weight x loss(Q(s, a) - y). Writes Q(s, a) - y into `errors` and Q(s, a) into `chosen`.
+pub(crate) fn td_loss<T: Tape<f32, Cpu>>(
     q: Rows<T>,
     on: Regression<'_>,
     errors: &mut Vec<f32>,

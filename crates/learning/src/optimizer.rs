@@ -1,30 +1,29 @@
-//! RMSProp and Adam over flat slices, with moments that can be seen and saved.
+//! RMSProp and Adam over flat slices.
 //!
-//! In: parameters, their gradient, a learning rate. Out: the parameters, moved; the moments, updated. The
-//! formulas are PyTorch's (`torch.optim.RMSprop`, `torch.optim.Adam`, no weight decay).
+//! In: parameters, their gradient, a learning rate. Out: updated parameters and moments. The formulas are those of PyTorch
+//! (`torch.optim.RMSprop`, `torch.optim.Adam`, without weight decay).
 
 use serde::{Deserialize, Serialize};
 
 use super::config::Optimizer;
 
-/// Moments below this are set to 0. Gradients of dead ReLUs let moments decay into denormal numbers, which
-/// cost a hundred cycles each; 1e-30 is far below what `epsilon` lets the step feel.
-const TINY: f32 = 1e-30;
+/// Moments below this are set to 0. The moments of dead ReLUs would otherwise decay into denormal numbers, which cost a
+/// hundred cycles each. 1e-30 is too small to affect the step, because of `epsilon`.
+const MIN_MOMENT: f32 = 1e-30;
 
-/// The state of an optimizer for a network of so many parameters.
+/// The state of an optimizer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct OptimizerState {
-    /// Mean gradient per parameter (Adam), empty for RMSProp.
+pub(crate) struct OptimizerState {
+    /// The mean gradient per parameter for Adam; empty for RMSProp.
     pub first: Vec<f32>,
-    /// Mean square gradient per parameter.
+    /// The mean square gradient per parameter.
     pub second: Vec<f32>,
-    /// Steps taken.
+    /// The number of steps taken.
     pub steps: u64,
 }
 
 impl OptimizerState {
     /// Zero moments for `parameters` parameters.
-    #[must_use]
     pub fn new(optimizer: &Optimizer, parameters: usize) -> Self {
         let first = match optimizer {
             Optimizer::RmsProp { .. } => 0,
@@ -33,7 +32,7 @@ impl OptimizerState {
         Self { first: vec![0.0; first], second: vec![0.0; parameters], steps: 0 }
     }
 
-    /// One step down `gradient` (as long as `parameters`).
+    /// Moves `parameters` by one step against `gradient`, which has the same length.
     pub fn step(
         &mut self,
         optimizer: &Optimizer,
@@ -45,20 +44,19 @@ impl OptimizerState {
         match *optimizer {
             Optimizer::RmsProp { smoothing, epsilon } => {
                 for ((p, &g), v) in parameters.iter_mut().zip(gradient).zip(&mut self.second) {
-                    *v = flushed(smoothing * *v + (1.0 - smoothing) * g * g);
+                    *v = flush(smoothing * *v + (1.0 - smoothing) * g * g);
                     *p -= learning_rate * g / (v.sqrt() + epsilon);
                 }
             }
             Optimizer::Adam { beta1, beta2, epsilon } => {
-                // The moments start at 0; dividing by these undoes that bias. In f64: 0.999^t for t up to
-                // 10^7.
+                // Corrects the bias of moments that start at 0. In f64, because of 0.999^t with t up to 10^7.
                 let correction = |beta: f32| 1.0 - libm::pow(f64::from(beta), self.steps as f64);
                 let step_size = (f64::from(learning_rate) / correction(beta1)) as f32;
                 let root = (1.0 / correction(beta2).sqrt()) as f32;
                 let moments = self.first.iter_mut().zip(&mut self.second);
                 for ((p, &g), (m, v)) in parameters.iter_mut().zip(gradient).zip(moments) {
-                    *m = flushed(beta1 * *m + (1.0 - beta1) * g);
-                    *v = flushed(beta2 * *v + (1.0 - beta2) * g * g);
+                    *m = flush(beta1 * *m + (1.0 - beta1) * g);
+                    *v = flush(beta2 * *v + (1.0 - beta2) * g * g);
                     *p -= step_size * *m / (v.sqrt() * root + epsilon);
                 }
             }
@@ -66,8 +64,8 @@ impl OptimizerState {
     }
 }
 
-fn flushed(moment: f32) -> f32 {
-    if moment.abs() < TINY { 0.0 } else { moment }
+fn flush(moment: f32) -> f32 {
+    if moment.abs() < MIN_MOMENT { 0.0 } else { moment }
 }
 
 #[cfg(test)]
@@ -75,16 +73,17 @@ mod tests {
     use super::*;
 
     fn close(found: f32, expected: f32, what: &str) {
-        assert!((found - expected).abs() < 1e-6 * expected.abs().max(1.0), "{what}: {found}, not {expected}");
+        assert!(
+            (found - expected).abs() < 1e-6 * expected.abs().max(1.0),
+            "{what}: {found} instead of {expected}"
+        );
     }
 
     #[test]
-    fn two_steps_of_rmsprop_worked_by_hand() {
+    fn two_steps_of_rmsprop_match_a_calculation_by_hand() {
         // smoothing 0.9, epsilon 0.1, rate 0.5, gradient 2 then -1, from p = 1.
-        // v1 = 0.1 x 4 = 0.4              p1 = 1 - 0.5 x 2 / (sqrt 0.4 + 0.1) = 1 - 1 / 0.7324555 =
-        // -0.3652706 v2 = 0.9 x 0.4 + 0.1 x 1 = 0.46
-        //                                 p2 = p1 + 0.5 / (sqrt 0.46 + 0.1) = p1 + 0.5 / 0.7782330 =
-        // 0.2772105
+        // v1 = 0.1 x 4 = 0.4               p1 = 1 - 0.5 x 2 / (sqrt 0.4 + 0.1) = 1 - 1 / 0.7324555 = -0.3652706
+        // v2 = 0.9 x 0.4 + 0.1 x 1 = 0.46  p2 = p1 + 0.5 / (sqrt 0.46 + 0.1) = p1 + 0.5 / 0.7782330 = 0.2772105
         let rmsprop = Optimizer::RmsProp { smoothing: 0.9, epsilon: 0.1 };
         let (mut state, mut p) = (OptimizerState::new(&rmsprop, 1), [1.0]);
         state.step(&rmsprop, 0.5, &mut p, &[2.0]);
@@ -95,8 +94,8 @@ mod tests {
     }
 
     #[test]
-    fn two_steps_of_adam_worked_by_hand() {
-        // beta 0.9 and 0.99, epsilon 0.1, rate 0.5, gradient 2 then -1, from p = 1. Hats: bias corrected.
+    fn two_steps_of_adam_match_a_calculation_by_hand() {
+        // beta 0.9 and 0.99, epsilon 0.1, rate 0.5, gradient 2 then -1, from p = 1. m^ and v^ are bias-corrected.
         // m1 = 0.2,              m^ = 0.2 / 0.1 = 2
         // v1 = 0.04,             v^ = 0.04 / 0.01 = 4, root 2
         //                        p1 = 1 - 0.5 x 2 / 2.1 = 0.5238095
@@ -114,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_of_a_dead_unit_end_at_zero_not_in_denormals() {
+    fn moments_of_a_dead_unit_become_zero_instead_of_denormal() {
         for optimizer in [
             Optimizer::RmsProp { smoothing: 0.5, epsilon: 1e-8 },
             Optimizer::Adam { beta1: 0.5, beta2: 0.5, epsilon: 1e-8 },

@@ -1,80 +1,79 @@
-//! The replay buffer: a ring of transitions over a ring of states, and batches drawn from it.
+//! The replay buffer: a ring of transitions, a ring of states, and sampling.
 //!
-//! In: observations and transitions; after a training, TD errors. Out: batches, drawn evenly or in proportion
-//! to priority (Schaul et al. 2016), with importance weights. First in, first out.
+//! In: observations and transitions; after a gradient step, TD errors. Out: batches with importance weights, sampled
+//! uniformly or in proportion to priority (Schaul et al. 2016). The oldest transitions are removed first.
 //!
-//! Memory, for the paper's 1,000,000 transitions of 28 numbers: 126 MB of states (each stored once), 9 MB of
-//! their last users, 18 MB of transitions, 17 MB of sum tree: 170 MB when full, and nothing to speak of
-//! before.
+//! Memory for the paper's 1,000,000 transitions of 28 numbers: 126 MB for states (each is stored once), 9 MB for the last
+//! reference to each state, 18 MB for transitions, 17 MB for the sum tree. Together 170 MB when full; an empty buffer
+//! takes almost none.
 
 use super::config::{ReplayConfig, Sampling};
-use super::n_step::Transition;
+pub use super::n_step::Transition;
 pub use super::state_ring::StateId;
 use super::state_ring::StateRing;
 use super::sum_tree::SumTree;
 use wayfield_random::{Stream, uniform_index};
 
-/// A transition as it is kept: states by their slot.
+/// A transition as it is stored. `state` and `next` are slots of the state ring.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct StoredTransition {
-    pub(super) state: u32,
-    pub(super) next: u32,
-    pub(super) reward: f32,
-    pub(super) discount: f32,
-    pub(super) action: u8,
+pub(crate) struct StoredTransition {
+    pub(crate) state: u32,
+    pub(crate) next: u32,
+    pub(crate) reward: f32,
+    pub(crate) discount: f32,
+    pub(crate) action: u8,
     /// Bit 0: terminated; bit 1: truncated.
-    pub(super) flags: u8,
+    pub(crate) flags: u8,
 }
 
 /// The priorities of prioritized sampling.
 #[derive(Debug, Clone)]
-pub(super) struct Priorities {
-    /// p^alpha of each transition slot; 0 where there is none.
-    pub(super) tree: SumTree,
-    /// The largest p^alpha so far, at first 1: what new transitions enter with.
-    pub(super) largest: f64,
+pub(crate) struct Priorities {
+    /// p^alpha of each transition slot; 0 for a slot without a transition.
+    pub(crate) tree: SumTree,
+    /// The largest p^alpha so far, initially 1. New transitions start with it.
+    pub(crate) largest: f64,
 }
 
-/// Transitions to learn from, the oldest replaced by the newest.
+/// A buffer of the newest transitions.
 #[derive(Debug, Clone)]
 pub struct ReplayBuffer {
     sampling: Sampling,
     capacity: usize,
-    pub(super) states: StateRing,
-    pub(super) transitions: Vec<StoredTransition>,
-    pub(super) priorities: Option<Priorities>,
-    /// The number of the oldest transition kept; slots are numbers modulo the capacity.
-    pub(super) head: u64,
-    /// How many transitions were ever stored.
-    pub(super) tail: u64,
+    pub(crate) states: StateRing,
+    pub(crate) transitions: Vec<StoredTransition>,
+    pub(crate) priorities: Option<Priorities>,
+    /// The number of the oldest transition in the buffer. A transition's slot is its number modulo the capacity.
+    pub(crate) head: u64,
+    /// The number of transitions ever stored.
+    pub(crate) tail: u64,
 }
 
-/// A batch of n transitions; one is reused for all batches.
+/// A batch of n transitions.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Batch {
-    /// Slots in the buffer, for [`ReplayBuffer::update_priorities`].
+    /// Their slots in the buffer, for [`ReplayBuffer::update_priorities`].
     pub slots: Vec<usize>,
-    /// Row-major, n x inputs.
+    /// The states, row-major, n x inputs.
     pub states: Vec<f32>,
-    /// Indices of the actions taken.
+    /// The indices of the actions taken.
     pub actions: Vec<u8>,
-    /// Returns R of up to n steps.
+    /// The returns R over up to n steps.
     pub rewards: Vec<f32>,
-    /// What Q(next) is multiplied by; 0 if terminated.
+    /// The factors of Q(next): gamma^m, or 0 if terminated.
     pub discounts: Vec<f32>,
-    /// Row-major, n x inputs; of no meaning where the discount is 0.
+    /// The next states, row-major, n x inputs; meaningless where the discount is 0.
     pub next_states: Vec<f32>,
-    /// Importance weights, 0 to 1, the largest of the batch 1.
+    /// The importance weights, 0 to 1. The largest of the batch is 1.
     pub weights: Vec<f32>,
 }
 
 impl ReplayBuffer {
-    /// An empty buffer for observations of `inputs` numbers. At most `pending` steps may be awaiting their
-    /// n-step return at a time.
+    /// An empty buffer for observations of `inputs` numbers. `pending` is the maximum number of steps that wait for their
+    /// n-step return at the same time.
     ///
-    /// There are 1/8 more states than transitions, since an episode of k steps has k + 1 states. When
-    /// episodes average fewer than 8 steps, the oldest transitions are dropped before the capacity is
-    /// reached.
+    /// The state ring is 1/8 larger than the transition ring, because an episode of k steps has k + 1 states. If episodes
+    /// have fewer than 8 steps on average, the oldest transitions are removed before the capacity is reached.
     #[must_use]
     pub fn new(config: &ReplayConfig, inputs: usize, pending: usize) -> Self {
         let capacity = config.capacity;
@@ -93,49 +92,49 @@ impl ReplayBuffer {
         }
     }
 
-    /// Transitions kept.
+    /// The number of transitions in the buffer.
     #[must_use]
     pub fn len(&self) -> usize {
         (self.tail - self.head) as usize
     }
 
-    /// Whether there are none.
+    /// Whether the buffer has no transitions.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.tail == self.head
     }
 
-    /// The most transitions kept.
+    /// The maximum number of transitions.
     #[must_use]
     pub fn capacity(&self) -> usize {
         self.capacity
     }
 
-    /// Whether the state is still kept.
+    /// Whether the state is still in the buffer.
     #[must_use]
-    pub fn holds(&self, id: StateId) -> bool {
-        self.states.holds(id)
+    pub fn contains_state(&self, id: StateId) -> bool {
+        self.states.contains(id)
     }
 
-    /// Stores an observation of `inputs` numbers. Transitions that refer to the one it replaces go first, and
-    /// with them all older ones.
+    /// Stores an observation of `inputs` numbers. This first removes the transitions that refer to the observation it
+    /// replaces, and all older transitions.
     pub fn push_state(&mut self, observation: &[f32]) -> StateId {
-        let users = self.states.last_reference_to_oldest();
-        while self.head < users {
-            self.drop_oldest();
+        let last_reference = self.states.last_reference_to_oldest();
+        while self.head < last_reference {
+            self.remove_oldest();
         }
         self.states.push(observation)
     }
 
-    /// Stores a transition, with the largest priority so far; drops the oldest if full. A transition whose
-    /// states are gone already (its arena stood still for more than a whole buffer) is not stored.
+    /// Stores a transition with the largest priority so far. A full buffer removes its oldest one. A transition whose states
+    /// have been overwritten is not stored; that happens if its environment paused for longer than a whole buffer.
     pub fn push(&mut self, transition: &Transition) {
         let next = if transition.terminated { transition.state } else { transition.next };
-        if !self.holds(transition.state) || !self.holds(next) {
+        if !self.contains_state(transition.state) || !self.contains_state(next) {
             return;
         }
         if self.len() == self.capacity {
-            self.drop_oldest();
+            self.remove_oldest();
         }
         let slots = [self.states.slot(transition.state), self.states.slot(next)];
         let stored = StoredTransition {
@@ -161,7 +160,7 @@ impl ReplayBuffer {
         }
     }
 
-    fn drop_oldest(&mut self) {
+    fn remove_oldest(&mut self) {
         let slot = self.slot(self.head);
         self.head += 1;
         if let Some(priorities) = &mut self.priorities {
@@ -169,27 +168,29 @@ impl ReplayBuffer {
         }
     }
 
-    pub(super) fn slot(&self, number: u64) -> usize {
+    pub(crate) fn slot(&self, number: u64) -> usize {
         (number % self.capacity as u64) as usize
     }
 
-    /// Draws `n` transitions, with replacement, into `batch`. `env_steps` is for beta's schedule. The buffer
-    /// must not be empty.
+    /// Samples `n` transitions with replacement into `batch`. `env_steps` determines beta by its schedule.
     ///
-    /// Prioritized: the priorities laid end to end are cut into n equal pieces and a point drawn from each
-    /// (stratified proportional sampling). The importance weights (N P(i))^-beta over the batch's largest are
-    /// (smallest P in the batch / P(i))^beta: N and the sum cancel.
+    /// Prioritized sampling is stratified: the priorities are laid end to end and cut into n equal segments, and one point
+    /// is drawn from each. The importance weights are (N P(i))^-beta divided by the largest of the batch, which equals
+    /// (smallest P of the batch / P(i))^beta.
+    ///
+    /// # Panics
+    /// If the buffer is empty.
     pub fn sample(&self, n: usize, env_steps: u64, stream: &mut Stream, batch: &mut Batch) {
         batch.clear();
         match (&self.priorities, self.sampling) {
             (Some(Priorities { tree, .. }), Sampling::Prioritized { beta, importance_weights, .. }) => {
-                let piece = tree.total() / n as f64;
-                tree.find_all((0..n).map(|i| piece * (i as f64 + fine(stream))), &mut batch.slots);
+                let segment = tree.total() / n as f64;
+                tree.find_all((0..n).map(|i| segment * (i as f64 + uniform_f64(stream))), &mut batch.slots);
                 if importance_weights {
                     let beta = beta.at(env_steps);
                     let weight = |&slot: &usize| tree.get(slot);
-                    let least = batch.slots.iter().map(weight).fold(f64::INFINITY, f64::min);
-                    let weights = batch.slots.iter().map(|s| power((least / weight(s)) as f32, beta));
+                    let smallest = batch.slots.iter().map(weight).fold(f64::INFINITY, f64::min);
+                    let weights = batch.slots.iter().map(|s| power((smallest / weight(s)) as f32, beta));
                     batch.weights.extend(weights);
                 }
             }
@@ -209,8 +210,8 @@ impl ReplayBuffer {
         }
     }
 
-    /// Gives the transitions in `slots`, just sampled, the priority (|TD error| + epsilon)^alpha. Does
-    /// nothing when sampling is uniform.
+    /// Sets the priorities of the sampled transitions in `slots` to (|TD error| + epsilon)^alpha. Does nothing if sampling is
+    /// uniform.
     pub fn update_priorities(&mut self, slots: &[usize], td_errors: &[f32]) {
         let Some(Priorities { tree, largest }) = &mut self.priorities else { return };
         let Sampling::Prioritized { alpha, epsilon, .. } = self.sampling else { return };
@@ -221,7 +222,7 @@ impl ReplayBuffer {
         }
     }
 
-    /// The weight p^alpha by which the transition in `slot` is drawn; 1 when sampling is uniform.
+    /// The priority p^alpha of the transition in `slot`; 1 if sampling is uniform.
     #[must_use]
     pub fn priority(&self, slot: usize) -> f64 {
         self.priorities.as_ref().map_or(1.0, |priorities| priorities.tree.get(slot))
@@ -239,13 +240,14 @@ impl Batch {
     }
 }
 
-/// A draw from [0, 1) in steps of 2^-53: fine enough to reach every one of 10^6 transitions.
-fn fine(stream: &mut Stream) -> f64 {
+/// A draw from [0, 1) in steps of 2^-53, which reach every one of 10^6 transitions.
+fn uniform_f64(stream: &mut Stream) -> f64 {
     (wayfield_random::random_u64(stream) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
 }
 
-/// base^exponent for a base of at least 0 (0 counts as the least normal number) and a moderate exponent: some
-/// units in the last place off, the same on every platform, and more than twice as fast as `libm::powf`.
+/// base^exponent for a base of at least 0 and a moderate exponent. A base of 0 is replaced by the smallest normal number.
+/// The result is off by some units in the last place, is the same on every platform, and takes less than half the time of
+/// `libm::powf`.
 fn power(base: f32, exponent: f32) -> f32 {
     libm::exp2f(exponent * libm::log2f(base.max(f32::MIN_POSITIVE)))
 }
@@ -255,17 +257,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn powers_are_right_to_rounding() {
+    fn powers_have_a_small_relative_error() {
         for exponent in [0.0, 0.1, 0.4, 0.6, 1.0] {
             for base in [1e-30, 1e-6, 0.001, 0.3, 0.999, 1.0, 1.7, 42.0, 1e9] {
                 let exact = f64::from(base).powf(f64::from(exponent));
                 let error = (f64::from(power(base, exponent)) / exact - 1.0).abs();
                 assert!(error < 1e-5, "{base}^{exponent}: off by {error}");
             }
-            let least = power(f32::MIN_POSITIVE, exponent);
-            assert_eq!(power(0.0, exponent), least, "0 counts as the least normal number");
+            let smallest = power(f32::MIN_POSITIVE, exponent);
+            assert_eq!(power(0.0, exponent), smallest, "0 counts as the smallest normal number");
             assert_eq!(power(1.0, exponent), 1.0);
         }
-        assert!(power(0.0, 1.0) > 0.0, "no priority is 0, or it would never be drawn again");
+        assert!(power(0.0, 1.0) > 0.0, "a transition with priority 0 would never be drawn");
     }
 }

@@ -1,31 +1,30 @@
-//! A sum tree: draws an index with chance proportional to its weight, in O(log n).
+//! A sum tree: draws an index with a probability proportional to its weight, in O(log n).
 //!
-//! In: a weight per index. Out: the index under any point of the weights laid end to end (Schaul et al. 2016,
-//! appendix B.2.1).
+//! In: a weight per index. Out: the index at any point of the weights laid end to end (Schaul et al. 2016, appendix
+//! B.2.1).
 //!
-//! Weights are f64. An f32 root over 10^6 leaves resolves 1 part in 10^7: a small priority beside it would be
-//! lost, and the draw would be unfair at exactly the sizes that Table 1 asks for. The f64 tree costs 8 MB
-//! more there.
+//! Weights are f64. The sum of 10^6 weights in f32 resolves 1 part in 10^7, which would lose small weights at the replay
+//! size of the paper's Table 1. The f64 tree takes 8 MB more there.
 
 /// The weights of `capacity` indices and all their partial sums.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SumTree {
-    /// A complete binary tree: the root is at 1, the children of i at 2i and 2i + 1, leaves from `leaves` on.
+    /// A complete binary tree: the root is at 1, the children of i are at 2i and 2i + 1, the leaves start at `leaves`.
     nodes: Vec<f64>,
     leaves: usize,
     capacity: usize,
 }
 
 impl SumTree {
-    /// All weights 0. `capacity` is at least 1. The memory is zeroed by the operating system, page by page,
-    /// when it is first touched.
+    /// A tree with all weights 0. `capacity` is at least 1. The operating system provides zeroed memory page by page, when
+    /// it is first touched.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
         let leaves = capacity.max(1).next_power_of_two();
         Self { nodes: vec![0.0; 2 * leaves], leaves, capacity: capacity.max(1) }
     }
 
-    /// How many indices there are.
+    /// The number of indices.
     #[must_use]
     pub fn capacity(&self) -> usize {
         self.capacity
@@ -43,11 +42,10 @@ impl SumTree {
         self.nodes[1]
     }
 
-    /// Gives `index` (< capacity) the `weight` (finite, not negative).
+    /// Sets the weight of `index` (< capacity) to `weight` (finite, not negative).
     ///
-    /// Each parent is the sum of its two children, computed anew and not by adding differences: so no error
-    /// accumulates, and the inner nodes are a function of the leaves alone (a checkpoint need only keep
-    /// leaves).
+    /// Each parent is recomputed as the sum of its children instead of adding a difference. So no rounding error
+    /// accumulates, and the inner nodes depend on the leaves alone: a checkpoint only needs the leaves.
     pub fn set(&mut self, index: usize, weight: f64) {
         let (mut node, mut sum) = (self.leaves + index, weight);
         self.nodes[node] = sum;
@@ -58,7 +56,7 @@ impl SumTree {
         }
     }
 
-    /// Gives every index its weight of `weights` (at most capacity many, the rest 0), in O(n).
+    /// Sets all weights, in O(n). `weights` has at most `capacity` elements; the remaining weights are 0.
     pub fn set_all(&mut self, weights: impl Iterator<Item = f64>) {
         self.nodes.fill(0.0);
         for (node, weight) in self.nodes[self.leaves..].iter_mut().zip(weights) {
@@ -69,9 +67,8 @@ impl SumTree {
         }
     }
 
-    /// The index under `point` (0 <= point < total) when the weights are laid end to end in the order of
-    /// their indices. An index of weight 0 is never found as long as the total is above 0, whatever rounding
-    /// does.
+    /// The index at `point` (0 <= point < total) when the weights are laid end to end in the order of their indices.
+    /// Despite rounding, an index of weight 0 is never found while the total is above 0.
     #[must_use]
     pub fn find(&self, point: f64) -> usize {
         let mut found = [(1, point)];
@@ -79,22 +76,22 @@ impl SumTree {
         found[0].0 - self.leaves
     }
 
-    /// What [`Self::find`] gives for each of `points`, into `found`. All go down the tree side by side, so that
-    /// they wait for memory together and not one after the other.
+    /// Writes the result of [`Self::find`] for each of `points` into `found`. All descend the tree in parallel, so that
+    /// their memory accesses overlap.
     pub fn find_all(&self, points: impl Iterator<Item = f64>, found: &mut Vec<usize>) {
-        let mut walks: Vec<_> = points.map(|point| (1, point)).collect();
-        self.descend(&mut walks);
+        let mut descents: Vec<_> = points.map(|point| (1, point)).collect();
+        self.descend(&mut descents);
         found.clear();
-        found.extend(walks.iter().map(|(node, _)| node - self.leaves));
+        found.extend(descents.iter().map(|(node, _)| node - self.leaves));
     }
 
-    /// Walks from each (node, point within it) down to a leaf; all nodes are equally deep.
-    fn descend(&self, walks: &mut [(usize, f64)]) {
+    /// Moves each (node, point within it) down to its leaf. All nodes start at the same depth.
+    fn descend(&self, descents: &mut [(usize, f64)]) {
         let mut level = 1;
         while level < self.leaves {
-            for (node, point) in &mut *walks {
+            for (node, point) in &mut *descents {
                 let [left, right] = [self.nodes[2 * *node], self.nodes[2 * *node + 1]];
-                // Without branches, which no processor could foretell.
+                // Without branches, which the processor could not predict.
                 let to_right = (*point >= left) & (right > 0.0);
                 *point -= left * f64::from(to_right);
                 *node = 2 * *node + usize::from(to_right);
@@ -111,8 +108,8 @@ mod tests {
     use super::*;
     use wayfield_random::{stream, uniform_01};
 
-    /// The plain way: walk the weights until the point is used up.
-    fn find_plainly(weights: &[f64], mut point: f64) -> usize {
+    /// The reference: subtracts the weights in order until the point is used up.
+    fn find_linearly(weights: &[f64], mut point: f64) -> usize {
         for (index, weight) in weights.iter().enumerate() {
             if point < *weight {
                 return index;
@@ -124,8 +121,8 @@ mod tests {
 
     proptest! {
         #[test]
-        fn agrees_with_walking_the_weights(
-            // Small whole numbers, so that sums are exact and both ways must agree to the bit.
+        fn the_tree_finds_what_a_linear_search_finds(
+            // Small whole numbers, so that all sums are exact.
             start in prop::collection::vec(0_u32..20, 1..70),
             changes in prop::collection::vec((any::<prop::sample::Index>(), 0_u32..20), 0..100),
         ) {
@@ -145,13 +142,13 @@ mod tests {
             tree.find_all(points.iter().copied(), &mut found);
             prop_assert_eq!(found.len(), points.len());
             for (point, found) in points.into_iter().zip(found) {
-                prop_assert_eq!(found, find_plainly(&weights, point));
+                prop_assert_eq!(found, find_linearly(&weights, point));
                 prop_assert_eq!(found, tree.find(point));
             }
         }
 
         #[test]
-        fn one_by_one_or_all_at_once_is_the_same_tree(weights in prop::collection::vec(0.0..1.0_f64, 1..70)) {
+        fn set_and_set_all_give_the_same_tree(weights in prop::collection::vec(0.0..1.0_f64, 1..70)) {
             let (mut one, mut all) = (SumTree::new(weights.len()), SumTree::new(weights.len()));
             for (index, &weight) in weights.iter().enumerate().rev() {
                 one.set(index, 7.0);
@@ -170,12 +167,12 @@ mod tests {
             tree.set_all(weights.iter().copied());
             prop_assume!(tree.total() > 0.0);
             let found = tree.find(tree.total() * share);
-            prop_assert!(weights[found] > 0.0, "found {found}");
+            prop_assert!(weights[found] > 0.0, "index {found} has weight 0");
         }
     }
 
     #[test]
-    fn draws_are_in_proportion() {
+    fn draws_are_proportional_to_the_weights() {
         let weights = [1.0, 0.0, 2.0, 3.0, 0.5, 3.5];
         let mut tree = SumTree::new(weights.len());
         tree.set_all(weights.into_iter());
@@ -185,7 +182,7 @@ mod tests {
             counts[tree.find(tree.total() * f64::from(uniform_01(&mut random)))] += 1.0;
         }
         assert_eq!(counts[1], 0.0, "weight 0 is never drawn");
-        // Pearson's chi-square with 4 degrees of freedom exceeds 18.5 in one of a thousand fair samplers.
+        // A fair sampler exceeds this chi-square (4 degrees of freedom) once in a thousand times.
         let expected = |w: f64| w / 10.0 * f64::from(draws);
         let pairs = weights.iter().zip(counts).filter(|(w, _)| **w > 0.0);
         let chi_square: f64 = pairs.map(|(&w, n)| (n - expected(w)).powi(2) / expected(w)).sum();

@@ -3,8 +3,7 @@
 use std::collections::VecDeque;
 
 use proptest::prelude::*;
-use wayfield_learning::n_step::Transition;
-use wayfield_learning::replay::{Batch, ReplayBuffer, StateId};
+use wayfield_learning::replay::{Batch, ReplayBuffer, StateId, Transition};
 use wayfield_learning::{
     Experience, Learner, LearningConfig, NetworkConfig, ReplayConfig, Sampling, Schedule,
 };

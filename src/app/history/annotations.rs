@@ -18,8 +18,8 @@ const MAX_ANNOTATIONS: usize = 60;
 /// A repetition within this share of the axis extends the last annotation.
 const REPEAT_SHARE: f64 = 0.05;
 
-/// Adds an annotation. The same text soon after the last one only extends that. If there are too many, the one closest behind
-/// another is removed.
+/// Adds an annotation. The same text soon after the last one only extends that. If there are too many, the
+/// one closest behind another is removed.
 pub fn add(marks: &mut Vec<Annotation>, env_steps: u64, text: String) {
     let env_steps = marks.last().map_or(env_steps, |last| env_steps.max(last.last_env_steps));
     if let Some(last) = marks.last_mut()

@@ -3,12 +3,12 @@
 use super::series::{DownsampledSeries, MovingAverage};
 use crate::run::metric_rows::EpisodeRow;
 
-/// The learning curves over env steps. Moving averages are over [`MOVING_AVERAGE_EPISODES`](super::MOVING_AVERAGE_EPISODES)
-/// episodes.
+/// The learning curves over env steps. Moving averages are over
+/// [`MOVING_AVERAGE_EPISODES`](super::MOVING_AVERAGE_EPISODES) episodes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LearningCurves {
-    /// Moving success rate in training, 0 to 1: goals reached over goals attempted. An episode with n goals attempted n + 1,
-    /// whether it ended in a collision or at the time limit.
+    /// Moving success rate in training, 0 to 1: goals reached over goals attempted. An episode with n goals
+    /// attempted n + 1, whether it ended in a collision or at the time limit.
     pub success: MovingAverage,
     /// Success rate of the greedy policy in each evaluation, 0 to 1.
     pub evaluated: DownsampledSeries,
@@ -20,7 +20,8 @@ pub struct LearningCurves {
     pub goals: DownsampledSeries,
     /// Moving average of the goals per episode.
     pub goal_mean: MovingAverage,
-    /// Base-10 logarithm of the loss, so that a bucket's mean is the geometric mean, as suits a logarithmic axis.
+    /// Base-10 logarithm of the loss, so that a bucket's mean is the geometric mean, as suits a logarithmic
+    /// axis.
     pub loss_log: DownsampledSeries,
     /// Base-10 logarithm of the mean absolute TD error.
     pub td_error_log: DownsampledSeries,

@@ -1,8 +1,9 @@
 //! The history of a training: the data of the plots and of their exports.
 //!
-//! In: a row for each episode and each evaluation, and annotations for the user's changes. Out: [`LearningCurves`] to draw, the
-//! same `episodes.csv` as a headless run writes, and the learning curve as PNG. Memory does not grow with the length of the
-//! training: curves are [`DownsampledSeries`], and the rows are in temporary files (`spool.rs`).
+//! In: a row for each episode and each evaluation, and annotations for the user's changes. Out:
+//! [`LearningCurves`] to draw, the same `episodes.csv` as a headless run writes, and the learning curve as
+//! PNG. Memory does not grow with the length of the training: curves are [`DownsampledSeries`], and the rows
+//! are in temporary files (`spool.rs`).
 
 mod annotations;
 mod curves;
@@ -47,7 +48,8 @@ impl Default for History {
 }
 
 impl History {
-    /// An empty history. If temporary files cannot be written, plots and a coarser PNG still work, but not the CSV.
+    /// An empty history. If temporary files cannot be written, plots and a coarser PNG still work, but not
+    /// the CSV.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -85,7 +87,8 @@ impl History {
         annotations::add(&mut self.annotations, env_steps, text);
     }
 
-    /// Extends the x axis to `env_steps`. It starts at 0 if the first row is the `first_row` of a training, not of a resumed run.
+    /// Extends the x axis to `env_steps`. It starts at 0 if the first row is the `first_row` of a training,
+    /// not of a resumed run.
     fn extend_to(&mut self, env_steps: u64, first_row: bool) {
         let first = if first_row { 0 } else { env_steps };
         let (from, to) = self.range.unwrap_or((first, env_steps));
@@ -104,15 +107,15 @@ impl History {
         &self.annotations
     }
 
-    /// The ends of the x axis, in env steps: from 0, or from the first row of a resumed run, to the last row. `None` without
-    /// rows.
+    /// The ends of the x axis, in env steps: from 0, or from the first row of a resumed run, to the last row.
+    /// `None` without rows.
     #[must_use]
     pub fn range(&self) -> Option<(u64, u64)> {
         self.range
     }
 
-    /// The points of the learning curve for export: all episodes (of very many, every n-th) and all evaluations, or the points of
-    /// the downsampled curves if the temporary files failed.
+    /// The points of the learning curve for export: all episodes (of very many, every n-th) and all
+    /// evaluations, or the points of the downsampled curves if the temporary files failed.
     pub fn learning_curve_points(&mut self) -> (Vec<EpisodePoint>, Vec<EvaluationPoint>) {
         (self.episode_points(), self.evaluation_points())
     }

@@ -1,9 +1,10 @@
 //! Series: curves of any length in a bounded number of points.
 //!
-//! In: one value at a time, with its x. Out: points to draw. A [`DownsampledSeries`] keeps at most [`MAX_POINTS`] buckets. Each
-//! covers the same number of rows (the last one maybe fewer) and stores their mean, minimum and maximum. When all are full,
-//! neighbours are merged in pairs, and from then on a bucket covers twice as many rows. So the curve keeps its whole length,
-//! and a day of training takes no more memory or drawing time than a minute.
+//! In: one value at a time, with its x. Out: points to draw. A [`DownsampledSeries`] keeps at most
+//! [`MAX_POINTS`] buckets. Each covers the same number of rows (the last one maybe fewer) and stores their
+//! mean, minimum and maximum. When all are full, neighbours are merged in pairs, and from then on a bucket
+//! covers twice as many rows. So the curve keeps its whole length, and a day of training takes no more memory
+//! or drawing time than a minute.
 
 use std::collections::VecDeque;
 
@@ -35,8 +36,8 @@ impl Default for DownsampledSeries {
 }
 
 impl DownsampledSeries {
-    /// Adds a row. Non-finite values are ignored. An x before the last one is replaced by the last one, so that points stay in
-    /// order.
+    /// Adds a row. Non-finite values are ignored. An x before the last one is replaced by the last one, so
+    /// that points stay in order.
     pub fn push(&mut self, x: f64, value: f64) {
         if !x.is_finite() || !value.is_finite() {
             return;

@@ -1,7 +1,7 @@
 //! The spool: all rows of a training, in a temporary file instead of in memory.
 //!
-//! In: rows, one at a time. Out: the same CSV as a headless run writes, or the rows again. The file has no name, so it
-//! disappears with the process, however that ends. In a browser it is in memory.
+//! In: rows, one at a time. Out: the same CSV as a headless run writes, or the rows again. The file has no
+//! name, so it disappears with the process, however that ends. In a browser it is in memory.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::fs::File;
@@ -15,7 +15,8 @@ use serde::de::DeserializeOwned;
 use self::memory::File;
 use crate::run::folder::header;
 
-/// Rows in a temporary file. The first write error is kept and returned when the rows are read; adding rows never fails.
+/// Rows in a temporary file. The first write error is kept and returned when the rows are read; adding rows
+/// never fails.
 pub struct Spool<Row> {
     file: Result<csv::Writer<File>, String>,
     row: PhantomData<fn() -> Row>,

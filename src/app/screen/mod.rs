@@ -1,7 +1,8 @@
 //! The screen: draws the whole window, every frame.
 //!
-//! In: the data to draw ([`ScreenInput`]) and the user's view settings ([`ViewState`]). Out: [`Command`]s. Nothing here
-//! can reach the simulation or the learner except by a command, so opening, hovering or clicking never changes training.
+//! In: the data to draw ([`ScreenInput`]) and the user's view settings ([`ViewState`]). Out: [`Command`]s.
+//! Nothing here can reach the simulation or the learner except by a command, so opening, hovering or clicking
+//! never changes training.
 //!
 //! | file | duty |
 //! |---|---|
@@ -16,8 +17,9 @@
 //! | `numbers.rs` | number formatting |
 //! | `input.rs` | the data to draw |
 //!
-//! Modules depend on each other in one direction: `theme`, `numbers`, `input`, `key_bindings` and `widgets` at the bottom,
-//! then `plots` and `arena_view`, then `editor`, then `panels` and `shortcuts`, then `side_panels`.
+//! Modules depend on each other in one direction: `theme`, `numbers`, `input`, `key_bindings` and `widgets`
+//! at the bottom, then `plots` and `arena_view`, then `editor`, then `panels` and `shortcuts`, then
+//! `side_panels`.
 
 mod arena_view;
 mod bottom_panel;
@@ -48,8 +50,8 @@ const BAR_HEIGHT: f32 = 56.0;
 const NARROW: f32 = 700.0;
 const NARROW_BAR_HEIGHT: f32 = 92.0;
 
-/// Draws the window into `ui` and appends the user's requests to `commands`. Expects the typeface and the colours of
-/// [`theme::install`].
+/// Draws the window into `ui` and appends the user's requests to `commands`. Expects the typeface and the
+/// colours of [`theme::install`].
 pub fn screen_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,

@@ -1,4 +1,5 @@
-//! Number formatting for display: grouped, rounded and short, so that the width of a changing number stays about the same.
+//! Number formatting for display: grouped, rounded and short, so that the width of a changing number stays
+//! about the same.
 
 /// A count with thousands separators (12,345), or from a million on in short form (1.23M).
 pub fn format_count(n: u64) -> String {

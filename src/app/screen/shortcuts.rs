@@ -1,7 +1,8 @@
 //! The keyboard: handles the keys of a frame by the table in `key_bindings.rs`.
 //!
-//! In: key events. Out: commands, and changes of the [`ViewState`]. Ignored while a text field is being edited. Space and
-//! Tab are left to egui while a widget has the focus (Shift+Tab focuses one, Escape removes the focus).
+//! In: key events. Out: commands, and changes of the [`ViewState`]. Ignored while a text field is being
+//! edited. Space and Tab are left to egui while a widget has the focus (Shift+Tab focuses one, Escape removes
+//! the focus).
 
 use egui::{Context, Event, Key, Modifiers, Ui};
 

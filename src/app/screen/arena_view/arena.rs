@@ -1,7 +1,7 @@
 //! The objects of an arena: walls, obstacles, goal and robot.
 //!
-//! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`]. The order of drawing is floor, field, trajectories,
-//! solids, goal, beams, robot.
+//! In: the scenario and an [`ArenaScene`]. Out: shapes on a [`Canvas`]. The order of drawing is floor, field,
+//! trajectories, solids, goal, beams, robot.
 
 use egui::{Color32, Shape as Mark, Stroke, StrokeKind};
 

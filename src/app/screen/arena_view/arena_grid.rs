@@ -1,6 +1,7 @@
 //! The grid of all arenas.
 //!
-//! In: the scene. Out: a cell with a small view of each arena; a click on one follows that arena and leaves the grid.
+//! In: the scene. Out: a cell with a small view of each arena; a click on one follows that arena and leaves
+//! the grid.
 
 use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 

@@ -72,7 +72,8 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
     Some(canvas.label(hit + along * 9.0 + label_shift(along), Align2::CENTER_CENTER, &label, palette.text))
 }
 
-/// Draws the field of view of a sensor that does not cover the full circle: a wedge between its outermost beams.
+/// Draws the field of view of a sensor that does not cover the full circle: a wedge between its outermost
+/// beams.
 fn draw_field_of_view(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, from: Pos2) {
     let half = scenario.lidar.field_of_view_rad / 2.0;
     let body = canvas.transform.to_screen_length(scenario.robot.radius_m);
@@ -93,7 +94,8 @@ fn draw_field_of_view(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, 
     canvas.painter.add(Shape::line(arc.collect(), stroke));
 }
 
-/// The offset from the end of a beam in direction `along` to the centre of its label, so that the label is beyond the end.
+/// The offset from the end of a beam in direction `along` to the centre of its label, so that the label is
+/// beyond the end.
 fn label_shift(along: Vec2) -> Vec2 {
     Vec2::new(along.x * 23.0, along.y * 9.0)
 }

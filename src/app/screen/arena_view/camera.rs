@@ -5,7 +5,8 @@ use egui::{CursorIcon, Response, Ui};
 use super::transform::ViewTransform;
 use crate::app::view_state::ViewCamera;
 
-/// Zooms by the scroll wheel; pans by dragging and fits by a double click if the pointer is on free floor (`on_floor`).
+/// Zooms by the scroll wheel; pans by dragging and fits by a double click if the pointer is on free floor
+/// (`on_floor`).
 pub fn steer_camera(
     ui: &Ui,
     response: &Response,

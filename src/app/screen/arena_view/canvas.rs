@@ -1,5 +1,5 @@
-//! The canvas that arenas are drawn on, with drawing functions that egui's painter lacks: lines with a colour gradient,
-//! labels that are legible on any background, arrow heads.
+//! The canvas that arenas are drawn on, with drawing functions that egui's painter lacks: lines with a colour
+//! gradient, labels that are legible on any background, arrow heads.
 
 use egui::{
     Align2, Color32, CornerRadius, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
@@ -28,7 +28,8 @@ impl Canvas {
         self.transform.to_screen(point_m)
     }
 
-    /// Draws a line `width` points wide through points in m; `color_at` maps the position along it, 0 to 1, to a colour.
+    /// Draws a line `width` points wide through points in m; `color_at` maps the position along it, 0 to 1,
+    /// to a colour.
     pub fn gradient_line(
         &self,
         points_m: impl Iterator<Item = [f32; 2]>,
@@ -59,7 +60,8 @@ impl Canvas {
         self.painter.rect(rect, radius, self.palette.panel, border, egui::StrokeKind::Inside);
     }
 
-    /// Draws the background of a line of text in the colour around the arena, so that it shows only over the arena.
+    /// Draws the background of a line of text in the colour around the arena, so that it shows only over the
+    /// arena.
     pub fn strip_background(&self, rect: Rect) {
         self.painter.rect_filled(rect, CornerRadius::same(4), self.palette.background);
     }

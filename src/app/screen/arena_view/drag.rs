@@ -1,7 +1,7 @@
 //! Dragging the robot, the goal or an obstacle with the pointer.
 //!
-//! In: the pointer and one arena. Out: [`Command::Move`] while an object is dragged, and the drag itself. The object under the
-//! pointer at the press stays the dragged one, even if it drives away meanwhile.
+//! In: the pointer and one arena. Out: [`Command::Move`] while an object is dragged, and the drag itself. The
+//! object under the pointer at the press stays the dragged one, even if it drives away meanwhile.
 
 use egui::{Response, Ui};
 
@@ -21,7 +21,8 @@ pub fn tooltip(object: Movable) -> &'static str {
     }
 }
 
-/// Starts, continues or ends the drag in the view of arena `index`. Returns the drag in progress there, if any.
+/// Starts, continues or ends the drag in the view of arena `index`. Returns the drag in progress there, if
+/// any.
 pub fn update(
     ui: &Ui,
     response: &Response,
@@ -52,8 +53,8 @@ pub fn update(
     let at = transform.to_world(pointer);
     active.to_m = [at[0] + active.offset_m[0], at[1] + active.offset_m[1]];
     active.rejection = check_move(&arena_view(scene, arena), active.object, active.to_m.into()).err();
-    // Unless paused, the robot would drive away from a resting pointer, and a reached goal would be replaced: send a
-    // command in every frame.
+    // Unless paused, the robot would drive away from a resting pointer, and a reached goal would be replaced:
+    // send a command in every frame.
     let drifts = !view.status.paused && !matches!(active.object, Movable::Obstacle(_));
     let pointer_moved = ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO);
     if active.rejection.is_none() && (pointer_moved || drifts) {

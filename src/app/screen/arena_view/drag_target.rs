@@ -1,4 +1,5 @@
-//! The objects that can be dragged: which one is under the pointer, its outline, and what decides where it may go.
+//! The objects that can be dragged: which one is under the pointer, its outline, and what decides where it
+//! may go.
 
 use egui::Pos2;
 
@@ -8,8 +9,8 @@ use crate::app::moves::{ArenaView, Movable};
 use crate::app::scene::{ArenaScene, Scene};
 use crate::scenario::shape_distance;
 
-/// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the obstacles.
-/// Generated obstacles are not among them, because they are not in the scenario's file.
+/// The object under the pointer, with some tolerance for small ones: the robot first, then the goal, then the
+/// obstacles. Generated obstacles are not among them, because they are not in the scenario's file.
 #[must_use]
 pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at: Pos2) -> Option<Movable> {
     let scenario = &*scene.scenario;

@@ -6,8 +6,8 @@ use egui::{Color32, ColorImage, Mesh, Rect, pos2};
 
 use crate::app::scene::ScalarField;
 
-/// Seven colours from low to high: even steps of lightness, starting at that of the floor, in violet, which nothing else
-/// uses.
+/// Seven colours from low to high: even steps of lightness, starting at that of the floor, in violet, which
+/// nothing else uses.
 fn ramp(dark: bool) -> [Color32; 7] {
     let rgb = Color32::from_rgb;
     if dark {
@@ -57,8 +57,9 @@ pub(super) struct ValueRange {
     pub above: bool,
 }
 
-/// The range of the finite values of `field`, without the lowest share `parts.0` and the highest share `parts.1` of them, so
-/// that a few extremes do not leave all others in one colour. `None` if no value is finite.
+/// The range of the finite values of `field`, without the lowest share `parts.0` and the highest share
+/// `parts.1` of them, so that a few extremes do not leave all others in one colour. `None` if no value is
+/// finite.
 pub(super) fn value_range(field: &ScalarField, parts: (f32, f32)) -> Option<ValueRange> {
     let mut numbers: Vec<f32> = field.values.iter().copied().filter(|value| value.is_finite()).collect();
     numbers.sort_unstable_by(f32::total_cmp);
@@ -76,7 +77,8 @@ fn part_of(value: f32, ValueRange { low, high, .. }: ValueRange) -> f32 {
     if high > low || !value.is_finite() { (value - low) / (high - low) } else { 0.5 }
 }
 
-/// The image of `field`, at twice its resolution if it is coarse, so that the edges of missing values are smooth.
+/// The image of `field`, at twice its resolution if it is coarse, so that the edges of missing values are
+/// smooth.
 pub(super) fn field_image(field: &ScalarField, range: ValueRange, dark: bool) -> ColorImage {
     let [width, height] = field.size;
     let upscale = if width.max(height) <= 128 { 2 } else { 1 };
@@ -108,7 +110,8 @@ pub(super) fn field_image(field: &ScalarField, range: ValueRange, dark: bool) ->
     image
 }
 
-/// The values with gaps filled by a weighted mean of their neighbours, and the weighted share of finite neighbours, 0 to 1.
+/// The values with gaps filled by a weighted mean of their neighbours, and the weighted share of finite
+/// neighbours, 0 to 1.
 fn fill_gaps(field: &ScalarField) -> (Vec<f32>, Vec<f32>) {
     const TENT: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
     let [width, height] = field.size;

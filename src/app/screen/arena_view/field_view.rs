@@ -1,6 +1,7 @@
 //! Field overlays: the potential and the state value as colours and as arrows.
 //!
-//! In: a [`ScalarField`]. Out: a texture, made again only when the version of the field changes, and arrows downhill.
+//! In: a [`ScalarField`]. Out: a texture, made again only when the version of the field changes, and arrows
+//! downhill.
 
 use egui::{Color32, Context, Id, Rect, Stroke, TextureHandle, pos2};
 
@@ -31,8 +32,8 @@ impl FieldKind {
         }
     }
 
-    /// The shares of the lowest and of the highest values that the colours do not cover: the extremes of a network at both
-    /// ends, and the potential close to obstacles.
+    /// The shares of the lowest and of the highest values that the colours do not cover: the extremes of a
+    /// network at both ends, and the potential close to obstacles.
     pub fn clipped_shares(self) -> (f32, f32) {
         match self {
             Self::Potential => (0.0, 0.03),
@@ -54,7 +55,8 @@ struct Cached {
     texture: TextureHandle,
 }
 
-/// The texture of `field`, from the cache if it is up to date; `None` if no value is finite or it is too large.
+/// The texture of `field`, from the cache if it is up to date; `None` if no value is finite or it is too
+/// large.
 fn texture(ctx: &Context, kind: FieldKind, field: &ScalarField, dark: bool) -> Option<TextureHandle> {
     let id = Id::new(("wayfield field", kind));
     let key = (field.version, field.size, dark);
@@ -124,7 +126,8 @@ pub fn draw_arrows(canvas: &Canvas, field: &ScalarField, color: Color32) {
     }
 }
 
-/// The unit vector downhill at a cell; `None` at the edge of the field, where it is flat, or next to a non-finite value.
+/// The unit vector downhill at a cell; `None` at the edge of the field, where it is flat, or next to a
+/// non-finite value.
 fn descent(field: &ScalarField, ix: usize, iy: usize) -> Option<[f32; 2]> {
     let [width, height] = field.size;
     if ix == 0 || iy == 0 || ix + 1 >= width || iy + 1 >= height {

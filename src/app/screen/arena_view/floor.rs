@@ -55,7 +55,8 @@ fn spans_at(corners: &[Corner], at_m: f32, step_m: f32) -> Vec<[f32; 2]> {
     if length(&left) >= length(&right) { left } else { right }
 }
 
-/// The distance of the grid lines in m: the smallest of 1, 2 or 5 times a power of ten that is at least 56 points.
+/// The distance of the grid lines in m: the smallest of 1, 2 or 5 times a power of ten that is at least 56
+/// points.
 #[must_use]
 pub fn grid_step_m(points_per_m: f32) -> f32 {
     let min_m = 56.0 / points_per_m.max(1e-6);

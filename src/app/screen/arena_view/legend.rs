@@ -45,8 +45,8 @@ fn entries(overlays: &Overlays) -> Vec<Entry> {
     entries
 }
 
-/// Draws the legend along the bottom of the view, in as many lines as necessary, and returns its rectangle; `None` if the
-/// view is too small.
+/// Draws the legend along the bottom of the view, in as many lines as necessary, and returns its rectangle;
+/// `None` if the view is too small.
 pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
     let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
     if view.width() < 220.0 || view.height() < 220.0 {

@@ -1,7 +1,8 @@
-//! The arena view: one arena, a grid of all arenas, or two side by side; with the camera, the overlays and dragging.
+//! The arena view: one arena, a grid of all arenas, or two side by side; with the camera, the overlays and
+//! dragging.
 //!
-//! In: the [`ScreenInput`]. Out: shapes, changes of the [`ViewState`] (camera, followed arena, drag), and [`Command`]s that
-//! move a dragged object.
+//! In: the [`ScreenInput`]. Out: shapes, changes of the [`ViewState`] (camera, followed arena, drag), and
+//! [`Command`]s that move a dragged object.
 //!
 //! | file | duty |
 //! |---|---|

@@ -6,7 +6,8 @@ use super::canvas::Canvas;
 use super::transform::screen_direction;
 use crate::scenario::Motion;
 
-/// Draws the arrow of `motion` centred at `middle`; `fastest` is the largest turn rate of the robot, in rad/s.
+/// Draws the arrow of `motion` centred at `middle`; `fastest` is the largest turn rate of the robot, in
+/// rad/s.
 pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, color: Color32) {
     let points = arc_points(motion, fastest);
     let (Some(&last), Some(&before)) = (points.last(), points.iter().rev().nth(1)) else { return };
@@ -18,8 +19,8 @@ pub fn draw(canvas: &Canvas, middle: Pos2, motion: Motion, fastest: f32, color: 
     canvas.arrow_head(tip, along, 5.0, color);
 }
 
-/// The points of the arrow for a robot that faces up, in points with y down: an arc of up to 110°, or most of a circle for a
-/// turn on the spot.
+/// The points of the arrow for a robot that faces up, in points with y down: an arc of up to 110°, or most of
+/// a circle for a turn on the spot.
 fn arc_points(motion: Motion, fastest: f32) -> Vec<Pos2> {
     const PARTS: usize = 10;
     let turn = (motion.w_rad_s / fastest).clamp(-1.0, 1.0) * 1.92;

@@ -1,4 +1,5 @@
-//! The paths of moving obstacles as dashed lines: the circle of an orbit, the legs of a patrol, the reach of a random walk.
+//! The paths of moving obstacles as dashed lines: the circle of an orbit, the legs of a patrol, the reach of
+//! a random walk.
 
 use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
 
@@ -45,7 +46,8 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
     }
 }
 
-/// Draws a dashed line through the corners, with an arrow on each long leg, in both directions if the path is not closed.
+/// Draws a dashed line through the corners, with an arrow on each long leg, in both directions if the path is
+/// not closed.
 fn legs(canvas: &Canvas, corners: Vec<(f32, f32)>, closed: bool, stroke: Stroke) {
     let mut points: Vec<Pos2> = corners.into_iter().map(|corner| canvas.to_screen(corner.into())).collect();
     for &corner in points.iter().skip(1) {

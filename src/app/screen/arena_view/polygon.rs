@@ -1,7 +1,7 @@
 //! Polygons: filling, growing, and cutting a line with one.
 //!
-//! In: corners in order, clockwise or counterclockwise. Out: triangles, corners, spans. A polygon that crosses itself, such as an
-//! unfinished drawing, is filled in some way, but never causes a panic.
+//! In: corners in order, clockwise or counterclockwise. Out: triangles, corners, spans. A polygon that
+//! crosses itself, such as an unfinished drawing, is filled in some way, but never causes a panic.
 
 use egui::{Color32, Mesh, Pos2, Shape};
 
@@ -47,8 +47,8 @@ pub fn triangles(corners: &[Corner]) -> Vec<[usize; 3]> {
     clip_ears(corners).0
 }
 
-/// The triangles by ear clipping, and whether there was an ear in every step. In a polygon that crosses itself there may be
-/// none; then any corner is cut off.
+/// The triangles by ear clipping, and whether there was an ear in every step. In a polygon that crosses
+/// itself there may be none; then any corner is cut off.
 fn clip_ears(corners: &[Corner]) -> (Vec<[usize; 3]>, bool) {
     let mut valid = true;
     let mut remaining: Vec<usize> = (0..corners.len()).collect();
@@ -87,7 +87,8 @@ pub fn fill(canvas: &Canvas, corners: &[Corner], color: Color32) {
     paint(canvas, corners, &triangles(corners), color);
 }
 
-/// Fills the area between a polygon and the box from `low` to `high` around it; nothing if the polygon crosses itself.
+/// Fills the area between a polygon and the box from `low` to `high` around it; nothing if the polygon
+/// crosses itself.
 pub fn fill_outside(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corner, color: Color32) {
     let ring = ring(corners, low, high);
     let (triangles, valid) = clip_ears(&ring);
@@ -96,8 +97,8 @@ pub fn fill_outside(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corn
     }
 }
 
-/// The box with a hole in the shape of the polygon, as one polygon: a cut leads from the right side of the box to the
-/// rightmost corner.
+/// The box with a hole in the shape of the polygon, as one polygon: a cut leads from the right side of the
+/// box to the rightmost corner.
 fn ring(corners: &[Corner], low: Corner, high: Corner) -> Vec<Corner> {
     let mut hole = corners.to_vec();
     if is_counterclockwise(&hole) {
@@ -140,7 +141,8 @@ pub fn inflated(corners: &[Corner], by_m: f32) -> Vec<Corner> {
     let moved = |k: usize| {
         let (before, after) = (normal(k + n - 1), normal(k));
         let (sx, sy) = (before.0 + after.0, before.1 + after.1);
-        // The sum of the two unit normals has length 2 cos(bend / 2), and the corner moves by 1 / cos(bend / 2).
+        // The sum of the two unit normals has length 2 cos(bend / 2), and the corner moves by 1 / cos(bend /
+        // 2).
         let square = sx * sx + sy * sy;
         let by = (2.0 / square.max(1e-6)).min(MITRE / square.max(1e-6).sqrt()) * by_m;
         (corners[k].0 + sx * by, corners[k].1 + sy * by)

@@ -1,8 +1,8 @@
-//! The card of Q-values next to the robot: for each motion, from left to right, its advantage (Q-value minus the mean) as a bar
-//! and its Q-value as a number, with the chosen motion highlighted.
+//! The card of Q-values next to the robot: for each motion, from left to right, its advantage (Q-value minus
+//! the mean) as a bar and its Q-value as a number, with the chosen motion highlighted.
 //!
-//! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and a line that
-//! connects the two.
+//! In: the Q-values of an [`ArenaScene`]. Out: a card near the robot that avoids covering it or the goal, and
+//! a line that connects the two.
 
 use std::cmp::Ordering;
 
@@ -49,7 +49,8 @@ fn rows(motions: &[Motion], q: &[f32], chosen: usize) -> Vec<usize> {
     order
 }
 
-/// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`; `id` keeps its side of the robot.
+/// Draws the card if there are finite Q-values. It avoids the rectangles in `avoid`; `id` keeps its side of
+/// the robot.
 pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[Rect], id: Id) {
     let (motions, q) = (&scenario.robot.motions, &arena.q_values);
     if q.is_empty() || !q.iter().all(|value| value.is_finite()) {

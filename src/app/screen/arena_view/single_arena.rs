@@ -111,8 +111,8 @@ fn draw_arena(
     }
 }
 
-/// Highlights the object under the pointer or being dragged; an object that cannot be put down here is shown in orange with
-/// the reason.
+/// Highlights the object under the pointer or being dragged; an object that cannot be put down here is shown
+/// in orange with the reason.
 fn draw_drag_feedback(
     ui: &Ui,
     response: &Response,

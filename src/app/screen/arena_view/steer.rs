@@ -1,5 +1,5 @@
-//! Steering with the arrow keys in Drive mode. The keys choose among the robot's motions, so that a person and a policy have
-//! the same actions.
+//! Steering with the arrow keys in Drive mode. The keys choose among the robot's motions, so that a person
+//! and a policy have the same actions.
 //!
 //! In: the arrow keys held down. Out: [`Command::Steer`] when the motion changes.
 
@@ -9,7 +9,8 @@ use crate::app::commands::{Command, SessionMode};
 use crate::app::screen::input::ScreenInput;
 use crate::scenario::Motion;
 
-/// In Drive mode, sends the motion that the arrow keys ask for whenever it changes; `last` is the motion sent last.
+/// In Drive mode, sends the motion that the arrow keys ask for whenever it changes; `last` is the motion sent
+/// last.
 pub fn handle(
     ui: &Ui,
     view: &ScreenInput<'_>,
@@ -34,8 +35,8 @@ pub fn handle(
     }
 }
 
-/// The index of the motion for the arrow keys held down: the straightest without left or right, otherwise the sharpest turn to
-/// that side, or the gentlest if up is held too. `None` without motions.
+/// The index of the motion for the arrow keys held down: the straightest without left or right, otherwise the
+/// sharpest turn to that side, or the gentlest if up is held too. `None` without motions.
 fn steered(motions: &[Motion], left: bool, right: bool, up: bool) -> Option<usize> {
     let turn = |&(_, motion): &(usize, &Motion)| motion.w_rad_s.abs();
     let by_turn = |a: &(usize, &Motion), b: &(usize, &Motion)| turn(a).total_cmp(&turn(b));

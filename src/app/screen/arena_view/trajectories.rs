@@ -7,7 +7,8 @@ use crate::app::scene::{ArenaScene, Trail, TrailEnd};
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::Overlays;
 
-/// Draws the past paths by outcome and the current path, which fades towards its start, as far as the overlays are on.
+/// Draws the past paths by outcome and the current path, which fades towards its start, as far as the
+/// overlays are on.
 pub fn draw(canvas: &Canvas, arena: &ArenaScene, overlays: &Overlays) {
     if overlays.trails {
         let count = arena.trails.len().min(if canvas.compact { 3 } else { usize::MAX });
@@ -51,7 +52,8 @@ fn draw_trail(canvas: &Canvas, trail: &Trail, strength: f32) {
     }
 }
 
-/// Draws the mark at the end of a past path: a dot for a reached goal, a cross for a collision, a square for a timeout.
+/// Draws the mark at the end of a past path: a dot for a reached goal, a cross for a collision, a square for
+/// a timeout.
 pub fn outcome_mark(painter: &Painter, at: Pos2, end: TrailEnd, color: Color32) {
     let stroke = Stroke::new(1.75, color);
     match end {

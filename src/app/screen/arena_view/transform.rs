@@ -1,7 +1,7 @@
 //! The transform between an arena, in m with y up, and the screen, in points with y down.
 //!
-//! In: the rectangle of a view, the camera, the bounds of the arena. Out: a [`ViewTransform`], and the camera after a pan or a
-//! zoom.
+//! In: the rectangle of a view, the camera, the bounds of the arena. Out: a [`ViewTransform`], and the camera
+//! after a pan or a zoom.
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 
@@ -66,7 +66,8 @@ pub struct ViewTransform {
 }
 
 impl ViewTransform {
-    /// The view `rect` through `camera`. At zoom 1 it shows all of `bounds`, with `margin` points on each side.
+    /// The view `rect` through `camera`. At zoom 1 it shows all of `bounds`, with `margin` points on each
+    /// side.
     #[must_use]
     pub fn new(rect: Rect, margin: Vec2, camera: ViewCamera, bounds: ArenaBounds) -> Self {
         let [width_m, height_m] = bounds.size_m();
@@ -115,7 +116,8 @@ impl ViewTransform {
         self.to_screen_rect(self.bounds.min_m, self.bounds.max_m)
     }
 
-    /// The camera after the view was dragged by `delta` points. The centre of the view stays inside the bounds.
+    /// The camera after the view was dragged by `delta` points. The centre of the view stays inside the
+    /// bounds.
     #[must_use]
     pub fn panned(&self, camera: ViewCamera, delta: Vec2) -> ViewCamera {
         let [x, y] = camera.centre_m;

@@ -25,8 +25,8 @@ pub(super) fn send_or_ask(
     }
 }
 
-/// Draws the question in place of the button that asked it. Its text is under the pointer, so that a double click on that
-/// button does not answer it.
+/// Draws the question in place of the button that asked it. Its text is under the pointer, so that a double
+/// click on that button does not answer it.
 pub(super) fn discard_question_ui(
     ui: &mut Ui,
     status: &AppSnapshot,

@@ -1,6 +1,7 @@
 //! The panels: toolbar, setup panel, notices and help window.
 //!
-//! In: the session state and the [`ViewState`](crate::app::view_state::ViewState). Out: commands, and changes of the view state.
+//! In: the session state and the [`ViewState`](crate::app::view_state::ViewState). Out: commands, and changes
+//! of the view state.
 //!
 //! | file | duty |
 //! |---|---|

@@ -12,8 +12,8 @@ use crate::app::view_state::ViewState;
 const MODES: [SessionMode; 4] =
     [SessionMode::Train, SessionMode::Test, SessionMode::Drive, SessionMode::Compare];
 
-/// Draws the choice of mode, as wide as it needs or `width` points in all. Compare opens a second policy first if there
-/// is none.
+/// Draws the choice of mode, as wide as it needs or `width` points in all. Compare opens a second policy
+/// first if there is none.
 pub(super) fn mode_switch_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,

@@ -25,8 +25,8 @@ impl Readout {
 
 const HEIGHT: f32 = 40.0;
 
-/// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight` saves space in
-/// the toolbar of a narrow window.
+/// Draws as many readouts as fit, the most important first; `ui` must lay out from right to left. `tight`
+/// saves space in the toolbar of a narrow window.
 pub fn readouts_ui(ui: &mut Ui, status: &AppSnapshot, tight: bool) {
     // In a tight toolbar there is no gap after the last one.
     let mut free = ui.available_width() + if tight { 2.0 * GAP } else { 0.0 };

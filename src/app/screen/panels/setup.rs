@@ -1,6 +1,7 @@
 //! The setup panel on the left: training (`training.rs`), overlays, view and files.
 //!
-//! In: the session state and the view state. Out: commands. Choices wait in [`SetupForm`] until a button is clicked.
+//! In: the session state and the view state. Out: commands. Choices wait in [`SetupForm`] until a button is
+//! clicked.
 
 use egui::{Button, Frame, Margin, ScrollArea, Ui, vec2};
 

@@ -55,7 +55,8 @@ pub fn toolbar_ui(
     });
 }
 
-/// Draws the toolbar in two rows, for a narrow window, where either the setup or the plots are below the arena.
+/// Draws the toolbar in two rows, for a narrow window, where either the setup or the plots are below the
+/// arena.
 pub fn narrow_toolbar_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,

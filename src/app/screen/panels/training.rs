@@ -1,7 +1,8 @@
-//! The first section of the setup panel: scenario, learner and seed, and the buttons that start a training with them.
+//! The first section of the setup panel: scenario, learner and seed, and the buttons that start a training
+//! with them.
 //!
-//! In: the session state and the choices so far ([`SetupForm`]). Out: commands. One that discards a training worth keeping
-//! is sent only after the user has confirmed it.
+//! In: the session state and the choices so far ([`SetupForm`]). Out: commands. One that discards a training
+//! worth keeping is sent only after the user has confirmed it.
 
 use egui::{ComboBox, Label, Slider, Ui, vec2};
 
@@ -109,8 +110,8 @@ fn epsilon_ui(ui: &mut Ui, form: &mut SetupForm) {
     });
 }
 
-/// A drop-down list titled `title` with the description of the chosen entry below; `from` is the name or file of the
-/// chosen one, and `changed` notes that the user has modified it.
+/// A drop-down list titled `title` with the description of the chosen entry below; `from` is the name or file
+/// of the chosen one, and `changed` notes that the user has modified it.
 fn choice_ui(ui: &mut Ui, title: &str, choices: &[Choice], from: &mut String, changed: bool) {
     let label = section_title_ui(ui, title);
     let chosen = choices.iter().find(|choice| choice.from == *from);

@@ -22,7 +22,8 @@ pub enum AxisScale {
 }
 
 impl AxisScale {
-    /// The fixed ends of the axis, if any; a little wider than the values, so that a line at an end is fully visible.
+    /// The fixed ends of the axis, if any; a little wider than the values, so that a line at an end is fully
+    /// visible.
     #[must_use]
     pub fn fixed_range(self) -> Option<(f64, f64)> {
         match self {

@@ -1,5 +1,5 @@
-//! The band: the area between the minimum and the maximum of each bucket of a series, as an item of an egui plot. The series
-//! is borrowed, not copied.
+//! The band: the area between the minimum and the maximum of each bucket of a series, as an item of an egui
+//! plot. The series is borrowed, not copied.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;

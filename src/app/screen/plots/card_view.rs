@@ -1,7 +1,7 @@
 //! The drawing of a plot card: title, legend, and a plot over env steps.
 //!
-//! In: a [`Card`] with borrowed series. Out: shapes, and the pointer's position on the x axis. All cards share that axis:
-//! panning or zooming one moves all, and each shows its values at the pointer.
+//! In: a [`Card`] with borrowed series. Out: shapes, and the pointer's position on the x axis. All cards
+//! share that axis: panning or zooming one moves all, and each shows its values at the pointer.
 
 use egui::{Color32, FontId, Rect, Sense, Stroke, Vec2, vec2};
 use egui_plot::{AxisHints, HLine, Line, LineStyle, Plot, PlotPoints, PlotUi, Points, VLine};
@@ -139,7 +139,8 @@ fn axis_hints(hints: AxisHints<'static>, palette: Palette) -> AxisHints<'static>
     hints.label_spacing(egui::Rangef::new(0.0, 1.0))
 }
 
-/// Moves the visible part of the x axis back into the range of the data; if it covers all of that, follow new data again.
+/// Moves the visible part of the x axis back into the range of the data; if it covers all of that, follow new
+/// data again.
 fn keep_in_range(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
     let visible = plot.plot_bounds();
     let (low, width) = (visible.min()[0], visible.width());

@@ -8,7 +8,8 @@ use crate::app::screen::theme::{Palette, SMALL};
 const ABOUT: &str = "Learning curves over env steps: the control steps of all arenas together. Ctrl+scroll to zoom, drag to \
                      pan, double-click to show everything";
 
-/// Draws the header; returns whether the whole x axis is to be shown again. `can_save` is false before the first row.
+/// Draws the header; returns whether the whole x axis is to be shown again. `can_save` is false before the
+/// first row.
 pub(super) fn header_ui(
     ui: &mut egui::Ui,
     can_save: bool,

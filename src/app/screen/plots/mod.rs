@@ -1,7 +1,7 @@
 //! The plots on the right: learning curves.
 //!
-//! In: the history, read only. Out: a column of plots over a shared axis of env steps, and commands to export them. egui
-//! remembers which part of the axis is shown.
+//! In: the history, read only. Out: a column of plots over a shared axis of env steps, and commands to export
+//! them. egui remembers which part of the axis is shown.
 //!
 //! | file | duty |
 //! |---|---|

@@ -1,6 +1,7 @@
 //! Icon buttons. The icons are drawn with lines and discs, since the typeface has none.
 //!
-//! In: icon, style, size, accessible name, tooltip. Out: the response; screen readers and tests find the button by its name.
+//! In: icon, style, size, accessible name, tooltip. Out: the response; screen readers and tests find the
+//! button by its name.
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo,
@@ -135,7 +136,8 @@ fn paint(painter: &Painter, icon: Icon, centre: Pos2, radius: f32, color: Color3
     }
 }
 
-/// A window with a side panel that reaches from `strip[0]` to `strip[1]`, where the window's half width is 1.1.
+/// A window with a side panel that reaches from `strip[0]` to `strip[1]`, where the window's half width is
+/// 1.1.
 fn panel(painter: &Painter, [min, max]: [Pos2; 2], strip: [f32; 2], open: bool, color: Color32) {
     let rect = Rect::from_min_max(min, max);
     painter.rect_stroke(rect, 2.0, Stroke::new(1.2, color), egui::StrokeKind::Middle);

@@ -30,8 +30,8 @@ const SIDE: f32 = 10.0;
 /// The most by which the padding of a segment, left and right together, shrinks where space is short.
 const MAX_SHRINK: f32 = 6.0;
 
-/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts need, or `width`
-/// points in all, as far as the padding can shrink.
+/// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts need,
+/// or `width` points in all, as far as the padding can shrink.
 pub fn segments_ui(
     ui: &mut Ui,
     id: &str,

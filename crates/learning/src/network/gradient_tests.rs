@@ -1,16 +1,15 @@
-//! The network's gradient is the slope of its loss: against central finite differences, parameter by
-//! parameter.
+//! The gradient compared with central finite differences of the loss, parameter by parameter.
 
-use wayfield_learning::network::{Gradient, QNetwork, Regression};
-use wayfield_learning::{Loss, NetworkConfig};
+use super::{Gradient, QNetwork, Regression};
+use crate::config::{Loss, NetworkConfig};
 use wayfield_random::{normal, stream};
 
 const BATCH: usize = 12;
 
 #[test]
-fn the_gradient_is_the_slope_of_the_weighted_loss() {
+fn the_gradient_is_the_derivative_of_the_weighted_loss() {
     for dueling in [false, true] {
-        // Errors here are of order 1: with delta 0.8 the Huber loss uses both its branches.
+        // The TD errors are of order 1, so that delta 0.8 tests both branches of the Huber loss.
         for loss in [Loss::MeanSquared, Loss::Huber { delta: 0.8 }] {
             check(dueling, loss);
         }
@@ -19,8 +18,8 @@ fn the_gradient_is_the_slope_of_the_weighted_loss() {
 
 fn check(dueling: bool, loss: Loss) {
     let mut noise = stream(11, "test", u64::from(dueling));
-    let shape = NetworkConfig { hidden: vec![7, 6], dueling }.shape(5, 3).expect("a sound shape");
-    let mut network = QNetwork::new(shape.clone(), &mut noise).expect("a sound shape");
+    let shape = NetworkConfig { hidden: vec![7, 6], dueling }.shape(5, 3).expect("a valid shape");
+    let mut network = QNetwork::new(shape.clone(), &mut noise).expect("a valid shape");
     let observations: Vec<f32> = (0..BATCH * 5).map(|_| normal(&mut noise)).collect();
     let targets: Vec<f32> = (0..BATCH).map(|_| normal(&mut noise)).collect();
     let weights: Vec<f32> = (0..BATCH).map(|i| 0.1 + 0.07 * i as f32).collect();
@@ -31,7 +30,7 @@ fn check(dueling: bool, loss: Loss) {
     network.gradient(&observations, on, &mut gradient);
     assert_eq!(gradient.values.len(), shape.parameter_count());
 
-    // The loss and the TD errors agree with their definitions.
+    // Compare the loss and the TD errors with their definitions.
     let mut q = Vec::new();
     network.q_values(&observations, BATCH, &mut q);
     let mut expected = 0.0;
@@ -49,10 +48,10 @@ fn check(dueling: bool, loss: Loss) {
             };
         *if d.abs() <= 0.8 { &mut small } else { &mut large } += 1;
     }
-    assert!(small > 1 && large > 1, "both branches of the Huber loss are tried: {small}, {large}");
+    assert!(small > 1 && large > 1, "both branches of the Huber loss are tested: {small}, {large}");
     assert!((gradient.loss - expected / BATCH as f32).abs() < 1e-5, "the loss is the weighted mean");
 
-    // Central differences; the step is small beside the weights (0.4) and large beside f32's rounding.
+    // Central differences. The step is small compared with the weights (0.4), and large compared with the rounding of f32.
     let step = 2e-3;
     let mut other = Gradient::default();
     let mut moved = |network: &mut QNetwork, i: usize, by: f32| {
@@ -69,9 +68,9 @@ fn check(dueling: bool, loss: Loss) {
         nonzero += usize::from(found.abs() > 1e-3);
         assert!(
             (slope - found).abs() < 1e-3 + 0.01 * slope.abs(),
-            "{} ({i}), dueling {dueling}, {loss:?}: gradient {found}, slope {slope}",
+            "{} ({i}), dueling {dueling}, {loss:?}: gradient {found} instead of {slope}",
             view.name
         );
     }
-    assert!(nonzero > shape.parameter_count() / 2, "most parameters have a slope: {nonzero}");
+    assert!(nonzero > shape.parameter_count() / 2, "most derivatives are not 0: {nonzero}");
 }

@@ -1,0 +1,142 @@
+//! The range checks of every config value.
+
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+use super::{
+    ConfigError, Exploration, LearningConfig, Loss, Optimizer, ReplayConfig, Sampling, Schedule, TargetUpdate,
+};
+use wayfield_policy::NetworkShape;
+
+/// The largest `reward_scale`. Scaled rewards and their sums are still finite with it.
+const MAX_REWARD_SCALE: f32 = 1e20;
+
+impl LearningConfig {
+    /// Checks that every value is in range.
+    ///
+    /// # Errors
+    /// The first field that is out of range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        NetworkShape::check_hidden(&self.network.hidden)?;
+        within("gamma", self.gamma, 0.0..=1.0)?;
+        within("n_step", self.n_step, 1..=100)?;
+        above_zero("reward_scale", self.reward_scale)?;
+        within("reward_scale", self.reward_scale, 0.0..=MAX_REWARD_SCALE)?;
+        if let Loss::Huber { delta } = self.loss {
+            above_zero("loss.delta", delta)?;
+        }
+        match self.optimizer {
+            Optimizer::RmsProp { smoothing, epsilon } => {
+                below_one("optimizer.smoothing", smoothing)?;
+                above_zero("optimizer.epsilon", epsilon)?;
+            }
+            Optimizer::Adam { beta1, beta2, epsilon } => {
+                below_one("optimizer.beta1", beta1)?;
+                below_one("optimizer.beta2", beta2)?;
+                above_zero("optimizer.epsilon", epsilon)?;
+            }
+        }
+        self.learning_rate.check("learning_rate", 0.0..=10.0)?;
+        within("batch_size", self.batch_size, 1..=65536)?;
+        self.replay.check(self.batch_size)?;
+        within("train_freq", self.train_freq, 1..=u64::MAX)?;
+        within("gradient_steps", self.gradient_steps, 1..=10_000)?;
+        match self.target_update {
+            TargetUpdate::Hard { every } => within("target_update.every", every, 1..=u64::MAX)?,
+            TargetUpdate::Soft { tau } => {
+                above_zero("target_update.tau", tau)?;
+                within("target_update.tau", tau, 0.0..=1.0)?;
+            }
+        }
+        self.exploration.check()
+    }
+}
+
+impl ReplayConfig {
+    fn check(&self, batch_size: usize) -> Result<(), ConfigError> {
+        within("replay.capacity", self.capacity, 1..=1 << 24)?;
+        if self.capacity < batch_size {
+            return Err(ConfigError {
+                field: "replay.capacity".into(),
+                problem: format!(
+                    "{} transitions cannot fill a batch of {batch_size}; raise it, or lower batch_size",
+                    self.capacity
+                ),
+            });
+        }
+        if let Sampling::Prioritized { alpha, beta, epsilon, .. } = self.sampling {
+            within("replay.sampling.alpha", alpha, 0.0..=1.0)?;
+            beta.check("replay.sampling.beta", 0.0..=1.0)?;
+            above_zero("replay.sampling.epsilon", epsilon)?;
+        }
+        Ok(())
+    }
+}
+
+impl Exploration {
+    fn check(&self) -> Result<(), ConfigError> {
+        let (start, end) = match *self {
+            Self::PerEpisode { start, decay, end } => {
+                above_zero("exploration.decay", decay)?;
+                within("exploration.decay", decay, 0.0..=1.0)?;
+                (start, end)
+            }
+            Self::Linear { start, end, env_steps } => {
+                within("exploration.env_steps", env_steps, 1..=u64::MAX)?;
+                (start, end)
+            }
+        };
+        within("exploration.start", start, 0.0..=1.0)?;
+        within("exploration.end", end, 0.0..=1.0)
+    }
+}
+
+impl Schedule {
+    fn check(&self, field: &str, range: RangeInclusive<f32>) -> Result<(), ConfigError> {
+        match *self {
+            Self::Constant(value) => within(field, value, range),
+            Self::Linear { from, to, env_steps } => {
+                within(&format!("{field}.from"), from, range.clone())?;
+                within(&format!("{field}.to"), to, range)?;
+                within(&format!("{field}.env_steps"), env_steps, 1..=u64::MAX)
+            }
+        }
+    }
+}
+
+/// Checks that `value` is in `range`. NaN is in no range.
+pub(crate) fn within<T: PartialOrd + Display>(
+    field: &str,
+    value: T,
+    range: RangeInclusive<T>,
+) -> Result<(), ConfigError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let problem = if value < *range.start() {
+        format!("{value} is too small; give at least {}", range.start())
+    } else {
+        format!("{value} is out of range; give {} to {}", range.start(), range.end())
+    };
+    Err(ConfigError { field: field.into(), problem })
+}
+
+fn above_zero(field: &str, value: f32) -> Result<(), ConfigError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ConfigError {
+        field: field.into(),
+        problem: format!("{value} is out of range; give a number above 0"),
+    })
+}
+
+fn below_one(field: &str, value: f32) -> Result<(), ConfigError> {
+    if (0.0..1.0).contains(&value) {
+        return Ok(());
+    }
+    Err(ConfigError {
+        field: field.into(),
+        problem: format!("{value} is out of range; give at least 0 and less than 1"),
+    })
+}

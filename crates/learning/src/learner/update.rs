@@ -1,0 +1,169 @@
+//! The gradient step: TD targets, loss, optimizer, priorities, target network.
+
+use super::Learner;
+use crate::config::TargetUpdate;
+use crate::divergence::{
+    DivergenceError, Overestimate, advice, non_finite_loss_cause, non_finite_weight_cause,
+};
+use crate::network::{Gradient, QNetwork, Regression};
+use crate::replay::Batch;
+use wayfield_policy::greedy;
+
+/// Warn only after Q-values have exceeded the return bound for this many gradient steps.
+const MIN_OVERESTIMATE_STEPS: u32 = 50;
+
+/// Means over the gradient steps of one [`Learner::train`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct UpdateStats {
+    /// The number of gradient steps.
+    pub gradient_steps: u32,
+    /// The loss, including importance weights.
+    pub loss: f32,
+    /// |Q(s, a) - y|, in units of scaled reward.
+    pub td_error: f32,
+    /// Q(s, a) of the sampled transitions, in units of scaled reward.
+    pub q: f32,
+    /// A warning if Q-values have exceeded the return bound for many gradient steps.
+    pub overestimate: Option<Overestimate>,
+}
+
+/// Buffers that are reused by every gradient step. They hold no state.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Scratch {
+    batch: Batch,
+    gradient: Gradient,
+    online_q: Vec<f32>,
+    target_q: Vec<f32>,
+    targets: Vec<f32>,
+}
+
+impl Learner {
+    /// Takes the pending gradient steps. `None` if there are none.
+    ///
+    /// # Errors
+    /// The loss or a weight is not finite. The learner cannot be used any more.
+    pub fn train(&mut self) -> Result<Option<UpdateStats>, DivergenceError> {
+        let pending_updates = std::mem::take(&mut self.counters.pending_updates);
+        if pending_updates == 0 {
+            return Ok(None);
+        }
+        let mut sum = UpdateStats { gradient_steps: pending_updates, ..UpdateStats::default() };
+        for _ in 0..pending_updates {
+            let step = self.gradient_step()?;
+            sum.loss += step.loss;
+            sum.td_error += step.td_error;
+            sum.q += step.q;
+            sum.overestimate = sum.overestimate.or(step.overestimate);
+        }
+        let n = pending_updates as f32;
+        Ok(Some(UpdateStats { loss: sum.loss / n, td_error: sum.td_error / n, q: sum.q / n, ..sum }))
+    }
+
+    fn gradient_step(&mut self) -> Result<UpdateStats, DivergenceError> {
+        self.counters.gradient_steps += 1;
+        self.compute_gradient();
+        self.apply_gradient()?;
+        let Self { config, online, target, replay, counters, scratch, .. } = self;
+        let Scratch { batch, gradient, .. } = &*scratch;
+        replay.update_priorities(&batch.slots, &gradient.td_errors);
+        update_target(config.target_update, counters.gradient_steps, online, target);
+
+        let n = config.batch_size as f32;
+        let mean = |values: &[f32]| values.iter().sum::<f32>() / n;
+        let mean_abs = |values: &[f32]| values.iter().map(|value| value.abs()).sum::<f32>() / n;
+        let (loss, td_error) = (gradient.loss, mean_abs(&gradient.td_errors));
+        let (q, mean_abs_q) = (mean(&gradient.q), mean_abs(&gradient.q));
+        let overestimate = self.check_return_bound(mean_abs_q);
+        Ok(UpdateStats { gradient_steps: 1, loss, td_error, q, overestimate })
+    }
+
+    /// Samples a batch and computes its TD targets, loss and gradient.
+    fn compute_gradient(&mut self) {
+        let Self { config, online, target, replay, counters, scratch, .. } = self;
+        let Scratch { batch, gradient, online_q, target_q, targets } = scratch;
+        let n = config.batch_size;
+        replay.sample(n, counters.env_steps, &mut counters.sampling, batch);
+        target.q_values(&batch.next_states, n, target_q);
+        if config.double {
+            online.q_values(&batch.next_states, n, online_q);
+        }
+        let chooser = if config.double { &*online_q } else { &*target_q };
+        td_targets(batch, chooser, target_q, targets);
+        let on = Regression { actions: &batch.actions, targets, weights: &batch.weights, loss: config.loss };
+        online.gradient(&batch.states, on, gradient);
+    }
+
+    /// Moves the weights along the gradient.
+    fn apply_gradient(&mut self) -> Result<(), DivergenceError> {
+        let Self { config, online, optimizer, counters, scratch, .. } = self;
+        let Scratch { batch, gradient, target_q, .. } = &*scratch;
+        let (gradient_step, env_step) = (counters.gradient_steps, counters.env_steps);
+        let diverged = |what| DivergenceError { gradient_step, env_step, what, advice: advice(config) };
+        if !gradient.loss.is_finite() {
+            let what = non_finite_loss_cause(&batch.rewards, target_q, &gradient.q, &gradient.td_errors);
+            return Err(diverged(what));
+        }
+        let learning_rate = config.learning_rate.at(env_step);
+        online.update(|weights| optimizer.step(&config.optimizer, learning_rate, weights, &gradient.values));
+        if !all_finite(online.parameters()) {
+            return Err(diverged(non_finite_weight_cause(online, &gradient.values, learning_rate)));
+        }
+        if !all_finite(&optimizer.second) {
+            return Err(diverged("the square of a gradient is not finite".into()));
+        }
+        Ok(())
+    }
+
+    /// A warning if the mean |Q(s, a)| of this batch, `q`, exceeds the largest possible return, and the batches of most
+    /// recent gradient steps did too.
+    fn check_return_bound(&mut self, q: f32) -> Option<Overestimate> {
+        let Self { config, counters, largest_reward, steps_over_bound, .. } = self;
+        let largest_return = *largest_reward / (1.0 - config.gamma);
+        // Before the first reward other than 0, nothing is known about returns.
+        let is_over_bound = *largest_reward > 0.0 && q > largest_return;
+        *steps_over_bound = if is_over_bound {
+            steps_over_bound.saturating_add(1)
+        } else {
+            steps_over_bound.saturating_sub(1)
+        };
+        (is_over_bound && *steps_over_bound >= MIN_OVERESTIMATE_STEPS).then(|| Overestimate {
+            gradient_step: counters.gradient_steps,
+            env_step: counters.env_steps,
+            q,
+            largest_reward: *largest_reward,
+            largest_return,
+            advice: advice(config),
+        })
+    }
+}
+
+/// Writes y = R + discount Q_target(s', a*) into `targets`. The best action a* is that of `chooser`, which holds the
+/// online network's Q(s', .) in double DQN, and the target network's otherwise.
+pub(super) fn td_targets(batch: &Batch, chooser: &[f32], target_q: &[f32], targets: &mut Vec<f32>) {
+    let actions = target_q.len() / batch.rewards.len();
+    let rows = chooser.chunks_exact(actions).zip(target_q.chunks_exact(actions));
+    let steps = batch.rewards.iter().zip(&batch.discounts);
+    targets.clear();
+    targets
+        .extend(steps.zip(rows).map(|((r, discount), (choose, value))| r + discount * value[greedy(choose)]));
+}
+
+/// Updates the target network after gradient step `step`.
+fn update_target(update: TargetUpdate, step: u64, online: &QNetwork, target: &mut QNetwork) {
+    match update {
+        TargetUpdate::Hard { every } if step.is_multiple_of(every) => {
+            target.update(|weights| weights.copy_from_slice(online.parameters()));
+        }
+        TargetUpdate::Hard { .. } => {}
+        TargetUpdate::Soft { tau } => target.update(|weights| {
+            for (weight, online) in weights.iter_mut().zip(online.parameters()) {
+                *weight += tau * (online - *weight);
+            }
+        }),
+    }
+}
+
+/// Whether no value is NaN or infinite. There is no early exit, so that the loop can be vectorized.
+pub(super) fn all_finite(values: &[f32]) -> bool {
+    values.iter().map(|v| v.to_bits() & 0x7FFF_FFFF).fold(0, u32::max) < f32::INFINITY.to_bits()
+}
