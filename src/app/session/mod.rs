@@ -48,7 +48,7 @@ use bevy::prelude::*;
 use super::commands::{Command, EditorReply, Pace};
 use super::history::History;
 use crate::agent::ActionSources;
-use crate::simulation::SimulationBuilder;
+use crate::simulation::{Extensions, SimulationBuilder};
 
 pub use active_mode::ActiveMode;
 pub use evaluations::Evaluations;
@@ -80,6 +80,8 @@ pub struct StartOptions {
     pub edit: bool,
     /// Problems with options, as messages to the user. The options have their defaults instead.
     pub invalid_options: Vec<String>,
+    /// A user's plugins.
+    pub extensions: Extensions,
 }
 
 impl Default for StartOptions {
@@ -94,6 +96,7 @@ impl Default for StartOptions {
             open: None,
             edit: false,
             invalid_options: Vec::new(),
+            extensions: Extensions::default(),
         }
     }
 }
@@ -110,7 +113,8 @@ pub struct SessionPlugin {
 
 impl Plugin for SessionPlugin {
     fn build(&self, app: &mut App) {
-        SimulationBuilder::new(&Arc::default()).training().add_to(app);
+        let builder = SimulationBuilder::new(&Arc::default()).training();
+        builder.extensions(&self.start.extensions).add_to(app);
         let start = self.start.clone();
         app.add_message::<Command>()
             .add_message::<EditorReply>()

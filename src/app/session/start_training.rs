@@ -28,6 +28,7 @@ use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::{RunError, training_setup};
 use crate::scenario::Scenario;
+use crate::simulation::Extensions;
 
 /// A training that is ready to start.
 struct PreparedTraining {
@@ -41,9 +42,9 @@ struct PreparedTraining {
 /// starts, with a notice.
 pub(super) fn start_first(world: &mut World, start: &StartOptions) {
     let default = StartOptions::default();
-    let requested = prepare_new(&start.scenario, &start.preset, start.seed);
+    let requested = prepare_new(&start.scenario, &start.preset, start.seed, &start.extensions);
     let problem = requested.as_ref().err().map(ToString::to_string);
-    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed);
+    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed, &start.extensions);
     match requested.or_else(|_| fallback(&start.preset)).or_else(|_| fallback(&default.preset)) {
         Ok(prepared) => {
             world.insert_resource(Pacer::new(start.pace, start.paused));
@@ -84,8 +85,13 @@ fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<Prepared
     Ok(PreparedTraining { config, initial_policy, learner, trainer_state })
 }
 
-fn prepare_new(scenario: &str, preset: &str, seed: u64) -> Result<PreparedTraining, RunError> {
-    prepare(RunConfig::resolve(scenario, preset, seed)?, None)
+fn prepare_new(
+    scenario: &str,
+    preset: &str,
+    seed: u64,
+    extensions: &Extensions,
+) -> Result<PreparedTraining, RunError> {
+    prepare(RunConfig::resolve(scenario, preset, seed)?.with_extensions(extensions), None)
 }
 
 /// Inserts the resources of a prepared training, and puts its arenas in place of the present ones.
@@ -139,7 +145,8 @@ pub(super) fn start_training(
     preset: &str,
     seed: u64,
 ) -> Result<(), RunError> {
-    let prepared = prepare_new(scenario, preset, seed)?;
+    let extensions = world.resource::<TrainingRun>().config.extensions.clone();
+    let prepared = prepare_new(scenario, preset, seed, &extensions)?;
     world.resource_mut::<Pacer>().set_paused(false);
     replace(world, prepared);
     Ok(())
@@ -188,6 +195,7 @@ pub(super) fn start_from_policy(
 /// The folder holds no run, or one that cannot be used.
 pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
     let (folder, config) = RunFolder::open(path)?;
+    let config = config.resume_with_extensions(&world.resource::<TrainingRun>().config.extensions, path)?;
     let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
     let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
     let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
