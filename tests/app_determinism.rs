@@ -112,7 +112,7 @@ fn two_thousand_steps_in_the_app_learn_the_same_bits_as_a_bare_loop() {
     assert!(learnt == bare, "the learners are bit-identical");
 }
 
-/// Moves an obstacle a little from its present position.
+/// Moves an obstacle a little from its current position.
 fn nudge(app: &mut HeadlessApp, index: usize) {
     let world = app.world();
     let scenario = world.resource::<CurrentScenario>().0.clone();

@@ -1,8 +1,7 @@
 //! The web page around the app in a browser, in place of a command line, a disk and dialogs.
 //!
 //! In: the address of the page, and files that the user gives to it. Out: files to download, preferences, a status of the
-//! training in words (for screen readers and tests), and the message of a panic. The other side is the object `wayfieldPage`
-//! in `web/page.js`, which has one function for each import below.
+//! training in words (for screen readers and tests), and the message of a panic.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -16,6 +15,7 @@ use wasm_bindgen::prelude::*;
 
 use super::CurrentViewState;
 use super::commands::{Command, Pace, SessionMode};
+use super::page;
 use super::session::{
     ActiveMode, Journal, Notices, Pacer, ScenarioSource, StartOptions, Throughput, TrainingRun,
 };
@@ -24,43 +24,6 @@ use crate::agent::ActiveLearner;
 use crate::run::folder::RunConfig;
 use crate::run::{self, shipped};
 use crate::scenario::{to_ron, virtual_files};
-
-#[wasm_bindgen]
-extern "C" {
-    /// Value of the query parameter `key` in the address.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn query_parameter(key: &str) -> Option<String>;
-    /// Reports that the app has started, so that the page hides its cover.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn started();
-    /// Reports why the app has stopped.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn failed(text: &str);
-    /// Opens the browser's file picker.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn open_file_picker();
-    /// Downloads a file.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn save(name: &str, bytes: &[u8]);
-    /// Reports the status of the training, as JSON.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn report(json: &str);
-    /// Makes the address a link that starts the same training. `embedded` is the scenario's text, if it is not shipped.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn set_share_link(scenario: &str, preset: &str, seed: &str, embedded: Option<String>);
-    /// Removes all parameters from the address.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn clear_share_link();
-    /// Text of the scenario embedded in the address, if there is one.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    fn embedded_scenario() -> Option<String>;
-    /// Stores the preferences for the next visit.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    pub(super) fn save_preferences(text: &str);
-    /// The stored preferences.
-    #[wasm_bindgen(js_namespace = wayfieldPage)]
-    pub(super) fn load_preferences() -> Option<String>;
-}
 
 /// Files from the user that have not been opened yet.
 static INBOX: Mutex<Vec<virtual_files::VirtualFile>> = Mutex::new(Vec::new());
@@ -73,34 +36,34 @@ pub fn receive_file(name: String, bytes: Vec<u8>) {
 
 /// Starts the app with the options in the address, and returns. The browser then calls the app for each frame.
 pub fn run() {
-    std::panic::set_hook(Box::new(|panic| failed(&panic.to_string())));
+    std::panic::set_hook(Box::new(|panic| page::failed(&panic.to_string())));
     let default = StartOptions::default();
     let mut invalid_options = Vec::new();
     let seed = parse_query("seed", "use a whole number, 0 or more", &mut invalid_options);
     let pace = parse_query("pace", "use 0.01 to 100 (times real time), or full", &mut invalid_options);
-    let mut scenario = query_parameter("scenario").unwrap_or(default.scenario);
-    if let Some(text) = embedded_scenario() {
+    let mut scenario = page::query_parameter("scenario").unwrap_or(default.scenario);
+    if let Some(text) = page::embedded_scenario() {
         scenario = if shipped::is_scenario(&scenario) { "scenario.ron".into() } else { scenario };
         virtual_files::add_upload(scenario.clone(), text.into_bytes());
     }
     let start = StartOptions {
         scenario,
-        preset: query_parameter("preset").unwrap_or(default.preset),
+        preset: page::query_parameter("preset").unwrap_or(default.preset),
         seed: seed.unwrap_or(default.seed),
         pace: pace.unwrap_or(default.pace),
-        paused: query_parameter("paused").is_some(),
+        paused: page::query_parameter("paused").is_some(),
         open: None,
-        edit: query_parameter("edit").is_some(),
+        edit: page::query_parameter("edit").is_some(),
         invalid_options,
     };
     if let Err(error) = window::run(WindowOptions { start, ..WindowOptions::default() }) {
-        failed(&error.to_string());
+        page::failed(&error.to_string());
     }
 }
 
 /// The query parameter `key`, parsed. An invalid value is added to `invalid_options`, with `help`.
 fn parse_query<T: FromStr>(key: &str, help: &str, invalid_options: &mut Vec<String>) -> Option<T> {
-    let text = query_parameter(key)?;
+    let text = page::query_parameter(key)?;
     let value = text.parse().ok();
     if value.is_none() {
         invalid_options.push(format!("Invalid address: {key}={text}\nhelp: {help}"));
@@ -116,13 +79,13 @@ pub struct FileDialogs;
 pub(super) fn run_file_dialogs(
     mut messages: ResMut<Messages<Command>>,
     mut seen: Local<bevy::ecs::message::MessageCursor<Command>>,
-    run: Option<Res<TrainingRun>>,
+    run: Res<TrainingRun>,
     view_state: Res<CurrentViewState>,
 ) {
     let mut answers = Vec::new();
     for command in seen.read(&messages) {
         match command {
-            Command::OpenDialog | Command::OpenInEditor(None) => open_file_picker(),
+            Command::OpenDialog | Command::OpenInEditor(None) => page::open_file_picker(),
             Command::SaveScenario { scenario, based_on, path: None } => {
                 let path = scenario_file_name(&scenario.name);
                 answers.push(Command::SaveScenario {
@@ -132,9 +95,7 @@ pub(super) fn run_file_dialogs(
                 });
             }
             Command::SaveDialog(what) => {
-                answers.extend(
-                    run.iter().map(|run| Command::Save(*what, run.suggested_file_name(*what).into())),
-                );
+                answers.push(Command::Save(*what, run.suggested_file_name(*what).into()));
             }
             _ => {}
         }
@@ -150,7 +111,7 @@ pub(super) fn run_file_dialogs(
     }
     messages.write_batch(answers);
     for (name, bytes) in virtual_files::take_downloads() {
-        save(&name, &bytes);
+        page::save(&name, &bytes);
     }
 }
 
@@ -169,9 +130,9 @@ fn update_share_link(config: &RunConfig) {
         && shipped::scenario(scenario_from).is_ok_and(|shipped| shipped == *scenario);
     let embedded = if as_shipped { None } else { to_ron(scenario).ok() };
     if shipped::is_preset(preset_from) && transfer.is_none() && (as_shipped || embedded.is_some()) {
-        set_share_link(scenario_from, preset_from, &seed.to_string(), embedded);
+        page::set_share_link(scenario_from, preset_from, &seed.to_string(), embedded);
     } else {
-        clear_share_link();
+        page::clear_share_link();
     }
 }
 
@@ -234,7 +195,7 @@ pub(super) fn report_to_page(
     mut linked: Local<Option<RunConfig>>,
 ) {
     if status.frames == 0 {
-        started();
+        page::started();
     }
     let spent_ms = session.pacer.spent().as_secs_f64() * 1e3;
     status.frames += 1;
@@ -245,13 +206,13 @@ pub(super) fn report_to_page(
         return;
     }
     *reported_s = now_s;
-    if linked.as_ref() != Some(&session.journal.begun) {
-        update_share_link(&session.journal.begun);
-        *linked = Some(session.journal.begun.clone());
+    if linked.as_ref() != Some(&session.journal.config) {
+        update_share_link(&session.journal.config);
+        *linked = Some(session.journal.config.clone());
     }
     update(&mut status, &session);
     if let Ok(json) = serde_json::to_string(&*status) {
-        report(&json);
+        page::report(&json);
     }
 }
 

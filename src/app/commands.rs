@@ -42,11 +42,11 @@ pub enum SessionMode {
     /// The learner drives in all arenas, explores and learns.
     #[default]
     Train,
-    /// The present policy drives greedily in one arena; nothing is learnt.
+    /// The current policy drives greedily in one arena; nothing is learnt.
     Test,
-    /// The user drives in one arena, and the present policy in another, to the same goals.
+    /// The user drives in one arena, and the current policy in another, to the same goals.
     Drive,
-    /// The present policy and the opened one drive side by side, to the same goals.
+    /// The current policy and the opened one drive side by side, to the same goals.
     Compare,
 }
 
@@ -70,14 +70,14 @@ pub enum Command {
         /// Seed of every random draw.
         seed: u64,
     },
-    /// Starts a training in another scenario from the present weights: knowledge transfer.
+    /// Starts a training in another scenario from the current weights: knowledge transfer.
     Transfer {
         /// A shipped scenario's name, or a file.
         scenario: String,
         /// Epsilon at its start, 0 to 1 (the paper: 0.5).
         epsilon: f32,
     },
-    /// Starts a training from the opened policy, with the present scenario and preset.
+    /// Starts a training from the opened policy, with the current scenario and preset.
     TrainFromOpened {
         /// Epsilon at its start, 0 to 1.
         epsilon: f32,
@@ -123,7 +123,7 @@ pub enum Command {
 /// What can be saved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveKind {
-    /// The present policy, as safetensors.
+    /// The current policy, as safetensors.
     Policy,
     /// The whole run, as a folder that `wayfield --train --resume` can continue.
     Run,
@@ -131,7 +131,7 @@ pub enum SaveKind {
     Csv,
     /// The learning curves, as PNG (in a browser, as SVG).
     Png,
-    /// The present scenario, as RON.
+    /// The current scenario, as RON.
     Scenario,
 }
 

@@ -26,9 +26,9 @@ pub struct ActiveDrag {
 pub struct Interaction {
     /// The object being dragged.
     pub drag: Option<ActiveDrag>,
-    /// The scenario and the motion (an index into the robot's motions) that the arrow keys sent last.
+    /// Scenario name and motion (an index into the robot's motions) of the last steering command from the arrow keys.
     pub steered: Option<(String, usize)>,
-    /// The choices on the setup panel that are not started yet; `None` until the panel has been shown.
+    /// Choices on the setup panel that have not been started yet; `None` before the panel is first shown.
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,

@@ -17,9 +17,10 @@
 //! | `screen/` | everything that is drawn, with egui: the arenas, the plots, the panels |
 //! | `editor/` | the scenario editor: the document, its operations, undo and redo |
 //! | `view_state.rs` | what the user has chosen to see; `preferences.rs` stores it |
-//! | `window.rs`, `blending.rs` | the window, its colours, and screenshots |
+//! | `window.rs`, `window_input.rs`, `blending.rs` | the window, its input and its colours |
+//! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
-//! | `browser.rs` | the web page, in place of dialogs, a disk and a command line |
+//! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
 
 pub mod app_snapshot;
 mod blending;
@@ -33,14 +34,19 @@ mod file_dialogs;
 pub mod history;
 pub mod interaction;
 pub mod moves;
+#[cfg(target_arch = "wasm32")]
+mod page;
 mod preferences;
 mod scalar_fields;
 pub mod scene;
 pub mod screen;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod screenshot;
 pub mod session;
 pub mod setup_form;
 pub mod view_state;
 pub mod window;
+mod window_input;
 
 use bevy::prelude::*;
 

@@ -36,7 +36,7 @@ pub struct MoveRequest {
 
 /// The parts of an arena that decide where an object may go.
 #[derive(Clone, Copy, Debug)]
-pub struct ArenaView<'a> {
+pub struct MoveContext<'a> {
     /// The scenario as its file would have it, without generated obstacles.
     pub scenario: &'a Scenario,
     /// The scenario as it is laid out in this arena, with generated obstacles.
@@ -88,7 +88,7 @@ pub enum MoveRejection {
 ///
 /// # Errors
 /// Why it may not.
-pub fn check_move(arena: &ArenaView<'_>, object: Movable, to_m: (f32, f32)) -> Result<(), MoveRejection> {
+pub fn check_move(arena: &MoveContext<'_>, object: Movable, to_m: (f32, f32)) -> Result<(), MoveRejection> {
     let enclosure_m = enclosure_distance(&arena.layout.enclosure, to_m);
     if !(to_m.0.is_finite() && to_m.1.is_finite() && enclosure_m > 0.0) {
         return Err(MoveRejection::OutsideWalls);
@@ -109,18 +109,18 @@ pub fn check_move(arena: &ArenaView<'_>, object: Movable, to_m: (f32, f32)) -> R
 }
 
 /// Distance in m from `point_m` to the nearest obstacle; negative inside one.
-fn obstacle_gap(arena: &ArenaView<'_>, point_m: (f32, f32)) -> f32 {
+fn obstacle_gap(arena: &MoveContext<'_>, point_m: (f32, f32)) -> f32 {
     let obstacles = arena.layout.obstacles.iter().zip(arena.obstacles);
     obstacles.map(|(o, &pose)| shape_distance(&o.shape, pose, point_m)).fold(f32::INFINITY, f32::min)
 }
 
 /// Distance in m from `point_m` to the nearest inner wall; negative inside one.
-fn inner_wall_gap(arena: &ArenaView<'_>, point_m: (f32, f32)) -> f32 {
+fn inner_wall_gap(arena: &MoveContext<'_>, point_m: (f32, f32)) -> f32 {
     let walls = arena.layout.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
     walls.fold(f32::INFINITY, f32::min)
 }
 
-fn check_obstacle(arena: &ArenaView<'_>, index: usize, to_m: (f32, f32)) -> Result<(), MoveRejection> {
+fn check_obstacle(arena: &MoveContext<'_>, index: usize, to_m: (f32, f32)) -> Result<(), MoveRejection> {
     let (Some(obstacle), Some(&pose)) = (arena.scenario.obstacles.get(index), arena.obstacles.get(index))
     else {
         return Err(MoveRejection::NotMovable);
@@ -189,7 +189,7 @@ mod tests {
     fn check(object: Movable, to_m: (f32, f32)) -> Result<(), MoveRejection> {
         let scenario = scenario();
         let obstacles = [(1.0, 1.0, TURNED_RAD)];
-        let arena = ArenaView {
+        let arena = MoveContext {
             scenario: &scenario,
             layout: &scenario,
             obstacles: &obstacles,

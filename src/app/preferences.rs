@@ -58,7 +58,7 @@ fn read() -> Option<Preferences> {
 
 #[cfg(target_arch = "wasm32")]
 fn read() -> Option<Preferences> {
-    super::browser::load_preferences().and_then(|text| parse_ron(&text, "preferences.ron").ok())
+    super::page::load_preferences().and_then(|text| parse_ron(&text, "preferences.ron").ok())
 }
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -72,7 +72,7 @@ fn write(text: &str) {
 }
 
 #[cfg(target_arch = "wasm32")]
-use super::browser::save_preferences as write;
+use super::page::save_preferences as write;
 
 /// The stored preferences, or the default.
 #[must_use]

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::time::Real;
 
@@ -35,7 +36,7 @@ pub struct ScalarFields {
     pub value: Option<Arc<ScalarField>>,
     version: u64,
     computed_at_s: f64,
-    /// Inputs of the present fields.
+    /// Inputs of the current fields.
     inputs: Option<FieldInputs>,
 }
 
@@ -52,6 +53,15 @@ struct FieldInputs {
     clock: Clock,
     gradient_steps: u64,
     opened_policy: Option<String>,
+}
+
+impl ScalarFields {
+    /// Whether the fields must be computed at `now_s`: at once if an overlay was switched on, otherwise after an interval.
+    fn needs_update(&self, inputs: &FieldInputs, now_s: f64) -> bool {
+        let Some(before) = &self.inputs else { return true };
+        let is_switched_on = inputs.potential && !before.potential || inputs.value && !before.value;
+        before != inputs && (is_switched_on || now_s - self.computed_at_s >= MIN_INTERVAL_S)
+    }
 }
 
 /// The grid of a field.
@@ -87,97 +97,130 @@ impl FieldGrid {
     }
 }
 
+/// What the fields are computed from.
+#[derive(SystemParam)]
+pub(super) struct FieldSources<'w, 's> {
+    view_state: Res<'w, CurrentViewState>,
+    mode: Res<'w, ActiveMode>,
+    opened: Res<'w, OpenedFiles>,
+    scenario: Res<'w, CurrentScenario>,
+    reward: Res<'w, RewardConfig>,
+    layout: Res<'w, ObservationLayout>,
+    learner: Res<'w, ActiveLearner>,
+    sources: Res<'w, ActionSources>,
+    arenas: Query<
+        'w,
+        's,
+        (&'static Arena, &'static Pose, &'static Goal, &'static Clock, &'static SensorReadings),
+    >,
+}
+
+impl FieldSources<'_, '_> {
+    /// Whether a field is shown: not in the grid of all arenas, and only with its overlay.
+    fn is_shown(&self) -> bool {
+        let overlays = self.view_state.0.overlays;
+        let is_grid = self.view_state.0.grid && self.mode.is_training();
+        !is_grid && (overlays.potential || overlays.value)
+    }
+
+    /// The inputs of the fields in the followed arena, or else in the first one.
+    fn inputs(&self) -> Option<(FieldInputs, &SensorReadings)> {
+        let index = self.view_state.0.followed;
+        let followed = self.arenas.iter().find(|(arena, ..)| arena.0 == index);
+        let (arena, pose, goal, clock, readings) = followed.or_else(|| self.arenas.iter().next())?;
+        let overlays = self.view_state.0.overlays;
+        let inputs = FieldInputs {
+            potential: overlays.potential,
+            value: overlays.value,
+            scenario: self.scenario.0.clone(),
+            mode: self.mode.mode(),
+            arena: arena.0,
+            goal: *goal,
+            heading_rad: pose.heading_rad,
+            clock: *clock,
+            gradient_steps: self.learner.0.gradient_steps(),
+            opened_policy: self.opened.policy.as_ref().map(|(name, _)| name.clone()),
+        };
+        Some((inputs, readings))
+    }
+
+    /// The network that drives in `arena`. Where the user drives, that of the other arena.
+    fn network(&self, arena: usize) -> Option<&QNetwork> {
+        if self.mode.is_training() {
+            return Some(self.learner.0.network());
+        }
+        let sources = &self.sources.arenas;
+        sources.iter().skip(arena).chain(sources).filter_map(network).next()
+    }
+}
+
 /// Computes the fields whose overlays are shown.
-#[expect(clippy::too_many_arguments, reason = "a system's parameters are what it reads")]
 pub(super) fn compute_scalar_fields(
-    view_state: Res<CurrentViewState>,
-    mode: Res<ActiveMode>,
-    opened: Res<OpenedFiles>,
-    scenario: Res<CurrentScenario>,
-    reward: Res<RewardConfig>,
-    layout: Res<ObservationLayout>,
-    learner: Res<ActiveLearner>,
-    sources: Res<ActionSources>,
+    sources: FieldSources,
     time: Res<Time<Real>>,
     probe: Option<Probe>,
-    arenas: Query<(&Arena, &Pose, &Goal, &Clock, &SensorReadings)>,
     mut fields: ResMut<ScalarFields>,
 ) {
-    let Some(probe) = probe else { return };
-    let mode = mode.mode();
-    let asked = view_state.0.overlays;
-    let wanted = view_state.0.followed;
-    let as_a_grid = view_state.0.grid && mode == SessionMode::Train;
-    if as_a_grid || !(asked.potential || asked.value) {
-        fields.potential = None;
-        fields.value = None;
-        fields.inputs = None;
+    if !sources.is_shown() {
+        (fields.potential, fields.value, fields.inputs) = (None, None, None);
         return;
     }
-    let followed = arenas.iter().find(|(arena, ..)| arena.0 == wanted).or_else(|| arenas.iter().next());
-    let Some((arena, pose, goal, clock, readings)) = followed else { return };
-    let Some(scan_from) = probe.of(arena.0) else { return };
+    let (Some(probe), Some((inputs, readings))) = (probe, sources.inputs()) else { return };
+    let Some(scan_from) = probe.of(inputs.arena) else { return };
     let now_s = time.elapsed_secs_f64();
-    let inputs = FieldInputs {
-        potential: asked.potential,
-        value: asked.value,
-        scenario: scenario.0.clone(),
-        mode,
-        arena: arena.0,
-        goal: *goal,
-        heading_rad: pose.heading_rad,
-        clock: *clock,
-        gradient_steps: learner.0.gradient_steps(),
-        opened_policy: opened.policy.as_ref().map(|(name, _)| name.clone()),
-    };
-    let before = fields.inputs.as_ref();
-    let is_current = before.is_some_and(|before| *before == inputs);
-    let more =
-        before.is_none_or(|before| inputs.potential && !before.potential || inputs.value && !before.value);
-    if is_current || (!more && now_s - fields.computed_at_s < MIN_INTERVAL_S) {
+    if !fields.needs_update(&inputs, now_s) {
         return;
     }
-    fields.inputs = Some(inputs);
-    fields.computed_at_s = now_s;
-    fields.version += 1;
-    let version = fields.version;
-    let scenario = &*scenario.0;
-    let grid = FieldGrid::over(scenario);
+    let grid = FieldGrid::over(&inputs.scenario);
+    let (potentials, observations) = sample(&grid, &inputs, &sources, readings, scan_from);
+    let version = fields.version + 1;
+    let network = if inputs.value { sources.network(inputs.arena) } else { None };
+    *fields = ScalarFields {
+        value: network.map(|network| grid.field(masked_values(network, &observations, &potentials), version)),
+        potential: inputs.potential.then(|| grid.field(potentials, version)),
+        version,
+        computed_at_s: now_s,
+        inputs: Some(inputs),
+    };
+}
+
+/// The potential at each point of `grid`, NaN where the robot cannot be; and, if the value is shown, the observations there.
+fn sample(
+    grid: &FieldGrid,
+    inputs: &FieldInputs,
+    sources: &FieldSources,
+    readings: &SensorReadings,
+    scan_from: impl Fn(&Pose, &mut Scan),
+) -> (Vec<f32>, Vec<f32>) {
+    let (scenario, goal) = (&*inputs.scenario, &inputs.goal);
+    let width = sources.layout.width(scenario.lidar.beams);
+    let (mut potentials, mut observations) = (Vec::new(), Vec::new());
     // One scan per point serves both fields.
     let mut scan = Scan::default();
-    let mut observations = Vec::new();
-    let mut potentials = Vec::new();
-    let width = layout.width(scenario.lidar.beams);
     for (x_m, y_m) in grid.points_m() {
-        let there = Pose { x_m, y_m, heading_rad: pose.heading_rad };
-        scan_from(&there, &mut scan);
+        let pose = Pose { x_m, y_m, heading_rad: inputs.heading_rad };
+        scan_from(&pose, &mut scan);
         // From outside or inside a wall the beams may see far, so the floor is checked separately.
         let free = scan.nearest_m >= scenario.task.collision_range_m && is_floor(scenario, (x_m, y_m));
-        let potential = reward.potential(there.distance_m(goal), scan.nearest_m).total();
+        let potential = sources.reward.potential(pose.distance_m(goal), scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
-        if asked.value {
+        if inputs.value {
             let start = observations.len();
             observations.resize(start + width, 0.0);
-            observation::encode(layout.encoding, &scan, &there, goal, readings, &mut observations[start..]);
+            let row = &mut observations[start..];
+            observation::encode(sources.layout.encoding, &scan, &pose, goal, readings, row);
         }
     }
-    fields.value = None;
-    if asked.value {
-        // The user has no network: the value of the policy in the other arena is shown instead.
-        let policies = sources.arenas.iter().skip(arena.0).chain(&sources.arenas);
-        let network = match mode {
-            SessionMode::Train => Some(learner.0.network()),
-            _ => policies.filter_map(network).next(),
-        };
-        fields.value = network.map(|network| {
-            let mut values = values(network, &observations, potentials.len());
-            for (value, potential) in values.iter_mut().zip(&potentials) {
-                *value = if potential.is_nan() { f32::NAN } else { *value };
-            }
-            grid.field(values, version)
-        });
+    (potentials, observations)
+}
+
+/// The value of each observation; NaN where the potential is NaN.
+fn masked_values(network: &QNetwork, observations: &[f32], potentials: &[f32]) -> Vec<f32> {
+    let mut values = values(network, observations, potentials.len());
+    for (value, potential) in values.iter_mut().zip(potentials) {
+        *value = if potential.is_nan() { f32::NAN } else { *value };
     }
-    fields.potential = asked.potential.then(|| grid.field(potentials, version));
+    values
 }
 
 /// Whether a point lies inside the enclosure and outside the inner walls.

@@ -46,7 +46,7 @@ pub struct ArenaScene {
     pub scenario: Arc<Scenario>,
     /// Pose of the robot, interpolated between the last two control steps.
     pub pose: Pose,
-    /// The present goal.
+    /// The current goal.
     pub goal: Goal,
     /// Pose (x in m, y in m, rotation in rad) of each obstacle of `scenario`, interpolated like `pose`.
     pub obstacles: Vec<(f32, f32, f32)>,
@@ -62,7 +62,7 @@ pub struct ArenaScene {
     pub explored: bool,
     /// Q-values of the last decision, one per motion; empty if no network decided.
     pub q_values: Vec<f32>,
-    /// Path towards the present goal, oldest point first, in m.
+    /// Path towards the current goal, oldest point first, in m.
     pub path_m: Vec<[f32; 2]>,
     /// Earlier paths, oldest first.
     pub trails: Vec<Trail>,
@@ -98,7 +98,7 @@ pub struct Scene {
     pub arenas: Vec<ArenaScene>,
     /// Potential U of eq. (4) for the goal of the followed arena, if its overlay is shown.
     pub potential: Option<Arc<ScalarField>>,
-    /// Value V(s) for the robot of the followed arena at each position, with its present heading and goal, in units of the
+    /// Value V(s) for the robot of the followed arena at each position, with its current heading and goal, in units of the
     /// scaled reward. Present if its overlay is shown and the driver has a network.
     pub value: Option<Arc<ScalarField>>,
 }

@@ -7,9 +7,10 @@ use clap::Args;
 use super::shared::SharedArgs;
 use crate::app::{
     commands::Pace,
+    screenshot::ScreenshotRequest,
     session::StartOptions,
     view_state::{Overlays, ThemeChoice},
-    window::{self, ScreenshotRequest, WindowOptions},
+    window::{self, WindowOptions},
 };
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};

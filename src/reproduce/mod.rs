@@ -10,7 +10,7 @@
 //! | select | `options.rs`, `select.rs`, `quick.rs` | the figures and tables that the user asked for |
 //! | plan | `plan.rs`, `run_config.rs` | the trainings they need, each once |
 //! | execute | `execute.rs`, `queue.rs`, `policy_test.rs`, `progress.rs` | training and testing, several runs in parallel |
-//! | measure | `results.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
+//! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
 //! | compare | `claim_result.rs` | whether a claim held |
 //! | present | `rows.rs`, `figures.rs`, `tables/`, `compose.rs`, `provenance.rs` | figures, tables and the page |
 //! | write | `report_folder.rs` | the files of the report |
@@ -35,6 +35,7 @@ mod progress;
 mod provenance;
 mod queue;
 mod quick;
+mod records;
 mod report_folder;
 mod results;
 mod rows;

@@ -32,7 +32,7 @@ pub struct EpisodeRow {
     pub reward_attraction: f32,
     /// Part of the return: the decrease of the repulsive potential U_r.
     pub reward_repulsion: f32,
-    /// Of which the reward terms of plugins: columns of their own behind all others, called `reward_<name>`.
+    /// Parts of the return from plugin reward terms. They are written as extra columns `reward_<name>` after all others.
     #[serde(skip)]
     pub extra_rewards: Vec<f32>,
     /// Number of goals reached.

@@ -21,7 +21,7 @@ pub struct MetricsWriter {
     episodes: csv::Writer<File>,
     evaluations: csv::Writer<File>,
     events: EventWriter,
-    /// The columns of plugins' reward terms.
+    /// The names of the columns for plugin reward terms.
     extra_columns: Vec<String>,
 }
 
@@ -152,7 +152,7 @@ impl MetricsWriter {
     }
 }
 
-/// The column of a plugin's reward term: its name with anything but letters, digits and underscores replaced.
+/// The column name for a plugin's reward term. Characters other than letters and digits become underscores.
 fn column(term: &str) -> String {
     let plain = term.chars().map(|c| if c.is_alphanumeric() { c } else { '_' });
     format!("reward_{}", plain.collect::<String>())

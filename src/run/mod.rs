@@ -9,18 +9,18 @@
 //! | `check_files.rs` | checks of scenario and preset files |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
-//! | `train.rs` | the training loop |
+//! | `train/` | the training loop |
 //! | `metrics.rs` | metrics of episodes and evaluations, and the best policy |
-//! | `evaluate.rs` | success over rounds of episodes and on the benchmark route; comparison with optimal times |
+//! | `evaluate/` | success over rounds of episodes and on the benchmark route; comparison with optimal times |
 //! | `background_evaluator.rs` | evaluation during training |
 //! | `folder/` | run folders: configuration, CSV files, atomic writes |
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
 //! | `policy_card.rs` | the metadata in a policy file |
-//! | `checkpoint.rs` | checkpoints, from which a run resumes bit-identically |
+//! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
-//! | `tensorboard.rs`, `progress.rs` | TensorBoard events; progress on stderr |
+//! | `tensorboard.rs`, `progress/` | TensorBoard events; progress on stderr |
 
 pub mod background_evaluator;
 #[cfg(not(target_arch = "wasm32"))]

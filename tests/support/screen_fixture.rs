@@ -92,7 +92,7 @@ impl ScreenFixture {
         self
     }
 
-    /// A test of the present policy in one arena.
+    /// A test of the current policy in one arena.
     pub fn with_single_policy(mut self) -> Self {
         self.scene.arenas.truncate(1);
         self.scene.arenas[0].driver = DriverLabel::Policy("Current policy".into());

@@ -131,7 +131,7 @@ test('another scenario is selected with the mouse, for a transfer or a new train
     await page.context().close();
 });
 
-test('an expert drives next to the present policy after one click', async () => {
+test('an expert drives next to the current policy after one click', async () => {
     const page = await open(browser, host.address, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
     await click(page, ...EXPERT);

@@ -43,7 +43,7 @@ pub enum CheckpointError {
         found: u32,
     },
     /// The saved learner has another config.
-    #[error("the checkpoint was made with another `{field}`; resume with the config it was made with")]
+    #[error("the checkpoint was made with another `{field}`; help: resume with the config it was made with")]
     ConfigMismatch {
         /// The part of the config that differs.
         field: &'static str,

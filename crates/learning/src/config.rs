@@ -181,7 +181,7 @@ pub enum Exploration {
 
 /// A config value is out of range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: {problem}")]
+#[error("`{field}` {problem}")]
 pub struct ConfigError {
     /// The path of the field below `learning:`, such as `replay.capacity`.
     pub field: String,

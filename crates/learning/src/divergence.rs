@@ -9,7 +9,7 @@ use super::network::QNetwork;
 /// The learning diverged: a value is no longer finite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "learning diverged at gradient step {gradient_step} (env step {env_step}): {what}; try {advice} in a new run"
+    "learning diverged at gradient step {gradient_step} (env step {env_step}): {what}; help: try {advice} in a new run"
 )]
 pub struct DivergenceError {
     /// The number of the gradient step, from 1.
@@ -27,7 +27,7 @@ pub struct DivergenceError {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "learning seems to diverge at gradient step {gradient_step} (env step {env_step}): the mean |Q-value| is {q:.4}, but no \
-     return can exceed {largest_return:.4} (the largest reward so far, {largest_reward:.4}, / (1 - gamma)); try {advice}"
+     return can exceed {largest_return:.4} (the largest reward so far, {largest_reward:.4}, / (1 - gamma)); help: try {advice}"
 )]
 pub struct Overestimate {
     /// The number of the gradient step, from 1.

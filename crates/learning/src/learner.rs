@@ -93,7 +93,7 @@ pub struct Learner {
 pub enum LoadWeightsError {
     /// The policy's network has another shape than the learner's.
     #[error(
-        "the policy's network is {found}, but the preset's is {expected}; train with the policy's own shape"
+        "the policy's network is {found}, but the learner's is {expected}; help: use a config with the policy's network"
     )]
     NetworkMismatch {
         /// The learner's network.
@@ -105,7 +105,7 @@ pub enum LoadWeightsError {
     #[error(transparent)]
     Policy(#[from] PolicyError),
     /// Epsilon is not a probability.
-    #[error("epsilon {0} is out of range; give 0 to 1")]
+    #[error("epsilon is {0}; help: give 0 to 1")]
     InvalidEpsilon(f32),
 }
 
@@ -123,7 +123,7 @@ impl Learner {
         seed: u64,
     ) -> Result<Self, ConfigError> {
         config.check()?;
-        within("arenas", num_envs, 1..=MAX_ENVS)?;
+        within("num_envs", num_envs, 1..=MAX_ENVS)?;
         let shape = config.network.shape(inputs, actions)?;
         within("replay.capacity", config.replay.capacity, 1..=MAX_STORED_FLOATS / inputs)?;
         let online = QNetwork::new(shape, &mut stream(seed, "learning: weights", 0))?;

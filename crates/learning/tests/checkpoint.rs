@@ -1,5 +1,4 @@
-//! A learner that was saved and restored goes on as if it had never stopped, to the bit; a broken file is an
-//! error.
+//! A restored learner continues exactly as the saved one would have. A damaged file is an error.
 
 use wayfield_learning::{
     CheckpointError, Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer, QNetwork,
@@ -22,7 +21,7 @@ fn config(sampling: Sampling, n_step: usize) -> LearningConfig {
             Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 }
         },
         learning_rate: Schedule::Linear { from: 1e-3, to: 1e-4, env_steps: 2000 },
-        // Smaller than the run is long: the rings go round.
+        // Less than the number of env steps, so that the ring buffers wrap around.
         replay: ReplayConfig { capacity: 150, learning_starts: 50, sampling },
         train_freq: 4,
         gradient_steps: 2,
@@ -42,7 +41,7 @@ fn configs() -> [LearningConfig; 3] {
     [config(Sampling::Uniform, 1), config(prioritized, 1), config(prioritized, 3)]
 }
 
-/// A world of noise in which the actions depend on the Q-values, so that any difference soon shows.
+/// An environment of noise. Actions depend on the Q-values, so that any difference between two learners soon shows.
 #[derive(Clone)]
 struct NoiseEnv {
     observations: [[f32; INPUTS]; NUM_ENVS],
@@ -62,7 +61,7 @@ impl NoiseEnv {
                 learner.q_values(&observation, 1, &mut q);
                 let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut self.random);
                 let next = std::array::from_fn(|_| normal(&mut self.random) + action as f32);
-                // So many short chains that the state ring, too, forces transitions out.
+                // The episodes are so short that the state ring, too, removes transitions.
                 let (terminated, truncated) =
                     (uniform_01(&mut self.random) < 0.1, uniform_01(&mut self.random) < 0.4);
                 learner.store(&Experience {
@@ -80,14 +79,14 @@ impl NoiseEnv {
                     self.observations[env_index] = [normal(&mut self.random); INPUTS];
                 }
             }
-            learner.train().expect("it does not diverge");
+            learner.train().expect("no divergence");
         }
     }
 }
 
 fn saved(learner: &Learner) -> Vec<u8> {
     let mut bytes = Vec::new();
-    learner.save(&mut bytes).expect("memory can be written to");
+    learner.save(&mut bytes).expect("memory can be written");
     bytes
 }
 
@@ -96,30 +95,30 @@ fn restored(config: &LearningConfig, bytes: &[u8]) -> Result<Learner, Checkpoint
 }
 
 #[test]
-fn a_restored_learner_goes_on_to_the_bit() {
+fn a_restored_learner_continues_with_the_same_bits() {
     for (number, config) in configs().iter().enumerate() {
         for rounds in [0, 3, 40, 200] {
-            let mut world = NoiseEnv::new();
-            let mut one = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
-            world.run(&mut one, rounds);
+            let mut env = NoiseEnv::new();
+            let mut one = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+            env.run(&mut one, rounds);
             let bytes = saved(&one);
-            let mut two = restored(config, &bytes).expect("it was just saved");
-            assert_eq!(saved(&two), bytes, "config {number}: saved again, it is the same file");
+            let mut two = restored(config, &bytes).expect("a valid checkpoint");
+            assert_eq!(saved(&two), bytes, "config {number}: saving again gives the same file");
 
-            let mut other_world = world.clone();
-            world.run(&mut one, 150);
-            other_world.run(&mut two, 150);
-            assert!(one.gradient_steps() > 100, "and it has learnt in between");
+            let mut other_env = env.clone();
+            env.run(&mut one, 150);
+            other_env.run(&mut two, 150);
+            assert!(one.gradient_steps() > 100, "it has learned in between");
             assert_eq!(saved(&one), saved(&two), "config {number}, saved after {rounds} rounds");
         }
     }
 }
 
 #[test]
-fn one_seed_gives_the_same_bits_and_another_seed_others() {
+fn equal_seeds_give_equal_bits_and_different_seeds_differ() {
     for config in &configs() {
         let run = |seed| {
-            let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, seed).expect("a sound config");
+            let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, seed).expect("a valid config");
             NoiseEnv::new().run(&mut learner, 200);
             saved(&learner)
         };
@@ -129,54 +128,54 @@ fn one_seed_gives_the_same_bits_and_another_seed_others() {
 }
 
 #[test]
-fn a_transfers_epsilon_survives_the_checkpoint() {
+fn the_epsilon_of_a_transfer_is_saved() {
     let config = &configs()[0];
-    let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
-    let policy = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 6).expect("a sound config").policy();
+    let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
+    let policy = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 6).expect("a valid config").policy();
     learner.load_weights(&policy, Some(0.5)).expect("the same shape");
     let network = QNetwork::from_policy(&policy).expect("a valid shape");
-    assert_eq!(learner.network(), &network, "it starts from the policy's weights");
+    assert_eq!(learner.network(), &network, "it starts with the policy's weights");
     assert_eq!(learner.target_network(), &network);
     assert_eq!(learner.epsilon(), 0.5);
-    assert_eq!(restored(config, &saved(&learner)).expect("it was just saved").epsilon(), 0.5);
+    assert_eq!(restored(config, &saved(&learner)).expect("a valid checkpoint").epsilon(), 0.5);
 }
 
 #[test]
-fn a_broken_file_is_an_error_never_a_panic() {
+fn a_damaged_file_is_an_error_and_never_a_panic() {
     let config = &configs()[2];
-    let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
+    let mut learner = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
     NoiseEnv::new().run(&mut learner, 60);
     let bytes = saved(&learner);
     for length in (0..bytes.len()).step_by(7) {
-        assert!(restored(config, &bytes[..length]).is_err(), "cut to {length} of {} bytes", bytes.len());
+        assert!(restored(config, &bytes[..length]).is_err(), "the first {length} of {} bytes", bytes.len());
     }
-    let mut broken = bytes.clone();
+    let mut damaged = bytes.clone();
     for at in (0..bytes.len()).filter(|at| *at < 1500 || at % 5 == 0) {
         for flip in [0x01, 0x80, 0xFF] {
-            broken[at] ^= flip;
-            assert!(restored(config, &broken).is_err(), "byte {at} of {} flipped by {flip:#x}", bytes.len());
-            broken[at] = bytes[at];
+            damaged[at] ^= flip;
+            assert!(restored(config, &damaged).is_err(), "byte {at} of {} changed by {flip:#x}", bytes.len());
+            damaged[at] = bytes[at];
         }
     }
     assert!(matches!(restored(config, b"{ some: json }  "), Err(CheckpointError::NotCheckpoint)));
 }
 
 #[test]
-fn a_checkpoint_wants_the_config_it_was_made_with() {
+fn a_checkpoint_of_another_config_is_rejected() {
     let [uniform, prioritized, _] = configs();
-    let learner = Learner::new(&uniform, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
+    let learner = Learner::new(&uniform, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
     let bytes = saved(&learner);
     let error = restored(&prioritized, &bytes).expect_err("another sampling");
     assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
-    let error =
-        Learner::restore(&uniform, INPUTS, ACTIONS, NUM_ENVS + 1, bytes.as_slice()).expect_err("more arenas");
-    assert!(matches!(error, CheckpointError::ConfigMismatch { field: "arenas" }), "{error}");
+    let error = Learner::restore(&uniform, INPUTS, ACTIONS, NUM_ENVS + 1, bytes.as_slice())
+        .expect_err("more environments");
+    assert!(matches!(error, CheckpointError::ConfigMismatch { field: "num_envs" }), "{error}");
 }
 
 #[test]
-fn a_learner_that_has_not_paid_its_gradient_steps_yet_is_saved_and_read() {
+fn pending_updates_are_saved_and_restored() {
     for config in configs() {
-        let mut learner = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a sound config");
+        let mut learner = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
         for step in 0..90 {
             learner.store(&Experience {
                 env_index: 0,
@@ -188,12 +187,12 @@ fn a_learner_that_has_not_paid_its_gradient_steps_yet_is_saved_and_read() {
                 truncated: false,
             });
         }
-        // Every fourth from step 52 on: ten trainings of two.
+        // Two gradient steps for every fourth of the env steps 52 to 88: ten times two.
         assert_eq!(learner.pending_updates(), 20);
         let mut bytes = Vec::new();
         learner.save(&mut bytes).expect("memory can be written");
-        let mut again = Learner::restore(&config, INPUTS, ACTIONS, NUM_ENVS, &bytes[..])
-            .expect("what is written is read");
-        assert_eq!(again.train().expect("finite"), learner.train().expect("finite"));
+        let mut again =
+            Learner::restore(&config, INPUTS, ACTIONS, NUM_ENVS, &bytes[..]).expect("a valid checkpoint");
+        assert_eq!(again.train().expect("no divergence"), learner.train().expect("no divergence"));
     }
 }

@@ -1,4 +1,4 @@
-//! A policy's bytes: stable, readable by others, and safe to read from anyone.
+//! Policy files: stable bytes, readable by other programs, safe to read from untrusted sources.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use wayfield_random::{normal, stream};
 fn learner(hidden: &[usize], dueling: bool) -> Learner {
     let network = NetworkConfig { hidden: hidden.to_vec(), dueling };
     Learner::new(&LearningConfig { network, ..LearningConfig::default() }, 6, 3, 1, 1)
-        .expect("a sound config")
+        .expect("a valid config")
 }
 
 fn policy() -> Policy {
@@ -24,7 +24,7 @@ fn policy() -> Policy {
     policy
 }
 
-/// The policy's tensors and header, to be tampered with and packed again.
+/// The tensors and the header of a policy file, to be changed and serialized again.
 struct Parts {
     tensors: Vec<(String, Dtype, Vec<usize>, Vec<u8>)>,
     header: String,
@@ -46,24 +46,24 @@ impl Parts {
 
     fn error(&self) -> PolicyError {
         let tensors = self.tensors.iter().map(|(name, dtype, shape, data)| {
-            (name, TensorView::new(*dtype, shape.clone(), data).expect("data as long as the shape says"))
+            (name, TensorView::new(*dtype, shape.clone(), data).expect("data that fits the shape"))
         });
         let metadata = HashMap::from([("wayfield".to_string(), self.header.clone())]);
         let bytes = safetensors::serialize(tensors, Some(metadata)).expect("safetensors");
-        Policy::from_bytes(&bytes).expect_err("it was tampered with")
+        Policy::from_bytes(&bytes).expect_err("a changed file")
     }
 
     fn tensor(&mut self, name: &str) -> &mut (String, Dtype, Vec<usize>, Vec<u8>) {
-        self.tensors.iter_mut().find(|t| t.0 == name).expect("it has this tensor")
+        self.tensors.iter_mut().find(|t| t.0 == name).expect("this tensor")
     }
 }
 
 #[test]
-fn bytes_come_back_as_the_same_policy_and_are_always_the_same() {
+fn a_policy_survives_its_bytes_which_are_always_the_same() {
     let (one, bytes) = (policy(), policy().to_bytes().expect("finite weights"));
-    assert_eq!(Policy::from_bytes(&bytes).expect("it was just written"), one);
+    assert_eq!(Policy::from_bytes(&bytes).expect("a valid file"), one);
     for _ in 0..20 {
-        assert_eq!(policy().to_bytes().expect("finite weights"), bytes, "same policy, same bytes");
+        assert_eq!(policy().to_bytes().expect("finite weights"), bytes, "equal policies give equal bytes");
     }
     for (hidden, dueling) in [(vec![], false), (vec![8], false), (vec![8, 8, 8], true)] {
         let policy = learner(&hidden, dueling).policy();
@@ -73,12 +73,12 @@ fn bytes_come_back_as_the_same_policy_and_are_always_the_same() {
 }
 
 #[test]
-fn every_tampering_has_its_own_clear_error() {
-    let error = Policy::from_bytes(b"not a policy at all").expect_err("nonsense");
+fn every_change_of_a_file_has_its_own_error() {
+    let error = Policy::from_bytes(b"not a policy at all").expect_err("not safetensors");
     assert!(matches!(error, PolicyError::NotSafetensors(_)), "{error}");
 
     let foreign = safetensors::serialize(Vec::<(String, TensorView<'_>)>::new(), None).expect("safetensors");
-    let error = Policy::from_bytes(&foreign).expect_err("another program's");
+    let error = Policy::from_bytes(&foreign).expect_err("a file of another program");
     assert!(matches!(error, PolicyError::NotWayfield(_)), "{error}");
 
     let mut parts = Parts::new();
@@ -99,7 +99,7 @@ fn every_tampering_has_its_own_clear_error() {
     parts.tensor("hidden.0.weight").2 = vec![6, 5];
     let error = parts.error().to_string();
     for part in ["hidden.0.weight", "[6, 5]", "[5, 6]"] {
-        assert!(error.contains(part), "name, found and expected are in: {error}");
+        assert!(error.contains(part), "`{part}` is not in: {error}");
     }
 
     let mut parts = Parts::new();
@@ -118,7 +118,7 @@ fn every_tampering_has_its_own_clear_error() {
 }
 
 #[test]
-fn a_small_file_that_claims_a_giant_network_takes_no_giant_memory() {
+fn a_small_file_that_claims_a_huge_network_is_rejected_without_allocating_it() {
     for hidden in ["[4096,4096,4096,4096,4096]", "[18446744073709551615]", "[1000000000,1000000000]", "[0]"] {
         let mut parts = Parts::new();
         parts.header = parts.header.replace("[5,4]", hidden);
@@ -128,22 +128,24 @@ fn a_small_file_that_claims_a_giant_network_takes_no_giant_memory() {
     parts.header = parts.header.replace("[5,4]", "[4096,2048]");
     assert!(
         matches!(parts.error(), PolicyError::TensorMismatch { .. }),
-        "within the limits, but not what is there"
+        "within the limits, but not the shape of the tensors"
     );
 }
 
 #[test]
-fn a_transfer_wants_the_same_network() {
+fn a_transfer_requires_the_same_network_shape() {
     let mut learner = learner(&[5], true);
     let error = learner.load_weights(&policy(), None).expect_err("another network").to_string();
-    assert!(error.contains("6-5-4-dueling 3") && error.contains("6-5-dueling 3"), "both are named: {error}");
+    assert!(
+        error.contains("6-5-4-dueling 3") && error.contains("6-5-dueling 3"),
+        "both shapes are in: {error}"
+    );
     let same = learner.policy();
     assert_eq!(learner.load_weights(&same, Some(1.5)), Err(LoadWeightsError::InvalidEpsilon(1.5)));
 }
 
-/// The policy core's forward pass in plain loops is the function that the learner computes on dfdx.
 #[test]
-fn the_policy_core_computes_the_learners_q_values() {
+fn the_policy_crate_and_the_learner_compute_the_same_q_values() {
     let mut noise = stream(4, "policy core", 0);
     for (hidden, dueling) in [(vec![], false), (vec![], true), (vec![64, 64], true), (vec![7, 3, 5], false)] {
         let shape = NetworkConfig { hidden, dueling }.shape(28, 5).expect("a valid shape");
@@ -164,7 +166,7 @@ fn the_policy_core_computes_the_learners_q_values() {
 
 proptest! {
     #[test]
-    fn no_bytes_make_it_panic(
+    fn no_bytes_cause_a_panic(
         at in any::<prop::sample::Index>(),
         byte in any::<u8>(),
         cut in any::<prop::sample::Index>(),
@@ -173,6 +175,6 @@ proptest! {
         let at = at.index(bytes.len());
         bytes[at] = byte;
         let _ = Policy::from_bytes(&bytes);
-        prop_assert!(Policy::from_bytes(&bytes[..cut.index(bytes.len())]).is_err(), "a cut file is an error");
+        prop_assert!(Policy::from_bytes(&bytes[..cut.index(bytes.len())]).is_err(), "a truncated file is an error");
     }
 }

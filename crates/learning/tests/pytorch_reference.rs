@@ -1,9 +1,8 @@
-//! Whole training steps agree with PyTorch's.
+//! Complete gradient steps compared with PyTorch.
 //!
-//! `reference/learning_step.py` trains on nine env steps with float64 PyTorch and writes
-//! `learning_step.json`; here the learner is given the same steps, weights and switches. Every part is in
-//! play at once: n-step returns, termination and truncation, reward scale, (double) TD targets, (dueling)
-//! network, MSE or Huber, RMSProp or Adam, both target updates.
+//! `reference/learning_step.py` trains on nine env steps with float64 PyTorch and writes `learning_step.json`. Here the
+//! learner gets the same steps, weights and options. All parts are tested together: n-step returns, termination and
+//! truncation, reward scale, (double) TD targets, (dueling) network, MSE or Huber loss, RMSProp or Adam, both target updates.
 
 use std::collections::BTreeMap;
 
@@ -51,8 +50,7 @@ fn config(case: &Value) -> LearningConfig {
         replay: ReplayConfig {
             capacity: 8,
             learning_starts: 9,
-            // With alpha 0 all priorities are 1, and a stratified batch of 8 from 8 holds each transition
-            // once.
+            // With alpha 0 all priorities are 1. A stratified batch of 8 from 8 transitions then contains each once.
             sampling: Sampling::Prioritized {
                 alpha: 0.0,
                 beta: Schedule::Constant(1.0),
@@ -74,23 +72,24 @@ fn config(case: &Value) -> LearningConfig {
 fn close(found: f32, expected: &Value, what: &str) {
     let expected = expected.as_f64().expect("a number");
     let error = (f64::from(found) - expected).abs();
-    assert!(error < 1e-5 * expected.abs().max(1.0), "{what}: {found}, by PyTorch {expected}");
+    assert!(error < 1e-5 * expected.abs().max(1.0), "{what}: {found} instead of PyTorch's {expected}");
 }
 
 #[test]
-fn three_training_steps_are_pytorchs() {
+fn three_gradient_steps_match_pytorch() {
     let reference: Value = serde_json::from_str(include_str!("reference/learning_step.json")).expect("JSON");
     let cases = reference["cases"].as_array().expect("a list");
     assert_eq!(cases.len(), 4);
     for (number, case) in cases.iter().enumerate() {
-        let mut learner = Learner::new(&config(case), INPUTS, ACTIONS, 1, 0).expect("a sound config");
+        let mut learner = Learner::new(&config(case), INPUTS, ACTIONS, 1, 0).expect("a valid config");
         let shape = learner.network().shape().clone();
         let parameters = (0..shape.parameter_count()).map(|i| (((i * 37 + 11) % 101) as f32 - 50.0) / 60.0);
-        let network = QNetwork::from_parameters(shape, parameters.collect()).expect("as many as it has");
+        let network =
+            QNetwork::from_parameters(shape, parameters.collect()).expect("the right number of parameters");
         learner.load_weights(&network.to_policy(BTreeMap::new()), None).expect("the same shape");
 
         for (state, action, reward, next, terminated, truncated) in STEPS {
-            assert_eq!(learner.pending_updates(), 0, "nothing is due before the batch is full");
+            assert_eq!(learner.pending_updates(), 0, "no updates before the buffer can fill a batch");
             learner.store(&Experience {
                 env_index: 0,
                 observation: &observation(state),
@@ -101,12 +100,8 @@ fn three_training_steps_are_pytorchs() {
                 truncated,
             });
         }
-        assert_eq!(
-            learner.replay().len(),
-            8,
-            "nine steps, of which the last still waits for its second reward"
-        );
-        let stats = learner.train().expect("it does not diverge").expect("three steps are due");
+        assert_eq!(learner.replay().len(), 8, "the last of nine steps waits for its second reward");
+        let stats = learner.train().expect("no divergence").expect("pending updates");
         assert_eq!(stats.gradient_steps, 3);
         close(stats.loss, &case["mean_loss"], &format!("case {number}: loss"));
         close(stats.td_error, &case["mean_td_error"], &format!("case {number}: |TD error|"));

@@ -1,4 +1,4 @@
-//! The replay buffer gives back what went in, drops the oldest first, and draws as promised.
+//! The replay buffer: stored values, removal of the oldest, sampling probabilities and weights.
 
 use std::collections::VecDeque;
 
@@ -20,7 +20,7 @@ fn prioritized(alpha: f32, beta: f32) -> Sampling {
     Sampling::Prioritized { alpha, beta, importance_weights: true, epsilon: 0.1 }
 }
 
-/// A transition that tells in its reward and discount which observations it belongs to.
+/// A transition whose reward and discount equal the observations of its two states.
 fn tagged_transition(state: (StateId, f32), next: (StateId, f32)) -> Transition {
     Transition {
         state: state.0,
@@ -39,17 +39,17 @@ fn sampled(replay: &ReplayBuffer, random: &mut Stream) -> Batch {
     batch
 }
 
-/// What can happen to a buffer.
+/// An operation on a buffer.
 #[derive(Debug, Clone)]
 enum Op {
-    /// A new observation.
+    /// Store an observation.
     State,
-    /// A transition between two observations, so many before the latest.
+    /// Store a transition between two observations, given by their age: 0 is the latest.
     Transition(usize, usize),
 }
 
 fn ops() -> impl Strategy<Value = Vec<Op>> {
-    // Mostly recent states, as in chains; sometimes ones so old that they are gone.
+    // Mostly recent states, as in episodes; sometimes states that have been overwritten.
     let age = || prop_oneof![3 => 0_usize..4, 1 => 0_usize..40];
     let op = prop_oneof![3 => Just(Op::State), 2 => (age(), age()).prop_map(|(a, b)| Op::Transition(a, b))];
     prop::collection::vec(op, 1..200)
@@ -65,49 +65,49 @@ proptest! {
         let sampling = if by_priority { prioritized(1.0, 1.0) } else { Sampling::Uniform };
         let mut replay = buffer(capacity, sampling);
         let mut random = stream(1, "test", 0);
-        // The model: all states ever, and the transitions kept, by a search where the buffer keeps an index.
+        // The reference: all states, and the stored transitions, found by search instead of by an index.
         let mut states: Vec<(StateId, f32)> = Vec::new();
-        let mut kept: VecDeque<(usize, usize)> = VecDeque::new();
-        let room = capacity + capacity / 8 + PENDING + 2;
+        let mut stored: VecDeque<(usize, usize)> = VecDeque::new();
+        let state_capacity = capacity + capacity / 8 + PENDING + 2;
         for op in ops {
             match op {
                 Op::State => {
-                    if let Some(gone) = states.len().checked_sub(room) {
-                        while kept.iter().any(|&(state, next)| state == gone || next == gone) {
-                            kept.pop_front();
+                    if let Some(overwritten) = states.len().checked_sub(state_capacity) {
+                        while stored.iter().any(|&(state, next)| state == overwritten || next == overwritten) {
+                            stored.pop_front();
                         }
                     }
                     let value = states.len() as f32;
                     states.push((replay.push_state(&[value]), value));
                 }
                 Op::Transition(a, b) => {
-                    let before = |age: usize| states.len().checked_sub(1 + age);
-                    let (Some(a), Some(b)) = (before(a), before(b)) else { continue };
+                    let index = |age: usize| states.len().checked_sub(1 + age);
+                    let (Some(a), Some(b)) = (index(a), index(b)) else { continue };
                     replay.push(&tagged_transition(states[a], states[b]));
-                    if a.min(b) + room >= states.len() {
-                        if kept.len() == capacity {
-                            kept.pop_front();
+                    if a.min(b) + state_capacity >= states.len() {
+                        if stored.len() == capacity {
+                            stored.pop_front();
                         }
-                        kept.push_back((a, b));
+                        stored.push_back((a, b));
                     }
                 }
             }
-            prop_assert_eq!(replay.len(), kept.len(), "as many as the model keeps");
+            prop_assert_eq!(replay.len(), stored.len(), "as many as in the reference");
             if replay.is_empty() {
                 continue;
             }
             let batch = sampled(&replay, &mut random);
-            prop_assert_eq!(&batch.states, &batch.rewards, "the state is the one that was stored");
-            prop_assert_eq!(&batch.next_states, &batch.discounts, "and so is the next");
+            prop_assert_eq!(&batch.states, &batch.rewards, "the states are as stored");
+            prop_assert_eq!(&batch.next_states, &batch.discounts, "the next states are as stored");
             for (state, next) in batch.states.iter().zip(&batch.next_states) {
-                let found = kept.contains(&(*state as usize, *next as usize));
-                prop_assert!(found, "{state} -> {next} was dropped");
+                let found = stored.contains(&(*state as usize, *next as usize));
+                prop_assert!(found, "{state} -> {next} was removed");
             }
         }
     }
 
     #[test]
-    fn arenas_may_stand_still_and_episodes_be_of_any_length(
+    fn environments_may_pause_and_episodes_may_have_any_length(
         steps in prop::collection::vec((0_usize..3, 0_u8..10), 1..300),
         n_step in 1_usize..5,
         always_truncated in any::<bool>(),
@@ -120,10 +120,9 @@ proptest! {
             replay: ReplayConfig { capacity: 8, learning_starts: 1_000_000, sampling: Sampling::Uniform },
             ..LearningConfig::default()
         };
-        let mut learner = Learner::new(&config, 1, 2, 3, 0).expect("a sound config");
+        let mut learner = Learner::new(&config, 1, 2, 3, 0).expect("a valid config");
         let mut random = stream(1, "test", 0);
-        // Each arena counts up by its own power of ten, reward 1 a step: so next = state + return x that
-        // power.
+        // Each environment counts up by its own scale with reward 1 per step, so next = state + return x scale.
         let mut at = [0.0_f32; 3];
         let scale = [1.0, 1000.0, 1_000_000.0];
         for (env_index, end) in steps {
@@ -145,17 +144,17 @@ proptest! {
             let batch = sampled(learner.replay(), &mut random);
             for i in 0..64 {
                 let (state, next, steps) = (batch.states[i], batch.next_states[i], batch.rewards[i]);
-                prop_assert!((1.0..=n_step as f32).contains(&steps), "a return over 1 to n steps");
+                prop_assert!((1.0..=n_step as f32).contains(&steps), "the return has 1 to n rewards");
                 let scale = scale.into_iter().find(|s| next - state == s * steps);
-                let joined = batch.discounts[i] == 0.0 || scale.is_some();
-                prop_assert!(joined, "{state} -> {next} in {steps} steps");
+                let consistent = batch.discounts[i] == 0.0 || scale.is_some();
+                prop_assert!(consistent, "{state} -> {next} in {steps} steps");
             }
         }
     }
 }
 
 #[test]
-fn a_full_buffer_of_long_episodes_keeps_its_whole_capacity() {
+fn a_buffer_of_long_episodes_fills_its_whole_capacity() {
     let mut replay = buffer(80, Sampling::Uniform);
     for episode in 0..40 {
         let mut state = (replay.push_state(&[-1.0]), -1.0);
@@ -166,10 +165,10 @@ fn a_full_buffer_of_long_episodes_keeps_its_whole_capacity() {
             state = next;
         }
     }
-    assert_eq!(replay.len(), 80, "11 states for 10 transitions fit the 1/8 more states");
+    assert_eq!(replay.len(), 80, "11 states per 10 transitions fit into the state ring, which is 1/8 larger");
 }
 
-/// Four transitions, told apart by their states 0, 1, 2, 3.
+/// A buffer of four transitions with the states 0, 1, 2, 3.
 fn four(sampling: Sampling) -> ReplayBuffer {
     let mut replay = buffer(6, sampling);
     for i in 0..4 {
@@ -180,9 +179,9 @@ fn four(sampling: Sampling) -> ReplayBuffer {
 }
 
 #[test]
-fn priorities_are_powers_of_td_errors_and_newcomers_get_the_largest() {
+fn priorities_are_powers_of_td_errors_and_new_transitions_get_the_largest() {
     let mut replay = four(prioritized(0.5, 1.0));
-    assert!((0..4).all(|slot| replay.priority(slot) == 1.0), "the first enter with priority 1");
+    assert!((0..4).all(|slot| replay.priority(slot) == 1.0), "the first transitions get priority 1");
     // epsilon 0.1: 0.1^0.5, 0.36^0.5, 4^0.5, 1^0.5.
     replay.update_priorities(&[0, 1, 2, 3], &[0.0, -0.26, 3.9, 0.9]);
     for (slot, expected) in [0.316_227_77, 0.6, 2.0, 1.0].into_iter().enumerate() {
@@ -191,11 +190,11 @@ fn priorities_are_powers_of_td_errors_and_newcomers_get_the_largest() {
     replay.update_priorities(&[2], &[0.0]);
     let state = (replay.push_state(&[4.0]), 4.0);
     replay.push(&tagged_transition(state, state));
-    assert!((replay.priority(4) - 2.0).abs() < 1e-6, "the largest so far, not the largest now");
+    assert!((replay.priority(4) - 2.0).abs() < 1e-6, "the largest so far, not the current largest");
 }
 
 #[test]
-fn importance_weights_are_n_p_to_the_minus_beta_over_the_largest() {
+fn importance_weights_are_relative_to_the_largest_of_the_batch() {
     let mut replay = four(prioritized(1.0, 0.5));
     let priorities = [0.5_f32, 1.0, 2.0, 4.5];
     replay.update_priorities(&[0, 1, 2, 3], &priorities.map(|p| p - 0.1));
@@ -203,14 +202,14 @@ fn importance_weights_are_n_p_to_the_minus_beta_over_the_largest() {
     let raw = |p: f32| (4.0 * p / 8.0).powf(-0.5);
     for (&slot, &weight) in batch.slots.iter().zip(&batch.weights) {
         let expected = raw(priorities[slot]) / raw(0.5);
-        assert!((weight - expected).abs() < 1e-5, "slot {slot}: weight {weight}, not {expected}");
+        assert!((weight - expected).abs() < 1e-5, "slot {slot}: weight {weight} instead of {expected}");
     }
-    assert!(batch.slots.contains(&0), "64 draws reach a transition of 1/16 (and stratified ones 4 times)");
-    assert_eq!(batch.slots.iter().filter(|&&slot| slot == 0).count(), 4, "stratified: 0.5 / 8 of 64 draws");
+    let count = batch.slots.iter().filter(|&&slot| slot == 0).count();
+    assert_eq!(count, 4, "stratified sampling draws slot 0 in exactly 0.5 / 8 of 64 draws");
 }
 
 #[test]
-fn uniform_weights_are_one_and_draws_even() {
+fn uniform_sampling_has_equal_probabilities_and_weights_of_one() {
     let replay = four(Sampling::Uniform);
     let mut random = stream(1, "test", 0);
     let mut counts = [0.0_f64; 4];
@@ -219,7 +218,7 @@ fn uniform_weights_are_one_and_draws_even() {
         assert!(batch.weights.iter().all(|&w| w == 1.0));
         batch.slots.iter().for_each(|&slot| counts[slot] += 1.0);
     }
-    // Pearson's chi-square with 3 degrees of freedom exceeds 16.3 in one of a thousand fair samplers.
+    // A fair sampler exceeds this chi-square (3 degrees of freedom) once in a thousand times.
     let chi_square: f64 = counts.iter().map(|n| (n - 16_000.0).powi(2) / 16_000.0).sum();
     assert!(chi_square < 16.3, "chi-square {chi_square}: {counts:?}");
 }

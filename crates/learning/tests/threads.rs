@@ -1,22 +1,22 @@
-//! The number of threads changes no bit of what is learnt.
+//! The number of threads does not change any bit of the learned weights.
 
 use std::process::Command;
 
 use wayfield_learning::{Experience, Learner, LearningConfig, NetworkConfig, ReplayConfig};
 use wayfield_random::{normal, stream, uniform_index};
 
-/// Run as a process of its own, since the thread pool is made once per process.
+/// Runs in a separate process, because the thread pool is created once per process.
 #[test]
 #[ignore = "run by the test below"]
 fn fingerprint() {
     let config = LearningConfig {
-        // Products this large are given to several threads, if there are.
+        // Matrix products of this size use several threads.
         network: NetworkConfig { hidden: vec![256, 256], dueling: true },
         batch_size: 512,
         replay: ReplayConfig { capacity: 1000, ..LearningConfig::default().replay },
         ..LearningConfig::default()
     };
-    let mut learner = Learner::new(&config, 28, 5, 1, 1).expect("a sound config");
+    let mut learner = Learner::new(&config, 28, 5, 1, 1).expect("a valid config");
     let mut noise = stream(1, "test", 0);
     for step in 0..540 {
         let observation: Vec<f32> = (0..28).map(|_| normal(&mut noise)).collect();
@@ -29,29 +29,29 @@ fn fingerprint() {
             terminated: false,
             truncated: step % 10 == 0,
         });
-        learner.train().expect("it does not diverge");
+        learner.train().expect("no divergence");
     }
     let mut bytes = Vec::new();
-    learner.save(&mut bytes).expect("memory can be written to");
-    // Without the file's own checksum at its end: the CRC of anything followed by its CRC is a constant.
+    learner.save(&mut bytes).expect("memory can be written");
+    // Without the checksum at the end: the CRC of data followed by its CRC is a constant.
     let content = &bytes[..bytes.len() - 4];
     println!("fingerprint {:08x} after {}", crc32c::crc32c(content), learner.gradient_steps());
 }
 
 #[test]
-fn one_thread_or_several_give_the_same_bits() {
+fn any_number_of_threads_gives_the_same_bits() {
     let run = |threads: &str| {
-        let test = std::env::current_exe().expect("a running test has a file");
+        let test = std::env::current_exe().expect("the path of the test program");
         let output = Command::new(test)
             .args(["--exact", "fingerprint", "--ignored", "--nocapture"])
             .env("RAYON_NUM_THREADS", threads)
             .output()
-            .expect("the test can be run again");
+            .expect("the test program starts");
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         text.lines().find_map(|line| line.split_once("fingerprint ")).expect(&text).1.to_string()
     };
     let one = run("1");
-    assert!(!one.ends_with(" 0"), "it has learnt something: {one}");
+    assert!(!one.ends_with(" 0"), "it has learned something: {one}");
     for threads in ["2", "3", "8"] {
         assert_eq!(run(threads), one, "{threads} threads");
     }

@@ -1,5 +1,5 @@
-//! Tiny tasks whose values are known, which a right learner learns in seconds: a bandit, a chain, a
-//! stochastic reward, a time limit. Each leaves one part of the algorithm nowhere to hide.
+//! Toy tasks with known values, which a correct learner solves in seconds: a bandit, a chain, a stochastic reward, a time
+//! limit. Each task depends on one part of the algorithm.
 
 use wayfield_learning::{
     Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, ReplayConfig, Sampling,
@@ -14,7 +14,7 @@ const PRIORITIZED: Sampling = Sampling::Prioritized {
     epsilon: 1e-3,
 };
 
-/// Always random actions (Q-learning is off-policy), small network, quick target.
+/// Random actions (Q-learning is off-policy), a small network and fast target updates.
 fn config(gamma: f32, sampling: Sampling) -> LearningConfig {
     LearningConfig {
         network: NetworkConfig { hidden: vec![32], dueling: true },
@@ -30,7 +30,7 @@ fn config(gamma: f32, sampling: Sampling) -> LearningConfig {
     }
 }
 
-/// Both samplings, single and double, plain and dueling.
+/// Both kinds of sampling, each with a plain DQN and a double dueling DQN.
 fn variants(gamma: f32) -> Vec<LearningConfig> {
     let mut all = Vec::new();
     for sampling in [Sampling::Uniform, PRIORITIZED] {
@@ -44,10 +44,11 @@ fn variants(gamma: f32) -> Vec<LearningConfig> {
     all
 }
 
-/// What a step of a task leads to: reward, next state, terminated, truncated.
+/// The result of a step: reward, next state, terminated, truncated.
 type StepResult = (f32, usize, bool, bool);
 
-/// Learns a task of `states` states (observed one-hot, start at 0) for `steps`, and gives Q row by row.
+/// The Q-values of each state after learning a task for `steps` env steps. It has `states` states, observed one-hot, and
+/// starts in state 0.
 fn learn(
     config: &LearningConfig,
     states: usize,
@@ -56,7 +57,7 @@ fn learn(
     mut task: impl FnMut(usize, usize, &mut Stream) -> StepResult,
 ) -> Vec<Vec<f32>> {
     let one_hot = |state: usize| (0..states).map(|i| f32::from(u8::from(i == state))).collect::<Vec<_>>();
-    let mut learner = Learner::new(config, states, actions, 1, 3).expect("a sound config");
+    let mut learner = Learner::new(config, states, actions, 1, 3).expect("a valid config");
     let mut random = stream(3, "test", 0);
     let (mut state, mut q) = (0, Vec::new());
     for _ in 0..steps {
@@ -73,7 +74,7 @@ fn learn(
             truncated,
         });
         state = if terminated || truncated { 0 } else { next };
-        learner.train().expect("it does not diverge");
+        learner.train().expect("no divergence");
     }
     let all: Vec<f32> = (0..states).flat_map(one_hot).collect();
     learner.q_values(&all, states, &mut q);
@@ -81,7 +82,7 @@ fn learn(
 }
 
 fn close(found: f32, expected: f32, within: f32, what: &str) {
-    assert!((found - expected).abs() < within, "{what}: {found}, not {expected}");
+    assert!((found - expected).abs() < within, "{what}: {found} instead of {expected}");
 }
 
 #[test]
@@ -95,9 +96,9 @@ fn bandit_values_are_the_rewards() {
 }
 
 #[test]
-fn chain_values_are_the_discounted_reward_at_its_end() {
-    // States 0 to 4; action 1 goes right, 0 left; right from 4 brings 1 and ends. Q(s, right) = 0.9^(4 - s),
-    // and Q(s, left) = 0.9 V(s - 1): five backups deep.
+fn chain_values_are_the_discounted_final_reward() {
+    // States 0 to 4. Action 1 moves right, action 0 moves left. Moving right from 4 gives reward 1 and terminates.
+    // Q(s, right) = 0.9^(4 - s), Q(s, left) = 0.9 V(s - 1).
     for config in variants(0.9) {
         let q = learn(&config, 5, 2, 8000, |state, action, _| match (state, action) {
             (4, 1) => (1.0, 4, true, false),
@@ -113,7 +114,7 @@ fn chain_values_are_the_discounted_reward_at_its_end() {
     }
 }
 
-/// Learns the value of a reward that is 1 in 3 of 10 cases, else 0.
+/// The learned value of a reward that is 1 with probability 0.3, otherwise 0.
 fn coin(sampling: Sampling) -> f32 {
     learn(&config(0.9, sampling), 1, 1, 6000, |_, _, random| {
         (f32::from(u8::from(uniform_01(random) < 0.3)), 0, true, false)
@@ -121,27 +122,20 @@ fn coin(sampling: Sampling) -> f32 {
 }
 
 #[test]
-fn a_stochastic_rewards_value_is_its_mean() {
+fn the_value_of_a_stochastic_reward_is_its_mean() {
     close(coin(Sampling::Uniform), 0.3, 0.03, "uniform");
     let alpha_1 = |importance_weights| {
         let beta = Schedule::Constant(1.0);
         coin(Sampling::Prioritized { alpha: 1.0, beta, importance_weights, epsilon: 1e-3 })
     };
     close(alpha_1(true), 0.3, 0.03, "prioritized, with importance weights");
-    // Without weights, drawing by |error| balances 0.3 (1 - q)^2 against 0.7 q^2: q = 1 / (1 + sqrt(7 / 3)) =
-    // 0.396.
-    close(
-        alpha_1(false),
-        0.396,
-        0.03,
-        "prioritized without importance weights is biased, and by how much is known",
-    );
+    // Without weights, sampling by |error| balances 0.3 (1 - q)^2 and 0.7 q^2, which gives q = 1 / (1 + sqrt(7 / 3)) = 0.396.
+    close(alpha_1(false), 0.396, 0.03, "prioritized, without importance weights: the known bias");
 }
 
 #[test]
-fn a_time_limit_is_bootstrapped_through() {
-    // One state, reward 1 a step, cut after 5 steps, unseen by the robot: an endless task of value 1 / (1 -
-    // 0.9).
+fn a_time_limit_bootstraps() {
+    // One state, reward 1 per step, truncated every 5 steps. The value is that of an endless task, 1 / (1 - 0.9).
     for n_step in [1, 3] {
         let mut config = config(0.9, PRIORITIZED);
         config.n_step = n_step;
@@ -155,8 +149,8 @@ fn a_time_limit_is_bootstrapped_through() {
 }
 
 #[test]
-fn a_termination_is_not() {
-    // The same five steps, but now they are all there is, and the state tells which it is.
+fn a_termination_does_not_bootstrap() {
+    // The same rewards, but the episode terminates after 5 steps, and the state is the number of the step.
     for n_step in [1, 3] {
         let mut config = config(0.9, PRIORITIZED);
         config.n_step = n_step;

@@ -44,7 +44,7 @@ pub struct ParameterView {
 
 /// A size of a network that is out of range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: {problem}")]
+#[error("`{field}` {problem}")]
 pub struct ShapeError {
     /// The size at fault, such as "network.hidden[1]".
     pub field: String,
@@ -70,7 +70,7 @@ impl NetworkShape {
     /// Too many layers, or the first width out of its range.
     pub fn check_hidden(hidden: &[usize]) -> Result<(), ShapeError> {
         if hidden.len() > MAX_LAYERS {
-            let problem = format!("{} layers are too many; give at most {MAX_LAYERS}", hidden.len());
+            let problem = format!("has {} layers; help: give at most {MAX_LAYERS}", hidden.len());
             return Err(ShapeError { field: "network.hidden".into(), problem });
         }
         let mut widths = hidden.iter().enumerate();
@@ -189,11 +189,7 @@ fn in_range(field: &str, value: usize, range: RangeInclusive<usize>) -> Result<(
     if range.contains(&value) {
         return Ok(());
     }
-    let problem = if value < *range.start() {
-        format!("{value} is too small; give at least {}", range.start())
-    } else {
-        format!("{value} is out of range; give {} to {}", range.start(), range.end())
-    };
+    let problem = format!("is {value}; help: give {} to {}", range.start(), range.end());
     Err(ShapeError { field: field.into(), problem })
 }
 

@@ -1,28 +1,23 @@
 //! The session mode: training, or a demo during which the training is suspended.
 //!
-//! In: the requested [`SessionMode`]. Out: arenas with their action sources. A suspended training resumes exactly where it
-//! stopped.
+//! In: the requested [`SessionMode`]. Out: arenas for it (`demo.rs`). A suspended training resumes exactly where it stopped.
 
 use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use super::demo::{self, Rounds};
 use super::interventions::{self, Intervention};
-use super::open::{OpenedFiles, check_can_drive};
 use super::pacer::Pacer;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
-use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions, TrainingStats};
+use crate::agent::{ActionSelection, Decisions, TrainingStats};
 use crate::app::commands::{Pace, SessionMode};
-use crate::learning::QNetwork;
 use crate::random::Stream;
-use crate::run::{RunError, evaluate};
-use crate::scenario::{Motion, Scenario};
+use crate::run::RunError;
+use crate::scenario::Scenario;
 use crate::sim;
-use crate::task::{Actions, Arena, ArenaState, CurrentScenario, Episode, EpisodeEnded, TaskMode};
-
-/// Control steps between the end of a round and the next one, so that the user sees how it ended.
-const PAUSE_BETWEEN_ROUNDS: u32 = 4;
+use crate::task::{Actions, ArenaState, CurrentScenario, EpisodeEnded, TaskMode};
 
 /// The mode that is active now.
 #[derive(Resource, Default)]
@@ -37,9 +32,9 @@ pub enum ActiveMode {
 /// A demo: a policy or the user drives, and nothing is learnt.
 pub struct Demo {
     /// Any mode but [`SessionMode::Train`].
-    mode: SessionMode,
+    pub(super) mode: SessionMode,
     training: SuspendedTraining,
-    rounds: Rounds,
+    pub(super) rounds: Rounds,
 }
 
 /// A training that waits for the end of a demo.
@@ -67,14 +62,6 @@ impl SuspendedTraining {
             interventions: Vec::new(),
         }
     }
-}
-
-/// Rounds of a demo with several drivers. In each round all of them start from the same pose towards the same goal.
-#[derive(Clone, Copy, Debug, Default)]
-struct Rounds {
-    round: u64,
-    /// Control steps since all drivers finished the round.
-    waited: u32,
 }
 
 impl ActiveMode {
@@ -124,59 +111,17 @@ pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunEr
         resume_training(world);
         return Ok(());
     }
-    let sources = action_sources(world, mode)?;
+    let sources = demo::action_sources(world, mode)?;
     let training = match std::mem::take(&mut *world.resource_mut::<ActiveMode>()) {
         ActiveMode::Train => SuspendedTraining::capture(world),
         ActiveMode::Demo(demo) => demo.training,
     };
-    spawn_demo_arenas(world, mode, sources);
     *world.resource_mut::<ActiveMode>() =
         ActiveMode::Demo(Box::new(Demo { mode, training, rounds: Rounds::default() }));
     let mut pacer = world.resource_mut::<Pacer>();
-    pacer.pace = watchable_pace(pacer.pace, mode);
-    begin_round(world, 0);
-    let arenas = world.resource::<ActionSources>().arenas.len();
-    world.resource_mut::<Trails>().restart(arenas);
+    pacer.pace = demo::watchable_pace(pacer.pace, mode);
+    demo::spawn_arenas(world, mode, sources);
     Ok(())
-}
-
-fn spawn_demo_arenas(world: &mut World, mode: SessionMode, sources: Vec<ActionSource>) {
-    let seed = world.resource::<TrainingRun>().config.seed;
-    let scenario = world.resource::<CurrentScenario>().0.clone();
-    let arenas = sources.len();
-    world.insert_resource(ActionSources { arenas: sources, num_actions: scenario.robot.motions.len() });
-    world.insert_resource(ActionSelection::PerArena);
-    world.insert_resource(Decisions::new(seed, arenas));
-    world.insert_resource(if mode == SessionMode::Test {
-        TaskMode::Continuing
-    } else {
-        TaskMode::SingleGoal
-    });
-    sim::spawn_arenas(world, &scenario, arenas, seed);
-}
-
-/// The action source of each arena in `mode`.
-fn action_sources(world: &World, mode: SessionMode) -> Result<Vec<ActionSource>, RunError> {
-    let config = &world.resource::<TrainingRun>().config;
-    let present = || ActionSource::Policy(world.resource::<ActiveLearner>().0.network().clone());
-    Ok(match mode {
-        SessionMode::Train | SessionMode::Test => vec![present()],
-        SessionMode::Drive => {
-            let ahead = straightest_motion(&config.scenario.robot.motions);
-            vec![ActionSource::Manual(ahead), present()]
-        }
-        SessionMode::Compare => {
-            let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else {
-                return Err(RunError::InvalidInput(
-                    "No policy to compare with\nhelp: open a policy file first".into(),
-                ));
-            };
-            check_can_drive(config, name, policy)?;
-            let network =
-                QNetwork::from_policy(policy).map_err(|error| RunError::InvalidInput(error.to_string()))?;
-            vec![present(), ActionSource::Policy(network)]
-        }
-    })
 }
 
 /// Resumes the suspended training.
@@ -219,47 +164,4 @@ pub(super) fn while_training(
     set_mode(world, mode)?;
     world.resource_mut::<Pacer>().pace = pace;
     done
-}
-
-/// Begins the next round of a demo some control steps after every driver has finished the last one.
-pub(super) fn advance_rounds(world: &mut World) {
-    world.resource_mut::<Messages<EpisodeEnded>>().clear();
-    let mut arenas = world.query_filtered::<&Episode, With<Arena>>();
-    let all_finished = arenas.iter(world).all(|episode| episode.inactive);
-    let ActiveMode::Demo(demo) = world.resource_mut::<ActiveMode>().into_inner() else { return };
-    if demo.mode == SessionMode::Test || !all_finished {
-        return;
-    }
-    demo.rounds.waited += 1;
-    if demo.rounds.waited < PAUSE_BETWEEN_ROUNDS {
-        return;
-    }
-    demo.rounds = Rounds { round: demo.rounds.round + 1, waited: 0 };
-    let round = demo.rounds.round;
-    begin_round(world, round);
-}
-
-/// Puts every arena at the start of `round`, which has the same start and goal in all arenas.
-fn begin_round(world: &mut World, round: u64) {
-    let seed = world.resource::<TrainingRun>().config.seed;
-    sim::reset_arenas(world, |_| Some(evaluate::episode_streams(seed, round)));
-    let mut trails = world.resource_mut::<Trails>();
-    for arena in 0..trails.0.len() {
-        trails.restart_path(arena);
-    }
-}
-
-/// `pace`, limited so that one can drive, or watch.
-fn watchable_pace(pace: Pace, mode: SessionMode) -> Pace {
-    let max = if mode == SessionMode::Drive { 1.0 } else { 5.0 };
-    match pace {
-        Pace::Times(times) => Pace::Times(times.min(max)),
-        Pace::Full => Pace::Times(max),
-    }
-}
-
-/// Index of the motion with the least turn rate.
-fn straightest_motion(motions: &[Motion]) -> usize {
-    let turn_rate = |k: &usize| motions[*k].w_rad_s.abs();
-    (0..motions.len()).min_by(|a, b| turn_rate(a).total_cmp(&turn_rate(b))).unwrap_or(0)
 }

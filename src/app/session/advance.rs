@@ -7,7 +7,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::time::Real;
 
-use super::active_mode::{self, ActiveMode};
+use super::active_mode::ActiveMode;
 use super::evaluations::{self, Evaluations};
 use super::journal::Journal;
 use super::notices::{NoticeTopic, notify};
@@ -15,7 +15,7 @@ use super::pacer::Pacer;
 use super::throughput::Throughput;
 use super::trails::{Trails, poses};
 use super::training_run::TrainingRun;
-use super::{TrainingHistory, execute, scenario_changes};
+use super::{TrainingHistory, demo, execute, scenario_changes};
 use crate::agent::TrainingWarning;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::Command;
@@ -90,7 +90,7 @@ fn step(world: &mut World) -> Result<(), RunError> {
         world.resource_mut::<Journal>().steps += 1;
         record_episodes(world);
     } else {
-        active_mode::advance_rounds(world);
+        demo::advance_rounds(world);
     }
     if episode_ended {
         scenario_changes::apply_pending_scenario(world);

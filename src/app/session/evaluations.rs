@@ -86,7 +86,7 @@ impl Evaluations {
         self.evaluator.get().submit(candidate)
     }
 
-    /// The next result for the present scenario, if there is one. With `wait`, blocks until a running evaluation is done.
+    /// The next result for the current scenario, if there is one. With `wait`, blocks until a running evaluation is done.
     fn poll(&mut self, wait: bool) -> Result<Option<EvalResult>, RunError> {
         while let Some(result) = self.evaluator.get().poll(wait)? {
             self.finish();

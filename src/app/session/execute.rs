@@ -6,16 +6,15 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
-use super::TrainingHistory;
 use super::active_mode::{self, ActiveMode};
-use super::evaluations::Evaluations;
+use super::editor_files;
 use super::interventions::{self, Intervention};
 use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
 use super::save;
-use super::scenario_changes::{self, ScenarioSource};
+use super::scenario_changes;
 use super::start_training;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
@@ -24,8 +23,6 @@ use crate::app::app_snapshot::Severity;
 use crate::app::commands::{Command, SaveKind};
 use crate::app::moves::{Movable, MoveRequest};
 use crate::run::{RunError, metrics, shipped};
-use crate::scenario::Scenario;
-use crate::task::CurrentScenario;
 
 /// Executes `command`. A failure becomes a notice.
 pub(super) fn execute(world: &mut World, command: Command) {
@@ -65,9 +62,9 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
             scenario_changes::apply_edited(world, &scenario, from, restart)?;
         }
         Command::SaveScenario { scenario, based_on, path: Some(path) } => {
-            scenario_changes::save_scenario(world, &scenario, &based_on, &path)?;
+            editor_files::save_scenario(world, &scenario, &based_on, &path)?;
         }
-        Command::OpenInEditor(Some(path)) => scenario_changes::open_in_editor(world, &path)?,
+        Command::OpenInEditor(Some(path)) => editor_files::open_in_editor(world, &path)?,
         Command::DismissNotice(index) => world.resource_mut::<Notices>().dismiss(index),
         // The file dialogs answer these with a command that has a path.
         Command::OpenDialog
@@ -78,7 +75,7 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Continues in another scenario with the present weights.
+/// Continues in another scenario with the current weights.
 fn transfer(world: &mut World, scenario: &str, epsilon: f32) -> Result<(), RunError> {
     let config = &world.resource::<TrainingRun>().config;
     let episodes = world.resource::<ActiveLearner>().0.episodes();
@@ -144,19 +141,6 @@ fn record(world: &mut World, intervention: &Intervention, changes_scenario: bool
         world.resource_mut::<Journal>().record(intervention.clone(), exact);
     }
     if changes_scenario {
-        on_scenario_changed(world);
+        scenario_changes::on_scenario_changed(world);
     }
-}
-
-/// Updates what depends on the scenario after it has changed in `world`.
-pub(super) fn on_scenario_changed(world: &mut World) {
-    let scenario = Scenario::clone(&world.resource::<CurrentScenario>().0);
-    let mut run = world.resource_mut::<TrainingRun>();
-    run.config.scenario = scenario;
-    // The best policy in the previous scenario need not be good in this one.
-    run.trainer_state.best = None;
-    world.resource_mut::<Evaluations>().mark_outdated();
-    world.resource_mut::<ScenarioSource>().forget_saved();
-    let env_steps = world.resource::<ActiveLearner>().0.env_steps();
-    world.resource_mut::<TrainingHistory>().0.annotate(env_steps, "scenario changed".into());
 }

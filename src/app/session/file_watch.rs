@@ -12,7 +12,8 @@ use bevy::prelude::*;
 
 use super::notices::{NoticeTopic, Notices, notify};
 use super::pacer::Pacer;
-use super::scenario_changes::{ScenarioSource, check_can_switch};
+use super::scenario_changes::check_can_switch;
+use super::scenario_source::ScenarioSource;
 use super::training_run::TrainingRun;
 use super::{open, start_training};
 use crate::agent::ActiveLearner;
@@ -43,7 +44,7 @@ impl FileWatches {
         Self { scenario: FileWatch::new(from), waiting: None }
     }
 
-    /// Watches the scenario file `from`, if it is a file. Its present content is known already.
+    /// Watches the scenario file `from`, if it is a file. Its current content is known already.
     pub fn watch_known(&mut self, from: &str) {
         self.scenario = FileWatch::new(from).map(|watch| FileWatch { read: watch.stamp, ..watch });
     }
@@ -163,7 +164,7 @@ fn retry(world: &mut World, path: &Path) {
     world.resource_mut::<Pacer>().set_paused(paused);
 }
 
-/// Starts a training in the scenario file `name`, with the present preset and seed.
+/// Starts a training in the scenario file `name`, with the current preset and seed.
 fn start_there(world: &mut World, name: String) {
     let config = &world.resource::<TrainingRun>().config;
     let (preset, seed) = (config.preset_from.clone(), config.seed);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::{ActionSelection, ActiveLearner};
 use crate::app::moves::{
-    ArenaView, Movable, MoveRejection, MoveRequest, ObstaclePose, check_move, initial_position,
+    Movable, MoveContext, MoveRejection, MoveRequest, ObstaclePose, check_move, initial_position,
     with_obstacle_at,
 };
 use crate::scenario::{Scenario, pose_at};
@@ -62,7 +62,7 @@ pub fn resolve(world: &mut World, request: &MoveRequest) -> Result<Intervention,
     let period_s = layout.task.control_period_s;
     let obstacles: Vec<ObstaclePose> =
         layout.obstacles.iter().map(|obstacle| pose_at(obstacle, clock.0, period_s)).collect();
-    let view = ArenaView {
+    let view = MoveContext {
         scenario: &scenario,
         layout,
         obstacles: &obstacles,

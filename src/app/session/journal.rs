@@ -43,7 +43,7 @@ pub struct JournalEntry {
 #[serde(deny_unknown_fields)]
 pub struct Journal {
     /// Configuration at the start of the training.
-    pub begun: RunConfig,
+    pub config: RunConfig,
     /// Control steps so far.
     pub steps: u64,
     /// Interventions, oldest first.
@@ -53,8 +53,8 @@ pub struct Journal {
 impl Journal {
     /// The journal of a training that starts now.
     #[must_use]
-    pub fn new(begun: RunConfig) -> Self {
-        Self { begun, steps: 0, entries: Vec::new() }
+    pub fn new(config: RunConfig) -> Self {
+        Self { config, steps: 0, entries: Vec::new() }
     }
 
     /// The journal of the run in `folder`, whose learner is `learner`. A run trained without a window has no journal file,
@@ -83,7 +83,7 @@ impl Journal {
     /// # Errors
     /// Something in it is invalid.
     fn check(&self) -> Result<(), String> {
-        let RunConfig { scenario, preset, .. } = &self.begun;
+        let RunConfig { scenario, preset, .. } = &self.config;
         let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
         let check_scenario = |scenario: &Scenario| {
             let found = diagnostics(scenario).into_iter().next().map(|found| found.to_string());
@@ -136,14 +136,14 @@ impl Journal {
     /// # Errors
     /// The configuration or the policy cannot be used, or the training fails.
     pub fn replay(&self, policy: Option<&Policy>) -> Result<Simulation, RunError> {
-        let learner = training_setup::create_learner(&self.begun, policy)?;
-        let scenario = Arc::new(self.begun.scenario.clone());
+        let learner = training_setup::create_learner(&self.config, policy)?;
+        let scenario = Arc::new(self.config.scenario.clone());
         let mut simulation = training_setup::training(
             &scenario,
-            &self.begun.preset,
-            self.begun.seed,
+            &self.config.preset,
+            self.config.seed,
             learner,
-            &self.begun.extensions,
+            &self.config.extensions,
         );
         let mut entries = self.entries.iter().peekable();
         for step in 0..=self.steps {
@@ -182,7 +182,7 @@ pub fn verify(path: &Path) -> Result<ReplayResult, RunError> {
     let (folder, config) = RunFolder::open(path)?;
     let learner = checkpoint::load(&folder, &config)?.learner;
     let journal = Journal::load(&folder, &config, &learner)?;
-    let again = journal.replay(initial_policy(&folder, &journal.begun)?.as_ref())?;
+    let again = journal.replay(initial_policy(&folder, &journal.config)?.as_ref())?;
     let bytes = |learner: &Learner| {
         let mut bytes = Vec::new();
         learner.save(&mut bytes).map_err(|error| RunError::Failed(error.to_string()))?;
@@ -196,8 +196,8 @@ pub fn verify(path: &Path) -> Result<ReplayResult, RunError> {
 ///
 /// # Errors
 /// Its file cannot be read.
-pub fn initial_policy(folder: &RunFolder, begun: &RunConfig) -> Result<Option<Policy>, RunError> {
-    if begun.transfer.is_none() {
+pub fn initial_policy(folder: &RunFolder, config: &RunConfig) -> Result<Option<Policy>, RunError> {
+    if config.transfer.is_none() {
         return Ok(None);
     }
     policy_card::read(&folder.path().join(INITIAL_POLICY_FILE)).map(Some)

@@ -11,30 +11,38 @@
 //! | `throughput.rs` | [`Throughput`] | steps and frames per second |
 //! | `evaluations.rs` | [`Evaluations`] | evaluation during training |
 //! | `journal.rs` | [`Journal`] | every intervention, for a replay |
-//! | `scenario_changes.rs` | [`ScenarioSource`] | the scenario's file; edits, adopted and saved |
+//! | `scenario_source.rs` | [`ScenarioSource`] | the scenario's file |
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
 //! | `notices.rs` | [`Notices`] | messages to the user |
 //! | `trails.rs` | [`Trails`] | paths driven |
 //! | `advance.rs` | | a frame: commands, then control steps |
-//! | `execute.rs`, `interventions.rs`, `save.rs`, `start_training.rs` | | commands |
+//! | `execute.rs` | | each command |
+//! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
+//! | `start_training.rs`, `first_training.rs` | | trainings started |
+//! | `demo.rs` | | a policy or the user drives |
+//! | `save.rs`, `editor_files.rs` | | files written |
 //!
 //! What is learnt depends on the configuration, the journal and the number of steps; not on when the steps were taken, nor on
 //! what was displayed.
 
 pub mod active_mode;
 mod advance;
+mod demo;
+mod editor_files;
 pub mod evaluations;
 mod execute;
 #[cfg(not(target_arch = "wasm32"))]
 mod file_watch;
+mod first_training;
 pub mod interventions;
 pub mod journal;
 pub mod notices;
 pub mod open;
 pub mod pacer;
 mod save;
-pub mod scenario_changes;
+mod scenario_changes;
+pub mod scenario_source;
 mod start_training;
 pub mod throughput;
 pub mod trails;
@@ -56,7 +64,7 @@ pub use journal::Journal;
 pub use notices::Notices;
 pub use open::OpenedFiles;
 pub use pacer::Pacer;
-pub use scenario_changes::ScenarioSource;
+pub use scenario_source::ScenarioSource;
 pub use throughput::Throughput;
 pub use trails::Trails;
 pub use training_run::TrainingRun;
@@ -124,7 +132,7 @@ impl Plugin for SessionPlugin {
             .init_resource::<OpenedFiles>()
             .init_resource::<Throughput>()
             .insert_resource(TrainingHistory(History::new()))
-            .add_systems(PreStartup, move |world: &mut World| start_training::start_first(world, &start))
+            .add_systems(PreStartup, move |world: &mut World| first_training::start_first(world, &start))
             .add_systems(
                 Update,
                 (

@@ -25,9 +25,9 @@ pub enum NoticeTopic {
     File(String),
     /// An object that the user tried to move.
     Move,
-    /// A warning about the present training. A new training removes it.
+    /// A warning about the current training. A new training removes it.
     TrainingWarning,
-    /// The error that stopped the present training. A new training removes it.
+    /// The error that stopped the current training. A new training removes it.
     TrainingFailure,
     /// Evaluation during training.
     Evaluation,

@@ -85,7 +85,7 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
             let policy = policy_card::read(path)?;
             let config = &world.resource::<TrainingRun>().config;
             check_can_drive(config, &path.display().to_string(), &policy)?;
-            let text = format!("{name} drives next to the present policy");
+            let text = format!("{name} drives next to the current policy");
             compare_with(world, (name, policy))?;
             Ok(text)
         }
@@ -128,7 +128,7 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
     }
 }
 
-/// Lets a shipped policy drive next to the present one.
+/// Lets a shipped policy drive next to the current one.
 ///
 /// # Errors
 /// No shipped policy can drive here.
@@ -138,7 +138,7 @@ pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
                    observations";
         return Err(RunError::InvalidInput(why.into()));
     };
-    let text = format!("{name} drives next to the present policy");
+    let text = format!("{name} drives next to the current policy");
     notify(world, NoticeTopic::General, Severity::Info, text);
     compare_with(world, (name, policy.clone()))
 }
@@ -163,13 +163,13 @@ pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -
         .map_err(|error| unusable(error.to_string()))?;
     if policy_card::encoding(policy)? != config.preset.observation {
         return Err(unusable(
-            "its observations are encoded differently from those of the present preset".into(),
+            "its observations are encoded differently from those of the current preset".into(),
         ));
     }
     Ok(())
 }
 
-/// Lets `policy` drive next to the present policy.
+/// Lets `policy` drive next to the current policy.
 fn compare_with(world: &mut World, policy: (String, Policy)) -> Result<(), RunError> {
     world.resource_mut::<OpenedFiles>().policy = Some(policy);
     if world.resource::<ActiveMode>().mode() == SessionMode::Compare {
@@ -178,7 +178,7 @@ fn compare_with(world: &mut World, policy: (String, Policy)) -> Result<(), RunEr
     set_mode(world, SessionMode::Compare)
 }
 
-/// Lists the present scenario and preset among the user's own, if they are not shipped.
+/// Lists the current scenario and preset among the user's own, if they are not shipped.
 pub(super) fn list_user_files(world: &mut World) {
     let RunConfig { scenario_from, preset_from, scenario, preset, .. } =
         &world.resource::<TrainingRun>().config;

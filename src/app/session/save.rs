@@ -10,9 +10,9 @@ use bevy::prelude::*;
 
 use super::TrainingHistory;
 use super::active_mode::while_training;
+use super::editor_files;
 use super::evaluations::{self, Evaluations};
 use super::journal::{JOURNAL, Journal};
-use super::scenario_changes;
 use super::training_run::TrainingRun;
 use crate::app::commands::SaveKind;
 use crate::run::folder::{INITIAL_POLICY_FILE, RunFolder, write_atomic};
@@ -51,7 +51,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
         SaveKind::Scenario => {
             let config = &world.resource::<TrainingRun>().config;
             let (scenario, based_on) = (Arc::new(config.scenario.clone()), config.scenario_from.clone());
-            scenario_changes::save_scenario(world, &scenario, &based_on, path)
+            editor_files::save_scenario(world, &scenario, &based_on, path)
         }
         SaveKind::Csv => {
             let curves = &mut world.resource_mut::<TrainingHistory>().0;
@@ -65,7 +65,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
     }
 }
 
-/// The present policy as a file; after a failure of the training, its best policy.
+/// The current policy as a file; after a failure of the training, its best policy.
 fn policy_bytes(world: &World) -> Result<Vec<u8>, RunError> {
     let run = world.resource::<TrainingRun>();
     match &run.trainer_state.best {

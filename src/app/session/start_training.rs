@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use super::TrainingHistory;
 use super::active_mode::ActiveMode;
 use super::evaluations::Evaluations;
 #[cfg(not(target_arch = "wasm32"))]
@@ -16,10 +17,9 @@ use super::journal::{self, Journal};
 use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
-use super::scenario_changes::{self, ScenarioSource};
+use super::scenario_source::ScenarioSource;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
-use super::{StartOptions, TrainingHistory};
 use crate::app::app_snapshot::Severity;
 use crate::learning::Learner;
 use crate::policy::Policy;
@@ -31,50 +31,15 @@ use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 
 /// A training that is ready to start.
-struct PreparedTraining {
+pub(super) struct PreparedTraining {
     config: RunConfig,
     initial_policy: Option<Policy>,
     learner: Learner,
     trainer_state: TrainerState,
 }
 
-/// Starts the first training. The options were checked before; if they cannot be used after all, the default training
-/// starts, with a notice.
-pub(super) fn start_first(world: &mut World, start: &StartOptions) {
-    let default = StartOptions::default();
-    let requested = prepare_new(&start.scenario, &start.preset, start.seed, &start.extensions);
-    let problem = requested.as_ref().err().map(ToString::to_string);
-    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed, &start.extensions);
-    match requested.or_else(|_| fallback(&start.preset)).or_else(|_| fallback(&default.preset)) {
-        Ok(prepared) => {
-            world.insert_resource(Pacer::new(start.pace, start.paused));
-            insert_run(world, prepared);
-            open::list_user_files(world);
-        }
-        // Unreachable as long as the shipped files are valid, which a test checks.
-        Err(error) => return error!("{error}"),
-    }
-    for option in &start.invalid_options {
-        notify(world, NoticeTopic::General, Severity::Error, option.clone());
-    }
-    #[cfg(not(target_arch = "wasm32"))]
-    let is_broken = file_watch::retry_when_fixed(world, &start.scenario, RetryAction::StartTraining);
-    #[cfg(target_arch = "wasm32")]
-    let is_broken = false;
-    if let Some(problem) = problem {
-        notify(world, scenario_topic(&start.scenario, is_broken), Severity::Error, problem);
-    }
-    if start.edit && world.resource::<TrainingRun>().config.scenario_from != start.scenario {
-        // The scenario is invalid, as the notice says, but perhaps it can be fixed in the editor.
-        let _ = scenario_changes::open_in_editor(world, Path::new(&start.scenario));
-    }
-    if let Some(path) = &start.open {
-        open::open_or_notify(world, path);
-    }
-}
-
 /// The topic of a problem with a new training in `scenario`, whose file `is_broken` or not.
-fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
+pub(super) fn scenario_topic(scenario: &str, is_broken: bool) -> NoticeTopic {
     if is_broken { NoticeTopic::File(scenario.into()) } else { NoticeTopic::General }
 }
 
@@ -85,7 +50,11 @@ fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<Prepared
     Ok(PreparedTraining { config, initial_policy, learner, trainer_state })
 }
 
-fn prepare_new(
+/// Prepares a training from random weights.
+///
+/// # Errors
+/// The scenario or the preset cannot be used.
+pub(super) fn prepare_new(
     scenario: &str,
     preset: &str,
     seed: u64,
@@ -94,8 +63,8 @@ fn prepare_new(
     prepare(RunConfig::resolve(scenario, preset, seed)?.with_extensions(extensions), None)
 }
 
-/// Inserts the resources of a prepared training, and puts its arenas in place of the present ones.
-fn insert_run(world: &mut World, prepared: PreparedTraining) {
+/// Inserts the resources of a prepared training, and puts its arenas in place of the current ones.
+pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
     let PreparedTraining { config, initial_policy, learner, trainer_state } = prepared;
     let scenario = Arc::new(config.scenario.clone());
     training_setup::start_training(world, &scenario, &config.preset, config.seed, learner);
@@ -110,7 +79,7 @@ fn insert_run(world: &mut World, prepared: PreparedTraining) {
     world.insert_resource(TrainingRun::new(config, initial_policy, trainer_state));
 }
 
-/// Replaces the present training. What the user has opened or saved, and notices about anything else, stay.
+/// Replaces the current training. What the user has opened or saved, and notices about anything else, stay.
 fn replace(world: &mut World, prepared: PreparedTraining) {
     if let Some(pace) = world.resource::<ActiveMode>().suspended_pace() {
         world.resource_mut::<Pacer>().pace = pace;
@@ -152,7 +121,7 @@ pub(super) fn start_training(
     Ok(())
 }
 
-/// Starts a training from random weights in `scenario`, which comes from `from`, with the present preset and seed.
+/// Starts a training from random weights in `scenario`, which comes from `from`, with the current preset and seed.
 ///
 /// # Errors
 /// The preset does not fit the scenario.
@@ -167,7 +136,7 @@ pub(super) fn start_in_scenario(world: &mut World, scenario: Scenario, from: Str
     Ok(())
 }
 
-/// Starts a training from `policy`, called `name`, with the present preset and seed, in the present scenario or another.
+/// Starts a training from `policy`, called `name`, with the current preset and seed, in the current scenario or another.
 /// Exploration starts at `epsilon`, limited to 0..1.
 ///
 /// # Errors
@@ -202,7 +171,7 @@ pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
     let (episodes, env_steps) = (learner.episodes(), learner.env_steps());
     let journal = Journal::load(&folder, &config, &learner)?;
     // A missing initial policy prevents a replay, not resuming.
-    let initial_policy = journal::initial_policy(&folder, &journal.begun).ok().flatten();
+    let initial_policy = journal::initial_policy(&folder, &journal.config).ok().flatten();
     replace(world, PreparedTraining { config, initial_policy, learner, trainer_state });
     world.insert_resource(journal);
     world.resource_scope(|world, mut run: Mut<TrainingRun>| {

@@ -20,7 +20,7 @@ pub struct ArenaTrails {
     pub path_m: Vec<[f32; 2]>,
     /// Finished paths, oldest first.
     pub finished: VecDeque<Trail>,
-    /// Goals reached since the present driver took over.
+    /// Goals reached since the current driver took over.
     pub goals_reached: u32,
     /// Collisions since then.
     pub collisions: u32,

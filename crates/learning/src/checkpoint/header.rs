@@ -104,7 +104,7 @@ impl Header {
             ("learning", self.config == learner.config),
             ("observation", self.inputs == shape.inputs),
             ("actions", self.actions == shape.actions),
-            ("arenas", self.trajectories.len() == learner.trajectories.len()),
+            ("num_envs", self.trajectories.len() == learner.trajectories.len()),
         ] {
             if !same {
                 return Err(CheckpointError::ConfigMismatch { field });

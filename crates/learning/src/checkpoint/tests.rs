@@ -42,7 +42,7 @@ fn restored(config: &LearningConfig, learner: &Learner) -> Result<Learner, Check
 }
 
 /// The expected error, and the change to a learner that causes it when the learner is saved and restored.
-type Breakage = (&'static str, fn(&mut Learner));
+type Change = (&'static str, fn(&mut Learner));
 
 #[test]
 fn invalid_values_are_rejected_even_if_the_checksum_matches() {
@@ -50,7 +50,7 @@ fn invalid_values_are_rejected_even_if_the_checksum_matches() {
     let mut again = restored(&config, &valid).expect("a valid checkpoint");
     assert_eq!(again.counters, valid.counters);
     again.train().expect("no divergence");
-    let breakages: &[Breakage] = &[
+    let changes: &[Change] = &[
         ("a weight is not finite", |l| l.online.update(|weights| weights[3] = f32::NAN)),
         ("a weight is not finite", |l| l.target.update(|weights| weights[0] = f32::INFINITY)),
         ("it has a wrong number of optimizer moments", |l| l.optimizer.second.truncate(2)),
@@ -86,12 +86,12 @@ fn invalid_values_are_rejected_even_if_the_checksum_matches() {
             l.replay.head += 1;
         }),
     ];
-    for (what, breakage) in breakages {
-        let mut broken = valid.clone();
-        breakage(&mut broken);
-        match restored(&config, &broken) {
-            Err(CheckpointError::Corrupt(why)) => assert_eq!(why, *what),
-            other => panic!("{what}: {:?}", other.map(|_| ())),
+    for (expected, change) in changes {
+        let mut changed = valid.clone();
+        change(&mut changed);
+        match restored(&config, &changed) {
+            Err(CheckpointError::Corrupt(why)) => assert_eq!(why, *expected),
+            other => panic!("{expected}: {:?}", other.map(|_| ())),
         }
     }
 }

@@ -59,7 +59,7 @@ impl ReplayConfig {
             return Err(ConfigError {
                 field: "replay.capacity".into(),
                 problem: format!(
-                    "{} transitions cannot fill a batch of {batch_size}; raise it, or lower batch_size",
+                    "is {}, less than a batch of {batch_size}; help: raise it, or lower batch_size",
                     self.capacity
                 ),
             });
@@ -114,9 +114,9 @@ pub(crate) fn within<T: PartialOrd + Display>(
         return Ok(());
     }
     let problem = if value < *range.start() {
-        format!("{value} is too small; give at least {}", range.start())
+        format!("is {value}; help: give at least {}", range.start())
     } else {
-        format!("{value} is out of range; give {} to {}", range.start(), range.end())
+        format!("is {value}; help: give {} to {}", range.start(), range.end())
     };
     Err(ConfigError { field: field.into(), problem })
 }
@@ -125,10 +125,7 @@ fn above_zero(field: &str, value: f32) -> Result<(), ConfigError> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
-    Err(ConfigError {
-        field: field.into(),
-        problem: format!("{value} is out of range; give a number above 0"),
-    })
+    Err(ConfigError { field: field.into(), problem: format!("is {value}; help: give a number above 0") })
 }
 
 fn below_one(field: &str, value: f32) -> Result<(), ConfigError> {
@@ -137,6 +134,6 @@ fn below_one(field: &str, value: f32) -> Result<(), ConfigError> {
     }
     Err(ConfigError {
         field: field.into(),
-        problem: format!("{value} is out of range; give at least 0 and less than 1"),
+        problem: format!("is {value}; help: give at least 0 and less than 1"),
     })
 }

@@ -1,7 +1,7 @@
-"""Three training steps of (double) (dueling) DQN on a fixed little buffer, by PyTorch in float64.
+"""Three gradient steps of (double) (dueling) DQN on a small fixed replay buffer, in float64 PyTorch.
 
-Writes learning_step.json, against which crates/learning/tests/pytorch_reference.rs holds wayfield's learner. Nothing here is
-derived from wayfield's code: returns are summed from their definition, gradients and optimizers are PyTorch's.
+Writes learning_step.json, with which crates/learning/tests/pytorch_reference.rs compares the learner. Nothing here is
+derived from wayfield's code: returns follow their definition, gradients and optimizers are those of PyTorch.
 
     pip install torch && python tests/reference/learning_step.py
 """
@@ -16,7 +16,7 @@ torch.set_default_dtype(torch.float64)
 INPUTS, HIDDEN, ACTIONS = 3, [4, 3], 2
 GAMMA, N_STEP, REWARD_SCALE, GRADIENT_STEPS = 0.9, 2, 0.5, 3
 
-# (state, action, reward, next state, terminated, truncated): one arena; three chains, the last one unfinished.
+# (state, action, reward, next state, terminated, truncated): one environment, three episodes, the last one unfinished.
 STEPS = [
     (0, 0, 1.0, 1, False, False),
     (1, 1, -2.0, 2, False, False),

@@ -7,8 +7,9 @@ use egui::{Color32, Shape as Mark, Stroke, StrokeKind};
 
 use super::canvas::Canvas;
 use super::polygon;
-use super::silhouette::{self, ObstaclePose, Silhouette};
+use super::silhouette::{self, Silhouette};
 use super::transform::{ArenaBounds, screen_direction};
+use crate::app::moves::ObstaclePose;
 use crate::app::scene::ArenaScene;
 use crate::scenario::{Enclosure, Scenario, Wall};
 use crate::task::Pose;

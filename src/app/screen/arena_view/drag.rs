@@ -5,7 +5,7 @@
 
 use egui::{Response, Ui};
 
-use super::drag_target::{arena_view, centre_of, hit_test};
+use super::drag_target::{centre_of, hit_test, move_context};
 use super::transform::ViewTransform;
 use crate::app::commands::Command;
 use crate::app::interaction::ActiveDrag;
@@ -52,7 +52,7 @@ pub fn update(
     let pointer = response.interact_pointer_pos().filter(|_| response.dragged())?;
     let at = transform.to_world(pointer);
     active.to_m = [at[0] + active.offset_m[0], at[1] + active.offset_m[1]];
-    active.rejection = check_move(&arena_view(scene, arena), active.object, active.to_m.into()).err();
+    active.rejection = check_move(&move_context(scene, arena), active.object, active.to_m.into()).err();
     // Unless paused, the robot would drive away from a resting pointer, and a reached goal would be replaced:
     // send a command in every frame.
     let drifts = !view.status.paused && !matches!(active.object, Movable::Obstacle(_));

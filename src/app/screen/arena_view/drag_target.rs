@@ -5,7 +5,7 @@ use egui::Pos2;
 
 use super::silhouette::Silhouette;
 use super::transform::ViewTransform;
-use crate::app::moves::{ArenaView, Movable};
+use crate::app::moves::{Movable, MoveContext};
 use crate::app::scene::{ArenaScene, Scene};
 use crate::scenario::shape_distance;
 
@@ -57,8 +57,8 @@ pub fn silhouette(arena: &ArenaScene, object: Movable, to_m: Option<[f32; 2]>) -
 }
 
 /// The parts of `arena` that decide where an object may go.
-pub fn arena_view<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> ArenaView<'a> {
-    ArenaView {
+pub fn move_context<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> MoveContext<'a> {
+    MoveContext {
         scenario: &scene.scenario,
         layout: &arena.scenario,
         obstacles: &arena.obstacles,

@@ -7,10 +7,8 @@ use egui::{Color32, Pos2, Rect, Shape as Mark, Stroke, vec2};
 
 use super::canvas::Canvas;
 use super::polygon;
+use crate::app::moves::ObstaclePose;
 use crate::scenario::{Obstacle, Shape};
-
-/// The pose of an obstacle: x in m, y in m, rotation in rad.
-pub type ObstaclePose = (f32, f32, f32);
 
 /// The outline of an object, in m.
 #[derive(Clone, Debug, PartialEq)]

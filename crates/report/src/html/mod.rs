@@ -1,11 +1,15 @@
 //! The report as one HTML file.
 
+mod parts;
+mod table;
+
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::claim::{ClaimOutcome, ClaimResult, tally};
+use crate::claim::{ClaimResult, tally};
 use crate::page::{Item, Page, Section, Setting};
-use crate::page_text::{CLAIMS, PROVENANCE, SETTINGS, paragraphs, percent_encoded, relative_url};
-use crate::table::{Cell, Column, ColumnKind, Table};
+use crate::page_text::{CLAIMS, PROVENANCE, SETTINGS, percent_encoded};
+use parts::{claim_list, files, outcome, paragraphs_html, unbroken};
+use table::table_block;
 
 impl Page {
     /// The report as one HTML file.
@@ -45,15 +49,6 @@ fn html(page: &Page) -> String {
         }
     }
     .into_string()
-}
-
-fn paragraphs_html(text: &str) -> Markup {
-    html! { @for paragraph in paragraphs(text) { p { (unbroken(&paragraph)) } } }
-}
-
-/// The text with non-breaking spaces around `±` and before `%`.
-fn unbroken(text: &str) -> String {
-    text.replace(" \u{b1} ", "\u{a0}\u{b1}\u{a0}").replace(" %", "\u{a0}%")
 }
 
 fn claims(claims: &[ClaimResult]) -> Markup {
@@ -120,114 +115,6 @@ fn figure(name: &str, svg: &str, caption: &str, claim_results: &[ClaimResult]) -
                 p id=(label) { (unbroken(caption)) }
                 (files("figures", name, &[("SVG", "svg"), ("PNG", "png")]))
                 (claim_list(claim_results))
-            }
-        }
-    }
-}
-
-fn table_block(table: &Table, claim_results: &[ClaimResult]) -> Markup {
-    let label = format!("caption-{}", table.name);
-    let halves: Vec<_> = (0..table.columns.len()).map(|i| half_length(table, i)).collect();
-    html! {
-        div.table id={ "table-" (table.name) } {
-            div.scroll role="region" tabindex="0" aria-labelledby=(label) {
-                table {
-                    caption id=(label) { span { (table.title) } }
-                    thead { tr { @for column in &table.columns { (heading(column)) } } }
-                    tbody {
-                        @for row in &table.rows {
-                            tr {
-                                @for (i, (column, half)) in table.columns.iter().zip(&halves).enumerate() {
-                                    (cell(Table::cell(row, i), column.kind, *half, i == 0))
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-            @if !table.notes.is_empty() {
-                ul.notes { @for note in &table.notes { li { (unbroken(note)) } } }
-            }
-            (files("tables", &table.name, &[("CSV", "csv"), ("Markdown", "md")]))
-            (claim_list(claim_results))
-        }
-    }
-}
-
-/// The number of characters in a column's longest half width.
-fn half_length(table: &Table, column: usize) -> usize {
-    let halves = table.rows.iter().filter_map(|row| Table::cell(row, column).half_width_text());
-    halves.map(|half| half.chars().count()).max().unwrap_or(0)
-}
-
-fn class(kind: ColumnKind) -> &'static str {
-    match kind {
-        ColumnKind::Text => "words",
-        ColumnKind::Number => "number",
-    }
-}
-
-fn heading(column: &Column) -> Markup {
-    html! {
-        th scope="col" class=(class(column.kind)) {
-            (column.heading)
-            @if !column.unit.is_empty() { " " span.unit { "(" (column.unit) ")" } }
-        }
-    }
-}
-
-/// A cell of a table. In a column with half widths, all cells reserve the same width for them, so that the means align.
-fn cell(cell: &Cell, kind: ColumnKind, half_length: usize, first: bool) -> Markup {
-    let content = html! {
-        @if let Cell::Outcome(what) = cell { (outcome(*what)) } @else { (cell.value_text()) }
-        @if half_length > 0 && kind == ColumnKind::Number {
-            span.half style={ "min-width:" (half_length + 2) "ch" } {
-                @if let Some(half) = cell.half_width_text() { " \u{b1} " (half) }
-            }
-        }
-        @else if let Some(half) = cell.half_width_text() { " \u{b1} " (half) }
-    };
-    html! {
-        @if first {
-            th scope="row" class=(class(kind)) { (content) }
-        } @else {
-            td class=(class(kind)) { (content) }
-        }
-    }
-}
-
-fn outcome(outcome: ClaimOutcome) -> Markup {
-    let class = match outcome {
-        ClaimOutcome::Held => "held",
-        ClaimOutcome::NotShown => "not-shown",
-        ClaimOutcome::Reversed => "reversed",
-    };
-    html! { span.outcome.(class) { span aria-hidden="true" { (outcome.glyph()) } " " (outcome.word()) } }
-}
-
-/// Links to the files of a figure or table.
-fn files(folder: &str, name: &str, kinds: &[(&str, &str)]) -> Markup {
-    html! {
-        p.files {
-            @for (i, (label, extension)) in kinds.iter().enumerate() {
-                @if i > 0 { " \u{b7} " }
-                a href=(relative_url(folder, name, extension)) { (label) }
-            }
-        }
-    }
-}
-
-/// The results of the claims that a figure or table is about.
-fn claim_list(claim_results: &[ClaimResult]) -> Markup {
-    html! {
-        @if !claim_results.is_empty() {
-            ul.claim-list {
-                @for claim_result in claim_results {
-                    li {
-                        (outcome(claim_result.outcome)) " " em { (claim_result.claim) }
-                        p { (unbroken(&claim_result.sentence)) }
-                    }
-                }
             }
         }
     }

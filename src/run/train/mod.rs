@@ -3,23 +3,21 @@
 //! In: a [`Job`] and a stop flag. Out: a run folder and its [`Summary`]. Wall time decides when a checkpoint is written and
 //! what the progress bar shows, never what is learned.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+mod start;
+
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use bevy::prelude::*;
-
+use super::RunError;
 use super::background_evaluator::{BackgroundEvaluator, EvalResult};
-use super::checkpoint::{self, LoadedCheckpoint, TrainerState};
-use super::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder, header};
-use super::metric_rows::{EpisodeRow, Summary};
+use super::checkpoint::{self, TrainerState};
+use super::folder::{RunConfig, RunFolder};
+use super::metric_rows::Summary;
 use super::metrics;
 use super::metrics_writer::MetricsWriter;
 use super::preset::Budget;
-use super::progress::{Progress, ProgressListener, ProgressReporter, ProgressTotal};
-use super::training_setup::{self, create_learner};
-use super::{RunError, policy_card};
+use super::progress::{Progress, ProgressListener, ProgressReporter};
 use crate::agent::{ActiveLearner, TrainingWarning};
 use crate::learning::Learner;
 use crate::policy::Policy;
@@ -76,8 +74,8 @@ pub fn train(
     let evaluated = run.await_evaluations();
     let flushed = run.metrics_writer.flush();
     result.map_err(|error| {
-        let kept = run.folder.path().join("checkpoint");
-        RunError::Failed(format!("{error} (the last checkpoint is in {})", kept.display()))
+        let folder = run.folder.path().join("checkpoint");
+        RunError::Failed(format!("{error} (the last checkpoint is in {})", folder.display()))
     })?;
     evaluated?;
     flushed?;
@@ -100,134 +98,6 @@ struct Run {
 }
 
 impl Run {
-    fn start(
-        config: RunConfig,
-        policy: Option<Policy>,
-        out: Option<PathBuf>,
-        began: Instant,
-        listener: Option<ProgressListener>,
-    ) -> Result<Self, RunError> {
-        // Before the folder is created: invalid input must not leave an empty folder.
-        let learner = create_learner(&config, policy.as_ref())?;
-        let folder = RunFolder::create(out, &config)?;
-        Self::from_scratch(config, policy, folder, learner, began, listener)
-    }
-
-    fn from_scratch(
-        config: RunConfig,
-        policy: Option<Policy>,
-        folder: RunFolder,
-        learner: Learner,
-        began: Instant,
-        listener: Option<ProgressListener>,
-    ) -> Result<Self, RunError> {
-        let trainer_state = TrainerState {
-            next_evaluation: config.preset.evaluation.every_env_steps,
-            ..TrainerState::default()
-        };
-        if let Some(policy) = &policy {
-            let bytes = metrics::policy_bytes(policy)?;
-            folder.write(INITIAL_POLICY_FILE, |file| std::io::Write::write_all(file, &bytes))?;
-        }
-        let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
-        run.save()?;
-        Ok(run)
-    }
-
-    fn resume(
-        path: &Path,
-        budget: Option<Budget>,
-        extensions: &Extensions,
-        began: Instant,
-        listener: Option<ProgressListener>,
-    ) -> Result<Self, RunError> {
-        let (folder, config) = RunFolder::open(path)?;
-        let folder = folder.locked()?;
-        let mut config = config.resume_with_extensions(extensions, path)?;
-        if !checkpoint::exists(path) && !has_rows(path) {
-            // The run was killed before its first checkpoint, and so before its first step.
-            config.preset.budget = budget.unwrap_or(config.preset.budget);
-            let policy = config
-                .transfer
-                .as_ref()
-                .map(|_| policy_card::read(&path.join(INITIAL_POLICY_FILE)))
-                .transpose()?;
-            let learner = create_learner(&config, policy.as_ref())?;
-            folder.write_config(&config)?;
-            return Self::from_scratch(config, policy, folder, learner, began, listener);
-        }
-        let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
-        let budget = budget.unwrap_or(config.preset.budget);
-        if remaining(budget, &learner) == 0 {
-            let done = match budget {
-                Budget::Episodes(_) => format!("{} episodes", learner.episodes()),
-                Budget::EnvSteps(_) => format!("{} env steps", learner.env_steps()),
-            };
-            return Err(RunError::invalid_input(
-                path,
-                format!(
-                    "this run already has {done}; help: give --episodes or --steps a larger number (counted from the \
-                     start of the run)"
-                ),
-            ));
-        }
-        checkpoint::mark_damaged(&skipped)?;
-        if budget != config.preset.budget {
-            config.preset.budget = budget;
-            folder.write_config(&config)?;
-        }
-        let env_steps = learner.env_steps();
-        let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
-        for (_, error) in skipped {
-            run.progress
-                .warn(&format!("{error}; resuming from the previous checkpoint at {env_steps} env steps"));
-        }
-        checkpoint::restore(run.simulation.world_mut(), &run.trainer_state);
-        if let Some(best) = &run.trainer_state.best {
-            run.write_policy("policy.safetensors", &best.bytes)?;
-        }
-        Ok(run)
-    }
-
-    fn open(
-        config: RunConfig,
-        folder: RunFolder,
-        learner: Learner,
-        trainer_state: TrainerState,
-        began: Instant,
-        listener: Option<ProgressListener>,
-    ) -> Result<Self, RunError> {
-        let scenario = Arc::new(config.scenario.clone());
-        let preset = &config.preset;
-        let budget = match preset.budget {
-            Budget::Episodes(n) => ProgressTotal::Episodes(n),
-            Budget::EnvSteps(n) => ProgressTotal::EnvSteps(n),
-        };
-        Ok(Self {
-            simulation: training_setup::training(&scenario, preset, config.seed, learner, &config.extensions),
-            evaluator: BackgroundEvaluator::new(
-                &scenario,
-                preset.evaluation.episodes,
-                metrics::evaluation_seed(config.seed),
-                &config.extensions,
-            ),
-            metrics_writer: MetricsWriter::open(
-                &folder,
-                trainer_state.episodes_bytes,
-                trainer_state.evaluations_bytes,
-                &config.reward_terms,
-            )?,
-            progress: listener
-                .map_or_else(|| ProgressReporter::new(budget, false), ProgressReporter::with_listener),
-            earlier_s: trainer_state.wall_s,
-            trainer_state,
-            began,
-            saved: Instant::now(),
-            folder,
-            config,
-        })
-    }
-
     fn learner(&self) -> &Learner {
         &self.simulation.world().resource::<ActiveLearner>().0
     }
@@ -389,12 +259,6 @@ impl Run {
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
         Ok(summary)
     }
-}
-
-/// Whether `episodes.csv` in `folder` has a row.
-fn has_rows(folder: &Path) -> bool {
-    let header = || header::<EpisodeRow>().map_or(0, |line| line.len() as u64);
-    std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header())
 }
 
 /// The rest of a budget, in its unit.

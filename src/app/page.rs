@@ -1,0 +1,40 @@
+//! Functions of the web page that the app calls: the object `wayfieldPage` in `web/page.js`.
+
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Value of the query parameter `key` in the address.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn query_parameter(key: &str) -> Option<String>;
+    /// Reports that the app has started, so that the page hides its cover.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn started();
+    /// Reports why the app has stopped.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn failed(text: &str);
+    /// Opens the browser's file picker.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn open_file_picker();
+    /// Downloads a file.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn save(name: &str, bytes: &[u8]);
+    /// Reports the status of the training, as JSON.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn report(json: &str);
+    /// Makes the address a link that starts the same training. `embedded` is the scenario's text, if it is not shipped.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn set_share_link(scenario: &str, preset: &str, seed: &str, embedded: Option<String>);
+    /// Removes all parameters from the address.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn clear_share_link();
+    /// Text of the scenario embedded in the address, if there is one.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn embedded_scenario() -> Option<String>;
+    /// Stores the preferences for the next visit.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn save_preferences(text: &str);
+    /// The stored preferences.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn load_preferences() -> Option<String>;
+}

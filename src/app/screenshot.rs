@@ -1,0 +1,69 @@
+//! Screenshots of the window.
+//!
+//! In: a [`ScreenshotRequest`]. Out: a PNG file, after which the app exits.
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::window::PrimaryWindow;
+
+use super::session::{Journal, Pacer};
+
+/// Frames until the layout has settled, and glyphs and colours have reached the GPU.
+const SETTLING_FRAMES: u32 = 8;
+
+/// Empty screenshots that are discarded: nothing is drawn until the shaders are compiled in the background.
+const MAX_EMPTY: u32 = 1_000;
+
+/// A screenshot of the window, after which the app exits.
+#[derive(Resource, Clone, Debug, PartialEq, Eq)]
+pub struct ScreenshotRequest {
+    /// The PNG file.
+    pub file: PathBuf,
+    /// Control steps of the training before the screenshot.
+    pub after_steps: u64,
+}
+
+/// Takes the screenshot after the requested number of steps, and exits when it is written.
+pub(super) fn take_screenshot(
+    mut commands: Commands,
+    request: Res<ScreenshotRequest>,
+    journal: Option<Res<Journal>>,
+    pacer: Option<ResMut<Pacer>>,
+    windows: Query<Entity, With<PrimaryWindow>>,
+    under_way: Query<(), With<Screenshot>>,
+    mut frames: Local<u32>,
+) {
+    let (Some(journal), Some(mut pacer)) = (journal, pacer) else { return };
+    if !under_way.is_empty() || journal.steps < request.after_steps || windows.is_empty() {
+        return;
+    }
+    pacer.hold();
+    *frames += 1;
+    if *frames < SETTLING_FRAMES {
+        return;
+    }
+    let (file, is_last) = (request.file.clone(), *frames >= SETTLING_FRAMES + MAX_EMPTY);
+    commands.spawn(Screenshot::primary_window()).observe(
+        move |captured: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
+            let written = match captured.image.clone().try_into_dynamic().map(|image| image.to_rgb8()) {
+                Ok(image) if image.pixels().all(|pixel| pixel == image.get_pixel(0, 0)) => {
+                    if !is_last {
+                        return;
+                    }
+                    Err("the window stayed empty".to_owned())
+                }
+                Ok(image) => image.save(&file).map_err(|error| error.to_string()),
+                Err(error) => Err(error.to_string()),
+            };
+            exit.write(match written {
+                Ok(()) => AppExit::Success,
+                Err(error) => {
+                    crate::run::progress::print_stderr(&format!("error: {}: {error}", file.display()));
+                    AppExit::error()
+                }
+            });
+        },
+    );
+}

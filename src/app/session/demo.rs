@@ -1,0 +1,125 @@
+//! Demos: a policy or the user drives, and nothing is learnt.
+//!
+//! In: a mode other than training. Out: arenas with their action sources, and one round after another. In each round all
+//! drivers start from the same pose towards the same goal.
+
+use bevy::prelude::*;
+
+use super::active_mode::ActiveMode;
+use super::open::{OpenedFiles, check_can_drive};
+use super::trails::Trails;
+use super::training_run::TrainingRun;
+use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions};
+use crate::app::commands::{Pace, SessionMode};
+use crate::learning::QNetwork;
+use crate::run::{RunError, evaluate};
+use crate::scenario::Motion;
+use crate::sim;
+use crate::task::{Arena, CurrentScenario, Episode, EpisodeEnded, TaskMode};
+
+/// Control steps between the end of a round and the next one, so that the user sees how it ended.
+const PAUSE_BETWEEN_ROUNDS: u32 = 4;
+
+/// The rounds of a demo.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Rounds {
+    round: u64,
+    /// Control steps since all drivers finished the round.
+    waited: u32,
+}
+
+impl Rounds {
+    /// Counts a control step after which every driver has finished. Returns the next round if it begins now.
+    fn next(&mut self) -> Option<u64> {
+        self.waited += 1;
+        if self.waited < PAUSE_BETWEEN_ROUNDS {
+            return None;
+        }
+        *self = Self { round: self.round + 1, waited: 0 };
+        Some(self.round)
+    }
+}
+
+/// Replaces the arenas by one for each action source, and begins the first round.
+pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<ActionSource>) {
+    let seed = world.resource::<TrainingRun>().config.seed;
+    let scenario = world.resource::<CurrentScenario>().0.clone();
+    let arenas = sources.len();
+    world.insert_resource(ActionSources { arenas: sources, num_actions: scenario.robot.motions.len() });
+    world.insert_resource(ActionSelection::PerArena);
+    world.insert_resource(Decisions::new(seed, arenas));
+    world.insert_resource(if mode == SessionMode::Test {
+        TaskMode::Continuing
+    } else {
+        TaskMode::SingleGoal
+    });
+    sim::spawn_arenas(world, &scenario, arenas, seed);
+    begin_round(world, 0);
+    world.resource_mut::<Trails>().restart(arenas);
+}
+
+/// The action source of each arena in `mode`.
+///
+/// # Errors
+/// There is no second policy, or it cannot drive here.
+pub(super) fn action_sources(world: &World, mode: SessionMode) -> Result<Vec<ActionSource>, RunError> {
+    let config = &world.resource::<TrainingRun>().config;
+    let current = || ActionSource::Policy(world.resource::<ActiveLearner>().0.network().clone());
+    Ok(match mode {
+        SessionMode::Train | SessionMode::Test => vec![current()],
+        SessionMode::Drive => {
+            let ahead = straightest_motion(&config.scenario.robot.motions);
+            vec![ActionSource::Manual(ahead), current()]
+        }
+        SessionMode::Compare => {
+            let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else {
+                return Err(RunError::InvalidInput(
+                    "No policy to compare with\nhelp: open a policy file first".into(),
+                ));
+            };
+            check_can_drive(config, name, policy)?;
+            let network =
+                QNetwork::from_policy(policy).map_err(|error| RunError::InvalidInput(error.to_string()))?;
+            vec![current(), ActionSource::Policy(network)]
+        }
+    })
+}
+
+/// Begins the next round of a demo some control steps after every driver has finished the last one.
+pub(super) fn advance_rounds(world: &mut World) {
+    world.resource_mut::<Messages<EpisodeEnded>>().clear();
+    let mut arenas = world.query_filtered::<&Episode, With<Arena>>();
+    let all_finished = arenas.iter(world).all(|episode| episode.inactive);
+    let ActiveMode::Demo(demo) = world.resource_mut::<ActiveMode>().into_inner() else { return };
+    if demo.mode == SessionMode::Test || !all_finished {
+        return;
+    }
+    if let Some(round) = demo.rounds.next() {
+        begin_round(world, round);
+    }
+}
+
+/// Puts every arena at the start of `round`, which has the same start and goal in all arenas.
+fn begin_round(world: &mut World, round: u64) {
+    let seed = world.resource::<TrainingRun>().config.seed;
+    sim::reset_arenas(world, |_| Some(evaluate::episode_streams(seed, round)));
+    let mut trails = world.resource_mut::<Trails>();
+    for arena in 0..trails.0.len() {
+        trails.restart_path(arena);
+    }
+}
+
+/// `pace`, limited so that one can drive, or watch.
+pub(super) fn watchable_pace(pace: Pace, mode: SessionMode) -> Pace {
+    let max = if mode == SessionMode::Drive { 1.0 } else { 5.0 };
+    match pace {
+        Pace::Times(times) => Pace::Times(times.min(max)),
+        Pace::Full => Pace::Times(max),
+    }
+}
+
+/// Index of the motion with the least turn rate.
+fn straightest_motion(motions: &[Motion]) -> usize {
+    let turn_rate = |k: &usize| motions[*k].w_rad_s.abs();
+    (0..motions.len()).min_by(|a, b| turn_rate(a).total_cmp(&turn_rate(b))).unwrap_or(0)
+}

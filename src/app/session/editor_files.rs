@@ -1,0 +1,78 @@
+//! Scenario files of the editor: saved, and opened.
+//!
+//! In: a scenario and a path. Out: a file, or a scenario to edit; the editor learns the result from an [`EditorReply`].
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::execute::notify_saved;
+#[cfg(not(target_arch = "wasm32"))]
+use super::file_watch::FileWatches;
+use super::scenario_source::ScenarioSource;
+use super::training_run::TrainingRun;
+use crate::app::commands::EditorReply;
+use crate::run::folder::write_atomic;
+use crate::run::{RunError, shipped};
+use crate::scenario::{MAX_FILE_BYTES, Scenario, path_exists, read_text, to_text};
+
+/// Saves an edited scenario to `path`. The comments are those of `based_on`, the file or shipped scenario that it was made
+/// from, or else those of the file at `path`.
+///
+/// # Errors
+/// The file cannot be written, or another program has changed it and the user has not confirmed yet.
+pub(super) fn save_scenario(
+    world: &mut World,
+    scenario: &Arc<Scenario>,
+    based_on: &str,
+    path: &Path,
+) -> Result<(), RunError> {
+    world.resource_scope(|world, mut source: Mut<ScenarioSource>| {
+        source.check_overwrite(&world.resource::<TrainingRun>().config, scenario, path)
+    })?;
+    let older = source_text(based_on).or_else(|| read_text(path).ok());
+    let text = to_text(scenario, older.as_deref());
+    if text.len() as u64 > MAX_FILE_BYTES {
+        let why = "the scenario is too large: its file would exceed 1 MiB and could not be read again";
+        return Err(RunError::failed(path, why));
+    }
+    write_atomic(path, |file| file.write_all(text.as_bytes()))
+        .map_err(|error| RunError::failed(path, error.to_string()))?;
+    let file = path.display().to_string();
+    // In a browser a saved scenario becomes one of the user's files, so that a training can use it.
+    #[cfg(target_arch = "wasm32")]
+    crate::scenario::virtual_files::add_upload(file.clone(), text.into_bytes());
+    if file == world.resource::<TrainingRun>().config.scenario_from {
+        world.resource_mut::<ScenarioSource>().loaded = Scenario::clone(scenario);
+        // The user decides in the editor whether to run it; the file watch must not.
+        #[cfg(not(target_arch = "wasm32"))]
+        world.resource_mut::<FileWatches>().watch_known(&file);
+    }
+    notify_saved(world, path);
+    world.resource_mut::<ScenarioSource>().saved = Some((file.clone(), scenario.clone()));
+    world.write_message(EditorReply::Saved { file, scenario: scenario.clone() });
+    Ok(())
+}
+
+/// Opens the scenario at `path`, a file or a shipped scenario's name, in the editor. It need not be valid.
+///
+/// # Errors
+/// It cannot be read.
+pub(super) fn open_in_editor(world: &mut World, path: &Path) -> Result<(), RunError> {
+    let from = path.display().to_string();
+    let scenario = if path_exists(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;
+    let scenario = Arc::new(scenario);
+    world.resource_mut::<ScenarioSource>().opened_in_editor = Some((from.clone(), scenario.clone()));
+    world.write_message(EditorReply::Opened { from, scenario });
+    Ok(())
+}
+
+/// The text of a shipped scenario or of a file.
+fn source_text(from: &str) -> Option<String> {
+    match shipped::scenario_text(from) {
+        Some(text) if !path_exists(Path::new(from)) => Some(text.into()),
+        _ => read_text(from).ok(),
+    }
+}

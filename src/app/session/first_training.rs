@@ -1,0 +1,53 @@
+//! The first training of the app.
+//!
+//! In: [`StartOptions`]. Out: the resources of the session, with a notice for each option that cannot be used.
+
+use std::path::Path;
+
+use bevy::prelude::*;
+
+use super::StartOptions;
+use super::editor_files;
+#[cfg(not(target_arch = "wasm32"))]
+use super::file_watch::{self, RetryAction};
+use super::notices::{NoticeTopic, notify};
+use super::open;
+use super::pacer::Pacer;
+use super::start_training::{insert_run, prepare_new, scenario_topic};
+use super::training_run::TrainingRun;
+use crate::app::app_snapshot::Severity;
+
+/// Starts the first training. The options were checked before; if they cannot be used after all, the default training
+/// starts, with a notice.
+pub(super) fn start_first(world: &mut World, start: &StartOptions) {
+    let default = StartOptions::default();
+    let requested = prepare_new(&start.scenario, &start.preset, start.seed, &start.extensions);
+    let problem = requested.as_ref().err().map(ToString::to_string);
+    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed, &start.extensions);
+    match requested.or_else(|_| fallback(&start.preset)).or_else(|_| fallback(&default.preset)) {
+        Ok(prepared) => {
+            world.insert_resource(Pacer::new(start.pace, start.paused));
+            insert_run(world, prepared);
+            open::list_user_files(world);
+        }
+        // Unreachable as long as the shipped files are valid, which a test checks.
+        Err(error) => return error!("{error}"),
+    }
+    for option in &start.invalid_options {
+        notify(world, NoticeTopic::General, Severity::Error, option.clone());
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    let is_broken = file_watch::retry_when_fixed(world, &start.scenario, RetryAction::StartTraining);
+    #[cfg(target_arch = "wasm32")]
+    let is_broken = false;
+    if let Some(problem) = problem {
+        notify(world, scenario_topic(&start.scenario, is_broken), Severity::Error, problem);
+    }
+    if start.edit && world.resource::<TrainingRun>().config.scenario_from != start.scenario {
+        // The scenario is invalid, as the notice says, but perhaps it can be fixed in the editor.
+        let _ = editor_files::open_in_editor(world, Path::new(&start.scenario));
+    }
+    if let Some(path) = &start.open {
+        open::open_or_notify(world, path);
+    }
+}

@@ -1,0 +1,100 @@
+//! The source of the scenario: its file, and what the files that the user works with are known to hold.
+//!
+//! In: every scenario that is loaded, saved or opened in the editor. Out: whether the scenario of the training differs from
+//! its file, and whether a file may be overwritten.
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+
+use crate::app::app_snapshot::ScenarioFile;
+use crate::run::folder::RunConfig;
+use crate::run::{RunError, shipped};
+use crate::scenario::{Scenario, path_exists};
+
+/// Where the scenario of the training comes from, and what its file is known to hold.
+#[derive(Resource)]
+pub struct ScenarioSource {
+    /// The scenario in its file, or as it is shipped.
+    pub(super) loaded: Scenario,
+    /// A scenario to adopt when the next episode ends.
+    pub(super) pending: Option<Scenario>,
+    /// The scenario that was saved last. `None` once the scenario of the training has changed after it.
+    pub(super) saved: Option<ScenarioFile>,
+    /// The scenario that was opened last in the editor.
+    pub(super) opened_in_editor: Option<ScenarioFile>,
+    /// A file that somebody else has changed, and that the user wanted to overwrite once.
+    overwrite_requested: Option<PathBuf>,
+}
+
+impl ScenarioSource {
+    /// The source of the scenario in `config`.
+    pub(super) fn new(config: &RunConfig) -> Self {
+        Self {
+            loaded: load_source(&config.scenario_from).unwrap_or_else(|| config.scenario.clone()),
+            pending: None,
+            saved: None,
+            opened_in_editor: None,
+            overwrite_requested: None,
+        }
+    }
+
+    /// Keeps what `old` knows about files when a new training replaces one.
+    pub(super) fn keep_known_files(&mut self, old: Self) {
+        self.saved = old.saved;
+        self.opened_in_editor = old.opened_in_editor;
+    }
+
+    /// Whether the scenario of the training differs from its file: an object was moved, or an edit was not saved.
+    #[must_use]
+    pub fn is_modified(&self, config: &RunConfig) -> bool {
+        self.loaded != config.scenario
+    }
+
+    /// The scenario that was saved last, and its file.
+    #[must_use]
+    pub fn saved(&self) -> Option<&ScenarioFile> {
+        self.saved.as_ref()
+    }
+
+    /// Forgets the saved scenario: the scenario of the training is newer.
+    pub(super) fn forget_saved(&mut self) {
+        self.saved = None;
+    }
+
+    /// Checks that writing `scenario` to `path` destroys nobody's work. That holds if the file has the same content as when
+    /// it was read or written here last, if it was never read here (the file dialog has asked then), or if the user asks for
+    /// the second time.
+    ///
+    /// # Errors
+    /// Somebody else has changed the file, and the user asks for the first time.
+    pub(super) fn check_overwrite(
+        &mut self,
+        config: &RunConfig,
+        scenario: &Scenario,
+        path: &Path,
+    ) -> Result<(), RunError> {
+        let file = path.display().to_string();
+        let loaded = (file == config.scenario_from).then_some(&self.loaded);
+        let files = self.saved.iter().chain(&self.opened_in_editor);
+        let known = files.filter(|known| known.0 == file).map(|known| &*known.1);
+        let mut known = loaded.into_iter().chain(known).peekable();
+        let present = Scenario::load_draft(path).ok();
+        let is_unchanged = known.peek().is_none()
+            || present.as_ref() == Some(scenario)
+            || known.any(|known| present.as_ref() == Some(known));
+        let is_repeated = self.overwrite_requested.take().as_deref() == Some(path);
+        if !path_exists(path) || is_unchanged || is_repeated {
+            return Ok(());
+        }
+        self.overwrite_requested = Some(path.into());
+        let why = "another program has changed this file, and its changes would be lost\n\
+                   help: save again to overwrite it, or choose another name";
+        Err(RunError::failed(path, why))
+    }
+}
+
+/// The current content of `from`, a shipped scenario's name or a file.
+pub(super) fn load_source(from: &str) -> Option<Scenario> {
+    shipped::scenario(from).ok()
+}

@@ -1,0 +1,160 @@
+//! The state of a run in a checkpoint, and the check of its values.
+
+use std::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+
+use crate::agent::TrainingStats;
+use crate::learning::Policy;
+use crate::random::{self, Stream};
+use crate::run::folder::RunConfig;
+use crate::run::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
+use crate::run::metric_rows::Milestone;
+use crate::task::ArenaState;
+
+/// The state of a run, apart from its learner.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrainerState {
+    /// The arenas.
+    pub arenas: Vec<ArenaState>,
+    /// The random streams of exploration, one per arena.
+    pub exploration: Vec<Stream>,
+    /// Sums over the gradient steps since the last row of `episodes.csv`.
+    pub stats: TrainingStats,
+    /// Mean loss, TD error and Q-value in the last row.
+    pub means: Option<(f64, f64, f64)>,
+    /// Returns of the last episodes, at most [`MAX_RECENT_RETURNS`].
+    pub recent_returns: VecDeque<f64>,
+    /// Length of `episodes.csv` in bytes.
+    pub episodes_bytes: u64,
+    /// Length of `evaluations.csv` in bytes.
+    pub evaluations_bytes: u64,
+    /// Env steps at which the next evaluation is due.
+    pub next_evaluation: u64,
+    /// Env steps at the last evaluation; `None` before the first.
+    pub evaluated_at: Option<u64>,
+    /// Success rate of the last evaluation, 0 to 1.
+    pub last_success_rate: Option<f64>,
+    /// The best policy so far.
+    pub best: Option<BestPolicy>,
+    /// When a success rate of 96 % was first reached.
+    pub first_96: Option<Milestone>,
+    /// When a success rate of 99 % was first reached.
+    pub first_99: Option<Milestone>,
+    /// Wall time up to this checkpoint, in s, over all processes of the run.
+    pub wall_s: f64,
+    /// The plugin data of every arena; empty without plugins.
+    pub arena_extensions: Vec<ArenaExtension>,
+}
+
+/// The plugin data of an arena: sensor readings, and the sums of reward terms in the current episode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ArenaExtension {
+    /// The readings of plugin sensors.
+    pub readings: Vec<f32>,
+    /// The sums of plugin reward terms.
+    pub extra_rewards: Vec<f32>,
+}
+
+impl ArenaExtension {
+    fn from_state(state: &ArenaState) -> Self {
+        Self { readings: state.readings.clone(), extra_rewards: state.episode.extra_rewards.clone() }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.readings.is_empty() && self.extra_rewards.is_empty()
+    }
+}
+
+/// The best policy so far: the latest one whose mean cost is within [`BestPolicy::COST_TOLERANCE`] of the minimum.
+///
+/// The cost of an episode is its simulated time; a failure costs the whole time limit. A smaller difference over some
+/// hundred episodes is noise, and of two equally good policies the one trained longer is the better bet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BestPolicy {
+    /// Share of episodes that succeeded, 0 to 1.
+    pub success_rate: f64,
+    /// Mean simulated time of those, in s.
+    pub mean_time_s: Option<f64>,
+    /// Mean cost of all episodes, in s.
+    pub mean_cost_s: f64,
+    /// Minimum mean cost of all policies so far, in s.
+    pub min_cost_s: f64,
+    /// The contents of the policy file.
+    pub bytes: Vec<u8>,
+}
+
+impl BestPolicy {
+    /// Policies count as equally good up to this multiple of the minimum mean cost.
+    pub const COST_TOLERANCE: f64 = 1.01;
+}
+
+impl TrainerState {
+    /// Copies the plugin data out of the arenas, whose serialized form does not include it.
+    pub(super) fn collect_extensions(&mut self) {
+        self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
+        if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
+            self.arena_extensions.clear();
+        }
+    }
+
+    /// Copies the plugin data back into the arenas.
+    pub(super) fn distribute_extensions(&mut self) -> Result<(), String> {
+        if !self.arena_extensions.is_empty() && self.arena_extensions.len() != self.arenas.len() {
+            return Err("is damaged: it has plugin data of a different number of arenas".into());
+        }
+        for (arena, extension) in self.arenas.iter_mut().zip(&self.arena_extensions) {
+            arena.readings.clone_from(&extension.readings);
+            arena.episode.extra_rewards.clone_from(&extension.extra_rewards);
+        }
+        self.collect_extensions();
+        Ok(())
+    }
+
+    /// Checks that a run of `config` can continue from this state.
+    pub(super) fn check(&self, config: &RunConfig) -> Result<(), String> {
+        let arenas = config.preset.arenas;
+        if self.arenas.len() != arenas || self.exploration.len() != arenas {
+            return Err("has a different number of arenas than config.ron".into());
+        }
+        for (number, arena) in self.arenas.iter().enumerate() {
+            arena
+                .check(&config.scenario, &config.observation_layout())
+                .map_err(|what| format!("is damaged: arena {number} has an invalid value for {what}"))?;
+        }
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let TrainingStats { loss, td_error, q, .. } = self.stats;
+        let is_share = |rate: f64| (0.0..=1.0).contains(&rate);
+        let milestones = [self.first_96, self.first_99];
+        for (what, is_valid) in [
+            ("a random stream of exploration", self.exploration.iter().all(random::is_valid)),
+            ("the sums over gradient steps", finite(&[loss, td_error, q])),
+            ("the means of the last row", self.means.is_none_or(|(a, b, c)| finite(&[a, b, c]))),
+            (
+                "the recent returns",
+                self.recent_returns.len() <= MAX_RECENT_RETURNS
+                    && self.recent_returns.iter().all(|value| value.is_finite()),
+            ),
+            ("the next evaluation", self.next_evaluation <= 1 << 62),
+            ("the last success rate", self.last_success_rate.is_none_or(is_share)),
+            ("the best policy", self.best.as_ref().is_none_or(BestPolicy::is_valid)),
+            ("the milestones", milestones.iter().flatten().all(|milestone| milestone.wall_s.is_finite())),
+            ("the wall time", (0.0..=MAX_TIME_S).contains(&self.wall_s)),
+        ] {
+            if !is_valid {
+                return Err(format!("is damaged: invalid value for {what}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl BestPolicy {
+    /// Whether the policy can be read and the numbers are possible results of an evaluation.
+    fn is_valid(&self) -> bool {
+        let times = [self.mean_cost_s, self.min_cost_s].into_iter().chain(self.mean_time_s);
+        (0.0..=1.0).contains(&self.success_rate)
+            && times.into_iter().all(|time| (0.0..=MAX_TIME_S).contains(&time))
+            && Policy::from_bytes(&self.bytes).is_ok()
+    }
+}

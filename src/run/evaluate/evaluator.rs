@@ -1,0 +1,218 @@
+//! The simulation that runs evaluation episodes.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::EpisodeResult;
+use crate::agent::{ActionSelection, GreedyPolicy};
+use crate::learning::QNetwork;
+use crate::policy::Policy;
+use crate::random;
+use crate::run::limits::MAX_BODIES;
+use crate::run::memory::bodies_per_arena;
+use crate::run::{RunError, policy_card};
+use crate::scenario::Scenario;
+use crate::sim;
+use crate::simulation::{self, Extensions, Simulation, SimulationBuilder};
+use crate::task::{
+    Arena, ArenaState, Clock, EpisodeEnd, EpisodeEnded, EpisodeSetup, ObservationLayout, Pose, Streams,
+    TaskMode,
+};
+
+/// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a frame.
+const MAX_PARALLEL: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
+
+/// An evaluation in progress.
+pub struct EvaluationRun {
+    seed: u64,
+    count: usize,
+    /// The episodes that have ended.
+    pub episodes: Vec<EpisodeResult>,
+    /// The initial states of the current episodes.
+    initial: Vec<ArenaState>,
+    /// The reason and number of control steps of each current episode that has ended.
+    ends: Vec<Option<(EpisodeEnd, u32)>>,
+}
+
+/// A simulation for evaluations. It is built once and can be reused with other policies.
+pub struct Evaluator {
+    simulation: Simulation,
+    scenario: Arc<Scenario>,
+    arenas: usize,
+}
+
+impl Evaluator {
+    /// An evaluator of up to `episodes` parallel episodes.
+    #[must_use]
+    pub fn new(scenario: &Arc<Scenario>, episodes: usize) -> Self {
+        Self::with_extensions(scenario, episodes, &Extensions::default())
+    }
+
+    /// An evaluator with the plugins that the policy was trained with.
+    #[must_use]
+    pub fn with_extensions(scenario: &Arc<Scenario>, episodes: usize, extensions: &Extensions) -> Self {
+        // Fewer arenas if each has thousands of bodies. The number of arenas does not change any result.
+        let arenas = episodes.min(MAX_PARALLEL).min(MAX_BODIES / bodies_per_arena(scenario)).max(1);
+        let simulation = SimulationBuilder::new(scenario)
+            .arenas(arenas)
+            .mode(TaskMode::SingleGoal)
+            .agent(ActionSelection::Greedy)
+            .extensions(extensions)
+            .build();
+        Self { simulation, scenario: scenario.clone(), arenas }
+    }
+
+    /// Runs `count` episodes with `policy`, whose card sets the encoding of its observations ([`policy_card::encoding`]).
+    /// `setup` sets the starts and goals. Those of episode j depend only on the scenario, `seed` and j.
+    ///
+    /// # Errors
+    /// The policy's observations or actions are not those of the scenario, or there is no free space for a start.
+    pub fn run(
+        &mut self,
+        policy: &Policy,
+        seed: u64,
+        count: usize,
+        setup: EpisodeSetup,
+    ) -> Result<Vec<EpisodeResult>, RunError> {
+        let mut run = self.start(policy, seed, count, setup)?;
+        while !self.step(&mut run)? {}
+        Ok(run.episodes)
+    }
+
+    /// Starts an evaluation that [`Evaluator::step`] continues one control step at a time.
+    ///
+    /// # Errors
+    /// The policy's observations or actions are not those of the scenario.
+    pub fn start(
+        &mut self,
+        policy: &Policy,
+        seed: u64,
+        count: usize,
+        setup: EpisodeSetup,
+    ) -> Result<EvaluationRun, RunError> {
+        self.use_policy(policy, setup)?;
+        Ok(EvaluationRun {
+            seed,
+            count,
+            episodes: Vec::with_capacity(count),
+            initial: Vec::new(),
+            ends: Vec::new(),
+        })
+    }
+
+    /// Takes one control step of `run`, which must be the evaluation that was started last. Returns whether all episodes have
+    /// ended.
+    ///
+    /// # Errors
+    /// There is no free space for a start.
+    pub fn step(&mut self, run: &mut EvaluationRun) -> Result<bool, RunError> {
+        if run.episodes.len() >= run.count {
+            return Ok(true);
+        }
+        let world = self.simulation.world_mut();
+        if run.ends.is_empty() {
+            let (seed, first) = (run.seed, run.episodes.len());
+            let batch = self.arenas.min(run.count - first);
+            sim::reset_arenas(world, |arena| {
+                (arena < batch).then(|| episode_streams(seed, (first + arena) as u64))
+            });
+            run.initial = sim::snapshot(world);
+            run.ends = vec![None; batch];
+        }
+        simulation::step(world)?;
+        for ended in world.resource_mut::<Messages<EpisodeEnded>>().drain() {
+            run.ends[ended.arena] = Some((ended.end, ended.steps));
+        }
+        // The time limit ends every episode.
+        if run.ends.iter().all(Option::is_some) {
+            let ended = run.ends.drain(..).flatten().zip(run.initial.drain(..));
+            run.episodes.extend(ended.map(|((end, steps), state)| EpisodeResult {
+                end,
+                steps,
+                start: state.pose,
+                goal: state.goal,
+                clock: state.clock,
+                layout_seed: state.layout_seed,
+            }));
+        }
+        Ok(run.episodes.len() >= run.count)
+    }
+
+    /// Runs only episode 0 of [`Evaluator::run`]. Returns its result and the robot's poses after 0, 1, ... control steps.
+    ///
+    /// # Errors
+    /// As for [`Evaluator::run`].
+    pub fn trace(
+        &mut self,
+        policy: &Policy,
+        seed: u64,
+        setup: EpisodeSetup,
+    ) -> Result<(EpisodeResult, Vec<Pose>), RunError> {
+        self.use_policy(policy, setup)?;
+        let world = self.simulation.world_mut();
+        sim::reset_arenas(world, |arena| (arena == 0).then(|| episode_streams(seed, 0)));
+        let initial = sim::snapshot(world).swap_remove(0);
+        let mut robots = world.query::<(&Arena, &Pose)>();
+        let mut poses = vec![initial.pose];
+        // The time limit ends the episode.
+        loop {
+            self.simulation.step()?;
+            let world = self.simulation.world_mut();
+            poses.extend(robots.iter(world).find(|(arena, _)| arena.0 == 0).map(|(_, pose)| *pose));
+            let ended = world.resource_mut::<Messages<EpisodeEnded>>().drain().last();
+            if let Some(EpisodeEnded { end, steps, .. }) = ended {
+                let ArenaState { pose: start, goal, clock, layout_seed, .. } = initial;
+                return Ok((EpisodeResult { end, steps, start, goal, clock, layout_seed }, poses));
+            }
+        }
+    }
+
+    /// Makes `policy` choose the actions and `setup` the starts and goals of the next episodes.
+    fn use_policy(&mut self, policy: &Policy, setup: EpisodeSetup) -> Result<(), RunError> {
+        let layout = self.simulation.world().resource::<ObservationLayout>();
+        check_compatible(policy, &self.scenario, layout)?;
+        let network = QNetwork::from_policy(policy).map_err(|error| RunError::Failed(error.to_string()))?;
+        let world = self.simulation.world_mut();
+        world.resource_mut::<ObservationLayout>().encoding = policy_card::encoding(policy)?;
+        world.insert_resource(GreedyPolicy(network));
+        world.insert_resource(setup);
+        Ok(())
+    }
+}
+
+/// The random streams of episode `index` of the evaluation with `seed`, and the obstacles' clock at its start.
+#[must_use]
+pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
+    let clock = random::uniform_index(&mut random::stream(seed, "navigation: clock", index), 100_000);
+    let streams = Streams {
+        places: random::stream(seed, "navigation: places", index),
+        sensor: random::stream(seed, "navigation: sensor", index),
+    };
+    (streams, Clock(clock as u64))
+}
+
+/// Checks that `policy` fits the observations (`layout`) and actions of `scenario`.
+///
+/// # Errors
+/// The policy's inputs or actions, and those of the scenario.
+pub fn check_compatible(
+    policy: &Policy,
+    scenario: &Scenario,
+    layout: &ObservationLayout,
+) -> Result<(), RunError> {
+    policy_card::encoding(policy)?;
+    policy_card::check_sensors(policy, layout)?;
+    let shape = policy.shape();
+    let inputs = layout.width(scenario.lidar.beams);
+    let actions = scenario.robot.motions.len();
+    if (shape.inputs, shape.actions) == (inputs, actions) {
+        return Ok(());
+    }
+    Err(RunError::InvalidInput(format!(
+        "the policy takes {} numbers and chooses among {} motions, but scenario \"{}\" gives {inputs} numbers \
+         ({} beams and 4) and has {actions} motions; help: use the scenario it was trained in, or one with as many beams \
+         and motions",
+        shape.inputs, shape.actions, scenario.name, scenario.lidar.beams
+    )))
+}

@@ -1,0 +1,117 @@
+//! Evaluation of a policy: success rates and times over rounds of episodes and on the benchmark route, and the comparison
+//! with optimal times.
+//!
+//! In: a policy, a scenario, a seed. Out: the episodes and an [`Evaluation`]. Episode j depends only on the policy, the
+//! scenario, the seed and j.
+//!
+//! **Success**: the robot gets closer to the goal than l_a (0.2 m) before a LIDAR range is below l_c (0.13 m) or its body
+//! touches anything, within the scenario's time limit (500 steps, 100 s). An episode has one start and one goal, drawn from
+//! random streams that training never uses, and starts at one moment of the obstacles' motion.
+
+mod evaluator;
+mod optimum;
+
+use serde::Serialize;
+
+use crate::scenario::TaskRules;
+use crate::task::{Clock, EpisodeEnd, Goal, Pose};
+
+pub use evaluator::{EvaluationRun, Evaluator, check_compatible, episode_streams};
+pub use optimum::{OptimumComparison, bounds, compare_with_optimum};
+
+/// The result of one episode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EpisodeResult {
+    /// The reason of its end.
+    pub end: EpisodeEnd,
+    /// Its length in control steps.
+    pub steps: u32,
+    /// The robot's initial pose.
+    pub start: Pose,
+    /// The goal.
+    pub goal: Goal,
+    /// The obstacles' clock at the start.
+    pub clock: Clock,
+    /// The seed of the generated obstacles' layout, if the scenario has generators.
+    pub layout_seed: u64,
+}
+
+impl EpisodeResult {
+    /// Whether the robot reached the goal.
+    #[must_use]
+    pub fn succeeded(&self) -> bool {
+        self.end == EpisodeEnd::Reached
+    }
+}
+
+/// The rates and mean times of a set of episodes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// Share of episodes that succeeded, 0 to 1.
+    pub success_rate: f64,
+    /// The success rate of each round (tables 2 and 5 of the paper).
+    pub rounds: Vec<f64>,
+    /// Share of episodes that ended in a collision, 0 to 1.
+    pub collision_rate: f64,
+    /// Share of episodes that ended at the time limit, 0 to 1.
+    pub timeout_rate: f64,
+    /// Mean simulated time of the successful episodes, in s; `None` without any.
+    pub mean_time_s: Option<f64>,
+    /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best policy of a run is
+    /// chosen by it.
+    pub mean_cost_s: f64,
+    /// Number of episodes.
+    pub episodes: usize,
+    /// The seed of their starts and goals.
+    pub seed: u64,
+}
+
+impl Evaluation {
+    /// The evaluation of `episodes`, with `round` episodes per round.
+    #[must_use]
+    pub fn from_episodes(episodes: &[EpisodeResult], round: usize, rules: &TaskRules, seed: u64) -> Self {
+        let rate =
+            |of: &[EpisodeResult], end| of.iter().filter(|n| n.end == end).count() as f64 / of.len() as f64;
+        Self {
+            success_rate: rate(episodes, EpisodeEnd::Reached),
+            rounds: episodes.chunks(round).map(|chunk| rate(chunk, EpisodeEnd::Reached)).collect(),
+            collision_rate: rate(episodes, EpisodeEnd::Collided),
+            timeout_rate: rate(episodes, EpisodeEnd::TimedOut),
+            mean_time_s: mean_time_s(episodes, rules.control_period_s),
+            mean_cost_s: mean_cost_s(episodes, rules),
+            episodes: episodes.len(),
+            seed,
+        }
+    }
+}
+
+/// The simulated time of each successful episode, in s.
+pub fn times_s(episodes: &[EpisodeResult], control_period_s: f32) -> impl Iterator<Item = f64> {
+    episodes
+        .iter()
+        .filter(|n| n.succeeded())
+        .map(move |n| round_to_microsecond(f64::from(n.steps) * period_s(control_period_s)))
+}
+
+fn mean_time_s(episodes: &[EpisodeResult], control_period_s: f32) -> Option<f64> {
+    let (count, sum) = times_s(episodes, control_period_s).fold((0_u32, 0.0), |(n, sum), t| (n + 1, sum + t));
+    (count > 0).then(|| round_to_microsecond(sum / f64::from(count)))
+}
+
+fn mean_cost_s(episodes: &[EpisodeResult], rules: &TaskRules) -> f64 {
+    let steps = |n: &EpisodeResult| if n.succeeded() { n.steps } else { rules.max_episode_steps };
+    let sum: u64 = episodes.iter().map(|n| u64::from(steps(n))).sum();
+    round_to_microsecond(sum as f64 / episodes.len() as f64 * period_s(rules.control_period_s))
+}
+
+/// The control period in s, without the rounding error of `f32`: 0.2, not 0.200000003.
+#[must_use]
+pub fn period_s(control_period_s: f32) -> f64 {
+    round_to_microsecond(f64::from(control_period_s))
+}
+
+/// `seconds`, rounded to a microsecond, which removes the rounding errors of sums.
+#[must_use]
+pub fn round_to_microsecond(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
+}
