@@ -3,8 +3,8 @@
 //! `cargo run --release --no-default-features --example learner_alone`
 
 use wayfield_learning::{
-    Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer, ReplayConfig, Schedule,
-    TargetUpdate, epsilon_greedy, greedy,
+    Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer, ReplayConfig, Sampling,
+    Schedule, TargetUpdate, epsilon_greedy, greedy,
 };
 use wayfield_random::stream;
 
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         gamma: 0.9,
         optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
         learning_rate: Schedule::Constant(3e-3),
-        replay: ReplayConfig { capacity: 10_000, learning_starts: 200, ..ReplayConfig::default() },
+        replay: ReplayConfig { capacity: 10_000, learning_starts: 200, sampling: Sampling::Uniform },
         target_update: TargetUpdate::Soft { tau: 0.02 },
         exploration: Exploration::Linear { start: 1.0, end: 0.1, env_steps: 2_000 },
         ..LearningConfig::default()

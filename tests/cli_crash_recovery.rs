@@ -1,4 +1,5 @@
-//! Crash recovery: however a run ends, its folder stays consistent, and the resumed run equals an uninterrupted one.
+//! Crash recovery: however a run ends, its folder stays consistent, and the resumed run equals an
+//! uninterrupted one.
 #![cfg(target_os = "linux")]
 
 mod cli_support;

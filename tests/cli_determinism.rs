@@ -1,5 +1,5 @@
-//! Determinism of the command line: runs with the same seed are byte-identical, and a run that was stopped (by its budget, by
-//! Ctrl-C or by SIGKILL) resumes to the result of an uninterrupted run.
+//! Determinism of the command line: runs with the same seed are byte-identical, and a run that was stopped
+//! (by its budget, by Ctrl-C or by SIGKILL) resumes to the result of an uninterrupted run.
 
 mod cli_support;
 
@@ -20,7 +20,8 @@ fn workspace() -> Workspace {
     workspace
 }
 
-/// Asserts that runs with the same scenario, preset and seed are identical, and that another seed gives another run.
+/// Asserts that runs with the same scenario, preset and seed are identical, and that another seed gives
+/// another run.
 fn assert_repeats(what: &str) {
     let workspace = workspace();
     workspace.run_ok(&format!("--train {what} --seed 3 --out a"));
@@ -155,8 +156,8 @@ fn a_killed_run_resumes_from_its_last_checkpoint_to_the_uninterrupted_result() {
     let what = "--train --scenario one.ron --preset per.ron --seed 7";
     workspace.run_ok(&format!("{what} --episodes 400 --out uninterrupted"));
 
-    // Killed first after the checkpoint at the start, then after one in the middle. Both times there are rows on disk that
-    // the checkpoint does not include.
+    // Killed first after the checkpoint at the start, then after one in the middle. Both times there are rows
+    // on disk that the checkpoint does not include.
     let mut child = workspace.start(&format!("{what} --episodes 100 --out killed"));
     wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, "killed", HEADER));
     signal(&child, "KILL");

@@ -1,5 +1,5 @@
-//! Divergence: a non-finite value stops the run with its step, cause and a fix, and keeps the last checkpoint; before that, a
-//! warning is printed while learning diverges.
+//! Divergence: a non-finite value stops the run with its step, cause and a fix, and keeps the last
+//! checkpoint; before that, a warning is printed while learning diverges.
 
 mod cli_support;
 #[path = "support/divergent.rs"]

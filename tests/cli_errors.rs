@@ -1,5 +1,5 @@
-//! Invalid arguments and files: exit status 2, one message on stderr that names the file, the line and a fix, nothing on
-//! stdout, and no file created or changed. Also the help text.
+//! Invalid arguments and files: exit status 2, one message on stderr that names the file, the line and a fix,
+//! nothing on stdout, and no file created or changed. Also the help text.
 //!
 //! The messages are compared with `tests/snapshots/messages/`, one file per test. To renew them:
 //! `WAYFIELD_RENEW=1 cargo test --release --test cli_errors`

@@ -8,7 +8,8 @@ use cli_support::{FAST, SCENARIO_1, Workspace, edited, quick_fast, raw};
 use serde_json::Value;
 use wayfield::policy::Policy;
 
-/// A workspace, shared by all tests, with a run of the default preset: 30,000 env steps, seed 1, in `trained`.
+/// A workspace, shared by all tests, with a run of the default preset: 30,000 env steps, seed 1, in
+/// `trained`.
 fn trained() -> &'static Workspace {
     static WORKSPACE: OnceLock<Workspace> = OnceLock::new();
     WORKSPACE.get_or_init(|| {
@@ -79,7 +80,8 @@ fn course_times_every_episode_on_the_benchmark_route() {
     assert_eq!(times.len(), 25, "all 5 rounds of 5 episodes reach the goal: {report}");
     let mean = times.iter().sum::<f64>() / 25.0;
     assert!((mean - number(&report, "course_time_s")).abs() < 1e-9, "{report}");
-    // 10.8 s is the optimal time (docs/optimum.md). No time can be below it, and a trained robot's is not far above.
+    // 10.8 s is the optimal time (docs/optimum.md). No time can be below it, and a trained robot's is not far
+    // above.
     assert!(times.iter().all(|time| (10.8 - 1e-9..20.0).contains(time)), "{times:?}");
 }
 
@@ -185,7 +187,8 @@ fn a_policy_trained_on_raw_observations_is_evaluated_on_raw_observations() {
         "{observation}"
     );
 
-    // The same weights with another encoding in the card, or with none (as in old policies, which are scaled).
+    // The same weights with another encoding in the card, or with none (as in old policies, which are
+    // scaled).
     policy.metadata.insert("encoding".into(), "scaled".into());
     workspace.write("relabelled.safetensors", policy.to_bytes().unwrap());
     policy.metadata.remove("encoding");

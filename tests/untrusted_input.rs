@@ -1,5 +1,5 @@
-//! Untrusted input: any file is accepted or rejected quickly, with little memory and without a panic. The fuzzers in `fuzz/`
-//! use the same readers.
+//! Untrusted input: any file is accepted or rejected quickly, with little memory and without a panic. The
+//! fuzzers in `fuzz/` use the same readers.
 
 #[path = "support/untrusted_input.rs"]
 mod untrusted_input;
@@ -27,7 +27,8 @@ const MAX_TIME: Duration = Duration::from_secs(if cfg!(debug_assertions) { 20 } 
 /// Maximum peak memory of this process in kB, over all tests.
 const MAX_PEAK_KB: u64 = 400_000;
 
-/// Runs `reader` on `bytes`, checks its time and the peak memory of the process, and returns whether the bytes are valid.
+/// Runs `reader` on `bytes`, checks its time and the peak memory of the process, and returns whether the
+/// bytes are valid.
 fn check_read(what: &str, reader: Reader, bytes: &[u8]) -> bool {
     let (start, cpu_start) = (Instant::now(), thread_cpu_time());
     let is_valid = reader(bytes);
@@ -42,7 +43,8 @@ fn check_read(what: &str, reader: Reader, bytes: &[u8]) -> bool {
     is_valid
 }
 
-/// The CPU time of this thread, where the system reports it. Unlike wall time it does not depend on other processes.
+/// The CPU time of this thread, where the system reports it. Unlike wall time it does not depend on other
+/// processes.
 fn thread_cpu_time() -> Option<Duration> {
     let status = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     Some(Duration::from_nanos(status.split_whitespace().next()?.parse().ok()?))

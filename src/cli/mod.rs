@@ -1,10 +1,10 @@
 //! The command line: arguments in, results and an exit status out.
 //!
-//! In: the process's arguments. Out: results on stdout, logs and progress on stderr, and an exit status: 0 on success, 1
-//! when a run failed, 2 for arguments or files that cannot be used.
+//! In: the process's arguments. Out: results on stdout, logs and progress on stderr, and an exit status: 0 on
+//! success, 1 when a run failed, 2 for arguments or files that cannot be used.
 //!
-//! Each mode is a file that holds the mode's own options and its command. [`modes`] chooses the mode and rejects options
-//! of other modes; [`shared`] holds the options that several modes take.
+//! Each mode is a file that holds the mode's own options and its command. [`modes`] chooses the mode and
+//! rejects options of other modes; [`shared`] holds the options that several modes take.
 
 mod check;
 mod draw;

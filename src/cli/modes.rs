@@ -37,7 +37,8 @@ pub struct ModeArgs {
     pub replay: Option<PathBuf>,
 }
 
-/// The options of each mode, by id. An id that names a group (a struct of options) stands for all options in it.
+/// The options of each mode, by id. An id that names a group (a struct of options) stands for all options in
+/// it.
 const MODES: &[(&str, &[&str])] = &[
     ("train", &["scenario", "preset", "seed", "episodes", "out", "json", "TrainArgs"]),
     ("eval", &["scenario", "seed", "episodes", "json", "EvalArgs"]),

@@ -29,7 +29,8 @@ pub struct ReproduceArgs {
     #[arg(long)]
     quick: bool,
 
-    /// Run this experiment (a RON file like those in assets/experiments) instead of the paper's; may be repeated
+    /// Run this experiment (a RON file like those in assets/experiments) instead of the paper's; may be
+    /// repeated
     #[arg(long, value_name = "FILE")]
     experiment: Vec<PathBuf>,
 

@@ -16,7 +16,8 @@ pub struct SharedArgs {
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<String>,
 
-    /// The training preset: a RON file, or a shipped one by name (fast, per_d3qn, per_d3qn_tuned, dqn) [default: fast]
+    /// The training preset: a RON file, or a shipped one by name (fast, per_d3qn, per_d3qn_tuned, dqn)
+    /// [default: fast]
     #[arg(long, value_name = "FILE")]
     pub preset: Option<String>,
 
@@ -24,12 +25,13 @@ pub struct SharedArgs {
     #[arg(long, value_name = "N", value_parser = values::seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
 
-    /// With --train: stop after N episodes [default: the preset's budget]. With --eval: episodes per round [default: 100]
+    /// With --train: stop after N episodes [default: the preset's budget]. With --eval: episodes per round
+    /// [default: 100]
     #[arg(long, value_name = "N", value_parser = values::budget, allow_negative_numbers = true)]
     pub episodes: Option<u64>,
 
-    /// The output folder. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>]. With --reproduce: the
-    /// report's folder, continued if it already holds a report [default: runs/reproduce]
+    /// The output folder. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>]. With
+    /// --reproduce: the report's folder, continued if it already holds a report [default: runs/reproduce]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 

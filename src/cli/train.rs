@@ -22,7 +22,8 @@ use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of --train")]
 pub struct TrainArgs {
-    /// Stop after N env steps over all arenas, rounded up to whole control steps [default: the preset's budget]
+    /// Stop after N env steps over all arenas, rounded up to whole control steps [default: the preset's
+    /// budget]
     #[arg(long, value_name = "N", conflicts_with = "episodes", value_parser = values::budget, allow_negative_numbers = true)]
     steps: Option<u64>,
 
@@ -38,8 +39,8 @@ pub struct TrainArgs {
     #[arg(long, value_name = "X", requires = "init")]
     epsilon: Option<f32>,
 
-    /// Continue the run in DIR exactly where it stopped; --episodes or --steps set a larger budget, counted from the
-    /// start of the run
+    /// Continue the run in DIR exactly where it stopped; --episodes or --steps set a larger budget, counted
+    /// from the start of the run
     #[arg(long, value_name = "DIR",
         conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
     resume: Option<PathBuf>,

@@ -96,8 +96,9 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
     })
 }
 
-/// Reports an unusable scenario or preset on the terminal, before the window opens. An invalid scenario file is no
-/// error: the window loads it as soon as the user has fixed it. (For a screenshot it is one, since nobody will fix it.)
+/// Reports an unusable scenario or preset on the terminal, before the window opens. An invalid scenario file
+/// is no error: the window loads it as soon as the user has fixed it. (For a screenshot it is one, since
+/// nobody will fix it.)
 fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunError> {
     match shipped::scenario(&start.scenario) {
         Err(error) if Path::new(&start.scenario).is_file() && !screenshot => {

@@ -1,10 +1,10 @@
 //! Evaluation during training, without stopping it.
 //!
-//! In: candidate policies. Out: their evaluations, in the same order. Evaluations use a separate simulation and separate
-//! random streams, so that a run's result does not depend on how fast they are.
+//! In: candidate policies. Out: their evaluations, in the same order. Evaluations use a separate simulation
+//! and separate random streams, so that a run's result does not depend on how fast they are.
 //!
-//! Natively the evaluator has a thread (`threaded.rs`). A browser build has only one thread, so there the evaluator works
-//! in time slices (`sliced.rs`).
+//! Natively the evaluator has a thread (`threaded.rs`). A browser build has only one thread, so there the
+//! evaluator works in time slices (`sliced.rs`).
 
 #[cfg(any(test, target_arch = "wasm32"))]
 mod sliced;

@@ -20,8 +20,8 @@ pub struct CheckedFile {
     pub error: Option<FileError>,
 }
 
-/// Checks the files in `paths`, in this order. In a folder, all files named `*.ron` are checked, sorted by path and
-/// including subfolders; hidden files and folders (`.name`) are skipped.
+/// Checks the files in `paths`, in this order. In a folder, all files named `*.ron` are checked, sorted by
+/// path and including subfolders; hidden files and folders (`.name`) are skipped.
 #[must_use]
 pub fn check(paths: &[PathBuf]) -> Vec<CheckedFile> {
     let mut checked = Vec::new();
@@ -61,8 +61,8 @@ fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
     }
 }
 
-/// The entries of a folder that are not hidden, sorted, each with whether it is a folder. Links to folders are left out,
-/// because they may form a cycle.
+/// The entries of a folder that are not hidden, sorted, each with whether it is a folder. Links to folders
+/// are left out, because they may form a cycle.
 fn entries(folder: &Path) -> io::Result<Vec<(PathBuf, bool)>> {
     let mut entries = Vec::new();
     for entry in std::fs::read_dir(folder)? {

@@ -1,8 +1,8 @@
 //! Fingerprints: checksums that show whether two builds simulate bit-identically.
 //!
-//! In: scenario, preset, seed, number of control steps. Out: a checksum of the initial weights, and one of the arenas'
-//! states while the robots act at random. Learning is not included, because it also depends on the order in which matrix
-//! products are summed (docs/determinism.md).
+//! In: scenario, preset, seed, number of control steps. Out: a checksum of the initial weights, and one of
+//! the arenas' states while the robots act at random. Learning is not included, because it also depends on
+//! the order in which matrix products are summed (docs/determinism.md).
 
 use std::fmt;
 use std::sync::Arc;
@@ -18,7 +18,8 @@ use crate::simulation::Extensions;
 pub struct Fingerprint {
     /// Checksum of the initial weights.
     pub weights: u32,
-    /// Checksum of every arena's state after each control step: poses, goals, ranges, rewards, random streams.
+    /// Checksum of every arena's state after each control step: poses, goals, ranges, rewards, random
+    /// streams.
     pub world: u32,
 }
 

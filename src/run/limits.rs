@@ -1,14 +1,14 @@
 //! The limits of presets, run folders, checkpoints and evaluations.
 //!
-//! Every number in a user's file or on the command line is checked against these limits before it is used, so that no
-//! input can exhaust the memory or overflow a sum. (A scenario's limits are in `crates/scenario`, a network's and a replay
-//! buffer's in `crates/learning`.)
+//! Every number in a user's file or on the command line is checked against these limits before it is used, so
+//! that no input can exhaust the memory or overflow a sum. (A scenario's limits are in `crates/scenario`, a
+//! network's and a replay buffer's in `crates/learning`.)
 
 /// Maximum number of parallel arenas.
 pub const MAX_ARENAS: usize = 4096;
 
-/// Maximum number of env steps or episodes in a budget or an interval. No run gets there, and sums of such numbers stay far
-/// below the maximum of a `u64`.
+/// Maximum number of env steps or episodes in a budget or an interval. No run gets there, and sums of such
+/// numbers stay far below the maximum of a `u64`.
 pub const MAX_STEPS: u64 = 1_000_000_000_000_000;
 
 /// Maximum number of episodes in an evaluation during training.
@@ -20,7 +20,8 @@ pub const MAX_EVAL_EPISODES: u64 = 1_000_000;
 /// Maximum number of characters in a preset's `about`.
 pub const MAX_ABOUT_CHARS: usize = 20_000;
 
-/// Maximum number of bodies (robots, obstacles, straight wall segments) in all arenas together. They take about 2 GB.
+/// Maximum number of bodies (robots, obstacles, straight wall segments) in all arenas together. They take
+/// about 2 GB.
 pub const MAX_BODIES: usize = 1_000_000;
 
 /// Maximum number of floats in the scans and observations of all arenas together: 1 GiB.

@@ -78,7 +78,8 @@ mod tests {
         shipped::preset("fast").expect("shipped")
     }
 
-    /// Asserts that the preset `fast` with `change` needs too much memory in `scenario`, and that the message names `field`.
+    /// Asserts that the preset `fast` with `change` needs too much memory in `scenario`, and that the message
+    /// names `field`.
     fn assert_too_large(scenario: &Scenario, change: fn(&mut Preset), field: &str) {
         let mut preset = fast();
         change(&mut preset);

@@ -1,7 +1,7 @@
 //! The metrics of a run: a row per episode, a row per evaluation, and a summary.
 //!
-//! The field names are the columns of `episodes.csv` and `evaluations.csv` and the keys of `summary.json`. Only `wall_s`
-//! differs between two runs with the same seed.
+//! The field names are the columns of `episodes.csv` and `evaluations.csv` and the keys of `summary.json`.
+//! Only `wall_s` differs between two runs with the same seed.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,8 @@ pub struct EpisodeRow {
     pub reward_attraction: f32,
     /// Part of the return: the decrease of the repulsive potential U_r.
     pub reward_repulsion: f32,
-    /// Parts of the return from plugin reward terms. They are written as extra columns `reward_<name>` after all others.
+    /// Parts of the return from plugin reward terms. They are written as extra columns `reward_<name>` after
+    /// all others.
     #[serde(skip)]
     pub extra_rewards: Vec<f32>,
     /// Number of goals reached.
@@ -76,8 +77,8 @@ pub struct EvaluationRow {
     pub timeout_rate: f64,
     /// Mean simulated time of the successful episodes, in s.
     pub mean_time_s: Option<f64>,
-    /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best policy is chosen
-    /// by it.
+    /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best
+    /// policy is chosen by it.
     pub mean_cost_s: f64,
     /// Wall time from the start of the process, in s; summed over all processes of a resumed run.
     pub wall_s: f64,
@@ -115,7 +116,8 @@ pub struct Summary {
     pub env_steps: u64,
     /// Gradient steps taken.
     pub gradient_steps: u64,
-    /// Wall time from the start of the process, including evaluations, in s; summed over all processes of a resumed run.
+    /// Wall time from the start of the process, including evaluations, in s; summed over all processes of a
+    /// resumed run.
     pub wall_s: f64,
     /// Success rate of the best policy in its evaluation, 0 to 1; `None` without an evaluation.
     pub best_success_rate: Option<f64>,

@@ -1,7 +1,8 @@
-//! The metrics of a training run, with or without a window: rows of episodes and evaluations, and the best policy.
+//! The metrics of a training run, with or without a window: rows of episodes and evaluations, and the best
+//! policy.
 //!
-//! In: the world after a control step; results of evaluations. Out: rows, and an updated [`TrainerState`]. Nothing here writes
-//! files or affects learning.
+//! In: the world after a control step; results of evaluations. Out: rows, and an updated [`TrainerState`].
+//! Nothing here writes files or affects learning.
 
 use bevy::prelude::*;
 
@@ -16,8 +17,8 @@ use crate::policy::Policy;
 use crate::random::{self, Stream};
 use crate::task::EpisodeEnded;
 
-/// The rows of all episodes that ended since the last call, with the wall time `wall_s`. Their messages are removed from
-/// `world`.
+/// The rows of all episodes that ended since the last call, with the wall time `wall_s`. Their messages are
+/// removed from `world`.
 pub fn take_episode_rows(
     world: &mut World,
     trainer_state: &mut TrainerState,
@@ -152,7 +153,8 @@ pub fn policy_bytes(policy: &Policy) -> Result<Vec<u8>, RunError> {
     policy.to_bytes().map_err(|error| RunError::Failed(format!("the policy cannot be saved: {error}")))
 }
 
-/// The seed of the evaluations during training. It is hashed, so that `--eval` with the same seed uses other episodes.
+/// The seed of the evaluations during training. It is hashed, so that `--eval` with the same seed uses other
+/// episodes.
 #[must_use]
 pub fn evaluation_seed(seed: u64) -> u64 {
     let mut stream: Stream = random::stream(seed, "evaluation during training", 0);

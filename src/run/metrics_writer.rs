@@ -106,7 +106,8 @@ impl MetricsWriter {
         Ok((episodes, evaluations))
     }
 
-    /// Draws `learning-curve.svg` with the title `title`, from the rows on disk, which include those before a resume.
+    /// Draws `learning-curve.svg` with the title `title`, from the rows on disk, which include those before a
+    /// resume.
     ///
     /// # Errors
     /// The rows cannot be read, or the SVG file cannot be written.

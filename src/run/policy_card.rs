@@ -1,7 +1,8 @@
 //! The card of a policy: metadata in the policy file that describe its inputs, actions and origin.
 //!
-//! In: the run's configuration, its counters, the success rate of the policy. Out: texts by key, without dates or times, so
-//! that equal runs have equal files. The card is for people; the program itself uses only [`ENCODING`] and [`SENSORS`].
+//! In: the run's configuration, its counters, the success rate of the policy. Out: texts by key, without
+//! dates or times, so that equal runs have equal files. The card is for people; the program itself uses only
+//! [`ENCODING`] and [`SENSORS`].
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -17,8 +18,8 @@ use crate::task::{ObservationLayout, ObservationSlice};
 /// The key for the encoding of the observations: `scaled` or `raw`. A policy without it is `scaled`.
 pub const ENCODING: &str = "encoding";
 
-/// The key for the plugin sensors in the observation with their widths, such as `speed:2, bumper:1`. A policy without it uses
-/// no plugin sensors.
+/// The key for the plugin sensors in the observation with their widths, such as `speed:2, bumper:1`. A policy
+/// without it uses no plugin sensors.
 pub const SENSORS: &str = "sensors";
 
 /// The policy in the file at `path`.
@@ -107,7 +108,8 @@ fn observation(encoding: Encoding, lidar: &Lidar) -> String {
     }
 }
 
-/// The card: the policy's inputs, actions and origin. `success_rate` (0 to 1) is that of its evaluation, if there was one.
+/// The card: the policy's inputs, actions and origin. `success_rate` (0 to 1) is that of its evaluation, if
+/// there was one.
 #[must_use]
 pub fn metadata(
     config: &RunConfig,

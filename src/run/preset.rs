@@ -25,8 +25,8 @@ pub struct Preset {
     /// When the policy is evaluated during training.
     #[serde(default)]
     pub evaluation: EvaluationConfig,
-    /// How the observation, eq. (8), enters the network: `Scaled` to the order of one, or `Raw` in m and rad. The paper
-    /// doesn't specify it.
+    /// How the observation, eq. (8), enters the network: `Scaled` to the order of one, or `Raw` in m and rad.
+    /// The paper doesn't specify it.
     #[serde(default)]
     pub observation: Encoding,
     /// The reward of a step, eqs. (3) to (7).
@@ -47,8 +47,8 @@ pub enum Budget {
 
 /// When and over how many episodes the greedy policy is evaluated during training.
 ///
-/// Evaluations run in a simulation with separate random streams. They do not affect learning, only which policy is kept as
-/// the best.
+/// Evaluations run in a simulation with separate random streams. They do not affect learning, only which
+/// policy is kept as the best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EvaluationConfig {
@@ -68,7 +68,8 @@ impl Preset {
     /// The preset in the file at `path`.
     ///
     /// # Errors
-    /// The file cannot be read, is not a preset or has invalid values. The message gives file, line, column and a fix.
+    /// The file cannot be read, is not a preset or has invalid values. The message gives file, line, column
+    /// and a fix.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::parse(&read_text(path)?, path)

@@ -1,6 +1,7 @@
 //! The shipped scenarios, presets, experiments and trained policies, compiled into the program.
 //!
-//! In: a file's path or a shipped name, as given after `--scenario` or `--preset`. Out: the scenario or preset.
+//! In: a file's path or a shipped name, as given after `--scenario` or `--preset`. Out: the scenario or
+//! preset.
 
 use std::path::Path;
 use std::sync::LazyLock;

@@ -1,26 +1,27 @@
 //! TensorBoard event files, scalars only.
 //!
-//! In: a run's scalars, each with a tag and a step. Out: a file `events.out.tfevents.*` in the run folder. TensorBoard
-//! plots it while the run is in progress.
+//! In: a run's scalars, each with a tag and a step. Out: a file `events.out.tfevents.*` in the run folder.
+//! TensorBoard plots it while the run is in progress.
 //!
-//! The format has two thin layers. An *event* is a protobuf message with four fields; a *record* frames it with its length
-//! and two masked CRC-32C checksums. Both are written by hand: the crates for it are unmaintained, and depend on a
-//! protobuf runtime and an image codec that scalars don't need.
+//! The format has two thin layers. An *event* is a protobuf message with four fields; a *record* frames it
+//! with its length and two masked CRC-32C checksums. Both are written by hand: the crates for it are
+//! unmaintained, and depend on a protobuf runtime and an image codec that scalars don't need.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// A writer of scalars to one event file. Buffered data reaches the file on [`flush`](Self::flush) or on drop.
+/// A writer of scalars to one event file. Buffered data reaches the file on [`flush`](Self::flush) or on
+/// drop.
 #[derive(Debug)]
 pub struct EventWriter {
     file: BufWriter<File>,
 }
 
 impl EventWriter {
-    /// Creates `events.out.tfevents.<unix seconds>.wayfield<name_suffix>` in the existing folder `dir`. If that file exists,
-    /// a number is appended to the name.
+    /// Creates `events.out.tfevents.<unix seconds>.wayfield<name_suffix>` in the existing folder `dir`. If
+    /// that file exists, a number is appended to the name.
     ///
     /// # Errors
     /// The file cannot be created or written. The message names it.
@@ -47,8 +48,8 @@ impl EventWriter {
         Ok(writer)
     }
 
-    /// Writes the scalar `tag` (slashes make groups: `loss/mean`) with `value` at `step` (at most 2^63 - 1). Non-finite
-    /// values are written too; TensorBoard marks them in the curve.
+    /// Writes the scalar `tag` (slashes make groups: `loss/mean`) with `value` at `step` (at most 2^63 - 1).
+    /// Non-finite values are written too; TensorBoard marks them in the curve.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -129,7 +130,8 @@ impl Message {
     }
 }
 
-/// Masked CRC-32C, as in TensorFlow's record format. The mask keeps the checksum of data that contains checksums useful.
+/// Masked CRC-32C, as in TensorFlow's record format. The mask keeps the checksum of data that contains
+/// checksums useful.
 fn masked_crc(data: &[u8]) -> u32 {
     crc32c::crc32c(data).rotate_right(15).wrapping_add(0xA282_EAD8)
 }

@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use bevy::math::{Vec2, vec2};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -70,9 +71,9 @@ fn a_number_that_is_typed_is_one_step() {
     write(&mut window, "Position x", "-0.755");
     let obstacle = edited_scenario(&mut window).obstacles[2].clone();
     assert_eq!(obstacle.shape, Shape::Circle { radius_m: 0.25 });
-    assert_eq!(obstacle.position_m, (-0.755, -0.6));
+    assert_eq!(obstacle.position_m, vec2(-0.755, -0.6));
     assert_eq!(click(&mut window, "Undo"), []);
-    assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, (-0.6, -0.6), "with all its digits");
+    assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, vec2(-0.6, -0.6), "with all its digits");
     click(&mut window, "Undo");
     assert_eq!(edited_scenario(&mut window).obstacles[2].shape, Shape::Circle { radius_m: 0.15 });
     click(&mut window, "Redo");
@@ -125,7 +126,7 @@ fn what_is_added_is_selected_copied_and_deleted() {
     assert_eq!(editor(&mut window).diagnostics(), []);
     click(&mut window, "Only in a region");
     let generator = edited_scenario(&mut window).generators[0].clone();
-    assert_eq!((generator.count, generator.within.map(|r| r.min_m)), (7, Some((-1.0, -1.0))));
+    assert_eq!((generator.count, generator.within.map(|r| r.min_m)), (7, Some(vec2(-1.0, -1.0))));
     // The middle is full by now.
     let told =
         editor(&mut window).diagnostics().iter().map(|finding| finding.path.as_str()).collect::<Vec<_>>();
@@ -136,14 +137,14 @@ fn what_is_added_is_selected_copied_and_deleted() {
 fn a_wall_is_drawn_with_the_tool() {
     let mut window = editing();
     click(&mut window, "Draw a wall");
-    for at in [(-1.0, 1.2), (1.0, 1.2)] {
+    for at in [vec2(-1.0, 1.2), vec2(1.0, 1.2)] {
         editor(&mut window).click_with_tool(at, false);
     }
     settle(&mut window);
     click(&mut window, "The wall is done");
     assert_eq!(editor(&mut window).selection(), Selection::Wall(0));
     write(&mut window, "Corner 2 y", "1");
-    assert_eq!(edited_scenario(&mut window).walls[0].corners_m, [(-1.0, 1.2), (1.0, 1.0)]);
+    assert_eq!(edited_scenario(&mut window).walls[0].corners_m, [vec2(-1.0, 1.2), vec2(1.0, 1.0)]);
     assert!(window.query_by_label("Remove corner 1").is_none(), "two are left");
 }
 
@@ -154,17 +155,17 @@ fn motions_and_rules_are_chosen_by_kind() {
     click(&mut window, "Motion");
     click(&mut window, "Orbit");
     let motion = edited_scenario(&mut window).obstacles[0].motion.clone();
-    assert_eq!(motion, ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: 0.15 });
+    assert_eq!(motion, ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 });
     assert!(window.query_by_label("0.849 m away: 0.127 m/s").is_some(), "what that means");
     click(&mut window, "Motion");
     click(&mut window, "Back and forth");
     write(&mut window, "Speed", "0.3");
     click(&mut window, "Draw its path anew");
     assert!(matches!(editor(&mut window).tool(), Tool::Path { .. }));
-    editor(&mut window).click_with_tool((0.6, 1.6), false);
+    editor(&mut window).click_with_tool(vec2(0.6, 1.6), false);
     settle(&mut window);
     click(&mut window, "Path is done");
-    let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![(0.6, 1.6)], speed_m_s: 0.3 };
+    let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.3 };
     assert_eq!(edited_scenario(&mut window).obstacles[0].motion, expected);
 
     select(&mut window, Selection::Starts);
@@ -172,20 +173,23 @@ fn motions_and_rules_are_chosen_by_kind() {
     click(&mut window, "One place");
     click(&mut window, "Looks one way");
     write(&mut window, "Heading", "-90");
-    let expected = PlacementRule::Fixed { position_m: (0.0, 0.0), heading_rad: Some(-1.5708) };
+    let expected = PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: Some(-1.5708) };
     assert_eq!(edited_scenario(&mut window).starts, expected);
     click(&mut window, "Where");
     click(&mut window, "Some places");
     click(&mut window, "Click more places");
-    editor(&mut window).click_with_tool((1.5, 0.0), false);
+    editor(&mut window).click_with_tool(vec2(1.5, 0.0), false);
     settle(&mut window);
     click(&mut window, "Done");
     assert_eq!(
         edited_scenario(&mut window).starts,
-        PlacementRule::OneOf { positions_m: vec![(0.0, 0.0), (1.5, 0.0)] }
+        PlacementRule::OneOf { positions_m: vec![vec2(0.0, 0.0), vec2(1.5, 0.0)] }
     );
     click(&mut window, "Remove start 1");
-    assert_eq!(edited_scenario(&mut window).starts, PlacementRule::OneOf { positions_m: vec![(1.5, 0.0)] });
+    assert_eq!(
+        edited_scenario(&mut window).starts,
+        PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0)] }
+    );
 }
 
 #[test]
@@ -229,7 +233,7 @@ fn the_name_is_written_and_what_changed_is_marked() {
 fn what_is_wrong_is_listed_and_leads_to_the_thing() {
     let mut window = editing();
     assert!(window.query_by_label("No problems").is_some());
-    editor(&mut window).edit("x", |s| s.obstacles[1].position_m = (-1.95, 0.6));
+    editor(&mut window).edit("x", |s| s.obstacles[1].position_m = vec2(-1.95, 0.6));
     settle(&mut window);
     assert!(window.query_by_label("No problems").is_none());
     assert!(window.query_by_label("1 problem").is_some());
@@ -368,8 +372,8 @@ fn nothing_is_wider_than_the_panel() {
     let mut world = screen_fixture::mixed_scenario();
     // The longest numbers that are likely.
     let shape = Shape::Rectangle { width_m: 12.125, height_m: 10.375 };
-    let motion = ObstacleMotion::Patrol { waypoints_m: vec![(-10.125, -10.125)], speed_m_s: 0.125 };
-    world.obstacles.push(Obstacle { shape, position_m: (-12.125, -12.125), rotation_rad: 2.0, motion });
+    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(-10.125, -10.125)], speed_m_s: 0.125 };
+    world.obstacles.push(Obstacle { shape, position_m: vec2(-12.125, -12.125), rotation_rad: 2.0, motion });
     let obstacles = (0..world.obstacles.len()).map(Selection::Obstacle);
     let others = [
         Selection::Nothing,
@@ -421,7 +425,7 @@ fn rules_that_are_nowhere_in_the_world_are_changed_in_their_groups() {
     editor(&mut window).set_rule(PlacementRole::Goals, PlacementKind::Within);
     settle(&mut window);
     write(&mut window, "From x", "-1.5");
-    let (min_m, max_m) = ((-1.5, -1.0), (1.0, 1.0));
+    let (min_m, max_m) = (vec2(-1.5, -1.0), vec2(1.0, 1.0));
     assert_eq!(edited_scenario(&mut window).goals, PlacementRule::Within { min_m, max_m, clearance_m: 0.4 });
 }
 
@@ -467,13 +471,13 @@ fn a_field_that_is_only_visited_changes_nothing() {
     odd.lidar.dropout = 0.012345;
     odd.task.collision_range_m = 0.10004;
     odd.benchmark_route.heading_rad = 0.4;
-    odd.starts = PlacementRule::Fixed { position_m: (0.6127, 0.00004), heading_rad: Some(0.4) };
+    odd.starts = PlacementRule::Fixed { position_m: vec2(0.6127, 0.00004), heading_rad: Some(0.4) };
     odd.obstacles = vec![Obstacle {
         shape: Shape::Rectangle { width_m: 0.61274, height_m: 0.12345 },
-        position_m: (0.61274, 1.00004),
+        position_m: vec2(0.61274, 1.00004),
         // More than a full turn, which a file may say.
         rotation_rad: 7.0,
-        motion: ObstacleMotion::Orbit { centre_m: (0.61274, 0.1), speed_rad_s: 1.5 },
+        motion: ObstacleMotion::Orbit { centre_m: vec2(0.61274, 0.1), speed_rad_s: 1.5 },
     }];
     let mut window = editing_in(ScreenFixture::default().with_scenario(odd.clone()));
     let groups = ["About", "Enclosure", "Robot", "LIDAR", "Episodes", "Starts", "Goals", "Benchmark route"];
@@ -528,13 +532,13 @@ fn of_two_open_groups_each_has_its_own_list() {
 #[test]
 fn a_heading_that_a_target_has_for_nothing_is_taken_out() {
     let mut world_m = Scenario::clone(&ScreenFixture::default().scene.scenario);
-    world_m.goals = PlacementRule::Fixed { position_m: (1.0, 0.0), heading_rad: Some(0.4) };
+    world_m.goals = PlacementRule::Fixed { position_m: vec2(1.0, 0.0), heading_rad: Some(0.4) };
     let mut window = editing_in(ScreenFixture::default().with_scenario(world_m));
     select(&mut window, Selection::Goals);
     click(&mut window, "Looks one way");
     assert_eq!(
         edited_scenario(&mut window).goals,
-        PlacementRule::Fixed { position_m: (1.0, 0.0), heading_rad: None }
+        PlacementRule::Fixed { position_m: vec2(1.0, 0.0), heading_rad: None }
     );
     assert!(window.query_by_label("Looks one way").is_none());
 }
@@ -567,13 +571,13 @@ fn what_is_added_stands_in_the_middle_of_the_view() {
     window.state_mut().view_state.camera = ViewCamera { centre_m: [1.0, 0.0], zoom: 4.0 };
     settle(&mut window);
     editor(&mut window).edit("enclosure", |scenario| {
-        let corners_m = vec![(-2.0, -2.0), (8.0, -2.0), (8.0, 2.0), (-2.0, 2.0)];
+        let corners_m = vec![vec2(-2.0, -2.0), vec2(8.0, -2.0), vec2(8.0, 2.0), vec2(-2.0, 2.0)];
         scenario.enclosure = Enclosure::Polygon { corners_m };
     });
     settle(&mut window);
     click(&mut window, "Add a circle");
     // The view stays where it was: (1, 0), and not 1 m beside the new middle, (4, 0).
-    let (x, y) = edited_scenario(&mut window).obstacles[4].position_m;
+    let Vec2 { x, y } = edited_scenario(&mut window).obstacles[4].position_m;
     assert!((x - 1.0).hypot(y) < 0.6, "{x}, {y}");
 }
 
@@ -607,7 +611,7 @@ fn a_world_that_was_saved_and_not_taken_is_opened_again() {
 /// Begins a wall, of two corners so far.
 fn half_a_wall(window: &mut Window) {
     click(window, "Draw a wall");
-    for at in [(-1.0, 1.2), (1.0, 1.2)] {
+    for at in [vec2(-1.0, 1.2), vec2(1.0, 1.2)] {
         editor(window).click_with_tool(at, false);
     }
     settle(window);
@@ -642,7 +646,7 @@ fn a_wall_that_is_half_drawn_is_not_lost() {
     // One that can't be there is not taken.
     let mut window = editing();
     click(&mut window, "Draw a wall");
-    for at in [(-1.0, 0.6), (1.0, 5.0)] {
+    for at in [vec2(-1.0, 0.6), vec2(1.0, 5.0)] {
         editor(&mut window).click_with_tool(at, false);
     }
     settle(&mut window);
@@ -667,10 +671,10 @@ fn what_stands_still_is_given_a_path() {
     let mut window = editing();
     select(&mut window, Selection::Obstacle(0));
     click(&mut window, "Draw its path");
-    editor(&mut window).click_with_tool((0.6, 1.6), false);
+    editor(&mut window).click_with_tool(vec2(0.6, 1.6), false);
     settle(&mut window);
     click(&mut window, "Path is done");
     let motion = edited_scenario(&mut window).obstacles[0].motion.clone();
-    assert_eq!(motion, ObstacleMotion::Patrol { waypoints_m: vec![(0.6, 1.6)], speed_m_s: 0.1 });
+    assert_eq!(motion, ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.1 });
     assert!(window.query_by_label("Draw its path anew").is_some());
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::math;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -37,7 +38,7 @@ fn edited_scenario(window: &mut Window) -> Arc<Scenario> {
 }
 
 /// Where a point of the world is on the screen.
-fn screen_pos(window: &Window, (x_m, y_m): (f32, f32)) -> Pos2 {
+fn screen_pos(window: &Window, math::Vec2 { x: x_m, y: y_m }: math::Vec2) -> Pos2 {
     let view = window.get_by_label("World being edited").rect().expand2(vec2(4.0, 0.0));
     // The enclosure is 4 m by 4 m; around it is room for handles and the hint.
     let scale = ((view.width() - 60.0) / 4.0).min((view.height() - 76.0) / 4.0);
@@ -48,7 +49,7 @@ fn button(pos: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers)
     Event::PointerButton { pos, button, pressed, modifiers }
 }
 
-fn click_at(window: &mut Window, position_m: (f32, f32)) {
+fn click_at(window: &mut Window, position_m: math::Vec2) {
     let at = screen_pos(window, position_m);
     window.hover_at(at);
     window.step();
@@ -59,7 +60,7 @@ fn click_at(window: &mut Window, position_m: (f32, f32)) {
     window.run_steps(40);
 }
 
-fn double_click_at(window: &mut Window, position_m: (f32, f32)) {
+fn double_click_at(window: &mut Window, position_m: math::Vec2) {
     let at = screen_pos(window, position_m);
     window.hover_at(at);
     for _ in 0..2 {
@@ -72,7 +73,7 @@ fn double_click_at(window: &mut Window, position_m: (f32, f32)) {
 }
 
 /// Presses at one point, moves to another, and holds.
-fn hold(window: &mut Window, from_m: (f32, f32), to_m: (f32, f32), held: Modifiers) {
+fn hold(window: &mut Window, from_m: math::Vec2, to_m: math::Vec2, held: Modifiers) {
     let (from, to) = (screen_pos(window, from_m), screen_pos(window, to_m));
     window.event(Event::PointerMoved(from));
     window.step();
@@ -85,7 +86,7 @@ fn hold(window: &mut Window, from_m: (f32, f32), to_m: (f32, f32), held: Modifie
     }
 }
 
-fn let_go(window: &mut Window, position_m: (f32, f32)) {
+fn let_go(window: &mut Window, position_m: math::Vec2) {
     let at = screen_pos(window, position_m);
     window.event(release_event(at));
     window.step();
@@ -93,7 +94,7 @@ fn let_go(window: &mut Window, position_m: (f32, f32)) {
     window.run_steps(40);
 }
 
-fn drag(window: &mut Window, from_m: (f32, f32), to_m: (f32, f32)) {
+fn drag(window: &mut Window, from_m: math::Vec2, to_m: math::Vec2) {
     hold(window, from_m, to_m, Modifiers::NONE);
     let_go(window, to_m);
 }
@@ -106,50 +107,54 @@ fn command(window: &mut Window, key: Key) -> Vec<Command> {
 #[test]
 fn an_obstacle_is_dragged_and_it_is_undone_and_done_again() {
     let mut window = editing();
-    drag(&mut window, (0.6, 0.6), (1.08, 0.21));
-    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (1.1, 0.2), "on the grid of 5 cm");
+    drag(&mut window, math::vec2(0.6, 0.6), math::vec2(1.08, 0.21));
+    assert_eq!(
+        edited_scenario(&mut window).obstacles[0].position_m,
+        math::vec2(1.1, 0.2),
+        "on the grid of 5 cm"
+    );
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
     command(&mut window, Key::Z);
-    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (0.6, 0.6));
+    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(0.6, 0.6));
     command(&mut window, Key::Y);
-    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (1.1, 0.2));
+    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(1.1, 0.2));
     command(&mut window, Key::Z);
     window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     settle(&mut window);
-    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (1.1, 0.2));
+    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(1.1, 0.2));
     assert_eq!(sent_commands(&mut window), [], "the world that runs is not touched");
 }
 
 #[test]
 fn with_alt_nothing_snaps_and_escape_gives_a_drag_up() {
     let mut window = editing();
-    hold(&mut window, (-0.6, -0.6), (-1.013, -0.337), Modifiers::ALT);
-    let (x, y) = edited_scenario(&mut window).obstacles[2].position_m;
+    hold(&mut window, math::vec2(-0.6, -0.6), math::vec2(-1.013, -0.337), Modifiers::ALT);
+    let math::Vec2 { x, y } = edited_scenario(&mut window).obstacles[2].position_m;
     assert!((x + 1.013).abs() < 2e-3 && (y + 0.337).abs() < 2e-3 && x != -1.0, "{x} {y}");
     press(&mut window, Key::Escape);
-    assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, (-0.6, -0.6));
+    assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, math::vec2(-0.6, -0.6));
     let before = window.state().view_state.camera;
-    let_go(&mut window, (-1.5, -0.337));
-    assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, (-0.6, -0.6));
+    let_go(&mut window, math::vec2(-1.5, -0.337));
+    assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, math::vec2(-0.6, -0.6));
     assert_eq!(window.state().view_state.camera, before, "and the world is not pushed about instead");
 }
 
 #[test]
 fn a_handle_resizes_and_a_press_beside_it_does_not() {
     let mut window = editing();
-    click_at(&mut window, (0.6, 0.6));
-    drag(&mut window, (0.75, 0.6), (0.9, 0.6));
+    click_at(&mut window, math::vec2(0.6, 0.6));
+    drag(&mut window, math::vec2(0.75, 0.6), math::vec2(0.9, 0.6));
     let world = self::edited_scenario(&mut window);
     assert_eq!(world.obstacles[0].shape, Shape::Circle { radius_m: 0.3 });
-    assert_eq!(world.obstacles[0].position_m, (0.6, 0.6));
+    assert_eq!(world.obstacles[0].position_m, math::vec2(0.6, 0.6));
 }
 
 #[test]
 fn the_enclosure_is_resized_by_its_side_under_a_view_that_stays() {
     let mut window = editing();
-    click_at(&mut window, (2.0, -1.0));
+    click_at(&mut window, math::vec2(2.0, -1.0));
     // Half a metre further out on either side; the picture is shrunk only when it is let go.
-    drag(&mut window, (2.0, 0.0), (2.5, 0.0));
+    drag(&mut window, math::vec2(2.0, 0.0), math::vec2(2.5, 0.0));
     assert_eq!(edited_scenario(&mut window).enclosure, Enclosure::Rectangle { width_m: 5.0, height_m: 4.0 });
     assert_eq!(window.state().view_state.camera.centre_m, [0.0, 0.0]);
 }
@@ -158,16 +163,16 @@ fn the_enclosure_is_resized_by_its_side_under_a_view_that_stays() {
 fn a_click_selects_and_the_floor_or_escape_selects_nothing() {
     let mut window = editing();
     for (at, selected) in [
-        ((-0.6, 0.6), Selection::Obstacle(1)),
-        ((0.05, 0.02), Selection::BenchmarkStart),
-        ((1.2, 1.2), Selection::BenchmarkGoal),
-        ((2.0, -1.0), Selection::Enclosure),
-        ((-1.3, -1.4), Selection::Nothing),
+        (math::vec2(-0.6, 0.6), Selection::Obstacle(1)),
+        (math::vec2(0.05, 0.02), Selection::BenchmarkStart),
+        (math::vec2(1.2, 1.2), Selection::BenchmarkGoal),
+        (math::vec2(2.0, -1.0), Selection::Enclosure),
+        (math::vec2(-1.3, -1.4), Selection::Nothing),
     ] {
         click_at(&mut window, at);
         assert_eq!(editor(&mut window).selection(), selected, "{at:?}");
     }
-    click_at(&mut window, (-0.6, 0.6));
+    click_at(&mut window, math::vec2(-0.6, 0.6));
     press(&mut window, Key::Escape);
     assert_eq!(editor(&mut window).selection(), Selection::Nothing);
 }
@@ -175,23 +180,23 @@ fn a_click_selects_and_the_floor_or_escape_selects_nothing() {
 #[test]
 fn keys_delete_double_copy_and_nudge() {
     let mut window = editing();
-    click_at(&mut window, (-0.6, 0.6));
+    click_at(&mut window, math::vec2(-0.6, 0.6));
     command(&mut window, Key::D);
     assert_eq!(edited_scenario(&mut window).obstacles.len(), 5);
     press(&mut window, Key::Delete);
     assert_eq!(edited_scenario(&mut window).obstacles.len(), 4);
-    click_at(&mut window, (-0.6, 0.6));
+    click_at(&mut window, math::vec2(-0.6, 0.6));
     for key in [Key::C, Key::V] {
         command(&mut window, key);
     }
     assert_eq!(edited_scenario(&mut window).obstacles.len(), 5);
     command(&mut window, Key::X);
     assert_eq!(edited_scenario(&mut window).obstacles.len(), 4);
-    click_at(&mut window, (-0.6, 0.6));
+    click_at(&mut window, math::vec2(-0.6, 0.6));
     press(&mut window, Key::ArrowRight);
     window.key_press_modifiers(Modifiers::SHIFT, Key::ArrowDown);
     settle(&mut window);
-    let (x, y) = edited_scenario(&mut window).obstacles[1].position_m;
+    let math::Vec2 { x, y } = edited_scenario(&mut window).obstacles[1].position_m;
     assert!((x + 0.55).abs() < 1e-4 && (y - 0.59).abs() < 1e-4, "5 cm to the right, 1 cm down: {x} {y}");
 }
 
@@ -199,25 +204,25 @@ fn keys_delete_double_copy_and_nudge() {
 fn a_wall_is_drawn_by_clicks() {
     let mut window = editing();
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
-    for at in [(-1.5, -1.0), (-1.5, -1.5), (0.52, -1.48)] {
+    for at in [math::vec2(-1.5, -1.0), math::vec2(-1.5, -1.5), math::vec2(0.52, -1.48)] {
         click_at(&mut window, at);
     }
     press(&mut window, Key::Backspace);
-    click_at(&mut window, (1.01, -1.49));
+    click_at(&mut window, math::vec2(1.01, -1.49));
     assert_eq!(edited_scenario(&mut window).walls, [], "not yet");
     press(&mut window, Key::Enter);
     let corners = edited_scenario(&mut window).walls[0].corners_m.clone();
-    assert_eq!(corners, [(-1.5, -1.0), (-1.5, -1.5), (1.0, -1.5)]);
+    assert_eq!(corners, [math::vec2(-1.5, -1.0), math::vec2(-1.5, -1.5), math::vec2(1.0, -1.5)]);
     // Once more, ended by a double click, and given up.
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
-    click_at(&mut window, (-1.0, 1.5));
-    click_at(&mut window, (1.0, 1.7));
-    double_click_at(&mut window, (1.0, 1.7));
+    click_at(&mut window, math::vec2(-1.0, 1.5));
+    click_at(&mut window, math::vec2(1.0, 1.7));
+    double_click_at(&mut window, math::vec2(1.0, 1.7));
     let world = self::edited_scenario(&mut window);
-    assert_eq!(world.walls[1].corners_m, [(-1.0, 1.5), (1.0, 1.7)]);
+    assert_eq!(world.walls[1].corners_m, [math::vec2(-1.0, 1.5), math::vec2(1.0, 1.7)]);
     assert_eq!(editor(&mut window).tool(), &Tool::Select);
     editor(&mut window).set_tool(Tool::Wall { corners_m: Vec::new() });
-    click_at(&mut window, (0.0, 0.0));
+    click_at(&mut window, math::vec2(0.0, 0.0));
     press(&mut window, Key::Escape);
     assert_eq!(self::edited_scenario(&mut window).walls.len(), 2);
 }
@@ -227,11 +232,11 @@ fn places_for_targets_are_set_by_clicks_and_the_other_button_ends_it() {
     let mut window = editing();
     editor(&mut window).select(Selection::Goals);
     editor(&mut window).set_tool(Tool::Places);
-    click_at(&mut window, (1.5, 0.0));
-    click_at(&mut window, (-1.49, 0.01));
-    let expected = PlacementRule::OneOf { positions_m: vec![(1.5, 0.0), (-1.5, 0.0)] };
+    click_at(&mut window, math::vec2(1.5, 0.0));
+    click_at(&mut window, math::vec2(-1.49, 0.01));
+    let expected = PlacementRule::OneOf { positions_m: vec![math::vec2(1.5, 0.0), math::vec2(-1.5, 0.0)] };
     assert_eq!(edited_scenario(&mut window).goals, expected);
-    let at = screen_pos(&window, (1.0, -1.0));
+    let at = screen_pos(&window, math::vec2(1.0, -1.0));
     for pressed in [true, false] {
         window.event(Event::PointerMoved(at));
         window.event(button(at, PointerButton::Secondary, pressed, Modifiers::NONE));
@@ -240,17 +245,20 @@ fn places_for_targets_are_set_by_clicks_and_the_other_button_ends_it() {
     assert_eq!(editor(&mut window).tool(), &Tool::Select);
     assert_eq!(edited_scenario(&mut window).goals, expected);
     // One is dragged, and one taken out by a double click.
-    drag(&mut window, (1.5, 0.0), (1.5, -0.5));
-    double_click_at(&mut window, (-1.5, 0.0));
-    assert_eq!(edited_scenario(&mut window).goals, PlacementRule::OneOf { positions_m: vec![(1.5, -0.5)] });
+    drag(&mut window, math::vec2(1.5, 0.0), math::vec2(1.5, -0.5));
+    double_click_at(&mut window, math::vec2(-1.5, 0.0));
+    assert_eq!(
+        edited_scenario(&mut window).goals,
+        PlacementRule::OneOf { positions_m: vec![math::vec2(1.5, -0.5)] }
+    );
 }
 
 #[test]
 fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
     let mut window = editing();
-    click_at(&mut window, (0.6, 0.6));
+    click_at(&mut window, math::vec2(0.6, 0.6));
     editor(&mut window).set_tool(Tool::Path { waypoints_m: Vec::new() });
-    for at in [(1.5, 0.6), (1.5, 1.5), (0.6, 1.5)] {
+    for at in [math::vec2(1.5, 0.6), math::vec2(1.5, 1.5), math::vec2(0.6, 1.5)] {
         click_at(&mut window, at);
     }
     press(&mut window, Key::Enter);
@@ -258,27 +266,27 @@ fn an_obstacles_path_is_drawn_and_its_corners_go_by_double_click() {
         ObstacleMotion::Patrol { waypoints_m, .. } => waypoints_m.clone(),
         other => panic!("{other:?}"),
     };
-    assert_eq!(waypoints(&mut window), [(1.5, 0.6), (1.5, 1.5), (0.6, 1.5)]);
-    double_click_at(&mut window, (1.5, 1.5));
-    assert_eq!(waypoints(&mut window), [(1.5, 0.6), (0.6, 1.5)]);
+    assert_eq!(waypoints(&mut window), [math::vec2(1.5, 0.6), math::vec2(1.5, 1.5), math::vec2(0.6, 1.5)]);
+    double_click_at(&mut window, math::vec2(1.5, 1.5));
+    assert_eq!(waypoints(&mut window), [math::vec2(1.5, 0.6), math::vec2(0.6, 1.5)]);
     // All of it moves by the obstacle, the obstacle alone with Shift.
-    drag(&mut window, (0.6, 0.6), (0.6, 0.4));
-    assert_eq!(waypoints(&mut window), [(1.5, 0.4), (0.6, 1.3)]);
-    hold(&mut window, (0.6, 0.4), (0.2, 0.4), Modifiers::SHIFT);
-    let_go(&mut window, (0.2, 0.4));
-    assert_eq!(waypoints(&mut window), [(1.5, 0.4), (0.6, 1.3)]);
-    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (0.2, 0.4));
+    drag(&mut window, math::vec2(0.6, 0.6), math::vec2(0.6, 0.4));
+    assert_eq!(waypoints(&mut window), [math::vec2(1.5, 0.4), math::vec2(0.6, 1.3)]);
+    hold(&mut window, math::vec2(0.6, 0.4), math::vec2(0.2, 0.4), Modifiers::SHIFT);
+    let_go(&mut window, math::vec2(0.2, 0.4));
+    assert_eq!(waypoints(&mut window), [math::vec2(1.5, 0.4), math::vec2(0.6, 1.3)]);
+    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(0.2, 0.4));
 }
 
 #[test]
 fn the_floor_pushes_the_view_about_and_the_wheel_zooms() {
     let mut window = editing();
-    drag(&mut window, (-1.3, -1.4), (-1.1, -1.4));
+    drag(&mut window, math::vec2(-1.3, -1.4), math::vec2(-1.1, -1.4));
     let [x, y] = window.state().view_state.camera.centre_m;
     assert!((x + 0.2).abs() < 1e-3 && y.abs() < 1e-3, "{x} {y}");
     press(&mut window, Key::F);
     assert_eq!(window.state().view_state.camera.centre_m, [0.0, 0.0]);
-    let at = screen_pos(&window, (0.0, 0.0));
+    let at = screen_pos(&window, math::vec2(0.0, 0.0));
     window.hover_at(at);
     window.step();
     let delta = vec2(0.0, 120.0);
@@ -307,11 +315,11 @@ fn it_is_left_at_once_or_after_asking_and_time_goes_on_as_before() {
     assert_eq!(click(&mut window, "Test"), [Command::SetMode(SessionMode::Test), Command::Pause(false)]);
     assert!(window.state().view_state.editor.is_none());
     assert_eq!(press(&mut window, Key::E), [], "time stands still already");
-    drag(&mut window, (0.6, 0.6), (1.0, 0.6));
+    drag(&mut window, math::vec2(0.6, 0.6), math::vec2(1.0, 0.6));
     assert_eq!(press(&mut window, Key::E), []);
     assert!(window.query_by_label("The changes of this world are not saved.").is_some());
     assert_eq!(click(&mut window, "Go on editing"), []);
-    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, (1.0, 0.6));
+    assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, math::vec2(1.0, 0.6));
     assert_eq!(click(&mut window, "Train"), []);
     assert_eq!(click(&mut window, "Leave without them"), [], "it trained before");
     assert!(window.state().view_state.editor.is_none());
@@ -334,13 +342,13 @@ fn a_narrow_window_has_the_panel_below_the_world_though_the_curves_are_open() {
 #[test]
 fn the_world_has_the_keyboards_focus_and_moves_things_by_it() {
     let mut window = editing();
-    click_at(&mut window, (-0.6, 0.6));
+    click_at(&mut window, math::vec2(-0.6, 0.6));
     window.get_by_label("World being edited").focus();
     settle(&mut window);
     for _ in 0..2 {
         press(&mut window, Key::ArrowUp);
     }
-    let (x, y) = edited_scenario(&mut window).obstacles[1].position_m;
+    let math::Vec2 { x, y } = edited_scenario(&mut window).obstacles[1].position_m;
     assert!((x + 0.6).abs() < 1e-4 && (y - 0.7).abs() < 1e-4, "{x} {y}");
 }
 
@@ -376,9 +384,14 @@ fn a_world_of_all_sorts_is_edited_in_any_window_without_a_panic() {
             settle(&mut window);
         }
         editor(&mut window).edit("enclosure", |scenario| {
-            let corners_m = vec![(0.0, 0.0), (f32::NAN, 1.0), (1.0, f32::INFINITY), (0.0, 1.0)];
+            let corners_m = vec![
+                math::vec2(0.0, 0.0),
+                math::vec2(f32::NAN, 1.0),
+                math::vec2(1.0, f32::INFINITY),
+                math::vec2(0.0, 1.0),
+            ];
             scenario.enclosure = wayfield::scenario::Enclosure::Polygon { corners_m };
-            scenario.obstacles[0].position_m.0 = f32::NAN;
+            scenario.obstacles[0].position_m.x = f32::NAN;
         });
         assert_eq!(sent_commands(&mut window), []);
     }
@@ -387,7 +400,7 @@ fn a_world_of_all_sorts_is_edited_in_any_window_without_a_panic() {
 #[test]
 fn escape_closes_an_open_list_and_nothing_more() {
     let mut window = editing();
-    click_at(&mut window, (0.6, 0.6));
+    click_at(&mut window, math::vec2(0.6, 0.6));
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
     click(&mut window, "Motion");
     assert!(window.query_by_label("Orbit").is_some());
@@ -407,18 +420,23 @@ fn escape_closes_an_open_list_and_nothing_more() {
 fn a_corner_near_the_middle_is_dragged_like_the_others() {
     let mut window = editing();
     editor(&mut window).edit("shape", |scenario| {
-        let corners_m = vec![(0.5, -0.4), (0.02, 0.02), (-0.4, 0.5), (-0.4, -0.4)];
+        let corners_m = vec![
+            math::vec2(0.5, -0.4),
+            math::vec2(0.02, 0.02),
+            math::vec2(-0.4, 0.5),
+            math::vec2(-0.4, -0.4),
+        ];
         scenario.obstacles[0].shape = Shape::Polygon { corners_m };
     });
     settle(&mut window);
-    click_at(&mut window, (0.3, 0.3));
+    click_at(&mut window, math::vec2(0.3, 0.3));
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(0));
     // 2.8 cm from the middle are some five points.
-    drag(&mut window, (0.62, 0.62), (0.75, 0.7));
+    drag(&mut window, math::vec2(0.62, 0.62), math::vec2(0.75, 0.7));
     let obstacle = edited_scenario(&mut window).obstacles[0].clone();
-    assert_eq!(obstacle.position_m, (0.6, 0.6), "it stays");
+    assert_eq!(obstacle.position_m, math::vec2(0.6, 0.6), "it stays");
     let Shape::Polygon { corners_m } = obstacle.shape else { panic!("{:?}", obstacle.shape) };
-    assert!((corners_m[1].0 - 0.15).hypot(corners_m[1].1 - 0.1) < 0.001, "{corners_m:?}");
+    assert!((corners_m[1].x - 0.15).hypot(corners_m[1].y - 0.1) < 0.001, "{corners_m:?}");
 }
 
 #[test]

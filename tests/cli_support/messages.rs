@@ -1,4 +1,5 @@
-//! Error messages, compared with snapshots so that their wording is reviewed in one place: `tests/snapshots/messages/`.
+//! Error messages, compared with snapshots so that their wording is reviewed in one place:
+//! `tests/snapshots/messages/`.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -58,8 +59,8 @@ impl Messages {
     }
 }
 
-/// Asserts that `arguments` are rejected with exit status 2, one message, nothing on stdout and no change on disk. Returns the
-/// message.
+/// Asserts that `arguments` are rejected with exit status 2, one message, nothing on stdout and no change on
+/// disk. Returns the message.
 pub fn rejection(workspace: &Workspace, arguments: &str) -> String {
     let before = workspace.all_files();
     let done = workspace.run(arguments);

@@ -194,7 +194,8 @@ pub fn wait_for_output(child: Child) -> CommandOutput {
     }
 }
 
-/// Waits until `holds` returns true. Kills the child and panics if that takes more than a minute or the child ends first.
+/// Waits until `holds` returns true. Kills the child and panics if that takes more than a minute or the child
+/// ends first.
 pub fn wait_until(child: &mut Child, what: &str, holds: impl Fn() -> bool) {
     let began = Instant::now();
     while !holds() {
@@ -225,8 +226,9 @@ pub const PER_D3QN: &str = include_str!("../../assets/presets/per_d3qn.ron");
 pub const SCENARIO_1: &str = include_str!("../../scenarios/scenario-1.ron");
 pub const SCENARIO_2: &str = include_str!("../../scenarios/scenario-2.ron");
 
-/// The paper's algorithm in one arena (prioritized replay, RMSProp, hard target updates, epsilon by episodes), made fast: a
-/// small network, a replay buffer that wraps around many times, and frequent short evaluations.
+/// The paper's algorithm in one arena (prioritized replay, RMSProp, hard target updates, epsilon by
+/// episodes), made fast: a small network, a replay buffer that wraps around many times, and frequent short
+/// evaluations.
 pub fn quick_per() -> String {
     edited(
         PER_D3QN,
@@ -240,8 +242,8 @@ pub fn quick_per() -> String {
     )
 }
 
-/// The default preset in 16 arenas (2-step returns, Adam, Huber loss, soft target updates, schedules by env steps), made
-/// fast.
+/// The default preset in 16 arenas (2-step returns, Adam, Huber loss, soft target updates, schedules by env
+/// steps), made fast.
 pub fn quick_fast() -> String {
     edited(
         FAST,

@@ -1,7 +1,7 @@
 //! A preset that diverges, because it lacks everything that stabilizes deep Q-learning.
 
-/// Replacements in `fast.ron`: no target network, no double Q-learning, squared loss, a high learning rate, and many gradient
-/// steps on little data.
+/// Replacements in `fast.ron`: no target network, no double Q-learning, squared loss, a high learning rate,
+/// and many gradient steps on little data.
 pub const DIVERGENT: [(&str, &str); 7] = [
     ("hidden: [64, 64]", "hidden: [256, 256]"),
     ("gamma: 0.95", "gamma: 0.99"),

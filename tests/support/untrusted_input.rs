@@ -1,7 +1,9 @@
-//! Readers for untrusted files, one per kind. The fuzzers (`fuzz/`) and the tests (`tests/untrusted_input.rs`) use them.
+//! Readers for untrusted files, one per kind. The fuzzers (`fuzz/`) and the tests
+//! (`tests/untrusted_input.rs`) use them.
 //!
-//! In: any bytes. Out: whether they are a valid file. A reader must not panic, take long or use much memory. It uses a valid
-//! file as the program would, as far as that is fast, and checks that it is unchanged after being written and read again.
+//! In: any bytes. Out: whether they are a valid file. A reader must not panic, take long or use much memory.
+//! It uses a valid file as the program would, as far as that is fast, and checks that it is unchanged after
+//! being written and read again.
 
 use std::cell::RefCell;
 use std::io::Read;
@@ -12,7 +14,8 @@ use wayfield::agent::{ActiveLearner, TrainingFault};
 use wayfield::learning::{Experience, Learner, Policy, QNetwork};
 use wayfield::random::stream;
 use wayfield::reproduce::Experiment;
-use wayfield::reproduce::plan::{ExperimentSource, RunPlan, SelectedExperiment};
+use wayfield::reproduce::plan::RunPlan;
+use wayfield::reproduce::selected::{ExperimentSource, SelectedExperiment};
 use wayfield::run::folder::RunConfig;
 use wayfield::run::preset::Preset;
 use wayfield::run::{checkpoint, evaluate, policy_card, training_setup};
@@ -23,8 +26,8 @@ use wayfield::task::{EpisodeEnded, ObservationLayout, TaskFault};
 /// The file name in error messages.
 const NAME: &str = "untrusted.ron";
 
-/// Reads a policy file. Bytes that start with `S` are in a framed form, in which mutations cannot invalidate the length of the
-/// header: `S`, two bytes of length, the header, the tensors.
+/// Reads a policy file. Bytes that start with `S` are in a framed form, in which mutations cannot invalidate
+/// the length of the header: `S`, two bytes of length, the header, the tensors.
 pub fn policy(bytes: &[u8]) -> bool {
     let file = match bytes {
         [b'S', low, high, rest @ ..] => {
@@ -113,7 +116,8 @@ pub fn preset(bytes: &[u8]) -> bool {
     true
 }
 
-/// Creates a learner with two inputs and two actions, stores a few transitions, and trains it if that is fast.
+/// Creates a learner with two inputs and two actions, stores a few transitions, and trains it if that is
+/// fast.
 fn train_learner(preset: &Preset) {
     let mut learner = Learner::new(&preset.learning, 2, 2, preset.arenas, 1).expect("a valid configuration");
     for step in 0..12 {
@@ -241,9 +245,9 @@ thread_local! {
     static RUN: RefCell<Run> = RefCell::new(Run::new());
 }
 
-/// Reads a checkpoint in a framed form, in which mutations cannot invalidate lengths and checksums: two lengths of two bytes,
-/// the run's head, the learner's head, and the learner's arrays, padded with zeros. From a valid checkpoint the run continues
-/// for two control steps.
+/// Reads a checkpoint in a framed form, in which mutations cannot invalidate lengths and checksums: two
+/// lengths of two bytes, the run's head, the learner's head, and the learner's arrays, padded with zeros.
+/// From a valid checkpoint the run continues for two control steps.
 pub fn checkpoint(bytes: &[u8]) -> bool {
     RUN.with_borrow_mut(|Run { config, simulation }| {
         let (trainer_state, learner) = match checkpoint::read_from(Framed::new(bytes), config) {

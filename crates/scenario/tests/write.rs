@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::{Vec2, vec2};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
@@ -52,7 +53,7 @@ fn diff(before: &str, after: &str) -> String {
 fn circle(x: f32, y: f32) -> Obstacle {
     Obstacle {
         shape: Shape::Circle { radius_m: 0.15 },
-        position_m: (x, y),
+        position_m: vec2(x, y),
         rotation_rad: 0.0,
         motion: ObstacleMotion::Static,
     }
@@ -60,28 +61,28 @@ fn circle(x: f32, y: f32) -> Obstacle {
 
 /// A world in which nothing has its default.
 fn everything() -> Scenario {
-    let moving = |shape, motion| Obstacle { shape, position_m: (1.0, -2.5), rotation_rad: 0.1, motion };
+    let moving = |shape, motion| Obstacle { shape, position_m: vec2(1.0, -2.5), rotation_rad: 0.1, motion };
     Scenario {
         name: "All of it".into(),
         about: "Said \"so\", with a \\ and a line's end\nin it.".into(),
-        enclosure: Enclosure::Polygon { corners_m: vec![(-3.0, -3.0), (3.0, -3.0), (0.0, 1e-7)] },
+        enclosure: Enclosure::Polygon { corners_m: vec![vec2(-3.0, -3.0), vec2(3.0, -3.0), vec2(0.0, 1e-7)] },
         walls: vec![
-            Wall { corners_m: vec![(0.0, 0.0), (1.0, 0.0)], thickness_m: 0.1 },
-            Wall { corners_m: (0..8).map(|k| (k as f32, 0.25)).collect(), thickness_m: 0.3 },
+            Wall { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0)], thickness_m: 0.1 },
+            Wall { corners_m: (0..8).map(|k| vec2(k as f32, 0.25)).collect(), thickness_m: 0.3 },
         ],
         obstacles: vec![
             circle(0.6, 0.6),
             moving(Shape::Rectangle { width_m: 1.0, height_m: 0.5 }, ObstacleMotion::Static),
             moving(
-                Shape::Polygon { corners_m: vec![(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] },
-                ObstacleMotion::Orbit { centre_m: (0.0, 0.5), speed_rad_s: -0.15 },
+                Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(0.0, 1.0)] },
+                ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.5), speed_rad_s: -0.15 },
             ),
             moving(
                 Shape::Capsule { length_m: 0.3, radius_m: 0.1 },
-                ObstacleMotion::Patrol { waypoints_m: vec![(1.0, 1.0), (2.0, 1.0)], speed_m_s: 0.1 },
+                ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.0), vec2(2.0, 1.0)], speed_m_s: 0.1 },
             ),
             Obstacle {
-                motion: ObstacleMotion::BackAndForth { waypoints_m: vec![(1.0, 1.0)], speed_m_s: 0.1 },
+                motion: ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.0)], speed_m_s: 0.1 },
                 ..circle(0.0, 0.0)
             },
             Obstacle {
@@ -104,7 +105,7 @@ fn everything() -> Scenario {
                 count: 4,
                 shape: RandomShape::Rectangle { width_m: (0.2, 0.6), height_m: (0.2, 0.4) },
                 gap_m: 0.45,
-                within: Some(Region { min_m: (-1.6, -1.6), max_m: (1.6, 1.6) }),
+                within: Some(Region { min_m: vec2(-1.6, -1.6), max_m: vec2(1.6, 1.6) }),
             },
         ],
         robot: Robot {
@@ -127,9 +128,13 @@ fn everything() -> Scenario {
             control_period_s: 0.1,
             min_goal_distance_m: 0.6,
         },
-        starts: PlacementRule::Within { min_m: (-1.0, -1.0), max_m: (1.0, 1.0), clearance_m: 0.35 },
-        goals: PlacementRule::Fixed { position_m: (1.0, 1.0), heading_rad: Some(1.5) },
-        benchmark_route: BenchmarkRoute { start_m: (0.0, 1.0), heading_rad: 0.785, goal_m: (1.2, -1.2) },
+        starts: PlacementRule::Within { min_m: vec2(-1.0, -1.0), max_m: vec2(1.0, 1.0), clearance_m: 0.35 },
+        goals: PlacementRule::Fixed { position_m: vec2(1.0, 1.0), heading_rad: Some(1.5) },
+        benchmark_route: BenchmarkRoute {
+            start_m: vec2(0.0, 1.0),
+            heading_rad: 0.785,
+            goal_m: vec2(1.2, -1.2),
+        },
     }
 }
 
@@ -243,7 +248,7 @@ fn the_canonical_form_is_a_fixed_point() {
     assert_eq!(scenario, everything());
     assert_eq!(to_text(&scenario, None), EVERYTHING);
     assert_eq!(to_text(&scenario, Some(EVERYTHING)), EVERYTHING);
-    assert!(scenario.obstacles[6].position_m.0.is_sign_negative(), "-0.0 stays what it is");
+    assert!(scenario.obstacles[6].position_m.x.is_sign_negative(), "-0.0 stays what it is");
 }
 
 #[test]
@@ -266,13 +271,13 @@ fn what_is_no_scenario_is_no_model() {
 fn moving_one_obstacle_changes_one_line() {
     let text = file("scenario-1.ron");
     assert_eq!(
-        diff(&text, &edited(&text, |scenario| scenario.obstacles[1].position_m = (-0.75, 0.6))),
+        diff(&text, &edited(&text, |scenario| scenario.obstacles[1].position_m = vec2(-0.75, 0.6))),
         "-        (shape: Circle(radius_m: 0.15), position_m: (-0.6, 0.6)),\n\
          +        (shape: Circle(radius_m: 0.15), position_m: (-0.75, 0.6)),\n"
     );
     let text = file("scenario-2.ron");
     assert_eq!(
-        diff(&text, &edited(&text, |scenario| scenario.obstacles[3].position_m = (0.7, -0.6))),
+        diff(&text, &edited(&text, |scenario| scenario.obstacles[3].position_m = vec2(0.7, -0.6))),
         "-            position_m: (0.6, -0.6),\n+            position_m: (0.7, -0.6),\n"
     );
 }
@@ -311,7 +316,7 @@ fn one_number_of_the_lidar_leaves_all_else() {
 #[test]
 fn a_field_that_was_not_written_goes_where_the_schema_has_it() {
     let text = file("scenario-1.ron");
-    let wall = Wall { corners_m: vec![(0.0, 0.0), (1.0, 0.0)], thickness_m: 0.1 };
+    let wall = Wall { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0)], thickness_m: 0.1 };
     let walled = edited(&text, |scenario| scenario.walls.push(wall));
     assert_eq!(
         diff(&text, &walled),
@@ -341,7 +346,7 @@ fn defaults_that_are_spelled_out_stay_and_comments_stay_aligned() {
     let (before, after) =
         ("benchmark_route: (start_m: (0.0, 0.0),", "benchmark_route: (start_m: (1.0, 0.0),");
     assert_eq!(
-        edited(&text, |scenario| scenario.benchmark_route.start_m.0 = 1.0),
+        edited(&text, |scenario| scenario.benchmark_route.start_m.x = 1.0),
         text.replace(before, after)
     );
     let (before, after) = ("6.2831855, // all", "3.0,       // all");
@@ -376,18 +381,18 @@ fn odd_comments_stay() {
     same(&|s| s.lidar.beams = 31, "30", "31");
     same(&|s| s.lidar.dropout = 0.0, "dropout:0.1", "dropout:0.0");
     same(&|s| s.name = "Odd".into(), "r#\"An \"odd\" one\"#", "\"Odd\"");
-    same(&|s| s.obstacles[0].position_m.1 = 0.75, "0.50", "0.75");
-    same(&|s| s.obstacles[1].position_m.0 = 2.0, "(1., 1.)", "(2.0, 1.)");
+    same(&|s| s.obstacles[0].position_m.y = 0.75, "0.50", "0.75");
+    same(&|s| s.obstacles[1].position_m.x = 2.0, "(1., 1.)", "(2.0, 1.)");
     same(&|s| s.obstacles[1].rotation_rad = 0.5, ")), // two", "), rotation_rad: 0.5), // two");
     same(&|s| s.obstacles[2].shape = Shape::Circle { radius_m: 0.3 }, "0.2)", "0.3)");
     same(&|s| s.lidar.noise_std_m = 0.1, "/* not ( 24 */ ,", "/* not ( 24 */ , noise_std_m: 0.1,");
     same(
-        &|s| s.goals = PlacementRule::Fixed { position_m: (1.0, 1.0), heading_rad: Some(2.0) },
+        &|s| s.goals = PlacementRule::Fixed { position_m: vec2(1.0, 1.0), heading_rad: Some(2.0) },
         "Some(1.0)",
         "Some(2.0)",
     );
     same(
-        &|s| s.goals = PlacementRule::OneOf { positions_m: vec![(3.0, 3.0)] },
+        &|s| s.goals = PlacementRule::OneOf { positions_m: vec![vec2(3.0, 3.0)] },
         "Fixed(position_m: (1.0, 1.0), heading_rad: Some(1.0))",
         "OneOf(positions_m: [(3.0, 3.0)])",
     );
@@ -402,7 +407,7 @@ fn odd_comments_stay() {
 fn what_goes_takes_its_comments_and_leaves_others() {
     let place = |text: &str, keep: &[usize]| {
         edited(text, |scenario| {
-            let places = [(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)];
+            let places = [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(2.0, 2.0)];
             scenario.starts = PlacementRule::OneOf { positions_m: keep.iter().map(|&k| places[k]).collect() };
         })
     };
@@ -438,7 +443,7 @@ fn a_file_keeps_its_line_ends() {
     let text = file("scenario-1.ron").replace('\n', "\r\n");
     assert_eq!(to_text(&read(&text), Some(&text)), text);
     let written = edited(&text, |scenario| {
-        scenario.obstacles[2].position_m = (-0.5, -0.5);
+        scenario.obstacles[2].position_m = vec2(-0.5, -0.5);
         scenario.obstacles.push(circle(1.0, 1.5));
         scenario.walls = everything().walls;
         scenario.about = "word ".repeat(40);
@@ -463,8 +468,8 @@ fn a_world_of_ten_thousand_keeps_its_lines() {
     assert_eq!(edited(&text, |scenario| drop(scenario.obstacles.remove(7000))), text.replace(line, ""));
     // So much at once that elements are told apart by their order only.
     edited(&text, |scenario| {
-        scenario.obstacles.retain(|obstacle| obstacle.position_m.0 % 3.0 != 0.0);
-        scenario.obstacles.iter_mut().for_each(|obstacle| obstacle.position_m.1 = 0.75);
+        scenario.obstacles.retain(|obstacle| obstacle.position_m.x % 3.0 != 0.0);
+        scenario.obstacles.iter_mut().for_each(|obstacle| obstacle.position_m.y = 0.75);
     });
 }
 
@@ -472,20 +477,24 @@ fn number() -> impl Strategy<Value = f32> {
     prop_oneof![any::<f32>(), (-40_i16..40).prop_map(|k| f32::from(k) / 20.0), Just(-0.0), Just(f32::NAN)]
 }
 
-fn point() -> impl Strategy<Value = (f32, f32)> {
+fn pair() -> impl Strategy<Value = (f32, f32)> {
     (number(), number())
 }
 
-fn points() -> impl Strategy<Value = Vec<(f32, f32)>> {
+fn point() -> impl Strategy<Value = Vec2> {
+    pair().prop_map(Vec2::from)
+}
+
+fn points() -> impl Strategy<Value = Vec<Vec2>> {
     vec(point(), 0..9)
 }
 
 fn shape() -> impl Strategy<Value = Shape> {
     prop_oneof![
         number().prop_map(|radius_m| Shape::Circle { radius_m }),
-        point().prop_map(|(width_m, height_m)| Shape::Rectangle { width_m, height_m }),
+        pair().prop_map(|(width_m, height_m)| Shape::Rectangle { width_m, height_m }),
         points().prop_map(|corners_m| Shape::Polygon { corners_m }),
-        point().prop_map(|(length_m, radius_m)| Shape::Capsule { length_m, radius_m }),
+        pair().prop_map(|(length_m, radius_m)| Shape::Capsule { length_m, radius_m }),
     ]
 }
 
@@ -517,8 +526,8 @@ fn obstacle() -> impl Strategy<Value = Obstacle> {
 
 fn generator() -> impl Strategy<Value = Generator> {
     let shape = prop_oneof![
-        point().prop_map(|radius_m| RandomShape::Circle { radius_m }),
-        (point(), point()).prop_map(|(width_m, height_m)| RandomShape::Rectangle { width_m, height_m }),
+        pair().prop_map(|radius_m| RandomShape::Circle { radius_m }),
+        (pair(), pair()).prop_map(|(width_m, height_m)| RandomShape::Rectangle { width_m, height_m }),
     ];
     let within = option::of((point(), point()).prop_map(|(min_m, max_m)| Region { min_m, max_m }));
     (any::<u32>(), shape, prop_oneof![Just(0.4), number()], within)
@@ -541,7 +550,7 @@ fn places() -> impl Strategy<Value = PlacementRule> {
 }
 
 fn robot() -> impl Strategy<Value = Robot> {
-    let motion = point().prop_map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s });
+    let motion = pair().prop_map(|(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s });
     prop_oneof![
         Just(Robot::default()),
         (number(), vec(motion, 0..4), number()).prop_map(|(radius_m, motions, actuator_lag_s)| Robot {
@@ -567,7 +576,7 @@ fn lidar() -> impl Strategy<Value = Lidar> {
 
 fn scenario() -> impl Strategy<Value = Scenario> {
     let enclosure = prop_oneof![
-        point().prop_map(|(width_m, height_m)| Enclosure::Rectangle { width_m, height_m }),
+        pair().prop_map(|(width_m, height_m)| Enclosure::Rectangle { width_m, height_m }),
         points().prop_map(|corners_m| Enclosure::Polygon { corners_m }),
     ];
     let wall = (points(), prop_oneof![Just(0.1), number()])

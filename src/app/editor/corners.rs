@@ -3,7 +3,8 @@
 //! In: the corners, a handle. Out: the corners, one of them dragged, put in or taken out.
 
 use super::handles::{Handle, HandleKind};
-use super::points::{Point, middle, minus, place_text, plus, point_to_mm};
+use super::points::{middle, minus, place_text, plus, point_to_mm};
+use bevy::math::Vec2;
 
 /// How few and how many corners a wall has.
 pub(super) const WALL: (usize, usize) = (2, 256);
@@ -11,7 +12,7 @@ pub(super) const WALL: (usize, usize) = (2, 256);
 pub(super) const ENCLOSURE: (usize, usize) = (3, 64);
 
 /// A handle for each corner, and one for a new corner on each straight piece unless there are as many as there may be.
-pub(super) fn handles(corners: &[Point], closed: bool, most: usize) -> Vec<Handle> {
+pub(super) fn handles(corners: &[Vec2], closed: bool, most: usize) -> Vec<Handle> {
     let mut all = Vec::new();
     if corners.len() < most {
         let pieces = corners.len().saturating_sub(usize::from(!closed));
@@ -27,7 +28,7 @@ pub(super) fn handles(corners: &[Point], closed: bool, most: usize) -> Vec<Handl
 }
 
 /// Drags a corner, or by the middle (which is the first corner) all of them.
-pub(super) fn drag(corners: &mut [Point], kind: HandleKind, to: Point) -> Option<()> {
+pub(super) fn drag(corners: &mut [Vec2], kind: HandleKind, to: Vec2) -> Option<()> {
     match kind {
         HandleKind::Corner(k) => *corners.get_mut(k)? = to,
         HandleKind::Middle => {
@@ -40,7 +41,7 @@ pub(super) fn drag(corners: &mut [Point], kind: HandleKind, to: Point) -> Option
 }
 
 /// Puts a corner in before corner `k`.
-pub(super) fn insert(corners: &mut Vec<Point>, k: usize, at: Point) -> Option<HandleKind> {
+pub(super) fn insert(corners: &mut Vec<Vec2>, k: usize, at: Vec2) -> Option<HandleKind> {
     if k > corners.len() {
         return None;
     }
@@ -49,7 +50,7 @@ pub(super) fn insert(corners: &mut Vec<Point>, k: usize, at: Point) -> Option<Ha
 }
 
 /// Takes corner `k` out, if more than `least` are there.
-pub(super) fn remove(corners: &mut Vec<Point>, k: usize, least: usize) -> Option<()> {
+pub(super) fn remove(corners: &mut Vec<Vec2>, k: usize, least: usize) -> Option<()> {
     if k >= corners.len() || corners.len() <= least {
         return None;
     }
@@ -58,7 +59,7 @@ pub(super) fn remove(corners: &mut Vec<Point>, k: usize, least: usize) -> Option
 }
 
 /// Moves them all.
-pub(super) fn shift<'a>(corners: impl IntoIterator<Item = &'a mut Point>, by: Point) {
+pub(super) fn shift<'a>(corners: impl IntoIterator<Item = &'a mut Vec2>, by: Vec2) {
     for corner in corners {
         *corner = point_to_mm(plus(*corner, by));
     }

@@ -4,8 +4,10 @@
 
 use std::sync::Arc;
 
+use bevy::math::{Vec2, vec2};
+
 use super::handles::{self, HandleKind};
-use super::points::{Point, distance, is_finite, minus, plus};
+use super::points::{distance, is_finite, minus, plus};
 use super::selection::{Selection, places};
 use super::undo::EditSnapshot;
 use super::{Editor, PlacementRole, Tool};
@@ -21,7 +23,7 @@ pub(super) struct Drag {
     /// The same with what an inserting handle made.
     begun: Arc<Scenario>,
     /// From the pointer to the handle, in m.
-    offset_m: Point,
+    offset_m: Vec2,
     /// From the pointer's direction to the angle, in rad, where something is turned.
     offset_rad: f32,
 }
@@ -30,7 +32,7 @@ impl Editor {
     /// Takes hold of a handle of what is selected, with the pointer at `position_m`; what can't be dragged answers no. By
     /// [`HandleKind::Middle`] everything can be taken that has a place; an inserting handle makes its corner and goes
     /// on with that.
-    pub fn begin_drag(&mut self, kind: HandleKind, position_m: Point) -> bool {
+    pub fn begin_drag(&mut self, kind: HandleKind, position_m: Vec2) -> bool {
         self.end_drag();
         self.close_group();
         if !is_finite(position_m) {
@@ -74,7 +76,7 @@ impl Editor {
     }
 
     /// The pointer is at `position_m` now; `free` is without snapping.
-    pub fn drag_to(&mut self, position_m: Point, free: bool) {
+    pub fn drag_to(&mut self, position_m: Vec2, free: bool) {
         let Some(drag) = &self.drag else { return };
         if !is_finite(position_m) {
             return;
@@ -133,7 +135,7 @@ impl Editor {
     /// move along the same axis is one step for undo.
     pub fn nudge(&mut self, right: i32, up: i32, fine: bool) {
         let step_m = if self.snap.on && !fine { self.snap.step_m } else { 0.01 };
-        let (selection, by) = (self.selection, (right as f32 * step_m, up as f32 * step_m));
+        let (selection, by) = (self.selection, vec2(right as f32 * step_m, up as f32 * step_m));
         let field = match (right, up) {
             (_, 0) => "nudge along x",
             (0, _) => "nudge along y",
@@ -145,7 +147,7 @@ impl Editor {
     }
 }
 
-fn direction(from: Point, to: Point) -> f32 {
-    let (x, y) = minus(to, from);
+fn direction(from: Vec2, to: Vec2) -> f32 {
+    let Vec2 { x, y } = minus(to, from);
     y.atan2(x)
 }

@@ -3,11 +3,11 @@
 //! In: a scenario, the selection. Out: the [`Handle`]s; a scenario in which one of them was dragged, put in or taken
 //! out. Where a handle goes is worked from the scenario at the drag's beginning, so that nothing adds up meanwhile.
 
-use super::points::Point;
 use super::selection::Selection;
 use super::snap::Snap;
 use super::{body, corners, obstacle_path, rectangles, start_goal_handles};
 use crate::scenario::{Enclosure, PlacementRule, Scenario};
+use bevy::math::Vec2;
 
 /// What a handle changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ pub struct Handle {
     /// What it changes.
     pub kind: HandleKind,
     /// Where it is, in m.
-    pub position_m: Point,
+    pub position_m: Vec2,
     /// The number that it changes, as it is now.
     pub text: String,
     /// What it does, in a few words.
@@ -63,7 +63,7 @@ pub struct Handle {
 }
 
 impl Handle {
-    pub(super) fn new(kind: HandleKind, position_m: Point, text: String, about: &'static str) -> Self {
+    pub(super) fn new(kind: HandleKind, position_m: Vec2, text: String, about: &'static str) -> Self {
         Self { kind, position_m, text, about }
     }
 }
@@ -98,7 +98,7 @@ pub(super) fn of(scenario: &Scenario, selection: Selection) -> Vec<Handle> {
 }
 
 /// Where a handle of this kind is; a middle also of what shows none.
-pub(super) fn place(scenario: &Scenario, selection: Selection, kind: HandleKind) -> Option<Point> {
+pub(super) fn place(scenario: &Scenario, selection: Selection, kind: HandleKind) -> Option<Vec2> {
     if kind == HandleKind::Middle
         && let Selection::Wall(k) = selection
     {
@@ -112,7 +112,7 @@ pub(super) fn drag(
     scenario: &mut Scenario,
     selection: Selection,
     kind: HandleKind,
-    to: Point,
+    to: Vec2,
     snap: Snap,
 ) -> Option<()> {
     let centre = middle_of(scenario);
@@ -149,7 +149,7 @@ pub(super) fn drag(
 }
 
 /// What turns about what, and how it is turned.
-pub(super) fn rotation_of(scenario: &Scenario, selection: Selection) -> Option<(Point, f32)> {
+pub(super) fn rotation_of(scenario: &Scenario, selection: Selection) -> Option<(Vec2, f32)> {
     match selection {
         Selection::Obstacle(k) => {
             let obstacle = scenario.obstacles.get(k)?;
@@ -185,7 +185,7 @@ pub(super) fn insert(
     scenario: &mut Scenario,
     selection: Selection,
     kind: HandleKind,
-    at: Point,
+    at: Vec2,
 ) -> Option<HandleKind> {
     let at = super::points::point_to_mm(at);
     match (selection, kind) {
@@ -225,7 +225,7 @@ pub(super) fn remove(scenario: &mut Scenario, selection: Selection, kind: Handle
 }
 
 /// Moves the whole of what is selected.
-pub(super) fn shift(scenario: &mut Scenario, selection: Selection, by: Point) -> Option<()> {
+pub(super) fn shift(scenario: &mut Scenario, selection: Selection, by: Vec2) -> Option<()> {
     match selection {
         Selection::Nothing | Selection::Enclosure => return None,
         Selection::Obstacle(k) => obstacle_path::shift(scenario.obstacles.get_mut(k)?, by),
@@ -243,7 +243,7 @@ pub(super) fn shift(scenario: &mut Scenario, selection: Selection, by: Point) ->
 }
 
 /// The middle of the world.
-pub(super) fn middle_of(scenario: &Scenario) -> Point {
+pub(super) fn middle_of(scenario: &Scenario) -> Vec2 {
     let (low, high) = scenario.enclosure.bounds_m();
     super::points::middle(low, high)
 }

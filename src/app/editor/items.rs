@@ -4,9 +4,11 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
+use bevy::math::{Vec2, vec2};
+
 use super::body::bounding_radius;
 use super::handles;
-use super::points::{Point, distance, minus, plus, to_mm};
+use super::points::{distance, minus, plus, to_mm};
 use super::selection::Selection;
 use super::{Editor, Snap, corners, obstacle_path};
 use crate::scenario::{
@@ -42,7 +44,7 @@ impl NewItem {
     fn shape(self) -> Option<Shape> {
         let corners = |count: u8, radius_m: f32, first_rad: f32| {
             let at = |k: u8| first_rad + f32::from(k) / f32::from(count) * TAU;
-            let corner = |k| (to_mm(radius_m * at(k).cos()), to_mm(radius_m * at(k).sin()));
+            let corner = |k| vec2(to_mm(radius_m * at(k).cos()), to_mm(radius_m * at(k).sin()));
             Shape::Polygon { corners_m: (0..count).map(corner).collect() }
         };
         Some(match self {
@@ -58,7 +60,7 @@ impl NewItem {
 
 impl Editor {
     /// Adds one, near `near_m` where there is room for it, and selects it.
-    pub fn add(&mut self, form: NewItem, near_m: Point) {
+    pub fn add(&mut self, form: NewItem, near_m: Vec2) {
         let snap = self.snap;
         let thing = match form.shape() {
             Some(shape) => EditorItem::Obstacle(Obstacle {
@@ -141,7 +143,7 @@ impl Editor {
     }
 
     /// Puts in what was copied: at `position_m`, or beside where it was; the next time beside that one.
-    pub fn paste(&mut self, position_m: Option<Point>) {
+    pub fn paste(&mut self, position_m: Option<Vec2>) {
         let Some(thing) = self.clipboard.take() else { return };
         let thing = match position_m {
             Some(at) => thing.anew().moved(self.snapped(at, false)),
@@ -182,13 +184,13 @@ impl Editor {
 
 /// The nearest place to `wanted` that is on the grid and so far clear of everything, the benchmark route's ends and the rules'
 /// places among it; `wanted` itself where there is none.
-pub(super) fn near(scenario: &Scenario, wanted: Point, reach_m: f32, snap: Snap) -> Point {
+pub(super) fn near(scenario: &Scenario, wanted: Vec2, reach_m: f32, snap: Snap) -> Vec2 {
     let middle = handles::middle_of(scenario);
     let ends = [scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m];
     let places = [&scenario.starts, &scenario.goals].into_iter().flat_map(super::selection::places);
-    let kept: Vec<Point> = ends.into_iter().chain(places.copied()).collect();
+    let kept: Vec<Vec2> = ends.into_iter().chain(places.copied()).collect();
     let keep_m = reach_m + scenario.task.collision_range_m + 0.02;
-    let fits = |at: &Point| {
+    let fits = |at: &Vec2| {
         clearance(scenario, *at, 0) >= reach_m && kept.iter().all(|&place| distance(place, *at) >= keep_m)
     };
     let ring_m = reach_m.max(0.1);
@@ -197,7 +199,7 @@ pub(super) fn near(scenario: &Scenario, wanted: Point, reach_m: f32, snap: Snap)
         .map(|(ring, k)| {
             let angle = f32::from(k) / f32::from(ring.saturating_mul(6).max(1)) * TAU;
             let away = f32::from(ring) * ring_m;
-            snap.point(plus(wanted, (away * angle.cos(), away * angle.sin())), middle)
+            snap.point(plus(wanted, vec2(away * angle.cos(), away * angle.sin())), middle)
         })
         .find(fits)
         .unwrap_or_else(|| snap.point(wanted, middle))
@@ -208,11 +210,11 @@ fn beside(scenario: &Scenario, thing: EditorItem, snap: Snap) -> EditorItem {
     let to = match &thing {
         EditorItem::Obstacle(obstacle) => {
             let reach_m = bounding_radius(&obstacle.shape);
-            near(scenario, plus(obstacle.position_m, (2.0 * reach_m + 0.1, 0.0)), reach_m, snap)
+            near(scenario, plus(obstacle.position_m, vec2(2.0 * reach_m + 0.1, 0.0)), reach_m, snap)
         }
         EditorItem::Wall(_) | EditorItem::Generator(_) => {
             let aside = if snap.on { snap.step_m.max(0.2) } else { 0.2 };
-            thing.place().map_or((0.0, 0.0), |from| plus(from, (aside, -aside)))
+            thing.place().map_or(Vec2::ZERO, |from| plus(from, vec2(aside, -aside)))
         }
     };
     thing.anew().moved(to)
@@ -220,7 +222,7 @@ fn beside(scenario: &Scenario, thing: EditorItem, snap: Snap) -> EditorItem {
 
 impl EditorItem {
     /// Its middle; a wall's first corner; a region's lower left one.
-    fn place(&self) -> Option<Point> {
+    fn place(&self) -> Option<Vec2> {
         match self {
             Self::Obstacle(obstacle) => Some(obstacle.position_m),
             Self::Wall(wall) => wall.corners_m.first().copied(),
@@ -237,7 +239,7 @@ impl EditorItem {
     }
 
     /// The same with that at `to`.
-    fn moved(mut self, to: Point) -> Self {
+    fn moved(mut self, to: Vec2) -> Self {
         let Some(from) = self.place() else { return self };
         let by = minus(to, from);
         match &mut self {

@@ -5,13 +5,14 @@
 use super::body::bounding_radius;
 use super::handles::middle_of;
 use super::items::near;
-use super::points::{Point, distance, middle, minus, plus, point_to_mm, to_mm};
+use super::points::{distance, middle, minus, plus, point_to_mm, to_mm};
 use super::selection::{Selection, places};
 use super::tools::SPEED_M_S;
 use super::{Editor, Snap};
 use crate::scenario::{
     Enclosure, Obstacle, ObstacleMotion, PlacementRule, Scenario, clearance, enclosure_distance,
 };
+use bevy::math::{Vec2, vec2};
 
 /// The speed of a new orbit, in rad/s: the paper's Scenario II has about as much.
 const SPEED_RAD_S: f32 = 0.15;
@@ -200,8 +201,8 @@ impl Editor {
                 PlacementKind::Within => {
                     let (low, high) = scenario.enclosure.bounds_m();
                     let quarter = |a: f32, b: f32| to_mm(a + (b - a) / 4.0);
-                    let min_m = (quarter(low.0, high.0), quarter(low.1, high.1));
-                    let max_m = (quarter(high.0, low.0), quarter(high.1, low.1));
+                    let min_m = vec2(quarter(low.x, high.x), quarter(low.y, high.y));
+                    let max_m = vec2(quarter(high.x, low.x), quarter(high.y, low.y));
                     PlacementRule::Within { min_m, max_m, clearance_m }
                 }
                 PlacementKind::Fixed => PlacementRule::Fixed { position_m: place(), heading_rad: None },
@@ -222,7 +223,7 @@ impl Editor {
                 (EnclosureKind::Rectangle, Enclosure::Polygon { .. }) => {
                     let (low, high) = scenario.enclosure.bounds_m();
                     let extent = |a: f32, b: f32| to_mm(2.0 * a.abs().max(b.abs()));
-                    Enclosure::Rectangle { width_m: extent(low.0, high.0), height_m: extent(low.1, high.1) }
+                    Enclosure::Rectangle { width_m: extent(low.x, high.x), height_m: extent(low.y, high.y) }
                 }
                 _ => return,
             };
@@ -232,7 +233,7 @@ impl Editor {
 }
 
 /// Where the benchmark route's end is if that is in the clear, or near the middle.
-fn free_place(scenario: &Scenario, which: PlacementRole, clearance_m: f32, snap: Snap) -> Point {
+fn free_place(scenario: &Scenario, which: PlacementRole, clearance_m: f32, snap: Snap) -> Vec2 {
     let end = match which {
         PlacementRole::Starts => scenario.benchmark_route.start_m,
         PlacementRole::Goals => scenario.benchmark_route.goal_m,
@@ -248,50 +249,49 @@ fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
     let (at, radius_m) = (obstacle.position_m, bounding_radius(&obstacle.shape));
     let world = point_to_mm(middle_of(scenario));
     let arms = [0.5, 0.3, 0.2, 0.1];
-    let beside = arms.into_iter().flat_map(|arm| WAYS.map(|(x, y)| plus(at, (arm * x, arm * y))));
-    let fits = |centre: &Point| {
+    let beside = arms.into_iter().flat_map(|arm| WAYS.map(|Vec2 { x, y }| plus(at, vec2(arm * x, arm * y))));
+    let fits = |centre: &Vec2| {
         let arm = distance(*centre, at);
         arm >= 0.05 && enclosure_distance(&scenario.enclosure, *centre) >= arm + radius_m
     };
-    let centre_m = std::iter::once(world).chain(beside).find(fits).unwrap_or(plus(at, (-0.1, 0.0)));
+    let centre_m = std::iter::once(world).chain(beside).find(fits).unwrap_or(plus(at, vec2(-0.1, 0.0)));
     // Obstacles may move at 5 m/s at most.
     let fastest = 5.0 / distance(centre_m, at).max(0.01);
     ObstacleMotion::Orbit { centre_m: point_to_mm(centre_m), speed_rad_s: SPEED_RAD_S.min(fastest) }
 }
 
 /// To the left first: there is the middle, seen from where most things are not.
-const WAYS: [Point; 4] = [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)];
+const WAYS: [Vec2; 4] = [vec2(-1.0, 0.0), vec2(1.0, 0.0), vec2(0.0, -1.0), vec2(0.0, 1.0)];
 
 /// The waypoints of a path that stays within the walls and, if it can be, clear of what stands there: a square, or one
 /// straight line.
-fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Point> {
+fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Vec2> {
     let mut others = scenario.clone();
     let obstacle = others.obstacles.remove(index);
     let (at, radius_m) = (obstacle.position_m, bounding_radius(&obstacle.shape));
-    let candidate = |side: f32, way: usize| -> Vec<Point> {
-        let (x, y) = WAYS[way];
+    let candidate = |side: f32, way: usize| -> Vec<Vec2> {
+        let Vec2 { x, y } = WAYS[way];
         // Counterclockwise.
         let all = [(x, y), (x - y, y + x), (-y, x)];
         all[..if square { 3 } else { 1 }]
             .iter()
-            .map(|&(x, y)| point_to_mm(plus(at, (side * x, side * y))))
+            .map(|&(x, y)| point_to_mm(plus(at, Vec2 { x: side * x, y: side * y })))
             .collect()
     };
     let sides = [1.0, 0.75, 0.5, 0.3, 0.2, 0.1];
-    let all: Vec<Vec<Point>> =
+    let all: Vec<Vec<Vec2>> =
         sides.into_iter().flat_map(|side| (0..4).map(move |way| candidate(side, way))).collect();
-    let along = |path: &[Point]| -> Vec<Point> {
-        let corners: Vec<Point> = std::iter::once(at).chain(path.iter().copied()).collect();
+    let along = |path: &[Vec2]| -> Vec<Vec2> {
+        let corners: Vec<Vec2> = std::iter::once(at).chain(path.iter().copied()).collect();
         let legs = corners.windows(2).flat_map(|ends| {
             let (from, way) = (ends[0], minus(ends[1], ends[0]));
-            (1..=8_u8).map(move |k| plus(from, (way.0 * f32::from(k) / 8.0, way.1 * f32::from(k) / 8.0)))
+            (1..=8_u8).map(move |k| plus(from, vec2(way.x * f32::from(k) / 8.0, way.y * f32::from(k) / 8.0)))
         });
         legs.chain(square.then(|| middle(at, *corners.last().unwrap_or(&at)))).collect()
     };
-    let clear = |path: &&Vec<Point>| along(path).iter().all(|&p| clearance(&others, p, 0) >= radius_m);
-    let inside = |path: &&Vec<Point>| {
-        along(path).iter().all(|&p| enclosure_distance(&others.enclosure, p) >= radius_m)
-    };
+    let clear = |path: &&Vec<Vec2>| along(path).iter().all(|&p| clearance(&others, p, 0) >= radius_m);
+    let inside =
+        |path: &&Vec<Vec2>| along(path).iter().all(|&p| enclosure_distance(&others.enclosure, p) >= radius_m);
     let found = all.iter().find(clear).or_else(|| all.iter().find(inside)).or(all.last());
     found.cloned().unwrap_or_default()
 }

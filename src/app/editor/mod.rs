@@ -40,11 +40,12 @@ use crate::scenario::{Diagnostic, Scenario, diagnostics};
 pub use handles::{Handle, HandleKind};
 pub use items::NewItem;
 pub use kinds::{EnclosureKind, MotionKind, PlacementKind, PlacementRole};
-pub use points::{Point, format_metres};
+pub use points::format_metres;
 pub use selection::Selection;
 pub use snap::Snap;
 pub use tools::Tool;
 
+use bevy::math::Vec2;
 use drag::Drag;
 use items::EditorItem;
 use undo::{EditSnapshot, Origin, UndoStack};
@@ -198,7 +199,7 @@ impl Editor {
 
     /// What is under `position_m`, with so much slack for what is small or thin. What is selected wins where things overlap.
     #[must_use]
-    pub fn pick(&self, position_m: Point, slack_m: f32) -> Selection {
+    pub fn pick(&self, position_m: Vec2, slack_m: f32) -> Selection {
         selection::pick(&self.scenario, self.selection, position_m, slack_m)
     }
 
@@ -210,13 +211,13 @@ impl Editor {
 
     /// The point about which the handle [`HandleKind::Rotate`] turns what is selected, and the angle now.
     #[must_use]
-    pub fn rotation_of(&self) -> Option<(Point, f32)> {
+    pub fn rotation_of(&self) -> Option<(Vec2, f32)> {
         handles::rotation_of(&self.scenario, self.selection)
     }
 
     /// Where a point that is dragged or clicked to `position_m` goes.
     #[must_use]
-    pub fn snapped(&self, position_m: Point, free: bool) -> Point {
+    pub fn snapped(&self, position_m: Vec2, free: bool) -> Vec2 {
         self.snap.disabled_if(free).point(position_m, handles::middle_of(&self.scenario))
     }
 

@@ -4,9 +4,10 @@
 
 use super::corners::{self, shift as shift_all};
 use super::handles::{Handle, HandleKind};
-use super::points::{Point, distance, format_metres, middle, place_text, plus, point_to_mm};
+use super::points::{distance, format_metres, middle, place_text, plus, point_to_mm};
 use super::snap::Snap;
 use crate::scenario::{Obstacle, ObstacleMotion};
+use bevy::math::{Vec2, vec2};
 
 /// The most waypoints of a path.
 const MAX_WAYPOINTS: usize = 256;
@@ -42,7 +43,7 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
             all.push(Handle::new(HandleKind::OrbitCentre, *centre_m, text, "What it revolves about"));
         }
         ObstacleMotion::RandomWalk { radius_m, .. } => {
-            let at = plus(obstacle.position_m, (0.0, *radius_m));
+            let at = plus(obstacle.position_m, vec2(0.0, *radius_m));
             let text = format!("{} m", format_metres(*radius_m));
             all.push(Handle::new(HandleKind::WalkReach, at, text, "How far it strays"));
         }
@@ -51,7 +52,7 @@ pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
     all
 }
 
-fn waypoints(obstacle: &mut Obstacle) -> Option<&mut Vec<Point>> {
+fn waypoints(obstacle: &mut Obstacle) -> Option<&mut Vec<Vec2>> {
     match &mut obstacle.motion {
         ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
             Some(waypoints_m)
@@ -64,8 +65,8 @@ fn waypoints(obstacle: &mut Obstacle) -> Option<&mut Vec<Point>> {
 pub(super) fn drag(
     obstacle: &mut Obstacle,
     kind: HandleKind,
-    to: Point,
-    snapped: Point,
+    to: Vec2,
+    snapped: Vec2,
     snap: Snap,
 ) -> Option<()> {
     let at = obstacle.position_m;
@@ -85,7 +86,7 @@ pub(super) fn drag(
 }
 
 /// A new waypoint.
-pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, at: Point) -> Option<HandleKind> {
+pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, at: Vec2) -> Option<HandleKind> {
     let HandleKind::InsertWaypoint(k) = kind else { return None };
     corners::insert(waypoints(obstacle)?, k, at)?;
     Some(HandleKind::Waypoint(k))
@@ -98,7 +99,7 @@ pub(super) fn remove(obstacle: &mut Obstacle, kind: HandleKind) -> Option<()> {
 }
 
 /// Moves it with all its way.
-pub(super) fn shift(obstacle: &mut Obstacle, by: Point) {
+pub(super) fn shift(obstacle: &mut Obstacle, by: Vec2) {
     obstacle.position_m = point_to_mm(plus(obstacle.position_m, by));
     if let Some(waypoints) = waypoints(obstacle) {
         shift_all(waypoints, by);

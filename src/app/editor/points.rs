@@ -4,8 +4,7 @@
 
 use std::f32::consts::{PI, TAU};
 
-/// A place in the world, x and y in m.
-pub type Point = (f32, f32);
+use bevy::math::{Vec2, vec2};
 
 /// The least size that a drag leaves, in m.
 pub(super) const MIN_SIZE_M: f32 = 0.01;
@@ -21,8 +20,8 @@ pub(super) fn to_mm(length_m: f32) -> f32 {
 }
 
 /// A place, to the millimetre.
-pub(super) fn point_to_mm((x, y): Point) -> Point {
-    (to_mm(x), to_mm(y))
+pub(super) fn point_to_mm(Vec2 { x, y }: Vec2) -> Vec2 {
+    vec2(to_mm(x), to_mm(y))
 }
 
 /// An angle in rad within half a turn of 0, to the fourth decimal.
@@ -32,36 +31,36 @@ pub(super) fn to_angle(angle_rad: f32) -> f32 {
 }
 
 /// Whether it is a place at all.
-pub(super) fn is_finite((x, y): Point) -> bool {
+pub(super) fn is_finite(Vec2 { x, y }: Vec2) -> bool {
     x.is_finite() && y.is_finite()
 }
 
-pub(super) fn plus(a: Point, b: Point) -> Point {
-    (a.0 + b.0, a.1 + b.1)
+pub(super) fn plus(a: Vec2, b: Vec2) -> Vec2 {
+    vec2(a.x + b.x, a.y + b.y)
 }
 
-pub(super) fn minus(a: Point, b: Point) -> Point {
-    (a.0 - b.0, a.1 - b.1)
+pub(super) fn minus(a: Vec2, b: Vec2) -> Vec2 {
+    vec2(a.x - b.x, a.y - b.y)
 }
 
-pub(super) fn middle(a: Point, b: Point) -> Point {
-    ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0)
+pub(super) fn middle(a: Vec2, b: Vec2) -> Vec2 {
+    vec2((a.x + b.x) / 2.0, (a.y + b.y) / 2.0)
 }
 
-pub(super) fn distance(a: Point, b: Point) -> f32 {
-    (a.0 - b.0).hypot(a.1 - b.1)
+pub(super) fn distance(a: Vec2, b: Vec2) -> f32 {
+    (a.x - b.x).hypot(a.y - b.y)
 }
 
 /// A frame of its own: moved and turned in the world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalFrame {
-    at: Point,
+    at: Vec2,
     sin: f32,
     cos: f32,
 }
 
 impl LocalFrame {
-    pub fn new(at: Point, turn_rad: f32) -> Self {
+    pub fn new(at: Vec2, turn_rad: f32) -> Self {
         // To the quarter turn exact, as far as four decimals say it.
         let (sin, cos) = turn_rad.sin_cos();
         let tidy = |value: f32| if value.abs() < 1e-4 { 0.0 } else { value };
@@ -69,19 +68,19 @@ impl LocalFrame {
     }
 
     /// Its point in the world.
-    pub fn to_world(self, (x, y): Point) -> Point {
-        plus(self.at, self.rotate((x, y)))
+    pub fn to_world(self, Vec2 { x, y }: Vec2) -> Vec2 {
+        plus(self.at, self.rotate(vec2(x, y)))
     }
 
     /// Its direction in the world.
-    pub fn rotate(self, (x, y): Point) -> Point {
-        (x * self.cos - y * self.sin, x * self.sin + y * self.cos)
+    pub fn rotate(self, Vec2 { x, y }: Vec2) -> Vec2 {
+        vec2(x * self.cos - y * self.sin, x * self.sin + y * self.cos)
     }
 
     /// A point of the world, as it sees it.
-    pub fn to_local(self, point: Point) -> Point {
-        let (x, y) = minus(point, self.at);
-        (x * self.cos + y * self.sin, y * self.cos - x * self.sin)
+    pub fn to_local(self, point: Vec2) -> Vec2 {
+        let Vec2 { x, y } = minus(point, self.at);
+        vec2(x * self.cos + y * self.sin, y * self.cos - x * self.sin)
     }
 }
 
@@ -93,7 +92,7 @@ pub fn format_metres(length_m: f32) -> String {
 }
 
 /// `x, y m`.
-pub(super) fn place_text((x, y): Point) -> String {
+pub(super) fn place_text(Vec2 { x, y }: Vec2) -> String {
     format!("{}, {} m", format_metres(x), format_metres(y))
 }
 
@@ -130,8 +129,12 @@ mod tests {
 
     #[test]
     fn a_frame_goes_there_and_back() {
-        let frame = LocalFrame::new((1.0, 2.0), 1.5708);
-        assert_eq!(frame.to_world((0.5, 0.25)), (0.75, 2.5), "a quarter turn: x goes up, y to the left");
-        assert_eq!(frame.to_local((0.75, 2.5)), (0.5, 0.25));
+        let frame = LocalFrame::new(vec2(1.0, 2.0), 1.5708);
+        assert_eq!(
+            frame.to_world(vec2(0.5, 0.25)),
+            vec2(0.75, 2.5),
+            "a quarter turn: x goes up, y to the left"
+        );
+        assert_eq!(frame.to_local(vec2(0.75, 2.5)), vec2(0.5, 0.25));
     }
 }

@@ -2,11 +2,12 @@
 //!
 //! In: a scenario, a point or a field's path. Out: a [`Selection`].
 
-use super::points::{Point, distance};
+use super::points::distance;
 use crate::scenario::{
     Obstacle, PlacementRule, Region, Scenario, enclosure_distance, inner_wall_distance, polygon,
     shape_distance,
 };
+use bevy::math::{Vec2, vec2};
 
 /// What the handles and the inspector are of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,7 +68,7 @@ impl Selection {
 }
 
 /// The fixed places of a rule.
-pub(super) fn places(rule: &PlacementRule) -> &[Point] {
+pub(super) fn places(rule: &PlacementRule) -> &[Vec2] {
     match rule {
         PlacementRule::Fixed { position_m, .. } => std::slice::from_ref(position_m),
         PlacementRule::OneOf { positions_m } => positions_m,
@@ -85,7 +86,7 @@ pub(super) fn region(rule: &PlacementRule) -> Option<Region> {
 
 /// What is under `position_m`, with so much slack in m for what is small or thin. `now`, what is selected, wins where solid
 /// things overlap.
-pub(super) fn pick(scenario: &Scenario, now: Selection, at: Point, slack_m: f32) -> Selection {
+pub(super) fn pick(scenario: &Scenario, now: Selection, at: Vec2, slack_m: f32) -> Selection {
     let obstacle = |k: usize| scenario.obstacles.get(k).map(|obstacle| from_obstacle(obstacle, at));
     let wall = |k: usize| scenario.walls.get(k).map(|wall| inner_wall_distance(wall, at));
     // A mark inside a solid thing could not be reached otherwise.
@@ -124,13 +125,13 @@ pub(super) fn pick(scenario: &Scenario, now: Selection, at: Point, slack_m: f32)
     })
 }
 
-fn from_obstacle(obstacle: &Obstacle, at: Point) -> f32 {
-    let (x, y) = obstacle.position_m;
+fn from_obstacle(obstacle: &Obstacle, at: Vec2) -> f32 {
+    let Vec2 { x, y } = obstacle.position_m;
     shape_distance(&obstacle.shape, (x, y, obstacle.rotation_rad), at)
 }
 
 /// The nearest mark of a start or a goal within `reach_m` of what it is.
-fn mark(scenario: &Scenario, at: Point, reach_m: impl Fn(Selection) -> f32) -> Option<Selection> {
+fn mark(scenario: &Scenario, at: Vec2, reach_m: impl Fn(Selection) -> f32) -> Option<Selection> {
     let benchmark_route = &scenario.benchmark_route;
     let fixed = |rule, of| places(rule).iter().map(move |&place| (place, of));
     let marks = [
@@ -148,7 +149,7 @@ fn mark(scenario: &Scenario, at: Point, reach_m: impl Fn(Selection) -> f32) -> O
 }
 
 /// A rectangle of a rule or of a generator whose outline is there.
-fn frame(scenario: &Scenario, at: Point, slack_m: f32) -> Option<Selection> {
+fn frame(scenario: &Scenario, at: Vec2, slack_m: f32) -> Option<Selection> {
     let generators = scenario.generators.iter().enumerate();
     let generators = generators.map(|(k, generator)| (generator.within, Selection::Generator(k)));
     let rules = [(&scenario.starts, Selection::Starts), (&scenario.goals, Selection::Goals)];
@@ -158,8 +159,8 @@ fn frame(scenario: &Scenario, at: Point, slack_m: f32) -> Option<Selection> {
         .map(|(_, of)| of)
 }
 
-fn from_outline(Region { min_m, max_m }: Region, at: Point) -> f32 {
-    let corners = [min_m, (max_m.0, min_m.1), max_m, (min_m.0, max_m.1)];
+fn from_outline(Region { min_m, max_m }: Region, at: Vec2) -> f32 {
+    let corners = [min_m, vec2(max_m.x, min_m.y), max_m, vec2(min_m.x, max_m.y)];
     polygon::sides(&corners)
         .map(|(from, to)| polygon::distance_to_segment(from, to, at))
         .fold(f32::INFINITY, f32::min)
@@ -178,15 +179,15 @@ mod tests {
             motion: ObstacleMotion::Static,
         };
         Scenario {
-            obstacles: vec![disc((-1.0, 0.0), 0.3), disc((-0.8, 0.0), 0.3)],
-            walls: vec![Wall { corners_m: vec![(0.0, -1.5), (1.0, -1.5)], thickness_m: 0.1 }],
+            obstacles: vec![disc(vec2(-1.0, 0.0), 0.3), disc(vec2(-0.8, 0.0), 0.3)],
+            walls: vec![Wall { corners_m: vec![vec2(0.0, -1.5), vec2(1.0, -1.5)], thickness_m: 0.1 }],
             generators: vec![Generator {
                 count: 1,
                 shape: RandomShape::Circle { radius_m: (0.1, 0.2) },
                 gap_m: 0.4,
-                within: Some(Region { min_m: (0.0, 0.5), max_m: (1.0, 1.0) }),
+                within: Some(Region { min_m: vec2(0.0, 0.5), max_m: vec2(1.0, 1.0) }),
             }],
-            goals: PlacementRule::OneOf { positions_m: vec![(1.5, 0.0), (1.5, -1.0)] },
+            goals: PlacementRule::OneOf { positions_m: vec![vec2(1.5, 0.0), vec2(1.5, -1.0)] },
             ..Scenario::default()
         }
     }
@@ -196,28 +197,36 @@ mod tests {
         let scenario = crowded();
         let pick = |now, at| super::pick(&scenario, now, at, 0.03);
         let none = Selection::Nothing;
-        assert_eq!(pick(none, (-0.9, 0.0)), Selection::Obstacle(1), "the one drawn last");
-        assert_eq!(pick(Selection::Obstacle(0), (-0.9, 0.0)), Selection::Obstacle(0), "or the selected one");
-        assert_eq!(pick(Selection::Obstacle(0), (-0.55, 0.0)), Selection::Obstacle(1), "not where it isn't");
-        assert_eq!(pick(none, (-1.32, 0.0)), Selection::Obstacle(0), "2 cm beside it");
-        assert_eq!(pick(none, (-1.34, 0.0)), none);
-        assert_eq!(pick(none, (0.5, -1.47)), Selection::Wall(0));
-        assert_eq!(pick(none, (0.5, 0.52)), Selection::Generator(0), "its region's outline");
-        assert_eq!(pick(none, (0.5, 0.7)), none, "a region is empty within");
-        assert_eq!(pick(none, (1.6, -1.0)), Selection::Goals, "within the goal radius");
-        assert_eq!(pick(none, (0.05, 0.0)), Selection::BenchmarkStart);
-        assert_eq!(pick(none, (1.21, 1.19)), Selection::BenchmarkGoal);
-        assert_eq!(pick(none, (1.98, 0.7)), Selection::Enclosure);
-        assert_eq!(pick(none, (2.02, 0.7)), Selection::Enclosure);
+        assert_eq!(pick(none, vec2(-0.9, 0.0)), Selection::Obstacle(1), "the one drawn last");
+        assert_eq!(
+            pick(Selection::Obstacle(0), vec2(-0.9, 0.0)),
+            Selection::Obstacle(0),
+            "or the selected one"
+        );
+        assert_eq!(
+            pick(Selection::Obstacle(0), vec2(-0.55, 0.0)),
+            Selection::Obstacle(1),
+            "not where it isn't"
+        );
+        assert_eq!(pick(none, vec2(-1.32, 0.0)), Selection::Obstacle(0), "2 cm beside it");
+        assert_eq!(pick(none, vec2(-1.34, 0.0)), none);
+        assert_eq!(pick(none, vec2(0.5, -1.47)), Selection::Wall(0));
+        assert_eq!(pick(none, vec2(0.5, 0.52)), Selection::Generator(0), "its region's outline");
+        assert_eq!(pick(none, vec2(0.5, 0.7)), none, "a region is empty within");
+        assert_eq!(pick(none, vec2(1.6, -1.0)), Selection::Goals, "within the goal radius");
+        assert_eq!(pick(none, vec2(0.05, 0.0)), Selection::BenchmarkStart);
+        assert_eq!(pick(none, vec2(1.21, 1.19)), Selection::BenchmarkGoal);
+        assert_eq!(pick(none, vec2(1.98, 0.7)), Selection::Enclosure);
+        assert_eq!(pick(none, vec2(2.02, 0.7)), Selection::Enclosure);
     }
 
     #[test]
     fn a_mark_inside_an_obstacle_can_be_picked() {
         let mut scenario = crowded();
-        scenario.benchmark_route.start_m = (-1.0, 0.0);
+        scenario.benchmark_route.start_m = vec2(-1.0, 0.0);
         let pick = |at| super::pick(&scenario, Selection::Obstacle(0), at, 0.03);
-        assert_eq!(pick((-1.0, 0.01)), Selection::BenchmarkStart);
-        assert_eq!(pick((-1.0, 0.05)), Selection::Obstacle(0));
+        assert_eq!(pick(vec2(-1.0, 0.01)), Selection::BenchmarkStart);
+        assert_eq!(pick(vec2(-1.0, 0.05)), Selection::Obstacle(0));
     }
 
     #[test]

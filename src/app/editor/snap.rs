@@ -2,7 +2,8 @@
 //!
 //! In: where the pointer is. Out: where the thing goes; to the millimetre and 0.0001 rad in any case.
 
-use super::points::{MIN_SIZE_M, Point, to_angle, to_mm};
+use super::points::{MIN_SIZE_M, to_angle, to_mm};
+use bevy::math::{Vec2, vec2};
 
 /// Whether and how finely.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +32,8 @@ impl Snap {
     }
 
     /// A place: on the grid through (0, 0), or on a line through the world's `middle` where that is nearer.
-    pub(super) fn point(self, at: Point, middle: Point) -> Point {
-        (self.coordinate(at.0, middle.0), self.coordinate(at.1, middle.1))
+    pub(super) fn point(self, at: Vec2, middle: Vec2) -> Vec2 {
+        vec2(self.coordinate(at.x, middle.x), self.coordinate(at.y, middle.y))
     }
 
     fn coordinate(self, at: f32, middle: f32) -> f32 {
@@ -66,10 +67,10 @@ mod tests {
     #[test]
     fn places_go_to_the_grid_or_to_the_worlds_middle() {
         let snap = Snap { on: true, step_m: 0.25 };
-        assert_eq!(snap.point((0.37, -0.38), (0.0, 0.0)), (0.25, -0.5));
-        assert_eq!(snap.point((0.37, -0.38), (0.4, -0.4)), (0.4, -0.4), "the middle is nearer");
-        assert_eq!(snap.point((0.13, 0.1), (0.1, 5.0)), (0.1, 0.0), "each axis for itself");
-        assert_eq!(snap.disabled_if(true).point((0.371_4, -0.38), (0.0, 0.0)), (0.371, -0.38));
+        assert_eq!(snap.point(vec2(0.37, -0.38), vec2(0.0, 0.0)), vec2(0.25, -0.5));
+        assert_eq!(snap.point(vec2(0.37, -0.38), vec2(0.4, -0.4)), vec2(0.4, -0.4), "the middle is nearer");
+        assert_eq!(snap.point(vec2(0.13, 0.1), vec2(0.1, 5.0)), vec2(0.1, 0.0), "each axis for itself");
+        assert_eq!(snap.disabled_if(true).point(vec2(0.371_4, -0.38), vec2(0.0, 0.0)), vec2(0.371, -0.38));
     }
 
     #[test]

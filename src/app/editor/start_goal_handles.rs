@@ -4,11 +4,12 @@
 
 use super::corners;
 use super::handles::{Handle, HandleKind};
-use super::points::{LocalFrame, Point, degrees_text, place_text};
+use super::points::{LocalFrame, degrees_text, place_text};
 use super::rectangles;
 use super::selection::{Selection, region};
 use super::snap::Snap;
 use crate::scenario::{BenchmarkRoute, PlacementRule};
+use bevy::math::{Vec2, vec2};
 
 /// How far from a start the handle is that turns it, in m.
 const TURN_M: f32 = 0.3;
@@ -41,8 +42,8 @@ pub(super) fn of_benchmark_route(benchmark_route: &BenchmarkRoute, end: Selectio
     ]
 }
 
-fn turn(at: Point, heading_rad: f32) -> Handle {
-    let tip = LocalFrame::new(at, heading_rad).to_world((TURN_M, 0.0));
+fn turn(at: Vec2, heading_rad: f32) -> Handle {
+    let tip = LocalFrame::new(at, heading_rad).to_world(vec2(TURN_M, 0.0));
     Handle::new(HandleKind::Rotate, tip, degrees_text(heading_rad), "Where it looks")
 }
 
@@ -50,9 +51,9 @@ fn turn(at: Point, heading_rad: f32) -> Handle {
 pub(super) fn drag_rule(
     rule: &mut PlacementRule,
     kind: HandleKind,
-    to: Point,
+    to: Vec2,
     snap: Snap,
-    centre: Point,
+    centre: Vec2,
 ) -> Option<()> {
     match (kind, rule) {
         (HandleKind::Place(_), PlacementRule::Fixed { position_m, .. }) => {
@@ -74,7 +75,7 @@ pub(super) fn drag_benchmark_route(
     benchmark_route: &mut BenchmarkRoute,
     end: Selection,
     kind: HandleKind,
-    snapped: Point,
+    snapped: Vec2,
 ) -> Option<()> {
     if kind != HandleKind::Middle {
         return None;
@@ -95,7 +96,7 @@ pub(super) fn remove(rule: &mut PlacementRule, k: usize) -> Option<()> {
 }
 
 /// All points of a rule.
-pub(super) fn points(rule: &mut PlacementRule) -> Vec<&mut Point> {
+pub(super) fn points(rule: &mut PlacementRule) -> Vec<&mut Vec2> {
     match rule {
         PlacementRule::Random { .. } => Vec::new(),
         PlacementRule::Within { min_m, max_m, .. } => vec![min_m, max_m],

@@ -13,33 +13,37 @@ use crate::scenario::{
     Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Shape, Wall,
     clearance, parse_ron, to_ron,
 };
+use bevy::math::{Vec2, vec2};
 
 /// An editor of this world, as opened from its file.
 fn editor(scenario: Scenario) -> Editor {
     Editor::open(Arc::new(scenario), "worlds/mine.ron".into(), true)
 }
 
-fn still(shape: Shape, position_m: Point) -> Obstacle {
+fn still(shape: Shape, position_m: Vec2) -> Obstacle {
     Obstacle { shape, position_m, rotation_rad: 0.0, motion: ObstacleMotion::Static }
 }
 
 fn disc(x: f32, y: f32) -> Obstacle {
-    still(Shape::Circle { radius_m: 0.15 }, (x, y))
+    still(Shape::Circle { radius_m: 0.15 }, vec2(x, y))
 }
 
 /// A world with one of everything.
 fn full() -> Scenario {
-    let patrol = ObstacleMotion::Patrol { waypoints_m: vec![(1.0, 1.5), (0.5, 1.5)], speed_m_s: 0.1 };
+    let patrol = ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
     Scenario {
         obstacles: vec![disc(-1.0, -1.0), Obstacle { motion: patrol, ..disc(1.0, 0.0) }],
-        walls: vec![Wall { corners_m: vec![(-1.5, 0.5), (-1.0, 0.5), (-1.0, 1.0)], thickness_m: 0.1 }],
+        walls: vec![Wall {
+            corners_m: vec![vec2(-1.5, 0.5), vec2(-1.0, 0.5), vec2(-1.0, 1.0)],
+            thickness_m: 0.1,
+        }],
         generators: vec![Generator {
             count: 2,
             shape: RandomShape::Circle { radius_m: (0.05, 0.1) },
             gap_m: 0.4,
-            within: Some(Region { min_m: (-1.0, -0.5), max_m: (0.0, 0.0) }),
+            within: Some(Region { min_m: vec2(-1.0, -0.5), max_m: vec2(0.0, 0.0) }),
         }],
-        goals: PlacementRule::OneOf { positions_m: vec![(0.0, 1.5), (1.5, -1.5)] },
+        goals: PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.5, -1.5)] },
         ..Scenario::default()
     }
 }
@@ -62,8 +66,8 @@ fn one_step(editor: &mut Editor, change: impl FnOnce(&mut Editor)) -> Scenario {
 fn every_operation_is_one_step_back_and_forth() {
     type Change = fn(&mut Editor);
     let changes: [(Selection, Change); 17] = [
-        (Selection::Nothing, |e| e.add(NewItem::Circle, (0.0, 0.0))),
-        (Selection::Nothing, |e| e.add(NewItem::Generator, (0.0, 0.0))),
+        (Selection::Nothing, |e| e.add(NewItem::Circle, vec2(0.0, 0.0))),
+        (Selection::Nothing, |e| e.add(NewItem::Generator, vec2(0.0, 0.0))),
         (Selection::Obstacle(1), Editor::duplicate),
         (Selection::Wall(0), Editor::duplicate),
         (Selection::Generator(0), Editor::duplicate),
@@ -94,7 +98,7 @@ fn many_steps_lead_all_the_way_back() {
     let mut worlds = vec![Arc::clone(&first)];
     for k in 0..40 {
         match k % 4 {
-            0 => editor.add(NewItem::Box, (0.3, 0.3)),
+            0 => editor.add(NewItem::Box, vec2(0.3, 0.3)),
             1 => editor.nudge(1, 2, true),
             2 => editor.duplicate(),
             _ => editor.delete(),
@@ -112,7 +116,7 @@ fn many_steps_lead_all_the_way_back() {
     }
     assert!(!editor.can_redo());
     editor.undo();
-    editor.add(NewItem::Circle, (0.0, 0.0));
+    editor.add(NewItem::Circle, vec2(0.0, 0.0));
     assert!(!editor.can_redo(), "another way was taken");
 }
 
@@ -150,7 +154,7 @@ fn undo_selects_what_was_selected_and_never_what_is_gone() {
     assert_eq!(editor.selection(), Selection::Nothing);
     editor.undo();
     assert_eq!(editor.selection(), Selection::Obstacle(1));
-    editor.add(NewItem::Circle, (0.0, 0.0));
+    editor.add(NewItem::Circle, vec2(0.0, 0.0));
     assert_eq!(editor.selection(), Selection::Obstacle(2));
     editor.undo();
     assert_eq!(editor.selection(), Selection::Obstacle(1));
@@ -162,7 +166,7 @@ fn undo_selects_what_was_selected_and_never_what_is_gone() {
 fn what_is_added_stands_in_the_clear() {
     let mut editor = editor(Scenario::default());
     for form in [NewItem::Circle, NewItem::Box, NewItem::Capsule, NewItem::Triangle, NewItem::Hexagon] {
-        editor.add(form, (0.0, 0.0));
+        editor.add(form, vec2(0.0, 0.0));
         let (mut others, k) = (Scenario::clone(editor.scenario()), editor.scenario().obstacles.len() - 1);
         assert_eq!(editor.selection(), Selection::Obstacle(k));
         let added = others.obstacles.remove(k);
@@ -170,13 +174,13 @@ fn what_is_added_stands_in_the_clear() {
             clearance(&others, added.position_m, 0) >= bounding_radius(&added.shape),
             "{form:?} {added:?}"
         );
-        let on_grid = (added.position_m.0 / 0.05).round() * 0.05;
-        assert!((added.position_m.0 - on_grid).abs() < 1e-5);
+        let on_grid = (added.position_m.x / 0.05).round() * 0.05;
+        assert!((added.position_m.x - on_grid).abs() < 1e-5);
     }
     assert_eq!(editor.diagnostics(), [], "nothing is wrong with five of them");
     // No room at all: it is there all the same, and what is wrong is said.
     for _ in 0..80 {
-        editor.add(NewItem::Box, (0.0, 0.0));
+        editor.add(NewItem::Box, vec2(0.0, 0.0));
     }
     assert_eq!(editor.scenario().obstacles.len(), 85);
     assert!(!editor.diagnostics().is_empty());
@@ -185,12 +189,12 @@ fn what_is_added_stands_in_the_clear() {
 #[test]
 fn a_polygon_to_begin_with_has_even_corners() {
     let mut editor = editor(Scenario::default());
-    editor.add(NewItem::Triangle, (1.0, -1.0));
-    let corners_m = vec![(0.0, 0.25), (-0.217, -0.125), (0.217, -0.125)];
+    editor.add(NewItem::Triangle, vec2(1.0, -1.0));
+    let corners_m = vec![vec2(0.0, 0.25), vec2(-0.217, -0.125), vec2(0.217, -0.125)];
     assert_eq!(editor.scenario().obstacles[0].shape, Shape::Polygon { corners_m });
-    editor.add(NewItem::Hexagon, (1.0, -1.0));
+    editor.add(NewItem::Hexagon, vec2(1.0, -1.0));
     let Shape::Polygon { corners_m } = &editor.scenario().obstacles[1].shape else { panic!("a polygon") };
-    assert_eq!(corners_m[..3], [(0.2, 0.0), (0.1, 0.173), (-0.1, 0.173)]);
+    assert_eq!(corners_m[..3], [vec2(0.2, 0.0), vec2(0.1, 0.173), vec2(-0.1, 0.173)]);
 }
 
 #[test]
@@ -200,34 +204,34 @@ fn a_copy_is_like_the_thing_and_beside_it() {
     editor.duplicate();
     assert_eq!(editor.selection(), Selection::Obstacle(2));
     let [_, first, copy] = &editor.scenario().obstacles[..] else { panic!("three obstacles") };
-    let by = (copy.position_m.0 - first.position_m.0, copy.position_m.1 - first.position_m.1);
-    assert!(by.0.hypot(by.1) >= 0.3, "two radii");
+    let by = copy.position_m - first.position_m;
+    assert!(by.x.hypot(by.y) >= 0.3, "two radii");
     let ObstacleMotion::Patrol { waypoints_m, .. } = &copy.motion else { panic!("a patrol") };
-    let expected = (to_mm(1.0 + by.0), to_mm(1.5 + by.1));
+    let expected = vec2(to_mm(1.0 + by.x), to_mm(1.5 + by.y));
     assert_eq!(waypoints_m[0], expected, "its path comes along");
     // To a place, and after the first is gone.
     editor.select(Selection::Wall(0));
     editor.cut();
     assert!(editor.scenario().walls.is_empty() && editor.can_paste());
-    editor.paste(Some((0.02, 0.51)));
-    assert_eq!(editor.scenario().walls[0].corners_m, [(0.0, 0.5), (0.5, 0.5), (0.5, 1.0)]);
+    editor.paste(Some(vec2(0.02, 0.51)));
+    assert_eq!(editor.scenario().walls[0].corners_m, [vec2(0.0, 0.5), vec2(0.5, 0.5), vec2(0.5, 1.0)]);
     assert_eq!(editor.selection(), Selection::Wall(0));
     // Again and again: each beside the last.
     editor.paste(None);
     editor.paste(None);
-    assert_eq!(editor.scenario().walls[1].corners_m[0], (0.2, 0.3));
-    assert_eq!(editor.scenario().walls[2].corners_m[0], (0.4, 0.1));
+    assert_eq!(editor.scenario().walls[1].corners_m[0], vec2(0.2, 0.3));
+    assert_eq!(editor.scenario().walls[2].corners_m[0], vec2(0.4, 0.1));
 }
 
 #[test]
 fn copies_of_a_random_walk_walk_otherwise() {
     let mut editor = editor(Scenario::default());
-    editor.add(NewItem::Circle, (1.0, -1.0));
+    editor.add(NewItem::Circle, vec2(1.0, -1.0));
     editor.set_motion(MotionKind::RandomWalk);
     editor.duplicate();
     editor.copy();
     editor.paste(None);
-    editor.paste(Some((-1.0, 1.0)));
+    editor.paste(Some(vec2(-1.0, 1.0)));
     editor.paste(None);
     let seed = |obstacle: &Obstacle| match obstacle.motion {
         ObstacleMotion::RandomWalk { seed, .. } => seed,
@@ -239,12 +243,12 @@ fn copies_of_a_random_walk_walk_otherwise() {
 
 #[test]
 fn every_kind_of_motion_fits_the_world() {
-    for at in [(0.0, -0.6), (-1.7, -1.7), (1.0, 1.8), (0.6, 0.0)] {
+    for at in [vec2(0.0, -0.6), vec2(-1.7, -1.7), vec2(1.0, 1.8), vec2(0.6, 0.0)] {
         for kind in MotionKind::ALL {
             for shape in [Shape::Circle { radius_m: 0.1 }, Shape::Rectangle { width_m: 0.2, height_m: 0.1 }] {
                 let mut scenario = Scenario { obstacles: vec![still(shape, at)], ..Scenario::default() };
-                scenario.benchmark_route.start_m = (-1.5, 1.5);
-                scenario.benchmark_route.goal_m = (-1.5, 0.5);
+                scenario.benchmark_route.start_m = vec2(-1.5, 1.5);
+                scenario.benchmark_route.goal_m = vec2(-1.5, 0.5);
                 let mut editor = editor(scenario);
                 editor.select(Selection::Obstacle(0));
                 editor.set_motion(kind);
@@ -261,7 +265,8 @@ fn a_patrol_and_a_way_back_share_their_path() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
     editor.set_motion(MotionKind::BackAndForth);
-    let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![(1.0, 1.5), (0.5, 1.5)], speed_m_s: 0.1 };
+    let expected =
+        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
     assert_eq!(editor.scenario().obstacles[1].motion, expected);
     editor.set_motion(MotionKind::Patrol);
     assert_eq!(editor.scenario().obstacles[1], full().obstacles[1]);
@@ -272,12 +277,12 @@ fn an_orbit_is_about_the_worlds_middle_if_there_is_room() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     editor.set_motion(MotionKind::Orbit);
-    let expected = ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: 0.15 };
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
     // From a corner that far out it would go through the walls: half a metre to the left there is room.
     editor.edit("x", |s| s.obstacles[0] = disc(1.5, 1.3));
     editor.set_motion(MotionKind::Orbit);
-    let expected = ObstacleMotion::Orbit { centre_m: (1.0, 1.3), speed_rad_s: 0.15 };
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.3), speed_rad_s: 0.15 };
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
 }
 
@@ -286,15 +291,21 @@ fn rules_keep_what_they_have_in_common() {
     let mut editor = editor(full());
     editor.set_rule(PlacementRole::Goals, PlacementKind::Fixed);
     assert_eq!(editor.selection(), Selection::Goals);
-    assert_eq!(editor.scenario().goals, PlacementRule::Fixed { position_m: (0.0, 1.5), heading_rad: None });
+    assert_eq!(
+        editor.scenario().goals,
+        PlacementRule::Fixed { position_m: vec2(0.0, 1.5), heading_rad: None }
+    );
     editor.set_rule(PlacementRole::Goals, PlacementKind::OneOf);
-    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![(0.0, 1.5)] });
+    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5)] });
     editor.edit("clearance", |s| s.starts = PlacementRule::Random { clearance_m: 0.5 });
     editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
-    let (min_m, max_m) = ((-1.0, -1.0), (1.0, 1.0));
+    let (min_m, max_m) = (vec2(-1.0, -1.0), vec2(1.0, 1.0));
     assert_eq!(editor.scenario().starts, PlacementRule::Within { min_m, max_m, clearance_m: 0.5 });
     editor.set_rule(PlacementRole::Starts, PlacementKind::Fixed);
-    assert_eq!(editor.scenario().starts, PlacementRule::Fixed { position_m: (0.0, 0.0), heading_rad: None });
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: None }
+    );
     editor.delete();
     assert_eq!(editor.scenario().starts, PlacementRule::default());
     assert!(!editor.can_delete(), "there is nothing more to take away");
@@ -304,11 +315,11 @@ fn rules_keep_what_they_have_in_common() {
 fn an_enclosure_becomes_a_polygon_and_a_rectangle_again() {
     let mut editor = editor(full());
     editor.set_enclosure(EnclosureKind::Polygon);
-    let corners_m = vec![(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)];
+    let corners_m = vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(2.0, 2.0), vec2(-2.0, 2.0)];
     assert_eq!(editor.scenario().enclosure, Enclosure::Polygon { corners_m });
     editor.edit("corner", |s| {
         if let Enclosure::Polygon { corners_m } = &mut s.enclosure {
-            corners_m[2] = (3.0, 2.0);
+            corners_m[2] = vec2(3.0, 2.0);
         }
     });
     editor.set_enclosure(EnclosureKind::Rectangle);
@@ -319,18 +330,21 @@ fn an_enclosure_becomes_a_polygon_and_a_rectangle_again() {
 fn a_wall_is_drawn_corner_by_corner_in_one_step() {
     let mut editor = editor(Scenario::default());
     editor.set_tool(Tool::Wall { corners_m: Vec::new() });
-    for at in [(0.01, 0.52), (0.01, 0.52), (1.02, 0.49), (1.0, 1.0)] {
+    for at in [vec2(0.01, 0.52), vec2(0.01, 0.52), vec2(1.02, 0.49), vec2(1.0, 1.0)] {
         editor.click_with_tool(at, false);
     }
-    editor.click_with_tool((1.234_56, 1.0), true);
+    editor.click_with_tool(vec2(1.234_56, 1.0), true);
     editor.undo_tool_point();
     assert!(!editor.can_undo(), "nothing is in the world yet");
     let after = one_step(&mut editor, Editor::finish_tool);
-    assert_eq!(after.walls, [Wall { corners_m: vec![(0.0, 0.5), (1.0, 0.5), (1.0, 1.0)], thickness_m: 0.1 }]);
+    assert_eq!(
+        after.walls,
+        [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]
+    );
     assert_eq!(*editor.tool(), Tool::Select);
     // One corner is no wall.
     editor.set_tool(Tool::Wall { corners_m: Vec::new() });
-    editor.click_with_tool((0.0, 0.0), false);
+    editor.click_with_tool(vec2(0.0, 0.0), false);
     editor.finish_tool();
     assert_eq!(editor.scenario().walls.len(), 1);
     editor.set_tool(Tool::Wall { corners_m: Vec::new() });
@@ -345,19 +359,22 @@ fn a_path_and_places_are_drawn_for_what_is_selected() {
     assert_eq!(*editor.tool(), Tool::Select, "there is nothing to lead");
     editor.select(Selection::Obstacle(0));
     editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
-    editor.click_with_tool((-1.0, 0.0), false);
-    editor.click_with_tool((0.0, 0.0), false);
+    editor.click_with_tool(vec2(-1.0, 0.0), false);
+    editor.click_with_tool(vec2(0.0, 0.0), false);
     let after = one_step(&mut editor, Editor::finish_tool);
-    let waypoints_m = vec![(-1.0, 0.0), (0.0, 0.0)];
+    let waypoints_m = vec![vec2(-1.0, 0.0), vec2(0.0, 0.0)];
     assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 });
     editor.select(Selection::Starts);
     editor.set_tool(Tool::Places);
-    for at in [(0.5, 0.5), (0.51, 0.5), (-0.5, 0.0)] {
+    for at in [vec2(0.5, 0.5), vec2(0.51, 0.5), vec2(-0.5, 0.0)] {
         editor.click_with_tool(at, false);
     }
-    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![(0.5, 0.5), (-0.5, 0.0)] });
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] }
+    );
     editor.undo();
-    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![(0.5, 0.5)] });
+    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });
     editor.set_tool(Tool::Places);
     editor.select(Selection::Wall(0));
     assert_eq!(*editor.tool(), Tool::Select, "the tool was for something else");
@@ -371,13 +388,13 @@ fn arrows_go_by_the_grids_step_with_all_that_belongs_to_it() {
     editor.nudge(2, 0, false);
     editor.nudge(1, 0, true);
     let moved = &editor.scenario().obstacles[1];
-    assert_eq!(moved.position_m, (1.11, -0.05));
+    assert_eq!(moved.position_m, vec2(1.11, -0.05));
     let ObstacleMotion::Patrol { waypoints_m, .. } = &moved.motion else { panic!("a patrol") };
-    assert_eq!(waypoints_m[..], [(1.11, 1.45), (0.61, 1.45)]);
+    assert_eq!(waypoints_m[..], [vec2(1.11, 1.45), vec2(0.61, 1.45)]);
     editor.undo();
     assert_eq!(
         editor.scenario().obstacles[1].position_m,
-        (1.0, -0.05),
+        vec2(1.0, -0.05),
         "arrow after arrow along x is one step"
     );
     editor.undo();
@@ -397,13 +414,13 @@ fn findings_are_those_of_the_world_at_every_moment() {
     let mut editor = editor(Scenario { obstacles: vec![disc(1.0, -1.0)], ..Scenario::default() });
     assert_eq!(editor.diagnostics(), []);
     editor.select(Selection::Obstacle(0));
-    assert!(editor.begin_drag(HandleKind::Middle, (1.0, -1.0)));
-    editor.drag_to((1.95, -1.0), false);
+    assert!(editor.begin_drag(HandleKind::Middle, vec2(1.0, -1.0)));
+    editor.drag_to(vec2(1.95, -1.0), false);
     assert!(editor.has_error(Selection::Obstacle(0)), "it reaches beyond the walls");
     assert!(!editor.has_error(Selection::Wall(0)) && !editor.has_error(Selection::Nothing));
-    editor.drag_to((1.5, -1.0), false);
+    editor.drag_to(vec2(1.5, -1.0), false);
     assert_eq!(editor.diagnostics(), []);
-    editor.drag_to((1.95, -1.0), false);
+    editor.drag_to(vec2(1.95, -1.0), false);
     editor.cancel_drag();
     assert_eq!(editor.diagnostics(), []);
     editor.edit("name", |s| s.name.clear());
@@ -456,9 +473,9 @@ fn another_scenario_can_be_opened_and_undo_leads_back() {
 #[test]
 fn what_was_edited_goes_through_its_file_without_loss() {
     let mut editor = editor(full());
-    editor.add(NewItem::Capsule, (0.0, -1.5));
-    assert!(editor.begin_drag(HandleKind::Rotate, (1.0, -1.5)));
-    editor.drag_to((0.123, 0.456), true);
+    editor.add(NewItem::Capsule, vec2(0.0, -1.5));
+    assert!(editor.begin_drag(HandleKind::Rotate, vec2(1.0, -1.5)));
+    editor.drag_to(vec2(0.123, 0.456), true);
     editor.end_drag();
     editor.set_motion(MotionKind::BackAndForth);
     editor.set_rule(PlacementRole::Starts, PlacementKind::Within);

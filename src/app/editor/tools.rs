@@ -4,10 +4,11 @@
 //! undo, a place is one each.
 
 use super::items::EditorItem;
-use super::points::{Point, distance, is_finite};
+use super::points::{distance, is_finite};
 use super::selection::{Selection, places};
 use super::{Editor, PlacementKind};
 use crate::scenario::{ObstacleMotion, PlacementRule, Scenario, Wall};
+use bevy::math::Vec2;
 
 /// How thick a new wall is, in m.
 const WALL_THICKNESS_M: f32 = 0.1;
@@ -25,12 +26,12 @@ pub enum Tool {
     /// Sets the next corner of a new wall.
     Wall {
         /// Those so far.
-        corners_m: Vec<Point>,
+        corners_m: Vec<Vec2>,
     },
     /// Sets the next waypoint of the selected obstacle's path.
     Path {
         /// Those so far.
-        waypoints_m: Vec<Point>,
+        waypoints_m: Vec<Vec2>,
     },
     /// Sets one more place of the selected rule.
     Places,
@@ -67,7 +68,7 @@ impl Editor {
     }
 
     /// A click in the world with the tool; `free` is without snapping.
-    pub fn click_with_tool(&mut self, position_m: Point, free: bool) {
+    pub fn click_with_tool(&mut self, position_m: Vec2, free: bool) {
         if !is_finite(position_m) {
             return;
         }
@@ -107,7 +108,7 @@ impl Editor {
     }
 
     /// Gives the selected obstacle this path, of the kind that it has or else a patrol.
-    fn set_path(&mut self, path: Vec<Point>) {
+    fn set_path(&mut self, path: Vec<Vec2>) {
         self.step(|scenario, selection| {
             let Selection::Obstacle(k) = *selection else { return };
             let Some(obstacle) = scenario.obstacles.get_mut(k) else { return };

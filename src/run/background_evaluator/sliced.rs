@@ -45,8 +45,8 @@ impl BackgroundEvaluator {
         Ok(())
     }
 
-    /// Works for a time slice, or until the result is there if `wait` is set. Returns the next result, or `None` if it is
-    /// not there yet or no candidate is pending.
+    /// Works for a time slice, or until the result is there if `wait` is set. Returns the next result, or
+    /// `None` if it is not there yet or no candidate is pending.
     ///
     /// # Errors
     /// None; the threaded evaluator has some.

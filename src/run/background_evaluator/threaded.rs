@@ -22,7 +22,8 @@ pub struct BackgroundEvaluator {
 }
 
 impl BackgroundEvaluator {
-    /// Starts an evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
+    /// Starts an evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from
+    /// `seed`.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
         let (candidates, inbox) = channel::<Candidate>();
@@ -52,8 +53,8 @@ impl BackgroundEvaluator {
         Ok(())
     }
 
-    /// The next result. Without one, waits for it if `wait` is set, else returns `None`. Also `None` if no candidate is
-    /// pending.
+    /// The next result. Without one, waits for it if `wait` is set, else returns `None`. Also `None` if no
+    /// candidate is pending.
     ///
     /// # Errors
     /// The evaluator thread has panicked.

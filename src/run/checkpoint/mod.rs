@@ -1,11 +1,12 @@
 //! Checkpoints of a run: everything that a resumed run needs to continue bit-identically.
 //!
-//! In: the learner, the arenas, the random streams, the lengths of the CSV files. Out: `checkpoint/latest.bin`, written
-//! atomically, and the two checkpoints before it. If the newest cannot be read, the next older one is used.
+//! In: the learner, the arenas, the random streams, the lengths of the CSV files. Out:
+//! `checkpoint/latest.bin`, written atomically, and the two checkpoints before it. If the newest cannot be
+//! read, the next older one is used.
 //!
-//! A file holds the magic bytes, the version, the length and CRC-32C of the head, the head ([`TrainerState`] as postcard),
-//! and the learner's checkpoint, which has a separate checksum. Checksums detect accidental damage only, so every value is
-//! also checked after it is read.
+//! A file holds the magic bytes, the version, the length and CRC-32C of the head, the head ([`TrainerState`]
+//! as postcard), and the learner's checkpoint, which has a separate checksum. Checksums detect accidental
+//! damage only, so every value is also checked after it is read.
 
 mod state;
 
@@ -116,8 +117,8 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
     read_from(BufReader::new(file), config).map_err(|why| RunError::invalid_input(path, why))
 }
 
-/// Reads what [`write_to`] wrote in a run of `config`. The contents are untrusted, even with valid checksums: every value
-/// is checked.
+/// Reads what [`write_to`] wrote in a run of `config`. The contents are untrusted, even with valid checksums:
+/// every value is checked.
 ///
 /// # Errors
 /// What is wrong with the file.

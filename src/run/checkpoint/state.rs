@@ -66,10 +66,12 @@ impl ArenaExtension {
     }
 }
 
-/// The best policy so far: the latest one whose mean cost is within [`BestPolicy::COST_TOLERANCE`] of the minimum.
+/// The best policy so far: the latest one whose mean cost is within [`BestPolicy::COST_TOLERANCE`] of the
+/// minimum.
 ///
-/// The cost of an episode is its simulated time; a failure costs the whole time limit. A smaller difference over some
-/// hundred episodes is noise, and of two equally good policies the one trained longer is the better bet.
+/// The cost of an episode is its simulated time; a failure costs the whole time limit. A smaller difference
+/// over some hundred episodes is noise, and of two equally good policies the one trained longer is the better
+/// bet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BestPolicy {
     /// Share of episodes that succeeded, 0 to 1.

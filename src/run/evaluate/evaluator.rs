@@ -20,7 +20,8 @@ use crate::task::{
     TaskMode,
 };
 
-/// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a frame.
+/// Maximum number of parallel episodes. In a browser it is smaller, because the simulation is built within a
+/// frame.
 const MAX_PARALLEL: usize = if cfg!(target_arch = "wasm32") { 50 } else { 512 };
 
 /// An evaluation in progress.
@@ -63,11 +64,13 @@ impl Evaluator {
         Self { simulation, scenario: scenario.clone(), arenas }
     }
 
-    /// Runs `count` episodes with `policy`, whose card sets the encoding of its observations ([`policy_card::encoding`]).
-    /// `setup` sets the starts and goals. Those of episode j depend only on the scenario, `seed` and j.
+    /// Runs `count` episodes with `policy`, whose card sets the encoding of its observations
+    /// ([`policy_card::encoding`]). `setup` sets the starts and goals. Those of episode j depend only on the
+    /// scenario, `seed` and j.
     ///
     /// # Errors
-    /// The policy's observations or actions are not those of the scenario, or there is no free space for a start.
+    /// The policy's observations or actions are not those of the scenario, or there is no free space for a
+    /// start.
     pub fn run(
         &mut self,
         policy: &Policy,
@@ -101,8 +104,8 @@ impl Evaluator {
         })
     }
 
-    /// Takes one control step of `run`, which must be the evaluation that was started last. Returns whether all episodes have
-    /// ended.
+    /// Takes one control step of `run`, which must be the evaluation that was started last. Returns whether
+    /// all episodes have ended.
     ///
     /// # Errors
     /// There is no free space for a start.
@@ -139,7 +142,8 @@ impl Evaluator {
         Ok(run.episodes.len() >= run.count)
     }
 
-    /// Runs only episode 0 of [`Evaluator::run`]. Returns its result and the robot's poses after 0, 1, ... control steps.
+    /// Runs only episode 0 of [`Evaluator::run`]. Returns its result and the robot's poses after 0, 1, ...
+    /// control steps.
     ///
     /// # Errors
     /// As for [`Evaluator::run`].
@@ -181,7 +185,8 @@ impl Evaluator {
     }
 }
 
-/// The random streams of episode `index` of the evaluation with `seed`, and the obstacles' clock at its start.
+/// The random streams of episode `index` of the evaluation with `seed`, and the obstacles' clock at its
+/// start.
 #[must_use]
 pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
     let clock = random::uniform_index(&mut random::stream(seed, "navigation: clock", index), 100_000);

@@ -1,12 +1,13 @@
-//! Evaluation of a policy: success rates and times over rounds of episodes and on the benchmark route, and the comparison
-//! with optimal times.
+//! Evaluation of a policy: success rates and times over rounds of episodes and on the benchmark route, and
+//! the comparison with optimal times.
 //!
-//! In: a policy, a scenario, a seed. Out: the episodes and an [`Evaluation`]. Episode j depends only on the policy, the
-//! scenario, the seed and j.
+//! In: a policy, a scenario, a seed. Out: the episodes and an [`Evaluation`]. Episode j depends only on the
+//! policy, the scenario, the seed and j.
 //!
-//! **Success**: the robot gets closer to the goal than l_a (0.2 m) before a LIDAR range is below l_c (0.13 m) or its body
-//! touches anything, within the scenario's time limit (500 steps, 100 s). An episode has one start and one goal, drawn from
-//! random streams that training never uses, and starts at one moment of the obstacles' motion.
+//! **Success**: the robot gets closer to the goal than l_a (0.2 m) before a LIDAR range is below l_c (0.13 m)
+//! or its body touches anything, within the scenario's time limit (500 steps, 100 s). An episode has one
+//! start and one goal, drawn from random streams that training never uses, and starts at one moment of the
+//! obstacles' motion.
 
 mod evaluator;
 mod optimum;
@@ -57,8 +58,8 @@ pub struct Evaluation {
     pub timeout_rate: f64,
     /// Mean simulated time of the successful episodes, in s; `None` without any.
     pub mean_time_s: Option<f64>,
-    /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best policy of a run is
-    /// chosen by it.
+    /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best
+    /// policy of a run is chosen by it.
     pub mean_cost_s: f64,
     /// Number of episodes.
     pub episodes: usize,

@@ -2,18 +2,20 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use bevy::math::vec2;
+
 use super::{EpisodeResult, period_s, round_to_microsecond};
 use crate::planner::{self, Resolution, StepBounds};
 use crate::scenario::{Scenario, TaskRules};
 
-/// Bounds on the optimal time of each episode, in the order of `episodes`: those of the planner, which knows the whole
-/// scenario ([`planner::step_bounds`]), at its default resolution. The number of `threads` (0: one per core) does not change
-/// the result.
+/// Bounds on the optimal time of each episode, in the order of `episodes`: those of the planner, which knows
+/// the whole scenario ([`planner::step_bounds`]), at its default resolution. The number of `threads` (0: one
+/// per core) does not change the result.
 #[must_use]
 pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<StepBounds> {
     let of = |n: &EpisodeResult| {
         let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let goal = (n.goal.x_m, n.goal.y_m);
+        let goal = vec2(n.goal.x_m, n.goal.y_m);
         if scenario.generators.is_empty() {
             return planner::step_bounds(scenario, start, goal, n.clock.0, Resolution::default());
         }
@@ -56,8 +58,8 @@ pub struct OptimumComparison {
     pub optimum_mean_time_s: f64,
     /// Mean time of the policy divided by that of the planned paths. 1 is optimal if the planned paths are.
     pub time_ratio: f64,
-    /// Mean time of the policy divided by the mean of the proven lower bounds, 1 or more. The ratio to the true optimum lies
-    /// between `time_ratio` and this.
+    /// Mean time of the policy divided by the mean of the proven lower bounds, 1 or more. The ratio to the
+    /// true optimum lies between `time_ratio` and this.
     pub lower_bound_ratio: f64,
 }
 
@@ -88,8 +90,9 @@ impl OptimumComparison {
     }
 }
 
-/// Compares the successful episodes with their [`bounds`], computed on all cores. `None` if there is nothing to compare, or
-/// the planner does not model the scenario ([`planner::is_supported`]; it does not model actuator lag).
+/// Compares the successful episodes with their [`bounds`], computed on all cores. `None` if there is nothing
+/// to compare, or the planner does not model the scenario ([`planner::is_supported`]; it does not model
+/// actuator lag).
 #[must_use]
 pub fn compare_with_optimum(scenario: &Scenario, episodes: &[EpisodeResult]) -> Option<OptimumComparison> {
     let succeeded: Vec<EpisodeResult> = episodes.iter().filter(|n| n.succeeded()).copied().collect();

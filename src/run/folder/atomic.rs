@@ -8,7 +8,8 @@ use std::io;
 use std::io::Write;
 use std::path::Path;
 
-/// The prefix of temporary files. [`RunFolder::locked`](super::RunFolder::locked) deletes those that a killed process left.
+/// The prefix of temporary files. [`RunFolder::locked`](super::RunFolder::locked) deletes those that a killed
+/// process left.
 const TEMPORARY: &str = ".writing-";
 
 /// The writer that [`write_atomic`] passes on.

@@ -26,8 +26,8 @@ pub struct RunConfig {
     /// The policy that training starts from, if any.
     #[serde(default)]
     pub transfer: Option<Transfer>,
-    /// Numbers of ended episodes after which the current policy is saved, in addition to the best and the last policy
-    /// ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
+    /// Numbers of ended episodes after which the current policy is saved, in addition to the best and the
+    /// last policy ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub save_policy_after_episodes: Vec<u64>,
     /// The observation slices of plugin sensors.
@@ -46,7 +46,8 @@ pub struct RunConfig {
 }
 
 impl RunConfig {
-    /// The configuration of a run that starts from random weights, with scenario and preset given by file or shipped name.
+    /// The configuration of a run that starts from random weights, with scenario and preset given by file or
+    /// shipped name.
     ///
     /// # Errors
     /// A file cannot be used. The message gives line, column and a fix.

@@ -20,8 +20,8 @@ impl RunFolder {
         rows.flatten().map_err(|error| RunError::failed(&path, error))
     }
 
-    /// A writer that appends rows to the CSV file `name` after truncating it to `bytes` bytes. A new file starts with the
-    /// header of `Row`, followed by `extra_columns`.
+    /// A writer that appends rows to the CSV file `name` after truncating it to `bytes` bytes. A new file
+    /// starts with the header of `Row`, followed by `extra_columns`.
     ///
     /// # Errors
     /// The file cannot be opened, or is shorter than `bytes`.

@@ -79,8 +79,8 @@ impl RunFolder {
         }
     }
 
-    /// Checks that a new run can be created here: the folder is missing or empty, or holds the remains of a run that was
-    /// killed before it wrote `config.ron`.
+    /// Checks that a new run can be created here: the folder is missing or empty, or holds the remains of a
+    /// run that was killed before it wrote `config.ron`.
     fn check_vacant(&self) -> Result<(), RunError> {
         if self.config().exists() {
             let why = "already holds a run; help: continue it with --resume, or give --out another folder";
@@ -116,7 +116,8 @@ impl RunFolder {
         Ok(self)
     }
 
-    /// The folder of an existing run, and its configuration. It is read-only until it is [`locked`](Self::locked).
+    /// The folder of an existing run, and its configuration. It is read-only until it is
+    /// [`locked`](Self::locked).
     ///
     /// # Errors
     /// The folder does not exist, or its `config.ron` cannot be used.
@@ -143,8 +144,8 @@ impl RunFolder {
         fits.map_err(|error| RunError::invalid_input(&self.config(), error))
     }
 
-    /// Checks that the run's files are regular files. With links, a folder from an untrusted source could overwrite any
-    /// file of the user; reading a pipe would block forever.
+    /// Checks that the run's files are regular files. With links, a folder from an untrusted source could
+    /// overwrite any file of the user; reading a pipe would block forever.
     ///
     /// # Errors
     /// The first file that is a link or a pipe.
@@ -206,8 +207,8 @@ fn is_run_file(entry: &fs::DirEntry) -> bool {
         || name.to_string_lossy().starts_with("events.")
 }
 
-/// Creates `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists. Creating the folder at once reserves
-/// the name.
+/// Creates `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists. Creating the folder at
+/// once reserves the name.
 fn create_default_folder(config: &RunConfig) -> Result<PathBuf, RunError> {
     let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
     let runs = Path::new("runs");

@@ -1,8 +1,8 @@
 //! The progress of a run, on stderr.
 //!
-//! In: a [`Progress`] at any rate, and messages. Out: on a terminal, a progress bar that stays at the bottom; elsewhere (a
-//! file, a pipe, a CI log), a plain line every few seconds. Nothing goes to stdout, which is for results. A closed stderr
-//! does not stop the run.
+//! In: a [`Progress`] at any rate, and messages. Out: on a terminal, a progress bar that stays at the bottom;
+//! elsewhere (a file, a pipe, a CI log), a plain line every few seconds. Nothing goes to stdout, which is for
+//! results. A closed stderr does not stop the run.
 
 mod view;
 
@@ -160,8 +160,8 @@ impl Display {
     }
 }
 
-/// A progress bar on stderr with `total` steps and a message line below; `None` if stderr is not a terminal that supports
-/// it.
+/// A progress bar on stderr with `total` steps and a message line below; `None` if stderr is not a terminal
+/// that supports it.
 #[must_use]
 pub fn bar(total: u64) -> Option<ProgressBar> {
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
@@ -192,8 +192,8 @@ impl ProgressTotal {
     }
 }
 
-/// Prints a line to stderr. Errors are ignored: a closed stderr must not stop a run, and there is no other place to report
-/// it.
+/// Prints a line to stderr. Errors are ignored: a closed stderr must not stop a run, and there is no other
+/// place to report it.
 pub fn print_stderr(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }

@@ -1,7 +1,7 @@
 //! The training loop: step, record, evaluate, keep the best, stop.
 //!
-//! In: a [`Job`] and a stop flag. Out: a run folder and its [`Summary`]. Wall time decides when a checkpoint is written and
-//! what the progress bar shows, never what is learned.
+//! In: a [`Job`] and a stop flag. Out: a run folder and its [`Summary`]. Wall time decides when a checkpoint
+//! is written and what the progress bar shows, never what is learned.
 
 mod start;
 
@@ -50,8 +50,8 @@ pub enum Job {
 
 /// Runs `job` until its budget is used up or `stop` is set. Returns the run folder and the summary.
 ///
-/// Checkpoints are written at the start, at the end and at the interval `every`. Wall time is counted from `began`, the
-/// start of the process. Progress is shown on stderr, or passed to `listener` if there is one.
+/// Checkpoints are written at the start, at the end and at the interval `every`. Wall time is counted from
+/// `began`, the start of the process. Progress is shown on stderr, or passed to `listener` if there is one.
 ///
 /// # Errors
 /// A file cannot be used or written, or learning diverged. Earlier checkpoints are kept.
@@ -220,8 +220,8 @@ impl Run {
 
     /// Writes the last checkpoint, evaluation and policy, the learning curves and the summary.
     ///
-    /// The last evaluation comes after the checkpoint, because a longer run would not have made it here: a resumed run must
-    /// end exactly like one that was never stopped.
+    /// The last evaluation comes after the checkpoint, because a longer run would not have made it here: a
+    /// resumed run must end exactly like one that was never stopped.
     fn end(&mut self) -> Result<Summary, RunError> {
         self.save()?;
         let finished = remaining(self.config.preset.budget, self.learner()) == 0;

@@ -2,15 +2,16 @@
 
 use super::*;
 use crate::random::{Stream, stream, uniform};
+use bevy::math::{Vec2, vec2};
 
 /// One of `count`.
 fn one_of(stream: &mut Stream, count: usize) -> usize {
     (uniform(stream, 0.0, count as f32) as usize).min(count.saturating_sub(1))
 }
 
-fn somewhere(stream: &mut Stream) -> Point {
+fn somewhere(stream: &mut Stream) -> Vec2 {
     // Also outside the walls.
-    (uniform(stream, -3.0, 3.0), uniform(stream, -3.0, 3.0))
+    vec2(uniform(stream, -3.0, 3.0), uniform(stream, -3.0, 3.0))
 }
 
 /// Drags a handle of what is selected to and fro, and lets go of it, or not.
@@ -33,7 +34,7 @@ fn drag(editor: &mut Editor, stream: &mut Stream) {
 }
 
 /// A click with the tool, whichever it is, changes the rule that is selected at most.
-fn click(editor: &mut Editor, at: Point) {
+fn click(editor: &mut Editor, at: Vec2) {
     let before = Scenario::clone(editor.scenario());
     editor.click_with_tool(at, false);
     let mut expected = Scenario::clone(editor.scenario());

@@ -1,6 +1,7 @@
 //! Saved and unsaved changes of a document.
 
 use super::*;
+use bevy::math::vec2;
 
 #[test]
 fn a_late_answer_about_the_previous_document_is_ignored() {
@@ -63,11 +64,11 @@ fn an_unfinished_drawing_counts_as_an_unsaved_change() {
     for tool in [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }] {
         editor.set_tool(tool);
         assert!(!editor.is_drafting() && !editor.is_modified(), "nothing is drawn yet");
-        editor.click_with_tool((0.5, 0.5), false);
+        editor.click_with_tool(vec2(0.5, 0.5), false);
         assert!(editor.is_drafting() && editor.is_modified());
         editor.undo_tool_point();
         assert!(!editor.is_drafting() && !editor.is_modified());
-        editor.click_with_tool((0.5, 0.5), false);
+        editor.click_with_tool(vec2(0.5, 0.5), false);
         editor.cancel_tool();
         assert!(!editor.is_drafting() && !editor.is_modified());
     }

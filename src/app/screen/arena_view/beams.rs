@@ -43,7 +43,7 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene) -> Option<
         draw_field_of_view(canvas, scenario, arena, from);
     }
     let shortest = shortest(ranges, max_m);
-    // Many beams together are as visible as few.
+    // The more beams, the fainter each, so that the whole scan is equally visible.
     let strength = (48.0 / ranges.len() as f32).sqrt().min(1.0);
     for beam in (0..ranges.len()).step_by(ranges.len().div_ceil(MAX_BEAMS).max(1)) {
         let range_m = ranges[beam];

@@ -39,9 +39,9 @@ fn ramp_color(dark: bool, part: f32) -> Color32 {
         return Color32::TRANSPARENT;
     }
     let stops = ramp(dark);
-    let place = part.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
-    let low = (place as usize).min(stops.len() - 2);
-    stops[low].lerp_to_gamma(stops[low + 1], place - low as f32).gamma_multiply(0.88)
+    let position = part.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
+    let low = (position as usize).min(stops.len() - 2);
+    stops[low].lerp_to_gamma(stops[low + 1], position - low as f32).gamma_multiply(0.88)
 }
 
 /// The range of values that the colours cover.
@@ -57,23 +57,23 @@ pub(super) struct ValueRange {
     pub above: bool,
 }
 
-/// The range of the finite values of `field`, without the lowest share `parts.0` and the highest share
-/// `parts.1` of them, so that a few extremes do not leave all others in one colour. `None` if no value is
+/// The range of the finite values of `field`, without the lowest share `clipped.0` and the highest share
+/// `clipped.1` of them, so that a few extremes do not leave all others in one colour. `None` if no value is
 /// finite.
-pub(super) fn value_range(field: &ScalarField, parts: (f32, f32)) -> Option<ValueRange> {
+pub(super) fn value_range(field: &ScalarField, clipped: (f32, f32)) -> Option<ValueRange> {
     let mut numbers: Vec<f32> = field.values.iter().copied().filter(|value| value.is_finite()).collect();
     numbers.sort_unstable_by(f32::total_cmp);
-    let (&least, &most) = (numbers.first()?, numbers.last()?);
+    let (&min, &max) = (numbers.first()?, numbers.last()?);
     let last = numbers.len() - 1;
-    let at = |part: f32| numbers[((part * last as f32).round() as usize).min(last)];
-    let (low, high) = (at(parts.0), at(1.0 - parts.1));
+    let quantile = |share: f32| numbers[((share * last as f32).round() as usize).min(last)];
+    let (low, high) = (quantile(clipped.0), quantile(1.0 - clipped.1));
     // If nearly all values are equal, the few others are what matters.
-    let (low, high) = if low < high { (low, high) } else { (least, most) };
-    Some(ValueRange { low, high, below: least < low, above: most > high })
+    let (low, high) = if low < high { (low, high) } else { (min, max) };
+    Some(ValueRange { low, high, below: min < low, above: max > high })
 }
 
 /// The position of `value` in the range, 0 to 1 within it.
-fn part_of(value: f32, ValueRange { low, high, .. }: ValueRange) -> f32 {
+fn fraction(value: f32, ValueRange { low, high, .. }: ValueRange) -> f32 {
     if high > low || !value.is_finite() { (value - low) / (high - low) } else { 0.5 }
 }
 
@@ -84,7 +84,7 @@ pub(super) fn field_image(field: &ScalarField, range: ValueRange, dark: bool) ->
     let upscale = if width.max(height) <= 128 { 2 } else { 1 };
     let colors: Vec<Color32> = (0..=255).map(|k| ramp_color(dark, k as f32 / 255.0)).collect();
     let mut image = ColorImage::filled([width * upscale, height * upscale], Color32::TRANSPARENT);
-    let place = |k: usize, count: usize| {
+    let neighbours = |k: usize, count: usize| {
         let at = ((k as f32 + 0.5) / upscale as f32 - 0.5).clamp(0.0, (count - 1) as f32);
         let low = at as usize;
         (low, (low + 1).min(count - 1), at - low as f32)
@@ -92,18 +92,18 @@ pub(super) fn field_image(field: &ScalarField, range: ValueRange, dark: bool) ->
     let (values, coverage) = fill_gaps(field);
     // The first row of the image is the top one, that of the field the bottom one.
     for (row, line) in image.pixels.chunks_exact_mut(width * upscale).rev().enumerate() {
-        let (y0, y1, v) = place(row, height);
+        let (y0, y1, v) = neighbours(row, height);
         for (column, pixel) in line.iter_mut().enumerate() {
-            let (x0, x1, u) = place(column, width);
-            let between = |of: &[f32]| {
+            let (x0, x1, u) = neighbours(column, width);
+            let interpolate = |of: &[f32]| {
                 let lower = of[y0 * width + x0] * (1.0 - u) + of[y0 * width + x1] * u;
                 let upper = of[y1 * width + x0] * (1.0 - u) + of[y1 * width + x1] * u;
                 lower * (1.0 - v) + upper * v
             };
-            let clear = ((between(&coverage) - 0.35) / 0.3).clamp(0.0, 1.0);
-            if clear > 0.0 {
-                let part = part_of(between(&values), range).clamp(0.0, 1.0);
-                *pixel = colors[(part * 255.0).round() as usize].gamma_multiply(clear);
+            let opacity = ((interpolate(&coverage) - 0.35) / 0.3).clamp(0.0, 1.0);
+            if opacity > 0.0 {
+                let part = fraction(interpolate(&values), range).clamp(0.0, 1.0);
+                *pixel = colors[(part * 255.0).round() as usize].gamma_multiply(opacity);
             }
         }
     }
@@ -178,8 +178,8 @@ pub(super) mod tests {
         let ValueRange { low, high, below, above } = range;
         assert!(low < 0.01 && high > 11.0 && !below && !above);
         assert_eq!(ramp_color(true, f32::NAN), Color32::TRANSPARENT);
-        assert_eq!((part_of(low, range), part_of(high, range)), (0.0, 1.0));
-        assert_eq!(part_of(3.0, ValueRange { low: 3.0, high: 3.0, ..range }), 0.5);
+        assert_eq!((fraction(low, range), fraction(high, range)), (0.0, 1.0));
+        assert_eq!(fraction(3.0, ValueRange { low: 3.0, high: 3.0, ..range }), 0.5);
         field.values.fill(f32::NAN);
         assert_eq!(value_range(&field, (0.0, 0.0)), None);
     }

@@ -62,21 +62,21 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
             )
         })
         .collect();
-    let (mut at, mut widest, mut places) = (pos2(PAD, 0.0), 0.0_f32, Vec::new());
+    let (mut at, mut width_needed, mut positions) = (pos2(PAD, 0.0), 0.0_f32, Vec::new());
     for (entry, galley) in &entries {
         let width = swatch_width(*entry) + 6.0 + galley.size().x;
         if at.x > PAD && at.x + width + PAD > view.width() {
             at = pos2(PAD, at.y + ROW);
         }
-        places.push(at);
+        positions.push(at);
         at.x += width + ENTRY_GAP;
-        widest = widest.max(at.x - ENTRY_GAP + PAD);
+        width_needed = width_needed.max(at.x - ENTRY_GAP + PAD);
     }
-    let size = vec2(widest, at.y + ROW);
+    let size = vec2(width_needed, at.y + ROW);
     let strip = Rect::from_min_size(view.left_bottom() - vec2(0.0, size.y), size);
     canvas.strip_background(strip);
-    for ((entry, galley), place) in entries.into_iter().zip(places) {
-        let left = strip.min + place.to_vec2() + vec2(0.0, ROW / 2.0);
+    for ((entry, galley), position) in entries.into_iter().zip(positions) {
+        let left = strip.min + position.to_vec2() + vec2(0.0, ROW / 2.0);
         let width = swatch_width(entry);
         draw_swatch(canvas, entry, Rect::from_min_max(left - vec2(0.0, 5.0), left + vec2(width, 5.0)));
         let text = left + vec2(width + 6.0, -galley.size().y / 2.0);
@@ -111,15 +111,17 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
             painter.rect(swatch, 0.0, palette.floor, Stroke::new(1.0, palette.weak_text), StrokeKind::Inside);
         }
         Entry::Beams => {
-            fading(canvas, left, right, 1.5, |part| beam_color(palette, 1.0 - part));
+            gradient(canvas, left, right, 1.5, |part| beam_color(palette, 1.0 - part));
             painter.circle_filled(left, 2.5, palette.error);
         }
         Entry::Path => {
-            fading(canvas, left, right, 2.5, |part| palette.accent.gamma_multiply(0.06 + 0.84 * part * part));
+            gradient(canvas, left, right, 2.5, |part| {
+                palette.accent.gamma_multiply(0.06 + 0.84 * part * part)
+            });
         }
         Entry::Trail(end) => {
             let color = outcome_color(palette, end);
-            fading(canvas, left, right, 1.5, |part| color.gamma_multiply(0.3 + 0.7 * part));
+            gradient(canvas, left, right, 1.5, |part| color.gamma_multiply(0.3 + 0.7 * part));
             outcome_mark(painter, right - vec2(3.0, 0.0), end, color);
         }
         Entry::Downhill => {
@@ -134,7 +136,7 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
 }
 
 /// Draws a line with the colour gradient `color`.
-fn fading(canvas: &Canvas, left: Pos2, right: Pos2, width: f32, color: impl Fn(f32) -> egui::Color32) {
+fn gradient(canvas: &Canvas, left: Pos2, right: Pos2, width: f32, color: impl Fn(f32) -> egui::Color32) {
     let points = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| canvas.transform.to_world(left.lerp(right, part)));
     canvas.gradient_line(points.into_iter(), width, color);
 }

@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use bevy::math;
 use egui::{Align2, Color32, FontId, Id, Pos2, Rect, Shape, Stroke, Ui, pos2, vec2};
 
 use super::marks;
@@ -41,7 +42,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor, under: PointerHit
     drawn_anew(ui, canvas, id, editor);
     let selected = editor.selection();
     let poses: Vec<_> =
-        scenario.obstacles.iter().map(|o| (o.position_m.0, o.position_m.1, o.rotation_rad)).collect();
+        scenario.obstacles.iter().map(|o| (o.position_m.x, o.position_m.y, o.rotation_rad)).collect();
     arena::draw_solids(canvas, scenario, &poses);
     if let Selection::Wall(k) = selected
         && let Some(wall) = scenario.walls.get(k)
@@ -141,11 +142,11 @@ fn wrong(canvas: &Canvas, editor: &Editor) {
 
 /// Where a moving obstacle is later, fading.
 fn later(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
-    let (x, y) = obstacle.position_m;
+    let math::Vec2 { x, y } = obstacle.position_m;
     let speed_m_s = match &obstacle.motion {
         ObstacleMotion::Static => return,
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            speed_rad_s.abs() * (x - centre_m.0).hypot(y - centre_m.1)
+            speed_rad_s.abs() * (x - centre_m.x).hypot(y - centre_m.y)
         }
         ObstacleMotion::Patrol { speed_m_s, .. }
         | ObstacleMotion::BackAndForth { speed_m_s, .. }
@@ -215,7 +216,7 @@ pub fn draw_draft(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos
     let palette = &canvas.palette;
     let free = ui.input(|input| input.modifiers.alt);
     let next = pointer.map(|at| editor.snapped(canvas.transform.to_world(at).into(), free));
-    let all: Vec<(f32, f32)> = first.into_iter().chain(corners.iter().copied()).collect();
+    let all: Vec<math::Vec2> = first.into_iter().chain(corners.iter().copied()).collect();
     let points: Vec<Pos2> = all.iter().map(|&corner| canvas.to_screen(corner.into())).collect();
     let line = Stroke::new(2.5, palette.accent);
     canvas.painter.add(Shape::line(points.clone(), line));
@@ -225,16 +226,16 @@ pub fn draw_draft(ui: &Ui, canvas: &Canvas, editor: &Editor, pointer: Option<Pos
     let Some(next) = next else { return };
     let at = canvas.to_screen(next.into());
     let label = match (points.last(), all.last()) {
-        (Some(&last), Some(&(x, y))) => {
+        (Some(&last), Some(&math::Vec2 { x, y })) => {
             canvas.painter.extend(Shape::dashed_line(
                 &[last, at],
                 Stroke::new(1.75, palette.accent),
                 6.0,
                 4.0,
             ));
-            format!("{:.2} m", (next.0 - x).hypot(next.1 - y))
+            format!("{:.2} m", (next.x - x).hypot(next.y - y))
         }
-        _ => format!("{:.2}, {:.2}", next.0, next.1),
+        _ => format!("{:.2}, {:.2}", next.x, next.y),
     };
     canvas.painter.circle_filled(at, 3.5, palette.accent);
     canvas.label(at + vec2(12.0, -10.0), Align2::LEFT_BOTTOM, &label, palette.text);

@@ -3,9 +3,10 @@
 //! In: a copy of the thing that is edited. Out: the copy changed, and which field it was, so that what is typed in one
 //! field is one step for undo.
 
+use bevy::math;
 use egui::{Align, ComboBox, DragValue, Id, Label, Layout, Response, RichText, Ui, vec2};
 
-use crate::app::editor::{Editor, Point};
+use crate::app::editor::Editor;
 use crate::app::screen::theme::{BODY, Palette};
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::text::weak_text;
@@ -139,7 +140,7 @@ impl<'u> FieldRows<'u> {
     }
 
     /// A row of a place.
-    pub fn position(&mut self, name: &str, tip: &str, (x, y): &mut Point) {
+    pub fn position(&mut self, name: &str, tip: &str, math::Vec2 { x, y }: &mut math::Vec2) {
         self.pair(name, tip, [("x", x), ("y", y)], NumberSpec::POSITION);
     }
 
@@ -181,9 +182,11 @@ impl<'u> FieldRows<'u> {
     }
 
     /// A list of places.
-    pub fn positions(&mut self, name: &str, places: &mut Vec<Point>, least: usize) {
+    pub fn positions(&mut self, name: &str, places: &mut Vec<math::Vec2>, least: usize) {
         let further = "drag them in the world";
-        self.list(name, places, least, further, [NumberSpec::POSITION; 2], |(x, y)| [("x", x), ("y", y)]);
+        self.list(name, places, least, further, [NumberSpec::POSITION; 2], |math::Vec2 { x, y }| {
+            [("x", x), ("y", y)]
+        });
     }
 
     /// Something was changed otherwise, and at once.

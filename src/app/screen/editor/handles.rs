@@ -2,6 +2,7 @@
 //!
 //! In: the [`Editor`]. Out: where the knobs are, which one is under the pointer, and their picture.
 
+use bevy::math;
 use egui::{Align2, FontId, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
 use super::pointer::PointerHit;
@@ -89,7 +90,7 @@ fn turning(transform: &ViewTransform, editor: &Editor, handle: &Handle) -> Pos2 
 /// The middle of what is selected, on the screen, if its size is measured from there.
 pub fn center(transform: &ViewTransform, editor: &Editor) -> Option<Pos2> {
     let scenario = editor.scenario();
-    let between = |a: (f32, f32), b: (f32, f32)| [(a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0];
+    let between = |a: math::Vec2, b: math::Vec2| [(a.x + b.x) / 2.0, (a.y + b.y) / 2.0];
     let knobs = editor.handles();
     let center_m = match editor.selection() {
         Selection::Obstacle(k) => scenario.obstacles.get(k).map(|obstacle| obstacle.position_m.into()),
@@ -202,7 +203,7 @@ mod tests {
     use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape};
 
     fn knob(kind: HandleKind, x: f32) -> ScreenHandle {
-        let handle = Handle { kind, position_m: (0.0, 0.0), text: String::new(), about: "" };
+        let handle = Handle { kind, position_m: math::vec2(0.0, 0.0), text: String::new(), about: "" };
         ScreenHandle { handle, at: Pos2::new(x, 0.0) }
     }
 
@@ -224,7 +225,7 @@ mod tests {
     fn a_small_box_shows_its_corners_only_and_a_tiny_one_none() {
         let block = Obstacle {
             shape: Shape::Rectangle { width_m: 0.2, height_m: 0.2 },
-            position_m: (0.5, 0.5),
+            position_m: math::vec2(0.5, 0.5),
             rotation_rad: 0.0,
             motion: ObstacleMotion::Static,
         };

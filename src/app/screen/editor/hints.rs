@@ -79,12 +79,12 @@ mod tests {
         assert!(says(&editor, PointerHit::Nothing).starts_with("Click a thing"));
         editor.select(Selection::BenchmarkStart);
         assert_eq!(says(&editor, PointerHit::Handle(HandleKind::Rotate)), "Where it looks");
-        assert!(editor.begin_drag(HandleKind::Middle, (0.0, 0.0)));
+        assert!(editor.begin_drag(HandleKind::Middle, bevy::math::Vec2::ZERO));
         assert!(says(&editor, PointerHit::Handle(HandleKind::Middle)).starts_with("Alt"));
         editor.end_drag();
         editor.set_tool(Tool::Wall { corners_m: Vec::new() });
         assert!(says(&editor, PointerHit::Nothing).ends_with("begins"));
-        editor.click_with_tool((0.5, 0.5), true);
+        editor.click_with_tool(bevy::math::vec2(0.5, 0.5), true);
         assert!(says(&editor, PointerHit::Nothing).contains("Backspace"));
     }
 }

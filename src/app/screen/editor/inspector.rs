@@ -2,11 +2,12 @@
 //!
 //! In: the editor. Out: its changes.
 
+use bevy::math::{Vec2, vec2};
 use egui::{Align, Layout, Ui};
 
 use super::fields::{FieldRows, NumberSpec, button_row_ui, choice_ui};
 use super::scenario_panel;
-use crate::app::editor::{Editor, MotionKind, PlacementRole, Point, Selection, Tool, format_metres};
+use crate::app::editor::{Editor, MotionKind, PlacementRole, Selection, Tool, format_metres};
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::scenario::{Generator, Obstacle, ObstacleMotion, RandomShape, Region, Shape};
@@ -139,7 +140,7 @@ fn motion(rows: &mut FieldRows<'_>, obstacle: &mut Obstacle) {
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             rows.position("Centre", "What it revolves about", centre_m);
             rows.number("Speed", "Counterclockwise", speed_rad_s, NumberSpec::ANGULAR_VELOCITY);
-            let arm_m = (position.0 - centre_m.0).hypot(position.1 - centre_m.1);
+            let arm_m = (position.x - centre_m.x).hypot(position.y - centre_m.y);
             let speed_m_s = (arm_m * *speed_rad_s).abs();
             rows.ui.label(weak_text(&format!(
                 "{} m away: {} m/s",
@@ -169,8 +170,8 @@ fn motion(rows: &mut FieldRows<'_>, obstacle: &mut Obstacle) {
 }
 
 /// How long a round takes.
-fn round(corners: &[(f32, f32)], closed: bool, speed_m_s: f32) -> String {
-    let leg = |a: (f32, f32), b: (f32, f32)| (a.0 - b.0).hypot(a.1 - b.1);
+fn round(corners: &[Vec2], closed: bool, speed_m_s: f32) -> String {
+    let leg = |a: Vec2, b: Vec2| (a.x - b.x).hypot(a.y - b.y);
     let there: f32 = corners.windows(2).map(|ends| leg(ends[0], ends[1])).sum();
     let back = match (closed, corners.first(), corners.last()) {
         (true, Some(&first), Some(&last)) => leg(last, first),
@@ -224,11 +225,11 @@ fn generator_ui(ui: &mut Ui, editor: &mut Editor, k: usize) {
 }
 
 /// The region of half the width and half the height in the middle of a box, to the millimetre.
-fn middle_half((low, high): (Point, Point)) -> Region {
+fn middle_half((low, high): (Vec2, Vec2)) -> Region {
     let between = |a: f32, b: f32| ((a + (b - a) / 4.0) * 1000.0).round() / 1000.0;
     Region {
-        min_m: (between(low.0, high.0), between(low.1, high.1)),
-        max_m: (between(high.0, low.0), between(high.1, low.1)),
+        min_m: vec2(between(low.x, high.x), between(low.y, high.y)),
+        max_m: vec2(between(high.x, low.x), between(high.y, low.y)),
     }
 }
 
@@ -266,13 +267,13 @@ mod tests {
 
     #[test]
     fn the_middle_half_is_about_the_middle() {
-        let region = middle_half(((10.0, 0.0), (16.0, 6.0)));
-        assert_eq!((region.min_m, region.max_m), ((11.5, 1.5), (14.5, 4.5)));
+        let region = middle_half((vec2(10.0, 0.0), vec2(16.0, 6.0)));
+        assert_eq!((region.min_m, region.max_m), (vec2(11.5, 1.5), vec2(14.5, 4.5)));
     }
 
     #[test]
     fn a_round_is_there_and_back() {
-        let corners = [(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)];
+        let corners = [vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(3.0, 4.0)];
         assert_eq!(round(&corners, true, 0.5), "12.00 m there and back in 24 s");
         assert_eq!(round(&corners, false, 0.5), "14.00 m there and back in 28 s");
         assert_eq!(round(&corners, false, 0.0), "14.00 m there and back");

@@ -3,6 +3,7 @@
 //! In: the rules of a scenario. Out: shaded regions and marks on a [`Canvas`]; starts in the robot's colour, goals in
 //! the goal's.
 
+use bevy::math;
 use egui::{Align2, Color32, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
 
 use crate::app::editor::{Editor, Selection};
@@ -78,7 +79,7 @@ pub fn draw_places(canvas: &Canvas, editor: &Editor) {
     if goal == palette.error {
         draw_highlight(canvas, scenario, Selection::BenchmarkGoal, Stroke::new(2.0, goal));
     }
-    let (x_m, y_m) = benchmark_route.start_m;
+    let math::Vec2 { x: x_m, y: y_m } = benchmark_route.start_m;
     arena::draw_robot(canvas, scenario, Pose { x_m, y_m, heading_rad: benchmark_route.heading_rad }, start);
     name(
         canvas,
@@ -125,7 +126,7 @@ fn has_error(editor: &Editor, selection: Selection, k: usize) -> bool {
     })
 }
 
-fn places_of(rule: &PlacementRule) -> &[(f32, f32)] {
+fn places_of(rule: &PlacementRule) -> &[math::Vec2] {
     match rule {
         PlacementRule::Fixed { position_m, .. } => std::slice::from_ref(position_m),
         PlacementRule::OneOf { positions_m } => positions_m,
@@ -152,7 +153,7 @@ fn reach(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> f32 {
 }
 
 /// A name below a mark of this radius, or above it if that is negative.
-fn name(canvas: &Canvas, position_m: (f32, f32), radius: f32, words: &str, ink: Color32) {
+fn name(canvas: &Canvas, position_m: math::Vec2, radius: f32, words: &str, ink: Color32) {
     let at = canvas.to_screen(position_m.into());
     let anchor = if radius < 0.0 { Align2::CENTER_BOTTOM } else { Align2::CENTER_TOP };
     if canvas.painter.clip_rect().expand(radius.abs()).contains(at) {
@@ -167,7 +168,7 @@ pub fn draw_highlight(canvas: &Canvas, scenario: &Scenario, selection: Selection
         canvas.painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
     };
     let radius = reach(canvas, scenario, selection) + 4.0;
-    let around = |place: (f32, f32)| {
+    let around = |place: math::Vec2| {
         canvas.painter.circle_stroke(canvas.to_screen(place.into()), radius, stroke);
     };
     match selection {
@@ -190,7 +191,7 @@ pub fn draw_highlight(canvas: &Canvas, scenario: &Scenario, selection: Selection
 /// The box around what is drawn of it, with its name, on the screen.
 pub fn screen_rect(canvas: &Canvas, scenario: &Scenario, selection: Selection) -> Option<Rect> {
     let side = 2.0 * reach(canvas, scenario, selection);
-    let around = |place: (f32, f32)| {
+    let around = |place: math::Vec2| {
         Rect::from_center_size(canvas.to_screen(place.into()), Vec2::splat(side)).expand2(vec2(0.0, NAME))
     };
     let rule = match selection {
@@ -217,13 +218,13 @@ mod tests {
     fn only_the_place_that_is_wrong_is_shown_so() {
         let block = Obstacle {
             shape: Shape::Circle { radius_m: 0.3 },
-            position_m: (-1.0, -1.0),
+            position_m: math::vec2(-1.0, -1.0),
             rotation_rad: 0.0,
             motion: ObstacleMotion::Static,
         };
         let scenario = Scenario {
             obstacles: vec![block],
-            goals: PlacementRule::OneOf { positions_m: vec![(1.0, 1.0), (-1.0, -1.0)] },
+            goals: PlacementRule::OneOf { positions_m: vec![math::vec2(1.0, 1.0), math::vec2(-1.0, -1.0)] },
             ..Scenario::default()
         };
         let editor = Editor::open(Arc::new(scenario), "mine.ron".into(), true);

@@ -28,6 +28,7 @@ mod pointer;
 mod scenario_panel;
 pub mod shortcuts;
 
+use bevy::math;
 use egui::{EventFilter, Id, Rect, Sense, Ui, Vec2, WidgetInfo, WidgetType, vec2};
 
 use self::pointer::PointerHit;
@@ -95,7 +96,7 @@ fn finish_drawing(editor: &mut Editor) {
 }
 
 /// The point of the world in the view's middle, in m.
-fn view_center_m(ui: &Ui, editor: &Editor, camera: ViewCamera) -> (f32, f32) {
+fn view_center_m(ui: &Ui, editor: &Editor, camera: ViewCamera) -> math::Vec2 {
     let bounds = bounds(ui, canvas_id(), editor, camera);
     ViewTransform::new(Rect::ZERO, Vec2::ZERO, camera, bounds).centre_m.into()
 }

@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
+use bevy::math;
 use egui::{
     Align, Button, Context, Frame, Id, Label, Layout, Margin, Panel, RichText, ScrollArea, Stroke, TextEdit,
     Ui, Vec2, vec2,
@@ -14,7 +15,7 @@ use egui::{
 use super::fields::{button_row_ui, choice_ui, set_accessible_name};
 use super::{confirm_exit, diagnostics, finish_drawing, inspector, unfinished_drawing, view_center_m};
 use crate::app::commands::Command;
-use crate::app::editor::{Editor, NewItem, Point, Snap, Tool, format_metres};
+use crate::app::editor::{Editor, NewItem, Snap, Tool, format_metres};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::numbers;
 use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
@@ -178,7 +179,7 @@ fn templates_ui(ui: &mut Ui, view: &ScreenInput<'_>, commands: &mut Vec<Command>
 /// What can be added: it stands near the middle of what is seen.
 fn add_ui(ui: &mut Ui, editor: &mut Editor, camera: ViewCamera) {
     section_title_ui(ui, "Add");
-    let near: Point = view_center_m(ui, editor, camera);
+    let near: math::Vec2 = view_center_m(ui, editor, camera);
     let forms = [
         (NewItem::Circle, "Circle", "Add a circle"),
         (NewItem::Box, "Box", "Add a box"),

@@ -3,6 +3,7 @@
 //! In: the pointer, the [`Editor`]. Out: the editor's changes, and what is under the pointer or in its hand. A press
 //! selects; what was pressed is dragged from where it was pressed, once the pointer has moved.
 
+use bevy::math;
 use egui::{CursorIcon, Id, PointerButton, Pos2, Response, Ui, Vec2};
 
 use super::handles;
@@ -26,7 +27,7 @@ pub enum PointerHit {
 }
 
 /// What was pressed, and where in the world, in m.
-type Pressed = Option<(PointerHit, (f32, f32))>;
+type Pressed = Option<(PointerHit, math::Vec2)>;
 
 fn hand() -> Id {
     Id::new("wayfield editor hand")
@@ -35,7 +36,7 @@ fn hand() -> Id {
 /// Follows the pointer; gives what is under it, or while something is dragged what that is.
 pub fn update(ui: &Ui, response: &Response, transform: &ViewTransform, editor: &mut Editor) -> PointerHit {
     let free = ui.input(|input| input.modifiers.alt);
-    let place = |at: Pos2| -> (f32, f32) { transform.to_world(at).into() };
+    let place = |at: Pos2| -> math::Vec2 { transform.to_world(at).into() };
     let at = response.interact_pointer_pos();
     if response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_pressed()) {
         let pressed = ui.input(|input| input.pointer.press_origin());
@@ -54,7 +55,7 @@ pub fn update(ui: &Ui, response: &Response, transform: &ViewTransform, editor: &
         click(ui, response, transform, editor, pressed, free);
         editor.end_drag();
         if pressed.take().is_some() {
-            ui.data_mut(|data| data.insert_temp(hand(), None::<(PointerHit, (f32, f32))>));
+            ui.data_mut(|data| data.insert_temp(hand(), None::<(PointerHit, math::Vec2)>));
         }
         let hovered = response.hover_pos().filter(|_| response.contains_pointer());
         return hovered.map_or(PointerHit::Nothing, |at| under(ui, transform, editor, at));
@@ -77,7 +78,7 @@ pub fn update(ui: &Ui, response: &Response, transform: &ViewTransform, editor: &
 }
 
 /// What is pressed at `at`; a thing is selected by that.
-fn press(ui: &Ui, transform: &ViewTransform, editor: &mut Editor, at: Pos2) -> (PointerHit, (f32, f32)) {
+fn press(ui: &Ui, transform: &ViewTransform, editor: &mut Editor, at: Pos2) -> (PointerHit, math::Vec2) {
     let what = under(ui, transform, editor, at);
     if let PointerHit::Body(selection) = what {
         editor.select(selection);
@@ -103,7 +104,7 @@ fn under(ui: &Ui, transform: &ViewTransform, editor: &Editor, at: Pos2) -> Point
 }
 
 /// Begins to drag what was pressed; says no if it can't be dragged.
-fn take(ui: &Ui, editor: &mut Editor, what: PointerHit, from_m: (f32, f32)) -> bool {
+fn take(ui: &Ui, editor: &mut Editor, what: PointerHit, from_m: math::Vec2) -> bool {
     match what {
         PointerHit::Nothing => false,
         PointerHit::Handle(kind) => editor.begin_drag(kind, from_m),
@@ -134,7 +135,7 @@ fn click(
         let knob = at.map(|at| under(ui, transform, editor, at));
         match knob {
             Some(PointerHit::Handle(kind)) if kind.is_insert() => {
-                editor.begin_drag(kind, at.map_or((0.0, 0.0), |at| transform.to_world(at).into()));
+                editor.begin_drag(kind, at.map_or(math::vec2(0.0, 0.0), |at| transform.to_world(at).into()));
             }
             Some(PointerHit::Handle(kind)) => {
                 editor.remove_handle(kind);

@@ -2,10 +2,11 @@
 //!
 //! In: the editor. Out: its changes. The rules and the enclosure are shown alone, too, when they are selected.
 
+use bevy::math::Vec2;
 use egui::{CollapsingHeader, Context, Id, RichText, TextEdit, Ui};
 
 use super::fields::{FieldRows, NumberSpec, button_row_ui, choice_ui, set_accessible_name};
-use crate::app::editor::{Editor, EnclosureKind, PlacementKind, PlacementRole, Point, Selection, Tool};
+use crate::app::editor::{Editor, EnclosureKind, PlacementKind, PlacementRole, Selection, Tool};
 use crate::app::screen::theme::BODY;
 use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::{Enclosure, Motion, PlacementRule};
@@ -208,7 +209,7 @@ pub fn place_rule_ui(ui: &mut Ui, editor: &mut Editor, which: PlacementRole) {
 const HEADING: &str = "Where it looks: 0° is along x, counterclockwise";
 
 /// The corners of a rectangle.
-pub fn region_rows(rows: &mut FieldRows<'_>, min_m: &mut Point, max_m: &mut Point) {
+pub fn region_rows(rows: &mut FieldRows<'_>, min_m: &mut Vec2, max_m: &mut Vec2) {
     rows.position("From", "Its lower left corner", min_m);
     rows.position("To", "Its upper right corner", max_m);
 }

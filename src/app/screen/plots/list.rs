@@ -164,7 +164,7 @@ fn mean_and_spread<'a>(
     palette: Palette,
 ) -> Vec<Trace<'a>> {
     let (name, short_name) =
-        if each.is_full_resolution() { ("each episode", "each") } else { ("min–max", "min–max") };
+        if each.is_full_resolution() { ("each episode", "each") } else { ("min–max", "range") };
     let (color, style) = (palette.weak_text, TraceStyle::Spread);
     vec![
         main_line("mean of 100 episodes", "mean of 100", mean.series(), palette.accent),
