@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use bevy::math::vec2;
 use wayfield::agent::ActiveLearner;
 use wayfield::app::commands::{Command, Pace, SaveKind, SessionMode};
 use wayfield::app::moves::{Movable, MoveRequest};
@@ -86,9 +87,11 @@ fn two_thousand_steps_in_the_app_learn_the_same_bits_as_a_bare_loop() {
             15 => app.command(Command::SetMode(SessionMode::Drive)),
             16 => app.command(Command::Steer(0)),
             17 => app.command(Command::Open(policy.clone())),
-            18 => {
-                app.command(Command::Move(MoveRequest { arena: 0, object: Movable::Robot, to_m: (1.2, 0.1) }))
-            }
+            18 => app.command(Command::Move(MoveRequest {
+                arena: 0,
+                object: Movable::Robot,
+                to_m: vec2(1.2, 0.1),
+            })),
             20 => app.command(Command::SetMode(SessionMode::Train)),
             22 => app.command(Command::SetPace(Pace::Times(7.0))),
             24 => app.view_state().overlays = all_overlays,
@@ -121,7 +124,7 @@ fn nudge(app: &mut HeadlessApp, index: usize) {
     app.command(Command::Move(MoveRequest {
         arena: 0,
         object: Movable::Obstacle(index),
-        to_m: (x + 0.04, y - 0.03),
+        to_m: vec2(x + 0.04, y - 0.03),
     }));
 }
 
@@ -132,10 +135,10 @@ fn a_training_with_interventions_can_be_replayed() {
     app.step_to(150);
     // Dragged over several positions between two steps: only the last one counts.
     for x_m in [1.3, 1.4, 1.5] {
-        app.command(Command::Move(MoveRequest { arena: 0, object: Movable::Goal, to_m: (x_m, 0.0) }));
+        app.command(Command::Move(MoveRequest { arena: 0, object: Movable::Goal, to_m: vec2(x_m, 0.0) }));
     }
     app.step_to(180);
-    app.command(Command::Move(MoveRequest { arena: 3, object: Movable::Robot, to_m: (-1.4, 0.2) }));
+    app.command(Command::Move(MoveRequest { arena: 3, object: Movable::Robot, to_m: vec2(-1.4, 0.2) }));
     nudge(&mut app, 1);
     app.step_to(240);
     // An obstacle moved during a demo has moved in the training, too.
@@ -169,13 +172,13 @@ fn objects_cannot_be_moved_to_invalid_positions() {
     app.step_to(3);
     let before = state(app.world());
     for request in [
-        MoveRequest { arena: 0, object: Movable::Goal, to_m: (9.0, 0.0) },
-        MoveRequest { arena: 99, object: Movable::Goal, to_m: (0.0, 0.0) },
-        MoveRequest { arena: 0, object: Movable::Robot, to_m: (1.95, 1.95) },
-        MoveRequest { arena: 0, object: Movable::Robot, to_m: (f32::NAN, 0.0) },
-        MoveRequest { arena: 0, object: Movable::Obstacle(0), to_m: (5.0, 5.0) },
-        MoveRequest { arena: 0, object: Movable::Obstacle(99), to_m: (0.0, 0.0) },
-        MoveRequest { arena: 99, object: Movable::Obstacle(0), to_m: (0.6, 0.6) },
+        MoveRequest { arena: 0, object: Movable::Goal, to_m: vec2(9.0, 0.0) },
+        MoveRequest { arena: 99, object: Movable::Goal, to_m: vec2(0.0, 0.0) },
+        MoveRequest { arena: 0, object: Movable::Robot, to_m: vec2(1.95, 1.95) },
+        MoveRequest { arena: 0, object: Movable::Robot, to_m: vec2(f32::NAN, 0.0) },
+        MoveRequest { arena: 0, object: Movable::Obstacle(0), to_m: vec2(5.0, 5.0) },
+        MoveRequest { arena: 0, object: Movable::Obstacle(99), to_m: vec2(0.0, 0.0) },
+        MoveRequest { arena: 99, object: Movable::Obstacle(0), to_m: vec2(0.6, 0.6) },
     ] {
         app.command(Command::Move(request));
         app.frame(Duration::from_millis(10));
@@ -206,12 +209,12 @@ fn an_obstacle_goes_where_it_is_dragged_in_the_arena_where_the_user_sees_it() {
         app.frame(Duration::from_millis(10));
     }
     let (x, y, _) = app.shown().0.arenas[running].obstacles[3];
-    let to_m = (x + 0.03, y + 0.02);
+    let to_m = vec2(x + 0.03, y + 0.02);
     app.command(Command::Move(MoveRequest { arena: running, object: Movable::Obstacle(3), to_m }));
     app.frame(Duration::from_millis(10));
     let (now_x, now_y, _) = app.shown().0.arenas[running].obstacles[3];
     assert!(
-        (now_x - to_m.0).abs() < 1e-4 && (now_y - to_m.1).abs() < 1e-4,
+        (now_x - to_m.x).abs() < 1e-4 && (now_y - to_m.y).abs() < 1e-4,
         "{now_x} {now_y} is not {to_m:?}"
     );
 }
@@ -246,7 +249,7 @@ fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
     let mut app = HeadlessApp::new(options(9));
     app.command(Command::Pause(true));
     app.step_to(120);
-    app.command(Command::Move(MoveRequest { arena: 2, object: Movable::Goal, to_m: (1.5, 0.1) }));
+    app.command(Command::Move(MoveRequest { arena: 2, object: Movable::Goal, to_m: vec2(1.5, 0.1) }));
     app.step_to(200);
     app.command(Command::Save(SaveKind::Run, first_run.clone()));
     app.frame(Duration::from_millis(10));

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use bevy::math::vec2;
 use wayfield::app::commands::{Command, EditorReply, Pace, SaveKind, SessionMode};
 use wayfield::app::moves::{Movable, MoveRequest};
 use wayfield::app::session::StartOptions;
@@ -52,7 +53,7 @@ fn wait(app: &mut HeadlessApp, what: &str, done: impl Fn(&HeadlessApp) -> bool) 
 }
 
 fn x_m(app: &HeadlessApp) -> f32 {
-    app.shown().0.scenario.obstacles[0].position_m.0
+    app.shown().0.scenario.obstacles[0].position_m.x
 }
 
 fn has_notice(app: &HeadlessApp, words: &str) -> bool {
@@ -166,7 +167,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
     app.command(Command::Pause(true));
     app.step_to(60);
     let mut edited = Scenario::clone(&app.shown().0.scenario);
-    edited.obstacles[0].position_m = (0.9, 0.9);
+    edited.obstacles[0].position_m = vec2(0.9, 0.9);
     let apply = |scenario: &Scenario, restart| Command::ApplyScenario {
         scenario: Arc::new(scenario.clone()),
         from: "scenario-1".into(),
@@ -178,7 +179,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
     app.command(apply(&edited, false));
     app.frame(Duration::from_millis(10));
     assert_eq!(app.error_notices(), Vec::<String>::new());
-    assert_eq!(app.shown().0.scenario.obstacles[0].position_m, (0.9, 0.9));
+    assert_eq!(app.shown().0.scenario.obstacles[0].position_m, vec2(0.9, 0.9));
     assert_eq!(
         (app.shown().1.mode, app.shown().1.env_steps),
         (SessionMode::Test, learnt),
@@ -195,7 +196,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
 
     // Invalid and unsuitable scenarios are rejected, and nothing changes.
     let mut invalid = edited.clone();
-    invalid.obstacles[0].position_m = (1.95, 0.9);
+    invalid.obstacles[0].position_m = vec2(1.95, 0.9);
     app.command(apply(&invalid, false));
     app.frame(Duration::from_millis(10));
     assert!(has_notice(&app, "beyond the enclosure"), "{:?}", app.error_notices());
@@ -216,7 +217,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
     noisy.lidar.noise_std_m = 0.02;
     app.command(apply(&noisy, false));
     for x_m in [0.05, 0.1] {
-        app.command(Command::Move(MoveRequest { arena: 1, object: Movable::Robot, to_m: (x_m, 0.0) }));
+        app.command(Command::Move(MoveRequest { arena: 1, object: Movable::Robot, to_m: vec2(x_m, 0.0) }));
     }
     app.frame(Duration::from_millis(10));
     app.step_to(140);
@@ -227,7 +228,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
 
     app.command(apply(&edited, true));
     app.frame(Duration::from_millis(10));
-    assert_eq!(app.shown().0.scenario.obstacles[0].position_m, (0.9, 0.9));
+    assert_eq!(app.shown().0.scenario.obstacles[0].position_m, vec2(0.9, 0.9));
     assert!(app.steps() < 60, "the training has restarted");
     assert!(app.shown().1.scenario_modified && !app.shown().1.is_paper_scenario_1);
 }
@@ -240,7 +241,7 @@ fn an_edited_scenario_is_saved_with_its_comments_and_can_be_opened_while_invalid
     let mut app = HeadlessApp::new(StartOptions { paused: true, ..options(&file) });
     app.frame(Duration::from_millis(10));
     let mut edited = Scenario::clone(&app.shown().0.scenario);
-    edited.obstacles[0].position_m = (3.0, 0.6);
+    edited.obstacles[0].position_m = vec2(3.0, 0.6);
     let scenario = Arc::new(edited.clone());
     let based_on = file.display().to_string();
     app.command(Command::SaveScenario { scenario: scenario.clone(), based_on, path: Some(file.clone()) });

@@ -9,6 +9,7 @@ mod common;
 use std::f32::consts::PI;
 use std::time::Instant;
 
+use bevy::math::{Vec2, vec2};
 use common::Lab;
 use wayfield::planner::{Resolution, StepBounds, TimedPath, plan_path};
 use wayfield::random::stream;
@@ -23,12 +24,12 @@ fn scenario(name: &str) -> Scenario {
 
 /// An episode on the benchmark route, with the given initial heading and clock.
 fn benchmark_route(scenario: &Scenario, heading_rad: f32, clock: u64) -> EpisodeResult {
-    let ((x_m, y_m), goal) = (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m);
+    let (Vec2 { x: x_m, y: y_m }, goal) = (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m);
     EpisodeResult {
         end: EpisodeEnd::TimedOut,
         steps: 0,
         start: Pose { x_m, y_m, heading_rad },
-        goal: Goal { x_m: goal.0, y_m: goal.1 },
+        goal: Goal { x_m: goal.x, y_m: goal.y },
         clock: Clock(clock),
         layout_seed: 0,
     }
@@ -40,8 +41,8 @@ fn random_episodes(scenario: &Scenario, count: u64) -> Vec<EpisodeResult> {
         let mut draws = stream(1, "optimum", index);
         let clock = 37 * index;
         let (x_m, y_m, heading_rad) = draw_start(scenario, clock, &mut draws).expect("free space");
-        let goal = draw_goal(scenario, clock, (x_m, y_m), &mut draws).expect("free space");
-        let goal = Goal { x_m: goal.0, y_m: goal.1 };
+        let goal = draw_goal(scenario, clock, vec2(x_m, y_m), &mut draws).expect("free space");
+        let goal = Goal { x_m: goal.x, y_m: goal.y };
         let start = Pose { x_m, y_m, heading_rad };
         EpisodeResult {
             end: EpisodeEnd::TimedOut,
@@ -131,7 +132,7 @@ fn with_the_cylinder_moved_by_up_to_10_cm_the_benchmark_route_takes_51_to_54_ste
     let mut all = Vec::new();
     for (dx, dy) in (0..25).map(|k| (k / 5 - 2, k % 5 - 2)) {
         let mut scenario = scenario("scenario-1");
-        scenario.obstacles[0].position_m = (0.6 + 0.05 * dx as f32, 0.6 + 0.05 * dy as f32);
+        scenario.obstacles[0].position_m = vec2(0.6 + 0.05 * dx as f32, 0.6 + 0.05 * dy as f32);
         let found = bounds(&scenario, &headings(&scenario), 0);
         facing_along_x.push(found[0]);
         all.extend(found);
@@ -181,7 +182,8 @@ fn the_number_of_threads_does_not_change_the_bounds_or_their_order() {
     assert_eq!(single_threaded, bounds(&scenario, &episodes, 64));
     for (n, bounds) in episodes.iter().zip(&single_threaded) {
         let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let plan = plan_path(&scenario, start, (n.goal.x_m, n.goal.y_m), n.clock.0, Resolution::default());
+        let plan =
+            plan_path(&scenario, start, vec2(n.goal.x_m, n.goal.y_m), n.clock.0, Resolution::default());
         assert_eq!(bounds.plan_steps, plan.map(|plan| plan.steps));
     }
     assert_eq!(bounds(&scenario, &[], 0), []);
@@ -195,7 +197,7 @@ fn plans_arrive_on_time_in_the_physics_simulation() {
         let plan = |state: &ArenaState| {
             let ArenaState { pose, goal, clock, .. } = state;
             let start = (pose.x_m, pose.y_m, pose.heading_rad);
-            let plan = plan_path(&scenario, start, (goal.x_m, goal.y_m), clock.0, Resolution::default());
+            let plan = plan_path(&scenario, start, vec2(goal.x_m, goal.y_m), clock.0, Resolution::default());
             plan.expect("a path")
         };
         let plans: Vec<_> = lab.states().iter().map(plan).collect();

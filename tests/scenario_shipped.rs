@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::ecs::message::Messages;
+use bevy::math::{Vec2, vec2};
 use wayfield::agent::ActiveLearner;
 use wayfield::learning::Learner;
 use wayfield::run::{scenario_image, shipped, training_setup};
@@ -123,11 +124,11 @@ fn route_is_open(scenario: &Scenario) -> bool {
     scenario.obstacles.retain(|obstacle| obstacle.motion == ObstacleMotion::Static);
     let side = 0.05_f32;
     let (low, high) = scenario.enclosure.bounds_m();
-    let columns = ((high.0 - low.0) / side) as usize + 1;
-    let rows = ((high.1 - low.1) / side) as usize + 1;
-    let position = |column: usize, row: usize| (low.0 + column as f32 * side, low.1 + row as f32 * side);
+    let columns = ((high.x - low.x) / side) as usize + 1;
+    let rows = ((high.y - low.y) / side) as usize + 1;
+    let position = |column: usize, row: usize| vec2(low.x + column as f32 * side, low.y + row as f32 * side);
     let cell =
-        |(x, y): (f32, f32)| (((x - low.0) / side).round() as usize, ((y - low.1) / side).round() as usize);
+        |Vec2 { x, y }: Vec2| (((x - low.x) / side).round() as usize, ((y - low.y) / side).round() as usize);
     let free = |column, row| clearance(&scenario, position(column, row), 0) > scenario.task.collision_range_m;
     let (start, goal) = (cell(scenario.benchmark_route.start_m), cell(scenario.benchmark_route.goal_m));
     let mut seen = vec![false; columns * rows];
@@ -161,7 +162,7 @@ fn start_and_goal_of_every_benchmark_route_are_connected() {
         }
     }
     let mut closed = shipped::scenario("doorway").expect("shipped");
-    closed.walls[0].corners_m = vec![(0.0, 2.0), (0.0, -2.0)];
+    closed.walls[0].corners_m = vec![vec2(0.0, 2.0), vec2(0.0, -2.0)];
     assert!(!route_is_open(&closed), "a closed doorway blocks the route");
 }
 

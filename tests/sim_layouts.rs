@@ -4,6 +4,7 @@ mod common;
 
 use std::sync::Arc;
 
+use bevy::math::vec2;
 use common::{Lab, bits, closed_form};
 use wayfield::random::{self, uniform, uniform_index};
 use wayfield::scenario::{
@@ -14,20 +15,30 @@ use wayfield::task::{Clock, EpisodeEnd, Pose};
 
 /// An L with a wall, a rod, a triangle, and one of each that moves.
 fn irregular_walls() -> Scenario {
-    let triangle = Shape::Polygon { corners_m: vec![(-0.2, -0.1), (0.2, -0.1), (0.0, 0.3)] };
+    let triangle = Shape::Polygon { corners_m: vec![vec2(-0.2, -0.1), vec2(0.2, -0.1), vec2(0.0, 0.3)] };
     let rod = Shape::Capsule { length_m: 0.4, radius_m: 0.08 };
-    let to_and_fro = ObstacleMotion::BackAndForth { waypoints_m: vec![(1.4, -0.4)], speed_m_s: 0.1 };
+    let to_and_fro = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.4, -0.4)], speed_m_s: 0.1 };
     let walk = ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.1, seed: 4 };
     Scenario {
         enclosure: Enclosure::Polygon {
-            corners_m: vec![(-2.0, -2.0), (2.0, -2.0), (2.0, 0.0), (0.0, 0.0), (0.0, 2.0), (-2.0, 2.0)],
+            corners_m: vec![
+                vec2(-2.0, -2.0),
+                vec2(2.0, -2.0),
+                vec2(2.0, 0.0),
+                vec2(0.0, 0.0),
+                vec2(0.0, 2.0),
+                vec2(-2.0, 2.0),
+            ],
         },
-        walls: vec![Wall { corners_m: vec![(-2.0, 0.2), (-1.2, 0.2), (-1.2, 0.9)], thickness_m: 0.1 }],
+        walls: vec![Wall {
+            corners_m: vec![vec2(-2.0, 0.2), vec2(-1.2, 0.2), vec2(-1.2, 0.9)],
+            thickness_m: 0.1,
+        }],
         obstacles: vec![
-            common::still(rod.clone(), (-0.6, 0.9), 0.6),
-            common::still(triangle.clone(), (0.6, -0.7), 0.4),
-            Obstacle { motion: to_and_fro, ..common::still(rod, (1.4, -1.6), 1.2) },
-            Obstacle { motion: walk, ..common::still(triangle, (-1.3, -1.3), 0.0) },
+            common::still(rod.clone(), vec2(-0.6, 0.9), 0.6),
+            common::still(triangle.clone(), vec2(0.6, -0.7), 0.4),
+            Obstacle { motion: to_and_fro, ..common::still(rod, vec2(1.4, -1.6), 1.2) },
+            Obstacle { motion: walk, ..common::still(triangle, vec2(-1.3, -1.3), 0.0) },
         ],
         ..Scenario::default()
     }
@@ -36,7 +47,7 @@ fn irregular_walls() -> Scenario {
 fn field() -> Scenario {
     let generator = |count, shape| Generator { count, shape, gap_m: 0.3, within: None };
     Scenario {
-        obstacles: vec![common::still(Shape::Circle { radius_m: 0.1 }, (-1.0, 0.0), 0.0)],
+        obstacles: vec![common::still(Shape::Circle { radius_m: 0.1 }, vec2(-1.0, 0.0), 0.0)],
         generators: vec![
             generator(4, RandomShape::Circle { radius_m: (0.1, 0.2) }),
             generator(2, RandomShape::Rectangle { width_m: (0.3, 0.5), height_m: (0.1, 0.2) }),
@@ -210,8 +221,8 @@ fn a_late_lidar_reports_what_was_there_some_steps_ago() {
 #[test]
 fn after_the_only_target_the_robot_starts_anew_and_the_episode_goes_on() {
     let scenario = Scenario {
-        starts: PlacementRule::Fixed { position_m: (0.0, 0.0), heading_rad: Some(0.0) },
-        goals: PlacementRule::Fixed { position_m: (0.6, 0.0), heading_rad: None },
+        starts: PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: Some(0.0) },
+        goals: PlacementRule::Fixed { position_m: vec2(0.6, 0.0), heading_rad: None },
         ..Scenario::default()
     };
     let mut lab = Lab::new(&scenario, 1, 1);

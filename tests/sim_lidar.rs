@@ -4,7 +4,7 @@ mod common;
 
 use std::f32::consts::PI;
 
-use bevy::math::Vec2;
+use bevy::math::{Vec2, vec2};
 use bevy_rapier2d::prelude::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
 use bevy_rapier2d::rapier::parry::query::DefaultQueryDispatcher;
 use bevy_rapier2d::rapier::prelude::{
@@ -46,7 +46,7 @@ fn assert_closed_form(lab: &mut Lab, from: &Pose) {
     }
 }
 
-fn one_obstacle(shape: Shape, at: (f32, f32), turn: f32) -> Scenario {
+fn one_obstacle(shape: Shape, at: Vec2, turn: f32) -> Scenario {
     Scenario { obstacles: vec![common::still(shape, at, turn)], ..Scenario::default() }
 }
 
@@ -59,7 +59,7 @@ proptest! {
         px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
         beams in prop_oneof![Just(24_usize), 1_usize..100],
     ) {
-        let mut scenario = one_obstacle(Shape::Circle { radius_m: r }, (x, y), 0.0);
+        let mut scenario = one_obstacle(Shape::Circle { radius_m: r }, vec2(x, y), 0.0);
         scenario.lidar.beams = beams;
         assert_closed_form(&mut Lab::new(&scenario, 1, 1), &pose(px, py, heading));
     }
@@ -69,7 +69,7 @@ proptest! {
         w in 0.01_f32..1.5, h in 0.01_f32..1.5, x in -1.5_f32..1.5, y in -1.5_f32..1.5, turn in -6.2_f32..6.2,
         px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
     ) {
-        let scenario = one_obstacle(Shape::Rectangle { width_m: w, height_m: h }, (x, y), turn);
+        let scenario = one_obstacle(Shape::Rectangle { width_m: w, height_m: h }, vec2(x, y), turn);
         assert_closed_form(&mut Lab::new(&scenario, 1, 1), &pose(px, py, heading));
     }
 
@@ -79,30 +79,30 @@ proptest! {
         px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI, view in 0.3_f32..6.2, sides in 3_usize..9,
     ) {
         let from = pose(px, py, heading);
-        let mut rod = one_obstacle(Shape::Capsule { length_m: length, radius_m: r }, (x, y), turn);
+        let mut rod = one_obstacle(Shape::Capsule { length_m: length, radius_m: r }, vec2(x, y), turn);
         rod.lidar.field_of_view_rad = view;
         assert_closed_form(&mut Lab::new(&rod, 1, 1), &from);
         // Corners on an ellipse about a point aside of the origin: convex, in no order that parry could ask for.
         let corner = |k: usize| {
             let (sin, cos) = (std::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
-            (length * cos - 0.2, -r * sin + 0.1)
+            vec2(length * cos - 0.2, -r * sin + 0.1)
         };
         let corners_m = (0..sides).map(corner).collect();
-        let polygon = one_obstacle(Shape::Polygon { corners_m }, (x, y), turn);
+        let polygon = one_obstacle(Shape::Polygon { corners_m }, vec2(x, y), turn);
         assert_closed_form(&mut Lab::new(&polygon, 1, 1), &from);
-        let corners_m = vec![(x, y), (0.0, 1.9), (-1.5, turn / 5.0)];
+        let corners_m = vec![vec2(x, y), vec2(0.0, 1.9), vec2(-1.5, turn / 5.0)];
         let walls = vec![Wall { corners_m, thickness_m: r / 2.0 }];
         assert_closed_form(&mut Lab::new(&Scenario { walls, ..Scenario::default() }, 1, 1), &from);
     }
 
     #[test]
     fn ranges_within_an_l_are_those_of_geometry(
-        notch in (-1.0_f32..1.0, -1.0_f32..1.0), px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
+        notch in (-1.0_f32..1.0, -1.0_f32..1.0).prop_map(Vec2::from), px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
         backwards in any::<bool>(),
     ) {
-        prop_assume!(px < notch.0 - 0.01 || py < notch.1 - 0.01);
+        prop_assume!(px < notch.x - 0.01 || py < notch.y - 0.01);
         let mut corners_m =
-            vec![(-2.0, -2.0), (2.0, -2.0), (2.0, notch.1), notch, (notch.0, 2.0), (-2.0, 2.0)];
+            vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(2.0, notch.y), notch, vec2(notch.x, 2.0), vec2(-2.0, 2.0)];
         if backwards {
             corners_m.reverse();
         }
@@ -113,7 +113,7 @@ proptest! {
     #[test]
     fn a_beam_aimed_at_a_corner_ends_there(turn in -PI..PI, from in -PI..PI, corner in 0_usize..4) {
         // A box of 0.6 m x 0.4 m in the middle; beam 0 aims at one of its corners from 1.5 m off the middle.
-        let scenario = one_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, (0.0, 0.0), turn);
+        let scenario = one_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(0.0, 0.0), turn);
         let (x, y) = [(0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)][corner];
         let at = Vec2::from_angle(turn).rotate(Vec2::new(x, y));
         let eye = 1.5 * Vec2::from_angle(from);
@@ -165,7 +165,7 @@ proptest! {
 
 #[test]
 fn distances_worked_by_hand() {
-    let scenario = one_obstacle(Shape::Circle { radius_m: 0.15 }, (0.6, 0.0), 0.0);
+    let scenario = one_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(0.6, 0.0), 0.0);
     let mut lab = Lab::new(&scenario, 1, 1);
     let near = |a: f32, b: f32| (a - b).abs() < 1e-5;
     let ranges = lab.cast(0, &pose(0.0, 0.0, 0.0));
@@ -193,7 +193,7 @@ fn beams_that_meet_nothing_report_the_maximum_range() {
 #[test]
 fn a_beam_from_within_an_obstacle_or_a_wall_reports_nothing_free() {
     for shape in [Shape::Circle { radius_m: 0.3 }, Shape::Rectangle { width_m: 0.6, height_m: 0.6 }] {
-        let mut lab = Lab::new(&one_obstacle(shape, (0.5, 0.5), 0.3), 1, 1);
+        let mut lab = Lab::new(&one_obstacle(shape, vec2(0.5, 0.5), 0.3), 1, 1);
         assert_eq!(lab.cast(0, &pose(0.55, 0.45, 1.0)), vec![0.0; 24], "within an obstacle");
         assert_eq!(lab.cast(0, &pose(2.2, 0.0, 1.0)), vec![0.0; 24], "within a wall");
     }
@@ -234,8 +234,8 @@ fn drive_into(scenario: &Scenario, from: Pose, max_steps: usize) -> f64 {
 
 #[test]
 fn the_lidar_warns_before_the_body_touches_and_nothing_is_driven_through() {
-    let ahead = one_obstacle(Shape::Circle { radius_m: 0.15 }, (0.6, 0.0), 0.0);
-    let slab = one_obstacle(Shape::Rectangle { width_m: 0.1, height_m: 1.0 }, (0.6, 0.0), 0.0);
+    let ahead = one_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(0.6, 0.0), 0.0);
+    let slab = one_obstacle(Shape::Rectangle { width_m: 0.1, height_m: 1.0 }, vec2(0.6, 0.0), 0.0);
     let mut worst = f64::INFINITY;
     for k in 0..60 {
         // All phases of the 0.03 m that a step takes.

@@ -2,14 +2,15 @@
 
 mod common;
 
+use bevy::math::{Vec2, vec2};
 use common::{Lab, closed_form};
 use wayfield::scenario::{PlacementRule, Scenario, Shape};
 use wayfield::sim;
 use wayfield::task::{Arena, ArenaState, EpisodeSetup, RewardConfig, TaskFault, TaskMode};
 
-fn assert_clear(scenario: &Scenario, state: &ArenaState, what: &str, at: (f32, f32), rule: &PlacementRule) {
+fn assert_clear(scenario: &Scenario, state: &ArenaState, what: &str, at: Vec2, rule: &PlacementRule) {
     let PlacementRule::Random { clearance_m } = *rule else { panic!("random places") };
-    let clear = closed_form::clearance(scenario, state.clock.0, (f64::from(at.0), f64::from(at.1)));
+    let clear = closed_form::clearance(scenario, state.clock.0, (f64::from(at.x), f64::from(at.y)));
     assert!(
         clear > f64::from(clearance_m) - 1e-6,
         "clock {}: the {what} {at:?} is {clear} m from something, the rule asks for {clearance_m} m",
@@ -30,16 +31,16 @@ fn places_are_clear(scenario: &Scenario) {
     let mut reached = vec![false; arenas];
     loop {
         for (arena, state) in lab.states().iter().enumerate() {
-            let (start, goal) = ((state.pose.x_m, state.pose.y_m), (state.goal.x_m, state.goal.y_m));
+            let (start, goal) = (vec2(state.pose.x_m, state.pose.y_m), vec2(state.goal.x_m, state.goal.y_m));
             if started[arena] {
                 episodes += 1;
                 assert_clear(&scenario, state, "start", start, &scenario.starts);
-                quarters[usize::from(start.0 > 0.0) + 2 * usize::from(start.1 > 0.0)] += 1;
+                quarters[usize::from(start.x > 0.0) + 2 * usize::from(start.y > 0.0)] += 1;
             }
             if started[arena] || reached[arena] {
                 redrawn += u32::from(!started[arena]);
                 assert_clear(&scenario, state, "goal", goal, &scenario.goals);
-                let far = (goal.0 - start.0).hypot(goal.1 - start.1);
+                let far = (goal.x - start.x).hypot(goal.y - start.y);
                 assert!(far > 0.5 - 1e-6, "a new goal is at least 0.5 m away, not {far} m");
             }
         }
@@ -84,7 +85,7 @@ fn the_course_always_begins_and_ends_at_the_same_places() {
 
 #[test]
 fn no_room_for_a_start_is_reported_and_names_the_arena() {
-    let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, (0.0, 0.0), 0.0);
+    let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
     let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
     let lab = Lab::new(&scenario, 1, 1);
     let fault =

@@ -3,6 +3,7 @@
 //! In: an arena and the requested position. Out: `Ok`, or the reason why the object cannot go there. The screen asks while
 //! an object is dragged; the session asks again before it moves the object.
 
+use bevy::math::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::{
@@ -31,7 +32,7 @@ pub struct MoveRequest {
     /// The object.
     pub object: Movable,
     /// Where its centre is to be now, in m.
-    pub to_m: (f32, f32),
+    pub to_m: Vec2,
 }
 
 /// The parts of an arena that decide where an object may go.
@@ -44,9 +45,9 @@ pub struct MoveContext<'a> {
     /// Current pose of each obstacle of `layout`.
     pub obstacles: &'a [ObstaclePose],
     /// Position of the robot, in m.
-    pub robot_m: (f32, f32),
+    pub robot_m: Vec2,
     /// Position of the goal, in m.
-    pub goal_m: (f32, f32),
+    pub goal_m: Vec2,
 }
 
 /// The reason why an object cannot be moved to a position.
@@ -88,9 +89,9 @@ pub enum MoveRejection {
 ///
 /// # Errors
 /// Why it may not.
-pub fn check_move(arena: &MoveContext<'_>, object: Movable, to_m: (f32, f32)) -> Result<(), MoveRejection> {
+pub fn check_move(arena: &MoveContext<'_>, object: Movable, to_m: Vec2) -> Result<(), MoveRejection> {
     let enclosure_m = enclosure_distance(&arena.layout.enclosure, to_m);
-    if !(to_m.0.is_finite() && to_m.1.is_finite() && enclosure_m > 0.0) {
+    if !(to_m.x.is_finite() && to_m.y.is_finite() && enclosure_m > 0.0) {
         return Err(MoveRejection::OutsideWalls);
     }
     let collision_range_m = arena.layout.task.collision_range_m;
@@ -109,23 +110,23 @@ pub fn check_move(arena: &MoveContext<'_>, object: Movable, to_m: (f32, f32)) ->
 }
 
 /// Distance in m from `point_m` to the nearest obstacle; negative inside one.
-fn obstacle_gap(arena: &MoveContext<'_>, point_m: (f32, f32)) -> f32 {
+fn obstacle_gap(arena: &MoveContext<'_>, point_m: Vec2) -> f32 {
     let obstacles = arena.layout.obstacles.iter().zip(arena.obstacles);
     obstacles.map(|(o, &pose)| shape_distance(&o.shape, pose, point_m)).fold(f32::INFINITY, f32::min)
 }
 
 /// Distance in m from `point_m` to the nearest inner wall; negative inside one.
-fn inner_wall_gap(arena: &MoveContext<'_>, point_m: (f32, f32)) -> f32 {
+fn inner_wall_gap(arena: &MoveContext<'_>, point_m: Vec2) -> f32 {
     let walls = arena.layout.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
     walls.fold(f32::INFINITY, f32::min)
 }
 
-fn check_obstacle(arena: &MoveContext<'_>, index: usize, to_m: (f32, f32)) -> Result<(), MoveRejection> {
+fn check_obstacle(arena: &MoveContext<'_>, index: usize, to_m: Vec2) -> Result<(), MoveRejection> {
     let (Some(obstacle), Some(&pose)) = (arena.scenario.obstacles.get(index), arena.obstacles.get(index))
     else {
         return Err(MoveRejection::NotMovable);
     };
-    let gap_to = |point_m| shape_distance(&obstacle.shape, (to_m.0, to_m.1, pose.2), point_m);
+    let gap_to = |point_m| shape_distance(&obstacle.shape, (to_m.x, to_m.y, pose.2), point_m);
     if gap_to(arena.robot_m) <= arena.layout.task.collision_range_m {
         return Err(MoveRejection::TooCloseToRobot);
     }
@@ -142,20 +143,20 @@ fn check_obstacle(arena: &MoveContext<'_>, index: usize, to_m: (f32, f32)) -> Re
 
 /// The position in m that `obstacle` must have at step 0 for it to be at `to_m` now; it is at `pose` now.
 #[must_use]
-pub fn initial_position(obstacle: &Obstacle, pose: ObstaclePose, to_m: (f32, f32)) -> (f32, f32) {
+pub fn initial_position(obstacle: &Obstacle, pose: ObstaclePose, to_m: Vec2) -> Vec2 {
     match obstacle.motion {
         ObstacleMotion::Static => to_m,
-        _ => (obstacle.position_m.0 + to_m.0 - pose.0, obstacle.position_m.1 + to_m.1 - pose.1),
+        _ => vec2(obstacle.position_m.x + to_m.x - pose.0, obstacle.position_m.y + to_m.y - pose.1),
     }
 }
 
 /// `scenario` with obstacle `index` at `position_m` at step 0. Its path moves with it. `None` if there is no such obstacle.
 #[must_use]
-pub fn with_obstacle_at(scenario: &Scenario, index: usize, position_m: (f32, f32)) -> Option<Scenario> {
+pub fn with_obstacle_at(scenario: &Scenario, index: usize, position_m: Vec2) -> Option<Scenario> {
     let mut changed = scenario.clone();
     let obstacle = changed.obstacles.get_mut(index)?;
-    let (dx, dy) = (position_m.0 - obstacle.position_m.0, position_m.1 - obstacle.position_m.1);
-    let shift = |point: &mut (f32, f32)| *point = (point.0 + dx, point.1 + dy);
+    let (dx, dy) = (position_m.x - obstacle.position_m.x, position_m.y - obstacle.position_m.y);
+    let shift = |point: &mut Vec2| *point = vec2(point.x + dx, point.y + dy);
     match &mut obstacle.motion {
         ObstacleMotion::Static | ObstacleMotion::RandomWalk { .. } => {}
         ObstacleMotion::Orbit { centre_m, .. } => shift(centre_m),
@@ -178,23 +179,23 @@ mod tests {
         let shape = Shape::Rectangle { width_m: 1.0, height_m: 0.2 };
         let obstacle = Obstacle {
             shape,
-            position_m: (1.0, 1.0),
+            position_m: vec2(1.0, 1.0),
             rotation_rad: TURNED_RAD,
             motion: ObstacleMotion::Static,
         };
-        let wall = Wall { corners_m: vec![(-2.0, -1.5), (0.0, -1.5)], thickness_m: 0.2 };
+        let wall = Wall { corners_m: vec![vec2(-2.0, -1.5), vec2(0.0, -1.5)], thickness_m: 0.2 };
         Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() }
     }
 
-    fn check(object: Movable, to_m: (f32, f32)) -> Result<(), MoveRejection> {
+    fn check(object: Movable, to_m: Vec2) -> Result<(), MoveRejection> {
         let scenario = scenario();
         let obstacles = [(1.0, 1.0, TURNED_RAD)];
         let arena = MoveContext {
             scenario: &scenario,
             layout: &scenario,
             obstacles: &obstacles,
-            robot_m: (0.0, 0.0),
-            goal_m: (-1.0, 0.0),
+            robot_m: vec2(0.0, 0.0),
+            goal_m: vec2(-1.0, 0.0),
         };
         check_move(&arena, object, to_m)
     }
@@ -202,11 +203,11 @@ mod tests {
     #[test]
     fn a_goal_stays_out_of_walls_and_obstacles() {
         for (to_m, expected) in [
-            ((1.2, 1.0), Ok(())),
-            ((-1.0, -1.35), Ok(())),
-            ((1.0, 1.4), Err(MoveRejection::InsideObstacle)),
-            ((-1.0, -1.45), Err(MoveRejection::InsideWall)),
-            ((2.1, 0.0), Err(MoveRejection::OutsideWalls)),
+            (vec2(1.2, 1.0), Ok(())),
+            (vec2(-1.0, -1.35), Ok(())),
+            (vec2(1.0, 1.4), Err(MoveRejection::InsideObstacle)),
+            (vec2(-1.0, -1.45), Err(MoveRejection::InsideWall)),
+            (vec2(2.1, 0.0), Err(MoveRejection::OutsideWalls)),
         ] {
             assert_eq!(check(Movable::Goal, to_m), expected, "{to_m:?}");
         }
@@ -215,12 +216,12 @@ mod tests {
     #[test]
     fn a_robot_is_not_put_where_it_would_collide() {
         for (to_m, expected) in [
-            ((1.3, 1.0), Ok(())),
-            ((-1.0, -1.25), Ok(())),
-            ((1.2, 1.0), Err(MoveRejection::TooCloseToObstacle)),
-            ((1.9, 0.0), Err(MoveRejection::TooCloseToWall)),
-            ((-1.0, -1.35), Err(MoveRejection::TooCloseToWall)),
-            ((f32::NAN, 0.0), Err(MoveRejection::OutsideWalls)),
+            (vec2(1.3, 1.0), Ok(())),
+            (vec2(-1.0, -1.25), Ok(())),
+            (vec2(1.2, 1.0), Err(MoveRejection::TooCloseToObstacle)),
+            (vec2(1.9, 0.0), Err(MoveRejection::TooCloseToWall)),
+            (vec2(-1.0, -1.35), Err(MoveRejection::TooCloseToWall)),
+            (vec2(f32::NAN, 0.0), Err(MoveRejection::OutsideWalls)),
         ] {
             assert_eq!(check(Movable::Robot, to_m), expected, "{to_m:?}");
         }
@@ -229,10 +230,10 @@ mod tests {
     #[test]
     fn an_obstacle_stays_off_the_robot_and_the_goal() {
         for (index, to_m, expected) in [
-            (0, (0.5, 0.0), Ok(())),
-            (0, (0.2, 0.0), Err(MoveRejection::TooCloseToRobot)),
-            (0, (-1.0, 0.2), Err(MoveRejection::CoversGoal)),
-            (1, (0.5, 0.0), Err(MoveRejection::NotMovable)),
+            (0, vec2(0.5, 0.0), Ok(())),
+            (0, vec2(0.2, 0.0), Err(MoveRejection::TooCloseToRobot)),
+            (0, vec2(-1.0, 0.2), Err(MoveRejection::CoversGoal)),
+            (1, vec2(0.5, 0.0), Err(MoveRejection::NotMovable)),
         ] {
             assert_eq!(check(Movable::Obstacle(index), to_m), expected, "{index}, {to_m:?}");
         }

@@ -76,20 +76,20 @@ impl FieldGrid {
     /// A grid over the bounding box of the enclosure.
     fn over(scenario: &Scenario) -> Self {
         let (min, max) = scenario.enclosure.bounds_m();
-        let (width_m, height_m) = (max.0 - min.0, max.1 - min.1);
+        let (width_m, height_m) = (max.x - min.x, max.y - min.y);
         let longer = width_m.max(height_m);
         let points = |side: f32| ((POINTS as f32 * side / longer).round() as usize).max(2);
         Self { size: [points(width_m), points(height_m)], min_m: min.into(), max_m: max.into() }
     }
 
     /// Centres of the cells in m, row by row from the bottom.
-    fn points_m(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
+    fn points_m(&self) -> impl Iterator<Item = Vec2> + '_ {
         let at = |k: usize, axis: usize| {
             let (min, max) = (self.min_m[axis], self.max_m[axis]);
             min + (max - min) * (k as f32 + 0.5) / self.size[axis] as f32
         };
         (0..self.size[1])
-            .flat_map(move |row| (0..self.size[0]).map(move |column| (at(column, 0), at(row, 1))))
+            .flat_map(move |row| (0..self.size[0]).map(move |column| vec2(at(column, 0), at(row, 1))))
     }
 
     fn field(&self, values: Vec<f32>, version: u64) -> Arc<ScalarField> {
@@ -197,11 +197,11 @@ fn sample(
     let (mut potentials, mut observations) = (Vec::new(), Vec::new());
     // One scan per point serves both fields.
     let mut scan = Scan::default();
-    for (x_m, y_m) in grid.points_m() {
+    for Vec2 { x: x_m, y: y_m } in grid.points_m() {
         let pose = Pose { x_m, y_m, heading_rad: inputs.heading_rad };
         scan_from(&pose, &mut scan);
         // From outside or inside a wall the beams may see far, so the floor is checked separately.
-        let free = scan.nearest_m >= scenario.task.collision_range_m && is_floor(scenario, (x_m, y_m));
+        let free = scan.nearest_m >= scenario.task.collision_range_m && is_floor(scenario, vec2(x_m, y_m));
         let potential = sources.reward.potential(pose.distance_m(goal), scan.nearest_m).total();
         potentials.push(if free { potential } else { f32::NAN });
         if inputs.value {
@@ -224,7 +224,7 @@ fn masked_values(network: &QNetwork, observations: &[f32], potentials: &[f32]) -
 }
 
 /// Whether a point lies inside the enclosure and outside the inner walls.
-fn is_floor(scenario: &Scenario, point_m: (f32, f32)) -> bool {
+fn is_floor(scenario: &Scenario, point_m: Vec2) -> bool {
     enclosure_distance(&scenario.enclosure, point_m) > 0.0
         && scenario.walls.iter().all(|wall| inner_wall_distance(wall, point_m) > 0.0)
 }
@@ -252,8 +252,15 @@ mod tests {
 
     #[test]
     fn the_grid_covers_the_bounding_box_and_only_points_between_the_walls_are_floor() {
-        let corners_m = vec![(1.0, 0.0), (5.0, 0.0), (5.0, 1.0), (3.0, 1.0), (3.0, 2.0), (1.0, 2.0)];
-        let wall = Wall { corners_m: vec![(1.0, 0.5), (2.0, 0.5)], thickness_m: 0.1 };
+        let corners_m = vec![
+            vec2(1.0, 0.0),
+            vec2(5.0, 0.0),
+            vec2(5.0, 1.0),
+            vec2(3.0, 1.0),
+            vec2(3.0, 2.0),
+            vec2(1.0, 2.0),
+        ];
+        let wall = Wall { corners_m: vec![vec2(1.0, 0.5), vec2(2.0, 0.5)], thickness_m: 0.1 };
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
             walls: vec![wall],
@@ -262,9 +269,12 @@ mod tests {
         let grid = FieldGrid::over(&scenario);
         assert_eq!((grid.size, grid.min_m, grid.max_m), ([POINTS, POINTS / 2], [1.0, 0.0], [5.0, 2.0]));
         assert_eq!(grid.points_m().count(), POINTS * POINTS / 2);
-        for (point, floor) in
-            [((2.0, 1.5), true), ((4.0, 1.5), false), ((1.5, 0.52), false), ((1.5, 0.6), true)]
-        {
+        for (point, floor) in [
+            (vec2(2.0, 1.5), true),
+            (vec2(4.0, 1.5), false),
+            (vec2(1.5, 0.52), false),
+            (vec2(1.5, 0.6), true),
+        ] {
             assert_eq!(is_floor(&scenario, point), floor, "{point:?}");
         }
     }

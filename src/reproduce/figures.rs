@@ -178,7 +178,7 @@ fn benchmark_route(
 /// The planner's path on the benchmark route, if it finds one.
 fn planned_trajectory(scenario: &Scenario, layout_seed: u64, clock: u64) -> Option<MapTrajectory> {
     let route = &scenario.benchmark_route;
-    let start = (route.start_m.0, route.start_m.1, route.heading_rad);
+    let start = (route.start_m.x, route.start_m.y, route.heading_rad);
     let generated = scenario.with_generated_obstacles(layout_seed);
     let plan = plan_path(&generated, start, route.goal_m, clock, Resolution::default())?;
     Some(MapTrajectory {

@@ -6,6 +6,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Write;
 use std::path::Path;
 
+use bevy::math::{Vec2, vec2};
+
 use super::RunError;
 use super::folder::write_atomic;
 use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, ScenarioMap};
@@ -82,7 +84,7 @@ fn heading(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> Option<f64> 
 /// The area an obstacle covers at control step `clock`.
 fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> MapShape {
     let (x, y, rotation) = pose_at(obstacle, clock, scenario.task.control_period_s);
-    let (x, y) = wide((x, y));
+    let (x, y) = wide(vec2(x, y));
     let (sin, cos) = f64::from(rotation).sin_cos();
     let to_map = |(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy);
     let corners: Vec<(f64, f64)> = match &obstacle.shape {
@@ -123,7 +125,7 @@ fn track(obstacle: &Obstacle) -> Option<MapTrack> {
     }
 }
 
-fn wide((x, y): (f32, f32)) -> (f64, f64) {
+fn wide(Vec2 { x, y }: Vec2) -> (f64, f64) {
     (f64::from(x), f64::from(y))
 }
 
@@ -133,7 +135,7 @@ mod tests {
     use crate::scenario::{Enclosure, Generator, RandomShape, Wall};
 
     fn obstacle(shape: Shape, motion: ObstacleMotion) -> Obstacle {
-        Obstacle { shape, position_m: (1.0, 0.0), rotation_rad: std::f32::consts::FRAC_PI_2, motion }
+        Obstacle { shape, position_m: vec2(1.0, 0.0), rotation_rad: std::f32::consts::FRAC_PI_2, motion }
     }
 
     fn assert_near(found: &[(f64, f64)], expected: &[(f64, f64)]) {
@@ -144,13 +146,13 @@ mod tests {
 
     #[test]
     fn the_map_shows_every_obstacle_at_its_current_pose() {
-        let corners_m = vec![(-3.0, -2.0), (3.0, -2.0), (0.0, 2.0)];
+        let corners_m = vec![vec2(-3.0, -2.0), vec2(3.0, -2.0), vec2(0.0, 2.0)];
         let rectangle = Shape::Rectangle { width_m: 0.4, height_m: 0.2 };
-        let waypoints_m = vec![(1.0, 1.0), (0.0, 1.0)];
+        let waypoints_m = vec![vec2(1.0, 1.0), vec2(0.0, 1.0)];
         let capsule = Shape::Capsule { length_m: 1.0, radius_m: 0.25 };
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
-            walls: vec![Wall { corners_m: vec![(0.0, 0.0), (0.0, 1.0)], thickness_m: 0.2 }],
+            walls: vec![Wall { corners_m: vec![vec2(0.0, 0.0), vec2(0.0, 1.0)], thickness_m: 0.2 }],
             obstacles: vec![
                 obstacle(rectangle, ObstacleMotion::Static),
                 obstacle(capsule, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.5 }),
@@ -204,7 +206,7 @@ mod tests {
     #[test]
     fn orbits_and_random_walks_are_shown_as_rings() {
         let disc = || Shape::Circle { radius_m: 0.1 };
-        let orbit = ObstacleMotion::Orbit { centre_m: (1.0, 2.0), speed_rad_s: 0.1 };
+        let orbit = ObstacleMotion::Orbit { centre_m: vec2(1.0, 2.0), speed_rad_s: 0.1 };
         assert_eq!(track(&obstacle(disc(), orbit)), Some(MapTrack::Ring(1.0, 2.0, 2.0)));
         let walk = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
         assert_eq!(track(&obstacle(disc(), walk)), Some(MapTrack::Ring(1.0, 0.0, 0.5)));

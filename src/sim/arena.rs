@@ -178,19 +178,19 @@ pub fn reset_with_scenario(world: &mut World, scenario: &Arc<Scenario>) {
 }
 
 /// Puts the robot of `arena` at `to_m`, its heading as it is; the episode goes on from there.
-pub fn move_robot(world: &mut World, arena: usize, to_m: (f32, f32)) {
+pub fn move_robot(world: &mut World, arena: usize, to_m: Vec2) {
     let mut arenas = world.query::<(&Arena, &mut Pose)>();
     for (_, mut pose) in arenas.iter_mut(world).filter(|(other, _)| other.0 == arena) {
-        (pose.x_m, pose.y_m) = to_m;
+        (pose.x_m, pose.y_m) = to_m.into();
     }
     sense_anew(world, |other| other == arena);
 }
 
 /// Puts the target of `arena` at `to_m`; the episode goes on.
-pub fn move_goal(world: &mut World, arena: usize, to_m: (f32, f32)) {
+pub fn move_goal(world: &mut World, arena: usize, to_m: Vec2) {
     let mut arenas = world.query::<(&Arena, &mut Goal)>();
     for (_, mut goal) in arenas.iter_mut(world).filter(|(other, _)| other.0 == arena) {
-        (goal.x_m, goal.y_m) = to_m;
+        (goal.x_m, goal.y_m) = to_m.into();
     }
     sense_anew(world, |other| other == arena);
 }

@@ -85,7 +85,7 @@ impl ContactQuery<'_> {
         let speed_m_s = match obstacle.motion {
             ObstacleMotion::Static => 0.0,
             ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-                let arm_m = (Vec2::from(obstacle.position_m) - Vec2::from(centre_m)).length();
+                let arm_m = (obstacle.position_m - centre_m).length();
                 // (A disc that turns comes no nearer by it.)
                 let turns = !matches!(obstacle.shape, Shape::Circle { .. });
                 speed_rad_s * (arm_m + if turns { obstacle.shape.bounding_radius_m() } else { 0.0 })
@@ -107,7 +107,7 @@ impl ContactQuery<'_> {
         match obstacle.motion {
             ObstacleMotion::Static => ObstacleTrajectory::None,
             ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-                ObstacleTrajectory::Round { centre: centre_m.into(), angle_rad: speed_rad_s * period_s }
+                ObstacleTrajectory::Round { centre: centre_m, angle_rad: speed_rad_s * period_s }
             }
             _ => {
                 let at = |step| {
@@ -153,7 +153,7 @@ fn distance(solid: &Collider, at: Vec2) -> f32 {
         // By its sides: parry's own comes nearer step by step, and from afar ends millimetres off.
         TypedShape::ConvexPolygon(polygon) if polygon_contains(polygon, at) => 0.0,
         TypedShape::ConvexPolygon(polygon) => sides(polygon.points())
-            .map(|(from, to)| distance_to_segment(from.into(), to.into(), at.into()))
+            .map(|(from, to)| distance_to_segment(from, to, at))
             .fold(f32::INFINITY, f32::min),
         _ => solid.shape().distance_to_local_point(at, true),
     }

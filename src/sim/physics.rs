@@ -151,7 +151,7 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
         }
     }
     let inner = scenario.walls.iter().flat_map(|wall| wall.segments());
-    let inner = inner.map(|Obstacle { shape, position_m: (x, y), rotation_rad, .. }| {
+    let inner = inner.map(|Obstacle { shape, position_m: Vec2 { x, y }, rotation_rad, .. }| {
         (collider(&shape), at(x, y, rotation_rad))
     });
     for (index, (collider, at)) in around(&scenario.enclosure).into_iter().chain(inner).enumerate() {
@@ -177,9 +177,7 @@ fn around(enclosure: &Enclosure) -> Vec<(Collider, Transform)> {
                 .into()
         }
         Enclosure::Polygon { .. } => {
-            let side = |(from, to): ((f32, f32), (f32, f32))| {
-                (Collider::segment(from.into(), to.into()), Transform::IDENTITY)
-            };
+            let side = |(from, to): (Vec2, Vec2)| (Collider::segment(from, to), Transform::IDENTITY);
             polygon::sides(&enclosure.corners_m()).map(side).collect()
         }
     }
@@ -194,7 +192,7 @@ fn collider(shape: &Shape) -> Collider {
         Shape::Polygon { corners_m } => {
             // Every corner is kept: parry would leave out those where the outline hardly bends. What it can't take encloses
             // nothing: the checks let no such thing through.
-            let corners = polygon::counterclockwise(corners_m).into_iter().map(Vec2::from).collect();
+            let corners = polygon::counterclockwise(corners_m).into_iter().collect();
             ConvexPolygon::from_convex_polyline_unmodified(corners)
                 .map_or_else(|| Collider::ball(0.001), |outline| SharedShape::new(outline).into())
         }

@@ -100,8 +100,8 @@ pub(super) fn draw(
 /// The start and goal of the benchmark route.
 fn benchmark_route(scenario: &Scenario) -> StartAndGoalDraw {
     let route = &scenario.benchmark_route;
-    let start = Pose { x_m: route.start_m.0, y_m: route.start_m.1, heading_rad: route.heading_rad };
-    (Some(start), Goal { x_m: route.goal_m.0, y_m: route.goal_m.1 })
+    let start = Pose { x_m: route.start_m.x, y_m: route.start_m.y, heading_rad: route.heading_rad };
+    (Some(start), Goal { x_m: route.goal_m.x, y_m: route.goal_m.y })
 }
 
 /// A goal for a robot that `stays` at a pose. If no goal is far enough, or the robot does not stay, also a start.
@@ -112,12 +112,12 @@ fn draw_for(
     streams: &mut Streams,
 ) -> Result<StartAndGoalDraw, NoFreeSpace> {
     let stream = &mut streams.places;
-    let goal = stays.map(|pose| draw_goal(scenario, step, (pose.x_m, pose.y_m), stream));
-    if let Some(Ok((x_m, y_m))) = goal {
+    let goal = stays.map(|pose| draw_goal(scenario, step, vec2(pose.x_m, pose.y_m), stream));
+    if let Some(Ok(Vec2 { x: x_m, y: y_m })) = goal {
         return Ok((None, Goal { x_m, y_m }));
     }
     let ((x_m, y_m, heading_rad), goal) = draw_start_and_goal(scenario, step, stream)?;
-    Ok((Some(Pose { x_m, y_m, heading_rad }), Goal { x_m: goal.0, y_m: goal.1 }))
+    Ok((Some(Pose { x_m, y_m, heading_rad }), Goal { x_m: goal.x, y_m: goal.y }))
 }
 
 /// `Observe`, last: clears the pending resets.

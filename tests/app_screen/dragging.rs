@@ -1,5 +1,6 @@
 //! Dragging objects in an arena: which commands are sent, and for which arena.
 
+use bevy::math;
 use egui::{Event, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use wayfield::app::commands::Command;
@@ -9,7 +10,7 @@ use super::{Window, release_event, sent_commands, settle, window};
 use crate::screen_fixture::ScreenFixture;
 
 /// The screen position of a point in the followed arena.
-fn screen_pos(window: &Window, (x_m, y_m): (f32, f32)) -> Pos2 {
+fn screen_pos(window: &Window, math::Vec2 { x: x_m, y: y_m }: math::Vec2) -> Pos2 {
     let followed = format!("Arena {}", window.state().view_state.followed + 1);
     let view = window.get_by_label(&followed).rect().expand2(vec2(4.0, 0.0));
     // The enclosure is 4 m by 4 m, with a margin for the legend.
@@ -18,7 +19,7 @@ fn screen_pos(window: &Window, (x_m, y_m): (f32, f32)) -> Pos2 {
 }
 
 /// Drags the object at `at_m` a little; returns the commands sent while the pointer moves and while it rests.
-fn drag(window: &mut Window, at_m: (f32, f32)) -> (Vec<Command>, Vec<Command>) {
+fn drag(window: &mut Window, at_m: math::Vec2) -> (Vec<Command>, Vec<Command>) {
     let at = screen_pos(window, at_m);
     window.hover_at(at);
     settle(window);
@@ -43,14 +44,14 @@ fn drag(window: &mut Window, at_m: (f32, f32)) -> (Vec<Command>, Vec<Command>) {
     (moved, rested)
 }
 
-fn robot(window: &Window) -> (f32, f32) {
+fn robot(window: &Window) -> math::Vec2 {
     let arena = &window.state().scene.arenas[window.state().view_state.followed];
-    (arena.pose.x_m, arena.pose.y_m)
+    math::vec2(arena.pose.x_m, arena.pose.y_m)
 }
 
-fn goal(window: &Window) -> (f32, f32) {
+fn goal(window: &Window) -> math::Vec2 {
     let arena = &window.state().scene.arenas[window.state().view_state.followed];
-    (arena.goal.x_m, arena.goal.y_m)
+    math::vec2(arena.goal.x_m, arena.goal.y_m)
 }
 
 #[test]
@@ -74,11 +75,11 @@ fn an_obstacle_is_moved_in_the_followed_arena_and_only_with_the_pointer() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.view_state.followed = 2;
     let mut window = window(screen_fixture);
-    let (moved, rested) = drag(&mut window, (-0.6, -0.6));
+    let (moved, rested) = drag(&mut window, math::vec2(-0.6, -0.6));
     let [Command::Move(MoveRequest { arena: 2, object: Movable::Obstacle(2), to_m })] = moved[..] else {
         panic!("{moved:?}")
     };
-    assert!((to_m.0 + 0.6).abs() < 1e-3 && to_m.1 < -0.6, "{to_m:?}");
+    assert!((to_m.x + 0.6).abs() < 1e-3 && to_m.y < -0.6, "{to_m:?}");
     assert_eq!(rested, []);
 }
 

@@ -1,5 +1,6 @@
 //! Distances in a scenario, worked in f64 from its numbers: the truth that LIDAR and clearances are held against.
 
+use bevy::math::Vec2;
 use wayfield::scenario::{Obstacle, Scenario, Shape, pose_at};
 
 /// The distance from `origin` along `angle_rad` to the nearest surface at `step`, at most `max_m`; 0 from inside.
@@ -81,13 +82,13 @@ fn all(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
     scenario.obstacles.iter().cloned().chain(scenario.walls.iter().flat_map(|wall| wall.segments()))
 }
 
-fn sides(corners: &[(f32, f32)]) -> impl Iterator<Item = (Pair, Pair)> {
-    let wide = |(x, y): (f32, f32)| (f64::from(x), f64::from(y));
+fn sides(corners: &[Vec2]) -> impl Iterator<Item = (Pair, Pair)> {
+    let wide = |Vec2 { x, y }: Vec2| (f64::from(x), f64::from(y));
     corners.iter().zip(corners.iter().cycle().skip(1)).map(move |(a, b)| (wide(*a), wide(*b)))
 }
 
 /// From a point to the nearest side of a polygon; negative outside (by its winding number).
-fn depth(corners: &[(f32, f32)], point: Pair) -> f64 {
+fn depth(corners: &[Vec2], point: Pair) -> f64 {
     let (mut nearest, mut turns) = (f64::INFINITY, 0.0);
     for (a, b) in sides(corners) {
         let (from, to) = ((a.0 - point.0, a.1 - point.1), (b.0 - point.0, b.1 - point.1));

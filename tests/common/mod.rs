@@ -160,34 +160,35 @@ pub fn steer_to_goal(lab: &Lab, action_streams: &mut [Stream]) -> Vec<usize> {
     action_streams.iter_mut().enumerate().map(steered).collect()
 }
 
-pub fn still(shape: Shape, position_m: (f32, f32), rotation_rad: f32) -> Obstacle {
+pub fn still(shape: Shape, position_m: Vec2, rotation_rad: f32) -> Obstacle {
     Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static }
 }
 
 /// As the paper's Scenario I: four cylinders that stand still.
 pub fn four_cylinders() -> Scenario {
-    let at = [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)];
+    let at = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
     let obstacles = at.map(|position_m| still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)).into();
     Scenario { name: "Four cylinders".into(), obstacles, ..Scenario::default() }
 }
 
 /// Cylinders that revolve, a turned box that revolves, a box on patrol, and a turned box that stands still.
 pub fn moving_obstacles() -> Scenario {
-    let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s };
+    let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s };
     let cylinder = |position_m| Obstacle {
         motion: orbit(0.1),
         ..still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)
     };
     let slab = Shape::Rectangle { width_m: 0.3, height_m: 0.15 };
-    let patrol = ObstacleMotion::Patrol { waypoints_m: vec![(1.4, -1.5), (0.9, -1.2)], speed_m_s: 0.1 };
+    let patrol =
+        ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.4, -1.5), vec2(0.9, -1.2)], speed_m_s: 0.1 };
     Scenario {
         name: "Moving".into(),
         obstacles: vec![
-            cylinder((0.6, 0.6)),
-            cylinder((-0.6, -0.6)),
-            Obstacle { motion: orbit(0.1), ..still(slab.clone(), (-0.7, 0.6), 0.4) },
-            Obstacle { motion: patrol, ..still(slab.clone(), (-1.4, -1.5), 0.2) },
-            still(slab, (0.0, 0.0), 0.7),
+            cylinder(vec2(0.6, 0.6)),
+            cylinder(vec2(-0.6, -0.6)),
+            Obstacle { motion: orbit(0.1), ..still(slab.clone(), vec2(-0.7, 0.6), 0.4) },
+            Obstacle { motion: patrol, ..still(slab.clone(), vec2(-1.4, -1.5), 0.2) },
+            still(slab, vec2(0.0, 0.0), 0.7),
         ],
         ..Scenario::default()
     }

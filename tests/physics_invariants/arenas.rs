@@ -1,6 +1,7 @@
 //! Arenas never see each other: whatever is done in the neighbours, by robots or by hand, each goes on to the bit as when
 //! it is alone.
 
+use bevy::math::vec2;
 use wayfield::random::{Stream, stream, uniform, uniform_01, uniform_index};
 use wayfield::scenario::Scenario;
 use wayfield::sim;
@@ -61,9 +62,9 @@ impl Pair {
 fn meddle(pair: &mut Pair, arena: usize, stream: &mut Stream) {
     let states = pair.together.states();
     let neighbour = &states[uniform_index(stream, ARENAS)];
-    let there = (neighbour.pose.x_m, neighbour.pose.y_m);
+    let there = vec2(neighbour.pose.x_m, neighbour.pose.y_m);
     let room = pair.together.scenario.with_generated_obstacles(states[arena].layout_seed);
-    let anywhere = free_pose(&room, 0, -0.2, stream).map_or(there, |pose| (pose.x_m, pose.y_m));
+    let anywhere = free_pose(&room, 0, -0.2, stream).map_or(there, |pose| vec2(pose.x_m, pose.y_m));
     match uniform_index(stream, 6) {
         0 | 1 => pair.by_hand(arena, |lab, k| sim::move_robot(lab.simulation.world_mut(), k, there)),
         // Into a wall or an obstacle, perhaps.
@@ -101,7 +102,7 @@ fn never_see_each_other(what: &str, scenario: &Scenario, number: u64) {
     let mut pair = Pair::new(&scenario, number);
     // All at one place, where that is free in the first one's room.
     let first = pair.together.state(0);
-    let together = (first.pose.x_m, first.pose.y_m);
+    let together = vec2(first.pose.x_m, first.pose.y_m);
     for arena in 0..ARENAS {
         pair.by_hand(arena, |lab, k| sim::move_robot(lab.simulation.world_mut(), k, together));
     }

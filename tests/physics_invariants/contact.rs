@@ -4,7 +4,7 @@
 //! for the gap between the robot's disc and each collider (or how deep they are in each other); and the LIDAR, for a beam
 //! towards the nearest point and one in any direction.
 
-use bevy::math::Vec2;
+use bevy::math::{Vec2, vec2};
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
 use bevy_rapier2d::rapier::parry::query;
 use bevy_rapier2d::rapier::parry::shape::Ball;
@@ -61,7 +61,7 @@ fn towards_nearest(colliders: &ColliderSet, solids: &[ColliderHandle], at: Vec2)
 fn any_place(room: &Scenario, stream: &mut Stream) -> (Point, f64) {
     let (low, high) = room.enclosure.bounds_m();
     loop {
-        let at = (uniform(stream, low.0, high.0), uniform(stream, low.1, high.1));
+        let at = vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y));
         let clear = closed_form::clearance(room, 0, wide(at));
         let outside = closed_form::clearance(&walls_only(room), 0, wide(at)) < 0.0;
         if !outside {

@@ -7,6 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use bevy::math::{Vec2, vec2};
 use wayfield::random::{Stream, stream, uniform, uniform_01};
 use wayfield::scenario::{Enclosure, Motion, Scenario, diagnostics};
 use wayfield::task::{Pose, RewardConfig, TaskMode, Twist};
@@ -34,7 +35,7 @@ fn empty(period_s: f32, lag_s: f32, fastest_m_s: f32, stream: &mut Stream) -> Sc
     scenario.task.control_period_s = period_s;
     scenario.task.goal_radius_m = 25.0;
     scenario.task.min_goal_distance_m = 26.0;
-    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = ((0.0, 0.0), (60.0, 0.0));
+    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = (Vec2::ZERO, vec2(60.0, 0.0));
     scenario.task.max_episode_steps = 1_000_000;
     assert!(diagnostics(&scenario).is_empty(), "{:?}", diagnostics(&scenario));
     scenario

@@ -3,6 +3,7 @@
 
 use std::f32::consts::PI;
 
+use bevy::math::{Vec2, vec2};
 use wayfield::random::{stream, uniform, uniform_01, uniform_index};
 use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, Scenario, Shape, Wall, diagnostics};
 use wayfield::sim;
@@ -170,12 +171,22 @@ fn longest_step() -> Scenario {
 #[test]
 fn the_longest_step_ends_at_the_thinnest_thing() {
     let wall = |corners_m| Wall { corners_m, thickness_m: 0.01 };
-    let thin = |shape: Shape, turn| still(shape, (0.0, 0.0), turn);
-    let l = vec![(-60.0, -60.0), (60.0, -60.0), (60.0, 0.0), (0.0, 0.0), (0.0, 60.0), (-60.0, 60.0)];
-    let plate = Shape::Polygon { corners_m: vec![(-0.5, 0.0), (0.5, -0.0005), (0.5, 0.0005)] };
+    let thin = |shape: Shape, turn| still(shape, vec2(0.0, 0.0), turn);
+    let l = vec![
+        vec2(-60.0, -60.0),
+        vec2(60.0, -60.0),
+        vec2(60.0, 0.0),
+        vec2(0.0, 0.0),
+        vec2(0.0, 60.0),
+        vec2(-60.0, 60.0),
+    ];
+    let plate = Shape::Polygon { corners_m: vec![vec2(-0.5, 0.0), vec2(0.5, -0.0005), vec2(0.5, 0.0005)] };
     let worlds = [
-        Scenario { walls: vec![wall(vec![(-40.0, 0.0), (40.0, 0.0)])], ..longest_step() },
-        Scenario { walls: vec![wall(vec![(-40.0, -40.0), (0.0, 0.0), (40.0, -40.0)])], ..longest_step() },
+        Scenario { walls: vec![wall(vec![vec2(-40.0, 0.0), vec2(40.0, 0.0)])], ..longest_step() },
+        Scenario {
+            walls: vec![wall(vec![vec2(-40.0, -40.0), vec2(0.0, 0.0), vec2(40.0, -40.0)])],
+            ..longest_step()
+        },
         Scenario {
             obstacles: vec![thin(Shape::Rectangle { width_m: 60.0, height_m: 0.001 }, 0.3)],
             ..longest_step()
@@ -222,25 +233,32 @@ fn the_longest_step_ends_at_the_thinnest_thing() {
 
 /// Ends of a benchmark route that are far apart, and clear of what the thin worlds have.
 fn far_benchmark_route() -> wayfield::scenario::BenchmarkRoute {
-    wayfield::scenario::BenchmarkRoute { start_m: (-45.0, -50.0), heading_rad: 0.0, goal_m: (30.0, -55.0) }
+    wayfield::scenario::BenchmarkRoute {
+        start_m: vec2(-45.0, -50.0),
+        heading_rad: 0.0,
+        goal_m: vec2(30.0, -55.0),
+    }
 }
 
 #[test]
 fn what_drives_over_a_standing_robot_collides_with_it() {
     // 0.5 m in a step, all that an obstacle may go; and half a turn, all that it may turn.
-    let to_and_fro = || ObstacleMotion::Patrol { waypoints_m: vec![(1.0, 0.013)], speed_m_s: 2.5 };
+    let to_and_fro = || ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 0.013)], speed_m_s: 2.5 };
     let orbit = |centre_m, speed_rad_s| ObstacleMotion::Orbit { centre_m, speed_rad_s };
-    let put = |shape, motion| Obstacle { motion, ..still(shape, (-1.0, 0.0), 0.5) };
+    let put = |shape, motion| Obstacle { motion, ..still(shape, vec2(-1.0, 0.0), 0.5) };
     let needle = || Shape::Capsule { length_m: 0.8, radius_m: 0.001 };
     let fast = [
         put(Shape::Circle { radius_m: 0.001 }, to_and_fro()),
         put(Shape::Circle { radius_m: 0.05 }, to_and_fro()),
         put(Shape::Rectangle { width_m: 0.001, height_m: 0.4 }, to_and_fro()),
-        put(Shape::Polygon { corners_m: vec![(0.0, 0.0), (0.2, 0.0), (0.0, 0.03)] }, to_and_fro()),
-        put(needle(), orbit((-1.0, 0.0), 5.0 * PI)),
-        put(needle(), orbit((-0.9, 0.1), -5.0 * PI)),
-        put(Shape::Circle { radius_m: 0.001 }, orbit((-0.2, 0.0), 3.125)),
-        put(Shape::Rectangle { width_m: 0.6, height_m: 0.002 }, orbit((-0.8, 0.0), 12.5)),
+        put(
+            Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(0.2, 0.0), vec2(0.0, 0.03)] },
+            to_and_fro(),
+        ),
+        put(needle(), orbit(vec2(-1.0, 0.0), 5.0 * PI)),
+        put(needle(), orbit(vec2(-0.9, 0.1), -5.0 * PI)),
+        put(Shape::Circle { radius_m: 0.001 }, orbit(vec2(-0.2, 0.0), 3.125)),
+        put(Shape::Rectangle { width_m: 0.6, height_m: 0.002 }, orbit(vec2(-0.8, 0.0), 12.5)),
     ];
     for (number, obstacle) in fast.into_iter().enumerate() {
         for radius_m in [0.01, 0.1] {
@@ -262,7 +280,7 @@ fn what_drives_over_a_standing_robot_collides_with_it() {
                             let moment = between_steps(&scenario, clock, f64::from(uniform_01(&mut stream)));
                             let reach = obstacle.shape.bounding_radius_m() + radius_m;
                             let mut aside = || uniform(&mut stream, -reach, reach);
-                            let (x, y) = moment.obstacles[0].position_m;
+                            let Vec2 { x, y } = moment.obstacles[0].position_m;
                             let pose = Pose { x_m: x + aside(), y_m: y + aside(), heading_rad: 1.0 };
                             let clear = closed_form::clearance(&scenario, clock, middle(&pose));
                             if clear > f64::from(radius_m) + 0.002 {
@@ -285,7 +303,7 @@ fn what_drives_over_a_standing_robot_collides_with_it() {
 fn nobody_is_thrown_out_of_what_it_was_put_into() {
     // A hand may put the robot into an obstacle or a wall: it goes no faster for that.
     let mut scenario = crate::common::moving_obstacles();
-    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = ((1.7, 0.0), (-1.7, 0.0));
+    (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = (vec2(1.7, 0.0), vec2(-1.7, 0.0));
     let scenario = at_max_speed(scenario).expect("allowed");
     let mut hall = ArenaBatch::new(&scenario, 16);
     let mut stream = stream(8, "thrown", 0);

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use bevy::math::{Vec2, vec2};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use wayfield::random::{Stream, uniform, uniform_01};
@@ -29,7 +30,7 @@ pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
         match &mut obstacle.motion {
             ObstacleMotion::Static => {}
             ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-                let arm = (at.0 - centre_m.0).hypot(at.1 - centre_m.1);
+                let arm = (at.x - centre_m.x).hypot(at.y - centre_m.y);
                 let most = (0.5 / period).min(5.0) / arm;
                 *speed_rad_s = most.min(20.0).min(PI as f32 / period).copysign(*speed_rad_s);
             }
@@ -52,17 +53,18 @@ pub fn between_steps(room: &Scenario, step: u64, part: f64) -> Scenario {
     let period = room.task.control_period_s;
     let still = |obstacle: &Obstacle| {
         let (from, to) = (pose_at(obstacle, step, period), pose_at(obstacle, step + 1, period));
-        let (at, turn) = if let ObstacleMotion::Orbit { centre_m: (cx, cy), speed_rad_s } = obstacle.motion {
-            let angle = part * f64::from(speed_rad_s) * f64::from(period);
-            let (sin, cos) = angle.sin_cos();
-            let (x, y) = (f64::from(from.0 - cx), f64::from(from.1 - cy));
-            let at = (f64::from(cx) + x * cos - y * sin, f64::from(cy) + x * sin + y * cos);
-            (at, f64::from(from.2) + angle)
-        } else {
-            (straight(wide((from.0, from.1)), wide((to.0, to.1)), part), f64::from(from.2))
-        };
+        let (at, turn) =
+            if let ObstacleMotion::Orbit { centre_m: Vec2 { x: cx, y: cy }, speed_rad_s } = obstacle.motion {
+                let angle = part * f64::from(speed_rad_s) * f64::from(period);
+                let (sin, cos) = angle.sin_cos();
+                let (x, y) = (f64::from(from.0 - cx), f64::from(from.1 - cy));
+                let at = (f64::from(cx) + x * cos - y * sin, f64::from(cy) + x * sin + y * cos);
+                (at, f64::from(from.2) + angle)
+            } else {
+                (straight(wide(vec2(from.0, from.1)), wide(vec2(to.0, to.1)), part), f64::from(from.2))
+            };
         Obstacle {
-            position_m: (at.0 as f32, at.1 as f32),
+            position_m: vec2(at.0 as f32, at.1 as f32),
             rotation_rad: turn as f32,
             motion: ObstacleMotion::Static,
             ..obstacle.clone()
@@ -78,7 +80,7 @@ pub fn first_within(room: &Scenario, step: u64, from: Point, to: Point, reach_m:
     let hurry = |obstacle: &Obstacle| match obstacle.motion {
         ObstacleMotion::Static => 0.0,
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            let (x, y) = (obstacle.position_m.0 - centre_m.0, obstacle.position_m.1 - centre_m.1);
+            let (x, y) = (obstacle.position_m.x - centre_m.x, obstacle.position_m.y - centre_m.y);
             f64::from(speed_rad_s.abs() * period * (x.hypot(y) + obstacle.shape.bounding_radius_m()))
         }
         _ => {
@@ -104,8 +106,8 @@ pub fn first_within(room: &Scenario, step: u64, from: Point, to: Point, reach_m:
 pub fn free_pose(room: &Scenario, step: u64, clear_m: f64, stream: &mut Stream) -> Option<Pose> {
     let (low, high) = room.enclosure.bounds_m();
     for _ in 0..1000 {
-        let (x_m, y_m) = (uniform(stream, low.0, high.0), uniform(stream, low.1, high.1));
-        if closed_form::clearance(room, step, wide((x_m, y_m))) > clear_m {
+        let (x_m, y_m) = (uniform(stream, low.x, high.x), uniform(stream, low.y, high.y));
+        if closed_form::clearance(room, step, wide(vec2(x_m, y_m))) > clear_m {
             let heading_rad = (2.0 * uniform_01(stream) - 1.0) * std::f32::consts::PI;
             return Some(Pose { x_m, y_m, heading_rad });
         }
@@ -121,13 +123,13 @@ pub fn apart(a: Point, b: Point) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
-pub fn wide((x, y): (f32, f32)) -> Point {
+pub fn wide(Vec2 { x, y }: Vec2) -> Point {
     (f64::from(x), f64::from(y))
 }
 
 /// Where a robot's middle is.
 pub fn middle(pose: &Pose) -> Point {
-    wide((pose.x_m, pose.y_m))
+    wide(vec2(pose.x_m, pose.y_m))
 }
 
 /// Where constant `v` in m/s and `w` in rad/s take a robot in `seconds`, and how it looks then: in f64.

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use bevy::math::{Vec2, vec2};
 use wayfield::app::app_snapshot::{AppSnapshot, Choice, Notice, Severity};
 use wayfield::app::commands::{Command, Pace, SessionMode};
 use wayfield::app::history::History;
@@ -18,7 +19,7 @@ use wayfield::scenario::{
 };
 use wayfield::task::{Goal, Pose};
 
-const RING_M: [(f32, f32); 4] = [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)];
+const RING_M: [Vec2; 4] = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
 const RADIUS_M: f32 = 0.15;
 
 /// Input and output of the screen.
@@ -83,7 +84,7 @@ impl ScreenFixture {
     pub fn with_scenario(mut self, scenario: Scenario) -> Self {
         for (layout_seed, arena) in (0..).zip(&mut self.scene.arenas) {
             let layout = scenario.with_generated_obstacles(layout_seed);
-            let at = |o: &Obstacle| (o.position_m.0, o.position_m.1, o.rotation_rad);
+            let at = |o: &Obstacle| (o.position_m.x, o.position_m.y, o.rotation_rad);
             arena.obstacles = layout.obstacles.iter().map(at).collect();
             arena.ranges_m = vec![0.4 * scenario.lidar.max_range_m; scenario.lidar.beams];
             arena.scenario = Arc::new(layout);
@@ -137,42 +138,52 @@ pub fn mixed_scenario() -> Scenario {
         |shape, position_m, rotation_rad, motion| Obstacle { shape, position_m, rotation_rad, motion };
     let still = ObstacleMotion::Static;
     let disc = |radius_m| Shape::Circle { radius_m };
-    let corners_m = vec![(0.25, 0.0), (-0.15, 0.2), (-0.2, -0.25)];
+    let corners_m = vec![vec2(0.25, 0.0), vec2(-0.15, 0.2), vec2(-0.2, -0.25)];
     Scenario {
         name: "All sorts".into(),
         enclosure: Enclosure::Polygon {
-            corners_m: vec![(-2.0, -1.5), (4.0, -1.5), (4.0, 0.5), (1.5, 0.5), (1.5, 2.5), (-2.0, 2.5)],
+            corners_m: vec![
+                vec2(-2.0, -1.5),
+                vec2(4.0, -1.5),
+                vec2(4.0, 0.5),
+                vec2(1.5, 0.5),
+                vec2(1.5, 2.5),
+                vec2(-2.0, 2.5),
+            ],
         },
         walls: vec![
-            Wall { corners_m: vec![(-0.4, -1.5), (-0.4, -0.6), (0.5, -0.6)], thickness_m: 0.1 },
-            Wall { corners_m: vec![(-2.0, 1.3), (-1.2, 1.0)], thickness_m: 0.2 },
+            Wall { corners_m: vec![vec2(-0.4, -1.5), vec2(-0.4, -0.6), vec2(0.5, -0.6)], thickness_m: 0.1 },
+            Wall { corners_m: vec![vec2(-2.0, 1.3), vec2(-1.2, 1.0)], thickness_m: 0.2 },
         ],
         obstacles: vec![
-            obstacle(disc(0.15), (-1.4, 0.2), 0.0, still.clone()),
-            obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.3 }, (0.9, 1.9), 0.5, still.clone()),
-            obstacle(Shape::Polygon { corners_m }, (-0.6, 1.9), 0.4, still.clone()),
-            obstacle(Shape::Capsule { length_m: 0.5, radius_m: 0.12 }, (3.4, -0.1), 1.1, still),
+            obstacle(disc(0.15), vec2(-1.4, 0.2), 0.0, still.clone()),
+            obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.3 }, vec2(0.9, 1.9), 0.5, still.clone()),
+            obstacle(Shape::Polygon { corners_m }, vec2(-0.6, 1.9), 0.4, still.clone()),
+            obstacle(Shape::Capsule { length_m: 0.5, radius_m: 0.12 }, vec2(3.4, -0.1), 1.1, still),
             obstacle(
                 disc(0.12),
-                (1.0, -1.2),
+                vec2(1.0, -1.2),
                 0.0,
-                ObstacleMotion::Patrol { waypoints_m: vec![(2.6, -1.2), (2.6, -0.5)], speed_m_s: 0.3 },
+                ObstacleMotion::Patrol {
+                    waypoints_m: vec![vec2(2.6, -1.2), vec2(2.6, -0.5)],
+                    speed_m_s: 0.3,
+                },
             ),
             obstacle(
                 disc(0.1),
-                (-1.7, -1.2),
+                vec2(-1.7, -1.2),
                 0.0,
-                ObstacleMotion::BackAndForth { waypoints_m: vec![(-1.7, -0.3)], speed_m_s: 0.2 },
+                ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(-1.7, -0.3)], speed_m_s: 0.2 },
             ),
             obstacle(
                 Shape::Rectangle { width_m: 0.3, height_m: 0.12 },
-                (0.8, 0.9),
+                vec2(0.8, 0.9),
                 0.0,
-                ObstacleMotion::Orbit { centre_m: (0.3, 0.9), speed_rad_s: 0.3 },
+                ObstacleMotion::Orbit { centre_m: vec2(0.3, 0.9), speed_rad_s: 0.3 },
             ),
             obstacle(
                 disc(0.12),
-                (3.2, -1.0),
+                vec2(3.2, -1.0),
                 0.0,
                 ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.3, seed: 1 },
             ),
@@ -181,12 +192,16 @@ pub fn mixed_scenario() -> Scenario {
             count: 3,
             shape: RandomShape::Circle { radius_m: (0.05, 0.1) },
             gap_m: 0.3,
-            within: Some(Region { min_m: (1.2, -0.4), max_m: (2.8, 0.4) }),
+            within: Some(Region { min_m: vec2(1.2, -0.4), max_m: vec2(2.8, 0.4) }),
         }],
         lidar: Lidar { beams: 12, field_of_view_rad: 2.0, ..Lidar::default() },
-        starts: PlacementRule::Within { min_m: (-1.9, -0.2), max_m: (-0.9, 0.6), clearance_m: 0.2 },
-        goals: PlacementRule::OneOf { positions_m: vec![(0.0, 0.2), (3.7, -1.2), (1.2, 1.2)] },
-        benchmark_route: BenchmarkRoute { start_m: (-1.5, 1.9), heading_rad: -0.8, goal_m: (3.0, 0.2) },
+        starts: PlacementRule::Within { min_m: vec2(-1.9, -0.2), max_m: vec2(-0.9, 0.6), clearance_m: 0.2 },
+        goals: PlacementRule::OneOf { positions_m: vec![vec2(0.0, 0.2), vec2(3.7, -1.2), vec2(1.2, 1.2)] },
+        benchmark_route: BenchmarkRoute {
+            start_m: vec2(-1.5, 1.9),
+            heading_rad: -0.8,
+            goal_m: vec2(3.0, 0.2),
+        },
         ..Scenario::default()
     }
 }
@@ -195,11 +210,11 @@ pub fn mixed_scenario() -> Scenario {
 pub fn field(version: u64, depth: f32) -> Arc<ScalarField> {
     let size = [40, 40];
     let at = |k: usize| (k as f32 + 0.5) / 10.0 - 2.0;
-    let value = |(x, y): (f32, f32)| {
-        let near = RING_M.iter().map(|&(a, b)| (x - a).hypot(y - b)).fold(f32::MAX, f32::min);
+    let value = |Vec2 { x, y }: Vec2| {
+        let near = RING_M.iter().map(|&Vec2 { x: a, y: b }| (x - a).hypot(y - b)).fold(f32::MAX, f32::min);
         if near < RADIUS_M + 0.1 { f32::NAN } else { depth * (x - 1.2).hypot(y - 1.2) - depth * 0.2 / near }
     };
-    let values = (0..1600).map(|k| value((at(k % 40), at(k / 40)))).collect();
+    let values = (0..1600).map(|k| value(vec2(at(k % 40), at(k / 40)))).collect();
     Arc::new(ScalarField { size, min_m: [-2.0, -2.0], max_m: [2.0, 2.0], values, version })
 }
 
@@ -218,7 +233,7 @@ fn arena(n: usize, layout: &Arc<Scenario>) -> ArenaScene {
         scenario: layout.clone(),
         pose,
         goal: Goal { x_m: 1.2 * (turn + 0.8).cos(), y_m: 1.2 * (turn + 0.8).sin() },
-        obstacles: RING_M.iter().map(|&(x, y)| (x, y, 0.0)).collect(),
+        obstacles: RING_M.iter().map(|&Vec2 { x, y }| (x, y, 0.0)).collect(),
         ranges_m: (0..24).map(|k| range_m(pose, k as f32 / 24.0 * std::f32::consts::TAU)).collect(),
         scan_pose: pose,
         driver: DriverLabel::Learner,
@@ -246,7 +261,7 @@ fn behind(pose: Pose, distance_m: f32) -> [f32; 2] {
 fn range_m(pose: Pose, angle: f32) -> f32 {
     let (dy, dx) = (pose.heading_rad + angle).sin_cos();
     let wall = |at: f32, d: f32| if d == 0.0 { f32::MAX } else { (2.0 * d.signum() - at) / d };
-    let hit = |&(x, y): &(f32, f32)| {
+    let hit = |&Vec2 { x, y }: &Vec2| {
         let (x, y) = (x - pose.x_m, y - pose.y_m);
         let (along, aside) = (x * dx + y * dy, x * dy - y * dx);
         let under = RADIUS_M * RADIUS_M - aside * aside;

@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use super::MARGIN_M;
 use super::configuration_space::{GoalRegion, State};
 use super::geodesic::Geodesic;
+use glam::Vec2;
 use wayfield_scenario::Scenario;
 
 /// The lower bound on the way to one goal.
@@ -20,7 +21,7 @@ pub(super) struct LowerBound {
 }
 
 impl LowerBound {
-    pub(super) fn new(scenario: &Scenario, start: (f32, f32, f32), goal: (f32, f32)) -> Self {
+    pub(super) fn new(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2) -> Self {
         let period = f64::from(scenario.task.control_period_s);
         let motions = &scenario.robot.motions;
         let stride = motions.iter().map(|m| f64::from(m.v_m_s).abs() * period).fold(0.0, f64::max);

@@ -4,6 +4,7 @@
 
 use std::f64::consts::TAU;
 
+use glam::Vec2;
 use wayfield_scenario::{Motion, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
 /// The robot's centre in m and heading in rad, not wrapped.
@@ -118,7 +119,7 @@ impl<'a> ConfigurationSpace<'a> {
     /// The space of `scenario` after `clock` steps, with a collision range that is larger by `margin_m`.
     pub(super) fn new(scenario: &'a Scenario, clock: u64, margin_m: f64) -> Self {
         let inflation = (f64::from(scenario.task.collision_range_m) + margin_m).max(0.0);
-        let (_, (half_width, half_height)) = scenario.enclosure.bounds_m();
+        let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
         let period_s = scenario.task.control_period_s;
         let motions = scenario.robot.motions.iter();
         Self {
@@ -183,9 +184,9 @@ pub(super) struct GoalRegion {
 
 impl GoalRegion {
     /// The goal's disc, with a radius that is larger by `margin_m`.
-    pub(super) fn new(scenario: &Scenario, goal: (f32, f32), margin_m: f64) -> Self {
+    pub(super) fn new(scenario: &Scenario, goal: Vec2, margin_m: f64) -> Self {
         let radius = (f64::from(scenario.task.goal_radius_m) + margin_m).max(0.0);
-        Self { x: goal.0.into(), y: goal.1.into(), radius }
+        Self { x: goal.x.into(), y: goal.y.into(), radius }
     }
 
     pub(super) fn contains(&self, x: f64, y: f64) -> bool {

@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::MARGIN_M;
 use super::configuration_space::{GoalRegion, InflatedObstacle, distance, static_obstacles};
+use glam::Vec2;
 use wayfield_scenario::{Obstacle, Scenario, polygon, pose_at};
 
 /// The corners of the polygon in a circle.
@@ -81,7 +82,7 @@ impl Geodesic {
         }
         let mut corners = geodesic.add_occluders(scenario, start, goal_region, stride, range);
         // A shortest path does not bend outside the rectangle that contains the robot's centre and the goal.
-        let (_, (half_width, half_height)) = scenario.enclosure.bounds_m();
+        let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
         let (reach_x, reach_y) = (f64::from(half_width) - range, f64::from(half_height) - range);
         let (reach_x, reach_y) = (reach_x.max(goal_region.x.abs()), reach_y.max(goal_region.y.abs()));
         corners.retain(|&(x, y)| x.abs() <= reach_x && y.abs() <= reach_y);
@@ -100,7 +101,7 @@ impl Geodesic {
     ) -> Vec<(f64, f64)> {
         let period = scenario.task.control_period_s;
         let detour = |o: &Obstacle| {
-            let centre = (f64::from(o.position_m.0), f64::from(o.position_m.1));
+            let centre = (f64::from(o.position_m.x), f64::from(o.position_m.y));
             distance(start, centre) + distance(centre, self.goal)
         };
         let mut obstacles: Vec<_> = static_obstacles(scenario).collect();

@@ -52,6 +52,7 @@ mod search;
 
 use bound::LowerBound;
 use configuration_space::{ConfigurationSpace, GoalRegion};
+use glam::Vec2;
 use search::{LOOKAHEAD_STATES, SearchLimits, StateGrid, search, search_lower_bound};
 
 use serde::{Deserialize, Serialize};
@@ -146,7 +147,7 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
 pub fn plan_path(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     resolution: Resolution,
 ) -> Option<TimedPath> {
@@ -161,7 +162,7 @@ pub fn plan_path(
 pub fn step_bounds(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     resolution: Resolution,
 ) -> StepBounds {
@@ -183,7 +184,7 @@ pub fn step_bounds(
 fn shortest(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     resolution: Resolution,
     bound: &LowerBound,
@@ -232,7 +233,7 @@ fn timed_path(
 /// It is the smallest sum of steps taken and remaining bound over all sequences of the first few motions; the proof is in
 /// `docs/optimum.md`. `u32::MAX` if there is no path. 1 if the scenario is not supported ([`is_supported`]).
 #[must_use]
-pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: (f32, f32), clock: u64) -> u32 {
+pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2, clock: u64) -> u32 {
     if !is_supported(scenario) {
         return 1;
     }

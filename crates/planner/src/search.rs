@@ -10,6 +10,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use super::MARGIN_M;
 use super::bound::{LowerBound, ceil_steps};
 use super::configuration_space::{ConfigurationSpace, GoalRegion, State};
+use glam::Vec2;
 use wayfield_scenario::Scenario;
 
 /// The number of states, none of them merged, that the search for a lower bound expands.
@@ -184,7 +185,7 @@ fn actions_to(nodes: &[Node], last: usize) -> Vec<u8> {
 pub(super) fn search_lower_bound(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     bound: &LowerBound,
     max_states: usize,

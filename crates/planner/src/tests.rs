@@ -1,5 +1,6 @@
 //! The planner in cases computed by hand, and properties of its plans and bounds in random ones.
 
+use glam::{Vec2, vec2};
 use proptest::prelude::*;
 
 use super::configuration_space::State;
@@ -8,11 +9,11 @@ use wayfield_random::{stream, uniform};
 use wayfield_scenario::{Obstacle, ObstacleMotion, Shape};
 use wayfield_scenario::{clearance, draw_goal, draw_start};
 
-fn circle(position_m: (f32, f32), radius_m: f32, motion: ObstacleMotion) -> Obstacle {
+fn circle(position_m: Vec2, radius_m: f32, motion: ObstacleMotion) -> Obstacle {
     Obstacle { shape: Shape::Circle { radius_m }, position_m, rotation_rad: 0.0, motion }
 }
 
-fn static_box(position_m: (f32, f32), width_m: f32, height_m: f32) -> Obstacle {
+fn static_box(position_m: Vec2, width_m: f32, height_m: f32) -> Obstacle {
     let shape = Shape::Rectangle { width_m, height_m };
     Obstacle { shape, position_m, rotation_rad: 0.0, motion: ObstacleMotion::Static }
 }
@@ -22,22 +23,26 @@ fn cylinders(speed_rad_s: f32) -> Scenario {
     let motion = if speed_rad_s == 0.0 {
         ObstacleMotion::Static
     } else {
-        ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s }
+        ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s }
     };
-    let corners = [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)];
+    let corners = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
     let obstacles = corners.map(|corner| circle(corner, 0.15, motion.clone())).into();
     Scenario { obstacles, ..Scenario::default() }
 }
 
 /// The cylinders, and boxes that block half of the enclosure.
 fn maze() -> Scenario {
-    let tilted = Obstacle { rotation_rad: 0.5, ..static_box((-1.0, 0.9), 0.8, 0.1) };
+    let tilted = Obstacle { rotation_rad: 0.5, ..static_box(vec2(-1.0, 0.9), 0.8, 0.1) };
     let mut scenario = cylinders(0.0);
-    scenario.obstacles.extend([static_box((1.1, 0.0), 1.8, 0.1), static_box((0.0, -1.2), 0.2, 1.0), tilted]);
+    scenario.obstacles.extend([
+        static_box(vec2(1.1, 0.0), 1.8, 0.1),
+        static_box(vec2(0.0, -1.2), 0.2, 1.0),
+        tilted,
+    ]);
     scenario
 }
 
-fn plan_from_origin(scenario: &Scenario, to: (f32, f32)) -> Option<TimedPath> {
+fn plan_from_origin(scenario: &Scenario, to: Vec2) -> Option<TimedPath> {
     plan_path(scenario, (0.0, 0.0, 0.0), to, 0, Resolution::default())
 }
 
@@ -45,7 +50,7 @@ fn plan_from_origin(scenario: &Scenario, to: (f32, f32)) -> Option<TimedPath> {
 fn replay(
     scenario: &Scenario,
     start: (f32, f32, f32),
-    goal: (f32, f32),
+    goal: Vec2,
     clock: u64,
     actions: &[u8],
 ) -> Result<u32, String> {
@@ -59,11 +64,11 @@ fn replay(
         x += cos * (motion.v_m_s * sinc) * period;
         y += sin * (motion.v_m_s * sinc) * period;
         heading = libm::remainderf(heading + motion.w_rad_s * period, std::f32::consts::TAU);
-        let free_m = clearance(scenario, (x, y), clock + steps);
+        let free_m = clearance(scenario, vec2(x, y), clock + steps);
         if free_m < scenario.task.collision_range_m {
             return Err(format!("only {free_m} m clear after step {steps}"));
         }
-        if libm::hypotf(goal.0 - x, goal.1 - y) < scenario.task.goal_radius_m {
+        if libm::hypotf(goal.x - x, goal.y - y) < scenario.task.goal_radius_m {
             return Ok(steps as u32);
         }
     }
@@ -73,9 +78,9 @@ fn replay(
 #[test]
 fn a_goal_straight_ahead_takes_its_distance_over_the_stride() {
     // 1.0 m at 0.03 m per step: 34 steps.
-    let plan = plan_from_origin(&Scenario::default(), (1.2, 0.0)).expect("the arena is empty");
+    let plan = plan_from_origin(&Scenario::default(), vec2(1.2, 0.0)).expect("the arena is empty");
     assert_eq!((plan.steps, plan.time_s, plan.actions.len()), (34, 6.8, 34));
-    assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), (1.2, 0.0), 0), 34);
+    assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), vec2(1.2, 0.0), 0), 34);
 }
 
 #[test]
@@ -83,8 +88,8 @@ fn a_lagging_actuator_is_unsupported() {
     // From rest, the robot of the previous test falls behind by 0.15 m/s x 0.3 s = 0.045 m: it needs 35 steps.
     let mut scenario = Scenario::default();
     scenario.robot.actuator_lag_s = 0.3;
-    assert_eq!(plan_from_origin(&scenario, (1.2, 0.0)), None, "a plan of 34 steps would be wrong");
-    assert_eq!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), (1.2, 0.0), 0), 1);
+    assert_eq!(plan_from_origin(&scenario, vec2(1.2, 0.0)), None, "a plan of 34 steps would be wrong");
+    assert_eq!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), vec2(1.2, 0.0), 0), 1);
     assert!(!is_supported(&scenario) && is_supported(&Scenario::default()));
 }
 
@@ -95,7 +100,7 @@ fn straight_paths_of_any_length_and_direction_are_optimal() {
         // With these distances d, from 0.315 m on, (d - 0.2) m / 0.03 m is never close to a whole number.
         let (d, heading) = (0.115 + 0.2 * f32::from(k), 0.4 * f32::from(k));
         let start = (-0.5 * d * heading.cos(), -0.5 * d * heading.sin(), heading);
-        let goal = (-start.0, -start.1);
+        let goal = vec2(-start.0, -start.1);
         let steps = ((f64::from(d) - 0.2) / 0.03).ceil() as u32;
         let bounds = step_bounds(&scenario, start, goal, 0, Resolution::default());
         assert_eq!(bounds, StepBounds { lower_steps: steps, plan_steps: Some(steps) }, "{d} m");
@@ -107,19 +112,19 @@ fn a_goal_behind_adds_the_turn() {
     // The centre of the turning circle is 1 m from the goal along x and 0.1 m along y, so the tangent is 1 m long. The
     // turn is pi + 2 atan(0.1) = 3.3409 rad on a radius of 0.1 m. (0.33409 + 1 - 0.2) m / 0.03 m = 37.8.
     let start = (0.0, 0.0, 0.0);
-    assert_eq!(lower_bound_steps(&Scenario::default(), start, (-1.0, 0.0), 0), 38);
-    assert_eq!(plan_from_origin(&Scenario::default(), (-1.0, 0.0)).map(|plan| plan.steps), Some(38));
+    assert_eq!(lower_bound_steps(&Scenario::default(), start, vec2(-1.0, 0.0), 0), 38);
+    assert_eq!(plan_from_origin(&Scenario::default(), vec2(-1.0, 0.0)).map(|plan| plan.steps), Some(38));
 }
 
 #[test]
 fn a_start_on_the_goal_takes_one_step() {
-    assert_eq!(plan_from_origin(&Scenario::default(), (0.05, 0.0)).map(|plan| plan.steps), Some(1));
-    assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), (0.05, 0.0), 0), 1);
+    assert_eq!(plan_from_origin(&Scenario::default(), vec2(0.05, 0.0)).map(|plan| plan.steps), Some(1));
+    assert_eq!(lower_bound_steps(&Scenario::default(), (0.0, 0.0, 0.0), vec2(0.05, 0.0), 0), 1);
 }
 
 #[test]
 fn the_benchmark_route_takes_54_steps_which_is_proven_optimal() {
-    let (scenario, start, goal) = (cylinders(0.0), (0.0, 0.0, 0.0), (1.2, 1.2));
+    let (scenario, start, goal) = (cylinders(0.0), (0.0, 0.0, 0.0), vec2(1.2, 1.2));
     assert_eq!(lower_bound_steps(&scenario, start, goal, 0), 54);
     for cell_m in [0.04, 0.02, 0.01, 0.005] {
         let resolution =
@@ -137,8 +142,8 @@ fn the_path_around_a_box_has_the_length_computed_by_hand() {
     // 1.12361 m; the tangent is sqrt(1.12361^2 - 0.13^2) = 1.11606 m; the arc's angle is atan(0.6 / 0.95) +
     // asin(0.13 / 1.12361) = 0.67932 rad. The total is 2 (1.11606 + 0.13 * 0.67932) + 0.1 - 0.2 = 2.30874 m, or 76.96
     // steps: at least 77. The start's heading is along the tangent.
-    let scenario = Scenario { obstacles: vec![static_box((0.0, -0.7), 0.1, 2.6)], ..Scenario::default() };
-    let (start, goal) = ((-1.0, 0.0, 0.67932), (1.0, 0.0));
+    let scenario = Scenario { obstacles: vec![static_box(vec2(0.0, -0.7), 0.1, 2.6)], ..Scenario::default() };
+    let (start, goal) = ((-1.0, 0.0, 0.67932), vec2(1.0, 0.0));
     let plan = plan_path(&scenario, start, goal, 0, Resolution::default()).expect("a path");
     assert!((76..=77).contains(&lower_bound_steps(&scenario, start, goal, 0)));
     assert!((77..=78).contains(&plan.steps), "{} steps", plan.steps);
@@ -146,31 +151,31 @@ fn the_path_around_a_box_has_the_length_computed_by_hand() {
 
 #[test]
 fn without_a_path_there_is_no_plan() {
-    let blocked = Scenario { obstacles: vec![static_box((0.8, 0.0), 0.1, 4.0)], ..Scenario::default() };
-    assert_eq!(plan_from_origin(&blocked, (1.5, 0.0)), None);
-    assert_eq!(lower_bound_steps(&blocked, (0.0, 0.0, 0.0), (1.5, 0.0), 0), u32::MAX);
+    let blocked = Scenario { obstacles: vec![static_box(vec2(0.8, 0.0), 0.1, 4.0)], ..Scenario::default() };
+    assert_eq!(plan_from_origin(&blocked, vec2(1.5, 0.0)), None);
+    assert_eq!(lower_bound_steps(&blocked, (0.0, 0.0, 0.0), vec2(1.5, 0.0), 0), u32::MAX);
     let mut limited = Scenario::default();
     limited.task.max_episode_steps = 33;
-    assert_eq!(plan_from_origin(&limited, (1.2, 0.0)), None, "34 steps exceed the time limit");
+    assert_eq!(plan_from_origin(&limited, vec2(1.2, 0.0)), None, "34 steps exceed the time limit");
     limited.task.max_episode_steps = 34;
-    assert!(plan_from_origin(&limited, (1.2, 0.0)).is_some());
+    assert!(plan_from_origin(&limited, vec2(1.2, 0.0)).is_some());
 }
 
 #[test]
 fn moving_obstacles_are_where_the_clock_puts_them() {
     // A cylinder moves down the line x = 0.6 at 0.15 m/s, as fast as the robot. From y = 0.6 it blocks the robot when the
     // robot reaches that line. With a later clock it has passed.
-    let motion = ObstacleMotion::Patrol { waypoints_m: vec![(0.6, -1.8)], speed_m_s: 0.15 };
-    let scenario = Scenario { obstacles: vec![circle((0.6, 0.6), 0.15, motion)], ..Scenario::default() };
+    let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, -1.8)], speed_m_s: 0.15 };
+    let scenario = Scenario { obstacles: vec![circle(vec2(0.6, 0.6), 0.15, motion)], ..Scenario::default() };
     let planned_steps = |clock| {
         let start = (0.0, 0.0, 0.0);
-        let plan = plan_path(&scenario, start, (1.2, 0.0), clock, Resolution::default()).expect("a path");
-        assert_eq!(replay(&scenario, start, (1.2, 0.0), clock, &plan.actions), Ok(plan.steps));
-        assert!(lower_bound_steps(&scenario, start, (1.2, 0.0), clock) <= plan.steps);
+        let plan = plan_path(&scenario, start, vec2(1.2, 0.0), clock, Resolution::default()).expect("a path");
+        assert_eq!(replay(&scenario, start, vec2(1.2, 0.0), clock, &plan.actions), Ok(plan.steps));
+        assert!(lower_bound_steps(&scenario, start, vec2(1.2, 0.0), clock) <= plan.steps);
         plan.steps
     };
     assert!(
-        replay(&scenario, (0.0, 0.0, 0.0), (1.2, 0.0), 0, &[2; 34]).is_err(),
+        replay(&scenario, (0.0, 0.0, 0.0), vec2(1.2, 0.0), 0, &[2; 34]).is_err(),
         "the straight path collides"
     );
     assert!((35..45).contains(&planned_steps(0)), "{}", planned_steps(0));
@@ -182,14 +187,14 @@ fn motions_may_drive_backward_stand_still_or_turn_on_the_spot() {
     let mut scenario = Scenario::default();
     let motion = |v_m_s, w_rad_s| wayfield_scenario::Motion { v_m_s, w_rad_s };
     scenario.robot.motions = vec![motion(0.0, 0.0), motion(0.15, 0.0), motion(0.0, 1.5), motion(-0.15, 0.0)];
-    let plan = plan_from_origin(&scenario, (-1.2, 0.0)).expect("backward");
+    let plan = plan_from_origin(&scenario, vec2(-1.2, 0.0)).expect("backward");
     assert_eq!(plan.steps, 34);
-    let plan = plan_from_origin(&scenario, (0.0, 1.2)).expect("turn, then drive");
+    let plan = plan_from_origin(&scenario, vec2(0.0, 1.2)).expect("turn, then drive");
     // Five turns of 0.3 rad are 0.07 rad short of a right angle; 34 or 35 steps remain.
     assert!((39..=40).contains(&plan.steps), "{}", plan.steps);
-    assert!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), (0.0, 1.2), 0) <= plan.steps);
+    assert!(lower_bound_steps(&scenario, (0.0, 0.0, 0.0), vec2(0.0, 1.2), 0) <= plan.steps);
     scenario.robot.motions.truncate(1);
-    assert_eq!(plan_from_origin(&scenario, (1.2, 0.0)), None, "the only motion is to stand still");
+    assert_eq!(plan_from_origin(&scenario, vec2(1.2, 0.0)), None, "the only motion is to stand still");
 }
 
 #[test]
@@ -199,7 +204,7 @@ fn random_plans_are_within_a_percent_of_the_proven_bound() {
     let (mut steps, mut lower_steps) = (0, 0);
     for _ in 0..100 {
         let start = draw_start(&scenario, 0, &mut draws).expect("free space");
-        let goal = draw_goal(&scenario, 0, (start.0, start.1), &mut draws).expect("free space");
+        let goal = draw_goal(&scenario, 0, vec2(start.0, start.1), &mut draws).expect("free space");
         let plan = plan_path(&scenario, start, goal, 0, Resolution::default()).expect("a path");
         steps += plan.steps;
         lower_steps += lower_bound_steps(&scenario, start, goal, 0);
@@ -214,7 +219,7 @@ fn the_bound_never_exceeds_what_a_search_without_it_needs() {
     for scenario in [Scenario::default(), cylinders(0.0), maze()] {
         for _ in 0..12 {
             let start = draw_start(&scenario, 0, &mut draws).expect("free space");
-            let goal = draw_goal(&scenario, 0, (start.0, start.1), &mut draws).expect("free space");
+            let goal = draw_goal(&scenario, 0, vec2(start.0, start.1), &mut draws).expect("free space");
             let bound = LowerBound::new(&scenario, start, goal);
             let mut straight_line = LowerBound::new(&scenario, start, goal);
             straight_line.turning_radius = None;
@@ -248,7 +253,7 @@ proptest! {
         let scenario = &[Scenario::default(), cylinders(0.0), cylinders(0.15), maze()][map];
         let mut draws = stream(seed, "optimum", 0);
         let start = draw_start(scenario, clock, &mut draws).expect("free space");
-        let goal = draw_goal(scenario, clock, (start.0, start.1), &mut draws).expect("free space");
+        let goal = draw_goal(scenario, clock, vec2(start.0, start.1), &mut draws).expect("free space");
         let coarse = Resolution { refinements: 0, ..Resolution::default() };
         let first = plan_path(scenario, start, goal, clock, coarse).expect("a path");
         let plan = plan_path(scenario, start, goal, clock, Resolution::default()).expect("a path");
@@ -262,9 +267,9 @@ proptest! {
         prop_assert_eq!(plan.poses.len(), plan.actions.len() + 1);
         prop_assert_eq!((plan.poses[0].0, plan.poses[0].1), (start.0, start.1));
         for (step, &(x, y, heading)) in (0..).zip(&plan.poses).skip(1) {
-            prop_assert!(clearance(scenario, (x, y), clock + step) >= scenario.task.collision_range_m);
+            prop_assert!(clearance(scenario, vec2(x, y), clock + step) >= scenario.task.collision_range_m);
             prop_assert!(heading.abs() <= std::f32::consts::PI);
-            let arrived = libm::hypotf(goal.0 - x, goal.1 - y) < scenario.task.goal_radius_m;
+            let arrived = libm::hypotf(goal.x - x, goal.y - y) < scenario.task.goal_radius_m;
             prop_assert_eq!(arrived, step == u64::from(plan.steps));
         }
     }
@@ -291,7 +296,7 @@ proptest! {
         let end = path[path.len() - 1];
         let radius = 0.199 * uniform(&mut draws, 0.0, 1.0);
         let angle = uniform(&mut draws, 0.0, std::f32::consts::TAU);
-        let goal = (end.x as f32 + radius * angle.cos(), end.y as f32 + radius * angle.sin());
+        let goal = vec2(end.x as f32 + radius * angle.cos(), end.y as f32 + radius * angle.sin());
         let bound = LowerBound::new(scenario, start, goal);
         for (before, state) in path.iter().enumerate() {
             let to_go = bound.steps(state);

@@ -29,6 +29,7 @@ use std::ops::RangeInclusive;
 
 use super::file_error::Diagnostic;
 use super::schema::Scenario;
+use glam::Vec2;
 
 const METRES: &str = " (metres)";
 const METRES_PER_SECOND: &str = " (metres a second)";
@@ -80,7 +81,7 @@ impl Diagnostics {
     }
 
     /// Reports coordinates that lie beyond the largest enclosure there is.
-    fn check_point(&mut self, path: fmt::Arguments<'_>, (x, y): (f32, f32)) {
+    fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
         self.check_range(format_args!("{path}[0]"), x, -500.0..=500.0, METRES);
         self.check_range(format_args!("{path}[1]"), y, -500.0..=500.0, METRES);
     }
@@ -95,12 +96,7 @@ impl Diagnostics {
 
     /// Reports a list of points unless it has as many as `range` says, and each that lies beyond the largest
     /// enclosure.
-    fn check_points(
-        &mut self,
-        path: fmt::Arguments<'_>,
-        points: &[(f32, f32)],
-        range: RangeInclusive<usize>,
-    ) {
+    fn check_points(&mut self, path: fmt::Arguments<'_>, points: &[Vec2], range: RangeInclusive<usize>) {
         let most = *range.end();
         self.check_count(path, points.len(), range);
         for (k, &point) in points.iter().enumerate().take(most) {

@@ -7,6 +7,7 @@ use std::f32::consts::PI;
 
 use super::geometry::{is_clear, length};
 use super::schema::{Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Scenario, Shape};
+use glam::{Vec2, vec2};
 use wayfield_random::{Stream, stream, uniform};
 
 /// So many places are tried for an obstacle before it is left out.
@@ -36,7 +37,7 @@ impl Scenario {
     }
 
     /// The benchmark route's ends and the places that the rules of starts and goals name, in m.
-    fn named_places(&self) -> Vec<(f32, f32)> {
+    fn named_places(&self) -> Vec<Vec2> {
         let mut places = vec![self.benchmark_route.start_m, self.benchmark_route.goal_m];
         for rule in [&self.starts, &self.goals] {
             match rule {
@@ -50,12 +51,7 @@ impl Scenario {
 }
 
 /// One more obstacle for `room`, if a place is found for it.
-fn one(
-    room: &Scenario,
-    generator: &Generator,
-    kept_free: &[(f32, f32)],
-    stream: &mut Stream,
-) -> Option<Obstacle> {
+fn one(room: &Scenario, generator: &Generator, kept_free: &[Vec2], stream: &mut Stream) -> Option<Obstacle> {
     let mut size = |(low, high): (f32, f32)| uniform(stream, low, high);
     let (shape, turns) = match generator.shape {
         RandomShape::Circle { radius_m } => (Shape::Circle { radius_m: size(radius_m) }, false),
@@ -69,9 +65,10 @@ fn one(
         Some(region) => (region.min_m, region.max_m),
         None => room.enclosure.bounds_m(),
     };
-    let position_m =
-        (0..TRIES).map(|_| (uniform(stream, low.0, high.0), uniform(stream, low.1, high.1))).find(|&at| {
-            is_clear(room, at, 0, away) && kept_free.iter().all(|p| length(p.0 - at.0, p.1 - at.1) >= away)
+    let position_m = (0..TRIES)
+        .map(|_| vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y)))
+        .find(|&at| {
+            is_clear(room, at, 0, away) && kept_free.iter().all(|p| length(p.x - at.x, p.y - at.y) >= away)
         })?;
     Some(Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static })
 }
@@ -92,7 +89,7 @@ mod tests {
             count: 2,
             shape: RandomShape::Rectangle { width_m: (0.2, 0.4), height_m: (0.1, 0.1) },
             gap_m: 0.35,
-            within: Some(Region { min_m: (-2.0, 0.0), max_m: (2.0, 2.0) }),
+            within: Some(Region { min_m: vec2(-2.0, 0.0), max_m: vec2(2.0, 2.0) }),
         };
         Scenario { generators: vec![circles, boxes], ..Scenario::default() }
     }
@@ -109,7 +106,7 @@ mod tests {
             assert!(room.generators.is_empty());
             in_all += room.obstacles.len();
             for (index, obstacle) in room.obstacles.iter().enumerate() {
-                let (x, y) = obstacle.position_m;
+                let Vec2 { x, y } = obstacle.position_m;
                 let (radius, gap) = match obstacle.shape {
                     Shape::Circle { radius_m } => {
                         assert!((0.1..=0.2).contains(&radius_m));
@@ -124,7 +121,7 @@ mod tests {
                 let mut others = room.clone();
                 others.obstacles.truncate(index);
                 assert!(
-                    clearance(&others, (x, y), 0) >= radius + gap - 1e-5,
+                    clearance(&others, vec2(x, y), 0) >= radius + gap - 1e-5,
                     "layout {layout_seed}: {obstacle:?}"
                 );
                 for end in [(0.0, 0.0), (1.2, 1.2)] {

@@ -6,11 +6,12 @@
 use super::motion::pose_at;
 use super::polygon;
 use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape, Wall};
+use glam::{Vec2, vec2};
 
 /// The distance, in m, from `point_m` to the nearest surface of an obstacle (where it is at `step`) or of a
 /// wall; negative inside an obstacle or a wall or outside the enclosure.
 #[must_use]
-pub fn clearance(scenario: &Scenario, point_m: (f32, f32), step: u64) -> f32 {
+pub fn clearance(scenario: &Scenario, point_m: Vec2, step: u64) -> f32 {
     let to_wall = enclosure_distance(&scenario.enclosure, point_m);
     let to_inner = scenario.walls.iter().map(|wall| inner_wall_distance(wall, point_m));
     let period = scenario.task.control_period_s;
@@ -19,7 +20,7 @@ pub fn clearance(scenario: &Scenario, point_m: (f32, f32), step: u64) -> f32 {
 }
 
 /// Whether `point_m` is at least `clearance_m` from everything: [`clearance`] with an early end.
-pub(super) fn is_clear(scenario: &Scenario, point_m: (f32, f32), step: u64, clearance_m: f32) -> bool {
+pub(super) fn is_clear(scenario: &Scenario, point_m: Vec2, step: u64, clearance_m: f32) -> bool {
     let period = scenario.task.control_period_s;
     enclosure_distance(&scenario.enclosure, point_m) >= clearance_m
         && scenario.walls.iter().all(|wall| inner_wall_distance(wall, point_m) >= clearance_m)
@@ -28,58 +29,58 @@ pub(super) fn is_clear(scenario: &Scenario, point_m: (f32, f32), step: u64, clea
 
 /// From a point to the nearest wall of the enclosure, in m, negative beyond it.
 #[must_use]
-pub fn enclosure_distance(enclosure: &Enclosure, (x, y): (f32, f32)) -> f32 {
+pub fn enclosure_distance(enclosure: &Enclosure, Vec2 { x, y }: Vec2) -> f32 {
     match enclosure {
         Enclosure::Rectangle { width_m, height_m } => (width_m / 2.0 - x.abs()).min(height_m / 2.0 - y.abs()),
-        Enclosure::Polygon { corners_m } => polygon::signed_distance(corners_m, (x, y)),
+        Enclosure::Polygon { corners_m } => polygon::signed_distance(corners_m, vec2(x, y)),
     }
 }
 
 /// From a point to an inner wall, in m, negative within it.
 #[must_use]
-pub fn inner_wall_distance(wall: &Wall, point: (f32, f32)) -> f32 {
+pub fn inner_wall_distance(wall: &Wall, point: Vec2) -> f32 {
     let half = wall.thickness_m / 2.0;
-    let to_piece = |ends: &[(f32, f32)]| {
+    let to_piece = |ends: &[Vec2]| {
         let (from, to) = (ends[0], ends[1]);
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let (dx, dy) = (to.x - from.x, to.y - from.y);
         let long = length(dx, dy);
         let (ux, uy) = if long > 0.0 { (dx / long, dy / long) } else { (1.0, 0.0) };
-        let (px, py) = (point.0 - (from.0 + to.0) / 2.0, point.1 - (from.1 + to.1) / 2.0);
-        from_box(((px * ux + py * uy).abs() - long / 2.0 - half, (py * ux - px * uy).abs() - half))
+        let (px, py) = (point.x - (from.x + to.x) / 2.0, point.y - (from.y + to.y) / 2.0);
+        from_box(vec2((px * ux + py * uy).abs() - long / 2.0 - half, (py * ux - px * uy).abs() - half))
     };
     wall.corners_m.windows(2).map(to_piece).fold(f32::INFINITY, f32::min)
 }
 
-fn obstacle_distance(obstacle: &Obstacle, point: (f32, f32), step: u64, control_period_s: f32) -> f32 {
+fn obstacle_distance(obstacle: &Obstacle, point: Vec2, step: u64, control_period_s: f32) -> f32 {
     shape_distance(&obstacle.shape, pose_at(obstacle, step, control_period_s), point)
 }
 
 /// From a point to the surface of a shape at a pose (x in m, y in m, rotation in rad), in m, negative inside it.
 #[must_use]
-pub fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: (f32, f32)) -> f32 {
-    let (dx, dy) = (point.0 - pose.0, point.1 - pose.1);
+pub fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: Vec2) -> f32 {
+    let (dx, dy) = (point.x - pose.0, point.y - pose.1);
     // In the shape's own frame.
     let own = || {
         let (sin, cos) = libm::sincosf(pose.2);
-        (dx * cos + dy * sin, dy * cos - dx * sin)
+        vec2(dx * cos + dy * sin, dy * cos - dx * sin)
     };
     match shape {
         Shape::Circle { radius_m } => length(dx, dy) - radius_m,
         Shape::Rectangle { width_m, height_m } => {
             // Folded into the first quadrant, measured from the corner.
-            let (x, y) = own();
-            from_box((x.abs() - width_m / 2.0, y.abs() - height_m / 2.0))
+            let Vec2 { x, y } = own();
+            from_box(vec2(x.abs() - width_m / 2.0, y.abs() - height_m / 2.0))
         }
         Shape::Polygon { corners_m } => -polygon::signed_distance(corners_m, own()),
         Shape::Capsule { length_m, radius_m } => {
-            let (x, y) = own();
+            let Vec2 { x, y } = own();
             length((x.abs() - length_m / 2.0).max(0.0), y) - radius_m
         }
     }
 }
 
 /// From a box's corner, seen from which a point is so far outwards along x and y.
-fn from_box((past_x, past_y): (f32, f32)) -> f32 {
+fn from_box(Vec2 { x: past_x, y: past_y }: Vec2) -> f32 {
     length(past_x.max(0.0), past_y.max(0.0)) + past_x.max(past_y).min(0.0)
 }
 
@@ -90,22 +91,24 @@ impl Shape {
         match self {
             Self::Circle { radius_m } => *radius_m,
             Self::Rectangle { width_m, height_m } => length(width_m / 2.0, height_m / 2.0),
-            Self::Polygon { corners_m } => corners_m.iter().map(|&(x, y)| length(x, y)).fold(0.0, f32::max),
+            Self::Polygon { corners_m } => {
+                corners_m.iter().map(|&Vec2 { x, y }| length(x, y)).fold(0.0, f32::max)
+            }
             Self::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
         }
     }
 }
 
 /// The distance from `centre_m` to the farthest point of an obstacle at step 0.
-pub(super) fn max_distance_from(obstacle: &Obstacle, centre_m: (f32, f32)) -> f32 {
-    let (dx, dy) = (obstacle.position_m.0 - centre_m.0, obstacle.position_m.1 - centre_m.1);
+pub(super) fn max_distance_from(obstacle: &Obstacle, centre_m: Vec2) -> f32 {
+    let (dx, dy) = (obstacle.position_m.x - centre_m.x, obstacle.position_m.y - centre_m.y);
     let (sin, cos) = libm::sincosf(obstacle.rotation_rad);
     let (x, y) = (dx * cos + dy * sin, dy * cos - dx * sin);
     match &obstacle.shape {
         Shape::Circle { radius_m } => length(dx, dy) + radius_m,
         Shape::Rectangle { width_m, height_m } => length(x.abs() + width_m / 2.0, y.abs() + height_m / 2.0),
         Shape::Polygon { corners_m } => {
-            corners_m.iter().map(|corner| length(x + corner.0, y + corner.1)).fold(0.0, f32::max)
+            corners_m.iter().map(|corner| length(x + corner.x, y + corner.y)).fold(0.0, f32::max)
         }
         Shape::Capsule { length_m, radius_m } => length(x.abs() + length_m / 2.0, y) + radius_m,
     }
@@ -114,15 +117,15 @@ pub(super) fn max_distance_from(obstacle: &Obstacle, centre_m: (f32, f32)) -> f3
 impl Enclosure {
     /// The lower left and the upper right corner of the box around it, in m.
     #[must_use]
-    pub fn bounds_m(&self) -> ((f32, f32), (f32, f32)) {
+    pub fn bounds_m(&self) -> (Vec2, Vec2) {
         match self {
             Self::Rectangle { width_m, height_m } => {
-                ((-width_m / 2.0, -height_m / 2.0), (width_m / 2.0, height_m / 2.0))
+                (vec2(-width_m / 2.0, -height_m / 2.0), vec2(width_m / 2.0, height_m / 2.0))
             }
             Self::Polygon { corners_m } => {
                 let first = corners_m.first().copied().unwrap_or_default();
-                corners_m.iter().fold((first, first), |(low, high), &(x, y)| {
-                    ((low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y)))
+                corners_m.iter().fold((first, first), |(low, high), &Vec2 { x, y }| {
+                    (vec2(low.x.min(x), low.y.min(y)), vec2(high.x.max(x), high.y.max(y)))
                 })
             }
         }
@@ -130,11 +133,11 @@ impl Enclosure {
 
     /// Its corners, counterclockwise, in m.
     #[must_use]
-    pub fn corners_m(&self) -> Vec<(f32, f32)> {
+    pub fn corners_m(&self) -> Vec<Vec2> {
         match self {
             Self::Rectangle { .. } => {
                 let (low, high) = self.bounds_m();
-                vec![low, (high.0, low.1), high, (low.0, high.1)]
+                vec![low, vec2(high.x, low.y), high, vec2(low.x, high.y)]
             }
             Self::Polygon { corners_m } => polygon::counterclockwise(corners_m),
         }
@@ -146,13 +149,13 @@ impl Wall {
     pub fn segments(&self) -> impl Iterator<Item = Obstacle> {
         self.corners_m.windows(2).map(|ends| {
             let (from, to) = (ends[0], ends[1]);
-            let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+            let (dx, dy) = (to.x - from.x, to.y - from.y);
             Obstacle {
                 shape: Shape::Rectangle {
                     width_m: length(dx, dy) + self.thickness_m,
                     height_m: self.thickness_m,
                 },
-                position_m: ((from.0 + to.0) / 2.0, (from.1 + to.1) / 2.0),
+                position_m: vec2((from.x + to.x) / 2.0, (from.y + to.y) / 2.0),
                 rotation_rad: libm::atan2f(dy, dx),
                 motion: ObstacleMotion::Static,
             }
@@ -194,13 +197,16 @@ mod tests {
     #[test]
     fn distances_to_a_circle_and_a_turned_box_are_those_worked_by_hand() {
         let circle = Shape::Circle { radius_m: 0.15 };
-        assert!(near(shape_distance(&circle, (0.6, 0.6, 0.0), (0.0, 0.6)), 0.45));
-        assert!(near(shape_distance(&circle, (0.6, 0.6, 0.0), (0.6, 0.6)), -0.15));
+        assert!(near(shape_distance(&circle, (0.6, 0.6, 0.0), vec2(0.0, 0.6)), 0.45));
+        assert!(near(shape_distance(&circle, (0.6, 0.6, 0.0), vec2(0.6, 0.6)), -0.15));
         let slab = Shape::Rectangle { width_m: 2.0, height_m: 1.0 };
-        assert!(near(shape_distance(&slab, (0.0, 0.0, 0.0), (4.0, 4.5)), 5.0), "from a corner: 3, 4, 5");
-        assert!(near(shape_distance(&slab, (0.0, 0.0, 0.0), (0.9, 0.0)), -0.1), "inside, the nearest side");
+        assert!(near(shape_distance(&slab, (0.0, 0.0, 0.0), vec2(4.0, 4.5)), 5.0), "from a corner: 3, 4, 5");
         assert!(
-            near(shape_distance(&slab, (0.0, 0.0, FRAC_PI_2), (2.0, 0.0)), 1.5),
+            near(shape_distance(&slab, (0.0, 0.0, 0.0), vec2(0.9, 0.0)), -0.1),
+            "inside, the nearest side"
+        );
+        assert!(
+            near(shape_distance(&slab, (0.0, 0.0, FRAC_PI_2), vec2(2.0, 0.0)), 1.5),
             "upright after a quarter turn"
         );
     }
@@ -208,59 +214,66 @@ mod tests {
     #[test]
     fn clearance_is_the_nearest_of_walls_and_obstacles_at_the_step() {
         let mut scenario = Scenario::default();
-        assert!(near(clearance(&scenario, (1.5, 0.0), 0), 0.5));
-        assert!(near(clearance(&scenario, (0.0, 2.5), 0), -0.5), "outside is negative");
+        assert!(near(clearance(&scenario, vec2(1.5, 0.0), 0), 0.5));
+        assert!(near(clearance(&scenario, vec2(0.0, 2.5), 0), -0.5), "outside is negative");
         scenario.task.control_period_s = 1.0;
         scenario.obstacles.push(Obstacle {
             shape: Shape::Circle { radius_m: 0.2 },
-            position_m: (1.0, 0.0),
+            position_m: vec2(1.0, 0.0),
             rotation_rad: 0.0,
-            motion: ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: FRAC_PI_2 },
+            motion: ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: FRAC_PI_2 },
         });
-        assert!(near(clearance(&scenario, (0.0, 0.5), 0), 1.25_f32.sqrt() - 0.2));
-        assert!(near(clearance(&scenario, (0.0, 0.5), 1), 0.3), "a quarter turn later it is straight ahead");
-        assert!(is_clear(&scenario, (0.0, 0.5), 1, 0.299) && !is_clear(&scenario, (0.0, 0.5), 1, 0.301));
+        assert!(near(clearance(&scenario, vec2(0.0, 0.5), 0), 1.25_f32.sqrt() - 0.2));
+        assert!(
+            near(clearance(&scenario, vec2(0.0, 0.5), 1), 0.3),
+            "a quarter turn later it is straight ahead"
+        );
+        assert!(
+            is_clear(&scenario, vec2(0.0, 0.5), 1, 0.299) && !is_clear(&scenario, vec2(0.0, 0.5), 1, 0.301)
+        );
     }
 
     #[test]
     fn distances_to_polygons_and_rods_are_those_worked_by_hand() {
-        let triangle = Shape::Polygon { corners_m: vec![(0.0, 0.0), (3.0, 0.0), (0.0, 4.0)] };
+        let triangle = Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(0.0, 4.0)] };
         // The long side is 4 x + 3 y = 12: (3, 4) is 12 / 5 beyond it, (0.5, 0.5) inside by its distance to x = 0.
-        assert!(near(shape_distance(&triangle, (0.0, 0.0, 0.0), (3.0, 4.0)), 2.4));
-        assert!(near(shape_distance(&triangle, (0.0, 0.0, 0.0), (0.5, 0.5)), -0.5));
+        assert!(near(shape_distance(&triangle, (0.0, 0.0, 0.0), vec2(3.0, 4.0)), 2.4));
+        assert!(near(shape_distance(&triangle, (0.0, 0.0, 0.0), vec2(0.5, 0.5)), -0.5));
         // A quarter turn later its long leg points along -x.
-        assert!(near(shape_distance(&triangle, (1.0, 0.0, FRAC_PI_2), (-3.5, 0.0)), 0.5));
+        assert!(near(shape_distance(&triangle, (1.0, 0.0, FRAC_PI_2), vec2(-3.5, 0.0)), 0.5));
         let rod = Shape::Capsule { length_m: 2.0, radius_m: 0.25 };
         assert!(
-            near(shape_distance(&rod, (0.0, 0.0, 0.0), (4.0, 4.0)), 4.75),
+            near(shape_distance(&rod, (0.0, 0.0, 0.0), vec2(4.0, 4.0)), 4.75),
             "3, 4, 5 from its end's middle"
         );
         assert!(
-            near(shape_distance(&rod, (0.0, 0.0, FRAC_PI_2), (1.0, 0.5)), 0.75),
+            near(shape_distance(&rod, (0.0, 0.0, FRAC_PI_2), vec2(1.0, 0.5)), 0.75),
             "beside it when upright"
         );
-        assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), (0.3, 0.0)), -0.25));
+        assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), vec2(0.3, 0.0)), -0.25));
         assert!(near(rod.bounding_radius_m(), 1.25) && near(triangle.bounding_radius_m(), 4.0));
     }
 
     #[test]
     fn an_inner_wall_is_its_pieces() {
-        let wall = Wall { corners_m: vec![(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)], thickness_m: 0.2 };
+        let wall = Wall { corners_m: vec![vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 3.0)], thickness_m: 0.2 };
         for (point, expected) in [
-            ((1.0, 1.0), 0.9),
-            ((1.0, -0.5), 0.4),
-            ((2.05, 2.0), -0.05),
+            (vec2(1.0, 1.0), 0.9),
+            (vec2(1.0, -0.5), 0.4),
+            (vec2(2.05, 2.0), -0.05),
             // Past the corner the two pieces make a square end: the nearest point is (2.1, -0.1).
-            ((2.4, -0.5), 0.5),
-            ((2.0, 3.5), 0.4),
+            (vec2(2.4, -0.5), 0.5),
+            (vec2(2.0, 3.5), 0.4),
         ] {
             assert!(near(inner_wall_distance(&wall, point), expected), "{point:?}");
             let by_pieces = wall.segments().map(|piece| obstacle_distance(&piece, point, 0, 0.2));
             assert!(near(by_pieces.fold(f32::INFINITY, f32::min), expected), "{point:?} by its pieces");
         }
         let scenario = Scenario { walls: vec![wall], ..Scenario::default() };
-        assert!(near(clearance(&scenario, (1.0, 0.3), 0), 0.2));
-        assert!(is_clear(&scenario, (1.0, 0.3), 0, 0.19) && !is_clear(&scenario, (1.0, 0.3), 0, 0.21));
+        assert!(near(clearance(&scenario, vec2(1.0, 0.3), 0), 0.2));
+        assert!(
+            is_clear(&scenario, vec2(1.0, 0.3), 0, 0.19) && !is_clear(&scenario, vec2(1.0, 0.3), 0, 0.21)
+        );
     }
 
     #[test]
@@ -281,18 +294,19 @@ mod tests {
     fn reach_follows_a_shapes_turn() {
         let shape = Shape::Rectangle { width_m: 2.0, height_m: 1.0 };
         let motion = ObstacleMotion::Static;
-        let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: FRAC_PI_2, motion };
-        assert!(near(max_distance_from(&o, (0.0, 0.0)), length(3.5, 1.0)));
-        let shape = Shape::Polygon { corners_m: vec![(0.0, 0.0), (4.0, 0.0), (0.0, 1.0)] };
+        let o = Obstacle { shape, position_m: vec2(3.0, 0.0), rotation_rad: FRAC_PI_2, motion };
+        assert!(near(max_distance_from(&o, vec2(0.0, 0.0)), length(3.5, 1.0)));
+        let shape = Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(4.0, 0.0), vec2(0.0, 1.0)] };
         let o = Obstacle {
             shape,
-            position_m: (3.0, 0.0),
+            position_m: vec2(3.0, 0.0),
             rotation_rad: FRAC_PI_2,
             motion: ObstacleMotion::Static,
         };
-        assert!(near(max_distance_from(&o, (0.0, 0.0)), 5.0), "its far corner is at (3, 4)");
+        assert!(near(max_distance_from(&o, vec2(0.0, 0.0)), 5.0), "its far corner is at (3, 4)");
         let shape = Shape::Capsule { length_m: 2.0, radius_m: 0.5 };
-        let o = Obstacle { shape, position_m: (3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Static };
-        assert!(near(max_distance_from(&o, (0.0, 0.0)), 4.5));
+        let o =
+            Obstacle { shape, position_m: vec2(3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Static };
+        assert!(near(max_distance_from(&o, vec2(0.0, 0.0)), 4.5));
     }
 }

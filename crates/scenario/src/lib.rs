@@ -22,6 +22,7 @@ mod write;
 pub use check::diagnostics;
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
+pub use glam::{Vec2, vec2};
 pub use load::{
     MAX_FILE_BYTES, parse_ron, path_exists, read_bytes, read_ron, read_ron_with_limit, read_text,
     read_text_with_limit, to_ron,

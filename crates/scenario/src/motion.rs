@@ -7,6 +7,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::schema::{Obstacle, ObstacleMotion};
+use glam::{DVec2, Vec2, dvec2};
 use wayfield_random::Stream;
 
 /// The pose (x in m, y in m, rotation in rad, in [-pi, pi]) of `obstacle` after `step` steps of
@@ -20,15 +21,15 @@ use wayfield_random::Stream;
 /// NaN, never a panic.
 #[must_use]
 pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f32, f32) {
-    let position = wide(obstacle.position_m);
+    let position = obstacle.position_m.as_dvec2();
     let rotation = f64::from(obstacle.rotation_rad);
     // A product of two f32 is exact in f64; only the factor `step` rounds, once.
     let travelled = |speed: f32| f64::from(speed) * f64::from(control_period_s) * step as f64;
-    let ((x, y), rotation) = match &obstacle.motion {
+    let (point, rotation) = match &obstacle.motion {
         ObstacleMotion::Static => (position, rotation),
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let angle = travelled(*speed_rad_s);
-            (revolved(position, wide(*centre_m), angle), rotation + angle)
+            (revolved(position, centre_m.as_dvec2(), angle), rotation + angle)
         }
         ObstacleMotion::Patrol { waypoints_m, speed_m_s } => {
             (along(position, waypoints_m, travelled(*speed_m_s)), rotation)
@@ -40,14 +41,14 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
             (wandered(position, f64::from(*radius_m), *seed, travelled(*speed_m_s)), rotation)
         }
     };
-    (x as f32, y as f32, wrapped(rotation) as f32)
+    (point.x as f32, point.y as f32, wrapped(rotation) as f32)
 }
 
 impl Obstacle {
     /// The corners of its path, in m, its position first, and whether the last is joined to the first; none of what doesn't
     /// go by straight lines that are given.
     #[must_use]
-    pub fn path_m(&self) -> Option<(Vec<(f32, f32)>, bool)> {
+    pub fn path_m(&self) -> Option<(Vec<Vec2>, bool)> {
         let (waypoints_m, closed) = match &self.motion {
             ObstacleMotion::Patrol { waypoints_m, .. } => (waypoints_m, true),
             ObstacleMotion::BackAndForth { waypoints_m, .. } => (waypoints_m, false),
@@ -58,15 +59,15 @@ impl Obstacle {
 }
 
 /// `point` turned about `centre` by `angle`.
-fn revolved(point: (f64, f64), centre: (f64, f64), angle: f64) -> (f64, f64) {
+fn revolved(point: DVec2, centre: DVec2, angle: f64) -> DVec2 {
     let (sin, cos) = libm::sincos(angle);
-    let (dx, dy) = (point.0 - centre.0, point.1 - centre.1);
-    (centre.0 + dx * cos - dy * sin, centre.1 + dx * sin + dy * cos)
+    let arm = point - centre;
+    dvec2(centre.x + arm.x * cos - arm.y * sin, centre.y + arm.x * sin + arm.y * cos)
 }
 
 /// The point at `distance` along the closed loop `start`, waypoints, `start`.
-fn along(start: (f64, f64), waypoints: &[(f32, f32)], distance: f64) -> (f64, f64) {
-    let corners = || std::iter::once(start).chain(waypoints.iter().map(|&corner| wide(corner)));
+fn along(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
+    let corners = || std::iter::once(start).chain(waypoints.iter().map(|corner| corner.as_dvec2()));
     let legs = || corners().zip(corners().skip(1).chain(std::iter::once(start)));
     let perimeter: f64 = legs().map(|(from, to)| length(from, to)).sum();
     if perimeter == 0.0 {
@@ -87,8 +88,8 @@ fn along(start: (f64, f64), waypoints: &[(f32, f32)], distance: f64) -> (f64, f6
 }
 
 /// The point at `distance` along `start`, waypoints, and back the same way, and so on.
-fn there_and_back(start: (f64, f64), waypoints: &[(f32, f32)], distance: f64) -> (f64, f64) {
-    let corners = || std::iter::once(start).chain(waypoints.iter().map(|&corner| wide(corner)));
+fn there_and_back(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
+    let corners = || std::iter::once(start).chain(waypoints.iter().map(|corner| corner.as_dvec2()));
     let legs = || corners().zip(corners().skip(1));
     let one_way: f64 = legs().map(|(from, to)| length(from, to)).sum();
     if one_way == 0.0 {
@@ -108,7 +109,7 @@ fn there_and_back(start: (f64, f64), waypoints: &[(f32, f32)], distance: f64) ->
 
 /// Where a random walk about `middle` has come after `distance` at its full speed: every leg takes as long as that
 /// needs for two reaches.
-fn wandered(middle: (f64, f64), reach: f64, seed: u32, distance: f64) -> (f64, f64) {
+fn wandered(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
     let legs = distance.abs() / (2.0 * reach);
     if !legs.is_finite() {
         return middle;
@@ -118,30 +119,29 @@ fn wandered(middle: (f64, f64), reach: f64, seed: u32, distance: f64) -> (f64, f
             return middle;
         }
         let mut stream = wayfield_random::stream(u64::from(seed), "random walk", leg as u64);
-        let (x, y) = in_disc(&mut stream);
-        (middle.0 + reach * x, middle.1 + reach * y)
+        middle + reach * in_disc(&mut stream)
     };
     let begun = legs.floor();
     between(point(begun), point(begun + 1.0), legs - begun)
 }
 
 /// A point of the disc of radius 1, evenly: the first of the square that lies in it.
-fn in_disc(stream: &mut Stream) -> (f64, f64) {
+fn in_disc(stream: &mut Stream) -> DVec2 {
     let mut coordinate = || f64::from(wayfield_random::uniform(stream, -1.0, 1.0));
     loop {
-        let (x, y) = (coordinate(), coordinate());
-        if x * x + y * y <= 1.0 {
-            return (x, y);
+        let point = dvec2(coordinate(), coordinate());
+        if point.dot(point) <= 1.0 {
+            return point;
         }
     }
 }
 
-fn between(from: (f64, f64), to: (f64, f64), part: f64) -> (f64, f64) {
-    (from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part)
+fn between(from: DVec2, to: DVec2, part: f64) -> DVec2 {
+    from + (to - from) * part
 }
 
-fn length(from: (f64, f64), to: (f64, f64)) -> f64 {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+fn length(from: DVec2, to: DVec2) -> f64 {
+    let (dx, dy) = (to.x - from.x, to.y - from.y);
     (dx * dx + dy * dy).sqrt()
 }
 
@@ -150,18 +150,16 @@ fn wrapped(angle: f64) -> f64 {
     if angle.abs() <= PI { angle } else { libm::remainder(angle, TAU) }
 }
 
-fn wide((x, y): (f32, f32)) -> (f64, f64) {
-    (f64::from(x), f64::from(y))
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
+    use glam::vec2;
+
     use super::*;
     use crate::Shape;
 
-    fn obstacle(position_m: (f32, f32), motion: ObstacleMotion) -> Obstacle {
+    fn obstacle(position_m: Vec2, motion: ObstacleMotion) -> Obstacle {
         Obstacle { shape: Shape::Circle { radius_m: 0.15 }, position_m, rotation_rad: 0.0, motion }
     }
 
@@ -176,8 +174,10 @@ mod tests {
     #[test]
     fn a_quarter_turn_takes_a_corner_to_the_next_one_counterclockwise() {
         let quarter_rad_s = FRAC_PI_2 as f32;
-        let o =
-            obstacle((0.6, 0.6), ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: quarter_rad_s });
+        let o = obstacle(
+            vec2(0.6, 0.6),
+            ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: quarter_rad_s },
+        );
         assert_eq!(pose_at(&o, 0, 0.25), (0.6, 0.6, 0.0), "step 0 is the position as written, to the bit");
         assert_near(pose_at(&o, 4, 0.25), (-0.6, 0.6, FRAC_PI_2 as f32));
         assert_near(pose_at(&o, 12, 0.25), (0.6, -0.6, -FRAC_PI_2 as f32));
@@ -185,15 +185,15 @@ mod tests {
 
     #[test]
     fn an_orbit_may_go_clockwise_about_any_centre() {
-        let motion = ObstacleMotion::Orbit { centre_m: (1.0, 1.0), speed_rad_s: -(FRAC_PI_2 as f32) };
-        assert_near(pose_at(&obstacle((1.0, 2.0), motion), 1, 1.0), (2.0, 1.0, -FRAC_PI_2 as f32));
+        let motion = ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.0), speed_rad_s: -(FRAC_PI_2 as f32) };
+        assert_near(pose_at(&obstacle(vec2(1.0, 2.0), motion), 1, 1.0), (2.0, 1.0, -FRAC_PI_2 as f32));
     }
 
     #[test]
     fn a_patrol_turns_at_its_waypoints_and_comes_home() {
         // A 3-4-5 triangle at 1 m/s, one second a step: 12 steps a round.
-        let waypoints_m = vec![(3.0, 0.0), (3.0, 4.0)];
-        let o = obstacle((0.0, 0.0), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
+        let waypoints_m = vec![vec2(3.0, 0.0), vec2(3.0, 4.0)];
+        let o = obstacle(vec2(0.0, 0.0), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
         for (step, expected) in [
             (0, (0.0, 0.0)),
             (1, (1.0, 0.0)),
@@ -210,8 +210,8 @@ mod tests {
     #[test]
     fn back_and_forth_turns_at_the_last_waypoint() {
         // 3 m and 4 m at 1 m/s, one second a step: there after 7 steps, home after 14.
-        let waypoints_m = vec![(3.0, 0.0), (3.0, 4.0)];
-        let o = obstacle((0.0, 0.0), ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 1.0 });
+        let waypoints_m = vec![vec2(3.0, 0.0), vec2(3.0, 4.0)];
+        let o = obstacle(vec2(0.0, 0.0), ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 1.0 });
         for (step, (x, y)) in [
             (0, (0.0, 0.0)),
             (2, (2.0, 0.0)),
@@ -227,8 +227,9 @@ mod tests {
 
     #[test]
     fn a_random_walk_stays_in_reach_never_hurries_and_is_told_by_its_seed() {
-        let walk =
-            |seed| obstacle((1.0, -1.0), ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.2, seed });
+        let walk = |seed| {
+            obstacle(vec2(1.0, -1.0), ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.2, seed })
+        };
         let (one, other) = (walk(1), walk(2));
         assert_eq!(pose_at(&one, 0, 0.2), (1.0, -1.0, 0.0));
         let (mut apart, mut corners) = (0.0_f32, std::collections::BTreeSet::new());
@@ -249,16 +250,16 @@ mod tests {
 
     #[test]
     fn a_patrol_without_a_path_stays() {
-        for waypoints_m in [vec![], vec![(0.5, 0.5)]] {
-            let o = obstacle((0.5, 0.5), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
+        for waypoints_m in [vec![], vec![vec2(0.5, 0.5)]] {
+            let o = obstacle(vec2(0.5, 0.5), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
             assert_eq!(pose_at(&o, 77, 0.2), (0.5, 0.5, 0.0));
         }
     }
 
     #[test]
     fn nothing_drifts_in_a_thousand_million_steps() {
-        let motion = ObstacleMotion::Orbit { centre_m: (0.0, 0.0), speed_rad_s: 0.15 };
-        let o = obstacle((0.6, 0.6), motion);
+        let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
+        let o = obstacle(vec2(0.6, 0.6), motion);
         let radius = 0.6 * 2.0_f64.sqrt();
         for step in [1, 1_000, 1_000_000, 999_999_999, 1_000_000_000] {
             let (x, y, rotation) = pose_at(&o, step, 0.2);

@@ -8,6 +8,7 @@ use std::f32::consts::{PI, TAU};
 
 use super::geometry::{is_clear, length};
 use super::schema::{PlacementRule, Scenario};
+use glam::{Vec2, vec2};
 use wayfield_random::{Stream, uniform, uniform_01, uniform_index};
 
 /// Random tries before the grid is walked.
@@ -16,9 +17,6 @@ const TRIES: u32 = 1_000;
 const GRID: usize = 64;
 /// So many starts are tried for one that leaves room for a goal.
 const STARTS: u32 = 50;
-
-/// A place (x, y in m).
-type Place = (f32, f32);
 
 /// At this moment no point satisfies the rule. (A scenario without findings has room at step 0 and at the
 /// other moments that the checks look at.)
@@ -41,11 +39,11 @@ pub fn draw_start_and_goal(
     scenario: &Scenario,
     step: u64,
     stream: &mut Stream,
-) -> Result<((f32, f32, f32), Place), NoFreeSpace> {
+) -> Result<((f32, f32, f32), Vec2), NoFreeSpace> {
     let mut drawn = Err(NoFreeSpace { what: "goal", step });
     for _ in 0..STARTS {
         let start = draw_start(scenario, step, stream)?;
-        drawn = draw_goal(scenario, step, (start.0, start.1), stream).map(|goal| (start, goal));
+        drawn = draw_goal(scenario, step, vec2(start.0, start.1), stream).map(|goal| (start, goal));
         if drawn.is_ok() {
             break;
         }
@@ -64,7 +62,8 @@ pub fn draw_start(
     stream: &mut Stream,
 ) -> Result<(f32, f32, f32), NoFreeSpace> {
     let rule = &scenario.starts;
-    let (x, y) = draw(scenario, rule, step, stream, |_| true).ok_or(NoFreeSpace { what: "start", step })?;
+    let Vec2 { x, y } =
+        draw(scenario, rule, step, stream, |_| true).ok_or(NoFreeSpace { what: "start", step })?;
     let heading = match rule {
         PlacementRule::Fixed { heading_rad: Some(heading), .. } => *heading,
         _ => PI - TAU * uniform_01(stream),
@@ -79,10 +78,10 @@ pub fn draw_start(
 pub fn draw_goal(
     scenario: &Scenario,
     step: u64,
-    robot_m: Place,
+    robot_m: Vec2,
     stream: &mut Stream,
-) -> Result<Place, NoFreeSpace> {
-    let far = |(x, y): Place| length(x - robot_m.0, y - robot_m.1) >= scenario.task.min_goal_distance_m;
+) -> Result<Vec2, NoFreeSpace> {
+    let far = |Vec2 { x, y }: Vec2| length(x - robot_m.x, y - robot_m.y) >= scenario.task.min_goal_distance_m;
     draw(scenario, &scenario.goals, step, stream, far).ok_or(NoFreeSpace { what: "goal", step })
 }
 
@@ -93,8 +92,8 @@ fn draw(
     rule: &PlacementRule,
     step: u64,
     stream: &mut Stream,
-    fits: impl Fn(Place) -> bool,
-) -> Option<Place> {
+    fits: impl Fn(Vec2) -> bool,
+) -> Option<Vec2> {
     match rule {
         PlacementRule::Fixed { position_m, .. } => Some(*position_m).filter(|&place| fits(place)),
         PlacementRule::OneOf { positions_m } => {
@@ -104,11 +103,11 @@ fn draw(
         }
         PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => {
             let (low, high) = region(scenario, rule);
-            if !(low.0 <= high.0 && low.1 <= high.1) {
+            if !(low.x <= high.x && low.y <= high.y) {
                 return None;
             }
             (0..TRIES)
-                .map(|_| (uniform(stream, low.0, high.0), uniform(stream, low.1, high.1)))
+                .map(|_| vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y)))
                 .find(|&point| fits(point) && is_clear(scenario, point, step, *clearance_m))
                 .or_else(|| free_points(scenario, rule, step).find(|&point| fits(point)))
         }
@@ -116,12 +115,12 @@ fn draw(
 }
 
 /// The box that a rule's points lie in; where it is empty, low is above high.
-fn region(scenario: &Scenario, rule: &PlacementRule) -> (Place, Place) {
+fn region(scenario: &Scenario, rule: &PlacementRule) -> (Vec2, Vec2) {
     match *rule {
         PlacementRule::Within { min_m, max_m, .. } => (min_m, max_m),
         PlacementRule::Random { clearance_m: c } => {
             let (low, high) = scenario.enclosure.bounds_m();
-            ((low.0 + c, low.1 + c), (high.0 - c, high.1 - c))
+            (vec2(low.x + c, low.y + c), vec2(high.x - c, high.y - c))
         }
         PlacementRule::Fixed { .. } | PlacementRule::OneOf { .. } => scenario.enclosure.bounds_m(),
     }
@@ -133,8 +132,8 @@ pub(super) fn free_points(
     scenario: &Scenario,
     rule: &PlacementRule,
     step: u64,
-) -> impl Iterator<Item = Place> {
-    let (named, clearance_m): (&[Place], f32) = match rule {
+) -> impl Iterator<Item = Vec2> {
+    let (named, clearance_m): (&[Vec2], f32) = match rule {
         PlacementRule::Fixed { position_m, .. } => {
             (std::slice::from_ref(position_m), scenario.task.collision_range_m)
         }
@@ -151,7 +150,7 @@ pub(super) fn free_points(
         (low + high) / 2.0 + ((k as f32 + 0.5) / GRID as f32 - 0.5) * (high - low)
     };
     let of_grid = if named.is_empty() { GRID * GRID } else { 0 };
-    let grid = (0..of_grid).map(move |k| (at(k % GRID, low.0, high.0), at(k / GRID, low.1, high.1)));
+    let grid = (0..of_grid).map(move |k| vec2(at(k % GRID, low.x, high.x), at(k / GRID, low.y, high.y)));
     let named = named.iter().copied();
     grid.chain(named).filter(move |&point| is_clear(scenario, point, step, clearance_m))
 }
@@ -165,7 +164,7 @@ mod tests {
     fn boxed_in(side_m: f32) -> Scenario {
         let obstacle = Obstacle {
             shape: Shape::Rectangle { width_m: side_m, height_m: side_m },
-            position_m: (0.0, 0.0),
+            position_m: vec2(0.0, 0.0),
             rotation_rad: 0.0,
             motion: ObstacleMotion::Static,
         };
@@ -192,7 +191,7 @@ mod tests {
         let mut scenario = boxed_in(1.0);
         let slab = |height_m, y| Obstacle {
             shape: Shape::Rectangle { width_m: 4.0, height_m },
-            position_m: (0.0, y),
+            position_m: vec2(0.0, y),
             rotation_rad: 0.0,
             motion: ObstacleMotion::Static,
         };
@@ -200,7 +199,7 @@ mod tests {
         scenario.goals = PlacementRule::Random { clearance_m: 0.34374 };
         let mut s = stream(1, "goals", 0);
         for _ in 0..100 {
-            let goal = draw_goal(&scenario, 0, (-1.65, 0.0), &mut s).expect("there is room");
+            let goal = draw_goal(&scenario, 0, vec2(-1.65, 0.0), &mut s).expect("there is room");
             assert!(clearance(&scenario, goal, 0) >= 0.34374);
         }
     }
@@ -208,8 +207,10 @@ mod tests {
     #[test]
     fn places_that_are_named_are_taken_where_they_are_far_enough() {
         let mut scenario = Scenario {
-            starts: PlacementRule::Fixed { position_m: (-1.5, 0.5), heading_rad: Some(0.25) },
-            goals: PlacementRule::OneOf { positions_m: vec![(1.0, 1.0), (-1.4, 0.5), (1.0, -1.0)] },
+            starts: PlacementRule::Fixed { position_m: vec2(-1.5, 0.5), heading_rad: Some(0.25) },
+            goals: PlacementRule::OneOf {
+                positions_m: vec![vec2(1.0, 1.0), vec2(-1.4, 0.5), vec2(1.0, -1.0)],
+            },
             ..Scenario::default()
         };
         let mut s = stream(3, "places", 0);
@@ -217,22 +218,29 @@ mod tests {
         for _ in 0..1_000 {
             let (start, goal) = draw_start_and_goal(&scenario, 0, &mut s).expect("two are far enough");
             assert_eq!(start, (-1.5, 0.5, 0.25));
-            counts[usize::from(goal.1 < 0.0)] += 1;
-            assert_eq!(goal.0, 1.0, "0.1 m away is too near");
+            counts[usize::from(goal.y < 0.0)] += 1;
+            assert_eq!(goal.x, 1.0, "0.1 m away is too near");
         }
         assert!(counts.iter().all(|&n| (420..580).contains(&n)), "each as likely: {counts:?}");
-        assert!(draw_goal(&scenario, 0, (1.0, 1.0), &mut s).expect("the other two").0 <= 1.0);
-        scenario.goals = PlacementRule::Fixed { position_m: (-1.4, 0.5), heading_rad: None };
+        assert!(draw_goal(&scenario, 0, vec2(1.0, 1.0), &mut s).expect("the other two").x <= 1.0);
+        scenario.goals = PlacementRule::Fixed { position_m: vec2(-1.4, 0.5), heading_rad: None };
         let error = draw_start_and_goal(&scenario, 0, &mut s).expect_err("too near the only start");
         assert_eq!(error.what, "goal");
     }
 
     #[test]
     fn a_region_holds_its_places_and_an_l_shaped_room_its_own() {
-        let corners_m = vec![(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0), (2.0, 4.0), (0.0, 4.0)];
+        let corners_m = vec![
+            vec2(0.0, 0.0),
+            vec2(4.0, 0.0),
+            vec2(4.0, 2.0),
+            vec2(2.0, 2.0),
+            vec2(2.0, 4.0),
+            vec2(0.0, 4.0),
+        ];
         let scenario = Scenario {
             enclosure: Enclosure::Polygon { corners_m },
-            starts: PlacementRule::Within { min_m: (0.5, 2.0), max_m: (3.5, 3.5), clearance_m: 0.35 },
+            starts: PlacementRule::Within { min_m: vec2(0.5, 2.0), max_m: vec2(3.5, 3.5), clearance_m: 0.35 },
             ..Scenario::default()
         };
         let mut s = stream(4, "places", 0);
@@ -241,7 +249,7 @@ mod tests {
             let (start, goal) = draw_start_and_goal(&scenario, 0, &mut s).expect("there is room");
             assert!((0.5..=1.65).contains(&start.0) && (2.0..3.5).contains(&start.1), "{start:?}");
             assert!(clearance(&scenario, goal, 0) >= 0.35, "{goal:?}");
-            upper += u32::from(goal.1 > 2.0);
+            upper += u32::from(goal.y > 2.0);
         }
         assert!((100..250).contains(&upper), "about a third of the L is its upper arm: {upper}");
     }

@@ -4,16 +4,17 @@
 //! platform.
 
 use super::geometry::length;
+use glam::Vec2;
 
 /// From `point` to the nearest side, in m; negative outside. Sides may point inwards, but must not cross.
-pub(super) fn signed_distance(corners: &[(f32, f32)], point: (f32, f32)) -> f32 {
+pub(super) fn signed_distance(corners: &[Vec2], point: Vec2) -> f32 {
     let (mut nearest, mut inside) = (f32::INFINITY, false);
     for (from, to) in sides(corners) {
         nearest = nearest.min(distance_to_segment(from, to, point));
         // Even and odd crossings of the ray from the point towards +x.
-        if (from.1 > point.1) != (to.1 > point.1) {
-            let x = from.0 + (point.1 - from.1) / (to.1 - from.1) * (to.0 - from.0);
-            inside ^= point.0 < x;
+        if (from.y > point.y) != (to.y > point.y) {
+            let x = from.x + (point.y - from.y) / (to.y - from.y) * (to.x - from.x);
+            inside ^= point.x < x;
         }
     }
     if inside { nearest } else { -nearest }
@@ -26,9 +27,9 @@ pub fn sides<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> {
 
 /// From `point` to the segment between two points, in m.
 #[must_use]
-pub fn distance_to_segment(from: (f32, f32), to: (f32, f32), point: (f32, f32)) -> f32 {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let (px, py) = (point.0 - from.0, point.1 - from.1);
+pub fn distance_to_segment(from: Vec2, to: Vec2, point: Vec2) -> f32 {
+    let (dx, dy) = (to.x - from.x, to.y - from.y);
+    let (px, py) = (point.x - from.x, point.y - from.y);
     let square = dx * dx + dy * dy;
     let part = if square > 0.0 { ((px * dx + py * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
     length(px - part * dx, py - part * dy)
@@ -36,13 +37,13 @@ pub fn distance_to_segment(from: (f32, f32), to: (f32, f32), point: (f32, f32)) 
 
 /// The area, in m^2; negative where the corners go clockwise.
 #[must_use]
-pub fn area(corners: &[(f32, f32)]) -> f32 {
-    sides(corners).map(|(from, to)| from.0 * to.1 - to.0 * from.1).sum::<f32>() / 2.0
+pub fn area(corners: &[Vec2]) -> f32 {
+    sides(corners).map(|(from, to)| from.x * to.y - to.x * from.y).sum::<f32>() / 2.0
 }
 
 /// The same corners, counterclockwise.
 #[must_use]
-pub fn counterclockwise(corners: &[(f32, f32)]) -> Vec<(f32, f32)> {
+pub fn counterclockwise(corners: &[Vec2]) -> Vec<Vec2> {
     let mut corners = corners.to_vec();
     if area(&corners) < 0.0 {
         corners.reverse();
@@ -52,27 +53,30 @@ pub fn counterclockwise(corners: &[(f32, f32)]) -> Vec<(f32, f32)> {
 
 #[cfg(test)]
 mod tests {
+    use glam::vec2;
+
     use super::*;
 
     /// An L: a square of 2 m without its upper right quarter.
-    const L: [(f32, f32); 6] = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
+    const L: [Vec2; 6] =
+        [vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
 
     #[test]
     fn depth_is_positive_within_an_l_and_negative_in_its_notch() {
         for (point, expected) in [
-            ((0.5, 0.5), 0.5),
-            ((1.5, 0.4), 0.4),
-            ((0.9, 1.5), 0.1),
-            ((1.2, 1.5), -0.2),
-            ((-3.0, -4.0), -5.0),
+            (vec2(0.5, 0.5), 0.5),
+            (vec2(1.5, 0.4), 0.4),
+            (vec2(0.9, 1.5), 0.1),
+            (vec2(1.2, 1.5), -0.2),
+            (vec2(-3.0, -4.0), -5.0),
             // From the corner that points inwards: 0.3 and 0.4.
-            ((0.7, 0.6), 0.5),
+            (vec2(0.7, 0.6), 0.5),
         ] {
             let found = signed_distance(&L, point);
             assert!((found - expected).abs() < 1e-6, "{point:?}: {found}");
         }
         let clockwise: Vec<_> = L.iter().rev().copied().collect();
-        assert_eq!(signed_distance(&clockwise, (0.5, 0.5)), 0.5);
+        assert_eq!(signed_distance(&clockwise, vec2(0.5, 0.5)), 0.5);
     }
 
     #[test]
@@ -85,9 +89,10 @@ mod tests {
 
     #[test]
     fn the_way_to_a_segment_ends_at_its_ends() {
-        let (from, to) = ((0.0, 0.0), (2.0, 0.0));
-        let found = [(1.0, 0.5), (5.0, 4.0), (-3.0, 4.0)].map(|point| distance_to_segment(from, to, point));
+        let (from, to) = (vec2(0.0, 0.0), vec2(2.0, 0.0));
+        let found = [vec2(1.0, 0.5), vec2(5.0, 4.0), vec2(-3.0, 4.0)]
+            .map(|point| distance_to_segment(from, to, point));
         assert_eq!(found, [0.5, 5.0, 5.0]);
-        assert_eq!(distance_to_segment(from, from, (3.0, 4.0)), 5.0, "a segment without length");
+        assert_eq!(distance_to_segment(from, from, vec2(3.0, 4.0)), 5.0, "a segment without length");
     }
 }

@@ -8,6 +8,7 @@
 
 use std::f32::consts::TAU;
 
+use glam::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 /// One world: enclosure, walls, obstacles, robot, LIDAR, and the rules of the task in it.
@@ -85,7 +86,7 @@ pub enum Enclosure {
     /// Any outline whose sides don't cross, such as an L. Its extent along x and along y is 0.5 to 1,000 m.
     Polygon {
         /// Its corners in order, either way round, 3 to 64; the last is joined to the first.
-        corners_m: Vec<(f32, f32)>,
+        corners_m: Vec<Vec2>,
     },
 }
 
@@ -101,7 +102,7 @@ impl Default for Enclosure {
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Where it goes, 2 to 256 corners. Each piece reaches half the thickness past its ends, so that corners are closed.
-    pub corners_m: Vec<(f32, f32)>,
+    pub corners_m: Vec<Vec2>,
     /// How thick it is, 0.01 to 100 m.
     #[serde(default = "default_thickness_m")]
     pub thickness_m: f32,
@@ -118,7 +119,7 @@ pub struct Obstacle {
     /// Its outline.
     pub shape: Shape,
     /// Where its middle is at step 0.
-    pub position_m: (f32, f32),
+    pub position_m: Vec2,
     /// How it is turned at step 0, -6.3 to 6.3 (a full turn either way).
     #[serde(default)]
     pub rotation_rad: f32,
@@ -146,7 +147,7 @@ pub enum Shape {
     /// Straight sides, without a corner that points inwards. (What has one is put together of several.)
     Polygon {
         /// Its corners in order, either way round, 3 to 32, in its own frame: (0, 0) is what `position_m` places.
-        corners_m: Vec<(f32, f32)>,
+        corners_m: Vec<Vec2>,
     },
     /// A rod with round ends.
     Capsule {
@@ -167,7 +168,7 @@ pub enum ObstacleMotion {
     /// Around a point at a constant distance, turning with the revolution as if fixed to a turntable.
     Orbit {
         /// The point it revolves about.
-        centre_m: (f32, f32),
+        centre_m: Vec2,
         /// How fast, counterclockwise positive; the obstacle's middle may move at 5 m/s at most.
         speed_rad_s: f32,
     },
@@ -175,7 +176,7 @@ pub enum ObstacleMotion {
     /// forever, without turning. (The position is the first corner of the loop: don't repeat it.)
     Patrol {
         /// The further corners, 1 to 256.
-        waypoints_m: Vec<(f32, f32)>,
+        waypoints_m: Vec<Vec2>,
         /// Along the path, 0 to 5 m/s.
         speed_m_s: f32,
     },
@@ -183,7 +184,7 @@ pub enum ObstacleMotion {
     /// forever, without turning.
     BackAndForth {
         /// The further corners, 1 to 256.
-        waypoints_m: Vec<(f32, f32)>,
+        waypoints_m: Vec<Vec2>,
         /// Along the path, 0 to 5 m/s.
         speed_m_s: f32,
     },
@@ -246,9 +247,9 @@ pub enum RandomShape {
 #[serde(deny_unknown_fields)]
 pub struct Region {
     /// Its lower left corner.
-    pub min_m: (f32, f32),
+    pub min_m: Vec2,
     /// Its upper right corner.
-    pub max_m: (f32, f32),
+    pub max_m: Vec2,
 }
 
 /// The robot: a disc with a differential drive.
@@ -378,9 +379,9 @@ pub enum PlacementRule {
     /// Like `Random`, but within a rectangle.
     Within {
         /// The rectangle's lower left corner.
-        min_m: (f32, f32),
+        min_m: Vec2,
         /// Its upper right corner.
-        max_m: (f32, f32),
+        max_m: Vec2,
         /// The least distance from the point to any surface, 0 to 1,000 m.
         #[serde(default = "default_clearance_m")]
         clearance_m: f32,
@@ -388,7 +389,7 @@ pub enum PlacementRule {
     /// Always the same place.
     Fixed {
         /// The place.
-        position_m: (f32, f32),
+        position_m: Vec2,
         /// Where the robot looks at its start, -6.3 to 6.3; anywhere, if this is left out. A goal has none.
         #[serde(default)]
         heading_rad: Option<f32>,
@@ -396,7 +397,7 @@ pub enum PlacementRule {
     /// One of a few places, each as likely as the others; the heading is random.
     OneOf {
         /// The places, 1 to 256.
-        positions_m: Vec<(f32, f32)>,
+        positions_m: Vec<Vec2>,
     },
 }
 
@@ -416,16 +417,16 @@ fn default_clearance_m() -> f32 {
 #[serde(deny_unknown_fields, default)]
 pub struct BenchmarkRoute {
     /// Where the robot starts.
-    pub start_m: (f32, f32),
+    pub start_m: Vec2,
     /// Where it looks at first, -6.3 to 6.3 (a full turn either way).
     pub heading_rad: f32,
     /// Where it must go.
-    pub goal_m: (f32, f32),
+    pub goal_m: Vec2,
 }
 
 impl Default for BenchmarkRoute {
     /// The paper's, from (0, 0) to (1.2, 1.2); the heading along +x is ours.
     fn default() -> Self {
-        Self { start_m: (0.0, 0.0), heading_rad: 0.0, goal_m: (1.2, 1.2) }
+        Self { start_m: vec2(0.0, 0.0), heading_rad: 0.0, goal_m: vec2(1.2, 1.2) }
     }
 }

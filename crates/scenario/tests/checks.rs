@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use glam::{Vec2, Vec2Swizzles, vec2};
 use wayfield_scenario::{
     Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Scenario, Shape,
     Wall, diagnostics,
@@ -13,7 +14,7 @@ fn found(scenario: &Scenario) -> Vec<String> {
 }
 
 /// What is found in a world with this enclosure.
-fn enclosed(corners_m: &[(f32, f32)]) -> Vec<String> {
+fn enclosed(corners_m: &[Vec2]) -> Vec<String> {
     let enclosure = Enclosure::Polygon { corners_m: corners_m.into() };
     found(&Scenario { enclosure, ..Scenario::default() })
 }
@@ -21,19 +22,19 @@ fn enclosed(corners_m: &[(f32, f32)]) -> Vec<String> {
 #[test]
 fn a_polygonal_enclosure_must_be_an_outline() {
     assert_eq!(
-        enclosed(&[(0.0, 0.0), (1.0, 0.0)]),
+        enclosed(&[vec2(0.0, 0.0), vec2(1.0, 0.0)]),
         ["`enclosure.corners_m` has 2 entries: write 3 to 64 of them"]
     );
     assert_eq!(
-        enclosed(&[(0.0, 0.0), (1.0, 0.0), (0.0, 501.0)]),
+        enclosed(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(0.0, 501.0)]),
         ["`enclosure.corners_m[2][1]` is 501: write a number from -500 to 500 (metres)"]
     );
     assert_eq!(
-        enclosed(&[(0.0, 0.0), (3.0, 0.0), (3.0, 0.25)]),
+        enclosed(&[vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(3.0, 0.25)]),
         ["`enclosure.corners_m` reach over 0.25 m along y: move them apart, to 0.5 m at least"]
     );
     assert_eq!(
-        enclosed(&[(0.0, 0.0), (3.0, 3.0), (3.0, 3.0), (0.0, 3.0)]),
+        enclosed(&[vec2(0.0, 0.0), vec2(3.0, 3.0), vec2(3.0, 3.0), vec2(0.0, 3.0)]),
         ["`enclosure.corners_m[2]` is where the corner before it is: leave one of them out"]
     );
     // An hourglass; sides that only touch; a side that goes back along the one before it.
@@ -44,19 +45,26 @@ fn a_polygonal_enclosure_must_be_an_outline() {
         )]
     };
     assert_eq!(
-        enclosed(&[(-1.0, -1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0)]),
+        enclosed(&[vec2(-1.0, -1.0), vec2(1.0, 1.0), vec2(1.0, -1.0), vec2(-1.0, 1.0)]),
         meet(2, "corners_m[2] to corners_m[3]", "corners_m[0] to corners_m[1]")
     );
     assert_eq!(
-        enclosed(&[(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (0.0, -2.0), (-2.0, 2.0)]),
+        enclosed(&[vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(2.0, 2.0), vec2(0.0, -2.0), vec2(-2.0, 2.0)]),
         meet(2, "corners_m[2] to corners_m[3]", "corners_m[0] to corners_m[1]")
     );
     assert_eq!(
-        enclosed(&[(0.0, 0.0), (3.0, 0.0), (1.0, 0.0), (1.0, 3.0)]),
+        enclosed(&[vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 3.0)]),
         meet(1, "corners_m[1] to corners_m[2]", "corners_m[0] to corners_m[1]")
     );
     // Either way round, and with a corner that points inwards, it is fine.
-    let mut l = vec![(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (0.5, 2.0), (0.5, 1.7), (-2.0, 1.7)];
+    let mut l = vec![
+        vec2(-2.0, -2.0),
+        vec2(2.0, -2.0),
+        vec2(2.0, 2.0),
+        vec2(0.5, 2.0),
+        vec2(0.5, 1.7),
+        vec2(-2.0, 1.7),
+    ];
     assert_eq!(enclosed(&l), [""; 0]);
     l.reverse();
     assert_eq!(enclosed(&l), [""; 0]);
@@ -64,7 +72,7 @@ fn a_polygonal_enclosure_must_be_an_outline() {
 
 #[test]
 fn more_than_there_may_be_of_walls_and_generators_is_refused() {
-    let wall = |corners| Wall { corners_m: vec![(0.0, 0.0); corners], thickness_m: 0.1 };
+    let wall = |corners| Wall { corners_m: vec![vec2(0.0, 0.0); corners], thickness_m: 0.1 };
     let generator = |count| Generator {
         count,
         shape: RandomShape::Circle { radius_m: (0.1, 0.1) },
@@ -89,9 +97,9 @@ fn more_than_there_may_be_of_walls_and_generators_is_refused() {
 
 #[test]
 fn places_that_the_rules_name_must_leave_a_way_to_go() {
-    let fixed = |x, heading_rad| PlacementRule::Fixed { position_m: (x, 0.0), heading_rad };
+    let fixed = |x, heading_rad| PlacementRule::Fixed { position_m: vec2(x, 0.0), heading_rad };
     let one_of =
-        |places: &[f32]| PlacementRule::OneOf { positions_m: places.iter().map(|&x| (x, 0.0)).collect() };
+        |places: &[f32]| PlacementRule::OneOf { positions_m: places.iter().map(|&x| vec2(x, 0.0)).collect() };
     let with = |starts, goals| found(&Scenario { starts, goals, ..Scenario::default() });
     assert_eq!(with(fixed(0.0, Some(1.5)), fixed(0.5, None)), [""; 0]);
     assert_eq!(
@@ -119,25 +127,28 @@ fn places_that_the_rules_name_must_leave_a_way_to_go() {
         ]
     );
     let within = |min_m, max_m| PlacementRule::Within { min_m, max_m, clearance_m: 0.3 };
-    assert_eq!(with(within((-1.0, -1.0), (-0.5, 1.0)), within((0.5, -1.0), (1.0, 1.0))), [""; 0]);
-    // Of a square of 1 m, what is 0.5 m from its middle is 1 - pi/4 of it, 21 %; of one of 1.04 m, 27 %.
-    assert_eq!(with(within((-0.52, -0.52), (0.52, 0.52)), fixed(0.0, None)), [""; 0]);
     assert_eq!(
-        with(within((-0.5, -0.5), (0.5, 0.5)), fixed(0.0, None)),
+        with(within(vec2(-1.0, -1.0), vec2(-0.5, 1.0)), within(vec2(0.5, -1.0), vec2(1.0, 1.0))),
+        [""; 0]
+    );
+    // Of a square of 1 m, what is 0.5 m from its middle is 1 - pi/4 of it, 21 %; of one of 1.04 m, 27 %.
+    assert_eq!(with(within(vec2(-0.52, -0.52), vec2(0.52, 0.52)), fixed(0.0, None)), [""; 0]);
+    assert_eq!(
+        with(within(vec2(-0.5, -0.5), vec2(0.5, 0.5)), fixed(0.0, None)),
         [
             "`goals` lie too near the starts: fewer than one start in 4 leaves a goal that is 0.5 m away; move \
              them, or write less for task.min_goal_distance_m"
         ]
     );
     assert_eq!(
-        with(within((1.8, -1.0), (2.0, 1.0)), within((1.0, 0.5), (0.5, 1.0))),
+        with(within(vec2(1.8, -1.0), vec2(2.0, 1.0)), within(vec2(1.0, 0.5), vec2(0.5, 1.0))),
         [
             "`goals.max_m[0]` is 0.5, and `min_m[0]` is 1: write the lower left corner as min_m, the upper right one \
              as max_m"
         ]
     );
     assert_eq!(
-        with(within((1.8, -1.0), (2.0, 1.0)), PlacementRule::default()),
+        with(within(vec2(1.8, -1.0), vec2(2.0, 1.0)), PlacementRule::default()),
         [
             "`starts` finds no free space at step 0: no point of its rectangle is 0.3 m clear; use fewer or smaller \
              obstacles, or a smaller clearance_m"
@@ -172,26 +183,26 @@ fn generators_that_can_fill_the_room_are_told_of() {
     assert_eq!(found(&Scenario { goals: far.clone(), ..crowd.clone() }), told("for a goal"));
     assert_eq!(found(&Scenario { starts: far, ..crowd }), told("for a start"));
     // They fill a hall but for its left end.
-    let right = Region { min_m: (-1.0, -0.75), max_m: (3.0, 0.75) };
+    let right = Region { min_m: vec2(-1.0, -0.75), max_m: vec2(3.0, 0.75) };
     let mut hall = Scenario {
         enclosure: Enclosure::Rectangle { width_m: 6.0, height_m: 1.5 },
         generators: vec![generator(60, Some(right))],
         goals: PlacementRule::Random { clearance_m: 0.5 },
         ..Scenario::default()
     };
-    (hall.benchmark_route.start_m, hall.benchmark_route.goal_m) = ((-2.5, 0.0), (-2.0, 0.0));
+    (hall.benchmark_route.start_m, hall.benchmark_route.goal_m) = (vec2(-2.5, 0.0), vec2(-2.0, 0.0));
     hall.task.min_goal_distance_m = 1.0;
     assert_eq!(found(&hall), told("for a goal that is task.min_goal_distance_m away"));
 }
 
 #[test]
 fn what_the_robot_cannot_reach_is_told_with_two_points() {
-    let wall = |corners: &[(f32, f32)]| Wall { corners_m: corners.into(), thickness_m: 0.1 };
+    let wall = |corners: &[Vec2]| Wall { corners_m: corners.into(), thickness_m: 0.1 };
     // A closet in the upper right corner, 1 m x 1 m inside.
-    let closet = wall(&[(0.95, 2.0), (0.95, 0.95), (2.0, 0.95)]);
+    let closet = wall(&[vec2(0.95, 2.0), vec2(0.95, 0.95), vec2(2.0, 0.95)]);
     let needs = "it needs a gap of more than 0.26 m, twice the collision range; open a way";
     let mut scenario = Scenario { walls: vec![closet], ..Scenario::default() };
-    scenario.benchmark_route.goal_m = (1.0, -1.0);
+    scenario.benchmark_route.goal_m = vec2(1.0, -1.0);
     let told = found(&scenario);
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(told[0].starts_with("`goals` may be at (1.5"), "{told:?}");
@@ -201,7 +212,8 @@ fn what_the_robot_cannot_reach_is_told_with_two_points() {
         "{told:?}"
     );
     // Goals elsewhere: the starts are what is left.
-    let elsewhere = PlacementRule::Within { min_m: (-2.0, -2.0), max_m: (2.0, 0.9), clearance_m: 0.35 };
+    let elsewhere =
+        PlacementRule::Within { min_m: vec2(-2.0, -2.0), max_m: vec2(2.0, 0.9), clearance_m: 0.35 };
     scenario.goals = elsewhere.clone();
     let told = found(&scenario);
     assert_eq!(told.len(), 1, "{told:?}");
@@ -210,16 +222,16 @@ fn what_the_robot_cannot_reach_is_told_with_two_points() {
     scenario.starts = elsewhere;
     assert_eq!(found(&scenario), [""; 0]);
     // A fixed start in the closet is what is wrong, wherever goals may be.
-    scenario.starts = PlacementRule::Fixed { position_m: (1.25, 1.25), heading_rad: None };
+    scenario.starts = PlacementRule::Fixed { position_m: vec2(1.25, 1.25), heading_rad: None };
     scenario.goals = PlacementRule::default();
     assert!(
         found(&scenario)[0].starts_with("`starts` may be at (1.25, 1.25), from where"),
         "{:?}",
         found(&scenario)
     );
-    scenario.goals = PlacementRule::OneOf { positions_m: vec![(1.3, 1.8), (1.75, 1.7)] };
+    scenario.goals = PlacementRule::OneOf { positions_m: vec![vec2(1.3, 1.8), vec2(1.75, 1.7)] };
     assert_eq!(found(&scenario), [""; 0], "within the closet it may stay");
-    scenario.benchmark_route.goal_m = (1.5, 1.5);
+    scenario.benchmark_route.goal_m = vec2(1.5, 1.5);
     assert_eq!(
         found(&scenario),
         [format!(
@@ -236,18 +248,17 @@ fn a_gap_of_twice_the_collision_range_is_the_least() {
         [(0.25, false, false), (0.25, true, false), (0.262, false, true), (0.262, true, true)]
     {
         let half = gap_m / 2.0 + 0.01;
-        let ends = [((0.003, -2.0), (0.003, -half)), ((0.003, half), (0.003, 2.0))];
-        let walls =
-            ends.map(|(from, to)| if turned { wall((from.1, from.0), (to.1, to.0)) } else { wall(from, to) });
+        let ends = [(vec2(0.003, -2.0), vec2(0.003, -half)), (vec2(0.003, half), vec2(0.003, 2.0))];
+        let walls = ends.map(|(from, to)| if turned { wall(from.yx(), to.yx()) } else { wall(from, to) });
         let in_the_door = Obstacle {
             shape: Shape::Circle { radius_m: 0.2 },
-            position_m: (0.0, 0.0),
+            position_m: vec2(0.0, 0.0),
             rotation_rad: 0.0,
-            motion: ObstacleMotion::BackAndForth { waypoints_m: vec![(0.1, 0.0)], speed_m_s: 0.1 },
+            motion: ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.1, 0.0)], speed_m_s: 0.1 },
         };
         let mut scenario =
             Scenario { walls: walls.into(), obstacles: vec![in_the_door], ..Scenario::default() };
-        scenario.benchmark_route.start_m = (-1.2, -1.2);
+        scenario.benchmark_route.start_m = vec2(-1.2, -1.2);
         assert_eq!(
             found(&scenario).is_empty(),
             passes,

@@ -208,17 +208,17 @@ fn link(name: &str) -> String {
     format!("[{label}](#{})", label.replace(' ', "-"))
 }
 
-/// What is written for a value of the type. Pairs are places, but in [`RandomShape`] they are ranges.
-fn written(kind: &Type, of: &str) -> String {
+/// How a value of the type is written. Points are `Vec2`, ranges are pairs.
+fn written(kind: &Type) -> String {
     match (name(kind).as_str(), inner(kind)) {
-        ("", _) if of == "RandomShape" => "`(lowest, highest)`".into(),
-        ("", _) => "`(x, y)`".into(),
+        ("", _) => "`(lowest, highest)`".into(),
+        ("Vec2", _) => "`(x, y)`".into(),
         ("String", _) => "text".into(),
         ("f32", _) => "number".into(),
         ("u32" | "usize", _) => "whole number".into(),
-        ("Option", Some(inner)) => written(inner, of),
-        ("Vec", Some(inner)) if name(inner).is_empty() => format!("list of {}", written(inner, of)),
-        ("Vec", Some(inner)) => format!("list of {}s", written(inner, of)),
+        ("Option", Some(inner)) => written(inner),
+        ("Vec", Some(inner)) if name(inner) == "Vec2" => format!("list of {}", written(inner)),
+        ("Vec", Some(inner)) => format!("list of {}s", written(inner)),
         (name, _) => link(name),
     }
 }
@@ -226,7 +226,7 @@ fn written(kind: &Type, of: &str) -> String {
 /// Some value of the type, as RON.
 fn sample(kind: &Type, sections: &[Section<'_>]) -> String {
     match name(kind).as_str() {
-        "" => "(1.0, 1.0)".into(),
+        "" | "Vec2" => "(1.0, 1.0)".into(),
         "String" => "\"\"".into(),
         "f32" => "1.0".into(),
         "u32" | "usize" => "1".into(),
@@ -337,7 +337,7 @@ fn table(page: &mut String, section: &Section<'_>, group: &Group<'_>, sections: 
     let mut below = String::new();
     for entry in &group.entries {
         let (short, long) = default(entry, &values[&entry.name], sections);
-        let written = written(entry.kind, &section.name);
+        let written = written(entry.kind);
         let about = entry.about.replace('|', "\\|");
         let short = if with_defaults { format!("{short} | ") } else { String::new() };
         let _ = writeln!(page, "| `{}` | {written} | {short}{about} |", entry.name);
@@ -424,11 +424,11 @@ fn the_page_says_what_was_worked_out_by_hand() {
     let source = "//! What.\n//!\n//! Metres.\n/// A robot.\n/// Ours.\n#[serde(default)]\npub struct Robot {\n\
         /// Its radius | half\n/// across.\npub radius_m: f32,\n}\n\
         impl Default for Robot {\n/// By rule.\nfn default() -> Self { todo!() }\n}\n\
-        /// A wall.\npub struct Wall {\n/// Along.\npub corners_m: Vec<(f32, f32)>,\n\
+        /// A wall.\npub struct Wall {\n/// Along.\npub corners_m: Vec<Vec2>,\n\
         /// Across.\n#[serde(default = \"x\")]\npub thickness_m: f32,\n}\n\
         /// A motion.\npub enum ObstacleMotion {\n/// None.\nStill,\n/// Some.\nRandomWalk {\n/// How far.\nreach_m: f32,\n\
         /// How fast.\nspeed_m_s: f32,\n/// Which.\n#[serde(default)]\nseed: u32,\n},\n}\n\
-        /// A box.\npub struct Region {\n/// One.\npub min_m: (f32, f32),\n/// Other.\npub max_m: (f32, f32),\n}\n";
+        /// A box.\npub struct Region {\n/// One.\npub min_m: Vec2,\n/// Other.\npub max_m: Vec2,\n}\n";
     let page = page(source, "()\n");
     let (_, tables) = page.split_once("## Contents\n\n").expect("contents");
     assert_eq!(

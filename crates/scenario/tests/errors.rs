@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use glam::vec2;
 use wayfield_scenario::{Obstacle, ObstacleMotion, Scenario, Shape, diagnostics, parse_ron, to_ron};
 
 const FIXTURES: &str = "tests/fixtures";
@@ -197,7 +198,7 @@ fn other_files_of_the_project_are_explained_alike() {
 fn texts_too_long_and_crowds_too_large_are_refused() {
     let circle = Obstacle {
         shape: Shape::Circle { radius_m: -1.0 },
-        position_m: (0.0, 0.0),
+        position_m: vec2(0.0, 0.0),
         rotation_rad: 0.0,
         motion: ObstacleMotion::Static,
     };

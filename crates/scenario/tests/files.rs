@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::vec2;
 use wayfield_scenario::{
     Enclosure, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape, parse_ron, pose_at, to_ron,
 };
@@ -49,7 +50,7 @@ fn the_defaults_are_the_papers_numbers() {
     assert_eq!(scenario.goals, scenario.starts);
     assert_eq!(
         (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m),
-        ((0.0, 0.0), (1.2, 1.2)),
+        (vec2(0.0, 0.0), vec2(1.2, 1.2)),
         "tables 3 to 7"
     );
 }
@@ -67,7 +68,7 @@ fn scenario_2_is_scenario_1_turning() {
     assert_eq!(one.obstacles, two.obstacles.iter().map(stilled).collect::<Vec<_>>());
     assert!(one.obstacles.iter().all(|o| o.shape == Shape::Circle { radius_m: 0.15 }));
     let corners: Vec<_> = one.obstacles.iter().map(|o| o.position_m).collect();
-    assert_eq!(corners, [(0.6, 0.6), (-0.6, 0.6), (-0.6, -0.6), (0.6, -0.6)]);
+    assert_eq!(corners, [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)]);
     // pi/2 at 0.15 rad/s takes 10.472 s, 52.36 steps: after 52 the first is just short of where the second
     // was.
     let (x, y, _) = pose_at(&two.obstacles[0], 52, two.task.control_period_s);

@@ -1,5 +1,6 @@
 //! Starts and goals keep their clearance in any sound scenario, and no text or number makes the room panic.
 
+use glam::{Vec2, vec2};
 use proptest::prelude::*;
 use wayfield_random::stream;
 use wayfield_scenario::{
@@ -14,8 +15,13 @@ fn shape() -> impl Strategy<Value = Shape> {
     ]
 }
 
+/// A point whose coordinates are less than `reach` from 0.
+fn point(reach: f32) -> impl Strategy<Value = Vec2> {
+    (-reach..reach, -reach..reach).prop_map(Vec2::from)
+}
+
 fn motion() -> impl Strategy<Value = ObstacleMotion> {
-    let point = || (-2.0_f32..2.0, -2.0_f32..2.0);
+    let point = || point(2.0);
     prop_oneof![
         Just(ObstacleMotion::Static),
         (point(), -1.0_f32..1.0)
@@ -27,7 +33,7 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
 
 /// A scenario whose obstacles may lie anywhere, even across the walls: placement must cope.
 fn scenario() -> impl Strategy<Value = Scenario> {
-    let obstacle = (shape(), (-2.5_f32..2.5, -2.5_f32..2.5), -6.0_f32..6.0, motion()).prop_map(
+    let obstacle = (shape(), point(2.5), -6.0_f32..6.0, motion()).prop_map(
         |(shape, position_m, rotation_rad, motion)| Obstacle { shape, position_m, rotation_rad, motion },
     );
     (prop::collection::vec(obstacle, 0..8), 2.0_f32..8.0, 2.0_f32..8.0, 0.15_f32..0.6).prop_map(
@@ -49,7 +55,7 @@ proptest! {
         let draw = || {
             let mut s = stream(seed, "places", 0);
             let start = draw_start(&scenario, step, &mut s);
-            let robot = start.map_or((0.0, 0.0), |(x, y, _)| (x, y));
+            let robot = start.map_or(Vec2::ZERO, |(x, y, _)| vec2(x, y));
             (start, draw_goal(&scenario, step, robot, &mut s))
         };
         let (start, goal) = draw();
@@ -59,14 +65,14 @@ proptest! {
         else {
             panic!("random places");
         };
-        let mut robot = (0.0, 0.0);
+        let mut robot = Vec2::ZERO;
         if let Ok((x, y, _)) = start {
-            robot = (x, y);
+            robot = vec2(x, y);
             prop_assert!(clearance(&scenario, robot, step) >= *least);
         }
-        if let Ok((x, y)) = goal {
-            prop_assert!(clearance(&scenario, (x, y), step) >= *more);
-            prop_assert!((x - robot.0).hypot(y - robot.1) > 0.4999);
+        if let Ok(goal) = goal {
+            prop_assert!(clearance(&scenario, goal, step) >= *more);
+            prop_assert!(goal.distance(robot) > 0.4999);
         }
     }
 
@@ -79,7 +85,7 @@ proptest! {
         let mut s = stream(seed, "places", 0);
         let start = draw_start(&scenario, 0, &mut s);
         prop_assert!(start.is_ok());
-        let robot = start.map_or((0.0, 0.0), |(x, y, _)| (x, y));
+        let robot = start.map_or(Vec2::ZERO, |(x, y, _)| vec2(x, y));
         prop_assert!(draw_goal(&scenario, 0, robot, &mut s).is_ok());
     }
 
@@ -106,9 +112,12 @@ proptest! {
 
     #[test]
     fn no_number_makes_a_pose_panic(
-        position_m: (f32, f32), rotation_rad: f32, centre_m: (f32, f32), speed: f32, waypoints_m: Vec<(f32, f32)>,
+        position in any::<(f32, f32)>(), rotation_rad: f32, centre in any::<(f32, f32)>(), speed: f32,
+        waypoints: Vec<(f32, f32)>,
         step: u64, period: f32,
     ) {
+        let (position_m, centre_m) = (Vec2::from(position), Vec2::from(centre));
+        let waypoints_m = waypoints.into_iter().map(Vec2::from).collect();
         for motion in [
             ObstacleMotion::Static,
             ObstacleMotion::Orbit { centre_m, speed_rad_s: speed },

@@ -5,9 +5,10 @@ mod scenario_strategies;
 
 use std::collections::VecDeque;
 
+use glam::{Vec2, vec2};
 use proptest::collection::vec;
 use proptest::prelude::*;
-use scenario_strategies::{Point, ValueRange, valid_scenario, without_moving_obstacles};
+use scenario_strategies::{ValueRange, valid_scenario, without_moving_obstacles};
 use wayfield_random::stream;
 use wayfield_scenario::{
     BenchmarkRoute, PlacementRule, Scenario, Shape, Wall, clearance, diagnostics, draw_goal, draw_start,
@@ -15,33 +16,46 @@ use wayfield_scenario::{
 };
 
 /// The outline of a shape at a pose: corners, and how far it reaches beyond them.
-fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Point>, f32) {
+fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Vec2>, f32) {
     let (points, radius) = match shape {
-        Shape::Circle { radius_m } => (vec![(0.0, 0.0)], *radius_m),
-        Shape::Rectangle { width_m: w, height_m: h } => {
-            (vec![(-w / 2.0, -h / 2.0), (w / 2.0, -h / 2.0), (w / 2.0, h / 2.0), (-w / 2.0, h / 2.0)], 0.0)
-        }
+        Shape::Circle { radius_m } => (vec![Vec2::ZERO], *radius_m),
+        Shape::Rectangle { width_m: w, height_m: h } => (
+            vec![
+                vec2(-w / 2.0, -h / 2.0),
+                vec2(w / 2.0, -h / 2.0),
+                vec2(w / 2.0, h / 2.0),
+                vec2(-w / 2.0, h / 2.0),
+            ],
+            0.0,
+        ),
         Shape::Polygon { corners_m } => (corners_m.clone(), 0.0),
         Shape::Capsule { length_m, radius_m } => {
-            (vec![(-length_m / 2.0, 0.0), (length_m / 2.0, 0.0)], *radius_m)
+            (vec![vec2(-length_m / 2.0, 0.0), vec2(length_m / 2.0, 0.0)], *radius_m)
         }
     };
     let (sin, cos) = rotation.sin_cos();
-    (points.into_iter().map(|(a, b)| (x + a * cos - b * sin, y + a * sin + b * cos)).collect(), radius)
+    (
+        points
+            .into_iter()
+            .map(|Vec2 { x: a, y: b }| vec2(x + a * cos - b * sin, y + a * sin + b * cos))
+            .collect(),
+        radius,
+    )
 }
 
 /// Whether a way leads from one point to another over a coarse grid whose points are all `clear` m from what stands.
-fn has_way(scenario: &Scenario, from: Point, to: Point, clear: f32) -> bool {
+fn has_way(scenario: &Scenario, from: Vec2, to: Vec2, clear: f32) -> bool {
     const CELL_M: f32 = 0.05;
     let (low, high) = scenario.enclosure.bounds_m();
     let (columns, rows) =
-        (((high.0 - low.0) / CELL_M) as usize + 1, ((high.1 - low.1) / CELL_M) as usize + 1);
-    let nearest =
-        |(x, y): Point| (((x - low.0) / CELL_M).round() as usize, ((y - low.1) / CELL_M).round() as usize);
+        (((high.x - low.x) / CELL_M) as usize + 1, ((high.y - low.y) / CELL_M) as usize + 1);
+    let nearest = |Vec2 { x, y }: Vec2| {
+        (((x - low.x) / CELL_M).round() as usize, ((y - low.y) / CELL_M).round() as usize)
+    };
     let without_moving_obstacles = without_moving_obstacles(scenario);
     let mut free: Vec<bool> = (0..columns * rows)
         .map(|k| {
-            let point = (low.0 + (k % columns) as f32 * CELL_M, low.1 + (k / columns) as f32 * CELL_M);
+            let point = vec2(low.x + (k % columns) as f32 * CELL_M, low.y + (k / columns) as f32 * CELL_M);
             clearance(&without_moving_obstacles, point, 0) >= clear
         })
         .collect();
@@ -111,12 +125,12 @@ proptest! {
         let task = &scenario.task;
         let without_moving_obstacles = without_moving_obstacles(&scenario);
         // A place by a rule: as clear as the rule says, or where the robot does not collide with what stands.
-        let keeps = |rule: &PlacementRule, place: Point, step: u64| match rule {
+        let keeps = |rule: &PlacementRule, place: Vec2, step: u64| match rule {
             PlacementRule::Random { clearance_m } => clearance(&scenario, place, step) >= *clearance_m,
             PlacementRule::Within { min_m, max_m, clearance_m } => {
                 clearance(&scenario, place, step) >= *clearance_m
-                    && (min_m.0..=max_m.0).contains(&place.0)
-                    && (min_m.1..=max_m.1).contains(&place.1)
+                    && (min_m.x..=max_m.x).contains(&place.x)
+                    && (min_m.y..=max_m.y).contains(&place.y)
             }
             PlacementRule::Fixed { position_m, .. } => {
                 place == *position_m && clearance(&without_moving_obstacles, place, 0) >= task.collision_range_m
@@ -131,11 +145,11 @@ proptest! {
             let drawn = draw_start_and_goal(&scenario, step, &mut s);
             prop_assert!(drawn.is_ok() || step > 0, "{drawn:?}");
             let Ok(((x, y, heading), goal)) = drawn else { continue };
-            prop_assert!(keeps(&scenario.starts, (x, y), step), "{:?}", (x, y));
+            prop_assert!(keeps(&scenario.starts, vec2(x, y), step), "{:?}", (x, y));
             prop_assert!(keeps(&scenario.goals, goal, step), "{goal:?}");
             prop_assert!(heading.abs() <= 6.3);
-            prop_assert!((goal.0 - x).hypot(goal.1 - y) > task.min_goal_distance_m - 1e-4);
-            prop_assert!(has_way(&scenario, (x, y), goal, task.collision_range_m - 0.05), "to {goal:?}");
+            prop_assert!((goal.x - x).hypot(goal.y - y) > task.min_goal_distance_m - 1e-4);
+            prop_assert!(has_way(&scenario, vec2(x, y), goal, task.collision_range_m - 0.05), "to {goal:?}");
             if matches!(scenario.goals, PlacementRule::Random { .. }) {
                 prop_assert!(draw_goal(&scenario, 0, goal, &mut s).is_ok(), "and on from there");
             }
@@ -187,12 +201,12 @@ proptest! {
     ) {
         // From the lowest to the highest point of the enclosure, but for a gap.
         let (low, high) = scenario.enclosure.bounds_m();
-        let x = low.0 + across * (high.0 - low.0);
-        let mut top = low.1 + 0.001;
-        while enclosure_distance(&scenario.enclosure, (x, top)) > 0.0 {
+        let x = low.x + across * (high.x - low.x);
+        let mut top = low.y + 0.001;
+        while enclosure_distance(&scenario.enclosure, vec2(x, top)) > 0.0 {
             top += 0.001;
         }
-        scenario.walls.push(Wall { corners_m: vec![(x, low.1), (x, top - gap_m - 0.01)], thickness_m: 0.02 });
+        scenario.walls.push(Wall { corners_m: vec![vec2(x, low.y), vec2(x, top - gap_m - 0.01)], thickness_m: 0.02 });
         let BenchmarkRoute { start_m, goal_m, .. } = scenario.benchmark_route;
         scenario.starts = PlacementRule::Fixed { position_m: start_m, heading_rad: None };
         scenario.goals = PlacementRule::Fixed { position_m: goal_m, heading_rad: None };

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use glam::{Vec2, vec2};
 use wayfield_scenario::{Motion, Scenario, clearance};
 
 fn shipped(name: &str) -> Scenario {
@@ -26,27 +27,29 @@ struct Field {
 
 impl Field {
     /// What the robot rolls down: one for each metre to the goal, and push / 2 (1 / d - 1 / within)^2.
-    fn height(&self, scenario: &Scenario, (x, y): (f32, f32)) -> f32 {
+    fn height(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
         let goal = scenario.benchmark_route.goal_m;
-        let nearest = clearance(scenario, (x, y), 0).max(0.01);
+        let nearest = clearance(scenario, vec2(x, y), 0).max(0.01);
         let pushed = (1.0 / nearest - 1.0 / self.within_m).max(0.0);
-        (x - goal.0).hypot(y - goal.1) + self.push / 2.0 * pushed * pushed
+        (x - goal.x).hypot(y - goal.y) + self.push / 2.0 * pushed * pushed
     }
 
     /// The direction in which it falls, in rad.
-    fn downhill(&self, scenario: &Scenario, (x, y): (f32, f32)) -> f32 {
+    fn downhill(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
         let by = 0.01;
-        let slope =
-            |dx, dy| self.height(scenario, (x - dx, y - dy)) - self.height(scenario, (x + dx, y + dy));
+        let slope = |dx, dy| {
+            self.height(scenario, Vec2 { x: x - dx, y: y - dy })
+                - self.height(scenario, Vec2 { x: x + dx, y: y + dy })
+        };
         slope(0.0, by).atan2(slope(by, 0.0))
     }
 
     /// The benchmark route: at each step the motion that turns the robot downhill best.
     fn drives(&self, scenario: &Scenario) -> End {
         let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
-        let ((mut x, mut y), mut heading) = (benchmark_route.start_m, benchmark_route.heading_rad);
+        let (Vec2 { mut x, mut y }, mut heading) = (benchmark_route.start_m, benchmark_route.heading_rad);
         for _ in 0..task.max_episode_steps {
-            let downhill = self.downhill(scenario, (x, y));
+            let downhill = self.downhill(scenario, vec2(x, y));
             let off = |motion: &&Motion| {
                 let turned = downhill - heading - motion.w_rad_s * task.control_period_s;
                 turned.sin().atan2(turned.cos()).abs()
@@ -57,10 +60,10 @@ impl Field {
             let way = motion.v_m_s * task.control_period_s;
             (x, y) = (x + way * (heading + turn / 2.0).cos(), y + way * (heading + turn / 2.0).sin());
             heading += turn;
-            if (x - benchmark_route.goal_m.0).hypot(y - benchmark_route.goal_m.1) < task.goal_radius_m {
+            if (x - benchmark_route.goal_m.x).hypot(y - benchmark_route.goal_m.y) < task.goal_radius_m {
                 return End::Reached;
             }
-            if clearance(scenario, (x, y), 0) < task.collision_range_m {
+            if clearance(scenario, vec2(x, y), 0) < task.collision_range_m {
                 return End::Collided;
             }
         }

@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use bevy::math::{Vec2, vec2};
 use bevy::prelude::World;
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +30,7 @@ pub enum Intervention {
         /// The object.
         object: Movable,
         /// Its new position in m; for an obstacle, that at step 0.
-        to_m: (f32, f32),
+        to_m: Vec2,
     },
     /// Another scenario was adopted from the editor or from its file. Every arena began a new episode.
     Scenario(Box<Scenario>),
@@ -66,8 +67,8 @@ pub fn resolve(world: &mut World, request: &MoveRequest) -> Result<Intervention,
         scenario: &scenario,
         layout,
         obstacles: &obstacles,
-        robot_m: (robot.x_m, robot.y_m),
-        goal_m: (goal.x_m, goal.y_m),
+        robot_m: vec2(robot.x_m, robot.y_m),
+        goal_m: vec2(goal.x_m, goal.y_m),
     };
     check_move(&view, object, to_m)?;
     let to_m = match object {
@@ -97,7 +98,7 @@ pub fn apply(world: &mut World, intervention: &Intervention) {
 }
 
 /// Moves an obstacle in all arenas; `position_m` is its position at step 0.
-fn move_obstacle(world: &mut World, index: usize, position_m: (f32, f32)) {
+fn move_obstacle(world: &mut World, index: usize, position_m: Vec2) {
     let changed = with_obstacle_at(&world.resource::<CurrentScenario>().0, index, position_m);
     let Some(changed) = changed.map(Arc::new) else { return };
     if changed.generators.is_empty() {

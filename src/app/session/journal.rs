@@ -95,10 +95,11 @@ impl Journal {
         check_scenario(scenario).map_err(|why| format!("the scenario of the run is invalid: {why}"))?;
         for JournalEntry { after_steps, intervention } in &self.entries {
             match intervention {
-                Intervention::Move { to_m: (x_m, y_m), .. } => {
-                    if !(x_m.abs() <= MAX_MOVE_M && y_m.abs() <= MAX_MOVE_M) {
+                Intervention::Move { to_m, .. } => {
+                    if !(to_m.x.abs() <= MAX_MOVE_M && to_m.y.abs() <= MAX_MOVE_M) {
                         return Err(format!(
-                            "after {after_steps} steps an object was moved to ({x_m}, {y_m}), which lies outside every scenario"
+                            "after {after_steps} steps an object was moved to ({}, {}), which lies outside every scenario",
+                            to_m.x, to_m.y
                         ));
                     }
                 }

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use bevy::math::vec2;
+
 use super::{EpisodeResult, period_s, round_to_microsecond};
 use crate::planner::{self, Resolution, StepBounds};
 use crate::scenario::{Scenario, TaskRules};
@@ -13,7 +15,7 @@ use crate::scenario::{Scenario, TaskRules};
 pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -> Vec<StepBounds> {
     let of = |n: &EpisodeResult| {
         let start = (n.start.x_m, n.start.y_m, n.start.heading_rad);
-        let goal = (n.goal.x_m, n.goal.y_m);
+        let goal = vec2(n.goal.x_m, n.goal.y_m);
         if scenario.generators.is_empty() {
             return planner::step_bounds(scenario, start, goal, n.clock.0, Resolution::default());
         }

@@ -77,7 +77,7 @@ mod tests {
             long.markers.push(EventMarker { x, label: label.to_owned() });
         }
         let cases = [
-            ("none", CurveChart::default()),
+            ("empty", CurveChart::default()),
             ("an empty panel", CurveChart { panels: vec![ChartPanel::default()], ..CurveChart::default() }),
             ("one episode", curves(1, 1, 1)),
             ("four lines", curves(4, 3, 1500)),
@@ -123,9 +123,9 @@ mod tests {
         let plain = column(&[cell(&[90.0, 95.0, 99.0]), DotCell::default(), cell(&[1.0])]);
         let wide = column(&[cell(&[0.0, 1_234_567.0]), cell(&[f64::NAN, 9e11])]);
         let cases = [
-            ("none", DotPlot::default()),
+            ("empty", DotPlot::default()),
             ("no column", figure(&[])),
-            ("empty", figure(&[column(&[])])),
+            ("an empty column", figure(&[column(&[])])),
             ("plain", figure(&[plain.clone(), plain.clone()])),
             ("wide", figure(&[wide, plain.clone(), plain])),
         ];
@@ -174,7 +174,7 @@ mod tests {
             ScenarioMap { enclosure: corners.to_vec(), ..map.clone() }
         };
         let cases = [
-            ("none", ScenarioMap::default()),
+            ("empty", ScenarioMap::default()),
             ("not finite", within(f64::INFINITY, 2.5)),
             ("flat", within(2.5, 0.0)),
             ("square", map.clone()),

@@ -4,6 +4,8 @@
 //! together side by side. All shapes are convex, so that each blocks one interval of a row: the work goes with the
 //! number of rows, not of cells.
 
+use glam::{DVec2, Vec2Swizzles, dvec2};
+
 use crate::polygon::sides;
 
 /// About so many cells at most.
@@ -13,11 +15,9 @@ const MIN_CELL_FRACTION: f64 = 1.0 / 32.0;
 /// Nor may they be larger than this part: what fits through a gap would be lost between them.
 const MAX_CELL_FRACTION: f64 = 1.0 / 2.0;
 
-pub(super) type Point = (f64, f64);
-
 /// Where the cells are.
 pub(super) struct CellGrid {
-    origin: Point,
+    origin: DVec2,
     /// The side of a cell, in m.
     pub(super) cell_m: f64,
     columns: usize,
@@ -29,8 +29,8 @@ pub(super) struct CellGrid {
 impl CellGrid {
     /// A grid over the box between two corners for a robot whose middle needs `room_m` to all sides; none where the box
     /// is so large that cells would be too coarse.
-    pub(super) fn over(low: Point, high: Point, room_m: f64) -> Option<Self> {
-        let (width, height) = (high.0 - low.0, high.1 - low.1);
+    pub(super) fn over(low: DVec2, high: DVec2, room_m: f64) -> Option<Self> {
+        let (width, height) = (high.x - low.x, high.y - low.y);
         let cell_m = (room_m * MIN_CELL_FRACTION).max((width * height / MAX_CELLS).sqrt());
         let turned = height > width;
         let count = |extent: f64| ((extent / cell_m).ceil() as usize).max(1);
@@ -41,36 +41,36 @@ impl CellGrid {
     }
 
     /// Between the world's axes and the grid's, either way.
-    pub(super) fn along(&self, (x, y): Point) -> Point {
-        if self.turned { (y, x) } else { (x, y) }
+    pub(super) fn along(&self, point: DVec2) -> DVec2 {
+        if self.turned { point.yx() } else { point }
     }
 
     /// The row and column of the cell that a point (along the world's axes) lies in.
-    pub(super) fn cell_at(&self, point: Point) -> (usize, usize) {
-        let (x, y) = self.along(point);
+    pub(super) fn cell_at(&self, point: DVec2) -> (usize, usize) {
+        let DVec2 { x, y } = self.along(point);
         let index = |at: f64, origin: f64, count: usize| {
             (((at - origin) / self.cell_m).max(0.0) as usize).min(count - 1)
         };
-        (index(y, self.origin.1, self.rows), index(x, self.origin.0, self.columns))
+        (index(y, self.origin.y, self.rows), index(x, self.origin.x, self.columns))
     }
 
     /// The middle of a cell, along the world's axes.
-    pub(super) fn middle(&self, row: usize, column: usize) -> Point {
-        self.along((self.origin.0 + (column as f64 + 0.5) * self.cell_m, self.y(row)))
+    pub(super) fn middle(&self, row: usize, column: usize) -> DVec2 {
+        self.along(dvec2(self.origin.x + (column as f64 + 0.5) * self.cell_m, self.y(row)))
     }
 
     fn y(&self, row: usize) -> f64 {
-        self.origin.1 + (row as f64 + 0.5) * self.cell_m
+        self.origin.y + (row as f64 + 0.5) * self.cell_m
     }
 
     /// The first column whose middle is beyond `x`.
     fn column_beyond(&self, x: f64) -> usize {
-        (((x - self.origin.0) / self.cell_m - 0.5).floor() + 1.0).clamp(0.0, self.columns as f64) as usize
+        (((x - self.origin.x) / self.cell_m - 0.5).floor() + 1.0).clamp(0.0, self.columns as f64) as usize
     }
 
     /// The first column whose middle is not before `x`.
     fn column_from(&self, x: f64) -> usize {
-        ((x - self.origin.0) / self.cell_m - 0.5).ceil().clamp(0.0, self.columns as f64) as usize
+        ((x - self.origin.x) / self.cell_m - 0.5).ceil().clamp(0.0, self.columns as f64) as usize
     }
 }
 
@@ -89,8 +89,8 @@ impl<'a> BlockedCells<'a> {
     }
 
     /// Sets those whose middles lie outside the polygon with these corners.
-    pub(super) fn set_outside(&mut self, corners: &[Point]) {
-        let corners: Vec<Point> = corners.iter().map(|&corner| self.grid.along(corner)).collect();
+    pub(super) fn set_outside(&mut self, corners: &[DVec2]) {
+        let corners: Vec<DVec2> = corners.iter().map(|&corner| self.grid.along(corner)).collect();
         let mut crossings = Vec::new();
         for row in 0..self.grid.rows {
             let y = self.grid.y(row);
@@ -107,31 +107,31 @@ impl<'a> BlockedCells<'a> {
     }
 
     /// Sets those whose middles lie nearer than `margin` to the convex hull of `points`, which are in order around it.
-    pub(super) fn set_near(&mut self, points: &[Point], margin: f64) {
-        let points: Vec<Point> = points.iter().map(|&point| self.grid.along(point)).collect();
+    pub(super) fn set_near(&mut self, points: &[DVec2], margin: f64) {
+        let points: Vec<DVec2> = points.iter().map(|&point| self.grid.along(point)).collect();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for point in &points {
-            (low, high) = (low.min(point.1), high.max(point.1));
+            (low, high) = (low.min(point.y), high.max(point.y));
         }
         // What is so near is bounded by arcs about the points and by the sides, moved out by the margin to both sides.
         let mut moved = Vec::with_capacity(2 * points.len());
         for (a, b) in sides(&points) {
-            let long = ((b.0 - a.0) * (b.0 - a.0) + (b.1 - a.1) * (b.1 - a.1)).sqrt();
+            let long = a.distance(b);
             if long > 0.0 {
-                let (dx, dy) = ((b.1 - a.1) / long * margin, (a.0 - b.0) / long * margin);
-                moved.push(((a.0 + dx, a.1 + dy), (b.0 + dx, b.1 + dy)));
-                moved.push(((a.0 - dx, a.1 - dy), (b.0 - dx, b.1 - dy)));
+                let outwards = dvec2((b.y - a.y) / long * margin, (a.x - b.x) / long * margin);
+                moved.push((a + outwards, b + outwards));
+                moved.push((a - outwards, b - outwards));
             }
         }
-        let row_of = |y: f64| ((y - self.grid.origin.1) / self.grid.cell_m).clamp(0.0, self.grid.rows as f64);
+        let row_of = |y: f64| ((y - self.grid.origin.y) / self.grid.cell_m).clamp(0.0, self.grid.rows as f64);
         for row in row_of(low - margin) as usize..row_of(high + margin).ceil() as usize {
             let y = self.grid.y(row);
             let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
             for point in &points {
-                let square = margin * margin - (y - point.1) * (y - point.1);
+                let square = margin * margin - (y - point.y) * (y - point.y);
                 if square > 0.0 {
                     let half = square.sqrt();
-                    (from, to) = (from.min(point.0 - half), to.max(point.0 + half));
+                    (from, to) = (from.min(point.x - half), to.max(point.x + half));
                 }
             }
             for &(a, b) in &moved {
@@ -146,15 +146,15 @@ impl<'a> BlockedCells<'a> {
     }
 
     /// Sets those whose middles lie outside a box.
-    pub(super) fn set_outside_box(&mut self, low: Point, high: Point) {
+    pub(super) fn set_outside_box(&mut self, low: DVec2, high: DVec2) {
         let (low, high) = (self.grid.along(low), self.grid.along(high));
         for row in 0..self.grid.rows {
             let y = self.grid.y(row);
-            if y < low.1 || y > high.1 {
+            if y < low.y || y > high.y {
                 self.set(row, 0, self.grid.columns);
             } else {
-                self.set(row, 0, self.grid.column_from(low.0));
-                self.set(row, self.grid.column_beyond(high.0), self.grid.columns);
+                self.set(row, 0, self.grid.column_from(low.x));
+                self.set(row, self.grid.column_beyond(high.x), self.grid.columns);
             }
         }
     }
@@ -210,8 +210,8 @@ impl<'a> BlockedCells<'a> {
 }
 
 /// Where a side crosses the height `y`.
-fn crossing(from: Point, to: Point, y: f64) -> Option<f64> {
-    ((from.1 > y) != (to.1 > y)).then(|| from.0 + (y - from.1) / (to.1 - from.1) * (to.0 - from.0))
+fn crossing(from: DVec2, to: DVec2, y: f64) -> Option<f64> {
+    ((from.y > y) != (to.y > y)).then(|| from.x + (y - from.y) / (to.y - from.y) * (to.x - from.x))
 }
 
 /// The cells that are not set, in pieces that hang together side by side.
@@ -274,7 +274,7 @@ mod tests {
 
     fn grid(width: f64, height: f64) -> CellGrid {
         // Cells of 1 m: no finer, since the robot needs 32 m.
-        CellGrid::over((0.0, 0.0), (width, height), 32.0).expect("not too large")
+        CellGrid::over(DVec2::ZERO, dvec2(width, height), 32.0).expect("not too large")
     }
 
     /// The cells as text, `#` where they are set, the lowest row first.
@@ -293,8 +293,8 @@ mod tests {
     fn what_is_near_a_point_is_a_disc_and_near_a_segment_a_rod() {
         let grid = grid(9.0, 5.0);
         let mut cells = BlockedCells::none(&grid);
-        cells.set_near(&[(2.5, 2.5)], 2.1);
-        cells.set_near(&[(7.5, 0.0), (7.5, 5.0)], 0.6);
+        cells.set_near(&[dvec2(2.5, 2.5)], 2.1);
+        cells.set_near(&[dvec2(7.5, 0.0), dvec2(7.5, 5.0)], 0.6);
         assert_eq!(drawn(&cells), ["..#....#.", ".###...#.", "#####..#.", ".###...#.", "..#....#."]);
     }
 
@@ -302,13 +302,20 @@ mod tests {
     fn a_turned_square_and_the_outside_of_an_l() {
         let grid = grid(6.0, 5.0);
         let mut cells = BlockedCells::none(&grid);
-        cells.set_near(&[(3.0, 0.2), (5.3, 2.5), (3.0, 4.8), (0.7, 2.5)], 0.0);
+        cells.set_near(&[dvec2(3.0, 0.2), dvec2(5.3, 2.5), dvec2(3.0, 4.8), dvec2(0.7, 2.5)], 0.0);
         assert_eq!(drawn(&cells), ["......", "..##..", ".####.", "..##..", "......"]);
         let mut cells = BlockedCells::none(&grid);
-        cells.set_outside(&[(0.0, 0.0), (6.0, 0.0), (6.0, 2.0), (2.0, 2.0), (2.0, 5.0), (0.0, 5.0)]);
+        cells.set_outside(&[
+            dvec2(0.0, 0.0),
+            dvec2(6.0, 0.0),
+            dvec2(6.0, 2.0),
+            dvec2(2.0, 2.0),
+            dvec2(2.0, 5.0),
+            dvec2(0.0, 5.0),
+        ]);
         assert_eq!(drawn(&cells), ["......", "......", "..####", "..####", "..####"]);
         let mut cells = BlockedCells::none(&grid);
-        cells.set_outside_box((1.0, 1.0), (4.0, 4.9));
+        cells.set_outside_box(dvec2(1.0, 1.0), dvec2(4.0, 4.9));
         assert_eq!(drawn(&cells), ["######", "#...##", "#...##", "#...##", "#...##"]);
     }
 
@@ -333,9 +340,12 @@ mod tests {
     fn a_tall_box_has_its_rows_upright_and_keeps_its_places() {
         let grid = grid(3.0, 130.0);
         assert_eq!((grid.rows, grid.columns), (3, 130));
-        let (row, column) = grid.cell_at((2.2, 77.9));
+        let (row, column) = grid.cell_at(dvec2(2.2, 77.9));
         assert_eq!((row, column), (2, 77));
-        assert_eq!(grid.middle(row, column), (2.5, 77.5));
-        assert!(CellGrid::over((0.0, 0.0), (1000.0, 1000.0), 0.13).is_none(), "cells of 1 m are too coarse");
+        assert_eq!(grid.middle(row, column), dvec2(2.5, 77.5));
+        assert!(
+            CellGrid::over(dvec2(0.0, 0.0), dvec2(1000.0, 1000.0), 0.13).is_none(),
+            "cells of 1 m are too coarse"
+        );
     }
 }

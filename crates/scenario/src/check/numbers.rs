@@ -3,6 +3,7 @@
 use super::{Diagnostics, MAX_ANGLE_RAD, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, SECONDS};
 use super::{obstacles, polygons, speeds};
 use crate::schema::*;
+use glam::Vec2;
 
 /// The fastest that an obstacle or the robot may move, m/s.
 pub(super) const MAX_SPEED_M_S: f32 = 5.0;
@@ -46,7 +47,7 @@ fn enclosure(enclosure: &Enclosure, diagnostics: &mut Diagnostics) {
                 return;
             }
             let (low, high) = enclosure.bounds_m();
-            for (axis, extent) in [("x", high.0 - low.0), ("y", high.1 - low.1)] {
+            for (axis, extent) in [("x", high.x - low.x), ("y", high.y - low.y)] {
                 if extent < 0.5 {
                     let message =
                         format!("reach over {extent} m along {axis}: move them apart, to 0.5 m at least");
@@ -168,15 +169,10 @@ fn clear(name: &str, clearance_m: f32, scenario: &Scenario, diagnostics: &mut Di
 }
 
 /// A rectangle's corners: each a point, the lower left one below and left of the other.
-pub(super) fn region(
-    path: std::fmt::Arguments<'_>,
-    min: (f32, f32),
-    max: (f32, f32),
-    diagnostics: &mut Diagnostics,
-) {
+pub(super) fn region(path: std::fmt::Arguments<'_>, min: Vec2, max: Vec2, diagnostics: &mut Diagnostics) {
     diagnostics.check_point(format_args!("{path}.min_m"), min);
     diagnostics.check_point(format_args!("{path}.max_m"), max);
-    for (index, low, high) in [(0, min.0, max.0), (1, min.1, max.1)] {
+    for (index, low, high) in [(0, min.x, max.x), (1, min.y, max.y)] {
         if low >= high && low.is_finite() && high.is_finite() {
             let message = format!(
                 "is {high}, and `min_m[{index}]` is {low}: write the lower left corner as min_m, the \

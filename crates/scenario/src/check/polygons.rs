@@ -1,23 +1,18 @@
 //! Whether corners make an outline: sides that don't cross, and for obstacles none that points inwards.
 
 use super::{Diagnostics, METRES};
+use glam::{DVec2, Vec2};
 
 /// The least area of an obstacle, in m^2: that of the smallest square.
 const MIN_AREA_M2: f64 = 1e-6;
 /// The sine of a turn to the wrong side that still counts as straight.
 const STRAIGHT: f64 = 1e-4;
 
-type Point = (f64, f64);
-
 /// The corners of an obstacle: 3 to 32, and with all sides bent the same way.
-pub(super) fn check_convex(
-    path: std::fmt::Arguments<'_>,
-    corners: &[(f32, f32)],
-    diagnostics: &mut Diagnostics,
-) {
+pub(super) fn check_convex(path: std::fmt::Arguments<'_>, corners: &[Vec2], diagnostics: &mut Diagnostics) {
     let before = diagnostics.0.len();
     diagnostics.check_count(path, corners.len(), 3..=32);
-    for (k, &(x, y)) in corners.iter().enumerate().take(32) {
+    for (k, &Vec2 { x, y }) in corners.iter().enumerate().take(32) {
         diagnostics.check_range(format_args!("{path}[{k}][0]"), x, -1000.0..=1000.0, METRES);
         diagnostics.check_range(format_args!("{path}[{k}][1]"), y, -1000.0..=1000.0, METRES);
     }
@@ -38,8 +33,8 @@ pub(super) fn check_convex(
     }
     let inwards = |k: usize| {
         let (before, here, after) = (corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n]);
-        let (a, b) = (minus(here, before), minus(after, here));
-        cross(a, b) * area.signum() < -STRAIGHT * length(a) * length(b)
+        let (a, b) = (here - before, after - here);
+        a.perp_dot(b) * area.signum() < -STRAIGHT * a.length() * b.length()
     };
     if let Some(k) = (0..n).find(|&k| inwards(k)) {
         let message = "points inwards: move it outwards, leave it out, or put the outline together of several \
@@ -48,15 +43,11 @@ pub(super) fn check_convex(
         return;
     }
     // Corners that all turn the same way may still go around more than once.
-    check_simple(path, &corners.iter().map(|&(x, y)| (x as f32, y as f32)).collect::<Vec<_>>(), diagnostics);
+    check_simple(path, &corners.iter().map(|corner| corner.as_vec2()).collect::<Vec<_>>(), diagnostics);
 }
 
 /// Reports the first two sides that cross or touch one another. There must be three corners at least.
-pub(super) fn check_simple(
-    path: std::fmt::Arguments<'_>,
-    corners: &[(f32, f32)],
-    diagnostics: &mut Diagnostics,
-) {
+pub(super) fn check_simple(path: std::fmt::Arguments<'_>, corners: &[Vec2], diagnostics: &mut Diagnostics) {
     let corners = wide(corners);
     let n = corners.len();
     let end = |k: usize| corners[(k + 1) % n];
@@ -69,8 +60,8 @@ pub(super) fn check_simple(
             let meet = if neighbours {
                 // They share a corner, and touch elsewhere only where the one goes back along the other.
                 let (before, after) = if second == first + 1 { (first, second) } else { (second, first) };
-                let (a, b) = (minus(end(before), corners[before]), minus(end(after), corners[after]));
-                dot(a, b) < 0.0 && cross(a, b).abs() <= 1e-9 * length(a) * length(b)
+                let (a, b) = (end(before) - corners[before], end(after) - corners[after]);
+                a.dot(b) < 0.0 && a.perp_dot(b).abs() <= 1e-9 * a.length() * b.length()
             } else {
                 meet((corners[first], end(first)), (corners[second], end(second)))
             };
@@ -89,7 +80,7 @@ pub(super) fn check_simple(
 }
 
 /// Reports the first corner that is where the one before it is; gives whether there is one.
-fn twice(path: std::fmt::Arguments<'_>, corners: &[Point], diagnostics: &mut Diagnostics) -> bool {
+fn twice(path: std::fmt::Arguments<'_>, corners: &[DVec2], diagnostics: &mut Diagnostics) -> bool {
     let n = corners.len();
     let found = (0..n).find(|&k| corners[k] == corners[(k + n - 1) % n]);
     if let Some(k) = found {
@@ -100,8 +91,8 @@ fn twice(path: std::fmt::Arguments<'_>, corners: &[Point], diagnostics: &mut Dia
 }
 
 /// Whether two segments have a point in common.
-fn meet((a, b): (Point, Point), (c, d): (Point, Point)) -> bool {
-    let side = |from: Point, to: Point, point: Point| cross(minus(to, from), minus(point, from));
+fn meet((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> bool {
+    let side = |from: DVec2, to: DVec2, point: DVec2| (to - from).perp_dot(point - from);
     let (to_c, to_d) = (side(a, b, c), side(a, b, d));
     let (to_a, to_b) = (side(c, d, a), side(c, d, b));
     if to_c * to_d > 0.0 || to_a * to_b > 0.0 {
@@ -109,32 +100,16 @@ fn meet((a, b): (Point, Point), (c, d): (Point, Point)) -> bool {
     }
     // Each reaches the other's line: they meet, unless all four lie on one line, apart.
     let overlap = |a: f64, b: f64, c: f64, d: f64| a.min(b) <= c.max(d) && c.min(d) <= a.max(b);
-    overlap(a.0, b.0, c.0, d.0) && overlap(a.1, b.1, c.1, d.1)
+    overlap(a.x, b.x, c.x, d.x) && overlap(a.y, b.y, c.y, d.y)
 }
 
-fn wide(corners: &[(f32, f32)]) -> Vec<Point> {
-    corners.iter().map(|&(x, y)| (f64::from(x), f64::from(y))).collect()
+fn wide(corners: &[Vec2]) -> Vec<DVec2> {
+    corners.iter().map(|corner| corner.as_dvec2()).collect()
 }
 
-fn area(corners: &[Point]) -> f64 {
+fn area(corners: &[DVec2]) -> f64 {
     let n = corners.len();
     // About the first corner, so that a small outline far from (0, 0) loses nothing.
-    let from = |k: usize| minus(corners[k % n], corners[0]);
-    (0..n).map(|k| cross(from(k), from(k + 1))).sum::<f64>() / 2.0
-}
-
-fn minus(a: Point, b: Point) -> Point {
-    (a.0 - b.0, a.1 - b.1)
-}
-
-fn cross(a: Point, b: Point) -> f64 {
-    a.0 * b.1 - a.1 * b.0
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a.0 * b.0 + a.1 * b.1
-}
-
-fn length(a: Point) -> f64 {
-    dot(a, a).sqrt()
+    let from = |k: usize| corners[k % n] - corners[0];
+    (0..n).map(|k| from(k).perp_dot(from(k + 1))).sum::<f64>() / 2.0
 }

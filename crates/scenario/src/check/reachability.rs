@@ -8,28 +8,29 @@
 
 use super::Diagnostics;
 use super::extent::{moves, support_points};
-use super::grid::{BlockedCells, CellGrid, ConnectedRegions, Point};
+use super::grid::{BlockedCells, CellGrid, ConnectedRegions};
 use crate::polygon::sides;
 use crate::schema::*;
+use glam::DVec2;
 
 /// A part of the free space in which a rule has places: how many cells of it, and one place among them.
 struct RegionSite {
     part: u32,
     cells: usize,
-    place: Point,
+    place: DVec2,
 }
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let room = f64::from(scenario.task.collision_range_m);
     let (low, high) = scenario.enclosure.bounds_m();
-    let Some(grid) = CellGrid::over(wide(low), wide(high), room) else { return };
+    let Some(grid) = CellGrid::over(low.as_dvec2(), high.as_dvec2(), room) else { return };
     // From a cell's middle to its corner.
     let half = grid.cell_m * std::f64::consts::FRAC_1_SQRT_2;
     let parts = ConnectedRegions::of(&blocked(scenario, &grid, (room - half) * (1.0 - 1e-6)));
     rules(scenario, &grid, &parts, diagnostics);
 
     let [start, goal] = [scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m].map(|place| {
-        let (row, column) = grid.cell_at(wide(place));
+        let (row, column) = grid.cell_at(place.as_dvec2());
         parts.at(row, column)
     });
     if start.is_some() && goal.is_some() && start != goal {
@@ -58,7 +59,7 @@ fn rules(scenario: &Scenario, grid: &CellGrid, parts: &ConnectedRegions, diagnos
     };
     // (Adding 0 makes a -0 a 0.)
     let round = |x: f64| (100.0 * x).round() / 100.0 + 0.0;
-    let point = |(x, y): Point| format!("({:.2}, {:.2})", round(x), round(y));
+    let point = |place: DVec2| format!("({:.2}, {:.2})", round(place.x), round(place.y));
     let message = format!(
         "may be at {}, {message} {}: {}; open a way, fill that place up, or write a rule without it",
         point(there.place),
@@ -85,7 +86,7 @@ fn sites(
     let mut sites: Vec<RegionSite> = Vec::new();
     let mut longest: Vec<usize> = Vec::new();
     // One run of cells, with a place in it.
-    let mut add = |part: Option<u32>, cells: usize, place: Point| {
+    let mut add = |part: Option<u32>, cells: usize, place: DVec2| {
         let Some(part) = part else { return };
         let index = sites.iter().position(|site| site.part == part).unwrap_or_else(|| {
             sites.push(RegionSite { part, cells: 0, place });
@@ -99,19 +100,19 @@ fn sites(
     };
     match rule {
         PlacementRule::Fixed { position_m, .. } => {
-            let (row, column) = grid.cell_at(wide(*position_m));
-            add(parts.at(row, column), 1, wide(*position_m));
+            let (row, column) = grid.cell_at(position_m.as_dvec2());
+            add(parts.at(row, column), 1, position_m.as_dvec2());
         }
         PlacementRule::OneOf { positions_m } => {
             for &place in positions_m {
-                let (row, column) = grid.cell_at(wide(place));
-                add(parts.at(row, column), 1, wide(place));
+                let (row, column) = grid.cell_at(place.as_dvec2());
+                add(parts.at(row, column), 1, place.as_dvec2());
             }
         }
         PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => {
             let mut taken = blocked(scenario, grid, f64::from(*clearance_m));
             if let PlacementRule::Within { min_m, max_m, .. } = rule {
-                taken.set_outside_box(wide(*min_m), wide(*max_m));
+                taken.set_outside_box(min_m.as_dvec2(), max_m.as_dvec2());
             }
             for row in taken.rows() {
                 for (from, to) in taken.gaps(row) {
@@ -126,23 +127,18 @@ fn sites(
 /// The cells whose middles are outside, or nearer than `margin` to something that stands still.
 fn blocked<'a>(scenario: &Scenario, grid: &'a CellGrid, margin: f64) -> BlockedCells<'a> {
     let mut cells = BlockedCells::none(grid);
-    let corners: Vec<Point> = scenario.enclosure.corners_m().into_iter().map(wide).collect();
+    let corners: Vec<DVec2> = scenario.enclosure.corners_m().iter().map(|corner| corner.as_dvec2()).collect();
     cells.set_outside(&corners);
     for (from, to) in sides(&corners) {
         cells.set_near(&[from, to], margin);
     }
     let mut set = |obstacle: &Obstacle| {
         let (points, radius) = support_points(&obstacle.shape, obstacle.rotation_rad);
-        let middle = wide(obstacle.position_m);
-        let points: Vec<Point> =
-            points.into_iter().map(|(x, y)| (middle.0 + f64::from(x), middle.1 + f64::from(y))).collect();
+        let middle = obstacle.position_m.as_dvec2();
+        let points: Vec<DVec2> = points.iter().map(|point| middle + point.as_dvec2()).collect();
         cells.set_near(&points, margin + f64::from(radius));
     };
     scenario.walls.iter().flat_map(Wall::segments).for_each(|piece| set(&piece));
     scenario.obstacles.iter().filter(|obstacle| !moves(obstacle)).for_each(set);
     cells
-}
-
-fn wide((x, y): (f32, f32)) -> Point {
-    (f64::from(x), f64::from(y))
 }

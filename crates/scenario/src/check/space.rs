@@ -8,6 +8,7 @@ use crate::geometry::{clearance, length};
 use crate::motion::pose_at;
 use crate::placement::free_points;
 use crate::schema::*;
+use glam::{Vec2, vec2};
 
 /// At how many moments of an episode room is looked for when obstacles move.
 const SAMPLED_STEPS: u64 = 4;
@@ -76,7 +77,7 @@ fn generators(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let (low, high) = scenario.enclosure.bounds_m();
     for (k, generator) in scenario.generators.iter().enumerate() {
         let Some(Region { min_m, max_m }) = generator.within else { continue };
-        if min_m.0 >= high.0 || max_m.0 <= low.0 || min_m.1 >= high.1 || max_m.1 <= low.1 {
+        if min_m.x >= high.x || max_m.x <= low.x || min_m.y >= high.y || max_m.y <= low.y {
             let message = "lies outside the enclosure: move it inwards, or leave it out";
             diagnostics.push(format_args!("generators[{k}].within"), message);
         }
@@ -84,7 +85,7 @@ fn generators(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 }
 
 /// The places that a rule names, each with its path below the rule's; none where the rule draws them.
-fn places(rule: &PlacementRule) -> Vec<(String, (f32, f32))> {
+fn places(rule: &PlacementRule) -> Vec<(String, Vec2)> {
     match rule {
         PlacementRule::Random { .. } | PlacementRule::Within { .. } => Vec::new(),
         PlacementRule::Fixed { position_m, .. } => vec![("position_m".into(), *position_m)],
@@ -113,8 +114,8 @@ fn benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         keeps_clear(format_args!("benchmark_route.{name}"), clear, task.collision_range_m, diagnostics);
     }
     let apart = length(
-        benchmark_route.start_m.0 - benchmark_route.goal_m.0,
-        benchmark_route.start_m.1 - benchmark_route.goal_m.1,
+        benchmark_route.start_m.x - benchmark_route.goal_m.x,
+        benchmark_route.start_m.y - benchmark_route.goal_m.y,
     );
     diagnostics.check_above(
         format_args!("benchmark_route.goal_m"),
@@ -183,15 +184,15 @@ impl FreeSpace {
         let PlacementRule::Random { .. } = frozen.goals else {
             return Self { starts, goals: any(&frozen.goals), wide: true };
         };
-        let (mut low, mut high) = ((f32::MAX, f32::MAX), (f32::MIN, f32::MIN));
-        for (x, y) in free_points(frozen, &frozen.goals, 0) {
-            low = (low.0.min(x), low.1.min(y));
-            high = (high.0.max(x), high.1.max(y));
-            if high.0 - low.0 >= far || high.1 - low.1 >= far {
+        let (mut low, mut high) = (Vec2::MAX, Vec2::MIN);
+        for Vec2 { x, y } in free_points(frozen, &frozen.goals, 0) {
+            low = vec2(low.x.min(x), low.y.min(y));
+            high = vec2(high.x.max(x), high.y.max(y));
+            if high.x - low.x >= far || high.y - low.y >= far {
                 return Self { starts, goals: true, wide: true };
             }
         }
-        Self { starts, goals: low.0 <= high.0, wide: false }
+        Self { starts, goals: low.x <= high.x, wide: false }
     }
 }
 
@@ -251,17 +252,16 @@ fn far_enough(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
     let least = scenario.task.min_goal_distance_m;
     let frozen = frozen(scenario, 0);
-    let points = |rule: &PlacementRule| -> Vec<(f32, f32)> {
+    let points = |rule: &PlacementRule| -> Vec<Vec2> {
         let named: Vec<_> = places(rule).into_iter().map(|(_, place)| place).collect();
         if named.is_empty() { free_points(&frozen, rule, 0).collect() } else { named }
     };
     let goals = points(&scenario.goals);
-    let leaves =
-        |start: (f32, f32)| goals.iter().any(|goal| length(goal.0 - start.0, goal.1 - start.1) >= least);
+    let leaves = |start: Vec2| goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least);
     if let (PlacementRule::Fixed { position_m: start, .. }, PlacementRule::Fixed { position_m: goal, .. }) =
         (&scenario.starts, &scenario.goals)
     {
-        let apart = length(goal.0 - start.0, goal.1 - start.1);
+        let apart = length(goal.x - start.x, goal.y - start.y);
         if apart < least {
             let message = format!(
                 "lies {apart:.3} m from the start: put it {least} m away at least, or write less for \
@@ -316,7 +316,7 @@ fn frozen(scenario: &Scenario, step: u64) -> Scenario {
     let mut still = scenario.clone();
     for obstacle in &mut still.obstacles {
         let (x, y, rotation) = pose_at(obstacle, step, scenario.task.control_period_s);
-        obstacle.position_m = (x, y);
+        obstacle.position_m = vec2(x, y);
         obstacle.rotation_rad = rotation;
         obstacle.motion = ObstacleMotion::Static;
     }

@@ -28,7 +28,7 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
         ObstacleMotion::Static => {}
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let path = format_args!("{path}.speed_rad_s");
-            let arm = length(obstacle.position_m.0 - centre_m.0, obstacle.position_m.1 - centre_m.1);
+            let arm = length(obstacle.position_m.x - centre_m.x, obstacle.position_m.y - centre_m.y);
             let speed = (arm * speed_rad_s).abs();
             if speed_rad_s.abs() > MAX_ANGULAR_SPEED_RAD_S || !speed.is_finite() {
                 return;

@@ -8,11 +8,9 @@ use proptest::prelude::*;
 use wayfield_random::stream;
 use wayfield_scenario::{
     BenchmarkRoute, Enclosure, Generator, Lidar, Motion, Obstacle, ObstacleMotion, PlacementRule,
-    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, diagnostics, draw_start_and_goal, pose_at,
+    RandomShape, Region, Robot, Scenario, Shape, TaskRules, Vec2, Wall, diagnostics, draw_start_and_goal,
+    pose_at, vec2,
 };
-
-/// A place (x, y in m).
-pub type Point = (f32, f32);
 
 /// Numbers of a kind: those that a world may have, or any at all.
 #[derive(Clone, Copy)]
@@ -43,8 +41,8 @@ impl ValueRange {
         }
     }
 
-    fn place(self, reach: f32) -> BoxedStrategy<Point> {
-        (self.within(-reach, reach), self.within(-reach, reach)).boxed()
+    fn place(self, reach: f32) -> BoxedStrategy<Vec2> {
+        (self.within(-reach, reach), self.within(-reach, reach)).prop_map(Vec2::from).boxed()
     }
 
     fn enclosure(self) -> BoxedStrategy<Enclosure> {
@@ -57,7 +55,8 @@ impl ValueRange {
             |(width, height, x, y, turned)| {
                 let (w, h) = (width / 2.0, height / 2.0);
                 let (x, y) = (w * (2.0 * x - 1.0), h * (2.0 * y - 1.0));
-                let mut corners_m = vec![(-w, -h), (w, -h), (w, y), (x, y), (x, h), (-w, h)];
+                let mut corners_m =
+                    vec![vec2(-w, -h), vec2(w, -h), vec2(w, y), vec2(x, y), vec2(x, h), vec2(-w, h)];
                 if turned {
                     corners_m.reverse();
                 }
@@ -86,11 +85,11 @@ impl ValueRange {
             |(parts, radius, turned)| {
                 let whole: f32 = parts.iter().sum();
                 let mut gone = 0.0;
-                let mut corners_m: Vec<Point> = Vec::new();
+                let mut corners_m: Vec<Vec2> = Vec::new();
                 for part in parts {
                     gone += part;
                     let (sin, cos) = (gone / whole * std::f32::consts::TAU).sin_cos();
-                    corners_m.push((radius * cos + 0.05, radius * sin));
+                    corners_m.push(vec2(radius * cos + 0.05, radius * sin));
                 }
                 if turned {
                     corners_m.reverse();
@@ -146,7 +145,7 @@ impl ValueRange {
         ];
         let region =
             (self.within(-3.0, 0.0), self.within(0.0, 3.0), self.within(-3.0, 0.0), self.within(0.0, 3.0))
-                .prop_map(|(x, to_x, y, to_y)| Region { min_m: (x, y), max_m: (to_x, to_y) });
+                .prop_map(|(x, to_x, y, to_y)| Region { min_m: vec2(x, y), max_m: vec2(to_x, to_y) });
         let count = if matches!(self, Self::Plausible) { (1_u32..5).boxed() } else { any::<u32>().boxed() };
         (count, shape, self.within(0.3, 0.5), option::of(region))
             .prop_map(|(count, shape, gap_m, within)| Generator { count, shape, gap_m, within })
@@ -160,7 +159,7 @@ impl ValueRange {
             1 => (self.within(-3.0, -0.5), self.within(0.0, 3.0), self.within(-3.0, -0.5), self.within(0.0, 3.0),
                 self.within(0.2, 0.4))
                 .prop_map(|(x, to_x, y, to_y, clearance_m)| {
-                    PlacementRule::Within { min_m: (x, y), max_m: (to_x, to_y), clearance_m }
+                    PlacementRule::Within { min_m: vec2(x, y), max_m: vec2(to_x, to_y), clearance_m }
                 }),
             1 => (self.place(2.0), heading).prop_map(|(position_m, heading_rad)| PlacementRule::Fixed { position_m, heading_rad }),
             1 => vec(self.place(2.0), if matches!(self, Self::Plausible) { 1..5 } else { 0..5 })
@@ -299,7 +298,7 @@ fn put_elsewhere(what: &str, scenario: &mut Scenario, attempt: u64) {
     let Ok(((x, y, _), goal)) = draw_start_and_goal(&free, 0, &mut stream(attempt, "elsewhere", 0)) else {
         return;
     };
-    let start = (x, y);
+    let start = vec2(x, y);
     let elsewhere = |rule: &PlacementRule, place| match rule {
         PlacementRule::Fixed { heading_rad, .. } => {
             PlacementRule::Fixed { position_m: place, heading_rad: *heading_rad }

@@ -31,10 +31,15 @@ fn walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
     }
     if !scenario.walls.is_empty() {
         let margin_m = scenario.walls.iter().map(|wall| wall.thickness_m).fold(0.0, f32::max);
-        let ((x0, y0), (x1, y1)) = scenario.enclosure.bounds_m();
-        let (low, high) = ((x0 - margin_m, y0 - margin_m), (x1 + margin_m, y1 + margin_m));
+        let (low, high) = scenario.enclosure.bounds_m();
         let outside = if canvas.compact { canvas.palette.panel } else { canvas.palette.background };
-        polygon::fill_outside(canvas, &scenario.enclosure.corners_m(), low, high, outside);
+        polygon::fill_outside(
+            canvas,
+            &scenario.enclosure.corners_m(),
+            low - margin_m,
+            high + margin_m,
+            outside,
+        );
     }
     match &scenario.enclosure {
         Enclosure::Rectangle { .. } => {

@@ -1,6 +1,7 @@
 //! The objects that can be dragged: which one is under the pointer, its outline, and what decides where it
 //! may go.
 
+use bevy::math::vec2;
 use egui::Pos2;
 
 use super::silhouette::Silhouette;
@@ -27,7 +28,7 @@ pub fn hit_test(transform: &ViewTransform, scene: &Scene, arena: &ArenaScene, at
         return Some(Movable::Goal);
     }
     let obstacles = scenario.obstacles.iter().zip(&arena.obstacles);
-    let distances = obstacles.map(|(o, &pose)| shape_distance(&o.shape, pose, (x, y)));
+    let distances = obstacles.map(|(o, &pose)| shape_distance(&o.shape, pose, vec2(x, y)));
     let (index, distance_m) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
     (distance_m <= slack_m).then_some(Movable::Obstacle(index))
 }
@@ -62,8 +63,8 @@ pub fn move_context<'a>(scene: &'a Scene, arena: &'a ArenaScene) -> MoveContext<
         scenario: &scene.scenario,
         layout: &arena.scenario,
         obstacles: &arena.obstacles,
-        robot_m: (arena.pose.x_m, arena.pose.y_m),
-        goal_m: (arena.goal.x_m, arena.goal.y_m),
+        robot_m: vec2(arena.pose.x_m, arena.pose.y_m),
+        goal_m: vec2(arena.goal.x_m, arena.goal.y_m),
     }
 }
 
@@ -85,11 +86,11 @@ mod tests {
         let quarter_turn = std::f32::consts::FRAC_PI_2;
         let obstacle = Obstacle {
             shape,
-            position_m: (1.0, 1.0),
+            position_m: vec2(1.0, 1.0),
             rotation_rad: quarter_turn,
             motion: ObstacleMotion::Static,
         };
-        let wall = Wall { corners_m: vec![(-2.0, -1.5), (0.0, -1.5)], thickness_m: 0.2 };
+        let wall = Wall { corners_m: vec![vec2(-2.0, -1.5), vec2(0.0, -1.5)], thickness_m: 0.2 };
         let scenario = Scenario { obstacles: vec![obstacle], walls: vec![wall], ..Scenario::default() };
         let scenario = Arc::new(scenario);
         let pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };

@@ -1,9 +1,10 @@
 //! The floor of an arena, with grid lines at round distances.
 
+use bevy::math::{Vec2, Vec2Swizzles};
 use egui::{Rangef, Rect, Stroke};
 
 use super::canvas::Canvas;
-use super::polygon::{self, Corner};
+use super::polygon;
 use super::transform::ArenaBounds;
 use crate::scenario::Enclosure;
 
@@ -28,7 +29,7 @@ pub fn draw_floor(canvas: &Canvas, enclosure: &Enclosure) {
 }
 
 /// Draws lines `step_m` apart through the part of a polygon that is in the rectangle `visible`.
-pub fn draw_grid_lines(canvas: &Canvas, visible: Rect, corners: &[Corner], step_m: f32, stroke: Stroke) {
+pub fn draw_grid_lines(canvas: &Canvas, visible: Rect, corners: &[Vec2], step_m: f32, stroke: Stroke) {
     let (painter, transform) = (&canvas.painter, &canvas.transform);
     let (low, high) = (transform.to_world(visible.left_bottom()), transform.to_world(visible.right_top()));
     let part =
@@ -39,7 +40,7 @@ pub fn draw_grid_lines(canvas: &Canvas, visible: Rect, corners: &[Corner], step_
             painter.vline(from.x, part(from.y, to.y, visible.y_range()), stroke);
         }
     }
-    let transposed: Vec<Corner> = corners.iter().map(|&(x, y)| (y, x)).collect();
+    let transposed: Vec<Vec2> = corners.iter().map(|corner| corner.yx()).collect();
     for k in lines_between(low[1], high[1], step_m) {
         for [from, to] in spans_at(&transposed, k, step_m) {
             let (from, to) = (canvas.to_screen([from, k]), canvas.to_screen([to, k]));
@@ -49,7 +50,7 @@ pub fn draw_grid_lines(canvas: &Canvas, visible: Rect, corners: &[Corner], step_
 }
 
 /// The parts of the line x = `at_m` inside a polygon; a side that lies on the line counts as inside.
-fn spans_at(corners: &[Corner], at_m: f32, step_m: f32) -> Vec<[f32; 2]> {
+fn spans_at(corners: &[Vec2], at_m: f32, step_m: f32) -> Vec<[f32; 2]> {
     let [left, right] = [-1e-3, 1e-3].map(|by| polygon::spans(corners, at_m + by * step_m));
     let length = |spans: &[[f32; 2]]| spans.iter().map(|[from, to]| to - from).sum::<f32>();
     if length(&left) >= length(&right) { left } else { right }
@@ -72,6 +73,8 @@ fn lines_between(low: f32, high: f32, step: f32) -> impl Iterator<Item = f32> {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::vec2;
+
     use super::*;
 
     #[test]
@@ -85,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_line_along_a_side_counts_as_inside() {
-        let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0), (0.0, 3.0)];
+        let square = [vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 3.0), vec2(0.0, 3.0)];
         for (at, spans) in [(0.0, vec![[0.0, 3.0]]), (2.0, vec![[0.0, 3.0]]), (2.1, vec![])] {
             assert_eq!(spans_at(&square, at, 0.5), spans, "{at}");
         }

@@ -1,6 +1,7 @@
 //! The paths of moving obstacles as dashed lines: the circle of an orbit, the legs of a patrol, the reach of
 //! a random walk.
 
+use bevy::math;
 use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
 
 use super::canvas::Canvas;
@@ -48,7 +49,7 @@ pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
 
 /// Draws a dashed line through the corners, with an arrow on each long leg, in both directions if the path is
 /// not closed.
-fn legs(canvas: &Canvas, corners: Vec<(f32, f32)>, closed: bool, stroke: Stroke) {
+fn legs(canvas: &Canvas, corners: Vec<math::Vec2>, closed: bool, stroke: Stroke) {
     let mut points: Vec<Pos2> = corners.into_iter().map(|corner| canvas.to_screen(corner.into())).collect();
     for &corner in points.iter().skip(1) {
         canvas.painter.circle_filled(corner, 2.5, stroke.color);

@@ -3,30 +3,28 @@
 //! In: corners in order, clockwise or counterclockwise. Out: triangles, corners, spans. A polygon that
 //! crosses itself, such as an unfinished drawing, is filled in some way, but never causes a panic.
 
+use bevy::math::{Vec2, vec2};
 use egui::{Color32, Mesh, Pos2, Shape};
 
 use super::canvas::Canvas;
 use crate::scenario::polygon;
 
-/// A corner, in m.
-pub type Corner = (f32, f32);
-
 /// The furthest that a corner moves when a polygon grows, as a multiple of the growth.
 const MITRE: f32 = 3.0;
 
 /// Twice the signed area of the triangle a, b, c; positive if they are in counterclockwise order.
-fn turn(a: Corner, b: Corner, c: Corner) -> f32 {
-    (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0)
+fn turn(a: Vec2, b: Vec2, c: Vec2) -> f32 {
+    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }
 
 /// Whether the corners are in counterclockwise order.
-fn is_counterclockwise(corners: &[Corner]) -> bool {
+fn is_counterclockwise(corners: &[Vec2]) -> bool {
     polygon::area(corners) >= 0.0
 }
 
 /// Whether the polygon is convex and goes round once.
 #[must_use]
-pub fn is_convex(corners: &[Corner]) -> bool {
+pub fn is_convex(corners: &[Vec2]) -> bool {
     let n = corners.len();
     let counterclockwise = is_counterclockwise(corners);
     let turns_one_way = (0..n).all(|k| {
@@ -35,7 +33,7 @@ pub fn is_convex(corners: &[Corner]) -> bool {
     });
     // A star also turns one way only, but goes round twice: it rises and falls more than once.
     let extrema = (0..n).filter(|&k| {
-        let rises = |k: usize| corners[(k + 1) % n].1 > corners[k % n].1;
+        let rises = |k: usize| corners[(k + 1) % n].y > corners[k % n].y;
         rises(k) != rises(k + 1)
     });
     turns_one_way && extrema.count() <= 2
@@ -43,13 +41,13 @@ pub fn is_convex(corners: &[Corner]) -> bool {
 
 /// The triangles that make up the polygon, as indices of its corners.
 #[must_use]
-pub fn triangles(corners: &[Corner]) -> Vec<[usize; 3]> {
+pub fn triangles(corners: &[Vec2]) -> Vec<[usize; 3]> {
     clip_ears(corners).0
 }
 
 /// The triangles by ear clipping, and whether there was an ear in every step. In a polygon that crosses
 /// itself there may be none; then any corner is cut off.
-fn clip_ears(corners: &[Corner]) -> (Vec<[usize; 3]>, bool) {
+fn clip_ears(corners: &[Vec2]) -> (Vec<[usize; 3]>, bool) {
     let mut valid = true;
     let mut remaining: Vec<usize> = (0..corners.len()).collect();
     if !is_counterclockwise(corners) {
@@ -72,24 +70,24 @@ fn clip_ears(corners: &[Corner]) -> (Vec<[usize; 3]>, bool) {
 }
 
 /// Whether the triangle is convex and contains none of the other `remaining` corners.
-fn is_ear(corners: &[Corner], remaining: &[usize], [a, b, c]: [usize; 3]) -> bool {
+fn is_ear(corners: &[Vec2], remaining: &[usize], [a, b, c]: [usize; 3]) -> bool {
     let [pa, pb, pc] = [a, b, c].map(|k| corners[k]);
     if turn(pa, pb, pc) <= 0.0 {
         return false;
     }
-    let within = |p: Corner| turn(pa, pb, p) >= 0.0 && turn(pb, pc, p) >= 0.0 && turn(pc, pa, p) >= 0.0;
+    let within = |p: Vec2| turn(pa, pb, p) >= 0.0 && turn(pb, pc, p) >= 0.0 && turn(pc, pa, p) >= 0.0;
     // If the polygon touches itself, another corner may be at the same point.
     !remaining.iter().map(|&k| corners[k]).any(|p| ![pa, pb, pc].contains(&p) && within(p))
 }
 
 /// Fills a polygon, without anti-aliasing.
-pub fn fill(canvas: &Canvas, corners: &[Corner], color: Color32) {
+pub fn fill(canvas: &Canvas, corners: &[Vec2], color: Color32) {
     paint(canvas, corners, &triangles(corners), color);
 }
 
 /// Fills the area between a polygon and the box from `low` to `high` around it; nothing if the polygon
 /// crosses itself.
-pub fn fill_outside(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corner, color: Color32) {
+pub fn fill_outside(canvas: &Canvas, corners: &[Vec2], low: Vec2, high: Vec2, color: Color32) {
     let ring = ring(corners, low, high);
     let (triangles, valid) = clip_ears(&ring);
     if valid {
@@ -99,22 +97,22 @@ pub fn fill_outside(canvas: &Canvas, corners: &[Corner], low: Corner, high: Corn
 
 /// The box with a hole in the shape of the polygon, as one polygon: a cut leads from the right side of the
 /// box to the rightmost corner.
-fn ring(corners: &[Corner], low: Corner, high: Corner) -> Vec<Corner> {
+fn ring(corners: &[Vec2], low: Vec2, high: Vec2) -> Vec<Vec2> {
     let mut hole = corners.to_vec();
     if is_counterclockwise(&hole) {
         hole.reverse();
     }
-    let by_x = |a: &usize, b: &usize| hole[*a].0.total_cmp(&hole[*b].0);
+    let by_x = |a: &usize, b: &usize| hole[*a].x.total_cmp(&hole[*b].x);
     let Some(first) = (0..hole.len()).max_by(by_x) else { return Vec::new() };
     hole.rotate_left(first);
-    let edge = (high.0, hole[0].1);
-    let frame = [edge, high, (low.0, high.1), low, (high.0, low.1), edge];
+    let edge = vec2(high.x, hole[0].y);
+    let frame = [edge, high, vec2(low.x, high.y), low, vec2(high.x, low.y), edge];
     frame.into_iter().chain(hole.iter().copied()).chain(hole.first().copied()).collect()
 }
 
-fn paint(canvas: &Canvas, corners: &[Corner], triangles: &[[usize; 3]], color: Color32) {
+fn paint(canvas: &Canvas, corners: &[Vec2], triangles: &[[usize; 3]], color: Color32) {
     let mut mesh = Mesh::default();
-    for &(x, y) in corners {
+    for &Vec2 { x, y } in corners {
         let at: Pos2 = canvas.to_screen([x, y]);
         mesh.colored_vertex(at, color);
     }
@@ -128,13 +126,13 @@ fn paint(canvas: &Canvas, corners: &[Corner], triangles: &[[usize; 3]], color: C
 
 /// The corners of the polygon with its sides moved outwards by `by_m`.
 #[must_use]
-pub fn inflated(corners: &[Corner], by_m: f32) -> Vec<Corner> {
+pub fn inflated(corners: &[Vec2], by_m: f32) -> Vec<Vec2> {
     let n = corners.len();
     let out = if is_counterclockwise(corners) { 1.0 } else { -1.0 };
     // The outward unit normal of side k.
     let normal = |k: usize| {
         let (a, b) = (corners[k % n], corners[(k + 1) % n]);
-        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        let (dx, dy) = (b.x - a.x, b.y - a.y);
         let length = dx.hypot(dy);
         if length > 0.0 { (out * dy / length, -out * dx / length) } else { (0.0, 0.0) }
     };
@@ -145,17 +143,17 @@ pub fn inflated(corners: &[Corner], by_m: f32) -> Vec<Corner> {
         // 2).
         let square = sx * sx + sy * sy;
         let by = (2.0 / square.max(1e-6)).min(MITRE / square.max(1e-6).sqrt()) * by_m;
-        (corners[k].0 + sx * by, corners[k].1 + sy * by)
+        vec2(corners[k].x + sx * by, corners[k].y + sy * by)
     };
     (0..n).map(moved).collect()
 }
 
 /// The parts of the line x = `at_m` inside the polygon, each from its lowest to its highest y, in order.
 #[must_use]
-pub fn spans(corners: &[Corner], at_m: f32) -> Vec<[f32; 2]> {
-    let crossed = polygon::sides(corners).filter(|(a, b)| (a.0 > at_m) != (b.0 > at_m));
+pub fn spans(corners: &[Vec2], at_m: f32) -> Vec<[f32; 2]> {
+    let crossed = polygon::sides(corners).filter(|(a, b)| (a.x > at_m) != (b.x > at_m));
     let mut crossings: Vec<f32> =
-        crossed.map(|(a, b)| a.1 + (at_m - a.0) / (b.0 - a.0) * (b.1 - a.1)).collect();
+        crossed.map(|(a, b)| a.y + (at_m - a.x) / (b.x - a.x) * (b.y - a.y)).collect();
     crossings.sort_unstable_by(f32::total_cmp);
     crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }
@@ -165,8 +163,10 @@ mod tests {
     use super::*;
 
     /// An L: a square with sides of 2 m without its upper right quarter.
-    const L: [Corner; 6] = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
-    const STAR: [Corner; 5] = [(0.0, 1.0), (0.6, -0.8), (-1.0, 0.3), (1.0, 0.3), (-0.6, -0.8)];
+    const L: [Vec2; 6] =
+        [vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
+    const STAR: [Vec2; 5] =
+        [vec2(0.0, 1.0), vec2(0.6, -0.8), vec2(-1.0, 0.3), vec2(1.0, 0.3), vec2(-0.6, -0.8)];
 
     #[test]
     fn an_l_is_filled_without_its_notch_in_either_order() {
@@ -178,8 +178,8 @@ mod tests {
                 found.iter().map(|t| turn(corners[t[0]], corners[t[1]], corners[t[2]]) / 2.0).sum();
             assert_eq!(area, 3.0, "three quarters of 4, no area covered twice");
             for t in found {
-                let middle = |of: fn(&Corner) -> f32| t.iter().map(|&k| of(&corners[k])).sum::<f32>() / 3.0;
-                assert!(middle(|c| c.0) < 1.0 || middle(|c| c.1) < 1.0, "{t:?} is in the notch");
+                let middle = |of: fn(&Vec2) -> f32| t.iter().map(|&k| of(&corners[k])).sum::<f32>() / 3.0;
+                assert!(middle(|c| c.x) < 1.0 || middle(|c| c.y) < 1.0, "{t:?} is in the notch");
             }
             corners.reverse();
         }
@@ -192,7 +192,7 @@ mod tests {
             if clockwise {
                 corners.reverse();
             }
-            let ring = ring(&corners, (-1.0, -1.0), (3.0, 3.0));
+            let ring = ring(&corners, vec2(-1.0, -1.0), vec2(3.0, 3.0));
             let (found, valid) = clip_ears(&ring);
             let area: f32 = found.iter().map(|t| turn(ring[t[0]], ring[t[1]], ring[t[2]]) / 2.0).sum();
             assert!(valid && (area - 13.0).abs() < 1e-5, "{area}: 16 minus 3");
@@ -201,41 +201,52 @@ mod tests {
                 "no area is covered twice"
             );
         }
-        assert!(!clip_ears(&ring(&STAR, (-2.0, -2.0), (2.0, 2.0))).1);
+        assert!(!clip_ears(&ring(&STAR, vec2(-2.0, -2.0), vec2(2.0, 2.0))).1);
     }
 
     #[test]
     fn polygons_that_cross_themselves_or_have_no_area_cause_no_panic() {
         assert_eq!(triangles(&STAR).len(), 3);
-        assert_eq!(triangles(&[(0.0, 0.0); 5]).len(), 3);
+        assert_eq!(triangles(&[vec2(0.0, 0.0); 5]).len(), 3);
         assert_eq!(triangles(&L[..2]), Vec::<[usize; 3]>::new());
-        assert_eq!(triangles(&[(f32::NAN, 0.0), (1.0, 0.0), (0.0, 1.0), (2.0, 2.0)]).len(), 2);
+        assert_eq!(
+            triangles(&[vec2(f32::NAN, 0.0), vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(2.0, 2.0)]).len(),
+            2
+        );
         assert!(inflated(&[], 1.0).is_empty() && spans(&[], 0.0).is_empty());
     }
 
     #[test]
     fn a_square_is_convex_but_an_l_and_a_star_are_not() {
-        let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let square = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
         assert!(is_convex(&square) && !is_convex(&L) && !is_convex(&STAR));
     }
 
     #[test]
     fn a_square_grows_equally_on_all_sides() {
-        let square = [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)];
-        let expected = [(-0.5, -0.5), (-0.5, 2.5), (2.5, 2.5), (2.5, -0.5)];
+        let square = [vec2(0.0, 0.0), vec2(0.0, 2.0), vec2(2.0, 2.0), vec2(2.0, 0.0)];
+        let expected = [vec2(-0.5, -0.5), vec2(-0.5, 2.5), vec2(2.5, 2.5), vec2(2.5, -0.5)];
         for (found, expected) in inflated(&square, 0.5).into_iter().zip(expected) {
-            assert!((found.0 - expected.0).abs() < 1e-6 && (found.1 - expected.1).abs() < 1e-6, "{found:?}");
+            assert!((found.x - expected.x).abs() < 1e-6 && (found.y - expected.y).abs() < 1e-6, "{found:?}");
         }
-        let needle = [(0.0, 0.0), (10.0, 0.01), (0.0, 0.02)];
-        assert!(inflated(&needle, 0.1)[1].0 < 10.31, "a sharp corner stays near");
+        let needle = [vec2(0.0, 0.0), vec2(10.0, 0.01), vec2(0.0, 0.02)];
+        assert!(inflated(&needle, 0.1)[1].x < 10.31, "a sharp corner stays near");
     }
 
     #[test]
     fn a_line_through_a_u_has_two_parts_inside() {
-        let u =
-            [(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (2.0, 2.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
+        let u = [
+            vec2(0.0, 0.0),
+            vec2(3.0, 0.0),
+            vec2(3.0, 2.0),
+            vec2(2.0, 2.0),
+            vec2(2.0, 1.0),
+            vec2(1.0, 1.0),
+            vec2(1.0, 2.0),
+            vec2(0.0, 2.0),
+        ];
         assert_eq!(spans(&u, 1.5), [[0.0, 1.0]]);
-        let transposed = u.map(|(x, y)| (y, x));
+        let transposed = u.map(|corner| vec2(corner.y, corner.x));
         assert_eq!(spans(&transposed, 1.5), [[0.0, 1.0], [2.0, 3.0]]);
         assert!(spans(&u, 5.0).is_empty());
     }

@@ -2,6 +2,7 @@
 //!
 //! In: a shape and its pose. Out: a drawing on a [`Canvas`].
 
+use bevy::math;
 use egui::epaint::{CircleShape, PathStroke};
 use egui::{Color32, Pos2, Rect, Shape as Mark, Stroke, vec2};
 
@@ -33,7 +34,7 @@ impl Silhouette {
     /// The outline of `obstacle` at step 0.
     #[must_use]
     pub fn from_obstacle(obstacle: &Obstacle) -> Self {
-        let (x, y) = obstacle.position_m;
+        let math::Vec2 { x, y } = obstacle.position_m;
         Self::Obstacle { shape: obstacle.shape.clone(), pose: (x, y, obstacle.rotation_rad) }
     }
 
@@ -91,7 +92,15 @@ pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) 
         }
         Silhouette::Obstacle { shape: Shape::Rectangle { width_m, height_m }, pose } => {
             let (w, h) = (width_m / 2.0, height_m / 2.0);
-            convex(canvas, &transformed(&[(w, h), (-w, h), (-w, -h), (w, -h)], *pose), fill, edge);
+            convex(
+                canvas,
+                &transformed(
+                    &[math::vec2(w, h), math::vec2(-w, h), math::vec2(-w, -h), math::vec2(w, -h)],
+                    *pose,
+                ),
+                fill,
+                edge,
+            );
         }
         Silhouette::Obstacle { shape: Shape::Polygon { corners_m }, pose } => {
             let corners = transformed(corners_m, *pose);
@@ -111,17 +120,17 @@ pub fn draw(canvas: &Canvas, outline: &Silhouette, fill: Color32, edge: Stroke) 
 }
 
 /// Draws a closed line `width` points wide along the outside of a polygon.
-pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[(f32, f32)], width: f32, color: Color32) {
+pub fn draw_closed_line(canvas: &Canvas, counterclockwise: &[math::Vec2], width: f32, color: Color32) {
     let mut points = on_screen(canvas, counterclockwise);
     points.reverse();
     canvas.painter.add(Mark::closed_line(points, PathStroke::new(width, color).outside()));
 }
 
-fn on_screen(canvas: &Canvas, corners: &[(f32, f32)]) -> Vec<Pos2> {
-    corners.iter().map(|&(x, y)| canvas.to_screen([x, y])).collect()
+fn on_screen(canvas: &Canvas, corners: &[math::Vec2]) -> Vec<Pos2> {
+    corners.iter().map(|&math::Vec2 { x, y }| canvas.to_screen([x, y])).collect()
 }
 
-fn convex(canvas: &Canvas, corners: &[(f32, f32)], fill: Color32, edge: Stroke) {
+fn convex(canvas: &Canvas, corners: &[math::Vec2], fill: Color32, edge: Stroke) {
     canvas.painter.add(Mark::convex_polygon(on_screen(canvas, corners), fill, edge));
 }
 
@@ -132,18 +141,21 @@ fn disc(canvas: &Canvas, at_m: [f32; 2], radius_m: f32, fill: Color32, edge: Str
 
 /// Transforms corners from the frame of a shape to the arena.
 #[must_use]
-pub fn transformed(corners: &[(f32, f32)], (x, y, rotation): ObstaclePose) -> Vec<(f32, f32)> {
+pub fn transformed(corners: &[math::Vec2], (x, y, rotation): ObstaclePose) -> Vec<math::Vec2> {
     let (sin, cos) = rotation.sin_cos();
-    corners.iter().map(|&(a, b)| (x + a * cos - b * sin, y + a * sin + b * cos)).collect()
+    corners
+        .iter()
+        .map(|&math::Vec2 { x: a, y: b }| math::vec2(x + a * cos - b * sin, y + a * sin + b * cos))
+        .collect()
 }
 
 /// The corners of a capsule, counterclockwise, with ends of `parts` segments.
-fn capsule(length_m: f32, radius_m: f32, parts: usize) -> Vec<(f32, f32)> {
+fn capsule(length_m: f32, radius_m: f32, parts: usize) -> Vec<math::Vec2> {
     use std::f32::consts::{FRAC_PI_2, PI};
     let end = |side: f32, from: f32| {
         (0..=parts).map(move |k| {
             let (sin, cos) = (from + PI * k as f32 / parts as f32).sin_cos();
-            (side * length_m / 2.0 + radius_m * cos, radius_m * sin)
+            math::vec2(side * length_m / 2.0 + radius_m * cos, radius_m * sin)
         })
     };
     end(1.0, -FRAC_PI_2).chain(end(-1.0, FRAC_PI_2)).collect()
@@ -157,15 +169,15 @@ mod tests {
 
     #[test]
     fn rotation_is_counterclockwise() {
-        let corners = transformed(&[(1.0, 0.5)], (1.0, 0.0, FRAC_PI_2));
-        assert!((corners[0].0 - 0.5).abs() < 1e-6 && (corners[0].1 - 1.0).abs() < 1e-6, "{corners:?}");
+        let corners = transformed(&[math::vec2(1.0, 0.5)], (1.0, 0.0, FRAC_PI_2));
+        assert!((corners[0].x - 0.5).abs() < 1e-6 && (corners[0].y - 1.0).abs() < 1e-6, "{corners:?}");
     }
 
     #[test]
     fn the_outline_of_a_capsule_is_at_its_radius_from_its_axis() {
         let corners = capsule(2.0, 0.5, 4);
         assert_eq!(corners.len(), 10);
-        for (x, y) in corners {
+        for math::Vec2 { x, y } in corners {
             let beyond = (x.abs() - 1.0).max(0.0);
             assert!((beyond.hypot(y) - 0.5).abs() < 1e-6, "{x} {y}");
         }
@@ -173,7 +185,8 @@ mod tests {
 
     #[test]
     fn every_shape_grows_by_the_same_amount() {
-        let corners_m = vec![(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        let corners_m =
+            vec![math::vec2(1.0, 1.0), math::vec2(-1.0, 1.0), math::vec2(-1.0, -1.0), math::vec2(1.0, -1.0)];
         for (shape, reach, inflated) in [
             (Shape::Circle { radius_m: 1.0 }, 1.0, 1.5),
             (Shape::Rectangle { width_m: 6.0, height_m: 8.0 }, 5.0, 3.5_f32.hypot(4.5)),

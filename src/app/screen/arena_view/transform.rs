@@ -153,6 +153,8 @@ pub fn constrain_to(rect: Rect, bounds: Rect) -> Rect {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math;
+
     use super::*;
 
     const WALLS: ArenaBounds = ArenaBounds { min_m: [-2.0, -1.0], max_m: [2.0, 1.0] };
@@ -197,7 +199,7 @@ mod tests {
 
     #[test]
     fn an_enclosure_off_the_origin_is_centred_in_its_view() {
-        let corners_m = vec![(10.0, 5.0), (14.0, 5.0), (10.0, 7.0)];
+        let corners_m = vec![math::vec2(10.0, 5.0), math::vec2(14.0, 5.0), math::vec2(10.0, 7.0)];
         let bounds = ArenaBounds::from_enclosure(&Enclosure::Polygon { corners_m });
         assert_eq!((bounds.size_m(), bounds.center_m()), ([4.0, 2.0], [12.0, 6.0]));
         let transform = ViewTransform::new(view(), MARGIN, ViewCamera::default(), bounds);
