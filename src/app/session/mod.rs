@@ -19,7 +19,7 @@
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | each command |
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
-//! | `start_training.rs`, `first_training.rs` | | trainings started |
+//! | `start_training.rs`, `first_training.rs` | | the start of a training |
 //! | `demo.rs` | | a policy or the user drives |
 //! | `save.rs`, `editor_files.rs` | | files written |
 //!

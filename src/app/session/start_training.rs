@@ -1,4 +1,4 @@
-//! Trainings started in the app: from random weights, from a policy, or from a checkpoint.
+//! Starting a training in the app: from random weights, from a policy, or from a checkpoint.
 //!
 //! In: names or files. Out: a new [`TrainingRun`] in place of the previous one, its arenas at their first observation. If
 //! something cannot be used, nothing changes.
