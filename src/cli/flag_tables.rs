@@ -7,7 +7,7 @@ use clap::{Arg, CommandFactory};
 use super::Arguments;
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md");
-const RENEW: &str = "WAYFIELD_RENEW=1 cargo test --release --lib flag_tables";
+const RENEW: &str = "cargo xtask docs";
 const END: &str = "<!-- end generated -->";
 
 #[test]

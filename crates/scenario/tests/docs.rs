@@ -1,6 +1,6 @@
 //! The page on the scenario format, docs/scenario-format.md, is what the schema's own comments and defaults say.
 //!
-//! `WAYFIELD_RENEW=1 cargo test --release -p wayfield-scenario --test docs` writes it anew.
+//! `cargo xtask docs` writes it anew.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use wayfield_scenario::{
     RandomShape, Region, Robot, Scenario, Shape, TaskRules, Wall, parse_ron,
 };
 
-const RENEW: &str = "WAYFIELD_RENEW=1 cargo test --release -p wayfield-scenario --test docs";
+const RENEW: &str = "cargo xtask docs";
 
 const HEAD: &str = r#"# The scenario format
 

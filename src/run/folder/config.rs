@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::run::RunError;
 use crate::run::preset::Preset;
 use crate::run::shipped;
 use crate::scenario::{FileError, Scenario};
@@ -71,6 +72,22 @@ impl RunConfig {
     pub fn with_extensions(self, extensions: &Extensions) -> Self {
         let (sensors, reward_terms) = extensions.describe();
         Self { sensors, reward_terms, extensions: extensions.clone(), ..self }
+    }
+
+    /// The run of the folder `path`, resumed with a user's plugins.
+    ///
+    /// # Errors
+    /// The plugins have other sensors or reward terms than those that the run was started with.
+    pub fn resume_with_extensions(self, extensions: &Extensions, path: &Path) -> Result<Self, RunError> {
+        let recorded = (self.sensors.clone(), self.reward_terms.clone());
+        let config = self.with_extensions(extensions);
+        if recorded == (config.sensors.clone(), config.reward_terms.clone()) {
+            return Ok(config);
+        }
+        Err(RunError::invalid_input(
+            path,
+            "this run was started with other sensor or reward plugins; help: resume it with those in config.ron",
+        ))
     }
 
     /// The layout of the run's observations.
