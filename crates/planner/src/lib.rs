@@ -6,11 +6,11 @@
 //!
 //! ```
 //! use wayfield_planner::{Resolution, StepBounds, plan_path, step_bounds};
-//! use wayfield_scenario::Scenario;
+//! use wayfield_scenario::{Scenario, Vec2};
 //!
 //! // The paper's empty arena: 1.2 m straight ahead, of which the last 0.2 m are the goal's radius.
 //! let scenario = Scenario::default();
-//! let (start, goal) = ((0.0, 0.0, 0.0), (1.2, 0.0));
+//! let (start, goal) = ((0.0, 0.0, 0.0), Vec2::new(1.2, 0.0));
 //! let path = plan_path(&scenario, start, goal, 0, Resolution::default()).ok_or("no path")?;
 //! assert_eq!(path.steps, 34); // 0.03 m per step
 //! assert_eq!(path.poses.len(), 35);
