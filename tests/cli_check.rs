@@ -107,7 +107,8 @@ fn json_lists_the_files_and_the_problems() {
     let workspace = workspace();
     let paths = ["files/a.ron", "files/b/scenario.ron", "files/c.ron"];
     assert_eq!(workspace.run_ok("--check files --json").json(), json!({ "files": paths, "problems": [] }));
-    let beyond_the_enclosure = [("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)")];
+    let beyond_the_enclosure =
+        [("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)")];
     workspace.write("files/c.ron", edited(SCENARIO_1, &beyond_the_enclosure));
     let done = workspace.run("--check files empty --json");
     assert_eq!(done.status, Some(2));

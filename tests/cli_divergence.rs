@@ -87,7 +87,9 @@ fn q_values_beyond_the_return_bound_give_one_warning() {
     workspace.write("divergent.ron", divergent);
     let done = workspace.run_ok("--train --preset divergent.ron --steps 4000 --out run");
     let warnings: Vec<&str> = done.stderr.lines().filter(|line| line.contains("seems to diverge")).collect();
-    let [warning] = warnings.as_slice() else { panic!("expected one warning, found {warnings:?}: {}", done.stderr) };
+    let [warning] = warnings.as_slice() else {
+        panic!("expected one warning, found {warnings:?}: {}", done.stderr)
+    };
     for expected in [
         "warning: run: learning seems to diverge at gradient step",
         "no return can exceed",

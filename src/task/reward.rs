@@ -148,7 +148,10 @@ impl RewardConfig {
             }
         }
         if !self.l_r_m.is_finite() || self.l_r_m <= 0.0 {
-            return Err(("l_r_m", format!("is {}; help: give a distance above 0 m, such as 0.3", self.l_r_m)));
+            return Err((
+                "l_r_m",
+                format!("is {}; help: give a distance above 0 m, such as 0.3", self.l_r_m),
+            ));
         }
         Ok(())
     }

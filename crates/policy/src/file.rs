@@ -45,7 +45,9 @@ pub enum PolicyError {
     #[error("not a wayfield policy: {0}")]
     NotWayfield(String),
     /// The file was written by another version of wayfield.
-    #[error("policy format version {found}, but this wayfield reads version {VERSION}; help: use a newer wayfield")]
+    #[error(
+        "policy format version {found}, but this wayfield reads version {VERSION}; help: use a newer wayfield"
+    )]
     Version {
         /// The file's version.
         found: u64,
@@ -72,7 +74,9 @@ pub enum PolicyError {
         found: String,
     },
     /// A weight is NaN or infinite.
-    #[error("the policy's tensor `{name}` has the value {value} at index {index}; help: use a policy from a run that did not diverge")]
+    #[error(
+        "the policy's tensor `{name}` has the value {value} at index {index}; help: use a policy from a run that did not diverge"
+    )]
     NonFinite {
         /// The tensor's name.
         name: String,

@@ -87,7 +87,12 @@ fn add_section(blocks: &mut Vec<String>, section: &Section) {
 
 fn claim_list(claim_results: &[ClaimResult]) -> Option<String> {
     let line = |result: &ClaimResult| {
-        format!("{}: *{}*\\\n  {}", outcome_text(result), escaped(&result.claim), line_start(&result.sentence))
+        format!(
+            "{}: *{}*\\\n  {}",
+            outcome_text(result),
+            escaped(&result.claim),
+            line_start(&result.sentence)
+        )
     };
     (!claim_results.is_empty()).then(|| list(claim_results.iter().map(line)))
 }
