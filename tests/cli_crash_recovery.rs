@@ -3,6 +3,8 @@
 #![cfg(target_os = "linux")]
 
 mod cli_support;
+#[path = "support/requirements.rs"]
+mod requirements;
 
 use std::process::Command;
 use std::time::Duration;
@@ -129,6 +131,9 @@ fn a_damaged_checkpoint_is_skipped_for_the_previous_one() {
 
 #[test]
 fn two_processes_cannot_write_in_one_run_folder() {
+    if !can_mount() {
+        return;
+    }
     let workspace = workspace();
     let mut child = workspace.start("--train --scenario one.ron --preset fast.ron --steps 3000000 --out run");
     wait_until(&mut child, "a checkpoint", || workspace.path("run/checkpoint/latest.bin").exists());
@@ -153,8 +158,20 @@ fn two_processes_cannot_write_in_one_run_folder() {
     workspace.run_ok("--train --resume run --steps 3000001 --checkpoint-every 1000000 --json").json();
 }
 
-/// Runs `script` with a separate temporary file system mounted at `small` in the workspace. (This needs root,
-/// or a user with permission to create namespaces.)
+/// Whether this machine lets a test mount a file system: as root, or in a user namespace. If not, the test is skipped.
+fn can_mount() -> bool {
+    let tried = Command::new("unshare").args(["--mount", "--map-root-user", "true"]).output();
+    let works = tried.is_ok_and(|output| output.status.success());
+    if !works {
+        requirements::report_skip(
+            "`unshare --mount` is not permitted; help: run as root, or allow user namespaces",
+        );
+    }
+    works
+}
+
+/// Runs `script` with a separate temporary file system mounted at `small` in the workspace. (This needs root, or a user with
+/// permission to create namespaces.)
 fn with_small_disk(workspace: &Workspace, options: &str, script: &str) -> CommandOutput {
     std::fs::create_dir_all(workspace.path("small")).unwrap();
     let script = format!("mount -t tmpfs -o {options} tmpfs small && {script}");
@@ -170,6 +187,9 @@ fn with_small_disk(workspace: &Workspace, options: &str, script: &str) -> Comman
 
 #[test]
 fn a_full_disk_damages_nothing() {
+    if !can_mount() {
+        return;
+    }
     let workspace = workspace();
     // The files written before are complete. With free space, the run resumes.
     let done = with_small_disk(
@@ -204,6 +224,9 @@ fn a_full_disk_damages_nothing() {
 
 #[test]
 fn a_read_only_folder_is_rejected_before_the_run_starts() {
+    if !can_mount() {
+        return;
+    }
     let workspace = workspace();
     let done = with_small_disk(
         &workspace,

@@ -75,6 +75,7 @@ fn at_the_goal_an_episode_ends_or_continues_as_the_mode_says() {
     // The goal is straight ahead of the start.
     let scenario = Scenario::parse(
         "(
+            name: \"Straight ahead\",
             starts: Fixed(position_m: (-0.3, 0.0), heading_rad: 0.0),
             goals: Fixed(position_m: (0.5, 0.0)),
         )",

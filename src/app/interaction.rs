@@ -3,6 +3,7 @@
 //!
 //! Written by the widgets of the screen and read by them in the next frame. Never saved.
 
+use super::editor::EditorInteraction;
 use super::moves::{Movable, MoveRejection};
 use super::setup_form::SetupForm;
 
@@ -32,4 +33,6 @@ pub struct Interaction {
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,
+    /// Unfinished actions in the editor.
+    pub editor: EditorInteraction,
 }

@@ -17,6 +17,7 @@ use crate::run::limits::MAX_EVAL_EPISODES;
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
 use crate::scenario::Scenario;
+use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
 /// Episodes on the benchmark route, and how many of them make a round (the paper: 5 rounds of 5).
@@ -72,13 +73,19 @@ struct OptimumReport {
 /// Tests the policy in the file at `path` and prints the results.
 pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let scenario = Arc::new(shipped::scenario(shared.scenario())?);
-    let policy = policy::read(path, &scenario)?;
+    let policy = policy::read(path, &scenario, &shared.extensions)?;
     print_scenario_note(&policy, &scenario);
     let (count, round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
     let seed = shared.seed();
-    let episodes = Evaluator::new(&scenario, count).run(&policy, seed, count, EpisodeSetup::Random)?;
+    let episodes = Evaluator::with_extensions(&scenario, count, &shared.extensions).run(
+        &policy,
+        seed,
+        count,
+        EpisodeSetup::Random,
+    )?;
     let evaluation = Evaluation::from_episodes(&episodes, round, &scenario.task, seed);
-    let course = args.course.then(|| CourseReport::new(&scenario, &policy, seed)).transpose()?;
+    let course =
+        args.course.then(|| CourseReport::new(&scenario, &policy, seed, &shared.extensions)).transpose()?;
     let optimum = args.optimum.then(|| OptimumReport::new(&scenario, &episodes));
     let report = EvaluationReport {
         policy: path.display().to_string(),
@@ -109,8 +116,13 @@ fn episode_counts(rounds: u32, episodes: u64) -> Result<(usize, usize), RunError
 }
 
 impl CourseReport {
-    fn new(scenario: &Arc<Scenario>, policy: &Policy, seed: u64) -> Result<Self, RunError> {
-        let mut evaluator = Evaluator::new(scenario, ROUTE_EPISODES);
+    fn new(
+        scenario: &Arc<Scenario>,
+        policy: &Policy,
+        seed: u64,
+        extensions: &Extensions,
+    ) -> Result<Self, RunError> {
+        let mut evaluator = Evaluator::with_extensions(scenario, ROUTE_EPISODES, extensions);
         let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::BenchmarkRoute)?;
         let evaluation = Evaluation::from_episodes(&episodes, ROUTE_ROUND, &scenario.task, seed);
         Ok(Self {

@@ -32,6 +32,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::run::RunError;
 use crate::run::progress::print_stderr;
+use crate::simulation::Extensions;
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -75,10 +76,23 @@ impl Arguments {
     }
 }
 
-/// Runs the command line of this process and returns its exit status. Wall time is counted from `began`, the
-/// start of the process.
-pub fn main(began: Instant) -> ExitCode {
-    let arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
+/// Runs the command line of this process and returns its exit status. Wall time is counted from `began`, the start of the
+/// process. Training, evaluation and the window use `extensions`, a user's plugins, so a program with its own sensors
+/// and rewards has the whole command line in three lines:
+///
+/// ```no_run
+/// # use bevy::prelude::*;
+/// # #[derive(Clone)]
+/// # struct MySensor;
+/// # impl Plugin for MySensor { fn build(&self, _: &mut App) {} }
+/// fn main() -> std::process::ExitCode {
+///     let extensions = wayfield::simulation::Extensions::default().plugin(MySensor);
+///     wayfield::cli::main(std::time::Instant::now(), extensions)
+/// }
+/// ```
+pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
+    let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    arguments.shared.extensions = extensions;
     match run(arguments, began) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -56,7 +56,7 @@ pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), Ru
     let every = args.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
     let budget = shared.episodes.map(Budget::Episodes).or(args.steps.map(Budget::EnvSteps));
     let job = match args.resume {
-        Some(folder) => Job::Resume { folder, budget, extensions: crate::simulation::Extensions::default() },
+        Some(folder) => Job::Resume { folder, budget, extensions: shared.extensions },
         None => new_run(args, shared, budget)?,
     };
     let (folder, summary) = train(job, every, stop_on_signal(), began, None)?;
@@ -64,7 +64,8 @@ pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), Ru
 }
 
 fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Result<Job, RunError> {
-    let mut config = RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?;
+    let mut config = RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?
+        .with_extensions(&shared.extensions);
     let preset = &mut config.preset;
     preset.budget = budget.unwrap_or(preset.budget);
     preset.arenas = args.arenas.unwrap_or(preset.arenas);
@@ -78,7 +79,11 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
         return Err(RunError::InvalidInput(format!("--epsilon is {epsilon}; help: give 0 to 1")));
     }
     warn_if_nothing_is_learned(preset);
-    let policy = args.init.as_deref().map(|path| policy::read(path, &config.scenario)).transpose()?;
+    let policy = args
+        .init
+        .as_deref()
+        .map(|path| policy::read(path, &config.scenario, &shared.extensions))
+        .transpose()?;
     config.transfer =
         args.init.map(|init| Transfer { policy: init.display().to_string(), epsilon: args.epsilon });
     Ok(Job::New { config: Box::new(config), policy, out: shared.out })

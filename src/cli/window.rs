@@ -80,6 +80,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
         pace: args.pace.unwrap_or(defaults.pace),
         open: args.open.clone(),
         edit: args.edit,
+        extensions: shared.extensions,
         ..defaults
     };
     check_start_files(&start, args.screenshot.is_some())?;

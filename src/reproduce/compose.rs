@@ -3,9 +3,10 @@
 use super::claim::Claim;
 use super::claim_result::claim_result;
 use super::options::ReproduceOptions;
-use super::plan::{RunPlan, SelectedExperiment};
+use super::plan::RunPlan;
 use super::provenance::provenance;
 use super::results::Results;
+use super::selected::SelectedExperiment;
 use super::{figures, tables};
 use crate::report::claim::ClaimResult;
 use crate::report::page::{Item, Page, Section, Setting};

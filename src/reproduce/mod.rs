@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `overrides.rs` | the schema of an experiment's file |
 //! | | `load.rs`, `check/` | reading and checking such a file |
-//! | select | `options.rs`, `select.rs`, `quick.rs` | the figures and tables that the user asked for |
+//! | select | `options.rs`, `select.rs`, `selected.rs`, `quick.rs` | the figures and tables that the user asked for |
 //! | plan | `plan.rs`, `run_config.rs` | the trainings they need, each once |
 //! | execute | `execute.rs`, `queue.rs`, `policy_test.rs`, `progress.rs` | training and testing, several runs in parallel |
 //! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
@@ -41,6 +41,7 @@ mod results;
 mod rows;
 mod run_config;
 mod select;
+pub mod selected;
 pub mod table_spec;
 mod tables;
 #[cfg(test)]

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::experiment::Experiment;
 use super::options::ReproduceOptions;
-use super::plan::{ExperimentSource, SelectedExperiment};
 use super::quick::make_quick;
+use super::selected::{ExperimentSource, SelectedExperiment};
 use crate::run::{RunError, shipped};
 use crate::scenario::closest_name;
 

@@ -51,7 +51,7 @@ impl Messages {
         }
         let snapshot = fs::read_to_string(&path).unwrap_or_default();
         let path = path.display();
-        let help = "help: WAYFIELD_RENEW=1 cargo test --release --test cli_errors";
+        let help = "help: cargo xtask messages";
         for (line, (found, expected)) in self.text.lines().zip(snapshot.lines()).enumerate() {
             assert_eq!(found, expected, "{path}:{} differs; {help}", line + 1);
         }

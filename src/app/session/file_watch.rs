@@ -1,4 +1,4 @@
-//! File watches: the scenario follows its file, which the user may edit in another program.
+//! File watches: the scenario follows its file while the user edits it in another program.
 //!
 //! In: the file, checked a few times a second. Out: a scenario that the training adopts when the next episode ends, or a
 //! notice about what is wrong with the file while the last valid scenario keeps running. Adopted scenarios are recorded in
@@ -53,7 +53,7 @@ impl FileWatches {
 /// What to do when a broken file can be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum RetryAction {
-    /// Start a training in it: the user asked for it on the command line, and did not choose the one that runs instead.
+    /// Start a training in it. The user asked for it on the command line, and did not choose the default that runs instead.
     StartTraining,
     /// Open it, as the user asked before.
     Open,
@@ -78,8 +78,8 @@ impl FileWatch {
         is_file.then(|| Self { path, checked: Instant::now(), stamp, read: None })
     }
 
-    /// The file's path, if it is to be read: it has changed since, but not between the last two checks, so that no program is
-    /// still writing it.
+    /// The file's path, if the file should be read now: it has changed since it was read last, but not between the last two
+    /// checks, so that no program is still writing it.
     fn changed(&mut self) -> Option<PathBuf> {
         if self.checked.elapsed() < CHECK_INTERVAL {
             return None;

@@ -21,9 +21,9 @@ use crate::app::app_snapshot::Severity;
 /// starts, with a notice.
 pub(super) fn start_first(world: &mut World, start: &StartOptions) {
     let default = StartOptions::default();
-    let requested = prepare_new(&start.scenario, &start.preset, start.seed);
+    let requested = prepare_new(&start.scenario, &start.preset, start.seed, &start.extensions);
     let problem = requested.as_ref().err().map(ToString::to_string);
-    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed);
+    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed, &start.extensions);
     match requested.or_else(|_| fallback(&start.preset)).or_else(|_| fallback(&default.preset)) {
         Ok(prepared) => {
             world.insert_resource(Pacer::new(start.pace, start.paused));

@@ -19,7 +19,7 @@
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | each command |
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
-//! | `start_training.rs`, `first_training.rs` | | trainings started |
+//! | `start_training.rs`, `first_training.rs` | | the start of a training |
 //! | `demo.rs` | | a policy or the user drives |
 //! | `save.rs`, `editor_files.rs` | | files written |
 //!
@@ -56,7 +56,7 @@ use bevy::prelude::*;
 use super::commands::{Command, EditorReply, Pace};
 use super::history::History;
 use crate::agent::ActionSources;
-use crate::simulation::SimulationBuilder;
+use crate::simulation::{Extensions, SimulationBuilder};
 
 pub use active_mode::ActiveMode;
 pub use evaluations::Evaluations;
@@ -88,6 +88,8 @@ pub struct StartOptions {
     pub edit: bool,
     /// Problems with options, as messages to the user. The options have their defaults instead.
     pub invalid_options: Vec<String>,
+    /// A user's plugins.
+    pub extensions: Extensions,
 }
 
 impl Default for StartOptions {
@@ -102,6 +104,7 @@ impl Default for StartOptions {
             open: None,
             edit: false,
             invalid_options: Vec::new(),
+            extensions: Extensions::default(),
         }
     }
 }
@@ -118,7 +121,8 @@ pub struct SessionPlugin {
 
 impl Plugin for SessionPlugin {
     fn build(&self, app: &mut App) {
-        SimulationBuilder::new(&Arc::default()).training().add_to(app);
+        let builder = SimulationBuilder::new(&Arc::default()).training();
+        builder.extensions(&self.start.extensions).add_to(app);
         let start = self.start.clone();
         app.add_message::<Command>()
             .add_message::<EditorReply>()

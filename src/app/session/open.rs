@@ -49,10 +49,10 @@ pub(super) fn open_or_notify(world: &mut World, path: &Path) {
     }
 }
 
-/// Checks that opening `path` loses no unsaved training, or that the user asks for it the second time.
+/// Checks that opening `path` would lose no unsaved training, or that the user confirms it by asking twice.
 ///
 /// # Errors
-/// The user asks for the first time: what would be lost.
+/// An unsaved training would be lost, and the user asks for the first time.
 fn confirm_by_repeating(world: &mut World, path: &Path) -> Result<(), RunError> {
     let learner = &world.resource::<ActiveLearner>().0;
     let (env_steps, episodes) = (learner.env_steps(), learner.episodes());
@@ -117,7 +117,7 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
             start_training::start_training(world, &from, &preset_from, seed)?;
             Ok(format!("Training started in {}", scenario.name))
         }
-        // A valid preset is no broken scenario; any other text is reported as a broken scenario.
+        // Text that is not a valid preset either is reported as a broken scenario.
         Err(error) => {
             Preset::parse(&text, path).map_err(|_| error)?;
             confirm_by_repeating(world, path)?;
@@ -156,7 +156,7 @@ pub(crate) fn expert(config: &RunConfig) -> Option<(String, &'static Policy)> {
 /// Checks that `policy`, called `name`, can drive in the scenario of `config` with the observations of its preset.
 ///
 /// # Errors
-/// It cannot, and why.
+/// The reason why it cannot.
 pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -> Result<(), RunError> {
     let unusable = |why: String| RunError::InvalidInput(format!("{name}: {why}"));
     evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())

@@ -99,12 +99,12 @@ pub(super) fn apply_pending_scenario(world: &mut World) {
     notify(world, NoticeTopic::File(file), severity, text);
 }
 
-/// Updates what depends on the scenario after it has changed in `world`.
+/// Updates everything that depends on the scenario, after it has changed in `world`.
 pub(super) fn on_scenario_changed(world: &mut World) {
     let scenario = Scenario::clone(&world.resource::<CurrentScenario>().0);
     let mut run = world.resource_mut::<TrainingRun>();
     run.config.scenario = scenario;
-    // The best policy in the previous scenario need not be good in this one.
+    // The best policy of the previous scenario may be a bad one in this scenario.
     run.trainer_state.best = None;
     world.resource_mut::<Evaluations>().mark_outdated();
     world.resource_mut::<ScenarioSource>().forget_saved();
