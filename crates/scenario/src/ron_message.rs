@@ -44,6 +44,9 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
         E::ExpectedString => must("text in double quotes: \"...\""),
         E::ExpectedArray => must("a list in square brackets: [...]"),
         E::ExpectedStructLike => must("written with parentheses: (...)"),
+        E::ExpectedDifferentLength { expected, .. } if expected.ends_with("2 f32 values") => {
+            (end, format!("{} must be a point: (x, y)", here()))
+        }
         E::ExpectedDifferentLength { expected, .. } => (end, format!("{} must be {expected}", here())),
         E::InvalidValueForType { expected, found } => must(&format!("{expected}, not {found}")),
         E::IntegerOutOfBounds => {
@@ -68,7 +71,11 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
         E::ExpectedNamedStructLike(_) if text[end..].starts_with([')', ']', '}']) => {
             (end, "this closes no open bracket, or a value is missing before it".into())
         }
+        E::ExpectedNamedStructLike("Vec2") => (end, format!("{} must be a point: (x, y)", here())),
         E::ExpectedNamedStructLike(_) => (end, format!("{} must be written in parentheses: (...)", here())),
+        E::ExpectedDifferentStructName { expected, .. } if *expected == "Vec2" => {
+            (start, format!("{} must be a point: (x, y)", here()))
+        }
         E::ExpectedDifferentStructName { expected, found } => {
             (start, format!("expected `{expected}(...)` or `(...)`, found `{found}`"))
         }

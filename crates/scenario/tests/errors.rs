@@ -114,7 +114,7 @@ fn mistakes_of_form_are_explained_where_they_are() {
         ),
         (
             r#"(name: "a", walls: [(corners_m: [0, 1])])"#,
-            "1:34: `walls[0].corners_m[0]` must be written with parentheses: (...)",
+            "1:34: `walls[0].corners_m[0]` must be a point: (x, y)",
         ),
         (
             r#"(name: "a", walls: [(thickness_m: 1)])"#,
@@ -143,12 +143,12 @@ fn mistakes_of_form_are_explained_where_they_are() {
         (r#"(name: "a", obstacles: (1))"#, "1:24: `obstacles` must be a list in square brackets: [...]"),
         (
             r#"(name: "a", benchmark_route: (start_m: [0, 0]))"#,
-            "1:31: `benchmark_route.start_m` must be written with parentheses: (...)",
+            "1:40: `benchmark_route.start_m` must be a point: (x, y)",
         ),
         (r#"(name: "a", starts: Random)"#, "1:27: `starts` must be written with parentheses: (...)"),
         (
             r#"(name: "a", benchmark_route: (start_m: (0)))"#,
-            "1:33: `benchmark_route.start_m` must be a tuple of size 2",
+            "1:42: `benchmark_route.start_m` must be a point: (x, y)",
         ),
         (
             r#"(name: "a", benchmark_route: (start_m: (0, 0, 0)))"#,
@@ -223,7 +223,7 @@ fn texts_too_long_and_crowds_too_large_are_refused() {
     let text = to_ron(&crowd).expect("it can be written");
     let told = parse_error(&text);
     assert_eq!(told.lines().count(), 101);
-    assert!(told.ends_with("w.ron: and 50 more like these: mend some and look again"), "{told}");
+    assert!(told.ends_with("w.ron: and 50 more problems: fix some and check again"), "{told}");
 }
 
 #[test]
