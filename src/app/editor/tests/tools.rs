@@ -85,3 +85,57 @@ fn the_path_tool_is_put_away_when_its_obstacle_is_deselected() {
     editor.nudge(1, 0, false);
     assert_ne!(*editor.tool(), Tool::Select, "the same obstacle is selected");
 }
+
+#[test]
+fn drawing_a_wall_is_one_undo_step() {
+    let mut editor = editor(Scenario::default());
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+    for at in [vec2(0.01, 0.52), vec2(0.01, 0.52), vec2(1.02, 0.49), vec2(1.0, 1.0)] {
+        editor.click_with_tool(at, false);
+    }
+    editor.click_with_tool(vec2(1.234_56, 1.0), true);
+    editor.undo_tool_point();
+    assert!(!editor.can_undo(), "the scenario is unchanged so far");
+    let after = one_step(&mut editor, Editor::finish_tool);
+    assert_eq!(
+        after.walls,
+        [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]
+    );
+    assert_eq!(*editor.tool(), Tool::Select);
+    // One corner does not make a wall.
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+    editor.click_with_tool(vec2(0.0, 0.0), false);
+    editor.finish_tool();
+    assert_eq!(editor.scenario().walls.len(), 1);
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+    editor.undo_tool_point();
+    assert_eq!(*editor.tool(), Tool::Select, "without a corner the tool is put away");
+}
+
+#[test]
+fn paths_and_positions_are_drawn_for_the_selected_item() {
+    let mut editor = editor(full());
+    editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
+    assert_eq!(*editor.tool(), Tool::Select, "no obstacle is selected");
+    editor.select(Selection::Obstacle(0));
+    editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
+    editor.click_with_tool(vec2(-1.0, 0.0), false);
+    editor.click_with_tool(vec2(0.0, 0.0), false);
+    let after = one_step(&mut editor, Editor::finish_tool);
+    let waypoints_m = vec![vec2(-1.0, 0.0), vec2(0.0, 0.0)];
+    assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 });
+    editor.select(Selection::Starts);
+    editor.set_tool(Tool::Positions);
+    for at in [vec2(0.5, 0.5), vec2(0.51, 0.5), vec2(-0.5, 0.0)] {
+        editor.click_with_tool(at, false);
+    }
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] }
+    );
+    editor.undo();
+    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });
+    editor.set_tool(Tool::Positions);
+    editor.select(Selection::Wall(0));
+    assert_eq!(*editor.tool(), Tool::Select, "the tool does not fit a wall");
+}

@@ -9,7 +9,8 @@
 //! | `framing.rs` | the part of the plane that the canvas shows |
 //! | `pointer.rs`, `cursor.rs`, `shortcuts.rs` | pointer, cursor icon and keyboard on the canvas |
 //! | `drawing.rs`, `outlines.rs`, `marks.rs`, `draft.rs` | drawing: the scenario, outlines of items, starts and goals, an unfinished wall or path |
-//! | `handles.rs`, `hints.rs`, `problem_note.rs` | drawing: handles, the hint line, the problem of the selected item |
+//! | `handles.rs` | handles on the screen: positions and hit test |
+//! | `handle_drawing.rs`, `hints.rs`, `problem_note.rs` | drawing: handles, the hint line, the problem of the selected item |
 //! | `panel.rs` | the panel; `header.rs`, `add_panel.rs`, `actions.rs` are its fixed parts |
 //! | `inspector.rs` | fields of the selected item; `obstacle_fields.rs`, `generator_fields.rs`, `placement_fields.rs` |
 //! | `scenario_panel.rs` | fields of the scenario in groups; `robot_fields.rs` |
@@ -27,6 +28,7 @@ mod drawing;
 mod fields;
 mod framing;
 mod generator_fields;
+mod handle_drawing;
 mod handles;
 mod header;
 mod hints;
@@ -84,6 +86,6 @@ pub fn editor_ui(ui: &mut Ui, view_state: &mut ViewState) {
     drawing::draw(ui, &canvas, id, editor, hit);
     let tip = response.hover_pos().filter(|_| response.contains_pointer() || response.dragged());
     draft::draw(ui, &canvas, editor, tip);
-    handles::draw(&canvas, editor, hit);
+    handle_drawing::draw(&canvas, editor, hit);
     hints::draw(&canvas, editor, hit);
 }
