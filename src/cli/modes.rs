@@ -1,4 +1,4 @@
-//! The modes of the command line, and which options each mode takes.
+//! The modes of the command line, and the options that each mode takes.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command};
 
-/// The flags that choose a mode; without one the window opens.
+/// The flags that select a mode. Without a mode, the app opens.
 #[derive(Args, Debug)]
 #[group(multiple = false)]
 #[command(next_help_heading = "Modes (without one, the window opens)")]
@@ -37,8 +37,8 @@ pub struct ModeArgs {
     pub replay: Option<PathBuf>,
 }
 
-/// The options of each mode, by id. An id that names a group (a struct of options) stands for all options in
-/// it.
+/// The options that each mode takes, by clap id. The id of a group (a struct of options) stands for all options in
+/// the group.
 const MODES: &[(&str, &[&str])] = &[
     ("train", &["scenario", "preset", "seed", "episodes", "out", "json", "TrainArgs"]),
     ("eval", &["scenario", "seed", "episodes", "json", "EvalArgs"]),
@@ -49,7 +49,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("replay", &[]),
 ];
 
-/// The options that the window takes.
+/// The options that the app takes, by clap id.
 #[cfg(feature = "gui")]
 const WINDOW: &[&str] = &["scenario", "preset", "seed", "WindowArgs"];
 #[cfg(not(feature = "gui"))]
@@ -58,7 +58,7 @@ const WINDOW: &[&str] = &[];
 /// Checks that every option in `matches` belongs to the chosen mode.
 ///
 /// # Errors
-/// The first option that does not, the mode, and the modes that the option belongs to.
+/// An option belongs to another mode. The message names the option, the chosen mode, and the modes that take it.
 pub fn check(command: &mut Command, matches: &ArgMatches) -> Result<(), clap::Error> {
     let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
     let mode = MODES.iter().find(|(flag, _)| is_given(flag));
@@ -88,7 +88,7 @@ fn takes(command: &Command, options: &[&str], arg: &Arg) -> bool {
     })
 }
 
-/// The modes that take `option`, as text.
+/// The modes that take `option`, as text for a message.
 fn owners(command: &Command, option: &Arg) -> String {
     let flags = MODES.iter().filter(|(_, options)| takes(command, options, option));
     let flags = flags.filter_map(|(flag, _)| find(command, flag)).map(|flag| format!("'{flag}'"));
@@ -120,12 +120,12 @@ mod tests {
         }
         for id in MODES.iter().flat_map(|(flag, options)| options.iter().chain([flag])).chain(WINDOW) {
             let is_group = command.get_groups().any(|group| group.get_id() == id);
-            assert!(is_group || find(&command, id).is_some(), "`{id}` is no option or group");
+            assert!(is_group || find(&command, id).is_some(), "`{id}` is neither an option nor a group");
         }
     }
 
     #[test]
-    fn an_option_of_another_mode_is_rejected_and_both_flags_are_named() {
+    fn an_option_of_another_mode_is_rejected_and_the_error_names_both() {
         let message = |words: &str| {
             let words = ["wayfield"].into_iter().chain(words.split_whitespace()).map(OsString::from);
             Arguments::parse_words(words).expect_err("rejected").to_string()

@@ -34,7 +34,7 @@ pub fn check(paths: &[PathBuf]) -> Vec<CheckedFile> {
         check_folder(path, &mut checked);
         if checked.len() == before {
             let message =
-                "this folder has no .ron file; help: give a scenario, a preset, or a folder that holds some";
+                "this folder has no .ron file; help: give a scenario or preset file, or a folder of them";
             let error = Some(FileError::for_file(path, message));
             checked.push(CheckedFile { path: path.clone(), error });
         }

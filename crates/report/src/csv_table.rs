@@ -1,6 +1,6 @@
 //! Tables as CSV.
 
-use crate::format::{MAX_DIGITS, is_zero};
+use crate::format::{MAX_DECIMALS, is_zero};
 use crate::table::{Cell, Table};
 
 impl Table {
@@ -66,7 +66,7 @@ fn plain(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    let text = format!("{value:.*}", (digits.min(MAX_DIGITS) + 2).min(MAX_DIGITS));
+    let text = format!("{value:.*}", (digits.min(MAX_DECIMALS) + 2).min(MAX_DECIMALS));
     if is_zero(&text) { text.trim_start_matches('-').to_owned() } else { text }
 }
 
