@@ -112,7 +112,7 @@ impl ScenarioMap {
             let (fill, edge) = obstacle_colours(obstacle.kind);
             match &obstacle.outline {
                 MapShape::Disc(x, y, radius) => {
-                    plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?
+                    plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?;
                 }
                 MapShape::Polygon(corners) => plan.draw_polygon(root, corners, fill.filled(), edge)?,
             }
