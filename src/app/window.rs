@@ -119,7 +119,13 @@ impl Plugin for WindowedPlugin {
         }
         app.insert_resource(preferences).add_systems(Last, preferences::store);
         #[cfg(target_arch = "wasm32")]
-        app.add_systems(Last, super::browser::report_to_page.run_if(resource_exists::<TrainingRun>));
+        app.add_systems(
+            Last,
+            (
+                super::browser::report_to_page.run_if(resource_exists::<TrainingRun>),
+                super::controls::keep_tree,
+            ),
+        );
     }
 }
 

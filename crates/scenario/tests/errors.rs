@@ -152,7 +152,7 @@ fn mistakes_of_form_are_explained_where_they_are() {
         ),
         (
             r#"(name: "a", benchmark_route: (start_m: (0, 0, 0)))"#,
-            "1:38: `benchmark_route.start_m` must end before this: a `)` is missing, or it has too many parts",
+            "1:47: `benchmark_route.start_m` must end before this: a `)` is missing, or it has too many parts",
         ),
         (r#"(name: "a" lidar: ())"#, "1:12: a comma or a closing bracket is missing before this"),
         (
