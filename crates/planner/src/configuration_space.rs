@@ -1,4 +1,4 @@
-//! The search space: robot states, the effect of each motion, inflated obstacles and the goal.
+//! The configuration space of the search: robot states, the effect of each motion, inflated obstacles and the goal.
 //!
 //! In: a scenario and a clock. Out: the state after a motion, and whether it is allowed.
 
@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use glam::Vec2;
 use wayfield_scenario::{Motion, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
-/// The robot's centre in m and heading in rad, not wrapped.
+/// A robot state: the centre in m, and the heading in rad, which is not wrapped.
 #[derive(Clone, Copy)]
 pub(super) struct State {
     pub(super) x: f64,
@@ -44,10 +44,10 @@ pub(super) struct MotionPrimitive {
 }
 
 impl MotionPrimitive {
-    /// The end of the motion's arc after `period` s. With the turn w T, the chord has the length v T sinc(w T / 2) and the
-    /// direction w T / 2.
+    /// The effect of driving `motion` for `period` s = T: a turn of w T, and a displacement along the chord of the arc, of
+    /// length v T sinc(w T / 2) and direction w T / 2.
     fn new(motion: &Motion, period: f32) -> Self {
-        // Rounded to f32 like in the simulation, so that the headings stay equal.
+        // Rounded to f32 as in the simulation, so that the headings stay equal.
         let turn = f64::from(motion.w_rad_s * period);
         let half = turn / 2.0;
         let sinc = if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
@@ -79,7 +79,7 @@ impl InflatedObstacle {
             Shape::Capsule { length_m, radius_m } => {
                 (f64::from(length_m) / 2.0, 0.0, f64::from(radius_m) + inflation)
             }
-            // Not modelled: callers check `is_supported` first.
+            // Polygons are not modelled; callers check `is_supported` first.
             Shape::Polygon { .. } => (0.0, 0.0, f64::INFINITY),
         };
         Self { x: x.into(), y: y.into(), cos, sin, half_width, half_height, radius }
@@ -109,14 +109,15 @@ pub(super) struct ConfigurationSpace<'a> {
     inflation: f64,
     static_obstacles: Vec<InflatedObstacle>,
     moving_obstacles: Vec<&'a Obstacle>,
-    /// The moving obstacles after 0, 1, ... steps, as far as [`ConfigurationSpace::prepare`] has computed them.
+    /// The moving obstacles after 0, 1, ... steps, up to the last step given to [`ConfigurationSpace::prepare`].
     moving_at_step: Vec<Vec<InflatedObstacle>>,
     clock: u64,
     period_s: f32,
 }
 
 impl<'a> ConfigurationSpace<'a> {
-    /// The space of `scenario` after `clock` steps, with a collision range that is larger by `margin_m`.
+    /// The configuration space of `scenario`, whose obstacles have already moved for `clock` steps. `margin_m` is added to
+    /// the collision range.
     pub(super) fn new(scenario: &'a Scenario, clock: u64, margin_m: f64) -> Self {
         let inflation = (f64::from(scenario.task.collision_range_m) + margin_m).max(0.0);
         let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
@@ -141,7 +142,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// The states after 0, 1, ... of these actions.
+    /// The states after 0, 1, ... of the actions.
     pub(super) fn rollout(&self, start: (f32, f32, f32), actions: &[u8]) -> impl Iterator<Item = State> {
         let start = State::new(start);
         let after = actions.iter().scan(start, |state, &action| {
@@ -155,7 +156,7 @@ impl<'a> ConfigurationSpace<'a> {
         !self.moving_obstacles.is_empty()
     }
 
-    /// Computes the poses of the moving obstacles after up to `steps` steps.
+    /// Computes the poses of the moving obstacles after 0 to `steps` steps.
     pub(super) fn prepare(&mut self, steps: u32) {
         while self.has_moving_obstacles() && self.moving_at_step.len() <= steps as usize {
             let clock = self.clock.saturating_add(self.moving_at_step.len() as u64);
@@ -166,7 +167,8 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// Whether the robot may be at (x, y) after `steps` steps, which have been prepared.
+    /// Whether the robot may be at (x, y) after `steps` steps. Moving obstacles are ignored if [`Self::prepare`] has not
+    /// been called for that many steps.
     pub(super) fn is_clear(&self, x: f64, y: f64, steps: u32) -> bool {
         x.abs() <= self.half_width
             && y.abs() <= self.half_height
@@ -175,7 +177,7 @@ impl<'a> ConfigurationSpace<'a> {
     }
 }
 
-/// The disc that the robot's centre has to reach.
+/// The goal disc, which the robot's centre has to reach.
 pub(super) struct GoalRegion {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -183,7 +185,7 @@ pub(super) struct GoalRegion {
 }
 
 impl GoalRegion {
-    /// The goal's disc, with a radius that is larger by `margin_m`.
+    /// The goal disc. `margin_m` is added to the scenario's goal radius.
     pub(super) fn new(scenario: &Scenario, goal: Vec2, margin_m: f64) -> Self {
         let radius = (f64::from(scenario.task.goal_radius_m) + margin_m).max(0.0);
         Self { x: goal.x.into(), y: goal.y.into(), radius }

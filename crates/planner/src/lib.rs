@@ -1,8 +1,8 @@
 //! Time-optimal paths of a differential-drive robot among obstacles, and proven lower bounds on the number of steps.
 //!
-//! Evaluation compares a policy's travel time with these. [`plan_path`] returns a [`TimedPath`] whose actions can be
-//! replayed in the simulation; [`lower_bound_steps`] returns a number of control steps that no driver can undercut. There
-//! is no physics engine: the robot is a point that keeps its distance from walls and obstacles.
+//! The evaluation compares a policy's travel time with the optimum. [`plan_path`] returns a [`TimedPath`] whose actions can
+//! be replayed in the simulation; [`lower_bound_steps`] returns a number of control steps that every path needs at least.
+//! The planner uses no physics engine: the robot is a point that keeps its distance from walls and obstacles.
 //!
 //! ```
 //! use wayfield_planner::{Resolution, StepBounds, plan_path, step_bounds};
@@ -29,21 +29,21 @@
 //!
 //! # Model
 //!
-//! States are the ends of control steps, in f64, by the simulation's own formula for arcs. A step is allowed if the robot
-//! is then at least `collision_range_m` from every wall and every obstacle, with moving obstacles where `pose_at` puts them
-//! after that step. The goal is reached by an allowed step that ends nearer than `goal_radius_m`. A plan keeps both rules
-//! with [`MARGIN_M`] to spare, so that it is also valid in the simulation's f32. The lower bound has that margin on the
-//! other side.
+//! A state is the robot's pose at the end of a control step, in f64, computed by the same formula for arcs as in the
+//! simulation. A step is allowed if the robot is then at least `collision_range_m` from every wall and every obstacle;
+//! `pose_at` gives the pose of a moving obstacle after that step. The goal is reached by an allowed step that ends nearer
+//! to it than `goal_radius_m`. A plan keeps both rules with a margin of [`MARGIN_M`], so that it is also valid in the
+//! simulation's f32. The lower bound relaxes both rules by that margin.
 //!
-//! A plan is an upper bound on the optimum: the search merges states by grid cells, which may cost steps, and costs fewer
-//! with smaller cells. The heuristic of the search and [`lower_bound_steps`] are proven bounds. Where plan and lower bound
-//! agree, the plan is optimal. The proofs and their limits are in `docs/optimum.md`.
+//! A plan is an upper bound on the optimum: the search merges states by grid cells, which may cost steps; smaller cells cost
+//! fewer. The heuristic of the search and [`lower_bound_steps`] are proven bounds. Where plan and lower bound agree, the
+//! plan is optimal. The proofs and their limits are in `docs/optimum.md`.
 //!
 //! # Unsupported scenarios
 //!
-//! [`unsupported_reason`] names what the model lacks: actuator lag, because search and bounds assume that a motion has its
-//! full speed from the start of a step; a LIDAR that does not see all around, because collisions are detected by what the
-//! LIDAR sees; and polygons, as enclosure or as obstacles.
+//! Three features of a scenario are not modelled; [`unsupported_reason`] names them. Actuator lag: search and bounds assume
+//! that a motion has its full speed from the start of a step. A limited field of view: the simulation detects collisions by
+//! LIDAR ranges, but the planner by distance in all directions. Polygons, as enclosure or as obstacles.
 
 mod bound;
 mod configuration_space;
@@ -70,7 +70,7 @@ const MAX_STATES: usize = 4_000_000;
 pub struct TimedPath {
     /// The number of control steps until the goal is reached.
     pub steps: u32,
-    /// The same in simulated time, in s.
+    /// The simulated time of these steps, in s.
     pub time_s: f32,
     /// The motion of each step, as an index into the robot's motions.
     pub actions: Vec<u8>,
@@ -87,8 +87,8 @@ pub struct StepBounds {
     pub plan_steps: Option<u32>,
 }
 
-/// The size of the grid cells in which states are merged. The first search uses the coarsest cells; each further one
-/// halves them.
+/// The resolution of the search: the size of the grid cells in which states are merged. The first search uses the coarsest
+/// cells; each further search halves them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
     /// The side of the coarsest cells along x and y, in m.
@@ -132,10 +132,10 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
         return Some(format!("a limited field of view: lidar.field_of_view_rad is {field_of_view}"));
     }
     if matches!(scenario.enclosure, Enclosure::Polygon { .. }) {
-        return Some("polygons: the enclosure is one".into());
+        return Some("polygons: the enclosure is a polygon".into());
     }
     let polygon = scenario.obstacles.iter().position(|o| matches!(o.shape, Shape::Polygon { .. }));
-    polygon.map(|index| format!("polygons: obstacles[{index}] is one"))
+    polygon.map(|index| format!("polygons: obstacles[{index}] is a polygon"))
 }
 
 /// The shortest plan found from `start` (x in m, y in m, heading in rad) to `goal` (x, y in m) when the obstacles have
@@ -157,7 +157,7 @@ pub fn plan_path(
     shortest(scenario, start, goal, clock, resolution, &LowerBound::new(scenario, start, goal))
 }
 
-/// The results of [`lower_bound_steps`] and [`plan_path`], faster than by separate calls.
+/// The results of [`lower_bound_steps`] and [`plan_path`] together, computed faster than by two calls.
 #[must_use]
 pub fn step_bounds(
     scenario: &Scenario,
@@ -214,7 +214,7 @@ fn shortest(
     best.map(|actions| timed_path(scenario, &space, start, actions))
 }
 
-/// The path of `actions`.
+/// The path that `actions` follow from `start`.
 fn timed_path(
     scenario: &Scenario,
     space: &ConfigurationSpace,
@@ -227,11 +227,12 @@ fn timed_path(
     TimedPath { steps, time_s, actions, poses }
 }
 
-/// A number of steps that no drive can undercut, at any resolution. `start`, `goal` and `clock` are those of
-/// [`plan_path`].
+/// A lower bound on the number of steps of every path, not only of those on the planner's grid. `start`, `goal` and `clock`
+/// are those of [`plan_path`].
 ///
-/// It is the smallest sum of steps taken and remaining bound over all sequences of the first few motions; the proof is in
-/// `docs/optimum.md`. `u32::MAX` if there is no path. 1 if the scenario is not supported ([`is_supported`]).
+/// For all sequences of the first few motions, the steps taken are added to a lower bound on the remaining ones; the result
+/// is the smallest sum. The proof is in `docs/optimum.md`. `u32::MAX` if there is no path. 1 if the scenario is not
+/// supported ([`is_supported`]).
 #[must_use]
 pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2, clock: u64) -> u32 {
     if !is_supported(scenario) {

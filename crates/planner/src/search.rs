@@ -1,6 +1,7 @@
-//! Best-first search over exact states. A grid of cells decides which states are kept.
+//! A* search over continuous states. A grid limits the number of states: each cell keeps only the best one.
 //!
-//! In: the configuration space, the lower bound as heuristic, the goal. Out: the actions of the shortest plan found.
+//! In: the configuration space, the lower bound as heuristic, the goal. Out: the actions of the shortest plan found, or a
+//! lower bound on the steps of every path.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -13,9 +14,9 @@ use super::configuration_space::{ConfigurationSpace, GoalRegion, State};
 use glam::Vec2;
 use wayfield_scenario::Scenario;
 
-/// The number of states, none of them merged, that the search for a lower bound expands.
+/// The maximum number of states of a search for a lower bound.
 pub(super) const LOOKAHEAD_STATES: usize = 5_000;
-/// The units of a cost per step.
+/// The number of cost units per step. Costs are integers, so that they can be ordered.
 const COST_PER_STEP: f64 = 64.0;
 
 /// A reached state, with the step that led to it.
@@ -26,7 +27,7 @@ struct Node {
     action: u8,
 }
 
-/// The nodes that are still to be expanded, in order of their cost; of equal ones the newest first.
+/// The open list: the nodes that are not yet expanded. The lowest cost comes first; among equal costs, the newest node.
 #[derive(Default)]
 struct Queue(BinaryHeap<Reverse<(u32, Reverse<u32>)>>);
 
@@ -40,16 +41,17 @@ impl Queue {
     }
 }
 
-/// The lower bound on all steps through a state, in units of 1/64 step: `steps` taken and `to_go` remaining.
+/// The cost f = g + h of a state, in units of 1/64 step: g is the number of `steps` taken, h the lower bound `to_go` on the
+/// remaining steps.
 fn cost(steps: u32, to_go: f64) -> u32 {
     ((f64::from(steps) + to_go) * COST_PER_STEP) as u32
 }
 
-/// The grid that merges states: the lowest cost in each cell.
+/// The grid that merges states: the lowest cost found in each cell.
 pub(super) struct StateGrid {
     per_metre: f64,
     per_radian: f64,
-    /// Whether states after different numbers of steps are kept apart.
+    /// Whether states after different numbers of steps have different cells.
     by_step: bool,
     best: HashMap<(i32, i32, i32, u32), u32, BuildHasherDefault<CellHasher>>,
 }
@@ -69,7 +71,7 @@ impl StateGrid {
         )
     }
 
-    /// Whether the state's cost is lower than all previous ones in its cell; if so, it becomes the cell's best.
+    /// Whether the state's cost is lower than all previous costs in its cell. If so, the cell's lowest cost is updated.
     fn admit(&mut self, state: &State, steps: u32, cost: u32) -> bool {
         let best = self.best.entry(self.key(state, steps)).or_insert(u32::MAX);
         let better = cost < *best;
@@ -79,7 +81,7 @@ impl StateGrid {
         better
     }
 
-    /// Whether a better state has been admitted to the cell since this one.
+    /// Whether a better state has been admitted to the cell after this one.
     fn is_stale(&self, state: &State, steps: u32, cost: u32) -> bool {
         self.best.get(&self.key(state, steps)).is_some_and(|&best| best < cost)
     }
@@ -111,13 +113,13 @@ impl Hasher for CellHasher {
 
 /// The limits of a search.
 pub(super) struct SearchLimits {
-    /// Only plans with fewer steps are searched for.
+    /// The number of steps that a plan must stay below.
     pub(super) step_limit: u32,
-    /// The approximate number of states after which the search stops.
+    /// The number of states above which the search stops.
     pub(super) max_states: usize,
 }
 
-/// The actions of the best plan within `limits`; `None` if there is none.
+/// The actions of the shortest plan found within `limits`; `None` if none is found.
 pub(super) fn search(
     space: &mut ConfigurationSpace<'_>,
     bound: &LowerBound,
@@ -141,9 +143,9 @@ pub(super) fn search(
         }
         let steps = steps + 1;
         space.prepare(steps);
-        let facing = libm::sincos(state.heading);
+        let sin_cos = libm::sincos(state.heading);
         for (action, step) in space.motion_primitives.iter().enumerate() {
-            let state = state.after(step, facing);
+            let state = state.after(step, sin_cos);
             if !space.is_clear(state.x, state.y, steps) {
                 continue;
             }
@@ -179,9 +181,11 @@ fn actions_to(nodes: &[Node], last: usize) -> Vec<u8> {
     actions
 }
 
-/// The smallest bound, in whole steps, over the ends of all sequences of motions, of which up to `max_states` are
-/// expanded, the lowest bound first. No state is merged, so every drive passes through one of the states that are still
-/// open; the greatest value reached is therefore a lower bound. The search stops early at `enough` steps.
+/// A lower bound on the number of steps of every path; `u32::MAX` if there is no path.
+///
+/// The search expands the state with the lowest cost first and merges no states. Every path to the goal therefore passes
+/// through an open state, and the lowest cost of all open states is a lower bound at any time. The result is the largest
+/// such bound. The search stops at `max_states` states, at the goal, or when the bound is `enough` steps.
 pub(super) fn search_lower_bound(
     scenario: &Scenario,
     start: (f32, f32, f32),
@@ -196,20 +200,20 @@ pub(super) fn search_lower_bound(
     let mut nodes = vec![(State::new(start), 0)];
     let mut queue = Queue::default();
     queue.push(0, 0);
-    let mut proven = 1;
+    let mut lower_bound = 1;
     while let Some((cost_here, index)) = queue.pop() {
         let (state, steps) = nodes[index];
-        proven = proven.max(ceil_steps(f64::from(cost_here) / COST_PER_STEP));
-        // The cost of a state in the goal region is exactly its steps.
+        lower_bound = lower_bound.max(ceil_steps(f64::from(cost_here) / COST_PER_STEP));
+        // In the goal region the cost is exact: no steps remain.
         let is_reached = index > 0 && goal_region.contains(state.x, state.y);
-        if nodes.len() >= max_states || proven >= enough || is_reached {
-            return proven;
+        if nodes.len() >= max_states || lower_bound >= enough || is_reached {
+            return lower_bound;
         }
         let steps = steps + 1;
         space.prepare(steps);
-        let facing = libm::sincos(state.heading);
+        let sin_cos = libm::sincos(state.heading);
         for step in &space.motion_primitives {
-            let state = state.after(step, facing);
+            let state = state.after(step, sin_cos);
             if !space.is_clear(state.x, state.y, steps) {
                 continue;
             }

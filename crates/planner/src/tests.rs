@@ -1,4 +1,4 @@
-//! The planner in cases computed by hand, and properties of its plans and bounds in random ones.
+//! Tests of the planner: cases computed by hand, and properties of plans and bounds in random cases.
 
 use glam::{Vec2, vec2};
 use proptest::prelude::*;
@@ -30,7 +30,7 @@ fn cylinders(speed_rad_s: f32) -> Scenario {
     Scenario { obstacles, ..Scenario::default() }
 }
 
-/// The cylinders, and boxes that block half of the enclosure.
+/// The cylinders, and three boxes that force detours.
 fn maze() -> Scenario {
     let tilted = Obstacle { rotation_rad: 0.5, ..static_box(vec2(-1.0, 0.9), 0.8, 0.1) };
     let mut scenario = cylinders(0.0);
@@ -46,7 +46,8 @@ fn plan_from_origin(scenario: &Scenario, to: Vec2) -> Option<TimedPath> {
     plan_path(scenario, (0.0, 0.0, 0.0), to, 0, Resolution::default())
 }
 
-/// The step at which the plan reaches the goal without a collision, driven in f32 like in the simulation.
+/// The number of steps in which `actions` reach the goal, computed in f32 as in the simulation. An error if the robot
+/// collides or does not arrive.
 fn replay(
     scenario: &Scenario,
     start: (f32, f32, f32),
@@ -72,7 +73,7 @@ fn replay(
             return Ok(steps as u32);
         }
     }
-    Err("does not arrive".into())
+    Err("the goal is not reached".into())
 }
 
 #[test]
@@ -85,7 +86,7 @@ fn a_goal_straight_ahead_takes_its_distance_over_the_stride() {
 
 #[test]
 fn a_lagging_actuator_is_unsupported() {
-    // From rest, the robot of the previous test falls behind by 0.15 m/s x 0.3 s = 0.045 m: it needs 35 steps.
+    // Accelerating from rest, the robot of the previous test loses 0.15 m/s x 0.3 s = 0.045 m, so it needs 35 steps.
     let mut scenario = Scenario::default();
     scenario.robot.actuator_lag_s = 0.3;
     assert_eq!(plan_from_origin(&scenario, vec2(1.2, 0.0)), None, "a plan of 34 steps would be wrong");
@@ -97,7 +98,7 @@ fn a_lagging_actuator_is_unsupported() {
 fn straight_paths_of_any_length_and_direction_are_optimal() {
     let scenario = Scenario::default();
     for k in 1..=16_u8 {
-        // With these distances d, from 0.315 m on, (d - 0.2) m / 0.03 m is never close to a whole number.
+        // For these distances d, (d - 0.2) m / 0.03 m is never close to a whole number, where rounding would matter.
         let (d, heading) = (0.115 + 0.2 * f32::from(k), 0.4 * f32::from(k));
         let start = (-0.5 * d * heading.cos(), -0.5 * d * heading.sin(), heading);
         let goal = vec2(-start.0, -start.1);
@@ -214,7 +215,7 @@ fn random_plans_are_within_a_percent_of_the_proven_bound() {
 }
 
 #[test]
-fn the_bound_never_exceeds_what_a_search_without_it_needs() {
+fn the_bound_never_exceeds_the_steps_found_by_a_search_without_it() {
     let mut draws = stream(2, "optimum", 0);
     for scenario in [Scenario::default(), cylinders(0.0), maze()] {
         for _ in 0..12 {
@@ -234,8 +235,8 @@ fn the_bound_never_exceeds_what_a_search_without_it_needs() {
             for (steps, &action) in (1..).zip(&plan[..plan.len() - 1]) {
                 state =
                     state.after(&space.motion_primitives[usize::from(action)], libm::sincos(state.heading));
-                let (to_go, left) = (bound.steps(&state), plan.len() - steps);
-                assert!(to_go <= left as f64, "the bound is {to_go} steps, but {left} were enough");
+                let (to_go, remaining) = (bound.steps(&state), plan.len() - steps);
+                assert!(to_go <= remaining as f64, "the bound is {to_go} steps, but {remaining} are enough");
             }
         }
     }
@@ -274,17 +275,22 @@ proptest! {
         }
     }
 
-    /// Wherever a random drive ends, the bound from each state on it is at most the steps that it took from there.
+    /// A random path ends near a goal. The bound for each of its states is at most the number of steps from that state on.
     #[test]
-    fn no_random_drive_undercuts_the_bounds(seed: u64, map in 0_usize..3, turns in 1_usize..8, held in 1_u32..20) {
+    fn no_random_path_is_shorter_than_the_bounds(
+        seed: u64,
+        map in 0_usize..3,
+        motions in 1_usize..8,
+        steps_per_motion in 1_u32..20,
+    ) {
         let scenario = &[Scenario::default(), cylinders(0.0), maze()][map];
         let mut draws = stream(seed, "drive", 0);
         let start = draw_start(scenario, 0, &mut draws).expect("free space");
         let free = ConfigurationSpace::new(scenario, 0, 0.0);
         let mut path = vec![State::new(start)];
-        for _ in 0..turns {
+        for _ in 0..motions {
             let step = &free.motion_primitives[wayfield_random::uniform_index(&mut draws, free.motion_primitives.len())];
-            for _ in 0..held {
+            for _ in 0..steps_per_motion {
                 let last = path[path.len() - 1];
                 let next = last.after(step, libm::sincos(last.heading));
                 if !free.is_clear(next.x, next.y, 0) {
@@ -301,7 +307,7 @@ proptest! {
         for (before, state) in path.iter().enumerate() {
             let to_go = bound.steps(state);
             let taken = (path.len() - 1 - before) as f64;
-            prop_assert!(to_go <= taken + 1e-9, "the bound from ({}, {}) is {to_go} steps, but {taken} were enough", state.x, state.y);
+            prop_assert!(to_go <= taken + 1e-9, "the bound for ({}, {}) is {to_go} steps, but {taken} are enough", state.x, state.y);
         }
         if path.len() > 1 {
             prop_assert!(lower_bound_steps(scenario, start, goal, 0) < path.len() as u32);
