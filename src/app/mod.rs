@@ -21,12 +21,15 @@
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
 //! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
+//! | `controls.rs` | the positions of named controls, for the page tests |
 
 pub mod app_snapshot;
 mod blending;
 #[cfg(target_arch = "wasm32")]
 pub mod browser;
 pub mod commands;
+#[cfg(target_arch = "wasm32")]
+mod controls;
 pub mod editor;
 mod extract;
 #[cfg(not(target_arch = "wasm32"))]

@@ -3,6 +3,8 @@
 //! In: an arena and the requested position. Out: `Ok`, or the reason why the object cannot go there. The screen asks while
 //! an object is dragged; the session asks again before it moves the object.
 
+use std::fmt;
+
 use bevy::math::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +16,7 @@ use crate::scenario::{
 pub type ObstaclePose = (f32, f32, f32);
 
 /// An object that can be moved by hand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Movable {
     /// The goal of one arena.
     Goal,
@@ -22,6 +24,17 @@ pub enum Movable {
     Robot,
     /// An obstacle, by its index in the scenario. It moves in every arena, because the scenario itself changes.
     Obstacle(usize),
+}
+
+/// The object's name on the screen. Obstacles count from 1.
+impl fmt::Display for Movable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Goal => f.write_str("Goal"),
+            Self::Robot => f.write_str("Robot"),
+            Self::Obstacle(index) => write!(f, "Obstacle {}", index + 1),
+        }
+    }
 }
 
 /// A request to move an object, in the coordinates of the arena where the user sees it.

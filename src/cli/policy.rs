@@ -1,4 +1,4 @@
-//! Policies named on the command line.
+//! Policy files given on the command line.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::task::ObservationLayout;
 /// The policy in the file at `path`.
 ///
 /// # Errors
-/// It cannot be read, or its inputs or actions are not those of `scenario`.
+/// The file cannot be read, or the policy's inputs or actions do not match `scenario`.
 pub fn read(path: &Path, scenario: &Scenario, extensions: &Extensions) -> Result<Policy, RunError> {
     let policy = policy_card::read(path)?;
     evaluate::check_compatible(

@@ -443,7 +443,7 @@ fn unfinished_typing_stays_with_its_item() {
     window.get_by_label("Radius").type_text("0.3");
     settle(&mut window);
     select(&mut window, Selection::Obstacle(1));
-    let focused = window.ctx.memory(|memory| memory.focused());
+    let focused = window.ctx.memory(egui::Memory::focused);
     assert_eq!(focused, None, "the fields of another item do not get the focus");
     window.key_press(Key::Enter);
     settle(&mut window);
@@ -456,7 +456,7 @@ fn unfinished_typing_stays_with_its_item() {
 fn tab_through(window: &mut Window) -> usize {
     press_on(window, "Scenario name");
     let mut seen = Vec::new();
-    while let Some(focused) = window.ctx.memory(|memory| memory.focused()) {
+    while let Some(focused) = window.ctx.memory(egui::Memory::focused) {
         if seen.contains(&focused) || seen.len() > 300 {
             break;
         }

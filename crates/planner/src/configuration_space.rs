@@ -1,13 +1,13 @@
-//! The configuration space of the search: robot states, the effect of each motion, inflated obstacles and the goal.
+//! The search space: robot states, the effect of each motion, inflated obstacles and the goal region.
 //!
-//! In: a scenario and a clock. Out: the state after a motion, and whether it is allowed.
+//! In: a scenario and a clock. Out: the state after a motion, and whether that state is allowed.
 
 use std::f64::consts::TAU;
 
 use glam::Vec2;
 use wayfield_scenario::{Motion, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
-/// A robot state: the centre in m, and the heading in rad, which is not wrapped.
+/// The robot's pose: the centre in m, and the heading in rad, not wrapped.
 #[derive(Clone, Copy)]
 pub(super) struct State {
     pub(super) x: f64,
@@ -44,10 +44,10 @@ pub(super) struct MotionPrimitive {
 }
 
 impl MotionPrimitive {
-    /// The effect of driving `motion` for `period` s = T: a turn of w T, and a displacement along the chord of the arc, of
-    /// length v T sinc(w T / 2) and direction w T / 2.
+    /// The effect of `motion` after `period` s: the end of an arc. The turn is w T; the chord has the length
+    /// v T sinc(w T / 2) and the direction w T / 2.
     fn new(motion: &Motion, period: f32) -> Self {
-        // Rounded to f32 as in the simulation, so that the headings stay equal.
+        // The product is rounded to f32, as in the simulation, so that the headings stay equal.
         let turn = f64::from(motion.w_rad_s * period);
         let half = turn / 2.0;
         let sinc = if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
@@ -79,7 +79,7 @@ impl InflatedObstacle {
             Shape::Capsule { length_m, radius_m } => {
                 (f64::from(length_m) / 2.0, 0.0, f64::from(radius_m) + inflation)
             }
-            // Polygons are not modelled; callers check `is_supported` first.
+            // Unsupported; callers check `is_supported` first.
             Shape::Polygon { .. } => (0.0, 0.0, f64::INFINITY),
         };
         Self { x: x.into(), y: y.into(), cos, sin, half_width, half_height, radius }
@@ -97,27 +97,27 @@ impl InflatedObstacle {
 /// The static obstacles inside the enclosure, and the segments of inner walls.
 pub(super) fn static_obstacles(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
     let obstacles = scenario.obstacles.iter().filter(|o| o.motion == ObstacleMotion::Static).cloned();
-    obstacles.chain(scenario.walls.iter().flat_map(|wall| wall.segments()))
+    obstacles.chain(scenario.walls.iter().flat_map(wayfield_scenario::Wall::segments))
 }
 
 /// The allowed positions of the robot, and its motions.
 pub(super) struct ConfigurationSpace<'a> {
     pub(super) motion_primitives: Vec<MotionPrimitive>,
-    /// Half the width, in m, of the rectangle in which the robot's centre must stay.
+    /// Half the width and height, in m, of the rectangle in which the robot's centre must stay.
     half_width: f64,
     half_height: f64,
+    /// The collision range with its margin, in m.
     inflation: f64,
     static_obstacles: Vec<InflatedObstacle>,
     moving_obstacles: Vec<&'a Obstacle>,
-    /// The moving obstacles after 0, 1, ... steps, up to the last step given to [`ConfigurationSpace::prepare`].
+    /// The moving obstacles after 0, 1, ... steps, as far as computed by [`ConfigurationSpace::prepare`].
     moving_at_step: Vec<Vec<InflatedObstacle>>,
     clock: u64,
     period_s: f32,
 }
 
 impl<'a> ConfigurationSpace<'a> {
-    /// The configuration space of `scenario`, whose obstacles have already moved for `clock` steps. `margin_m` is added to
-    /// the collision range.
+    /// The configuration space of `scenario` after `clock` steps, with `margin_m` added to the collision range.
     pub(super) fn new(scenario: &'a Scenario, clock: u64, margin_m: f64) -> Self {
         let inflation = (f64::from(scenario.task.collision_range_m) + margin_m).max(0.0);
         let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
@@ -142,7 +142,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// The states after 0, 1, ... of the actions.
+    /// The states after 0, 1, ... of `actions`, from `start`.
     pub(super) fn rollout(&self, start: (f32, f32, f32), actions: &[u8]) -> impl Iterator<Item = State> {
         let start = State::new(start);
         let after = actions.iter().scan(start, |state, &action| {
@@ -156,7 +156,7 @@ impl<'a> ConfigurationSpace<'a> {
         !self.moving_obstacles.is_empty()
     }
 
-    /// Computes the poses of the moving obstacles after 0 to `steps` steps.
+    /// Computes the poses of the moving obstacles after up to `steps` steps.
     pub(super) fn prepare(&mut self, steps: u32) {
         while self.has_moving_obstacles() && self.moving_at_step.len() <= steps as usize {
             let clock = self.clock.saturating_add(self.moving_at_step.len() as u64);
@@ -167,8 +167,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// Whether the robot may be at (x, y) after `steps` steps. Moving obstacles are ignored if [`Self::prepare`] has not
-    /// been called for that many steps.
+    /// Whether the robot may be at (x, y) after `steps` steps. Call [`Self::prepare`] for these first.
     pub(super) fn is_clear(&self, x: f64, y: f64, steps: u32) -> bool {
         x.abs() <= self.half_width
             && y.abs() <= self.half_height
@@ -177,7 +176,7 @@ impl<'a> ConfigurationSpace<'a> {
     }
 }
 
-/// The goal disc, which the robot's centre has to reach.
+/// The goal region: the disc that the robot's centre must enter.
 pub(super) struct GoalRegion {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -185,7 +184,7 @@ pub(super) struct GoalRegion {
 }
 
 impl GoalRegion {
-    /// The goal disc. `margin_m` is added to the scenario's goal radius.
+    /// The goal region of `scenario`, with `margin_m` added to its radius.
     pub(super) fn new(scenario: &Scenario, goal: Vec2, margin_m: f64) -> Self {
         let radius = (f64::from(scenario.task.goal_radius_m) + margin_m).max(0.0);
         Self { x: goal.x.into(), y: goal.y.into(), radius }

@@ -1,7 +1,7 @@
-//! A* search over continuous states. A grid limits the number of states: each cell keeps only the best one.
+//! The best-first searches over exact states, for a plan and for a lower bound.
 //!
-//! In: the configuration space, the lower bound as heuristic, the goal. Out: the actions of the shortest plan found, or a
-//! lower bound on the steps of every path.
+//! In: the configuration space, the lower bound as heuristic, the goal. Out: the actions of the shortest plan found, or the
+//! proven number of steps. The search for a plan keeps only the best states of each grid cell.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -14,12 +14,12 @@ use super::configuration_space::{ConfigurationSpace, GoalRegion, State};
 use glam::Vec2;
 use wayfield_scenario::Scenario;
 
-/// The maximum number of states of a search for a lower bound.
+/// The maximum number of states in the search for a lower bound, which merges none.
 pub(super) const LOOKAHEAD_STATES: usize = 5_000;
-/// The number of cost units per step. Costs are integers, so that they can be ordered.
+/// The number of cost units per step. Costs are integers.
 const COST_PER_STEP: f64 = 64.0;
 
-/// A reached state, with the step that led to it.
+/// A search node: a state, the step that led to it, and the index of its parent.
 struct Node {
     state: State,
     steps: u32,
@@ -27,7 +27,7 @@ struct Node {
     action: u8,
 }
 
-/// The open list: the nodes that are not yet expanded. The lowest cost comes first; among equal costs, the newest node.
+/// The open nodes, by ascending cost; among equal costs, the newest comes first.
 #[derive(Default)]
 struct Queue(BinaryHeap<Reverse<(u32, Reverse<u32>)>>);
 
@@ -41,17 +41,16 @@ impl Queue {
     }
 }
 
-/// The cost f = g + h of a state, in units of 1/64 step: g is the number of `steps` taken, h the lower bound `to_go` on the
-/// remaining steps.
+/// The cost of a state, in 1/64 step: `steps` taken, plus the lower bound `to_go` on those remaining.
 fn cost(steps: u32, to_go: f64) -> u32 {
     ((f64::from(steps) + to_go) * COST_PER_STEP) as u32
 }
 
-/// The grid that merges states: the lowest cost found in each cell.
+/// The grid that merges states. It stores the lowest cost in each cell.
 pub(super) struct StateGrid {
     per_metre: f64,
     per_radian: f64,
-    /// Whether states after different numbers of steps have different cells.
+    /// Whether states after different numbers of steps are in different cells.
     by_step: bool,
     best: HashMap<(i32, i32, i32, u32), u32, BuildHasherDefault<CellHasher>>,
 }
@@ -71,7 +70,7 @@ impl StateGrid {
         )
     }
 
-    /// Whether the state's cost is lower than all previous costs in its cell. If so, the cell's lowest cost is updated.
+    /// Whether the state's cost is lower than all previous ones in its cell; if so, it becomes the cell's best.
     fn admit(&mut self, state: &State, steps: u32, cost: u32) -> bool {
         let best = self.best.entry(self.key(state, steps)).or_insert(u32::MAX);
         let better = cost < *best;
@@ -113,13 +112,13 @@ impl Hasher for CellHasher {
 
 /// The limits of a search.
 pub(super) struct SearchLimits {
-    /// The number of steps that a plan must stay below.
+    /// Only plans with fewer steps are searched for.
     pub(super) step_limit: u32,
-    /// The number of states above which the search stops.
+    /// The approximate maximum number of states.
     pub(super) max_states: usize,
 }
 
-/// The actions of the shortest plan found within `limits`; `None` if none is found.
+/// The actions of the best plan within `limits`; `None` if there is none.
 pub(super) fn search(
     space: &mut ConfigurationSpace<'_>,
     bound: &LowerBound,
@@ -143,9 +142,9 @@ pub(super) fn search(
         }
         let steps = steps + 1;
         space.prepare(steps);
-        let sin_cos = libm::sincos(state.heading);
+        let facing = libm::sincos(state.heading);
         for (action, step) in space.motion_primitives.iter().enumerate() {
-            let state = state.after(step, sin_cos);
+            let state = state.after(step, facing);
             if !space.is_clear(state.x, state.y, steps) {
                 continue;
             }
@@ -181,11 +180,11 @@ fn actions_to(nodes: &[Node], last: usize) -> Vec<u8> {
     actions
 }
 
-/// A lower bound on the number of steps of every path; `u32::MAX` if there is no path.
+/// The lower bound on the steps from `start` to `goal`, by a best-first search of up to `max_states` states.
 ///
-/// The search expands the state with the lowest cost first and merges no states. Every path to the goal therefore passes
-/// through an open state, and the lowest cost of all open states is a lower bound at any time. The result is the largest
-/// such bound. The search stops at `max_states` states, at the goal, or when the bound is `enough` steps.
+/// No states are merged, so every trajectory to the goal passes through an open node. Therefore the lowest cost among the
+/// open nodes is a lower bound, and so is the largest such value during the search. The search stops early once the bound
+/// reaches `stop_at` steps.
 pub(super) fn search_lower_bound(
     scenario: &Scenario,
     start: (f32, f32, f32),
@@ -193,27 +192,27 @@ pub(super) fn search_lower_bound(
     clock: u64,
     bound: &LowerBound,
     max_states: usize,
-    enough: u32,
+    stop_at: u32,
 ) -> u32 {
     let mut space = ConfigurationSpace::new(scenario, clock, -MARGIN_M);
     let goal_region = GoalRegion::new(scenario, goal, MARGIN_M);
     let mut nodes = vec![(State::new(start), 0)];
     let mut queue = Queue::default();
     queue.push(0, 0);
-    let mut lower_bound = 1;
+    let mut proven = 1;
     while let Some((cost_here, index)) = queue.pop() {
         let (state, steps) = nodes[index];
-        lower_bound = lower_bound.max(ceil_steps(f64::from(cost_here) / COST_PER_STEP));
-        // In the goal region the cost is exact: no steps remain.
+        proven = proven.max(ceil_steps(f64::from(cost_here) / COST_PER_STEP));
+        // The cost of a state in the goal region is exactly the number of its steps.
         let is_reached = index > 0 && goal_region.contains(state.x, state.y);
-        if nodes.len() >= max_states || lower_bound >= enough || is_reached {
-            return lower_bound;
+        if nodes.len() >= max_states || proven >= stop_at || is_reached {
+            return proven;
         }
         let steps = steps + 1;
         space.prepare(steps);
-        let sin_cos = libm::sincos(state.heading);
+        let facing = libm::sincos(state.heading);
         for step in &space.motion_primitives {
-            let state = state.after(step, sin_cos);
+            let state = state.after(step, facing);
             if !space.is_clear(state.x, state.y, steps) {
                 continue;
             }

@@ -69,7 +69,7 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
         }
         E::ExpectedNamedStructLike(_) => (end, format!("{} must be written in parentheses: (...)", here())),
         E::ExpectedDifferentStructName { expected, found } => {
-            (start, format!("this must be `{expected}(...)` or only `(...)`, not `{found}`"))
+            (start, format!("expected `{expected}(...)` or `(...)`, found `{found}`"))
         }
         E::ExpectedIdentifier if text[end..].starts_with([']', '}']) => {
             (end, format!("{} is still open: a `)` is missing before this", here()))

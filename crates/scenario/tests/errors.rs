@@ -166,7 +166,7 @@ fn mistakes_of_form_are_explained_where_they_are() {
         (r#"(name: "a") x"#, "1:13: the file's value ends before this: remove what follows"),
         (r#"(name: "a", "#, "1:13: the file ends in the middle: a closing bracket is missing"),
         ("", "1:1: the file must be written in parentheses: (...)"),
-        ("Scenrio(name: \"a\")", "1:1: this must be `Scenario(...)` or only `(...)`, not `Scenrio`"),
+        ("Scenrio(name: \"a\")", "1:1: expected `Scenario(...)` or `(...)`, found `Scenrio`"),
         ("/* (name", "1:3: this comment has no end: close it with `*/`"),
         ("(name: \"abc", "1:8: this text has no closing quote: add one"),
         (r#"(name: "a\q")"#, "1:12: this is not RON: Unknown escape character"),

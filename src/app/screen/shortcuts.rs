@@ -95,7 +95,7 @@ fn execute(
         Shortcut::Value => overlays.value = !overlays.value,
         Shortcut::QValues => overlays.q_values = !overlays.q_values,
         Shortcut::Edit if view_state.editor.is_some() => {
-            confirm_exit::request_exit(view_state, None, commands)
+            confirm_exit::request_exit(view_state, None, commands);
         }
         Shortcut::Edit => confirm_exit::enter_editor(view, view_state, commands),
         Shortcut::Theme => {

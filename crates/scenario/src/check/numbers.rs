@@ -140,7 +140,7 @@ fn places(scenario: &Scenario, diagnostics: &mut Diagnostics) {
                         diagnostics.push(path, "has no meaning: a goal looks nowhere; leave it out");
                     }
                     Some(heading) => {
-                        diagnostics.check_range(path, *heading, -MAX_ANGLE_RAD..=MAX_ANGLE_RAD, RADIANS)
+                        diagnostics.check_range(path, *heading, -MAX_ANGLE_RAD..=MAX_ANGLE_RAD, RADIANS);
                     }
                     None => {}
                 }
