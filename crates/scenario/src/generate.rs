@@ -1,7 +1,7 @@
-//! Generated obstacles: a world as it is laid out for one episode.
+//! Random obstacle layouts.
 //!
-//! In: a [`Scenario`] with generators, the number of a layout. Out: the same world with their obstacles among the others
-//! and without generators: what stands in one arena for one episode. The same number is the same layout, everywhere.
+//! In: a [`Scenario`] with generators and a layout seed. Out: the scenario of one episode in one arena, with generated
+//! obstacles and without generators. The same seed gives the same layout on every platform.
 
 use std::f32::consts::PI;
 
@@ -10,33 +10,33 @@ use super::schema::{Generator, Obstacle, ObstacleMotion, PlacementRule, RandomSh
 use glam::{Vec2, vec2};
 use wayfield_random::{Stream, stream, uniform};
 
-/// So many places are tried for an obstacle before it is left out.
+/// Attempts to place an obstacle before it is omitted.
 const TRIES: u32 = 200;
 
 impl Scenario {
-    /// The most obstacles that a layout of it has.
+    /// Largest number of obstacles of a layout.
     #[must_use]
     pub fn max_obstacles(&self) -> usize {
         self.obstacles.len() + self.generators.iter().map(|generator| generator.count as usize).sum::<usize>()
     }
 
-    /// The world with layout number `layout_seed`: what its generators make comes after its own obstacles, and no generators
-    /// are left. A generated obstacle keeps its gap from what stands still, from moving obstacles where they are at step
-    /// 0, from the benchmark route's ends and from the places that the rules name; where no room is found for it, it is left out.
+    /// The scenario with the obstacles of layout `layout_seed` after its own, and without generators. A generated obstacle
+    /// keeps its gap from static obstacles, from moving obstacles at step 0, from the ends of the benchmark route and from
+    /// positions that the rules name. It is omitted if no place is found for it.
     #[must_use]
     pub fn with_generated_obstacles(&self, layout_seed: u64) -> Self {
-        let mut room = Self { generators: Vec::new(), ..self.clone() };
+        let mut layout = Self { generators: Vec::new(), ..self.clone() };
         let kept_free = self.named_places();
         for (index, generator) in self.generators.iter().enumerate() {
             let mut stream = stream(layout_seed, "layout", index as u64);
             for _ in 0..generator.count {
-                room.obstacles.extend(one(&room, generator, &kept_free, &mut stream));
+                layout.obstacles.extend(generated_obstacle(&layout, generator, &kept_free, &mut stream));
             }
         }
-        room
+        layout
     }
 
-    /// The benchmark route's ends and the places that the rules of starts and goals name, in m.
+    /// The ends of the benchmark route and the positions that the rules name, in m.
     fn named_places(&self) -> Vec<Vec2> {
         let mut places = vec![self.benchmark_route.start_m, self.benchmark_route.goal_m];
         for rule in [&self.starts, &self.goals] {
@@ -50,8 +50,13 @@ impl Scenario {
     }
 }
 
-/// One more obstacle for `room`, if a place is found for it.
-fn one(room: &Scenario, generator: &Generator, kept_free: &[Vec2], stream: &mut Stream) -> Option<Obstacle> {
+/// Another obstacle for `layout`, or `None` if no place is found for it.
+fn generated_obstacle(
+    layout: &Scenario,
+    generator: &Generator,
+    kept_free: &[Vec2],
+    stream: &mut Stream,
+) -> Option<Obstacle> {
     let mut size = |(low, high): (f32, f32)| uniform(stream, low, high);
     let (shape, turns) = match generator.shape {
         RandomShape::Circle { radius_m } => (Shape::Circle { radius_m: size(radius_m) }, false),
@@ -63,12 +68,12 @@ fn one(room: &Scenario, generator: &Generator, kept_free: &[Vec2], stream: &mut 
     let away = shape.bounding_radius_m() + generator.gap_m;
     let (low, high) = match generator.within {
         Some(region) => (region.min_m, region.max_m),
-        None => room.enclosure.bounds_m(),
+        None => layout.enclosure.bounds_m(),
     };
     let position_m = (0..TRIES)
         .map(|_| vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y)))
         .find(|&at| {
-            is_clear(room, at, 0, away) && kept_free.iter().all(|p| length(p.x - at.x, p.y - at.y) >= away)
+            is_clear(layout, at, 0, away) && kept_free.iter().all(|p| length(p.x - at.x, p.y - at.y) >= away)
         })?;
     Some(Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static })
 }
@@ -95,17 +100,17 @@ mod tests {
     }
 
     #[test]
-    fn a_layout_keeps_its_gaps_sizes_and_regions_and_is_told_by_its_number() {
+    fn a_layout_keeps_gaps_sizes_and_regions_and_depends_on_its_seed() {
         let scenario = field();
         assert_eq!(scenario.max_obstacles(), 7);
         assert_eq!(scenario.with_generated_obstacles(3), scenario.with_generated_obstacles(3));
         assert_ne!(scenario.with_generated_obstacles(3), scenario.with_generated_obstacles(4));
         let mut in_all = 0;
         for layout_seed in 0..200 {
-            let room = scenario.with_generated_obstacles(layout_seed);
-            assert!(room.generators.is_empty());
-            in_all += room.obstacles.len();
-            for (index, obstacle) in room.obstacles.iter().enumerate() {
+            let layout = scenario.with_generated_obstacles(layout_seed);
+            assert!(layout.generators.is_empty());
+            in_all += layout.obstacles.len();
+            for (index, obstacle) in layout.obstacles.iter().enumerate() {
                 let Vec2 { x, y } = obstacle.position_m;
                 let (radius, gap) = match obstacle.shape {
                     Shape::Circle { radius_m } => {
@@ -116,9 +121,9 @@ mod tests {
                         assert!((0.2..=0.4).contains(&width_m) && height_m == 0.1 && y >= 0.0);
                         (width_m.hypot(height_m) / 2.0, 0.35)
                     }
-                    _ => panic!("a generator makes circles and boxes"),
+                    _ => panic!("a generator makes only circles and rectangles"),
                 };
-                let mut others = room.clone();
+                let mut others = layout.clone();
                 others.obstacles.truncate(index);
                 assert!(
                     clearance(&others, vec2(x, y), 0) >= radius + gap - 1e-5,
@@ -132,11 +137,11 @@ mod tests {
                 }
             }
         }
-        assert!(in_all > 1_300, "there is room for nearly all of 1,400: {in_all}");
+        assert!(in_all > 1_300, "there is space for nearly all of 1,400: {in_all}");
     }
 
     #[test]
-    fn what_finds_no_room_is_left_out() {
+    fn obstacles_without_space_are_omitted() {
         let mut scenario = field();
         scenario.generators[0].gap_m = 1.0;
         scenario.generators[0].count = 200;

@@ -1,7 +1,7 @@
-//! How far a point is from the walls and the obstacles, and how far those reach.
+//! Signed distances from a point to walls and obstacles, and the extent of the enclosure.
 //!
-//! In: a [`Scenario`], a point, a step. Out: signed distances, positive in the open; extents. f32 by plain arithmetic
-//! and `libm`, so that what is drawn by them is the same on every platform.
+//! In: a [`Scenario`], a point, a step. Out: distances in m, positive in free space. The arithmetic is f32 with `libm`, so
+//! that random placement gives the same result on every platform.
 
 use super::motion::pose_at;
 use super::polygon;
@@ -9,8 +9,8 @@ use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape,
 use super::shape::to_local;
 use glam::{Vec2, vec2};
 
-/// The distance, in m, from `point_m` to the nearest surface of an obstacle (where it is at `step`) or of a
-/// wall; negative inside an obstacle or a wall or outside the enclosure.
+/// Distance, in m, from `point_m` to the nearest surface of a wall or an obstacle (at `step`). Negative inside an obstacle or
+/// a wall, and outside the enclosure.
 #[must_use]
 pub fn clearance(scenario: &Scenario, point_m: Vec2, step: u64) -> f32 {
     let to_wall = enclosure_distance(&scenario.enclosure, point_m);
@@ -20,7 +20,7 @@ pub fn clearance(scenario: &Scenario, point_m: Vec2, step: u64) -> f32 {
     to_inner.chain(to_obstacle).fold(to_wall, f32::min)
 }
 
-/// Whether `point_m` is at least `clearance_m` from everything: [`clearance`] with an early end.
+/// Whether [`clearance`] is at least `clearance_m`; stops at the first object that is too close.
 pub(super) fn is_clear(scenario: &Scenario, point_m: Vec2, step: u64, clearance_m: f32) -> bool {
     let period = scenario.task.control_period_s;
     enclosure_distance(&scenario.enclosure, point_m) >= clearance_m
@@ -28,7 +28,7 @@ pub(super) fn is_clear(scenario: &Scenario, point_m: Vec2, step: u64, clearance_
         && scenario.obstacles.iter().all(|o| obstacle_distance(o, point_m, step, period) >= clearance_m)
 }
 
-/// From a point to the nearest wall of the enclosure, in m, negative beyond it.
+/// Distance from a point to the nearest wall of the enclosure, in m; negative outside.
 #[must_use]
 pub fn enclosure_distance(enclosure: &Enclosure, Vec2 { x, y }: Vec2) -> f32 {
     match enclosure {
@@ -37,7 +37,7 @@ pub fn enclosure_distance(enclosure: &Enclosure, Vec2 { x, y }: Vec2) -> f32 {
     }
 }
 
-/// From a point to an inner wall, in m, negative within it.
+/// Distance from a point to an inner wall, in m; negative inside it.
 #[must_use]
 pub fn inner_wall_distance(wall: &Wall, point: Vec2) -> f32 {
     let half = wall.thickness_m / 2.0;
@@ -71,7 +71,7 @@ pub(super) fn box_distance(past: Vec2) -> f32 {
 }
 
 impl Enclosure {
-    /// The lower left and the upper right corner of the box around it, in m.
+    /// Lower left and upper right corner of its bounding box, in m.
     #[must_use]
     pub fn bounds_m(&self) -> (Vec2, Vec2) {
         match self {
@@ -87,7 +87,7 @@ impl Enclosure {
         }
     }
 
-    /// Its corners, counterclockwise, in m.
+    /// Corners in counterclockwise order, in m.
     #[must_use]
     pub fn corners_m(&self) -> Vec<Vec2> {
         match self {
@@ -101,7 +101,7 @@ impl Enclosure {
 }
 
 impl Wall {
-    /// Its straight pieces, as boxes that stand still; each reaches half the thickness past its ends.
+    /// Its segments as static rectangular obstacles, each extended by half the thickness at both ends.
     pub fn segments(&self) -> impl Iterator<Item = Obstacle> {
         self.corners_m.windows(2).map(|ends| {
             let (from, to) = (ends[0], ends[1]);
@@ -120,7 +120,7 @@ impl Wall {
 }
 
 impl Lidar {
-    /// The direction of beam `beam` from the heading, counterclockwise, in rad.
+    /// Angle of a beam relative to the heading, in rad, counterclockwise positive.
     #[must_use]
     pub fn beam_angle_rad(&self, beam: usize) -> f64 {
         if self.is_all_around() {
@@ -134,7 +134,7 @@ impl Lidar {
     }
 }
 
-/// sqrt(x^2 + y^2), by operations that IEEE 754 rounds alike everywhere.
+/// sqrt(x^2 + y^2), with operations that IEEE 754 rounds the same way on every platform.
 pub(super) fn length(x: f32, y: f32) -> f32 {
     (x * x + y * y).sqrt()
 }
@@ -151,24 +151,27 @@ mod tests {
     }
 
     #[test]
-    fn distances_to_a_circle_and_a_turned_box_are_those_worked_by_hand() {
+    fn distances_to_a_circle_and_a_rotated_rectangle_match_hand_calculations() {
         let circle = Shape::Circle { radius_m: 0.15 };
         assert!(near(shape_distance(&circle, (0.6, 0.6, 0.0), vec2(0.0, 0.6)), 0.45));
         assert!(near(shape_distance(&circle, (0.6, 0.6, 0.0), vec2(0.6, 0.6)), -0.15));
         let slab = Shape::Rectangle { width_m: 2.0, height_m: 1.0 };
-        assert!(near(shape_distance(&slab, (0.0, 0.0, 0.0), vec2(4.0, 4.5)), 5.0), "from a corner: 3, 4, 5");
+        assert!(
+            near(shape_distance(&slab, (0.0, 0.0, 0.0), vec2(4.0, 4.5)), 5.0),
+            "a 3-4-5 triangle from a corner"
+        );
         assert!(
             near(shape_distance(&slab, (0.0, 0.0, 0.0), vec2(0.9, 0.0)), -0.1),
-            "inside, the nearest side"
+            "the nearest side from inside"
         );
         assert!(
             near(shape_distance(&slab, (0.0, 0.0, FRAC_PI_2), vec2(2.0, 0.0)), 1.5),
-            "upright after a quarter turn"
+            "after a quarter turn"
         );
     }
 
     #[test]
-    fn clearance_is_the_nearest_of_walls_and_obstacles_at_the_step() {
+    fn clearance_is_the_distance_to_the_nearest_wall_or_obstacle() {
         let mut scenario = Scenario::default();
         assert!(near(clearance(&scenario, vec2(1.5, 0.0), 0), 0.5));
         assert!(near(clearance(&scenario, vec2(0.0, 2.5), 0), -0.5), "outside is negative");
@@ -182,7 +185,7 @@ mod tests {
         assert!(near(clearance(&scenario, vec2(0.0, 0.5), 0), 1.25_f32.sqrt() - 0.2));
         assert!(
             near(clearance(&scenario, vec2(0.0, 0.5), 1), 0.3),
-            "a quarter turn later it is straight ahead"
+            "after a quarter turn it is straight ahead"
         );
         assert!(
             is_clear(&scenario, vec2(0.0, 0.5), 1, 0.299) && !is_clear(&scenario, vec2(0.0, 0.5), 1, 0.301)
@@ -190,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn distances_to_polygons_and_rods_are_those_worked_by_hand() {
+    fn distances_to_polygons_and_capsules_match_hand_calculations() {
         let triangle = Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(0.0, 4.0)] };
         // The long side is 4 x + 3 y = 12: (3, 4) is 12 / 5 beyond it, (0.5, 0.5) inside by its distance to x = 0.
         assert!(near(shape_distance(&triangle, (0.0, 0.0, 0.0), vec2(3.0, 4.0)), 2.4));
@@ -200,18 +203,18 @@ mod tests {
         let rod = Shape::Capsule { length_m: 2.0, radius_m: 0.25 };
         assert!(
             near(shape_distance(&rod, (0.0, 0.0, 0.0), vec2(4.0, 4.0)), 4.75),
-            "3, 4, 5 from its end's middle"
+            "a 3-4-5 triangle from the centre of its end"
         );
         assert!(
             near(shape_distance(&rod, (0.0, 0.0, FRAC_PI_2), vec2(1.0, 0.5)), 0.75),
-            "beside it when upright"
+            "from its side after a quarter turn"
         );
         assert!(near(shape_distance(&rod, (0.0, 0.0, 0.0), vec2(0.3, 0.0)), -0.25));
         assert!(near(rod.bounding_radius_m(), 1.25) && near(triangle.bounding_radius_m(), 4.0));
     }
 
     #[test]
-    fn an_inner_wall_is_its_pieces() {
+    fn an_inner_wall_equals_its_segments() {
         let wall = Wall { corners_m: vec![vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 3.0)], thickness_m: 0.2 };
         for (point, expected) in [
             (vec2(1.0, 1.0), 0.9),
@@ -233,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn beams_go_all_around_or_from_right_to_left() {
+    fn beams_cover_the_circle_or_go_from_right_to_left() {
         let lidar = |beams, field_of_view_rad| Lidar { beams, field_of_view_rad, ..Lidar::default() };
         let all = lidar(4, std::f32::consts::TAU);
         assert!(
@@ -247,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn reach_follows_a_shapes_turn() {
+    fn the_farthest_point_depends_on_the_rotation() {
         let shape = Shape::Rectangle { width_m: 2.0, height_m: 1.0 };
         let motion = ObstacleMotion::Static;
         let o = Obstacle { shape, position_m: vec2(3.0, 0.0), rotation_rad: FRAC_PI_2, motion };

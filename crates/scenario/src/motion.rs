@@ -1,8 +1,8 @@
-//! Where an obstacle is: a pure function of the step count, so that no clock and no history enters.
+//! The pose of an obstacle as a pure function of the step count.
 //!
-//! In: an [`Obstacle`], a step, the control period. Out: its pose. All of it is worked in f64 with `libm`, so
-//! that the bits agree on every platform, and from the step count itself, so that nothing drifts: the angle
-//! after 10^9 steps is right to about 1e-8 rad.
+//! In: an [`Obstacle`], a step, the control period. Out: its pose. The arithmetic is f64 with `libm`, so that all platforms
+//! agree to the bit. Poses are computed from the step count, not accumulated, so nothing drifts: after 10^9 steps the angle
+//! is accurate to about 1e-8 rad.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,40 +13,40 @@ use wayfield_random::Stream;
 /// The pose (x in m, y in m, rotation in rad, in [-pi, pi]) of `obstacle` after `step` steps of
 /// `control_period_s`.
 ///
-/// Orbit: the obstacle revolves about the centre and turns with the revolution. Patrol: it starts at its own
-/// position, visits the waypoints in order, returns to its position, and so on; it doesn't turn, and a
-/// negative speed goes the other way round. Back and forth: the same to the last waypoint and back. Random walk: it is
-/// at its position at step 0, and at a random point of the disc about it whenever the longest leg's time has passed;
-/// between, it goes straight and evenly. Numbers that [`diagnostics`](super::findings) would refuse may give
-/// NaN, never a panic.
+/// Orbit: the obstacle revolves about the centre and rotates with the revolution. Patrol: it starts at its own position,
+/// visits the waypoints in order, returns to its position, and repeats; a negative speed reverses the direction. Back and
+/// forth: it goes to the last waypoint and back. Random walk: it starts at its position and moves in a straight line at
+/// constant speed to a random point of the disc about it; every leg takes the time of the longest possible leg.
+///
+/// Numbers that [`diagnostics`](super::diagnostics) would reject may give NaN but never a panic.
 #[must_use]
 pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f32, f32) {
     let position = obstacle.position_m.as_dvec2();
     let rotation = f64::from(obstacle.rotation_rad);
-    // A product of two f32 is exact in f64; only the factor `step` rounds, once.
+    // The product of two f32 is exact in f64; only the multiplication by `step` rounds.
     let travelled = |speed: f32| f64::from(speed) * f64::from(control_period_s) * step as f64;
     let (point, rotation) = match &obstacle.motion {
         ObstacleMotion::Static => (position, rotation),
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let angle = travelled(*speed_rad_s);
-            (revolved(position, centre_m.as_dvec2(), angle), rotation + angle)
+            (rotate_about(position, centre_m.as_dvec2(), angle), rotation + angle)
         }
         ObstacleMotion::Patrol { waypoints_m, speed_m_s } => {
             (along(position, waypoints_m, travelled(*speed_m_s)), rotation)
         }
         ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
-            (there_and_back(position, waypoints_m, travelled(*speed_m_s)), rotation)
+            (back_and_forth(position, waypoints_m, travelled(*speed_m_s)), rotation)
         }
         ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed } => {
-            (wandered(position, f64::from(*radius_m), *seed, travelled(*speed_m_s)), rotation)
+            (random_walk(position, f64::from(*radius_m), *seed, travelled(*speed_m_s)), rotation)
         }
     };
     (point.x as f32, point.y as f32, wrapped(rotation) as f32)
 }
 
 impl Obstacle {
-    /// The corners of its path, in m, its position first, and whether the last is joined to the first; none of what doesn't
-    /// go by straight lines that are given.
+    /// The corners of its path, in m, starting with its position, and whether the path is closed. `None` for motions without
+    /// waypoints.
     #[must_use]
     pub fn path_m(&self) -> Option<(Vec<Vec2>, bool)> {
         let (waypoints_m, closed) = match &self.motion {
@@ -58,14 +58,14 @@ impl Obstacle {
     }
 }
 
-/// `point` turned about `centre` by `angle`.
-fn revolved(point: DVec2, centre: DVec2, angle: f64) -> DVec2 {
+/// `point` rotated about `centre` by `angle`.
+fn rotate_about(point: DVec2, centre: DVec2, angle: f64) -> DVec2 {
     let (sin, cos) = libm::sincos(angle);
     let arm = point - centre;
     dvec2(centre.x + arm.x * cos - arm.y * sin, centre.y + arm.x * sin + arm.y * cos)
 }
 
-/// The point at `distance` along the closed loop `start`, waypoints, `start`.
+/// The point at `distance` along the closed loop from `start` through the waypoints.
 fn along(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
     let corners = || std::iter::once(start).chain(waypoints.iter().map(|corner| corner.as_dvec2()));
     let legs = || corners().zip(corners().skip(1).chain(std::iter::once(start)));
@@ -87,8 +87,8 @@ fn along(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
     start
 }
 
-/// The point at `distance` along `start`, waypoints, and back the same way, and so on.
-fn there_and_back(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
+/// The point at `distance` along the path from `start` through the waypoints and back, repeated.
+fn back_and_forth(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
     let corners = || std::iter::once(start).chain(waypoints.iter().map(|corner| corner.as_dvec2()));
     let legs = || corners().zip(corners().skip(1));
     let one_way: f64 = legs().map(|(from, to)| length(from, to)).sum();
@@ -107,9 +107,9 @@ fn there_and_back(start: DVec2, waypoints: &[Vec2], distance: f64) -> DVec2 {
     corners().last().unwrap_or(start)
 }
 
-/// Where a random walk about `middle` has come after `distance` at its full speed: every leg takes as long as that
-/// needs for two reaches.
-fn wandered(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
+/// The point of a random walk about `middle` after the time in which its highest speed covers `distance`. Every leg takes
+/// the time for twice the reach.
+fn random_walk(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
     let legs = distance.abs() / (2.0 * reach);
     if !legs.is_finite() {
         return middle;
@@ -125,7 +125,7 @@ fn wandered(middle: DVec2, reach: f64, seed: u32, distance: f64) -> DVec2 {
     between(point(begun), point(begun + 1.0), legs - begun)
 }
 
-/// A point of the disc of radius 1, evenly: the first of the square that lies in it.
+/// A uniformly random point of the unit disc, by rejection from the square.
 fn in_disc(stream: &mut Stream) -> DVec2 {
     let mut coordinate = || f64::from(wayfield_random::uniform(stream, -1.0, 1.0));
     loop {
@@ -145,7 +145,7 @@ fn length(from: DVec2, to: DVec2) -> f64 {
     (dx * dx + dy * dy).sqrt()
 }
 
-/// The same direction within half a turn of 0; an angle already there keeps its bits.
+/// `angle` wrapped to [-pi, pi]. An angle in this range keeps its bits.
 fn wrapped(angle: f64) -> f64 {
     if angle.abs() <= PI { angle } else { libm::remainder(angle, TAU) }
 }
@@ -178,7 +178,7 @@ mod tests {
             vec2(0.6, 0.6),
             ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: quarter_rad_s },
         );
-        assert_eq!(pose_at(&o, 0, 0.25), (0.6, 0.6, 0.0), "step 0 is the position as written, to the bit");
+        assert_eq!(pose_at(&o, 0, 0.25), (0.6, 0.6, 0.0), "step 0 is exactly the position");
         assert_near(pose_at(&o, 4, 0.25), (-0.6, 0.6, FRAC_PI_2 as f32));
         assert_near(pose_at(&o, 12, 0.25), (0.6, -0.6, -FRAC_PI_2 as f32));
     }
@@ -190,8 +190,8 @@ mod tests {
     }
 
     #[test]
-    fn a_patrol_turns_at_its_waypoints_and_comes_home() {
-        // A 3-4-5 triangle at 1 m/s, one second a step: 12 steps a round.
+    fn a_patrol_visits_its_waypoints_and_returns() {
+        // A 3-4-5 triangle at 1 m/s with steps of 1 s: 12 steps per loop.
         let waypoints_m = vec![vec2(3.0, 0.0), vec2(3.0, 4.0)];
         let o = obstacle(vec2(0.0, 0.0), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
         for (step, expected) in [
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn back_and_forth_turns_at_the_last_waypoint() {
-        // 3 m and 4 m at 1 m/s, one second a step: there after 7 steps, home after 14.
+        // Legs of 3 m and 4 m at 1 m/s with steps of 1 s: at the end after 7 steps, back after 14.
         let waypoints_m = vec![vec2(3.0, 0.0), vec2(3.0, 4.0)];
         let o = obstacle(vec2(0.0, 0.0), ObstacleMotion::BackAndForth { waypoints_m, speed_m_s: 1.0 });
         for (step, (x, y)) in [
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_random_walk_stays_in_reach_never_hurries_and_is_told_by_its_seed() {
+    fn a_random_walk_keeps_its_radius_and_speed_and_depends_on_its_seed() {
         let walk = |seed| {
             obstacle(vec2(1.0, -1.0), ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.2, seed })
         };
@@ -237,19 +237,19 @@ mod tests {
             let (now, next) = (pose_at(&one, step, 0.2), pose_at(&one, step + 1, 0.2));
             assert!((now.0 - 1.0).hypot(now.1 + 1.0) <= 0.5 + 1e-6, "out of reach at step {step}");
             assert!((next.0 - now.0).hypot(next.1 - now.1) <= 0.04 + 1e-5, "too quick at step {step}");
-            let beside = pose_at(&other, step, 0.2);
-            apart = apart.max((now.0 - beside.0).hypot(now.1 - beside.1));
+            let other_pose = pose_at(&other, step, 0.2);
+            apart = apart.max((now.0 - other_pose.0).hypot(now.1 - other_pose.1));
             // A leg takes 2 * 0.5 m / 0.2 m/s = 5 s, 25 steps.
             if step % 25 == 0 {
                 corners.insert((now.0.to_bits(), now.1.to_bits()));
             }
         }
-        assert!(apart > 0.3, "another seed is another walk");
-        assert!(corners.len() >= 200, "each leg goes elsewhere: {}", corners.len());
+        assert!(apart > 0.3, "another seed gives another walk");
+        assert!(corners.len() >= 200, "each leg has another end: {}", corners.len());
     }
 
     #[test]
-    fn a_patrol_without_a_path_stays() {
+    fn a_patrol_without_a_path_stays_in_place() {
         for waypoints_m in [vec![], vec![vec2(0.5, 0.5)]] {
             let o = obstacle(vec2(0.5, 0.5), ObstacleMotion::Patrol { waypoints_m, speed_m_s: 1.0 });
             assert_eq!(pose_at(&o, 77, 0.2), (0.5, 0.5, 0.0));
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_drifts_in_a_thousand_million_steps() {
+    fn an_orbit_does_not_drift_in_a_billion_steps() {
         let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
         let o = obstacle(vec2(0.6, 0.6), motion);
         let radius = 0.6 * 2.0_f64.sqrt();

@@ -1,8 +1,7 @@
-//! Starts and goals by the scenario's rules; random ones keep clear of the walls and of the obstacles where they are
-//! at that step.
+//! The placement of starts and goals by the rules of the scenario.
 //!
-//! In: a [`Scenario`], the step, a [`Stream`]. Out: a start or a goal. Called at every reset: nothing
-//! allocates.
+//! In: a [`Scenario`], the step, a [`Stream`]. Out: a start or a goal. Random ones keep their clearance from walls and from
+//! the obstacles at that step. Runs at every reset, without allocation.
 
 use std::f32::consts::{PI, TAU};
 
@@ -11,30 +10,30 @@ use super::schema::{PlacementRule, Scenario};
 use glam::{Vec2, vec2};
 use wayfield_random::{Stream, uniform, uniform_01, uniform_index};
 
-/// Random tries before the grid is walked.
+/// Random attempts before the grid is searched.
 const TRIES: u32 = 1_000;
 /// Grid points along each side of the enclosure.
 const GRID: usize = 64;
-/// So many starts are tried for one that leaves room for a goal.
+/// Attempts to find a start with a goal that is far enough away.
 const STARTS: u32 = 50;
 
-/// At this moment no point satisfies the rule. (A scenario without findings has room at step 0 and at the
-/// other moments that the checks look at.)
+/// The error when no point satisfies a rule at this step. A scenario without diagnostics has free space at step 0 and at the
+/// other steps that the checks test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no free space for a {what} at step {step}: fewer or smaller obstacles, or a smaller clearance_m, make room"
+    "no free space for a {what} at step {step}: use fewer or smaller obstacles, or a smaller clearance_m"
 )]
 pub struct NoFreeSpace {
     /// "start" or "goal".
     pub what: &'static str,
-    /// The step at which there was no room.
+    /// The step.
     pub step: u64,
 }
 
-/// A start as [`draw_start`] and a goal as [`draw_goal`] gives them, far enough apart.
+/// A start from [`draw_start`] and a goal from [`draw_goal`] that are far enough apart.
 ///
 /// # Errors
-/// [`NoFreeSpace`] when the obstacles, where they are at `step`, leave no room.
+/// [`NoFreeSpace`] if the obstacles leave no space at `step`.
 pub fn draw_start_and_goal(
     scenario: &Scenario,
     step: u64,
@@ -51,11 +50,11 @@ pub fn draw_start_and_goal(
     drawn
 }
 
-/// A start (x in m, y in m, heading in rad), the place by the rule `starts`; the heading is even over (-pi, pi], unless
-/// the rule gives it.
+/// A start (x in m, y in m, heading in rad) by the rule `starts`. The heading is uniform over (-pi, pi] unless the rule fixes
+/// it.
 ///
 /// # Errors
-/// [`NoFreeSpace`] when the obstacles, where they are at `step`, leave no room.
+/// [`NoFreeSpace`] if the obstacles leave no space at `step`.
 pub fn draw_start(
     scenario: &Scenario,
     step: u64,
@@ -71,10 +70,10 @@ pub fn draw_start(
     Ok((x, y, heading))
 }
 
-/// A goal (x, y in m) by the rule `goals`, at least `task.min_goal_distance_m` from `robot_m`.
+/// A goal by the rule `goals`, in m, at least `task.min_goal_distance_m` from `robot_m`.
 ///
 /// # Errors
-/// [`NoFreeSpace`] when the obstacles, where they are at `step`, leave no room, or the rule has no place so far away.
+/// [`NoFreeSpace`] if the obstacles leave no space at `step`, or if the rule has no position far enough away.
 pub fn draw_goal(
     scenario: &Scenario,
     step: u64,
@@ -85,8 +84,8 @@ pub fn draw_goal(
     draw(scenario, &scenario.goals, step, stream, far).ok_or(NoFreeSpace { what: "goal", step })
 }
 
-/// A point by `rule` that `fits`: by rejection, and where room is scarce the first that fits on the grid. A place that
-/// the rule names is taken whatever passes there at this moment.
+/// A point by `rule` for which `fits` holds: by rejection sampling and, if that fails, the first fitting point of a grid.
+/// Positions that the rule names are used even if an obstacle is there at this step.
 fn draw(
     scenario: &Scenario,
     rule: &PlacementRule,
@@ -114,7 +113,7 @@ fn draw(
     }
 }
 
-/// The box that a rule's points lie in; where it is empty, low is above high.
+/// The box that contains the points of a rule; low exceeds high if it is empty.
 fn region(scenario: &Scenario, rule: &PlacementRule) -> (Vec2, Vec2) {
     match *rule {
         PlacementRule::Within { min_m, max_m, .. } => (min_m, max_m),
@@ -126,8 +125,8 @@ fn region(scenario: &Scenario, rule: &PlacementRule) -> (Vec2, Vec2) {
     }
 }
 
-/// The places that satisfy `rule` at `step`: of a fixed grid of 64 x 64 over the enclosure or the rule's region those that
-/// are clear, or of the places that the rule names those where the robot would not collide.
+/// The points that satisfy `rule` at `step`: the clear points of a grid of 64 x 64 over the enclosure or the rule's region,
+/// or those named positions at which the robot would not collide.
 pub(super) fn free_points(
     scenario: &Scenario,
     rule: &PlacementRule,
@@ -172,22 +171,22 @@ mod tests {
     }
 
     #[test]
-    fn no_room_is_an_error_not_an_endless_search() {
+    fn a_full_arena_gives_an_error_and_no_endless_search() {
         let no_room = boxed_in(3.9);
         let mut s = stream(1, "starts", 0);
         let error = draw_start(&no_room, 7, &mut s).expect_err("there is no room");
         assert_eq!(
             error.to_string(),
-            "no free space for a start at step 7: fewer or smaller obstacles, or a smaller clearance_m, make room"
+            "no free space for a start at step 7: use fewer or smaller obstacles, or a smaller clearance_m"
         );
         let narrow = Scenario { starts: PlacementRule::Random { clearance_m: 2.5 }, ..Scenario::default() };
         assert!(draw_start(&narrow, 0, &mut s).is_err(), "a clearance beyond the walls");
     }
 
     #[test]
-    fn scarce_room_is_found_all_the_same() {
-        // Two slabs leave a corridor in which only a strip of 20 um, along a row of the grid, is clear
-        // enough: the grid finds its points when chance does not.
+    fn scarce_free_space_is_found() {
+        // Two slabs leave a corridor in which only a strip of 20 um along a grid row is clear: random attempts miss it, the
+        // grid finds it.
         let mut scenario = boxed_in(1.0);
         let slab = |height_m, y| Obstacle {
             shape: Shape::Rectangle { width_m: 4.0, height_m },
@@ -205,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_are_named_are_taken_where_they_are_far_enough() {
+    fn named_positions_are_used_if_they_are_far_enough() {
         let mut scenario = Scenario {
             starts: PlacementRule::Fixed { position_m: vec2(-1.5, 0.5), heading_rad: Some(0.25) },
             goals: PlacementRule::OneOf {
@@ -229,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_region_holds_its_places_and_an_l_shaped_room_its_own() {
+    fn positions_stay_inside_a_region_and_inside_an_l_shaped_enclosure() {
         let corners_m = vec![
             vec2(0.0, 0.0),
             vec2(4.0, 0.0),
@@ -255,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn headings_cover_the_circle_evenly() {
+    fn headings_are_uniform() {
         let scenario = Scenario::default();
         let mut s = stream(5, "starts", 0);
         let mut quarters = [0; 4];

@@ -1,12 +1,13 @@
-//! Polygons: their sides, how far a point is from them and on which side, and which way round they go.
+//! Polygons: sides, signed distance, area and orientation.
 //!
-//! In: corners in order, either way round. Out: sides, signed distances, areas. Plain f32 arithmetic, alike on every
-//! platform.
+//! In: corners in order, clockwise or counterclockwise. Out: sides, distances in m, areas in m^2. Plain f32 arithmetic with
+//! the same result on every platform.
 
 use super::geometry::length;
 use glam::Vec2;
 
-/// From `point` to the nearest side, in m; negative outside. Sides may point inwards, but must not cross.
+/// Distance from `point` to the nearest side, in m; negative outside. The polygon may be concave, but its sides must not
+/// cross.
 pub(super) fn signed_distance(corners: &[Vec2], point: Vec2) -> f32 {
     let (mut nearest, mut inside) = (f32::INFINITY, false);
     for (from, to) in sides(corners) {
@@ -20,12 +21,12 @@ pub(super) fn signed_distance(corners: &[Vec2], point: Vec2) -> f32 {
     if inside { nearest } else { -nearest }
 }
 
-/// Each side as its two ends; the last joins the first corner.
+/// The sides as pairs of ends; the last side ends at the first corner.
 pub fn sides<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> {
     corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
 }
 
-/// From `point` to the segment between two points, in m.
+/// Distance from `point` to the segment between two points, in m.
 #[must_use]
 pub fn distance_to_segment(from: Vec2, to: Vec2, point: Vec2) -> f32 {
     let (dx, dy) = (to.x - from.x, to.y - from.y);
@@ -35,13 +36,13 @@ pub fn distance_to_segment(from: Vec2, to: Vec2, point: Vec2) -> f32 {
     length(px - part * dx, py - part * dy)
 }
 
-/// The area, in m^2; negative where the corners go clockwise.
+/// Signed area, in m^2; negative if the corners are in clockwise order.
 #[must_use]
 pub fn area(corners: &[Vec2]) -> f32 {
     sides(corners).map(|(from, to)| from.x * to.y - to.x * from.y).sum::<f32>() / 2.0
 }
 
-/// The same corners, counterclockwise.
+/// The corners in counterclockwise order.
 #[must_use]
 pub fn counterclockwise(corners: &[Vec2]) -> Vec<Vec2> {
     let mut corners = corners.to_vec();
@@ -62,14 +63,14 @@ mod tests {
         [vec2(0.0, 0.0), vec2(2.0, 0.0), vec2(2.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 2.0), vec2(0.0, 2.0)];
 
     #[test]
-    fn depth_is_positive_within_an_l_and_negative_in_its_notch() {
+    fn the_distance_is_positive_inside_an_l_and_negative_in_its_notch() {
         for (point, expected) in [
             (vec2(0.5, 0.5), 0.5),
             (vec2(1.5, 0.4), 0.4),
             (vec2(0.9, 1.5), 0.1),
             (vec2(1.2, 1.5), -0.2),
             (vec2(-3.0, -4.0), -5.0),
-            // From the corner that points inwards: 0.3 and 0.4.
+            // From the concave corner: 0.3 and 0.4.
             (vec2(0.7, 0.6), 0.5),
         ] {
             let found = signed_distance(&L, point);
@@ -80,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn an_l_has_the_area_of_three_squares_and_can_be_turned_round() {
+    fn an_l_has_the_area_of_three_squares_and_can_be_reversed() {
         assert_eq!(area(&L), 3.0);
         let clockwise: Vec<_> = L.iter().rev().copied().collect();
         assert_eq!(area(&clockwise), -3.0);
@@ -88,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_to_a_segment_ends_at_its_ends() {
+    fn the_distance_to_a_segment_is_limited_by_its_ends() {
         let (from, to) = (vec2(0.0, 0.0), vec2(2.0, 0.0));
         let found = [vec2(1.0, 0.5), vec2(5.0, 4.0), vec2(-3.0, 4.0)]
             .map(|point| distance_to_segment(from, to, point));
