@@ -1,6 +1,6 @@
-//! The page on the scenario format, docs/scenario-format.md, is what the schema's own comments and defaults say.
+//! Generates docs/scenario-format.md from the comments and defaults of the schema, and checks that the page is up to date.
 //!
-//! `cargo xtask docs` writes it anew.
+//! `cargo xtask docs` renews it.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -18,18 +18,18 @@ const RENEW: &str = "cargo xtask docs";
 
 const HEAD: &str = r#"# The scenario format
 
-A scenario is a world and the rules of the task in it, as a text file in [RON](https://github.com/ron-rs/ron). The
-shipped ones are in [`scenarios/`](../scenarios). This is a whole file:
+A scenario describes an environment and its task. It is a text file in [RON](https://github.com/ron-rs/ron). The shipped
+scenarios are in [`scenarios/`](../scenarios). This is a complete file:
 
 ```ron
 (name: "Mine")
 ```
 
-Every other field has a default, mostly the paper's number: the above is an empty room of 4 m x 4 m. Write only what
-differs. Here are two obstacles in that room, and one of them moves:
+Every other field has a default, usually the paper's number: the file above is an empty arena of 4 m x 4 m. Write only the
+fields that differ. This file adds two obstacles, one of which moves:
 
 ```ron
-// Whatever follows two slashes is a comment.
+// Text after two slashes is a comment.
 (
     name: "Two obstacles",
     obstacles: [
@@ -43,22 +43,22 @@ differs. Here are two obstacles in that room, and one of them moves:
 )
 ```
 
-**Units.** {units} Every name ends in its unit: a `radius_m` is in metres, a `speed_rad_s` in radians a second.
+**Units.** {units} Every field name ends in its unit: `radius_m` is in metres, `speed_rad_s` in radians per second.
 
-**How to read the tables.** What has fields is written in parentheses, `(field: value, ...)`, in any order. Where there
-are several forms, such as of a shape, one is named: `Circle(radius_m: 0.15)`. A list is written `[..., ...]`. A field
-without a default must be given. The whole file is a [scenario](#scenario).
+**How to read the tables.** A value with fields is written in parentheses, `(field: value, ...)`, in any order. If there are
+several forms, such as for a shape, the form is named: `Circle(radius_m: 0.15)`. A list is written `[..., ...]`. A field
+without a default is required. The whole file is a [scenario](#scenario).
 
-**Check a file** with `wayfield --check mine.ron`, or all files of a folder with `wayfield --check scenarios/`. What is
-wrong is said with line, column, field and mend:
+**Check a file** with `wayfield --check mine.ron`, or all files of a folder with `wayfield --check scenarios/`. Every
+problem is reported with line, column, field and fix:
 
 ```text
 {mistake}
 ```
 
-**Try it out:** `wayfield --scenario mine.ron` opens it in the window. Save the file in any editor, and the window goes
-on in the changed world when the episode ends; if the file is broken, it shows the message and stays in the last good
-one. The window also has an editor of its own: it saves such files too, and leaves your comments where they are.
+**Try it:** `wayfield --scenario mine.ron` opens the file in the app. When you save the file in any editor, the app continues
+with the changed scenario after the current episode; if the file is invalid, it shows the message and keeps the last valid
+one. The app also has an editor, which saves these files and keeps your comments.
 
 ## Contents
 
@@ -69,7 +69,7 @@ struct Entry<'a> {
     name: String,
     kind: &'a Type,
     about: String,
-    /// Whether a file can do without it.
+    /// Whether a file may omit it.
     optional: bool,
 }
 
@@ -84,7 +84,7 @@ struct Group<'a> {
 struct Section<'a> {
     name: String,
     about: Vec<String>,
-    /// What is said of its default.
+    /// Description of its default.
     default: Vec<String>,
     groups: Vec<Group<'a>>,
 }
@@ -110,7 +110,7 @@ fn docs(attributes: &[Attribute]) -> Vec<String> {
     paragraphs
 }
 
-/// Whether serde fills in what is left out.
+/// Whether serde has a default for the field.
 fn has_default(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| match &attribute.meta {
         Meta::List(list) => list.path.is_ident("serde") && list.tokens.to_string().contains("default"),
@@ -128,7 +128,7 @@ fn entries<'a>(fields: &'a Fields, all_optional: bool) -> Vec<Entry<'a>> {
     fields.iter().map(entry).collect()
 }
 
-/// The schema's types in its order.
+/// The types of the schema in their order.
 fn sections(file: &syn::File) -> Vec<Section<'_>> {
     let mut sections: Vec<Section> = Vec::new();
     for item in &file.items {
@@ -223,7 +223,7 @@ fn written(kind: &Type) -> String {
     }
 }
 
-/// Some value of the type, as RON.
+/// A sample value of the type, as RON.
 fn sample(kind: &Type, sections: &[Section<'_>]) -> String {
     match name(kind).as_str() {
         "" | "Vec2" => "(1.0, 1.0)".into(),
@@ -238,7 +238,7 @@ fn sample(kind: &Type, sections: &[Section<'_>]) -> String {
     }
 }
 
-/// The shortest text for a struct or variant: only what has no default.
+/// The shortest text for a struct or variant: only its required fields.
 fn shortest(group: &Group<'_>, sections: &[Section<'_>]) -> String {
     let required = group.entries.iter().filter(|entry| !entry.optional);
     let fields: Vec<_> =
@@ -252,7 +252,7 @@ fn read<T: Serialize + DeserializeOwned>(text: &str) -> Value {
     serde_json::from_str(&serde_json::to_string(&value).expect("JSON")).expect("JSON")
 }
 
-/// The fields of what `text` is read as, which is a `kind`: its defaults are those of the program.
+/// The fields of a `kind` read from `text`, with the program's defaults.
 fn filled_in(kind: &str, text: &str) -> Value {
     macro_rules! one_of {
         ($($kind:ident),*) => {
@@ -281,7 +281,7 @@ fn filled_in(kind: &str, text: &str) -> Value {
     )
 }
 
-/// `value` as RON, its fields in the order that the schema first names them in.
+/// `value` as RON, with fields in the order of the schema.
 fn ron(value: &Value, sections: &[Section<'_>]) -> String {
     let ron = |value: &Value| ron(value, sections);
     let entries = || sections.iter().flat_map(|section| &section.groups).flat_map(|group| &group.entries);
@@ -307,13 +307,14 @@ fn ron(value: &Value, sections: &[Section<'_>]) -> String {
     }
 }
 
-/// What the default column says of `entry`, whose default is `value`; and, if it is too long for a table, that.
+/// The cell of the default column for `entry`, whose default is `value`, and the default itself if it is too long for the
+/// table.
 fn default(entry: &Entry<'_>, value: &Value, sections: &[Section<'_>]) -> (String, Option<String>) {
     let kind = name(entry.kind);
     let is_struct = sections.iter().any(|section| section.name == kind && section.groups[0].name.is_empty());
     match ron(value, sections) {
-        _ if !entry.optional => ("must be given".into(), None),
-        _ if is_struct => ("see there".into(), None),
+        _ if !entry.optional => ("required".into(), None),
+        _ if is_struct => ("see its table".into(), None),
         _ if value.is_null() => ("none".into(), None),
         text if kind == "String" => (format!("`\"{text}\"`"), None),
         text if text.len() > 40 => ("see below".into(), Some(text)),
@@ -440,12 +441,12 @@ fn the_page_says_what_was_worked_out_by_hand() {
          | `radius_m` | number | `0.1` | Its radius \\| half across. |\n\
          \n## Wall\n\nA wall.\n\n\
          | field | written | default | meaning |\n|---|---|---|---|\n\
-         | `corners_m` | list of `(x, y)` | must be given | Along. |\n\
+         | `corners_m` | list of `(x, y)` | required | Along. |\n\
          | `thickness_m` | number | `0.1` | Across. |\n\
          \n## Obstacle motion\n\nA motion.\n\n### `Static`\n\nNone.\n\n### `RandomWalk`\n\nSome.\n\n\
          | field | written | default | meaning |\n|---|---|---|---|\n\
-         | `radius_m` | number | must be given | How far. |\n\
-         | `speed_m_s` | number | must be given | How fast. |\n\
+         | `radius_m` | number | required | How far. |\n\
+         | `speed_m_s` | number | required | How fast. |\n\
          | `seed` | whole number | `0` | Which. |\n\
          \n## Region\n\nA box.\n\n\
          | field | written | meaning |\n|---|---|---|\n\

@@ -296,7 +296,12 @@ fn removing_and_adding_an_obstacle_changes_one_line() {
     assert_eq!(edited(&between, |scenario| drop(scenario.obstacles.remove(1))), text);
     // Without obstacles, the field and its comment stay.
     let none = edited(&text, |scenario| scenario.obstacles.clear());
-    assert!(none.contains("(The first one bars the benchmark route.)\n    obstacles: [],\n)"), "{none}");
+    assert!(
+        none.contains(
+            "The first one blocks the straight line of the benchmark route.\n    obstacles: [],\n)"
+        ),
+        "{none}"
+    );
 }
 
 #[test]
@@ -308,8 +313,8 @@ fn changing_one_number_keeps_everything_else() {
     // In an aligned line with a comment behind it.
     assert_eq!(
         diff(&text, &edited(&text, |scenario| scenario.task.max_episode_steps = 800)),
-        "-        max_episode_steps: 500,      // the episode is cut off here\n\
-         +        max_episode_steps: 800,      // the episode is cut off here\n"
+        "-        max_episode_steps: 500,     // the episode is truncated after this\n\
+         +        max_episode_steps: 800,     // the episode is truncated after this\n"
     );
 }
 
@@ -349,7 +354,7 @@ fn written_defaults_stay_and_comments_stay_aligned() {
         edited(&text, |scenario| scenario.benchmark_route.start_m.x = 1.0),
         text.replace(before, after)
     );
-    let (before, after) = ("6.2831855, // all", "3.0,       // all");
+    let (before, after) = ("6.2831855, // a full", "3.0,       // a full");
     assert_eq!(edited(&text, |scenario| scenario.lidar.field_of_view_rad = 3.0), text.replace(before, after));
     let tabbed = text.replace("0.0,             // standard", "0.0,\t\t\t\t\t\t\t\t\t\t\t\t\t// standard");
     assert_ne!(tabbed, text);
