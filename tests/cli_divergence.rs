@@ -45,9 +45,9 @@ fn values_whose_sums_would_overflow_are_rejected() {
         (
             "mu: 100.0",
             "mu: 1e38",
-            "steep.ron:11:13: `reward.mu` is 1e38; give a number of at most 1e9 in size",
+            "steep.ron:11:13: `reward.mu` is 1e38; give a number between -1e9 and 1e9",
         ),
-        ("reached: 250.0", "reached: -2e9", "`reward.reached` is -2e9; give a number of at most 1e9 in size"),
+        ("reached: 250.0", "reached: -2e9", "`reward.reached` is -2e9; give a number between -1e9 and 1e9"),
         (
             "reward_scale: 0.01",
             "reward_scale: 1e21",
