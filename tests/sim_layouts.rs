@@ -35,10 +35,10 @@ fn irregular_walls() -> Scenario {
             thickness_m: 0.1,
         }],
         obstacles: vec![
-            common::still(rod.clone(), vec2(-0.6, 0.9), 0.6),
-            common::still(triangle.clone(), vec2(0.6, -0.7), 0.4),
-            Obstacle { motion: to_and_fro, ..common::still(rod, vec2(1.4, -1.6), 1.2) },
-            Obstacle { motion: walk, ..common::still(triangle, vec2(-1.3, -1.3), 0.0) },
+            common::static_obstacle(rod.clone(), vec2(-0.6, 0.9), 0.6),
+            common::static_obstacle(triangle.clone(), vec2(0.6, -0.7), 0.4),
+            Obstacle { motion: to_and_fro, ..common::static_obstacle(rod, vec2(1.4, -1.6), 1.2) },
+            Obstacle { motion: walk, ..common::static_obstacle(triangle, vec2(-1.3, -1.3), 0.0) },
         ],
         ..Scenario::default()
     }
@@ -47,7 +47,7 @@ fn irregular_walls() -> Scenario {
 fn field() -> Scenario {
     let generator = |count, shape| Generator { count, shape, gap_m: 0.3, within: None };
     Scenario {
-        obstacles: vec![common::still(Shape::Circle { radius_m: 0.1 }, vec2(-1.0, 0.0), 0.0)],
+        obstacles: vec![common::static_obstacle(Shape::Circle { radius_m: 0.1 }, vec2(-1.0, 0.0), 0.0)],
         generators: vec![
             generator(4, RandomShape::Circle { radius_m: (0.1, 0.2) }),
             generator(2, RandomShape::Rectangle { width_m: (0.3, 0.5), height_m: (0.1, 0.2) }),

@@ -47,7 +47,7 @@ fn assert_closed_form(lab: &mut Lab, from: &Pose) {
 }
 
 fn one_obstacle(shape: Shape, at: Vec2, turn: f32) -> Scenario {
-    Scenario { obstacles: vec![common::still(shape, at, turn)], ..Scenario::default() }
+    Scenario { obstacles: vec![common::static_obstacle(shape, at, turn)], ..Scenario::default() }
 }
 
 proptest! {

@@ -85,7 +85,7 @@ fn the_course_always_begins_and_ends_at_the_same_places() {
 
 #[test]
 fn no_room_for_a_start_is_reported_and_names_the_arena() {
-    let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
+    let block = common::static_obstacle(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
     let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
     let lab = Lab::new(&scenario, 1, 1);
     let fault =

@@ -35,7 +35,7 @@ pub use robot::{ActuatorLag, chord_velocity, integrate_heading};
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, SenseSet};
 
 /// Simulates bodies, motion and sensing. [`spawn_arenas`] makes the arenas.
-pub struct SimPlugin;
+pub(crate) struct SimPlugin;
 
 impl Plugin for SimPlugin {
     fn build(&self, app: &mut App) {

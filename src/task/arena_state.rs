@@ -46,7 +46,7 @@ impl ArenaState {
     ///
     /// # Errors
     /// A noun phrase that names the first invalid part, such as "the robot's pose".
-    pub fn check(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), &'static str> {
+    pub(crate) fn check(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), &'static str> {
         let Self { pose, twist, scan, readings, goal, clock, layout_seed: _, episode, streams } = self;
         let beams = scenario.lidar.beams;
         let within = |value: f32, max: f32| value.abs() <= max;

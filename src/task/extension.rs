@@ -68,7 +68,7 @@ pub trait SimulationAppExt {
     /// anything. It must draw random numbers from named streams only ([`random::stream`](crate::random::stream)).
     ///
     /// # Panics
-    /// If another sensor has the same name, or the app has no [`TaskPlugin`](super::TaskPlugin).
+    /// If another sensor has the same name, or the app is not a simulation.
     fn add_sensor<M, S>(&mut self, name: &str, width: usize, sensor: impl Fn(SensorSlice) -> S) -> &mut Self
     where
         S: IntoScheduleConfigs<ScheduleSystem, M>;
@@ -79,7 +79,7 @@ pub trait SimulationAppExt {
     /// term's value in [`ExtraRewards`] for each arena; the value is added to the arena's reward.
     ///
     /// # Panics
-    /// If another term has the same name, or the app has no [`TaskPlugin`](super::TaskPlugin).
+    /// If another term has the same name, or the app is not a simulation.
     fn add_reward_term<M, S>(&mut self, name: &str, term: impl Fn(RewardTerm) -> S) -> &mut Self
     where
         S: IntoScheduleConfigs<ScheduleSystem, M>;

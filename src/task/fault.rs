@@ -41,7 +41,7 @@ pub enum Fault {
 }
 
 /// Whether all numbers of this step are finite, so that it can be stored and counted.
-pub fn step_is_finite(fault: Res<TaskFault>) -> bool {
+pub(crate) fn step_is_finite(fault: Res<TaskFault>) -> bool {
     !matches!(fault.0, Some(Fault::NonFinite { .. }))
 }
 

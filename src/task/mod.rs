@@ -20,7 +20,7 @@ mod fault;
 pub mod observation;
 mod outcome;
 mod reset;
-pub mod reward;
+mod reward;
 mod state;
 
 use std::sync::Arc;
@@ -29,7 +29,8 @@ use bevy::prelude::*;
 
 pub use arena_state::ArenaState;
 pub use extension::{ExtraRewards, RewardTerm, SimulationAppExt};
-pub use fault::{Fault, TaskFault, step_is_finite};
+pub(crate) use fault::step_is_finite;
+pub use fault::{Fault, TaskFault};
 pub use observation::{
     Encoding, ObservationLayout, ObservationSlice, Observations, SensorReadings, SensorSlice,
 };
@@ -67,7 +68,7 @@ pub enum TaskMode {
 
 /// Computes observations and rewards, ends episodes, and draws new starts and goals.
 #[derive(Default)]
-pub struct TaskPlugin {
+pub(crate) struct TaskPlugin {
     /// The encoding of the paper's observation.
     pub observation: Encoding,
     /// The parameters of the reward.

@@ -70,7 +70,7 @@ impl SensorReadings {
 impl ObservationLayout {
     /// The paper's numbers in `encoding`, followed by `slices`.
     #[must_use]
-    pub fn new(encoding: Encoding, slices: Vec<ObservationSlice>) -> Self {
+    pub(crate) fn new(encoding: Encoding, slices: Vec<ObservationSlice>) -> Self {
         Self { encoding, slices }
     }
 
@@ -78,7 +78,7 @@ impl ObservationLayout {
     ///
     /// # Panics
     /// If another sensor has the same name.
-    pub fn reserve(&mut self, name: &str, width: usize) -> SensorSlice {
+    pub(crate) fn reserve(&mut self, name: &str, width: usize) -> SensorSlice {
         assert!(
             self.slices.iter().all(|slice| slice.name != name),
             "two plugins add a sensor named `{name}`; rename one of them"
@@ -108,7 +108,7 @@ impl ObservationLayout {
 
     /// A description of number `column` of an observation with `beams` LIDAR beams, for messages.
     #[must_use]
-    pub fn describe_column(&self, column: usize, beams: usize) -> String {
+    pub(crate) fn describe_column(&self, column: usize, beams: usize) -> String {
         match column.checked_sub(beams) {
             None => format!("d_{}, a range", column + 1),
             Some(0) => "phi_0, the goal's bearing".into(),
@@ -160,7 +160,7 @@ pub struct Observations {
 
 impl Observations {
     /// Allocates `arenas` rows of `width` numbers.
-    pub fn resize(&mut self, arenas: usize, width: usize) {
+    pub(crate) fn resize(&mut self, arenas: usize, width: usize) {
         self.width = width;
         self.current = vec![0.0; arenas * width];
         self.next = vec![0.0; arenas * width];

@@ -30,7 +30,7 @@ impl ArenaLayout {
     /// The layout of `scenario` with the obstacles generated from `layout_seed`. Ignores the seed if the scenario has no
     /// generators.
     #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, layout_seed: u64) -> Self {
+    pub(crate) fn new(scenario: &Arc<Scenario>, layout_seed: u64) -> Self {
         if scenario.generators.is_empty() {
             return Self { layout_seed: 0, scenario: scenario.clone() };
         }
@@ -141,13 +141,13 @@ pub enum PendingReset {
 impl PendingReset {
     /// Whether the reset may move the robot.
     #[must_use]
-    pub fn moves_robot(self) -> bool {
+    pub(crate) fn moves_robot(self) -> bool {
         matches!(self, Self::StartAndGoal | Self::Episode | Self::Full | Self::Refresh)
     }
 
     /// Whether the reset starts a new episode.
     #[must_use]
-    pub fn begins_episode(self) -> bool {
+    pub(crate) fn begins_episode(self) -> bool {
         matches!(self, Self::Episode | Self::Full)
     }
 }
