@@ -41,7 +41,10 @@ pub fn read(path: &Path) -> Result<Policy, RunError> {
             format!("is larger than {MAX_POLICY_BYTES} bytes; help: give the policy.safetensors of a run"),
         ));
     }
-    Policy::from_bytes(&bytes).map_err(|error| invalid_input(error.to_string()))
+    Policy::from_bytes(&bytes).map_err(|error| match error.to_string() {
+        message if message.contains("help:") => RunError::invalid_input(path, message),
+        message => invalid_input(message),
+    })
 }
 
 /// The encoding of the observations that `policy` was trained with.
