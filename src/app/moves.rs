@@ -168,15 +168,7 @@ pub fn initial_position(obstacle: &Obstacle, pose: ObstaclePose, to_m: Vec2) -> 
 pub fn with_obstacle_at(scenario: &Scenario, index: usize, position_m: Vec2) -> Option<Scenario> {
     let mut changed = scenario.clone();
     let obstacle = changed.obstacles.get_mut(index)?;
-    let (dx, dy) = (position_m.x - obstacle.position_m.x, position_m.y - obstacle.position_m.y);
-    let shift = |point: &mut Vec2| *point = vec2(point.x + dx, point.y + dy);
-    match &mut obstacle.motion {
-        ObstacleMotion::Static | ObstacleMotion::RandomWalk { .. } => {}
-        ObstacleMotion::Orbit { centre_m, .. } => shift(centre_m),
-        ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
-            waypoints_m.iter_mut().for_each(shift);
-        }
-    }
+    obstacle.motion.translate(position_m - obstacle.position_m);
     obstacle.position_m = position_m;
     Some(changed)
 }

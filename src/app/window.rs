@@ -74,7 +74,7 @@ pub fn app(options: WindowOptions) -> App {
 fn connect_to_display() -> Result<impl Sized, RunError> {
     x11rb::connect(None).map_err(|error| {
         RunError::InvalidInput(format!(
-            "no display for the window ({error})\nhelp: train without a window with `wayfield --train`, or set DISPLAY"
+            "no display for the window ({error}); help: train without a window with `wayfield --train`, or set DISPLAY"
         ))
     })
 }

@@ -14,7 +14,7 @@ use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, TypedShape};
 use super::lidar::polygon_contains;
 use super::physics::Bodies;
 use crate::scenario::polygon::{distance_to_segment, sides};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
 use crate::task::Clock;
 
 /// Bodies nearer than this, in m, touch: rapier rests a body a hair off what stops it.
@@ -82,18 +82,7 @@ impl ContactQuery<'_> {
 
     /// The farthest that any point of an obstacle goes in a step, in m.
     fn most_m(&self, obstacle: &Obstacle) -> f32 {
-        let speed_m_s = match obstacle.motion {
-            ObstacleMotion::Static => 0.0,
-            ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-                let arm_m = (obstacle.position_m - centre_m).length();
-                // (A disc that turns comes no nearer by it.)
-                let turns = !matches!(obstacle.shape, Shape::Circle { .. });
-                speed_rad_s * (arm_m + if turns { obstacle.shape.bounding_radius_m() } else { 0.0 })
-            }
-            ObstacleMotion::Patrol { speed_m_s, .. }
-            | ObstacleMotion::BackAndForth { speed_m_s, .. }
-            | ObstacleMotion::RandomWalk { speed_m_s, .. } => speed_m_s,
-        };
+        let speed_m_s = obstacle.max_speed_m_s();
         // (And the rounding of its coordinates.)
         if speed_m_s == 0.0 {
             0.0
