@@ -29,7 +29,7 @@ fn sum_tree_set(bencher: Bencher) {
     let mut tree = full_tree();
     let mut noise = stream(2, "bench", 0);
     bencher.bench_local(|| {
-        tree.set(uniform_index(&mut noise, CAPACITY), f64::from(uniform_01(&mut noise)) + 0.01)
+        tree.set(uniform_index(&mut noise, CAPACITY), f64::from(uniform_01(&mut noise)) + 0.01);
     });
 }
 

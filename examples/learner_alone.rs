@@ -3,7 +3,8 @@
 //! `cargo run --release --no-default-features --example learner_alone`
 
 use wayfield_learning::{
-    Experience, Exploration, Learner, LearningConfig, NetworkConfig, Schedule, epsilon_greedy, greedy,
+    Experience, Exploration, Learner, LearningConfig, NetworkConfig, Optimizer, ReplayConfig, Sampling,
+    Schedule, TargetUpdate, epsilon_greedy, greedy,
 };
 use wayfield_random::stream;
 
@@ -16,18 +17,20 @@ fn observation(cell: usize) -> [f32; CELLS] {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut config = LearningConfig {
-        network: NetworkConfig { hidden: vec![16], dueling: true },
-        learning_rate: Schedule::Constant(5e-3),
-        exploration: Exploration::Linear { start: 1.0, end: 0.1, env_steps: 1_000 },
-        batch_size: 16,
+    let config = LearningConfig {
+        network: NetworkConfig { hidden: vec![32], dueling: true },
+        gamma: 0.9,
+        optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
+        learning_rate: Schedule::Constant(3e-3),
+        replay: ReplayConfig { capacity: 10_000, learning_starts: 200, sampling: Sampling::Uniform },
+        target_update: TargetUpdate::Soft { tau: 0.02 },
+        exploration: Exploration::Linear { start: 1.0, end: 0.1, env_steps: 2_000 },
         ..LearningConfig::default()
     };
-    config.replay.learning_starts = 100;
     let mut learner = Learner::new(&config, CELLS, 2, 1, 7)?;
     let mut noise = stream(7, "corridor", 0);
     let (mut cell, mut q) = (CELLS / 2, Vec::new());
-    for _ in 0..3_000 {
+    for _ in 0..4_000 {
         learner.q_values(&observation(cell), 1, &mut q);
         let (action, _) = epsilon_greedy(&q, learner.epsilon(), &mut noise);
         let next = if action == 1 { cell + 1 } else { cell - 1 };

@@ -7,7 +7,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {
-    wayfield::cli::main(std::time::Instant::now())
+    wayfield::cli::main(std::time::Instant::now(), wayfield::simulation::Extensions::default())
 }
 
 #[cfg(target_arch = "wasm32")]

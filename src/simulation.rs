@@ -61,6 +61,9 @@ impl Extensions {
     /// The slices that the plugins' sensors add to the observation, and the names of the plugins' reward terms.
     #[must_use]
     pub fn describe(&self) -> (Vec<ObservationSlice>, Vec<String>) {
+        if self.0.is_empty() {
+            return (Vec::new(), Vec::new());
+        }
         let mut app = App::new();
         SimulationBuilder::add_plugins_of(&mut app, &SimulationBuilder::new(&Arc::default()));
         self.build(&mut app);

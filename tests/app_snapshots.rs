@@ -1,5 +1,5 @@
 //! Screenshots of the whole window, compared with those in `tests/snapshots`. [`SoftwareRenderer`] draws them without a GPU.
-//! After an intended change: `UPDATE_SNAPSHOTS=1 cargo test --test app_snapshots`, then inspect the new files.
+//! After an intended change: `cargo xtask snapshots`, then inspect the new files.
 
 #![cfg(feature = "gui")]
 

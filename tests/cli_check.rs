@@ -1,4 +1,4 @@
-//! `wayfield --check`: the files it checks, the problems it prints, and the exit status.
+//! Tests of `wayfield --check`: which files are checked, the printed problems, and the exit status.
 
 mod cli_support;
 
@@ -7,7 +7,7 @@ use std::fs;
 use cli_support::{CommandOutput, FAST, SCENARIO_1, Workspace, edited};
 use serde_json::json;
 
-/// A folder with valid scenarios and presets, and with files that are not checked.
+/// A workspace with valid scenarios and presets, and with files that a check of their folder ignores.
 fn workspace() -> Workspace {
     let workspace = Workspace::new();
     for folder in ["files", "files/b", "files/.hidden", "empty"] {
@@ -15,33 +15,33 @@ fn workspace() -> Workspace {
     }
     workspace.write("files/c.ron", SCENARIO_1);
     workspace.write("files/a.ron", FAST);
-    workspace.write("files/b/world.ron", SCENARIO_1);
-    for other in ["files/.hidden/x.ron", "files/.x.ron", "files/notes.txt", "files/ron"] {
-        workspace.write(other, "this is not RON");
+    workspace.write("files/b/scenario.ron", SCENARIO_1);
+    for ignored in ["files/.hidden/x.ron", "files/.x.ron", "files/notes.txt", "files/ron"] {
+        workspace.write(ignored, "this is not RON");
     }
     workspace
 }
 
-/// Asserts that a check failed with exactly this output.
+/// Asserts that the exit status is 2 and the output exactly this.
 fn assert_failed(done: &CommandOutput, stdout: &str, stderr: &str) {
     assert_eq!((done.stdout.as_str(), done.stderr.as_str()), (stdout, stderr));
     assert_eq!(done.status, Some(2));
 }
 
 #[test]
-fn every_file_in_a_folder_is_checked_in_the_order_of_names() {
+fn a_folders_files_are_checked_in_alphabetical_order() {
     let workspace = workspace();
     let before = workspace.all_files();
     let done = workspace.run_ok("--check files");
     assert_eq!(
         (done.stdout.as_str(), done.stderr.as_str()),
-        ("files/a.ron: ok\nfiles/b/world.ron: ok\nfiles/c.ron: ok\n", "")
+        ("files/a.ron: ok\nfiles/b/scenario.ron: ok\nfiles/c.ron: ok\n", "")
     );
     assert_eq!(workspace.run_ok("--check files/").stdout, done.stdout, "a trailing slash changes nothing");
     let done = workspace.run_ok("--check files/c.ron files/b files/a.ron");
     assert_eq!(
-        done.stdout, "files/c.ron: ok\nfiles/b/world.ron: ok\nfiles/a.ron: ok\n",
-        "files are checked in the given order"
+        done.stdout, "files/c.ron: ok\nfiles/b/scenario.ron: ok\nfiles/a.ron: ok\n",
+        "paths are checked in the given order"
     );
     assert_eq!(workspace.all_files(), before, "no file is created or changed");
 }
@@ -49,33 +49,33 @@ fn every_file_in_a_folder_is_checked_in_the_order_of_names() {
 #[test]
 fn every_problem_of_every_file_is_printed() {
     let workspace = workspace();
-    let outside = [
+    let beyond_the_enclosure = [
         ("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)"),
         ("radius_m: 0.15), position_m: (-0.6, -0.6)", "radius_m: 0.15), position_m: (-0.6, -1.9)"),
     ];
-    workspace.write("files/c.ron", edited(SCENARIO_1, &outside));
+    workspace.write("files/c.ron", edited(SCENARIO_1, &beyond_the_enclosure));
     workspace.write("files/b/preset.ron", edited(FAST, &[("n_step: 2", "nstep: 2")]));
-    workspace.write("files/b/world.ron", edited(SCENARIO_1, &[("    obstacles: [", "    obstacels: [")]));
+    workspace.write("files/b/scenario.ron", edited(SCENARIO_1, &[("    obstacles: [", "    obstacels: [")]));
     let done = workspace.run("--check files");
     assert_eq!(done.status, Some(2), "{}", done.stderr);
     assert_eq!(done.stdout, "files/a.ron: ok\n");
     let lines: Vec<&str> = done.stderr.lines().collect();
     let starts = [
         "files/b/preset.ron:19:9: unknown field `nstep` in `learning`: did you mean `n_step`? the fields are ",
-        "files/b/world.ron:12:5: unknown field `obstacels` in the file: did you mean `obstacles`? the fields are ",
-        "files/c.ron:13:9: `obstacles[0]` reaches 0.100 m beyond the enclosure: move it inwards or make it smaller",
-        "files/c.ron:15:9: `obstacles[2]` reaches 0.050 m beyond the enclosure: move it inwards or make it smaller",
+        "files/b/scenario.ron:12:5: unknown field `obstacels` in the file: did you mean `obstacles`? the fields are ",
+        "files/c.ron:13:9: `obstacles[0]` extends 0.100 m outside the enclosure: move it inside or make it smaller",
+        "files/c.ron:15:9: `obstacles[2]` extends 0.050 m outside the enclosure: move it inside or make it smaller",
         "error: 3 of 4 checked files are invalid",
     ];
     assert_eq!(lines.len(), starts.len(), "{}", done.stderr);
     for (line, start) in lines.iter().zip(starts) {
-        assert!(line.starts_with(start), "{line}\nis not\n{start}");
+        assert!(line.starts_with(start), "{line}\ndoes not start with\n{start}");
     }
-    // The user fixes one file after another.
+    // The check fails until the last file is fixed.
     workspace.write("files/c.ron", SCENARIO_1);
     workspace.write("files/b/preset.ron", FAST);
     assert_eq!(workspace.run("--check files").status, Some(2));
-    workspace.write("files/b/world.ron", SCENARIO_1);
+    workspace.write("files/b/scenario.ron", SCENARIO_1);
     assert_eq!(workspace.run_ok("--check files").stdout.lines().count(), 4);
 }
 
@@ -85,19 +85,19 @@ fn paths_without_scenarios_or_presets_are_reported() {
     assert_failed(
         &workspace.run("--check empty"),
         "",
-        "empty: this folder has no .ron file; help: give a scenario, a preset, or a folder that holds some\n\
+        "empty: this folder has no .ron file; help: give a scenario or preset file, or a folder of them\n\
          error: 1 of 1 checked files are invalid\n",
     );
     assert_failed(
         &workspace.run("--check files/b files/d.ron"),
-        "files/b/world.ron: ok\n",
+        "files/b/scenario.ron: ok\n",
         "files/d.ron: no such file (files there: files/.x.ron, files/a.ron, files/c.ron)\n\
          error: 1 of 2 checked files are invalid\n",
     );
     assert_failed(
         &workspace.run("--check files/notes.txt"),
         "",
-        "files/notes.txt:1:1: this must be `Scenario(...)` or only `(...)`, not `this`\n\
+        "files/notes.txt:1:1: expected `Scenario(...)` or `(...)`, found `this`\n\
          error: 1 of 1 checked files are invalid\n",
     );
 }
@@ -105,31 +105,32 @@ fn paths_without_scenarios_or_presets_are_reported() {
 #[test]
 fn json_lists_the_files_and_the_problems() {
     let workspace = workspace();
-    let all = ["files/a.ron", "files/b/world.ron", "files/c.ron"];
-    assert_eq!(workspace.run_ok("--check files --json").json(), json!({ "files": all, "problems": [] }));
-    let outside = [("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)")];
-    workspace.write("files/c.ron", edited(SCENARIO_1, &outside));
+    let paths = ["files/a.ron", "files/b/scenario.ron", "files/c.ron"];
+    assert_eq!(workspace.run_ok("--check files --json").json(), json!({ "files": paths, "problems": [] }));
+    let beyond_the_enclosure =
+        [("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)")];
+    workspace.write("files/c.ron", edited(SCENARIO_1, &beyond_the_enclosure));
     let done = workspace.run("--check files empty --json");
     assert_eq!(done.status, Some(2));
     assert_eq!(done.stderr, "error: 2 of 4 checked files are invalid\n");
     assert_eq!(
         done.json(),
         json!({
-            "files": ["files/a.ron", "files/b/world.ron", "files/c.ron", "empty"],
+            "files": ["files/a.ron", "files/b/scenario.ron", "files/c.ron", "empty"],
             "problems": [
                 {
                     "path": "files/c.ron",
                     "line": 13,
                     "column": 9,
                     "message":
-                        "`obstacles[0]` reaches 0.100 m beyond the enclosure: move it inwards or make it smaller",
+                        "`obstacles[0]` extends 0.100 m outside the enclosure: move it inside or make it smaller",
                 },
                 {
                     "path": "empty",
                     "line": null,
                     "column": null,
                     "message":
-                        "this folder has no .ron file; help: give a scenario, a preset, or a folder that holds some",
+                        "this folder has no .ron file; help: give a scenario or preset file, or a folder of them",
                 },
             ],
         })
@@ -137,7 +138,7 @@ fn json_lists_the_files_and_the_problems() {
 }
 
 #[test]
-fn all_shipped_files_are_valid() {
+fn all_shipped_scenarios_presets_and_experiments_are_valid() {
     let done = Workspace::new()
         .run_ok(&format!("--check {root}/scenarios {root}/assets", root = env!("CARGO_MANIFEST_DIR")));
     assert!(done.stdout.lines().count() >= 24 && done.stdout.lines().all(|line| line.ends_with(": ok")));
@@ -146,7 +147,7 @@ fn all_shipped_files_are_valid() {
 #[test]
 fn check_rejects_the_options_of_other_modes() {
     let workspace = workspace();
-    for (arguments, needle) in [
+    for (arguments, expected) in [
         ("--check", "a value is required"),
         ("--check files --train", "--train"),
         ("--check files --steps 100", "--steps"),
@@ -157,7 +158,7 @@ fn check_rejects_the_options_of_other_modes() {
     ] {
         let done = workspace.run(arguments);
         assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{arguments}: {}", done.stderr);
-        assert!(done.stderr.contains(needle), "{arguments}: {}", done.stderr);
+        assert!(done.stderr.contains(expected), "{arguments}: {}", done.stderr);
     }
     assert!(workspace.run_ok("--help").stdout.contains("--check <PATH>..."));
 }

@@ -1,5 +1,5 @@
-//! Divergence: a non-finite value stops the run with its step, cause and a fix, and keeps the last
-//! checkpoint; before that, a warning is printed while learning diverges.
+//! Tests of diverging training runs. Q-values beyond the return bound give a warning. A non-finite value stops the
+//! run: the error names the step, the cause and a fix, and the last checkpoint is kept.
 
 mod cli_support;
 #[path = "support/divergent.rs"]
@@ -9,9 +9,9 @@ use cli_support::{FAST, Workspace, edited, quick_fast};
 use divergent::DIVERGENT;
 
 #[test]
-fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
+fn a_diverged_run_stops_and_keeps_the_last_checkpoint() {
     let workspace = Workspace::new();
-    // Valid by every check, but the squared errors overflow.
+    // The preset is valid, but the squared errors overflow.
     let overflow = edited(
         &quick_fast(),
         &[("reward_scale: 0.01", "reward_scale: 1e20"), ("Huber(delta: 1.0)", "MeanSquared")],
@@ -20,42 +20,42 @@ fn learning_that_diverges_stops_and_keeps_the_last_checkpoint() {
     let done = workspace.run("--train --preset overflow.ron --steps 20000 --out run");
     assert_eq!((done.status, done.stdout.as_str()), (Some(1), ""), "{}", done.stderr);
     let message = done.stderr.lines().last().unwrap();
-    for needle in [
+    for expected in [
         "error: learning diverged at gradient step 1 (env step 512): the loss is not finite, with TD errors of up to",
         "try a lower learning_rate or reward_scale, loss: Huber(delta: 1.0)",
         "checkpoint is in run/checkpoint",
     ] {
-        assert!(message.contains(needle), "`{needle}` is not in: {}", done.stderr);
+        assert!(message.contains(expected), "`{expected}` is not in: {}", done.stderr);
     }
     assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
     assert!(!workspace.path("run/policy.safetensors").exists(), "no policy with NaN weights is saved");
     assert!(workspace.rows("run/episodes.csv").len() > 1, "the episodes are recorded");
 
-    // A resumed run diverges at the same step; one that stops earlier doesn't, so the checkpoint is valid.
+    // The checkpoint is valid: resumed from it, a run diverges again, but not if it stops before that step.
     assert_eq!(workspace.run("--train --resume run").status, Some(1));
-    let before = workspace.run_ok("--train --resume run --steps 320 --json").json();
-    assert_eq!(before["env_steps"], 320);
+    let stopped_earlier = workspace.run_ok("--train --resume run --steps 320 --json").json();
+    assert_eq!(stopped_earlier["env_steps"], 320);
     workspace.run_ok("--eval run/policy.safetensors --rounds 1 --episodes 10");
 }
 
 #[test]
-fn values_whose_sums_would_overflow_are_rejected() {
+fn values_that_would_overflow_in_sums_are_rejected() {
     let workspace = Workspace::new();
     for (from, to, message) in [
         (
             "mu: 100.0",
             "mu: 1e38",
-            "steep.ron:11:13: `reward.mu` is 1e38; give a number between -1e9 and 1e9",
+            "too_large.ron:11:13: `reward.mu` is 1e38; help: give a number from -1e9 to 1e9",
         ),
-        ("reached: 250.0", "reached: -2e9", "`reward.reached` is -2e9; give a number between -1e9 and 1e9"),
+        ("reached: 250.0", "reached: -2e9", "`reward.reached` is -2e9; help: give a number from -1e9 to 1e9"),
         (
             "reward_scale: 0.01",
             "reward_scale: 1e21",
-            "`learning.reward_scale` 1000000000000000000000 is out of range",
+            "`learning.reward_scale` is 1000000000000000000000; help: give 0 to 100000000000000000000",
         ),
     ] {
-        workspace.write("steep.ron", edited(&quick_fast(), &[(from, to)]));
-        let done = workspace.run("--train --preset steep.ron --steps 2000 --out run");
+        workspace.write("too_large.ron", edited(&quick_fast(), &[(from, to)]));
+        let done = workspace.run("--train --preset too_large.ron --steps 2000 --out run");
         assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
         assert!(done.stderr.contains(message), "`{message}` is not in: {}", done.stderr);
         assert!(!workspace.path("run").exists());
@@ -63,9 +63,9 @@ fn values_whose_sums_would_overflow_are_rejected() {
 }
 
 #[test]
-fn without_any_reward_there_is_no_divergence_warning() {
+fn a_run_without_rewards_has_no_divergence_warning() {
     let workspace = Workspace::new();
-    // The traditional reward is zero until a goal or a collision, and here these give zero as well.
+    // The traditional reward is zero except at a goal or a collision; this preset sets these two to zero as well.
     let no_reward = edited(
         &quick_fast(),
         &[
@@ -80,22 +80,24 @@ fn without_any_reward_there_is_no_divergence_warning() {
 }
 
 #[test]
-fn q_values_beyond_the_return_bound_are_warned_about_once() {
+fn q_values_beyond_the_return_bound_give_one_warning() {
     let workspace = Workspace::new();
     let fewer_evaluations = ("every_env_steps: 5000, episodes: 200", "every_env_steps: 4000, episodes: 20");
     let divergent = edited(&edited(FAST, &DIVERGENT), &[fewer_evaluations]);
     workspace.write("divergent.ron", divergent);
     let done = workspace.run_ok("--train --preset divergent.ron --steps 4000 --out run");
     let warnings: Vec<&str> = done.stderr.lines().filter(|line| line.contains("seems to diverge")).collect();
-    let [warning] = warnings.as_slice() else { panic!("one warning, not {warnings:?}: {}", done.stderr) };
-    for needle in [
+    let [warning] = warnings.as_slice() else {
+        panic!("expected one warning, found {warnings:?}: {}", done.stderr)
+    };
+    for expected in [
         "warning: run: learning seems to diverge at gradient step",
         "no return can exceed",
         "try a lower learning_rate",
     ] {
-        assert!(warning.contains(needle), "`{needle}` is not in: {warning}");
+        assert!(warning.contains(expected), "`{expected}` is not in: {warning}");
     }
-    // A stable run with the same maximum reward has no warning.
+    // A stable run with the same maximum reward gives no warning.
     workspace.write("stable.ron", quick_fast());
     let done = workspace.run_ok("--train --preset stable.ron --steps 4000 --out stable");
     assert!(!done.stderr.contains("warning"), "{}", done.stderr);

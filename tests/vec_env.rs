@@ -9,8 +9,8 @@ use wayfield::run::shipped;
 use wayfield::scenario::Scenario;
 use wayfield::simulation::{Extensions, SimulationBuilder};
 use wayfield::task::{
-    Arena, ExtraRewards, ObservationLayout, RewardTerm, SensorReadings, SensorSlice, SimulationAppExt,
-    StepOutcomes, TaskMode, Twist,
+    Arena, EpisodeEnd, ExtraRewards, ObservationLayout, RewardTerm, SensorReadings, SensorSlice,
+    SimulationAppExt, StepOutcomes, TaskMode, Twist,
 };
 
 fn env(num_envs: usize, mode: TaskMode) -> VecEnv {
@@ -75,6 +75,7 @@ fn the_mode_decides_whether_an_episode_ends_at_the_goal() {
     // The goal is straight ahead of the start.
     let scenario = Scenario::parse(
         "(
+            name: \"Straight ahead\",
             starts: Fixed(position_m: (-0.3, 0.0), heading_rad: 0.0),
             goals: Fixed(position_m: (0.5, 0.0)),
         )",
@@ -90,7 +91,7 @@ fn the_mode_decides_whether_an_episode_ends_at_the_goal() {
             let step = env.step(&[2]).expect("a valid step");
             if step.outcomes[0].reached {
                 reached += 1;
-                episodes += step.ended.len();
+                episodes += step.ended.iter().filter(|episode| episode.end == EpisodeEnd::Reached).count();
                 assert!(step.terminated[0], "a reached goal terminates the return");
             }
         }

@@ -15,6 +15,7 @@ use wasm_bindgen::prelude::*;
 
 use super::CurrentViewState;
 use super::commands::{Command, Pace, SessionMode};
+use super::controls;
 use super::page;
 use super::session::{
     ActiveMode, Journal, Notices, Pacer, ScenarioSource, StartOptions, Throughput, TrainingRun,
@@ -55,6 +56,7 @@ pub fn run() {
         open: None,
         edit: page::query_parameter("edit").is_some(),
         invalid_options,
+        ..default
     };
     if let Err(error) = window::run(WindowOptions { start, ..WindowOptions::default() }) {
         page::failed(&error.to_string());
@@ -115,7 +117,7 @@ pub(super) fn run_file_dialogs(
     }
 }
 
-/// A file name for a scenario called `name`.
+/// The file name for a scenario called `name`.
 fn scenario_file_name(name: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let stem: String = name.chars().map(plain).collect();
@@ -144,6 +146,13 @@ pub fn fingerprint(scenario: &str, preset: &str, seed: u32, control_steps: u32) 
         Ok(print) => print.to_string(),
         Err(error) => error.to_string(),
     }
+}
+
+/// Left, top, width and height, in CSS pixels, of a control or arena object that the last frame showed, by its accessible
+/// name; undefined if it is disabled or absent. The tests click there.
+#[wasm_bindgen]
+pub fn control(name: &str) -> Option<Vec<f64>> {
+    controls::find(name).map(Vec::from)
 }
 
 /// The status that is reported to the page once per second.

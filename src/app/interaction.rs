@@ -3,21 +3,22 @@
 //!
 //! Written by the widgets of the screen and read by them in the next frame. Never saved.
 
+use super::editor::EditorInteraction;
 use super::moves::{Movable, MoveRejection};
 use super::setup_form::SetupForm;
 
-/// A drag in progress.
+/// The drag in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveDrag {
     /// Index of the arena.
     pub arena: usize,
     /// The object.
     pub object: Movable,
-    /// Requested position of its centre, in m.
+    /// Requested position of the object's centre, in m.
     pub to_m: [f32; 2],
-    /// Why it cannot go there, if it cannot.
+    /// The reason why the object cannot be moved there; `None` if it can.
     pub rejection: Option<MoveRejection>,
-    /// From the pointer to the centre, in m.
+    /// Offset from the pointer to the object's centre, in m.
     pub offset_m: [f32; 2],
 }
 
@@ -32,4 +33,6 @@ pub struct Interaction {
     pub setup_form: Option<SetupForm>,
     /// Whether the plots under "More" are shown.
     pub more_plots_open: bool,
+    /// Unfinished actions in the editor.
+    pub editor: EditorInteraction,
 }

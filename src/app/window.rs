@@ -74,7 +74,7 @@ pub fn app(options: WindowOptions) -> App {
 fn connect_to_display() -> Result<impl Sized, RunError> {
     x11rb::connect(None).map_err(|error| {
         RunError::InvalidInput(format!(
-            "no display for the window ({error})\nhelp: train without a window with `wayfield --train`, or set DISPLAY"
+            "no display for the window ({error}); help: train without a window with `wayfield --train`, or set DISPLAY"
         ))
     })
 }
@@ -119,7 +119,13 @@ impl Plugin for WindowedPlugin {
         }
         app.insert_resource(preferences).add_systems(Last, preferences::store);
         #[cfg(target_arch = "wasm32")]
-        app.add_systems(Last, super::browser::report_to_page.run_if(resource_exists::<TrainingRun>));
+        app.add_systems(
+            Last,
+            (
+                super::browser::report_to_page.run_if(resource_exists::<TrainingRun>),
+                super::controls::keep_tree,
+            ),
+        );
     }
 }
 

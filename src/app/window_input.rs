@@ -1,4 +1,4 @@
-//! Input of the window: what bevy_egui does not pass on, dropped files, and fewer frames when nothing happens.
+//! Input of the app window: corrections of bevy_egui's input, dropped files, and a lower frame rate when idle.
 
 use std::time::Duration;
 
@@ -11,8 +11,9 @@ use super::CurrentViewState;
 use super::commands::Command;
 use super::session::{Evaluations, Pacer};
 
-/// Works around two gaps in bevy_egui 0.42. It does not pass on the system's theme. And it reports the modifier keys in every
-/// frame: since egui requests another frame after every event, the app would never idle, so repeated reports are removed.
+/// Works around two gaps in bevy_egui 0.42. First, it does not pass on the system's theme. Second, it reports the modifier
+/// keys in every frame. As egui requests a frame after every event, the app would never be idle; so repeated reports are
+/// removed.
 pub(super) fn fix_input(
     mut inputs: Query<&mut EguiInput>,
     windows: Query<&Window, With<PrimaryWindow>>,
@@ -31,7 +32,7 @@ pub(super) fn fix_input(
     }
 }
 
-/// While time is paused and no evaluation runs, draws only on input, and once a second.
+/// Draws only on input and once a second while simulated time is paused and no evaluation runs.
 pub(super) fn draw_less_when_idle(
     pacer: Option<Res<Pacer>>,
     evaluations: Option<Res<Evaluations>>,
@@ -46,7 +47,7 @@ pub(super) fn draw_less_when_idle(
     }
 }
 
-/// Opens files that are dropped on the window; scenarios in the editor, if it is open.
+/// Opens files that are dropped on the window. Scenarios open in the editor if the editor is shown.
 pub(super) fn take_dropped_files(
     view_state: Res<CurrentViewState>,
     mut dropped: MessageReader<FileDragAndDrop>,

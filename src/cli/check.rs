@@ -1,4 +1,4 @@
-//! `--check`: every problem of scenarios, presets and experiments.
+//! The mode `--check`: prints every problem of scenarios, presets and experiments.
 
 use std::path::PathBuf;
 
@@ -10,10 +10,10 @@ use crate::run::RunError;
 use crate::run::check_files::{self, CheckedFile};
 use crate::run::progress::print_stderr;
 
-/// What `--check --json` prints.
+/// The JSON object that `--check --json` prints.
 #[derive(Serialize)]
 struct CheckReport {
-    /// All files that were checked.
+    /// The paths of all checked files.
     files: Vec<String>,
     problems: Vec<ProblemReport>,
 }
@@ -26,7 +26,10 @@ struct ProblemReport {
     message: String,
 }
 
-/// Checks the files and folders in `paths` and prints a line for each file or problem.
+/// Checks the files and folders in `paths`, and prints one line per valid file and per problem.
+///
+/// # Errors
+/// A file is invalid.
 pub fn run(paths: &[PathBuf], json: bool) -> Result<(), RunError> {
     let checked = checked_files(paths);
     if json {
@@ -42,7 +45,7 @@ pub fn run(paths: &[PathBuf], json: bool) -> Result<(), RunError> {
     }
 }
 
-/// The files in `paths`; one that is a valid experiment counts as valid.
+/// The checked files in `paths`. A file is valid if it is a valid scenario, preset or experiment.
 fn checked_files(paths: &[PathBuf]) -> Vec<CheckedFile> {
     let mut checked = check_files::check(paths);
     for file in &mut checked {

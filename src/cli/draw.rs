@@ -1,4 +1,4 @@
-//! `--draw`: a scenario as an SVG or PNG file.
+//! The mode `--draw`: a figure of a scenario as an SVG or PNG file.
 
 use std::path::Path;
 
@@ -6,7 +6,10 @@ use super::output::print_stdout;
 use super::shared::SharedArgs;
 use crate::run::{RunError, scenario_image, shipped};
 
-/// Draws the scenario into `file` and prints the file's path.
+/// Draws the scenario into `file` and prints the path.
+///
+/// # Errors
+/// The scenario is invalid, or the file cannot be written.
 pub fn run(file: &Path, shared: &SharedArgs) -> Result<(), RunError> {
     let scenario = shipped::scenario(shared.scenario())?;
     scenario_image::draw(&scenario, file)?;

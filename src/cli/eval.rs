@@ -1,4 +1,4 @@
-//! `--eval`: a policy tested over rounds of episodes.
+//! The mode `--eval`: tests a policy over rounds of episodes.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,11 +17,13 @@ use crate::run::limits::MAX_EVAL_EPISODES;
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
 use crate::scenario::Scenario;
+use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
-/// Episodes on the benchmark route, and how many of them make a round (the paper: 5 rounds of 5).
+/// The number of episodes on the benchmark route (the paper: 5 rounds of 5).
 const ROUTE_EPISODES: usize = 25;
-const ROUTE_ROUND: usize = 5;
+/// The number of these episodes per round.
+const ROUTE_EPISODES_PER_ROUND: usize = 5;
 
 /// The options of `--eval`.
 #[derive(Args, Debug)]
@@ -40,7 +42,7 @@ pub struct EvalArgs {
     optimum: bool,
 }
 
-/// What `--eval --json` prints.
+/// The JSON object that `--eval --json` prints.
 #[derive(Serialize)]
 struct EvaluationReport {
     policy: String,
@@ -53,7 +55,7 @@ struct EvaluationReport {
     optimum: Option<OptimumReport>,
 }
 
-/// How the policy did on the benchmark route.
+/// The policy's results on the benchmark route.
 #[derive(Serialize)]
 struct CourseReport {
     course_success_rate: f64,
@@ -61,7 +63,7 @@ struct CourseReport {
     course_times_s: Vec<f64>,
 }
 
-/// How the policy's times compare with the optimal ones.
+/// The policy's times, compared with the optimal ones.
 #[derive(Serialize)]
 struct OptimumReport {
     optimum_episodes: usize,
@@ -70,15 +72,24 @@ struct OptimumReport {
 }
 
 /// Tests the policy in the file at `path` and prints the results.
+///
+/// # Errors
+/// The scenario, the policy or an option is invalid.
 pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let scenario = Arc::new(shipped::scenario(shared.scenario())?);
-    let policy = policy::read(path, &scenario)?;
+    let policy = policy::read(path, &scenario, &shared.extensions)?;
     print_scenario_note(&policy, &scenario);
-    let (count, round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
+    let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
     let seed = shared.seed();
-    let episodes = Evaluator::new(&scenario, count).run(&policy, seed, count, EpisodeSetup::Random)?;
-    let evaluation = Evaluation::from_episodes(&episodes, round, &scenario.task, seed);
-    let course = args.course.then(|| CourseReport::new(&scenario, &policy, seed)).transpose()?;
+    let episodes = Evaluator::with_extensions(&scenario, count, &shared.extensions).run(
+        &policy,
+        seed,
+        count,
+        EpisodeSetup::Random,
+    )?;
+    let evaluation = Evaluation::from_episodes(&episodes, per_round, &scenario.task, seed);
+    let course =
+        args.course.then(|| CourseReport::new(&scenario, &policy, seed, &shared.extensions)).transpose()?;
     let optimum = args.optimum.then(|| OptimumReport::new(&scenario, &episodes));
     let report = EvaluationReport {
         policy: path.display().to_string(),
@@ -90,29 +101,34 @@ pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunE
     if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
 }
 
-/// Notes on stderr that the policy was trained in another scenario.
+/// Prints a note on stderr if the policy was trained in another scenario.
 fn print_scenario_note(policy: &Policy, scenario: &Scenario) {
     if let Some(other) = policy.metadata.get("scenario").filter(|name| **name != scenario.name) {
         print_stderr(&format!("note: this policy was trained in {other} and is tested in {}", scenario.name));
     }
 }
 
-/// The number of episodes in all and in a round.
+/// The total number of episodes, and the number per round.
 fn episode_counts(rounds: u32, episodes: u64) -> Result<(usize, usize), RunError> {
     let count = u64::from(rounds).saturating_mul(episodes);
     if count > MAX_EVAL_EPISODES {
         return Err(RunError::InvalidInput(format!(
-            "--rounds {rounds} with --episodes {episodes} makes {count} episodes; help: give at most {MAX_EVAL_EPISODES} in all"
+            "--rounds {rounds} with --episodes {episodes} is {count} episodes; help: give at most {MAX_EVAL_EPISODES} in total"
         )));
     }
     Ok((count as usize, episodes as usize))
 }
 
 impl CourseReport {
-    fn new(scenario: &Arc<Scenario>, policy: &Policy, seed: u64) -> Result<Self, RunError> {
-        let mut evaluator = Evaluator::new(scenario, ROUTE_EPISODES);
+    fn new(
+        scenario: &Arc<Scenario>,
+        policy: &Policy,
+        seed: u64,
+        extensions: &Extensions,
+    ) -> Result<Self, RunError> {
+        let mut evaluator = Evaluator::with_extensions(scenario, ROUTE_EPISODES, extensions);
         let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::BenchmarkRoute)?;
-        let evaluation = Evaluation::from_episodes(&episodes, ROUTE_ROUND, &scenario.task, seed);
+        let evaluation = Evaluation::from_episodes(&episodes, ROUTE_EPISODES_PER_ROUND, &scenario.task, seed);
         Ok(Self {
             course_success_rate: evaluation.success_rate,
             course_time_s: evaluation.mean_time_s,
@@ -125,7 +141,7 @@ impl OptimumReport {
     fn new(scenario: &Scenario, episodes: &[EpisodeResult]) -> Self {
         if let Some(reason) = unsupported_reason(scenario) {
             print_stderr(&format!(
-                "note: no optimal times in {}: the planner does not model {reason}",
+                "note: no optimal times in {}: the planner does not support {reason}",
                 scenario.name
             ));
         }

@@ -1,4 +1,6 @@
-//! The flag tables of docs/command-line.md: generated from clap, and checked by this test.
+//! The flag tables of docs/command-line.md, generated from the clap definitions.
+//!
+//! The test fails if the tables are out of date. With `WAYFIELD_RENEW` set, it rewrites them instead.
 
 use std::fmt::Write as _;
 
@@ -7,12 +9,12 @@ use clap::{Arg, CommandFactory};
 use super::Arguments;
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md");
-const RENEW: &str = "WAYFIELD_RENEW=1 cargo test --release --lib flag_tables";
+const RENEW_COMMAND: &str = "cargo xtask docs";
 const END: &str = "<!-- end generated -->";
 
 #[test]
 fn the_flag_tables_in_the_docs_match_the_command_line() {
-    let begin = format!("<!-- generated: {RENEW} -->");
+    let begin = format!("<!-- generated: {RENEW_COMMAND} -->");
     let page = std::fs::read_to_string(PAGE).expect("docs/command-line.md exists");
     let (before, rest) = page.split_once(&begin).expect("the page marks where the tables begin");
     let (_, after) = rest.split_once(END).expect("the page marks where the tables end");
@@ -20,11 +22,11 @@ fn the_flag_tables_in_the_docs_match_the_command_line() {
     if std::env::var_os("WAYFIELD_RENEW").is_some() {
         std::fs::write(PAGE, renewed).expect("the page can be written");
     } else {
-        assert!(page == renewed, "docs/command-line.md is out of date; help: {RENEW}");
+        assert!(page == renewed, "docs/command-line.md is out of date; help: run `{RENEW_COMMAND}`");
     }
 }
 
-/// One Markdown table per help heading.
+/// The Markdown tables, one per help heading.
 fn tables() -> String {
     let command = Arguments::command();
     let (mut text, mut heading) = (String::new(), None);
@@ -41,8 +43,8 @@ fn tables() -> String {
 /// The flag with its value, as in `--seed <N>`.
 fn flag(arg: &Arg) -> String {
     let value = arg.get_value_names().unwrap_or_default().first().map(|name| format!(" <{name}>"));
-    let many = if arg.get_num_args().is_some_and(|count| count.max_values() > 1) { "..." } else { "" };
-    format!("--{}{}{many}", arg.get_long().unwrap_or_default(), value.unwrap_or_default())
+    let ellipsis = if arg.get_num_args().is_some_and(|count| count.max_values() > 1) { "..." } else { "" };
+    format!("--{}{}{ellipsis}", arg.get_long().unwrap_or_default(), value.unwrap_or_default())
 }
 
 /// The help text with its default, escaped for a Markdown table.

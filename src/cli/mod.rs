@@ -1,10 +1,10 @@
-//! The command line: arguments in, results and an exit status out.
+//! The command line.
 //!
 //! In: the process's arguments. Out: results on stdout, logs and progress on stderr, and an exit status: 0 on
-//! success, 1 when a run failed, 2 for arguments or files that cannot be used.
+//! success, 1 when a run failed, 2 for invalid arguments or files.
 //!
-//! Each mode is a file that holds the mode's own options and its command. [`modes`] chooses the mode and
-//! rejects options of other modes; [`shared`] holds the options that several modes take.
+//! One file per mode contains the mode's options and its `run` function. [`modes`] rejects options of other modes;
+//! [`shared`] contains the options that several modes take.
 
 mod check;
 mod draw;
@@ -32,10 +32,11 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::run::RunError;
 use crate::run::progress::print_stderr;
+use crate::simulation::Extensions;
 
 const AFTER_HELP: &str = "\
 Examples:
-  wayfield                                           open the window and watch a robot learn
+  wayfield                                           open the app and watch a robot learn
   wayfield --train                                   train in Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
@@ -66,7 +67,7 @@ struct Arguments {
 }
 
 impl Arguments {
-    /// The arguments in `words`, whose first is the program's name.
+    /// The arguments parsed from `words`; the first word is the program's name.
     fn parse_words(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         let mut command = Self::command();
         let matches = command.try_get_matches_from_mut(words)?;
@@ -75,10 +76,23 @@ impl Arguments {
     }
 }
 
-/// Runs the command line of this process and returns its exit status. Wall time is counted from `began`, the
-/// start of the process.
-pub fn main(began: Instant) -> ExitCode {
-    let arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
+/// Runs the command line of this process and returns the exit status. `began` is the start of the process, from which wall
+/// time is counted. `extensions` are the user's plugins for training, evaluation and the app. A program with its own
+/// sensors and rewards gets the whole command line in a few lines:
+///
+/// ```no_run
+/// # use bevy::prelude::*;
+/// # #[derive(Clone)]
+/// # struct MySensor;
+/// # impl Plugin for MySensor { fn build(&self, _: &mut App) {} }
+/// fn main() -> std::process::ExitCode {
+///     let extensions = wayfield::simulation::Extensions::default().plugin(MySensor);
+///     wayfield::cli::main(std::time::Instant::now(), extensions)
+/// }
+/// ```
+pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
+    let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    arguments.shared.extensions = extensions;
     match run(arguments, began) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -108,7 +122,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         };
         #[cfg(not(feature = "gui"))]
         Err(RunError::InvalidInput(
-            "this build has no window; help: train with `wayfield --train`, test with `wayfield --eval POLICY`, or see \
+            "this build has no app; help: build it with the feature `gui`, train with `wayfield --train`, test with `wayfield --eval POLICY`, or see \
              `wayfield --help`"
                 .into(),
         ))

@@ -1,4 +1,4 @@
-//! The modes of the command line, and which options each mode takes.
+//! The modes of the command line, and the options that each mode takes.
 
 use std::path::PathBuf;
 
@@ -6,10 +6,10 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command};
 
-/// The flags that choose a mode; without one the window opens.
+/// The flags that select a mode. Without a mode, the app opens.
 #[derive(Args, Debug)]
 #[group(multiple = false)]
-#[command(next_help_heading = "Modes (without one, the window opens)")]
+#[command(next_help_heading = "Modes (without one, the app opens)")]
 pub struct ModeArgs {
     /// Train a policy into a new run folder
     #[arg(long)]
@@ -31,14 +31,14 @@ pub struct ModeArgs {
     #[arg(long, value_name = "FILE")]
     pub draw: Option<PathBuf>,
 
-    /// Repeat a training session saved from the window, including its interventions, and compare the results
+    /// Repeat a training session saved from the app, including its interventions, and compare the results
     #[cfg(feature = "gui")]
     #[arg(long, value_name = "DIR")]
     pub replay: Option<PathBuf>,
 }
 
-/// The options of each mode, by id. An id that names a group (a struct of options) stands for all options in
-/// it.
+/// The options that each mode takes, by clap id. The id of a group (a struct of options) stands for all options in
+/// the group.
 const MODES: &[(&str, &[&str])] = &[
     ("train", &["scenario", "preset", "seed", "episodes", "out", "json", "TrainArgs"]),
     ("eval", &["scenario", "seed", "episodes", "json", "EvalArgs"]),
@@ -49,20 +49,20 @@ const MODES: &[(&str, &[&str])] = &[
     ("replay", &[]),
 ];
 
-/// The options that the window takes.
+/// The options that the app takes, by clap id.
 #[cfg(feature = "gui")]
-const WINDOW: &[&str] = &["scenario", "preset", "seed", "WindowArgs"];
+const APP: &[&str] = &["scenario", "preset", "seed", "WindowArgs"];
 #[cfg(not(feature = "gui"))]
-const WINDOW: &[&str] = &[];
+const APP: &[&str] = &[];
 
 /// Checks that every option in `matches` belongs to the chosen mode.
 ///
 /// # Errors
-/// The first option that does not, the mode, and the modes that the option belongs to.
+/// An option belongs to another mode. The message names the option, the chosen mode, and the modes that take it.
 pub fn check(command: &mut Command, matches: &ArgMatches) -> Result<(), clap::Error> {
     let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
     let mode = MODES.iter().find(|(flag, _)| is_given(flag));
-    let options = mode.map_or(WINDOW, |(_, options)| options);
+    let options = mode.map_or(APP, |(_, options)| options);
     let misplaced = command.get_arguments().find(|arg| {
         let id = arg.get_id().as_str();
         is_given(id) && !MODES.iter().any(|(flag, _)| *flag == id) && !takes(command, options, arg)
@@ -88,12 +88,12 @@ fn takes(command: &Command, options: &[&str], arg: &Arg) -> bool {
     })
 }
 
-/// The modes that take `option`, as text.
+/// The modes that take `option`, as text for a message.
 fn owners(command: &Command, option: &Arg) -> String {
     let flags = MODES.iter().filter(|(_, options)| takes(command, options, option));
     let flags = flags.filter_map(|(flag, _)| find(command, flag)).map(|flag| format!("'{flag}'"));
-    let window = takes(command, WINDOW, option).then(|| "the window (no mode)".to_owned());
-    flags.chain(window).collect::<Vec<_>>().join(" or ")
+    let app = takes(command, APP, option).then(|| "the app (no mode)".to_owned());
+    flags.chain(app).collect::<Vec<_>>().join(" or ")
 }
 
 fn find<'a>(command: &'a Command, id: &str) -> Option<&'a Arg> {
@@ -118,14 +118,14 @@ mod tests {
         for arg in command.get_arguments().filter(|arg| !flags.contains(&arg.get_id().as_str())) {
             assert_ne!(owners(&command, arg), "", "{arg} belongs to no mode");
         }
-        for id in MODES.iter().flat_map(|(flag, options)| options.iter().chain([flag])).chain(WINDOW) {
+        for id in MODES.iter().flat_map(|(flag, options)| options.iter().chain([flag])).chain(APP) {
             let is_group = command.get_groups().any(|group| group.get_id() == id);
-            assert!(is_group || find(&command, id).is_some(), "`{id}` is no option or group");
+            assert!(is_group || find(&command, id).is_some(), "`{id}` is neither an option nor a group");
         }
     }
 
     #[test]
-    fn an_option_of_another_mode_is_rejected_and_both_flags_are_named() {
+    fn an_option_of_another_mode_is_rejected_and_the_error_names_both() {
         let message = |words: &str| {
             let words = ["wayfield"].into_iter().chain(words.split_whitespace()).map(OsString::from);
             Arguments::parse_words(words).expect_err("rejected").to_string()

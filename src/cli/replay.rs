@@ -1,4 +1,4 @@
-//! `--replay`: a training session from the window, repeated and compared.
+//! The mode `--replay`: repeats a training session of the app and compares the results.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::run::RunError;
 /// Repeats the session saved in `folder`.
 ///
 /// # Errors
-/// The session's files cannot be used, or the result differs from its checkpoint.
+/// The session's files are missing or invalid, or the result differs from its checkpoint.
 pub fn run(folder: &Path) -> Result<(), RunError> {
     let replayed = journal::verify(folder)?;
     let (steps, interventions) = (replayed.steps, replayed.interventions);

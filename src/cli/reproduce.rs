@@ -1,4 +1,4 @@
-//! `--reproduce`: the paper's figures and tables.
+//! The mode `--reproduce`: reproduces the paper's figures and tables.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ pub struct ReproduceArgs {
     jobs: Option<u16>,
 }
 
-/// What `--reproduce --json` prints.
+/// The JSON object that `--reproduce --json` prints.
 #[derive(Serialize)]
 struct ReproductionReport {
     report: String,
@@ -55,7 +55,10 @@ struct ClaimReport {
     because: String,
 }
 
-/// Reproduces what the options select, and prints the claims and where the report is.
+/// Runs the selected experiments, and prints the claim results and the report's path.
+///
+/// # Errors
+/// An option or a file is invalid, or a run failed.
 pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
     let options = ReproduceOptions {
         experiments: args.experiment,
@@ -70,16 +73,16 @@ pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<()
 }
 
 impl ReproductionReport {
-    fn new(done: Reproduction) -> Self {
-        let claims = done.claims.into_iter().map(|result| ClaimReport {
+    fn new(reproduction: Reproduction) -> Self {
+        let claims = reproduction.claims.into_iter().map(|result| ClaimReport {
             claim: result.claim,
             outcome: result.outcome.word(),
             because: result.sentence,
         });
         Self {
-            report: done.folder.join("report.html").display().to_string(),
-            runs: done.runs,
-            wall_s: done.wall_s,
+            report: reproduction.folder.join("report.html").display().to_string(),
+            runs: reproduction.runs,
+            wall_s: reproduction.wall_s,
             claims: claims.collect(),
         }
     }

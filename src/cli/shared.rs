@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::values;
+use crate::simulation::Extensions;
 
 /// The options that several modes take ([`modes`](super::modes) lists them by mode).
 #[derive(Args, Debug)]
@@ -37,6 +38,10 @@ pub struct SharedArgs {
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
+
+    /// A user's plugins ([`main`](super::main)).
+    #[arg(skip)]
+    pub extensions: Extensions,
 }
 
 impl SharedArgs {

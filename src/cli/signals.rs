@@ -1,10 +1,10 @@
-//! Ctrl-C and SIGTERM.
+//! The handler of Ctrl-C and SIGTERM.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::run::progress::print_stderr;
 
-/// A flag that the first Ctrl-C or SIGTERM sets. The second one ends the process at once.
+/// The stop flag, set by the first Ctrl-C or SIGTERM. A second signal ends the process at once.
 pub fn stop_on_signal() -> &'static AtomicBool {
     static STOP: AtomicBool = AtomicBool::new(false);
     let handler = || {

@@ -1,4 +1,4 @@
-//! `--train`: a new run, or an old one resumed.
+//! The mode `--train`: starts a new training run, or resumes one.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -51,20 +51,24 @@ pub struct TrainArgs {
 }
 
 /// Trains, and prints the run's summary.
+///
+/// # Errors
+/// An option or a file is invalid, or the run failed.
 pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
     let json = shared.json;
-    let every = args.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
+    let checkpoint_interval = args.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
     let budget = shared.episodes.map(Budget::Episodes).or(args.steps.map(Budget::EnvSteps));
     let job = match args.resume {
-        Some(folder) => Job::Resume { folder, budget, extensions: crate::simulation::Extensions::default() },
+        Some(folder) => Job::Resume { folder, budget, extensions: shared.extensions },
         None => new_run(args, shared, budget)?,
     };
-    let (folder, summary) = train(job, every, stop_on_signal(), began, None)?;
+    let (folder, summary) = train(job, checkpoint_interval, stop_on_signal(), began, None)?;
     if json { print_json(&summary) } else { print_stdout(&summary_text(&folder, &summary)) }
 }
 
 fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Result<Job, RunError> {
-    let mut config = RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?;
+    let mut config = RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?
+        .with_extensions(&shared.extensions);
     let preset = &mut config.preset;
     preset.budget = budget.unwrap_or(preset.budget);
     preset.arenas = args.arenas.unwrap_or(preset.arenas);
@@ -78,7 +82,11 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
         return Err(RunError::InvalidInput(format!("--epsilon is {epsilon}; help: give 0 to 1")));
     }
     warn_if_nothing_is_learned(preset);
-    let policy = args.init.as_deref().map(|path| policy::read(path, &config.scenario)).transpose()?;
+    let policy = args
+        .init
+        .as_deref()
+        .map(|path| policy::read(path, &config.scenario, &shared.extensions))
+        .transpose()?;
     config.transfer =
         args.init.map(|init| Transfer { policy: init.display().to_string(), epsilon: args.epsilon });
     Ok(Job::New { config: Box::new(config), policy, out: shared.out })
@@ -88,8 +96,8 @@ fn warn_if_nothing_is_learned(preset: &Preset) {
     let learning_starts = preset.learning.replay.learning_starts;
     if matches!(preset.budget, Budget::EnvSteps(n) if n <= learning_starts) {
         print_stderr(&format!(
-            "warning: nothing will be learned: the budget ends before the preset's learning_starts of {learning_starts} \
-             env steps"
+            "warning: nothing will be learned: the budget ends before learning_starts ({learning_starts} env steps in this \
+             preset); help: give a larger budget"
         ));
     }
 }

@@ -4,19 +4,19 @@ use std::time::Duration;
 
 use crate::run::limits::MAX_STEPS;
 
-/// A number of episodes or env steps.
+/// Parses a number of episodes or env steps.
 pub fn budget(text: &str) -> Result<u64, String> {
-    let typed = text.parse().ok().filter(|n| (1..=MAX_STEPS).contains(n));
-    typed.ok_or_else(|| format!("give a whole number from 1 to {MAX_STEPS}"))
+    let value = text.parse().ok().filter(|n| (1..=MAX_STEPS).contains(n));
+    value.ok_or_else(|| format!("give a whole number from 1 to {MAX_STEPS}"))
 }
 
-/// A time in s.
+/// Parses a time in s.
 pub fn seconds(text: &str) -> Result<Duration, String> {
-    let typed = text.parse().ok().filter(|s| (0.01..=1e6).contains(s));
-    typed.map(Duration::from_secs_f64).ok_or_else(|| "give 0.01 to 1000000 seconds".into())
+    let value = text.parse().ok().filter(|s| (0.01..=1e6).contains(s));
+    value.map(Duration::from_secs_f64).ok_or_else(|| "give 0.01 to 1000000 seconds".into())
 }
 
-/// A seed.
+/// Parses a seed.
 pub fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("give a whole number from 0 to {}", u64::MAX))
 }

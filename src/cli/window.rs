@@ -1,4 +1,4 @@
-//! The window, which opens without a mode.
+//! The app, which opens if no mode is given.
 
 use std::path::{Path, PathBuf};
 
@@ -15,9 +15,9 @@ use crate::app::{
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
 
-/// The options of the window.
+/// The options of the app.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Options of the window")]
+#[command(next_help_heading = "Options of the app")]
 pub struct WindowArgs {
     /// Open a policy, a run folder, a scenario or a preset
     #[arg(long, value_name = "PATH")]
@@ -31,7 +31,7 @@ pub struct WindowArgs {
     #[arg(long, value_name = "X", value_parser = pace)]
     pace: Option<Pace>,
 
-    /// Light or dark [default: the last choice, at first the system's]
+    /// Light or dark [default: the stored choice, or the system's]
     #[arg(long, value_name = "THEME", value_enum)]
     theme: Option<ThemeArg>,
 
@@ -43,7 +43,7 @@ pub struct WindowArgs {
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<(f32, f32)>,
 
-    /// Save a screenshot of the window to a PNG file, then quit
+    /// Save a screenshot of the app to a PNG file, then quit
     #[arg(long, value_name = "FILE")]
     screenshot: Option<PathBuf>,
 
@@ -70,7 +70,10 @@ enum OverlayArg {
     None,
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the app and returns when its window is closed.
+///
+/// # Errors
+/// The scenario or preset is invalid, or the window cannot be opened.
 pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
     let defaults = StartOptions::default();
     let start = StartOptions {
@@ -80,6 +83,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
         pace: args.pace.unwrap_or(defaults.pace),
         open: args.open.clone(),
         edit: args.edit,
+        extensions: shared.extensions,
         ..defaults
     };
     check_start_files(&start, args.screenshot.is_some())?;
@@ -95,9 +99,8 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
     })
 }
 
-/// Reports an unusable scenario or preset on the terminal, before the window opens. An invalid scenario file
-/// is no error: the window loads it as soon as the user has fixed it. (For a screenshot it is one, since
-/// nobody will fix it.)
+/// Checks the scenario and the preset before the window opens. An invalid scenario file is only reported on stderr,
+/// because the app loads it once the user has fixed it. For a screenshot it is an error.
 fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunError> {
     match shipped::scenario(&start.scenario) {
         Err(error) if Path::new(&start.scenario).is_file() && !screenshot => {
@@ -110,7 +113,7 @@ fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunEr
 }
 
 impl WindowArgs {
-    /// The overlays in `--show`, if it is given.
+    /// The overlays in `--show`; `None` without this flag.
     fn overlays(&self) -> Option<Overlays> {
         let shows = |overlay| self.show.contains(&overlay);
         (!self.show.is_empty()).then(|| Overlays {
@@ -123,7 +126,7 @@ impl WindowArgs {
         })
     }
 
-    /// Whether the grid is in `--show`, if that is given.
+    /// Whether `--show` includes the grid; `None` without this flag.
     fn grid(&self) -> Option<bool> {
         (!self.show.is_empty()).then(|| self.show.contains(&OverlayArg::Grid))
     }

@@ -30,10 +30,10 @@ pub fn make_quick(experiment: &mut Experiment, budget_of: impl Fn(&str) -> Optio
         figure.title += suffix;
         match &mut figure.draw {
             FigureKind::LearningCurves { smoothing, .. } => {
-                *smoothing = (*smoothing / SHORTER as usize).max(1)
+                *smoothing = (*smoothing / SHORTER as usize).max(1);
             }
             FigureKind::DotPlot { after, .. } | FigureKind::BenchmarkRoute { after } => {
-                *after = shortened(*after)
+                *after = shortened(*after);
             }
         }
     }

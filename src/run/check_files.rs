@@ -1,6 +1,6 @@
-//! Checks of scenario and preset files, for `wayfield --check`.
+//! The check of scenario and preset files behind `wayfield --check`.
 //!
-//! In: paths of files and folders. Out: every file in them with its problems.
+//! In: paths of files and folders. Out: every file in them, with its problems.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::preset::Preset;
 use crate::scenario::{FileError, Scenario, read_text};
 
-/// Fields that presets have and scenarios don't.
+/// Names of fields that only presets have.
 const PRESET_FIELDS: [&str; 3] = ["arenas", "budget", "learning"];
 
 /// A checked file, or a folder without files to check.
@@ -34,7 +34,7 @@ pub fn check(paths: &[PathBuf]) -> Vec<CheckedFile> {
         check_folder(path, &mut checked);
         if checked.len() == before {
             let message =
-                "this folder has no .ron file; help: give a scenario, a preset, or a folder that holds some";
+                "this folder has no .ron file; help: give a scenario or preset file, or a folder of them";
             let error = Some(FileError::for_file(path, message));
             checked.push(CheckedFile { path: path.clone(), error });
         }
@@ -61,8 +61,8 @@ fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
     }
 }
 
-/// The entries of a folder that are not hidden, sorted, each with whether it is a folder. Links to folders
-/// are left out, because they may form a cycle.
+/// The visible entries of a folder, sorted by path; the flag is true for a folder. Links to folders are left
+/// out, because they may form a cycle.
 fn entries(folder: &Path) -> io::Result<Vec<(PathBuf, bool)>> {
     let mut entries = Vec::new();
     for entry in std::fs::read_dir(folder)? {

@@ -1,6 +1,6 @@
-//! Maps of scenarios, seen from above.
+//! Images of scenarios, seen from above.
 //!
-//! In: a scenario. Out: the map that figures are based on, or a thumbnail as an SVG or PNG file.
+//! In: a scenario. Out: a map for the figures of reports, or a thumbnail as an SVG or PNG file.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Write;
@@ -24,7 +24,7 @@ const END_SEGMENTS: u32 = 16;
 #[must_use]
 pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     let generated = scenario.with_generated_obstacles(layout_seed);
-    let segments = generated.walls.iter().flat_map(|wall| wall.segments());
+    let segments = generated.walls.iter().flat_map(wayfield_scenario::Wall::segments);
     let walls = segments.map(|segment| MapObstacle {
         kind: MapObstacleKind::Wall,
         outline: outline(&segment, &generated, 0),
@@ -54,9 +54,9 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
 /// file's extension.
 ///
 /// # Errors
-/// Another extension, a failure in drawing, or a file that cannot be written.
+/// The extension is neither `svg` nor `png`, drawing fails, or the file cannot be written.
 pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
-    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
     let failed = |error: DrawError| RunError::failed(path, error);
     let svg = || map(scenario, LAYOUT_SEED, 0).thumbnail_svg().map_err(failed);
     let bytes = match extension.as_ref().and_then(|extension| extension.to_str()) {

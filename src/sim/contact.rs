@@ -15,7 +15,7 @@ use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, TypedShape};
 use super::physics::Bodies;
 use super::ray_cast::polygon_contains;
 use crate::scenario::polygon::{distance_to_segment, sides};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
 use crate::task::Clock;
 
 /// The gap in m below which bodies touch. Rapier leaves a small gap when it stops a body.
@@ -83,18 +83,7 @@ impl ContactQuery<'_> {
 
     /// The longest distance that any point of an obstacle travels in a step, in m.
     fn max_travel_m(&self, obstacle: &Obstacle) -> f32 {
-        let speed_m_s = match obstacle.motion {
-            ObstacleMotion::Static => 0.0,
-            ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-                let orbit_radius_m = (obstacle.position_m - centre_m).length();
-                // The rotation of a disc does not bring it nearer.
-                let rotates = !matches!(obstacle.shape, Shape::Circle { .. });
-                speed_rad_s * (orbit_radius_m + if rotates { obstacle.shape.bounding_radius_m() } else { 0.0 })
-            }
-            ObstacleMotion::Patrol { speed_m_s, .. }
-            | ObstacleMotion::BackAndForth { speed_m_s, .. }
-            | ObstacleMotion::RandomWalk { speed_m_s, .. } => speed_m_s,
-        };
+        let speed_m_s = obstacle.max_speed_m_s();
         // MIN_ADVANCE_M covers the rounding of the obstacle's coordinates.
         if speed_m_s == 0.0 {
             0.0

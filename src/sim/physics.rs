@@ -151,7 +151,7 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
             entity.insert(RigidBody::KinematicPositionBased);
         }
     }
-    let inner = scenario.walls.iter().flat_map(|wall| wall.segments());
+    let inner = scenario.walls.iter().flat_map(wayfield_scenario::Wall::segments);
     let inner = inner.map(|Obstacle { shape, position_m: Vec2 { x, y }, rotation_rad, .. }| {
         (collider(&shape), at(x, y, rotation_rad))
     });

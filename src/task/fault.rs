@@ -54,7 +54,7 @@ pub(super) fn detect_faults(
     mut fault: ResMut<TaskFault>,
     arenas: Query<(&Arena, &Clock, &Pose, &Twist, &Scan, &Goal, &Episode)>,
 ) {
-    let rewards = outcomes.0.iter().map(|outcome| outcome.total_reward());
+    let rewards = outcomes.0.iter().map(super::outcome::StepOutcome::total_reward);
     if all_finite(&observations.next) && rewards.fold(0.0, |sum, r| sum + 0.0 * r) == 0.0 {
         return;
     }

@@ -129,11 +129,10 @@ impl RewardConfig {
         terms
     }
 
-    /// Checks that every parameter is finite and at most 10^9 in absolute value, the gains are not negative, and l_r is
-    /// positive.
+    /// Checks that every parameter is from -1e9 to 1e9, the gains are not negative, and l_r is positive.
     ///
     /// # Errors
-    /// The name of the first invalid field, and a message with the value and the fix.
+    /// The first invalid field: its name, the problem and the fix.
     pub fn check(&self) -> Result<(), (&'static str, String)> {
         let finite = [("reached", self.reached), ("collided", self.collided)];
         let gains = [("mu", self.mu), ("sigma", self.sigma)];
@@ -141,17 +140,20 @@ impl RewardConfig {
             if !value.is_finite() || value.abs() > MAX_PARAMETER {
                 return Err((
                     field,
-                    format!("is {value:e}; give a number between -{MAX_PARAMETER:e} and {MAX_PARAMETER:e}"),
+                    format!("is {value:e}; help: give a number from -{MAX_PARAMETER:e} to {MAX_PARAMETER:e}"),
                 ));
             }
         }
         for (field, value) in gains {
             if value < 0.0 {
-                return Err((field, format!("is {value}; give 0 or more (the paper uses 100)")));
+                return Err((field, format!("is {value}; help: give 0 or more (the paper uses 100)")));
             }
         }
         if !self.l_r_m.is_finite() || self.l_r_m <= 0.0 {
-            return Err(("l_r_m", format!("is {}; give a distance above 0 m, such as 0.3", self.l_r_m)));
+            return Err((
+                "l_r_m",
+                format!("is {}; help: give a distance above 0 m, such as 0.3", self.l_r_m),
+            ));
         }
         Ok(())
     }

@@ -1,5 +1,5 @@
-//! The editor's panel: what is typed, chosen and pressed there, and what becomes of the world.
-#![expect(clippy::approx_constant, reason = "angles as a file has them, to four decimals")]
+//! The editor's panel: typing, choosing and clicking, and applying or saving the scenario.
+#![expect(clippy::approx_constant, reason = "angles are stored with four decimals")]
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, PlacementR
 use super::{Window, click, release_event, sent_commands, settle, window, window_with_size};
 use crate::screen_fixture::{self, ScreenFixture};
 
-/// A window in which the screen_fixture's own world is edited: four cylinders of 0.15 m in a square of 4 m.
+/// A window with the editor on the fixture's scenario: four circles of radius 0.15 m in a square of 4 m.
 fn editing() -> Window {
     editing_in(ScreenFixture::default())
 }
@@ -44,14 +44,14 @@ fn select(window: &mut Window, selection: Selection) {
     settle(window);
 }
 
-/// Presses what may have to be scrolled to first.
+/// Scrolls to a control and clicks it.
 fn press_on(window: &mut Window, label: &str) -> Vec<Command> {
     window.get_by_label(label).scroll_to_me();
     window.run_steps(40);
     click(window, label)
 }
 
-/// Writes `text` in place of what is in the field.
+/// Replaces the text of a field.
 fn write(window: &mut Window, label: &str, text: &str) {
     press_on(window, label);
     settle(window);
@@ -63,7 +63,7 @@ fn write(window: &mut Window, label: &str, text: &str) {
 }
 
 #[test]
-fn a_number_that_is_typed_is_one_step() {
+fn typing_a_number_is_one_undo_step() {
     let mut window = editing();
     select(&mut window, Selection::Obstacle(2));
     assert!(window.query_by_label("Obstacle 3 of 4").is_some());
@@ -73,7 +73,7 @@ fn a_number_that_is_typed_is_one_step() {
     assert_eq!(obstacle.shape, Shape::Circle { radius_m: 0.25 });
     assert_eq!(obstacle.position_m, vec2(-0.755, -0.6));
     assert_eq!(click(&mut window, "Undo"), []);
-    assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, vec2(-0.6, -0.6), "with all its digits");
+    assert_eq!(edited_scenario(&mut window).obstacles[2].position_m, vec2(-0.6, -0.6), "with all digits");
     click(&mut window, "Undo");
     assert_eq!(edited_scenario(&mut window).obstacles[2].shape, Shape::Circle { radius_m: 0.15 });
     click(&mut window, "Redo");
@@ -81,10 +81,10 @@ fn a_number_that_is_typed_is_one_step() {
 }
 
 #[test]
-fn angles_are_degrees_here_and_radians_there() {
+fn angles_are_shown_in_degrees_and_stored_in_radians() {
     let mut window = editing();
     click(&mut window, "Add a box");
-    write(&mut window, "Turned", "30");
+    write(&mut window, "Rotation", "30");
     assert_eq!(edited_scenario(&mut window).obstacles[4].rotation_rad, 0.5236);
     write(&mut window, "Size height", "0.2");
     assert_eq!(
@@ -99,20 +99,20 @@ fn angles_are_degrees_here_and_radians_there() {
     assert_eq!(
         edited_scenario(&mut window).lidar.field_of_view_rad,
         std::f32::consts::TAU,
-        "the default, to the bit"
+        "exactly the default"
     );
-    write(&mut window, "Lost beams", "2.5");
+    write(&mut window, "Dropout", "2.5");
     assert_eq!(edited_scenario(&mut window).lidar.dropout, 0.025);
 }
 
 #[test]
-fn what_is_added_is_selected_copied_and_deleted() {
+fn a_new_item_is_selected_and_can_be_duplicated_and_deleted() {
     let mut window = editing();
     for (label, count) in [
         ("Add a circle", 5),
-        ("Add a rod with round ends", 6),
-        ("Add a polygon of three corners", 7),
-        ("Add a polygon of six corners", 8),
+        ("Add a capsule", 6),
+        ("Add a triangle", 7),
+        ("Add a hexagon", 8),
         ("Duplicate", 9),
         ("Delete", 8),
     ] {
@@ -120,17 +120,17 @@ fn what_is_added_is_selected_copied_and_deleted() {
         assert_eq!(edited_scenario(&mut window).obstacles.len(), count, "{label}");
     }
     assert_eq!(editor(&mut window).selection(), Selection::Nothing);
-    click(&mut window, "Add obstacles that are drawn anew for every episode");
+    click(&mut window, "Add an obstacle generator");
     assert_eq!(editor(&mut window).selection(), Selection::Generator(0));
-    write(&mut window, "How many", "7");
+    write(&mut window, "Count", "7");
     assert_eq!(editor(&mut window).diagnostics(), []);
-    click(&mut window, "Only in a region");
+    click(&mut window, "Limit to a region");
     let generator = edited_scenario(&mut window).generators[0].clone();
     assert_eq!((generator.count, generator.within.map(|r| r.min_m)), (7, Some(vec2(-1.0, -1.0))));
-    // The middle is full by now.
-    let told =
-        editor(&mut window).diagnostics().iter().map(|finding| finding.path.as_str()).collect::<Vec<_>>();
-    assert_eq!(told, ["generators"]);
+    // The middle is full.
+    let problems =
+        editor(&mut window).diagnostics().iter().map(|problem| problem.path.as_str()).collect::<Vec<_>>();
+    assert_eq!(problems, ["generators"]);
 }
 
 #[test]
@@ -141,46 +141,46 @@ fn a_wall_is_drawn_with_the_tool() {
         editor(&mut window).click_with_tool(at, false);
     }
     settle(&mut window);
-    click(&mut window, "The wall is done");
+    click(&mut window, "Finish the wall");
     assert_eq!(editor(&mut window).selection(), Selection::Wall(0));
     write(&mut window, "Corner 2 y", "1");
     assert_eq!(edited_scenario(&mut window).walls[0].corners_m, [vec2(-1.0, 1.2), vec2(1.0, 1.0)]);
-    assert!(window.query_by_label("Remove corner 1").is_none(), "two are left");
+    assert!(window.query_by_label("Remove corner 1").is_none(), "a wall keeps two corners");
 }
 
 #[test]
-fn motions_and_rules_are_chosen_by_kind() {
+fn the_kind_of_motion_and_rule_can_be_chosen() {
     let mut window = editing();
     select(&mut window, Selection::Obstacle(0));
     click(&mut window, "Motion");
     click(&mut window, "Orbit");
     let motion = edited_scenario(&mut window).obstacles[0].motion.clone();
     assert_eq!(motion, ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 });
-    assert!(window.query_by_label("0.849 m away: 0.127 m/s").is_some(), "what that means");
+    assert!(window.query_by_label("Radius 0.849 m, 0.127 m/s").is_some());
     click(&mut window, "Motion");
     click(&mut window, "Back and forth");
     write(&mut window, "Speed", "0.3");
-    click(&mut window, "Draw its path anew");
+    click(&mut window, "Redraw path");
     assert!(matches!(editor(&mut window).tool(), Tool::Path { .. }));
     editor(&mut window).click_with_tool(vec2(0.6, 1.6), false);
     settle(&mut window);
-    click(&mut window, "Path is done");
+    click(&mut window, "Finish path");
     let expected = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.3 };
     assert_eq!(edited_scenario(&mut window).obstacles[0].motion, expected);
 
     select(&mut window, Selection::Starts);
-    click(&mut window, "Where");
-    click(&mut window, "One place");
-    click(&mut window, "Looks one way");
+    click(&mut window, "Placement");
+    click(&mut window, "Fixed");
+    click(&mut window, "Fixed heading");
     write(&mut window, "Heading", "-90");
     let expected = PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: Some(-1.5708) };
     assert_eq!(edited_scenario(&mut window).starts, expected);
-    click(&mut window, "Where");
-    click(&mut window, "Some places");
-    click(&mut window, "Click more places");
+    click(&mut window, "Placement");
+    click(&mut window, "List");
+    click(&mut window, "Add positions");
     editor(&mut window).click_with_tool(vec2(1.5, 0.0), false);
     settle(&mut window);
-    click(&mut window, "Done");
+    click(&mut window, "Finish");
     assert_eq!(
         edited_scenario(&mut window).starts,
         PlacementRule::OneOf { positions_m: vec![vec2(0.0, 0.0), vec2(1.5, 0.0)] }
@@ -193,44 +193,44 @@ fn motions_and_rules_are_chosen_by_kind() {
 }
 
 #[test]
-fn the_worlds_own_numbers_are_in_groups() {
+fn the_settings_of_the_scenario_are_in_groups() {
     let mut window = editing();
-    assert!(window.query_by_label("Goal radius").is_none(), "closed to begin with");
+    assert!(window.query_by_label("Goal radius").is_none(), "groups are closed at first");
     click(&mut window, "Episodes");
     write(&mut window, "Time limit in steps", "800");
     press_on(&mut window, "Robot");
     write(&mut window, "Motion 3 speed", "0.2");
     press_on(&mut window, "Remove motion 1");
-    press_on(&mut window, "Add a motion");
+    press_on(&mut window, "Add motion");
     press_on(&mut window, "Enclosure");
     write(&mut window, "Size width", "5");
-    let world = edited_scenario(&mut window);
-    assert_eq!(world.task.max_episode_steps, 800);
-    assert_eq!(world.robot.motions.len(), 5);
-    assert_eq!(world.robot.motions[1].v_m_s, 0.2, "the third of before");
-    assert_eq!(world.enclosure, Enclosure::Rectangle { width_m: 5.0, height_m: 4.0 });
-    press_on(&mut window, "Outline");
+    let scenario = edited_scenario(&mut window);
+    assert_eq!(scenario.task.max_episode_steps, 800);
+    assert_eq!(scenario.robot.motions.len(), 5);
+    assert_eq!(scenario.robot.motions[1].v_m_s, 0.2, "formerly the third");
+    assert_eq!(scenario.enclosure, Enclosure::Rectangle { width_m: 5.0, height_m: 4.0 });
+    press_on(&mut window, "Shape");
     click(&mut window, "Polygon");
     assert_eq!(editor(&mut window).selection(), Selection::Enclosure);
     write(&mut window, "Corner 1 x", "-2");
-    click(&mut window, "Select nothing");
+    click(&mut window, "Deselect");
     assert_eq!(editor(&mut window).selection(), Selection::Nothing);
 }
 
 #[test]
-fn the_name_is_written_and_what_changed_is_marked() {
+fn the_name_can_be_edited_and_unsaved_changes_are_marked() {
     let mut window = editing();
     assert!(window.query_by_label("scenario-1").is_some());
-    write(&mut window, "Name of the world", "Four posts");
+    write(&mut window, "Scenario name", "Four posts");
     assert_eq!(edited_scenario(&mut window).name, "Four posts");
-    assert!(window.query_by_label("scenario-1 · changed").is_some());
+    assert!(window.query_by_label("scenario-1 · modified").is_some());
     click(&mut window, "Undo");
-    assert_eq!(edited_scenario(&mut window).name, "Scenario I", "all of it was one step");
+    assert_eq!(edited_scenario(&mut window).name, "Scenario I", "typing was one step");
     assert!(window.query_by_label("scenario-1").is_some());
 }
 
 #[test]
-fn what_is_wrong_is_listed_and_leads_to_the_thing() {
+fn clicking_a_problem_selects_its_item_or_opens_its_group() {
     let mut window = editing();
     assert!(window.query_by_label("No problems").is_some());
     editor(&mut window).edit("x", |s| s.obstacles[1].position_m = vec2(-1.95, 0.6));
@@ -240,11 +240,11 @@ fn what_is_wrong_is_listed_and_leads_to_the_thing() {
     window.get_by_label_contains("`obstacles[1]").click();
     assert_eq!(sent_commands(&mut window), []);
     assert_eq!(editor(&mut window).selection(), Selection::Obstacle(1));
-    for label in ["Go on here", "Start again here"] {
-        assert_eq!(click(&mut window, label), [], "{label}: not in a world that can't be");
+    for label in ["Continue here", "Restart here"] {
+        assert_eq!(click(&mut window, label), [], "{label} is disabled");
     }
-    assert!(window.query_by_label("First mend what is wrong.").is_some());
-    // What belongs to nothing in the world opens its group.
+    assert!(window.query_by_label("Fix the problems first").is_some());
+    // A setting of the scenario opens its group.
     click(&mut window, "Undo");
     editor(&mut window).edit("limit", |s| s.task.max_episode_steps = 0);
     settle(&mut window);
@@ -254,51 +254,51 @@ fn what_is_wrong_is_listed_and_leads_to_the_thing() {
 }
 
 #[test]
-fn training_goes_on_or_begins_again_in_the_changed_world() {
+fn training_continues_or_restarts_in_the_edited_scenario() {
     let mut window = editing();
-    assert_eq!(click(&mut window, "Go on here"), [], "it runs there already");
-    assert!(window.query_by_label("This is the world that runs.").is_some());
+    assert_eq!(click(&mut window, "Continue here"), [], "it is running already");
+    assert!(window.query_by_label("This scenario is already running").is_some());
     click(&mut window, "Add a circle");
     let scenario = edited_scenario(&mut window);
-    let go_on = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: false };
-    assert_eq!(click(&mut window, "Go on here"), [go_on]);
-    assert!(window.state().view_state.editor.is_none(), "and the world itself is seen again");
+    let command = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: false };
+    assert_eq!(click(&mut window, "Continue here"), [command]);
+    assert!(window.state().view_state.editor.is_none(), "the editor is closed");
 
     let mut window = editing();
     window.state_mut().status.restart_loses_training = true;
     settle(&mut window);
-    assert_eq!(click(&mut window, "Start again here"), []);
-    assert!(window.query_by_label("This training of 1,284 episodes will be gone.").is_some());
-    // A second click in the same place is no answer.
-    let place = window.get_by_label("Start again here").rect().center();
+    assert_eq!(click(&mut window, "Restart here"), []);
+    assert!(window.query_by_label("Discard this training (1,284 episodes)?").is_some());
+    // A double-click does not answer the question.
+    let place = window.get_by_label("Restart here").rect().center();
     for _ in 0..2 {
         window.hover_at(place);
         window.drag_at(place);
         window.event(release_event(place));
         assert_eq!(sent_commands(&mut window), []);
     }
-    assert_eq!(click(&mut window, "Keep it"), []);
-    assert_eq!(click(&mut window, "Start again here"), []);
+    assert_eq!(click(&mut window, "Cancel"), []);
+    assert_eq!(click(&mut window, "Restart here"), []);
     let scenario = edited_scenario(&mut window);
-    let again = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true };
-    assert_eq!(click(&mut window, "Start again"), [again]);
+    let command = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true };
+    assert_eq!(click(&mut window, "Discard"), [command]);
     assert!(window.state().view_state.editor.is_none());
 }
 
 #[test]
-fn a_network_made_for_other_beams_does_not_go_on() {
+fn training_cannot_continue_with_another_number_of_beams() {
     let mut window = editing();
     click(&mut window, "LIDAR");
     write(&mut window, "Beams", "36");
-    assert!(window.query_by_label_contains("made for 24 beams and 5 motions").is_some());
-    assert_eq!(click(&mut window, "Go on here"), []);
+    assert!(window.query_by_label_contains("expects 24 beams and 5 motions").is_some());
+    assert_eq!(click(&mut window, "Continue here"), []);
     assert!(window.state().view_state.editor.is_some());
-    let commands = click(&mut window, "Start again here");
+    let commands = click(&mut window, "Restart here");
     assert!(matches!(commands[..], [Command::ApplyScenario { restart: true, .. }]), "{commands:?}");
 }
 
 #[test]
-fn worlds_are_saved_and_opened() {
+fn scenarios_are_saved_and_opened() {
     let mut window = editing();
     click(&mut window, "Add a circle");
     let scenario = edited_scenario(&mut window);
@@ -307,20 +307,20 @@ fn worlds_are_saved_and_opened() {
         based_on: based_on.into(),
         path: path.map(PathBuf::from),
     };
-    assert_eq!(
-        click(&mut window, "Save"),
-        [save(None, "scenario-1")],
-        "what came with the program has no file"
-    );
-    let saved = EditorReply::Saved { file: "worlds/mine.ron".into(), scenario: scenario.clone() };
+    assert_eq!(click(&mut window, "Save"), [save(None, "scenario-1")], "a built-in scenario has no file");
+    let saved = EditorReply::Saved { file: "scenarios/mine.ron".into(), scenario: scenario.clone() };
     window.state_mut().view_state.receive(&saved);
     settle(&mut window);
-    assert!(window.query_by_label("mine.ron").is_some(), "not changed any more");
-    assert_eq!(click(&mut window, "Save"), [save(Some("worlds/mine.ron"), "worlds/mine.ron")]);
-    assert_eq!(click(&mut window, "Save as…"), [save(None, "worlds/mine.ron")]);
+    assert!(window.query_by_label("mine.ron").is_some(), "not modified any more");
+    assert_eq!(click(&mut window, "Save"), [save(Some("scenarios/mine.ron"), "scenarios/mine.ron")]);
+    assert_eq!(click(&mut window, "Save as…"), [save(None, "scenarios/mine.ron")]);
     window.state_mut().status.has_disk = false;
     settle(&mut window);
-    assert_eq!(click(&mut window, "Save"), [save(None, "worlds/mine.ron")], "a browser has no files");
+    assert_eq!(
+        click(&mut window, "Save"),
+        [save(None, "scenarios/mine.ron")],
+        "a browser cannot overwrite a file"
+    );
 
     assert_eq!(click(&mut window, "Open…"), [Command::OpenInEditor(None)]);
     assert_eq!(click(&mut window, "New from…"), []);
@@ -331,11 +331,11 @@ fn worlds_are_saved_and_opened() {
     settle(&mut window);
     assert_eq!(*edited_scenario(&mut window), opened);
     click(&mut window, "Undo");
-    assert_eq!(edited_scenario(&mut window), scenario, "what was edited before is not lost");
+    assert_eq!(edited_scenario(&mut window), scenario, "undo brings the edited scenario back");
 }
 
 #[test]
-fn closing_asks_about_what_is_not_saved() {
+fn closing_asks_about_unsaved_changes() {
     let mut window = editing();
     assert_eq!(click(&mut window, "Close the editor"), []);
     assert!(window.state().view_state.editor.is_none());
@@ -343,12 +343,12 @@ fn closing_asks_about_what_is_not_saved() {
     click(&mut window, "Add a circle");
     click(&mut window, "Close the editor");
     assert!(window.state().view_state.editor.is_some());
-    click(&mut window, "Leave without them");
+    click(&mut window, "Discard changes");
     assert!(window.state().view_state.editor.is_none());
 }
 
 #[test]
-fn the_grid_is_chosen() {
+fn the_grid_can_be_chosen() {
     let mut window = editing();
     click(&mut window, "Grid");
     click(&mut window, "0.25 m");
@@ -358,7 +358,7 @@ fn the_grid_is_chosen() {
     assert!(!editor(&mut window).snap.on);
 }
 
-/// The right edges of all that stands on the panel.
+/// The rightmost edge of the controls on the panel.
 fn widest(window: &Window, panel: f32) -> f32 {
     let on_it = window.get_all_by(|node| {
         let named = node.label().is_some() || node.value().is_some();
@@ -369,12 +369,17 @@ fn widest(window: &Window, panel: f32) -> f32 {
 
 #[test]
 fn nothing_is_wider_than_the_panel() {
-    let mut world = screen_fixture::mixed_scenario();
-    // The longest numbers that are likely.
+    let mut scenario = screen_fixture::mixed_scenario();
+    // Long numbers.
     let shape = Shape::Rectangle { width_m: 12.125, height_m: 10.375 };
     let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(-10.125, -10.125)], speed_m_s: 0.125 };
-    world.obstacles.push(Obstacle { shape, position_m: vec2(-12.125, -12.125), rotation_rad: 2.0, motion });
-    let obstacles = (0..world.obstacles.len()).map(Selection::Obstacle);
+    scenario.obstacles.push(Obstacle {
+        shape,
+        position_m: vec2(-12.125, -12.125),
+        rotation_rad: 2.0,
+        motion,
+    });
+    let obstacles = (0..scenario.obstacles.len()).map(Selection::Obstacle);
     let others = [
         Selection::Nothing,
         Selection::Enclosure,
@@ -385,7 +390,7 @@ fn nothing_is_wider_than_the_panel() {
         Selection::BenchmarkStart,
         Selection::BenchmarkGoal,
     ];
-    let mut window = editing_in(ScreenFixture::default().with_scenario(world.clone()));
+    let mut window = editing_in(ScreenFixture::default().with_scenario(scenario.clone()));
     for selection in obstacles.chain(others) {
         select(&mut window, selection);
         let widest = widest(&window, 248.0);
@@ -401,7 +406,7 @@ fn nothing_is_wider_than_the_panel() {
 }
 
 #[test]
-fn in_a_low_panel_everything_scrolls() {
+fn a_low_panel_scrolls_as_a_whole() {
     let mut screen_fixture = ScreenFixture::default();
     (screen_fixture.view_state.plots_open, screen_fixture.view_state.setup_open) = (false, true);
     open(&mut screen_fixture, "scenario-1");
@@ -417,7 +422,7 @@ fn in_a_low_panel_everything_scrolls() {
 }
 
 #[test]
-fn rules_that_are_nowhere_in_the_world_are_changed_in_their_groups() {
+fn rules_without_positions_are_edited_in_their_groups() {
     let mut window = editing();
     click(&mut window, "Goals");
     write(&mut window, "Clearance", "0.4");
@@ -430,7 +435,7 @@ fn rules_that_are_nowhere_in_the_world_are_changed_in_their_groups() {
 }
 
 #[test]
-fn what_is_being_written_stays_with_its_thing() {
+fn unfinished_typing_stays_with_its_item() {
     let mut window = editing();
     select(&mut window, Selection::Obstacle(0));
     press_on(&mut window, "Radius");
@@ -438,8 +443,8 @@ fn what_is_being_written_stays_with_its_thing() {
     window.get_by_label("Radius").type_text("0.3");
     settle(&mut window);
     select(&mut window, Selection::Obstacle(1));
-    let focused = window.ctx.memory(|memory| memory.focused());
-    assert_eq!(focused, None, "nothing is being written in the fields of another thing");
+    let focused = window.ctx.memory(egui::Memory::focused);
+    assert_eq!(focused, None, "the fields of another item do not get the focus");
     window.key_press(Key::Enter);
     settle(&mut window);
     let radii: Vec<_> = edited_scenario(&mut window).obstacles.iter().map(|o| o.shape.clone()).collect();
@@ -447,11 +452,11 @@ fn what_is_being_written_stays_with_its_thing() {
     assert_eq!(radii, [circle(0.3), circle(0.15), circle(0.15), circle(0.15)]);
 }
 
-/// Goes with Tab from the name of the world through all that is on the panel; how many stops there are.
+/// Presses Tab from the scenario name through the whole panel. Returns the number of stops.
 fn tab_through(window: &mut Window) -> usize {
-    press_on(window, "Name of the world");
+    press_on(window, "Scenario name");
     let mut seen = Vec::new();
-    while let Some(focused) = window.ctx.memory(|memory| memory.focused()) {
+    while let Some(focused) = window.ctx.memory(egui::Memory::focused) {
         if seen.contains(&focused) || seen.len() > 300 {
             break;
         }
@@ -463,7 +468,7 @@ fn tab_through(window: &mut Window) -> usize {
 }
 
 #[test]
-fn a_field_that_is_only_visited_changes_nothing() {
+fn visiting_a_field_changes_nothing() {
     let mut odd = screen_fixture::mixed_scenario();
     odd.robot.motions[0] = Motion { v_m_s: 0.6127, w_rad_s: 1.5 };
     odd.robot.radius_m = 0.06127;
@@ -475,7 +480,7 @@ fn a_field_that_is_only_visited_changes_nothing() {
     odd.obstacles = vec![Obstacle {
         shape: Shape::Rectangle { width_m: 0.61274, height_m: 0.12345 },
         position_m: vec2(0.61274, 1.00004),
-        // More than a full turn, which a file may say.
+        // More than a full turn, which a file may have.
         rotation_rad: 7.0,
         motion: ObstacleMotion::Orbit { centre_m: vec2(0.61274, 0.1), speed_rad_s: 1.5 },
     }];
@@ -491,24 +496,24 @@ fn a_field_that_is_only_visited_changes_nothing() {
     assert!(stops > 20, "{stops}");
     assert_eq!(*edited_scenario(&mut window), odd);
     assert!(!editor(&mut window).can_undo() && !editor(&mut window).is_modified());
-    // A number that is clicked and left is as it was, too.
-    press_on(&mut window, "Turned");
+    // Neither does clicking a number and leaving it.
+    press_on(&mut window, "Rotation");
     window.key_press(Key::Enter);
     settle(&mut window);
     assert!(!editor(&mut window).can_undo());
-    write(&mut window, "Turned", "90");
+    write(&mut window, "Rotation", "90");
     assert_eq!(edited_scenario(&mut window).obstacles[0].rotation_rad, 1.5708);
 }
 
 #[test]
-fn of_two_open_groups_each_has_its_own_list() {
+fn two_open_groups_have_separate_choices() {
     let mut window = editing();
     press_on(&mut window, "Starts");
     press_on(&mut window, "Goals");
     for (k, which) in [PlacementRole::Starts, PlacementRole::Goals].into_iter().enumerate() {
         select(&mut window, Selection::Nothing);
         let list = |window: &Window| {
-            let all: Vec<_> = window.get_all_by_role_and_label(Role::ComboBox, "Where").collect();
+            let all: Vec<_> = window.get_all_by_role_and_label(Role::ComboBox, "Placement").collect();
             assert_eq!(all.len(), 2);
             all[k].scroll_to_me();
             all[k].rect()
@@ -530,43 +535,43 @@ fn of_two_open_groups_each_has_its_own_list() {
 }
 
 #[test]
-fn a_heading_that_a_target_has_for_nothing_is_taken_out() {
-    let mut world_m = Scenario::clone(&ScreenFixture::default().scene.scenario);
-    world_m.goals = PlacementRule::Fixed { position_m: vec2(1.0, 0.0), heading_rad: Some(0.4) };
-    let mut window = editing_in(ScreenFixture::default().with_scenario(world_m));
+fn a_useless_heading_of_a_goal_can_be_removed() {
+    let mut scenario = Scenario::clone(&ScreenFixture::default().scene.scenario);
+    scenario.goals = PlacementRule::Fixed { position_m: vec2(1.0, 0.0), heading_rad: Some(0.4) };
+    let mut window = editing_in(ScreenFixture::default().with_scenario(scenario));
     select(&mut window, Selection::Goals);
-    click(&mut window, "Looks one way");
+    click(&mut window, "Fixed heading");
     assert_eq!(
         edited_scenario(&mut window).goals,
         PlacementRule::Fixed { position_m: vec2(1.0, 0.0), heading_rad: None }
     );
-    assert!(window.query_by_label("Looks one way").is_none());
+    assert!(window.query_by_label("Fixed heading").is_none());
 }
 
 #[test]
-fn the_question_about_the_training_is_not_left_behind() {
+fn the_restart_question_is_gone_when_the_editor_is_opened_again() {
     let mut window = editing();
     window.state_mut().status.restart_loses_training = true;
     settle(&mut window);
-    click(&mut window, "Start again here");
-    assert!(window.query_by_label_contains("will be gone").is_some());
+    click(&mut window, "Restart here");
+    assert!(window.query_by_label_contains("Discard this training").is_some());
     click(&mut window, "Close the editor");
     settle(&mut window);
     click(&mut window, "Edit");
     assert!(window.query_by_label("Close the editor").is_some());
-    assert!(window.query_by_label_contains("will be gone").is_none());
-    // By the key, too, which asks nobody on the panel.
-    click(&mut window, "Start again here");
-    assert!(window.query_by_label_contains("will be gone").is_some());
+    assert!(window.query_by_label_contains("Discard this training").is_none());
+    // Also if the editor is closed by its key.
+    click(&mut window, "Restart here");
+    assert!(window.query_by_label_contains("Discard this training").is_some());
     window.key_press(Key::E);
     settle(&mut window);
     assert!(window.state().view_state.editor.is_none());
     click(&mut window, "Edit");
-    assert!(window.query_by_label_contains("will be gone").is_none());
+    assert!(window.query_by_label_contains("Discard this training").is_none());
 }
 
 #[test]
-fn what_is_added_stands_in_the_middle_of_the_view() {
+fn a_new_item_is_placed_in_the_middle_of_the_view() {
     let mut window = editing();
     window.state_mut().view_state.camera = ViewCamera { centre_m: [1.0, 0.0], zoom: 4.0 };
     settle(&mut window);
@@ -576,29 +581,29 @@ fn what_is_added_stands_in_the_middle_of_the_view() {
     });
     settle(&mut window);
     click(&mut window, "Add a circle");
-    // The view stays where it was: (1, 0), and not 1 m beside the new middle, (4, 0).
+    // The view stays at (1, 0); it does not follow the new centre.
     let Vec2 { x, y } = edited_scenario(&mut window).obstacles[4].position_m;
     assert!((x - 1.0).hypot(y) < 0.6, "{x}, {y}");
 }
 
 #[test]
-fn a_world_that_was_saved_and_not_taken_is_opened_again() {
+fn the_editor_opens_a_saved_version_that_was_not_applied() {
     let mut screen_fixture = ScreenFixture::default();
     let mut newer = Scenario::clone(&screen_fixture.scene.scenario);
     newer.task.max_episode_steps = 77;
     let newer = Arc::new(newer);
     (screen_fixture.status.scenario_from, screen_fixture.status.scenario_modified) =
-        ("worlds/mine.ron".into(), true);
-    screen_fixture.status.saved_scenario = Some(("worlds/mine.ron".into(), newer.clone()));
+        ("scenarios/mine.ron".into(), true);
+    screen_fixture.status.saved_scenario = Some(("scenarios/mine.ron".into(), newer.clone()));
     let mut window = window(screen_fixture);
     click(&mut window, "Edit");
     assert_eq!(edited_scenario(&mut window), newer);
     assert!(!editor(&mut window).is_modified());
-    // What was saved elsewhere, or is older than what is in the file now, is none of it.
-    for (path, changed) in [("worlds/other.ron", true), ("worlds/mine.ron", false)] {
+    // Neither a version saved to another file nor an outdated one is opened.
+    for (path, changed) in [("scenarios/other.ron", true), ("scenarios/mine.ron", false)] {
         let mut screen_fixture = ScreenFixture::default();
         (screen_fixture.status.scenario_from, screen_fixture.status.scenario_modified) =
-            ("worlds/mine.ron".into(), changed);
+            ("scenarios/mine.ron".into(), changed);
         screen_fixture.status.saved_scenario = Some((path.into(), newer.clone()));
         let running = screen_fixture.scene.scenario.clone();
         let mut window = self::window(screen_fixture);
@@ -608,8 +613,8 @@ fn a_world_that_was_saved_and_not_taken_is_opened_again() {
     }
 }
 
-/// Begins a wall, of two corners so far.
-fn half_a_wall(window: &mut Window) {
+/// Begins a wall with two corners.
+fn draw_half_a_wall(window: &mut Window) {
     click(window, "Draw a wall");
     for at in [vec2(-1.0, 1.2), vec2(1.0, 1.2)] {
         editor(window).click_with_tool(at, false);
@@ -618,14 +623,14 @@ fn half_a_wall(window: &mut Window) {
 }
 
 #[test]
-fn a_wall_that_is_half_drawn_is_not_lost() {
+fn an_unfinished_wall_is_not_lost() {
     let mut window = editing();
-    half_a_wall(&mut window);
+    draw_half_a_wall(&mut window);
     click(&mut window, "Close the editor");
-    let asked = "The wall that is being drawn would be lost, and all else that is not saved.";
-    assert!(window.query_by_label(asked).is_some());
-    click(&mut window, "Go on editing");
-    assert!(window.query_by_label(asked).is_none());
+    let question = "The unfinished wall and all unsaved changes will be lost.";
+    assert!(window.query_by_label(question).is_some());
+    click(&mut window, "Keep editing");
+    assert!(window.query_by_label(question).is_none());
     let saved = |commands: Vec<Command>| match &commands[..] {
         [Command::SaveScenario { scenario, .. } | Command::ApplyScenario { scenario, .. }] => {
             scenario.walls.len()
@@ -634,23 +639,23 @@ fn a_wall_that_is_half_drawn_is_not_lost() {
     };
     assert_eq!(saved(click(&mut window, "Save")), 1);
     assert_eq!(*editor(&mut window).tool(), Tool::Select);
-    for label in ["Save as…", "Go on here", "Start again here"] {
+    for label in ["Save as…", "Continue here", "Restart here"] {
         let mut window = editing();
-        half_a_wall(&mut window);
+        draw_half_a_wall(&mut window);
         assert_eq!(saved(click(&mut window, label)), 1, "{label}");
     }
     let mut window = editing();
-    half_a_wall(&mut window);
+    draw_half_a_wall(&mut window);
     window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
     assert_eq!(saved(sent_commands(&mut window)), 1);
-    // One that can't be there is not taken.
+    // An invalid wall is not applied.
     let mut window = editing();
     click(&mut window, "Draw a wall");
     for at in [vec2(-1.0, 0.6), vec2(1.0, 5.0)] {
         editor(&mut window).click_with_tool(at, false);
     }
     settle(&mut window);
-    assert_eq!(click(&mut window, "Go on here"), []);
+    assert_eq!(click(&mut window, "Continue here"), []);
     assert_eq!(
         (edited_scenario(&mut window).walls.len(), editor(&mut window).diagnostics().is_empty()),
         (1, false)
@@ -658,7 +663,7 @@ fn a_wall_that_is_half_drawn_is_not_lost() {
 }
 
 #[test]
-fn the_rest_of_a_long_list_is_said_to_be_elsewhere() {
+fn a_long_list_says_where_the_rest_can_be_edited() {
     let mut long = Scenario::clone(&ScreenFixture::default().scene.scenario);
     long.robot.motions = vec![Motion { v_m_s: 0.1, w_rad_s: 0.0 }; 40];
     let mut window = editing_in(ScreenFixture::default().with_scenario(long));
@@ -667,14 +672,14 @@ fn the_rest_of_a_long_list_is_said_to_be_elsewhere() {
 }
 
 #[test]
-fn what_stands_still_is_given_a_path() {
+fn a_static_obstacle_can_be_given_a_path() {
     let mut window = editing();
     select(&mut window, Selection::Obstacle(0));
-    click(&mut window, "Draw its path");
+    click(&mut window, "Draw path");
     editor(&mut window).click_with_tool(vec2(0.6, 1.6), false);
     settle(&mut window);
-    click(&mut window, "Path is done");
+    click(&mut window, "Finish path");
     let motion = edited_scenario(&mut window).obstacles[0].motion.clone();
     assert_eq!(motion, ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, 1.6)], speed_m_s: 0.1 });
-    assert!(window.query_by_label("Draw its path anew").is_some());
+    assert!(window.query_by_label("Redraw path").is_some());
 }

@@ -51,7 +51,7 @@ impl TestRenderer for SoftwareRenderer {
             ];
             canvas.mesh(mesh, texture, scale);
         }
-        let bytes = canvas.pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
+        let bytes = canvas.pixels.iter().flat_map(egui::Color32::to_array).collect();
         RgbaImage::from_raw(canvas.width as u32, canvas.height as u32, bytes)
             .ok_or("image size mismatch".into())
     }

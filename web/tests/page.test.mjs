@@ -6,7 +6,7 @@ import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { brotliCompressSync, constants } from 'node:zlib';
-import { SOFTWARE_GPU, canBeHidden, click, launch, open, picture, press, serve, status, until } from './support.mjs';
+import { SOFTWARE_GPU, canBeHidden, centre, click, launch, open, picture, press, serve, status, until } from './support.mjs';
 
 let host;
 let browser;
@@ -19,25 +19,8 @@ after(async () => {
     await browser?.close();
 });
 
-// Positions of controls in Scenario I with the preset fast, in a viewport 1280 points wide.
+// High enough for the whole setup panel.
 const TALL = { viewport: { width: 1280, height: 900 } };
-const PAUSE = [123, 28];
-const PLOTS_PANEL = [1257, 28];
-const SCENARIO = [123, 101];
-const THIRD_SCENARIO = [50, 192];
-// With the scenario Empty selected, whose description is shorter.
-const START_NEW = [123, 318];
-const KEEP_TRAINING_HERE = [123, 354];
-const EXPERT = [123, 707];
-const OPEN = [67, 739];
-const SAVE_SCENARIO = [67, 771];
-const SAVE_MODIFIED_SCENARIO = [67, 790];
-const OBSTACLE = [491, 381];
-// In the editor.
-const ADD_CIRCLE = [48, 217];
-const UNDO = [169, 112];
-const EDITOR_SAVE = [67, 875];
-const CONTINUE_HERE = [67, 841];
 
 const assertNoErrors = (page) => assert.deepEqual(page.errors, []);
 
@@ -117,13 +100,13 @@ test('the address selects scenario, preset, seed and pace', async () => {
 test('another scenario is selected with the mouse, for a transfer or a new training, and the address follows', async () => {
     const page = await open(browser, `${host.address}?seed=5`, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
-    await click(page, ...SCENARIO);
-    await click(page, ...THIRD_SCENARIO);
+    await click(page, 'Scenario');
+    await click(page, 'Empty');
     await picture(page, 'selected');
-    await click(page, ...KEEP_TRAINING_HERE);
+    await click(page, 'Continue here with this policy');
     await until(page, (now) => now.scenario === 'empty' && now.env_steps > 0);
     await page.waitForFunction(() => location.search === '', null, { timeout: 20_000 });
-    await click(page, ...START_NEW);
+    await click(page, 'Restart training');
     await page.waitForFunction(() => new URLSearchParams(location.search).get('scenario') === 'empty', null, { timeout: 20_000 });
     const now = await status(page);
     assert.deepEqual([now.scenario, now.preset, now.seed], ['empty', 'fast', 5]);
@@ -134,7 +117,7 @@ test('another scenario is selected with the mouse, for a transfer or a new train
 test('an expert drives next to the current policy after one click', async () => {
     const page = await open(browser, host.address, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
-    await click(page, ...EXPERT);
+    await click(page, 'Watch an expert');
     const now = await until(page, (now) => now.mode === 'Compare');
     assert.match(now.notice, /Expert of Scenario I/);
     await page.waitForTimeout(4000);
@@ -192,7 +175,7 @@ test('a policy is saved and opened again; a dropped file is opened, too', async 
     assert.equal(saved.suggestedFilename(), 'scenario-1-fast-0.safetensors');
     const policy = await readFile(await saved.path());
     assert.match(policy.subarray(8, 200).toString(), /"__metadata__"/);
-    const [dialog] = await Promise.all([page.waitForEvent('filechooser'), click(page, ...OPEN)]);
+    const [dialog] = await Promise.all([page.waitForEvent('filechooser'), click(page, 'Open…')]);
     await dialog.setFiles({ name: 'back.safetensors', mimeType: '', buffer: policy });
     const now = await until(page, (now) => now.mode === 'Compare');
     assert.match(now.notice, /back\.safetensors/);
@@ -210,24 +193,25 @@ test('a policy is saved and opened again; a dropped file is opened, too', async 
 test('an obstacle is dragged with the mouse, and the modified scenario is saved', async () => {
     const page = await open(browser, `${host.address}?paused`, { options: TALL });
     await until(page, (now) => now.paused);
-    const saveAt = async (place) => {
-        const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...place)]);
+    const save = async () => {
+        const [saved] = await Promise.all([page.waitForEvent('download'), click(page, 'Save scenario…')]);
         assert.match(saved.suggestedFilename(), /\.ron$/);
         return readFile(await saved.path(), 'utf8');
     };
-    const before = await saveAt(SAVE_SCENARIO);
+    const before = await save();
     assert.match(before, /name: "Scenario I"/);
-    await page.mouse.move(...OBSTACLE);
+    const [x, y] = await centre(page, 'Obstacle 2');
+    await page.mouse.move(x, y);
     await page.waitForTimeout(500);
     await page.mouse.down();
     for (let k = 1; k <= 5; k += 1) {
-        await page.mouse.move(OBSTACLE[0] - 8 * k, OBSTACLE[1] - 10 * k);
+        await page.mouse.move(x - 8 * k, y - 10 * k);
         await page.waitForTimeout(300);
     }
     await page.mouse.up();
     await until(page, (now) => now.scenario_modified);
     await picture(page, 'dragged');
-    const moved = await saveAt(SAVE_MODIFIED_SCENARIO);
+    const moved = await save();
     const differ = before.split('\n').filter((line, k) => line !== moved.split('\n')[k]);
     assert.equal(differ.length, 1, `only the position of one obstacle differs: ${differ}`);
     assertNoErrors(page);
@@ -238,23 +222,23 @@ test('a scenario is edited, saved with its comments, and the training continues 
     const page = await open(browser, `${host.address}?scenario=empty&edit`, { options: TALL });
     await until(page, (now) => now.paused);
     const save = async () => {
-        const [saved] = await Promise.all([page.waitForEvent('download'), click(page, ...EDITOR_SAVE)]);
+        const [saved] = await Promise.all([page.waitForEvent('download'), click(page, 'Save')]);
         assert.equal(saved.suggestedFilename(), 'empty.ron');
         return readFile(await saved.path(), 'utf8');
     };
     const before = await save();
     assert.match(before, /^\/\/ The enclosure alone/, 'comments are kept');
-    await click(page, ...ADD_CIRCLE);
+    await click(page, 'Add a circle');
     await picture(page, 'editor');
     const added = await save();
     const lines = added.split('\n').filter((line) => !before.split('\n').includes(line));
     assert.equal(lines.filter((line) => line.includes('Circle(radius_m:')).length, 1, `one more circle: ${lines}`);
     assert.ok(lines.length <= 3, `nothing else has changed: ${lines}`);
-    await click(page, ...UNDO);
+    await click(page, 'Undo');
     assert.doesNotMatch(await save(), /Circle\(radius_m:/, 'after undo the circle is gone');
-    await click(page, ...ADD_CIRCLE);
+    await click(page, 'Add a circle');
     const beforeApplying = await status(page);
-    await click(page, ...CONTINUE_HERE);
+    await click(page, 'Continue here');
     const now = await until(page, (now) => now.scenario_modified && !now.paused && now.env_steps > beforeApplying.env_steps);
     assert.equal(now.scenario, 'empty.ron', 'the saved file');
     await picture(page, 'continues-in-edited-scenario');
@@ -326,7 +310,7 @@ test('the page survives being hidden and resized, and accepts touch', async () =
         await until(page, (later) => later.frames > now.frames + 2);
         await picture(page, `at-${width}x${height}`);
     }
-    await page.touchscreen.tap(...PAUSE);
+    await page.touchscreen.tap(...await centre(page, 'Pause'));
     await until(page, (now) => now.paused);
     assertNoErrors(page);
     await page.context().close();
@@ -365,7 +349,7 @@ test('the app and the browser each keep their keys, and the view is restored aft
         assert.ok(await isTaken(options), JSON.stringify(options));
     for (const options of [{ key: 'F5' }, { key: 'F12' }, { key: 'r', ctrlKey: true }, { key: 'c', ctrlKey: true }, { key: 'Tab', ctrlKey: true }])
         assert.ok(!await isTaken(options), JSON.stringify(options));
-    await click(page, ...PLOTS_PANEL);
+    await click(page, 'Plots panel');
     await page.waitForFunction(() => localStorage.getItem('wayfield: preferences')?.includes('plots_open: false'));
     await page.reload();
     await until(page, (now) => now.frames > 5);

@@ -17,7 +17,7 @@ const TYPES = {
 export async function serve() {
     const base = '/some/where/';
     const server = createServer(async (request, response) => {
-        const path = new URL(request.url, 'http://localhost').pathname; // Without the query, which is the mark of the build.
+        const path = new URL(request.url, 'http://localhost').pathname; // Without the query, which is the build id.
         const name = path === base ? 'index.html' : path.slice(base.length);
         try {
             if (!path.startsWith(base) || name.includes('/')) throw new Error('not served');
@@ -72,9 +72,25 @@ export async function until(page, condition, seconds = 60) {
     }
 }
 
-/// Clicks at a position, slowly enough for a software GPU to draw a frame in between.
-export async function click(page, x, y) {
-    await page.mouse.move(x, y);
+/// The centre of the control or arena object with this accessible name. Waits until it is displayed, enabled and at rest.
+export async function centre(page, name, seconds = 30) {
+    const find = () => page.evaluate((name) => [...wayfieldPage.app.control(name) ?? []].join(), name);
+    const end = Date.now() + seconds * 1000;
+    for (let last = ''; ;) {
+        const found = await find();
+        if (found !== '' && found === last) {
+            const [left, top, width, height] = found.split(',').map(Number);
+            return [left + width / 2, top + height / 2];
+        }
+        if (Date.now() > end) throw new Error(`no control '${name}' at rest within ${seconds} s; last: ${found || 'none'}`);
+        last = found;
+        await page.waitForTimeout(300);
+    }
+}
+
+/// Clicks on the control with this accessible name, slowly enough for a software GPU to draw a frame in between.
+export async function click(page, name) {
+    await page.mouse.move(...await centre(page, name));
     await page.waitForTimeout(300);
     await page.mouse.down();
     await page.waitForTimeout(300);

@@ -1,13 +1,13 @@
-//! The search space: robot states, the effect of each motion, inflated obstacles and the goal.
+//! The search space: robot states, the effect of each motion, inflated obstacles and the goal region.
 //!
-//! In: a scenario and a clock. Out: the state after a motion, and whether it is allowed.
+//! In: a scenario and a clock. Out: the state after a motion, and whether that state is allowed.
 
 use std::f64::consts::TAU;
 
 use glam::Vec2;
 use wayfield_scenario::{Motion, Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
-/// The robot's centre in m and heading in rad, not wrapped.
+/// The robot's pose: the centre in m, and the heading in rad, not wrapped.
 #[derive(Clone, Copy)]
 pub(super) struct State {
     pub(super) x: f64,
@@ -44,10 +44,10 @@ pub(super) struct MotionPrimitive {
 }
 
 impl MotionPrimitive {
-    /// The end of the motion's arc after `period` s. With the turn w T, the chord has the length v T sinc(w T / 2) and the
-    /// direction w T / 2.
+    /// The effect of `motion` after `period` s: the end of an arc. The turn is w T; the chord has the length
+    /// v T sinc(w T / 2) and the direction w T / 2.
     fn new(motion: &Motion, period: f32) -> Self {
-        // Rounded to f32 like in the simulation, so that the headings stay equal.
+        // The product is rounded to f32, as in the simulation, so that the headings stay equal.
         let turn = f64::from(motion.w_rad_s * period);
         let half = turn / 2.0;
         let sinc = if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
@@ -71,16 +71,14 @@ pub(super) struct InflatedObstacle {
 impl InflatedObstacle {
     pub(super) fn new(shape: &Shape, (x, y, rotation): (f32, f32, f32), inflation: f64) -> Self {
         let (sin, cos) = libm::sincos(rotation.into());
-        let (half_width, half_height, radius) = match *shape {
-            Shape::Circle { radius_m } => (0.0, 0.0, f64::from(radius_m) + inflation),
-            Shape::Rectangle { width_m, height_m } => {
-                (f64::from(width_m) / 2.0, f64::from(height_m) / 2.0, inflation)
-            }
-            Shape::Capsule { length_m, radius_m } => {
-                (f64::from(length_m) / 2.0, 0.0, f64::from(radius_m) + inflation)
-            }
-            // Not modelled: callers check `is_supported` first.
-            Shape::Polygon { .. } => (0.0, 0.0, f64::INFINITY),
+        let (half_width, half_height, radius) = match shape.rounded_box() {
+            Some(rounded) => (
+                f64::from(rounded.half_width_m),
+                f64::from(rounded.half_height_m),
+                f64::from(rounded.radius_m) + inflation,
+            ),
+            // Unsupported; callers check `is_supported` first.
+            None => (0.0, 0.0, f64::INFINITY),
         };
         Self { x: x.into(), y: y.into(), cos, sin, half_width, half_height, radius }
     }
@@ -97,26 +95,27 @@ impl InflatedObstacle {
 /// The static obstacles inside the enclosure, and the segments of inner walls.
 pub(super) fn static_obstacles(scenario: &Scenario) -> impl Iterator<Item = Obstacle> {
     let obstacles = scenario.obstacles.iter().filter(|o| o.motion == ObstacleMotion::Static).cloned();
-    obstacles.chain(scenario.walls.iter().flat_map(|wall| wall.segments()))
+    obstacles.chain(scenario.walls.iter().flat_map(wayfield_scenario::Wall::segments))
 }
 
 /// The allowed positions of the robot, and its motions.
 pub(super) struct ConfigurationSpace<'a> {
     pub(super) motion_primitives: Vec<MotionPrimitive>,
-    /// Half the width, in m, of the rectangle in which the robot's centre must stay.
+    /// Half the width and height, in m, of the rectangle in which the robot's centre must stay.
     half_width: f64,
     half_height: f64,
+    /// The collision range with its margin, in m.
     inflation: f64,
     static_obstacles: Vec<InflatedObstacle>,
     moving_obstacles: Vec<&'a Obstacle>,
-    /// The moving obstacles after 0, 1, ... steps, as far as [`ConfigurationSpace::prepare`] has computed them.
+    /// The moving obstacles after 0, 1, ... steps, as far as computed by [`ConfigurationSpace::prepare`].
     moving_at_step: Vec<Vec<InflatedObstacle>>,
     clock: u64,
     period_s: f32,
 }
 
 impl<'a> ConfigurationSpace<'a> {
-    /// The space of `scenario` after `clock` steps, with a collision range that is larger by `margin_m`.
+    /// The configuration space of `scenario` after `clock` steps, with `margin_m` added to the collision range.
     pub(super) fn new(scenario: &'a Scenario, clock: u64, margin_m: f64) -> Self {
         let inflation = (f64::from(scenario.task.collision_range_m) + margin_m).max(0.0);
         let (_, Vec2 { x: half_width, y: half_height }) = scenario.enclosure.bounds_m();
@@ -141,7 +140,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// The states after 0, 1, ... of these actions.
+    /// The states after 0, 1, ... of `actions`, from `start`.
     pub(super) fn rollout(&self, start: (f32, f32, f32), actions: &[u8]) -> impl Iterator<Item = State> {
         let start = State::new(start);
         let after = actions.iter().scan(start, |state, &action| {
@@ -166,7 +165,7 @@ impl<'a> ConfigurationSpace<'a> {
         }
     }
 
-    /// Whether the robot may be at (x, y) after `steps` steps, which have been prepared.
+    /// Whether the robot may be at (x, y) after `steps` steps. Call [`Self::prepare`] for these first.
     pub(super) fn is_clear(&self, x: f64, y: f64, steps: u32) -> bool {
         x.abs() <= self.half_width
             && y.abs() <= self.half_height
@@ -175,7 +174,7 @@ impl<'a> ConfigurationSpace<'a> {
     }
 }
 
-/// The disc that the robot's centre has to reach.
+/// The goal region: the disc that the robot's centre must enter.
 pub(super) struct GoalRegion {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -183,7 +182,7 @@ pub(super) struct GoalRegion {
 }
 
 impl GoalRegion {
-    /// The goal's disc, with a radius that is larger by `margin_m`.
+    /// The goal region of `scenario`, with `margin_m` added to its radius.
     pub(super) fn new(scenario: &Scenario, goal: Vec2, margin_m: f64) -> Self {
         let radius = (f64::from(scenario.task.goal_radius_m) + margin_m).max(0.0);
         Self { x: goal.x.into(), y: goal.y.into(), radius }

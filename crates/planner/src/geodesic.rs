@@ -1,7 +1,7 @@
 //! The length of the shortest path around the static obstacles.
 //!
-//! Each inflated obstacle is replaced by a convex polygon inside it. The shortest path around polygons bends only at their
-//! corners, so Dijkstra's algorithm over corners that see each other finds it. The proof is in `docs/optimum.md`.
+//! A convex polygon inside each inflated obstacle replaces it. The shortest path around polygons bends only at corners, so
+//! Dijkstra's algorithm on the visibility graph of the corners finds it. The proof is in `docs/optimum.md`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,11 +10,12 @@ use super::configuration_space::{GoalRegion, InflatedObstacle, distance, static_
 use glam::Vec2;
 use wayfield_scenario::{Obstacle, Scenario, polygon, pose_at};
 
-/// The corners of the polygon in a circle.
+/// The number of corners of the polygon inscribed in a circle.
 const CIRCLE_CORNERS: usize = 32;
-/// The polygon's corners on each rounded corner of an inflated rectangle.
+/// The number of polygon corners on each rounded corner of an inflated rectangle.
 const RECTANGLE_CORNER_POINTS: usize = 3;
-/// The maximum number of corners of all polygons. The obstacles farthest from the straight line are left out.
+/// The maximum number of corners of all polygons together. If there are more, the obstacles with the largest sum of
+/// distances to start and goal are left out.
 const MAX_CORNERS: usize = 400;
 
 /// A convex region that blocks the line of sight.
@@ -23,12 +24,12 @@ pub(super) enum Occluder {
         centre: (f64, f64),
         radius: f64,
     },
-    /// Half planes (a, b, c): the inside satisfies a x + b y < c for all of them.
+    /// The half planes (a, b, c) of the sides. A point inside satisfies a x + b y < c for each.
     Polygon(Vec<(f64, f64, f64)>),
 }
 
 impl Occluder {
-    /// Whether the segment passes through the inside.
+    /// Whether the segment passes through the interior.
     fn blocks(&self, from: (f64, f64), to: (f64, f64)) -> bool {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         match self {
@@ -64,7 +65,7 @@ impl Occluder {
     }
 }
 
-/// The shortest paths to one goal.
+/// The lengths of the shortest paths to one goal.
 pub(super) struct Geodesic {
     goal: (f64, f64),
     pub(super) occluders: Vec<Occluder>,
@@ -109,7 +110,7 @@ impl Geodesic {
         let mut corners = Vec::new();
         for obstacle in obstacles {
             let mut inflated = InflatedObstacle::new(&obstacle.shape, pose_at(&obstacle, 0, period), range);
-            // The distance that a step's whole chord keeps, not only its ends.
+            // A step's ends keep the full radius; its chord may come this close between them.
             inflated.radius = (inflated.radius * inflated.radius - stride * stride / 4.0).sqrt();
             let reach = InflatedObstacle { radius: inflated.radius + goal_region.radius, ..inflated };
             if !reach.is_clear(self.goal.0, self.goal.1) {
@@ -129,7 +130,7 @@ impl Geodesic {
         !self.occluders.iter().any(|occluder| occluder.blocks(from, to))
     }
 
-    /// Dijkstra's algorithm from the goal over the corners that see each other.
+    /// Computes each corner's distance to the goal by Dijkstra's algorithm on the visibility graph.
     fn measure(&mut self, corners: Vec<(f64, f64)>) {
         let mut open: Vec<_> = corners
             .into_iter()
@@ -169,8 +170,8 @@ impl Geodesic {
     }
 }
 
-/// The convex polygon inscribed in `inflated`: the region that blocks the line of sight, and the corners. The region is a
-/// little smaller than the polygon, so that neighbouring corners see each other.
+/// The convex polygon inscribed in `inflated`: the region that blocks the line of sight, and its corners. The region is
+/// slightly smaller than the polygon, so that neighbouring corners are visible from each other.
 fn occluder(inflated: &InflatedObstacle) -> (Occluder, Vec<(f64, f64)>) {
     if inflated.half_width == 0.0 && inflated.half_height == 0.0 {
         circle_occluder(inflated)
@@ -182,7 +183,7 @@ fn occluder(inflated: &InflatedObstacle) -> (Occluder, Vec<(f64, f64)>) {
 fn circle_occluder(inflated: &InflatedObstacle) -> (Occluder, Vec<(f64, f64)>) {
     let corner = |k: usize| {
         let (sin, cos) = libm::sincos(TAU * k as f64 / CIRCLE_CORNERS as f64);
-        to_world(inflated, inflated.radius * cos, inflated.radius * sin)
+        to_arena(inflated, inflated.radius * cos, inflated.radius * sin)
     };
     let incircle = inflated.radius * libm::cos(PI / CIRCLE_CORNERS as f64) - 1e-9;
     let disc = Occluder::Disc { centre: (inflated.x, inflated.y), radius: incircle.max(0.0) };
@@ -196,7 +197,7 @@ fn rectangle_occluder(inflated: &InflatedObstacle) -> (Occluder, Vec<(f64, f64)>
         let (sin, cos) = libm::sincos(angle * PI / 2.0);
         let x = if matches!(quarter, 0 | 3) { inflated.half_width } else { -inflated.half_width };
         let y = if quarter < 2 { inflated.half_height } else { -inflated.half_height };
-        to_world(inflated, x + inflated.radius * cos, y + inflated.radius * sin)
+        to_arena(inflated, x + inflated.radius * cos, y + inflated.radius * sin)
     };
     let corners: Vec<_> = (0..4 * RECTANGLE_CORNER_POINTS).map(corner).collect();
     let sides = polygon::sides(&corners).map(|(p, q)| {
@@ -207,8 +208,8 @@ fn rectangle_occluder(inflated: &InflatedObstacle) -> (Occluder, Vec<(f64, f64)>
     (Occluder::Polygon(sides.collect()), corners)
 }
 
-/// The point (x, y) of the obstacle's own frame in the arena's frame.
-fn to_world(obstacle: &InflatedObstacle, x: f64, y: f64) -> (f64, f64) {
+/// The point (x, y) in the obstacle's frame, transformed to the arena's frame.
+fn to_arena(obstacle: &InflatedObstacle, x: f64, y: f64) -> (f64, f64) {
     let InflatedObstacle { sin, cos, .. } = obstacle;
     (obstacle.x + x * cos - y * sin, obstacle.y + x * sin + y * cos)
 }

@@ -1,16 +1,16 @@
 //! Time-optimal paths of a differential-drive robot among obstacles, and proven lower bounds on the number of steps.
 //!
-//! Evaluation compares a policy's travel time with these. [`plan_path`] returns a [`TimedPath`] whose actions can be
-//! replayed in the simulation; [`lower_bound_steps`] returns a number of control steps that no driver can undercut. There
-//! is no physics engine: the robot is a point that keeps its distance from walls and obstacles.
+//! Evaluation compares a policy's travel time with both. [`plan_path`] returns a plan, a [`TimedPath`] whose actions can be
+//! replayed in the simulation. [`lower_bound_steps`] returns a number of control steps: no trajectory to the goal is
+//! shorter. There is no physics engine: the robot is a point that keeps its distance from walls and obstacles.
 //!
 //! ```
 //! use wayfield_planner::{Resolution, StepBounds, plan_path, step_bounds};
-//! use wayfield_scenario::Scenario;
+//! use wayfield_scenario::{Scenario, Vec2};
 //!
-//! // The paper's empty arena: 1.2 m straight ahead, of which the last 0.2 m are the goal's radius.
+//! // The paper's empty arena. The goal is 1.2 m straight ahead and has a radius of 0.2 m, so 1.0 m remain.
 //! let scenario = Scenario::default();
-//! let (start, goal) = ((0.0, 0.0, 0.0), (1.2, 0.0));
+//! let (start, goal) = ((0.0, 0.0, 0.0), Vec2::new(1.2, 0.0));
 //! let path = plan_path(&scenario, start, goal, 0, Resolution::default()).ok_or("no path")?;
 //! assert_eq!(path.steps, 34); // 0.03 m per step
 //! assert_eq!(path.poses.len(), 35);
@@ -22,28 +22,30 @@
 //!
 //! | module | duty |
 //! |---|---|
-//! | `configuration_space` | robot states, the effect of each motion, inflated obstacles, the goal disc |
-//! | `geodesic` | length of the shortest path around static obstacles |
-//! | `bound` | lower bound on the remaining steps: geodesic length and turning |
-//! | `search` | best-first search for a plan, and for a lower bound |
+//! | `configuration_space` | robot states, the effect of each motion, inflated obstacles, the goal region |
+//! | `geodesic` | the length of the shortest path around static obstacles |
+//! | `bound` | the lower bound on the remaining steps, from geodesic length and turning radius |
+//! | `search` | the best-first searches for a plan and for a lower bound |
 //!
 //! # Model
 //!
-//! States are the ends of control steps, in f64, by the simulation's own formula for arcs. A step is allowed if the robot
-//! is then at least `collision_range_m` from every wall and every obstacle, with moving obstacles where `pose_at` puts them
-//! after that step. The goal is reached by an allowed step that ends nearer than `goal_radius_m`. A plan keeps both rules
-//! with [`MARGIN_M`] to spare, so that it is also valid in the simulation's f32. The lower bound has that margin on the
-//! other side.
+//! A state is the robot's pose after a control step, in f64, computed by the simulation's formula for arcs. A step is
+//! allowed if the robot is then at least `collision_range_m` from every wall and every obstacle; moving obstacles have
+//! their poses after the same step ([`wayfield_scenario::pose_at`]). The goal is reached by an allowed step that ends
+//! within `goal_radius_m` of it. A plan keeps a margin of [`MARGIN_M`] to both limits, so that it is also valid in the
+//! simulation's f32 arithmetic. The lower bound relaxes both limits by the same margin.
 //!
-//! A plan is an upper bound on the optimum: the search merges states by grid cells, which may cost steps, and costs fewer
-//! with smaller cells. The heuristic of the search and [`lower_bound_steps`] are proven bounds. Where plan and lower bound
-//! agree, the plan is optimal. The proofs and their limits are in `docs/optimum.md`.
+//! A plan's length is an upper bound on the optimum. The search merges the states in a grid cell, which can make a plan
+//! longer; smaller cells reduce that loss. The heuristic of the search and [`lower_bound_steps`] are proven lower bounds. A
+//! plan as long as the lower bound is optimal. The proofs and their limits are in `docs/optimum.md`.
 //!
 //! # Unsupported scenarios
 //!
-//! [`unsupported_reason`] names what the model lacks: actuator lag, because search and bounds assume that a motion has its
-//! full speed from the start of a step; a LIDAR that does not see all around, because collisions are detected by what the
-//! LIDAR sees; and polygons, as enclosure or as obstacles.
+//! [`unsupported_reason`] names the part of a scenario that the model lacks:
+//!
+//! - actuator lag, because search and bounds assume that a motion has its full speed from the start of a step;
+//! - a LIDAR with a field of view below a full turn, because collisions are detected from its ranges;
+//! - polygons, as enclosure or as obstacles.
 
 mod bound;
 mod configuration_space;
@@ -57,22 +59,22 @@ use search::{LOOKAHEAD_STATES, SearchLimits, StateGrid, search, search_lower_bou
 
 use serde::{Deserialize, Serialize};
 
-use wayfield_scenario::{Enclosure, Scenario, Shape};
+use wayfield_scenario::{Enclosure, Scenario};
 
-/// The margin, in m, by which a plan keeps the distance rules, and by which the lower bound relaxes them. It exceeds the
-/// rounding errors of the simulation's f32 arithmetic over some hundred steps.
+/// The margin, in m, that a plan keeps to the collision range and the goal radius, and by which the lower bound relaxes
+/// them. It exceeds the rounding errors of the simulation's f32 arithmetic over a few hundred steps.
 pub const MARGIN_M: f64 = 2e-5;
 /// The maximum number of states of the first search.
 const MAX_STATES: usize = 4_000_000;
 
-/// A path to the goal.
+/// A plan: a path to the goal with its actions and times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedPath {
     /// The number of control steps until the goal is reached.
     pub steps: u32,
-    /// The same in simulated time, in s.
+    /// The simulated time until the goal is reached, in s.
     pub time_s: f32,
-    /// The motion of each step, as an index into the robot's motions.
+    /// The action of each step: an index into the robot's motions.
     pub actions: Vec<u8>,
     /// The planned pose after 0, 1, ..., `steps` steps: x in m, y in m, heading in rad in [-pi, pi].
     pub poses: Vec<(f32, f32, f32)>,
@@ -81,46 +83,46 @@ pub struct TimedPath {
 /// Bounds on the smallest possible number of control steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepBounds {
-    /// The proven lower bound: see [`lower_bound_steps`].
+    /// The proven lower bound ([`lower_bound_steps`]).
     pub lower_steps: u32,
-    /// The steps of the plan, an upper bound; `None` if the planner finds no path (see [`plan_path`]).
+    /// The length of the plan, an upper bound; `None` if the planner finds no path ([`plan_path`]).
     pub plan_steps: Option<u32>,
 }
 
-/// The size of the grid cells in which states are merged. The first search uses the coarsest cells; each further one
-/// halves them.
+/// The sizes of the grid cells in which the searches merge states, and the limits of the searches. The first search uses the
+/// coarsest cells; each further search halves them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
     /// The side of the coarsest cells along x and y, in m.
     pub cell_m: f64,
     /// The extent of the coarsest cells in heading, in rad.
     pub heading_rad: f64,
-    /// The number of halvings. Each search only looks for plans shorter than the previous one, so a further halving never
-    /// makes the result worse.
+    /// The number of halvings. Each search only accepts plans shorter than the previous one, so a halving never makes the
+    /// result worse.
     pub refinements: u32,
-    /// The maximum number of states of a search with halved cells (48 bytes and about 0.3 us each). At this limit the plan
-    /// of the coarser cells is kept. Only moving obstacles need this many states. The limit of the first search is
-    /// 4,000,000.
+    /// The maximum number of states of a search with halved cells; each takes 48 bytes and about 0.3 us. A search that
+    /// reaches the limit keeps the best plan so far. Only scenarios with moving obstacles need so many states. The limit
+    /// of the first search is 4,000,000.
     pub max_refinement_states: usize,
 }
 
 impl Default for Resolution {
-    /// 0.04 m and 0.16 rad, then 0.02 m and 0.08 rad. Cells of 0.08 m or more are too coarse: a step of 0.03 m that ends
-    /// in its own cell is discarded.
+    /// Cells of 0.04 m and 0.16 rad, then of 0.02 m and 0.08 rad. Cells of 0.08 m or more are too coarse: a step of 0.03 m
+    /// that ends in the cell where it began is discarded.
     fn default() -> Self {
         Self { cell_m: 0.04, heading_rad: 0.16, refinements: 1, max_refinement_states: 100_000 }
     }
 }
 
-/// Whether the planner models `scenario`: see [`unsupported_reason`].
+/// Whether the planner supports `scenario` ([`unsupported_reason`]).
 #[must_use]
 pub fn is_supported(scenario: &Scenario) -> bool {
     unsupported_reason(scenario).is_none()
 }
 
-/// The part of `scenario` that the planner does not model, as text for a message; `None` if it models all of it.
+/// The first part of `scenario` that the planner does not support, as text for a message; `None` if it supports all.
 ///
-/// Generated obstacles are supported once they are part of the scenario ([`Scenario::with_generated_obstacles`]).
+/// Generated obstacles must be added to the scenario first ([`Scenario::with_generated_obstacles`]).
 #[must_use]
 pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
     let Scenario { robot, lidar, .. } = scenario;
@@ -132,17 +134,17 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
         return Some(format!("a limited field of view: lidar.field_of_view_rad is {field_of_view}"));
     }
     if matches!(scenario.enclosure, Enclosure::Polygon { .. }) {
-        return Some("polygons: the enclosure is one".into());
+        return Some("polygons: the enclosure is a polygon".into());
     }
-    let polygon = scenario.obstacles.iter().position(|o| matches!(o.shape, Shape::Polygon { .. }));
-    polygon.map(|index| format!("polygons: obstacles[{index}] is one"))
+    let polygon = scenario.obstacles.iter().position(|o| o.shape.rounded_box().is_none());
+    polygon.map(|index| format!("polygons: obstacles[{index}] is a polygon"))
 }
 
-/// The shortest plan found from `start` (x in m, y in m, heading in rad) to `goal` (x, y in m) when the obstacles have
-/// already moved for `clock` steps. It has at least one step.
+/// The shortest plan that the searches find from `start` (x in m, y in m, heading in rad) to `goal` (x, y in m). `clock` is
+/// the number of steps that moving obstacles have already made. A plan has at least one step.
 ///
-/// `None` if there is no path within the scenario's time limit, if none is found at this resolution and within the maximum
-/// number of states, or if the scenario is not supported ([`is_supported`]).
+/// `None` if no path is found: there is none within the scenario's time limit, the cells are too coarse, a search reaches
+/// its maximum number of states, or the scenario is unsupported ([`is_supported`]).
 #[must_use]
 pub fn plan_path(
     scenario: &Scenario,
@@ -154,10 +156,10 @@ pub fn plan_path(
     if !is_supported(scenario) {
         return None;
     }
-    shortest(scenario, start, goal, clock, resolution, &LowerBound::new(scenario, start, goal))
+    shortest_plan(scenario, start, goal, clock, resolution, &LowerBound::new(scenario, start, goal))
 }
 
-/// The results of [`lower_bound_steps`] and [`plan_path`], faster than by separate calls.
+/// The results of [`lower_bound_steps`] and [`plan_path`] together, in less time than two calls take.
 #[must_use]
 pub fn step_bounds(
     scenario: &Scenario,
@@ -170,18 +172,18 @@ pub fn step_bounds(
         return StepBounds { lower_steps: 1, plan_steps: None };
     }
     let bound = LowerBound::new(scenario, start, goal);
-    let plan = shortest(scenario, start, goal, clock, resolution, &bound);
+    let plan = shortest_plan(scenario, start, goal, clock, resolution, &bound);
     let plan_steps = plan.map(|plan| plan.steps);
-    // The lower bound cannot exceed the plan.
-    let enough = plan_steps.unwrap_or(u32::MAX);
+    // The lower bound cannot exceed the plan's length, so the search may stop there.
+    let stop_at = plan_steps.unwrap_or(u32::MAX);
     StepBounds {
-        lower_steps: search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, enough),
+        lower_steps: search_lower_bound(scenario, start, goal, clock, &bound, LOOKAHEAD_STATES, stop_at),
         plan_steps,
     }
 }
 
 /// [`plan_path`] with a known `bound`.
-fn shortest(
+fn shortest_plan(
     scenario: &Scenario,
     start: (f32, f32, f32),
     goal: Vec2,
@@ -214,7 +216,7 @@ fn shortest(
     best.map(|actions| timed_path(scenario, &space, start, actions))
 }
 
-/// The path of `actions`.
+/// The plan that consists of `actions`.
 fn timed_path(
     scenario: &Scenario,
     space: &ConfigurationSpace,
@@ -227,11 +229,12 @@ fn timed_path(
     TimedPath { steps, time_s, actions, poses }
 }
 
-/// A number of steps that no drive can undercut, at any resolution. `start`, `goal` and `clock` are those of
-/// [`plan_path`].
+/// A proven lower bound on the number of steps of any trajectory to the goal, whatever the resolution. `start`, `goal` and
+/// `clock` have the same meaning as in [`plan_path`].
 ///
-/// It is the smallest sum of steps taken and remaining bound over all sequences of the first few motions; the proof is in
-/// `docs/optimum.md`. `u32::MAX` if there is no path. 1 if the scenario is not supported ([`is_supported`]).
+/// The bound is the smallest sum of steps taken and bound on the remaining steps, over all sequences of the first few
+/// motions; the proof is in `docs/optimum.md`. It is `u32::MAX` if there is no path, and 1 if the scenario is unsupported
+/// ([`is_supported`]).
 #[must_use]
 pub fn lower_bound_steps(scenario: &Scenario, start: (f32, f32, f32), goal: Vec2, clock: u64) -> u32 {
     if !is_supported(scenario) {

@@ -1,6 +1,7 @@
-//! Best-first search over exact states. A grid of cells decides which states are kept.
+//! The best-first searches over exact states, for a plan and for a lower bound.
 //!
-//! In: the configuration space, the lower bound as heuristic, the goal. Out: the actions of the shortest plan found.
+//! In: the configuration space, the lower bound as heuristic, the goal. Out: the actions of the shortest plan found, or the
+//! proven number of steps. The search for a plan keeps only the best states of each grid cell.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -13,12 +14,12 @@ use super::configuration_space::{ConfigurationSpace, GoalRegion, State};
 use glam::Vec2;
 use wayfield_scenario::Scenario;
 
-/// The number of states, none of them merged, that the search for a lower bound expands.
+/// The maximum number of states in the search for a lower bound, which merges none.
 pub(super) const LOOKAHEAD_STATES: usize = 5_000;
-/// The units of a cost per step.
+/// The number of cost units per step. Costs are integers.
 const COST_PER_STEP: f64 = 64.0;
 
-/// A reached state, with the step that led to it.
+/// A search node: a state, the step that led to it, and the index of its parent.
 struct Node {
     state: State,
     steps: u32,
@@ -26,7 +27,7 @@ struct Node {
     action: u8,
 }
 
-/// The nodes that are still to be expanded, in order of their cost; of equal ones the newest first.
+/// The open nodes, by ascending cost; among equal costs, the newest comes first.
 #[derive(Default)]
 struct Queue(BinaryHeap<Reverse<(u32, Reverse<u32>)>>);
 
@@ -40,16 +41,16 @@ impl Queue {
     }
 }
 
-/// The lower bound on all steps through a state, in units of 1/64 step: `steps` taken and `to_go` remaining.
+/// The cost of a state, in 1/64 step: `steps` taken, plus the lower bound `to_go` on those remaining.
 fn cost(steps: u32, to_go: f64) -> u32 {
     ((f64::from(steps) + to_go) * COST_PER_STEP) as u32
 }
 
-/// The grid that merges states: the lowest cost in each cell.
+/// The grid that merges states. It stores the lowest cost in each cell.
 pub(super) struct StateGrid {
     per_metre: f64,
     per_radian: f64,
-    /// Whether states after different numbers of steps are kept apart.
+    /// Whether states after different numbers of steps are in different cells.
     by_step: bool,
     best: HashMap<(i32, i32, i32, u32), u32, BuildHasherDefault<CellHasher>>,
 }
@@ -79,7 +80,7 @@ impl StateGrid {
         better
     }
 
-    /// Whether a better state has been admitted to the cell since this one.
+    /// Whether a better state has been admitted to the cell after this one.
     fn is_stale(&self, state: &State, steps: u32, cost: u32) -> bool {
         self.best.get(&self.key(state, steps)).is_some_and(|&best| best < cost)
     }
@@ -113,7 +114,7 @@ impl Hasher for CellHasher {
 pub(super) struct SearchLimits {
     /// Only plans with fewer steps are searched for.
     pub(super) step_limit: u32,
-    /// The approximate number of states after which the search stops.
+    /// The approximate maximum number of states.
     pub(super) max_states: usize,
 }
 
@@ -179,9 +180,11 @@ fn actions_to(nodes: &[Node], last: usize) -> Vec<u8> {
     actions
 }
 
-/// The smallest bound, in whole steps, over the ends of all sequences of motions, of which up to `max_states` are
-/// expanded, the lowest bound first. No state is merged, so every drive passes through one of the states that are still
-/// open; the greatest value reached is therefore a lower bound. The search stops early at `enough` steps.
+/// The lower bound on the steps from `start` to `goal`, by a best-first search of up to `max_states` states.
+///
+/// No states are merged, so every trajectory to the goal passes through an open node. Therefore the lowest cost among the
+/// open nodes is a lower bound, and so is the largest such value during the search. The search stops early once the bound
+/// reaches `stop_at` steps.
 pub(super) fn search_lower_bound(
     scenario: &Scenario,
     start: (f32, f32, f32),
@@ -189,7 +192,7 @@ pub(super) fn search_lower_bound(
     clock: u64,
     bound: &LowerBound,
     max_states: usize,
-    enough: u32,
+    stop_at: u32,
 ) -> u32 {
     let mut space = ConfigurationSpace::new(scenario, clock, -MARGIN_M);
     let goal_region = GoalRegion::new(scenario, goal, MARGIN_M);
@@ -200,9 +203,9 @@ pub(super) fn search_lower_bound(
     while let Some((cost_here, index)) = queue.pop() {
         let (state, steps) = nodes[index];
         proven = proven.max(ceil_steps(f64::from(cost_here) / COST_PER_STEP));
-        // The cost of a state in the goal region is exactly its steps.
+        // The cost of a state in the goal region is exactly the number of its steps.
         let is_reached = index > 0 && goal_region.contains(state.x, state.y);
-        if nodes.len() >= max_states || proven >= enough || is_reached {
+        if nodes.len() >= max_states || proven >= stop_at || is_reached {
             return proven;
         }
         let steps = steps + 1;

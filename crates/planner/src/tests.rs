@@ -1,4 +1,4 @@
-//! The planner in cases computed by hand, and properties of its plans and bounds in random ones.
+//! Tests of the planner: cases computed by hand, and properties of plans and bounds in random cases.
 
 use glam::{Vec2, vec2};
 use proptest::prelude::*;
@@ -72,11 +72,11 @@ fn replay(
             return Ok(steps as u32);
         }
     }
-    Err("does not arrive".into())
+    Err("the plan does not reach the goal".into())
 }
 
 #[test]
-fn a_goal_straight_ahead_takes_its_distance_over_the_stride() {
+fn a_goal_straight_ahead_takes_its_distance_divided_by_the_step_length() {
     // 1.0 m at 0.03 m per step: 34 steps.
     let plan = plan_from_origin(&Scenario::default(), vec2(1.2, 0.0)).expect("the arena is empty");
     assert_eq!((plan.steps, plan.time_s, plan.actions.len()), (34, 6.8, 34));
@@ -85,7 +85,7 @@ fn a_goal_straight_ahead_takes_its_distance_over_the_stride() {
 
 #[test]
 fn a_lagging_actuator_is_unsupported() {
-    // From rest, the robot of the previous test falls behind by 0.15 m/s x 0.3 s = 0.045 m: it needs 35 steps.
+    // From rest, the robot of the previous test loses 0.15 m/s x 0.3 s = 0.045 m: it needs 35 steps.
     let mut scenario = Scenario::default();
     scenario.robot.actuator_lag_s = 0.3;
     assert_eq!(plan_from_origin(&scenario, vec2(1.2, 0.0)), None, "a plan of 34 steps would be wrong");
@@ -108,7 +108,7 @@ fn straight_paths_of_any_length_and_direction_are_optimal() {
 }
 
 #[test]
-fn a_goal_behind_adds_the_turn() {
+fn a_goal_behind_the_robot_adds_a_turn() {
     // The centre of the turning circle is 1 m from the goal along x and 0.1 m along y, so the tangent is 1 m long. The
     // turn is pi + 2 atan(0.1) = 3.3409 rad on a radius of 0.1 m. (0.33409 + 1 - 0.2) m / 0.03 m = 37.8.
     let start = (0.0, 0.0, 0.0);
@@ -150,7 +150,7 @@ fn the_path_around_a_box_has_the_length_computed_by_hand() {
 }
 
 #[test]
-fn without_a_path_there_is_no_plan() {
+fn a_blocked_goal_has_no_plan() {
     let blocked = Scenario { obstacles: vec![static_box(vec2(0.8, 0.0), 0.1, 4.0)], ..Scenario::default() };
     assert_eq!(plan_from_origin(&blocked, vec2(1.5, 0.0)), None);
     assert_eq!(lower_bound_steps(&blocked, (0.0, 0.0, 0.0), vec2(1.5, 0.0), 0), u32::MAX);
@@ -162,9 +162,9 @@ fn without_a_path_there_is_no_plan() {
 }
 
 #[test]
-fn moving_obstacles_are_where_the_clock_puts_them() {
-    // A cylinder moves down the line x = 0.6 at 0.15 m/s, as fast as the robot. From y = 0.6 it blocks the robot when the
-    // robot reaches that line. With a later clock it has passed.
+fn the_clock_determines_where_moving_obstacles_are() {
+    // A cylinder moves down the line x = 0.6 at 0.15 m/s, as fast as the robot. Started at y = 0.6, it is in the way when
+    // the robot reaches that line. With a later clock it has already passed.
     let motion = ObstacleMotion::Patrol { waypoints_m: vec![vec2(0.6, -1.8)], speed_m_s: 0.15 };
     let scenario = Scenario { obstacles: vec![circle(vec2(0.6, 0.6), 0.15, motion)], ..Scenario::default() };
     let planned_steps = |clock| {
@@ -198,7 +198,7 @@ fn motions_may_drive_backward_stand_still_or_turn_on_the_spot() {
 }
 
 #[test]
-fn random_plans_are_within_a_percent_of_the_proven_bound() {
+fn random_plans_are_within_one_percent_of_the_proven_bound() {
     let scenario = cylinders(0.0);
     let mut draws = stream(1, "optimum", 0);
     let (mut steps, mut lower_steps) = (0, 0);
@@ -214,7 +214,7 @@ fn random_plans_are_within_a_percent_of_the_proven_bound() {
 }
 
 #[test]
-fn the_bound_never_exceeds_what_a_search_without_it_needs() {
+fn the_bound_never_exceeds_the_plan_of_a_search_without_it() {
     let mut draws = stream(2, "optimum", 0);
     for scenario in [Scenario::default(), cylinders(0.0), maze()] {
         for _ in 0..12 {
@@ -274,9 +274,9 @@ proptest! {
         }
     }
 
-    /// Wherever a random drive ends, the bound from each state on it is at most the steps that it took from there.
+    /// The bound from each state of a random trajectory is at most the number of steps to the trajectory's end.
     #[test]
-    fn no_random_drive_undercuts_the_bounds(seed: u64, map in 0_usize..3, turns in 1_usize..8, held in 1_u32..20) {
+    fn no_random_trajectory_is_shorter_than_the_bounds(seed: u64, map in 0_usize..3, turns in 1_usize..8, held in 1_u32..20) {
         let scenario = &[Scenario::default(), cylinders(0.0), maze()][map];
         let mut draws = stream(seed, "drive", 0);
         let start = draw_start(scenario, 0, &mut draws).expect("free space");

@@ -1,7 +1,7 @@
-//! A policy as the bytes of a safetensors file, which PyTorch and others can read.
+//! The policy file: a network and its metadata in the safetensors format, which PyTorch and others can read.
 //!
-//! In: a network's shape and parameters, and metadata as text by key. Out: bytes, always the same for the same
-//! policy; and back, with every doubt about foreign bytes answered by an error.
+//! Writing is deterministic: the same policy always gives the same bytes. Reading validates everything, so bytes from an
+//! untrusted source give an error, never a panic.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::network::{NetworkShape, Scratch, ShapeError, forward, greedy};
 
-/// The version of the file layout; raised when an older reader would misread a newer file.
+/// The version of the file format. It is raised when older readers would misread newer files.
 const VERSION: u32 = 1;
 
-/// The one metadata key. The safetensors crate writes metadata in the random order of a hash map, so a single key
-/// keeps the bytes reproducible.
+/// The only key in the file's metadata. The safetensors crate writes metadata in the random order of a hash map, so only
+/// a single key keeps the bytes reproducible.
 const KEY: &str = "wayfield";
 
 /// A trained Q-network with its metadata: observations in, an action out.
@@ -22,11 +22,11 @@ const KEY: &str = "wayfield";
 pub struct Policy {
     shape: NetworkShape,
     parameters: Vec<f32>,
-    /// What a user should know, by key: the scenario, the seed, the observation's order and units, ...
+    /// The metadata, as text by key: the scenario, the seed, the order and units of the observation, ...
     pub metadata: BTreeMap<String, String>,
 }
 
-/// The JSON text under [`KEY`].
+/// The contents of the metadata under [`KEY`], as JSON.
 #[derive(Debug, Serialize, Deserialize)]
 struct Header {
     version: u32,
@@ -34,18 +34,20 @@ struct Header {
     metadata: BTreeMap<String, String>,
 }
 
-/// Why bytes are not a usable policy.
+/// The reason that a policy cannot be built, written or read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PolicyError {
-    /// Not safetensors, or a damaged file.
+    /// The file is damaged or in another format than safetensors.
     #[error("not a safetensors file: {0}")]
     NotSafetensors(String),
-    /// A safetensors file that another program wrote.
+    /// The safetensors file was written by another program.
     #[error("not a wayfield policy: {0}")]
     NotWayfield(String),
-    /// Written by a later version of wayfield.
-    #[error("policy format version {found}, but this wayfield reads version {VERSION}; use a newer wayfield")]
+    /// The file was written by another version of wayfield.
+    #[error(
+        "policy format version {found}, but this wayfield reads version {VERSION}; help: use a newer wayfield"
+    )]
     Version {
         /// The file's version.
         found: u64,
@@ -56,29 +58,31 @@ pub enum PolicyError {
     /// A tensor is missing.
     #[error("the policy lacks the tensor `{name}` (f32, {expected:?})")]
     MissingTensor {
-        /// The tensor.
+        /// The tensor's name.
         name: String,
-        /// The shape it should have.
+        /// The expected shape.
         expected: Vec<usize>,
     },
     /// A tensor has another type or shape.
     #[error("the policy's tensor `{name}` is {found}, expected {expected}")]
     TensorMismatch {
-        /// The tensor.
+        /// The tensor's name.
         name: String,
-        /// Type and shape it should have.
+        /// The expected type and shape.
         expected: String,
-        /// Type and shape it has.
+        /// The actual type and shape.
         found: String,
     },
     /// A weight is NaN or infinite.
-    #[error("the policy's tensor `{name}` holds {value} at {index}; it was saved from a diverged run")]
+    #[error(
+        "the policy's tensor `{name}` has the value {value} at index {index}; help: use a policy from a run that did not diverge"
+    )]
     NonFinite {
-        /// The tensor.
+        /// The tensor's name.
         name: String,
-        /// The index in it, row-major.
+        /// The weight's index in the tensor, row-major.
         index: usize,
-        /// The value there.
+        /// The weight.
         value: f32,
     },
 }
@@ -87,7 +91,7 @@ impl Policy {
     /// A policy from a network's `shape` and flat `parameters`, in the order of [`NetworkShape::parameters`].
     ///
     /// # Errors
-    /// A size out of range, or a number of parameters other than [`NetworkShape::parameter_count`].
+    /// A size is out of range, or the number of parameters is not [`NetworkShape::parameter_count`].
     pub fn new(
         shape: NetworkShape,
         parameters: Vec<f32>,
@@ -96,7 +100,7 @@ impl Policy {
         shape.check()?;
         let expected = shape.parameter_count();
         if parameters.len() != expected {
-            let problem = format!("{} parameters are given; {shape} has {expected}", parameters.len());
+            let problem = format!("has {} elements; help: give {expected} for {shape}", parameters.len());
             return Err(ShapeError { field: "network.parameters".into(), problem }.into());
         }
         Ok(Self { shape, parameters, metadata })
@@ -108,13 +112,14 @@ impl Policy {
         &self.shape
     }
 
-    /// All parameters, flat; [`NetworkShape::parameters`] names the pieces.
+    /// All parameters as one flat slice; [`NetworkShape::parameters`] gives each tensor's name, shape and range in it.
     #[must_use]
     pub fn parameters(&self) -> &[f32] {
         &self.parameters
     }
 
-    /// The Q-values of one `observation`: one per action. No allocation once `scratch` has been used.
+    /// The Q-values of one `observation`, one per action. A `scratch` that has been used before makes this free of
+    /// allocations.
     ///
     /// # Panics
     /// If `observation` is shorter than `shape().inputs`.
@@ -130,8 +135,8 @@ impl Policy {
         greedy(self.q_values(observation, scratch))
     }
 
-    /// The policy as the bytes of a safetensors file: one f32 tensor per name of [`NetworkShape::parameters`],
-    /// weights `[outputs, inputs]`.
+    /// The policy as the bytes of a safetensors file: one f32 tensor per entry of [`NetworkShape::parameters`]; weight
+    /// matrices are `[outputs, inputs]`.
     ///
     /// # Errors
     /// A weight is not finite.
@@ -151,12 +156,12 @@ impl Policy {
             .map_err(not_safetensors)
     }
 
-    /// The policy in the bytes of a safetensors file. Takes no more memory than a few times the bytes given.
+    /// The policy in the bytes of a safetensors file. Memory use is at most a few times the length of `bytes`.
     ///
     /// # Errors
-    /// Anything wrong with the file; see [`PolicyError`].
+    /// The file is not a usable policy; [`PolicyError`] lists the reasons.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PolicyError> {
-        let Header { network: shape, metadata, .. } = header(bytes)?;
+        let Header { network: shape, metadata, .. } = read_header(bytes)?;
         shape.check()?;
         let tensors = SafeTensors::deserialize(bytes).map_err(not_safetensors)?;
         let mut parameters = Vec::new();
@@ -174,7 +179,7 @@ impl Policy {
             }
             let start = parameters.len();
             parameters.extend(tensor.data().as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)));
-            finite(&view.name, &parameters[start..])?;
+            check_all_finite(&view.name, &parameters[start..])?;
         }
         Self::new(shape, parameters, metadata)
     }
@@ -185,15 +190,15 @@ impl Policy {
     /// The first weight that is NaN or infinite.
     pub fn check_finite(&self) -> Result<(), PolicyError> {
         let views = self.shape.parameters();
-        views.iter().try_for_each(|view| finite(&view.name, &self.parameters[view.range.clone()]))
+        views.iter().try_for_each(|view| check_all_finite(&view.name, &self.parameters[view.range.clone()]))
     }
 }
 
 /// The header in the file's metadata. Its version is checked before the rest.
-fn header(bytes: &[u8]) -> Result<Header, PolicyError> {
+fn read_header(bytes: &[u8]) -> Result<Header, PolicyError> {
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(not_safetensors)?;
     let text = metadata.metadata().as_ref().and_then(|map| map.get(KEY));
-    let text = text.ok_or_else(|| PolicyError::NotWayfield(format!("it has no `{KEY}` metadata")))?;
+    let text = text.ok_or_else(|| PolicyError::NotWayfield(format!("its metadata has no key `{KEY}`")))?;
     let not_wayfield = |error: serde_json::Error| PolicyError::NotWayfield(format!("its metadata: {error}"));
     let value: serde_json::Value = serde_json::from_str(text).map_err(not_wayfield)?;
     match value.get("version").and_then(serde_json::Value::as_u64) {
@@ -203,7 +208,7 @@ fn header(bytes: &[u8]) -> Result<Header, PolicyError> {
     }
 }
 
-fn finite(name: &str, values: &[f32]) -> Result<(), PolicyError> {
+fn check_all_finite(name: &str, values: &[f32]) -> Result<(), PolicyError> {
     match values.iter().position(|value| !value.is_finite()) {
         Some(index) => Err(PolicyError::NonFinite { name: name.into(), index, value: values[index] }),
         None => Ok(()),

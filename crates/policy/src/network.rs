@@ -1,20 +1,20 @@
 //! The shape of a Q-network (fig. 5 of the paper), and its forward pass in plain loops.
 //!
-//! Fully connected layers with ReLU, then Q-values, plain or dueling. The learner computes the same function on
-//! dfdx; `crates/learning/tests/policy.rs` holds one against the other.
+//! Fully connected layers with ReLU, then Q-values, plain or dueling. The learner computes the same function with
+//! dfdx; `crates/learning/tests/policy.rs` compares the two.
 
 use std::fmt;
 use std::ops::{Range, RangeInclusive};
 
 use serde::{Deserialize, Serialize};
 
-/// The most parameters of a network: 64 MB of f32.
+/// The maximum number of parameters of a network: 64 MB of f32.
 pub const MAX_PARAMETERS: usize = 1 << 24;
-/// The most units of a layer, and the most inputs.
+/// The maximum number of units of a layer, and of inputs.
 const MAX_UNITS: usize = 4096;
-/// The most hidden layers.
+/// The maximum number of hidden layers.
 const MAX_LAYERS: usize = 8;
-/// The most actions: replay buffers store an action in one byte.
+/// The maximum number of actions. Replay buffers store an action in one byte.
 const MAX_ACTIONS: usize = 255;
 
 /// The sizes of a Q-network.
@@ -31,14 +31,14 @@ pub struct NetworkShape {
     pub dueling: bool,
 }
 
-/// One named parameter tensor and its place in the flat parameter vector.
+/// The name and shape of one parameter tensor, and its range in the flat parameter vector.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ParameterView {
     /// The tensor's name, such as "hidden.0.weight", "value.bias" or "output.weight".
     pub name: String,
     /// `[outputs, inputs]` for a weight (row-major, as in PyTorch), `[outputs]` for a bias.
     pub shape: Vec<usize>,
-    /// Its range in the flat parameter vector.
+    /// The tensor's range in the flat parameter vector.
     pub range: Range<usize>,
 }
 
@@ -46,9 +46,9 @@ pub struct ParameterView {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{field}` {problem}")]
 pub struct ShapeError {
-    /// The size at fault, such as "network.hidden[1]".
+    /// The name of the size, such as "network.hidden[1]".
     pub field: String,
-    /// What is wrong, and the range that is allowed.
+    /// The problem and the allowed range, as the rest of a sentence that begins with `field`.
     pub problem: String,
 }
 
@@ -56,7 +56,7 @@ impl NetworkShape {
     /// Checks every size against its range.
     ///
     /// # Errors
-    /// The first size out of its range.
+    /// The first size that is out of its range.
     pub fn check(&self) -> Result<(), ShapeError> {
         in_range("network.inputs", self.inputs, 1..=MAX_UNITS)?;
         in_range("network.actions", self.actions, 1..=MAX_ACTIONS)?;
@@ -64,10 +64,10 @@ impl NetworkShape {
         in_range("network.parameters", self.parameter_count(), 1..=MAX_PARAMETERS)
     }
 
-    /// Checks the widths of hidden layers alone: at most 8 layers, each of 1 to 4096 units.
+    /// Checks the widths of hidden layers only: at most 8 layers, each of 1 to 4096 units.
     ///
     /// # Errors
-    /// Too many layers, or the first width out of its range.
+    /// There are too many layers, or a width is out of its range.
     pub fn check_hidden(hidden: &[usize]) -> Result<(), ShapeError> {
         if hidden.len() > MAX_LAYERS {
             let problem = format!("has {} layers; help: give at most {MAX_LAYERS}", hidden.len());
@@ -77,8 +77,8 @@ impl NetworkShape {
         widths.try_for_each(|(i, &width)| in_range(&format!("network.hidden[{i}]"), width, 1..=MAX_UNITS))
     }
 
-    /// `(inputs, outputs)` of each layer, the head last. A dueling head has one output for the state value V,
-    /// then one per action for the advantages A.
+    /// The sizes `(inputs, outputs)` of each layer; the head comes last. A dueling head has one output for the state
+    /// value V, then one per action for the advantages A.
     pub fn layers(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let head = self.actions + usize::from(self.dueling);
         let inputs = std::iter::once(self.inputs).chain(self.hidden.iter().copied());
@@ -93,8 +93,8 @@ impl NetworkShape {
         })
     }
 
-    /// Every parameter tensor in its stable order. A dueling head is stored as one matrix whose first row
-    /// belongs to the state value.
+    /// All parameter tensors, in the order of the flat parameter vector. A dueling head is one matrix there; its first
+    /// row is the state value's.
     #[must_use]
     pub fn parameters(&self) -> Vec<ParameterView> {
         let mut views = Vec::new();
@@ -124,7 +124,7 @@ impl NetworkShape {
 }
 
 impl fmt::Display for NetworkShape {
-    /// As in "28-64-64-dueling 5".
+    /// The sizes from inputs to actions, such as "28-64-64-dueling 5".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}-", self.inputs)?;
         self.hidden.iter().try_for_each(|width| write!(f, "{width}-"))?;
@@ -132,7 +132,7 @@ impl fmt::Display for NetworkShape {
     }
 }
 
-/// Working memory of a forward pass. Reuse one to decide without allocating.
+/// The working memory of a forward pass. Reusing it avoids allocations.
 #[derive(Debug, Clone, Default)]
 pub struct Scratch {
     units: Vec<f32>,
@@ -141,7 +141,7 @@ pub struct Scratch {
 
 /// The Q-values of one `observation` under a network of `shape` with these flat `parameters`, in `scratch`.
 ///
-/// `observation` must have `shape.inputs` elements; `parameters` must have [`NetworkShape::parameter_count`].
+/// `observation` has `shape.inputs` elements, `parameters` has [`NetworkShape::parameter_count`].
 pub(crate) fn forward<'a>(
     shape: &NetworkShape,
     parameters: &[f32],
@@ -173,7 +173,7 @@ pub(crate) fn forward<'a>(
     &units[1..]
 }
 
-/// The index of the largest Q-value of `q_row`; the lowest index among equals. An empty row gives 0.
+/// The greedy action: the index of the largest Q-value in `q_row`, the lowest index among equals. An empty row gives 0.
 #[must_use]
 pub fn greedy(q_row: &[f32]) -> usize {
     let mut best = 0;
@@ -216,14 +216,14 @@ mod tests {
         assert_eq!(names, expected);
         let mut end = 0;
         for view in &views {
-            assert_eq!(view.range.start, end, "{} follows the one before", view.name);
+            assert_eq!(view.range.start, end, "{} directly follows the previous tensor", view.name);
             end = view.range.end;
         }
         assert_eq!(end, shape(&[3], true).parameter_count());
     }
 
     #[test]
-    fn a_plain_network_is_relu_layers_worked_by_hand() {
+    fn a_plain_network_matches_a_calculation_by_hand() {
         // One hidden unit: relu(1*3 - 2*1 + 0.5) = 1.5. Outputs: 2*1.5 + 1 = 4 and -1*1.5 + 0 = -1.5.
         let parameters = [1.0, -2.0, 0.5, 2.0, -1.0, 1.0, 0.0];
         let mut scratch = Scratch::default();
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_out_of_range_are_named_and_never_overflow() {
+    fn a_size_out_of_range_is_named_and_does_not_overflow() {
         let error = shape(&[5000], true).check().expect_err("a layer of 5000 units");
         assert_eq!(error.field, "network.hidden[0]");
         assert!(shape(&[1; 9], true).check().is_err(), "nine layers");

@@ -1,38 +1,38 @@
-//! Eq. (8) of the paper: what the policy sees, as the numbers that its network takes.
+//! The observation: the inputs of the policy's network, eq. (8) of the paper.
 //!
-//! In: a scan, and the goal's bearing and distance. Out: one row in the paper's order
-//! `d_1 ... d_B, phi_0, d_g, d_o, n` (B beams; 28 numbers for 24): as they are ([`Encoding::Raw`]), or each scaled
-//! so that it is of the order of one ([`Encoding::Scaled`]):
+//! In: a scan, and the goal's bearing and distance. Out: a row in the paper's order `d_1 ... d_B, phi_0, d_g, d_o, n`, which
+//! is B + 4 numbers for B beams (28 for 24). [`Encoding::Raw`] keeps the units; [`Encoding::Scaled`] divides each number
+//! by a constant, so that all are of the order of one:
 //!
-//! | columns | meaning | scaled by |
+//! | index | meaning | divided by |
 //! |---|---|---|
-//! | 0 .. B-1 | LIDAR ranges d_1 ... d_B, in m | / [`RANGE_SCALE_M`] (3.5 m) |
-//! | B | phi_0, angle from the heading to the goal, in rad, left positive | / pi |
-//! | B+1 | d_g, distance to the goal, in m | / [`DISTANCE_SCALE_M`] (4 m) |
-//! | B+2 | d_o, the smallest reported range, in m | / [`RANGE_SCALE_M`] |
-//! | B+3 | n, the index of that beam, 0 .. B-1 | / B |
+//! | 0 .. B-1 | LIDAR ranges d_1 ... d_B, in m | [`RANGE_SCALE_M`] (3.5 m) |
+//! | B | phi_0, angle from the heading to the goal, in rad, left positive | pi |
+//! | B+1 | d_g, distance to the goal, in m | [`DISTANCE_SCALE_M`] (4 m) |
+//! | B+2 | d_o, the smallest range, in m | [`RANGE_SCALE_M`] |
+//! | B+3 | n, the index of the beam with that range, 0 .. B-1 | B |
 //!
 //! The paper does not say whether it scales its inputs; see `docs/algorithm.md`.
 
 use serde::{Deserialize, Serialize};
 
-/// LIDAR ranges are divided by this length, in m.
+/// The divisor of LIDAR ranges in [`Encoding::Scaled`], in m.
 pub const RANGE_SCALE_M: f32 = 3.5;
-/// The goal's distance is divided by this length, in m.
+/// The divisor of the goal's distance in [`Encoding::Scaled`], in m.
 pub const DISTANCE_SCALE_M: f32 = 4.0;
 
-/// The units in which the numbers of eq. (8) enter the network. A policy needs the encoding it was trained with.
+/// The scaling of an observation. A policy needs the encoding that it was trained with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Encoding {
-    /// Each divided by a constant, so that it is of the order of one.
+    /// Each number is divided by a constant, so that it is of the order of one.
     #[default]
     Scaled,
-    /// Unscaled: metres, radians, metres, metres, and the beam's index.
+    /// Nothing is scaled: lengths are in m, the bearing in rad, and n is the beam's index.
     Raw,
 }
 
 impl Encoding {
-    /// The divisors of ranges, the bearing, the goal's distance and the index of a beam among `beams`.
+    /// The divisors of the ranges, the bearing, the goal's distance and the index of one of `beams` beams.
     fn divisors(self, beams: usize) -> [f32; 4] {
         match self {
             Self::Scaled => [RANGE_SCALE_M, core::f32::consts::PI, DISTANCE_SCALE_M, beams as f32],
@@ -41,17 +41,20 @@ impl Encoding {
     }
 }
 
-/// The length of an observation of a scanner with `beams` beams.
+/// The length of an observation from a LIDAR with `beams` beams.
 #[must_use]
 pub const fn width(beams: usize) -> usize {
     beams + 4
 }
 
-/// Writes eq. (8) in `encoding` into `row`, which must be [`width`]`(ranges_m.len())` long.
+/// Writes the observation into `row`, which must have [`width`]`(ranges_m.len())` elements.
 ///
-/// `ranges_m` holds one range per beam, in m: beam 0 at the angle at which the scenario's LIDAR starts (straight
-/// ahead for a full turn), the others counterclockwise. `bearing_rad` is the angle from the heading to the goal in
-/// (-pi, pi], left positive; `distance_m` is the distance to it.
+/// `ranges_m` has one range per beam, in m, counterclockwise from the LIDAR's first beam (which points straight ahead if
+/// the field of view is a full turn). `bearing_rad` is the angle from the heading to the goal in (-pi, pi], left positive;
+/// `distance_m` is the distance to the goal.
+///
+/// # Panics
+/// `row` is too short.
 pub fn encode(encoding: Encoding, ranges_m: &[f32], bearing_rad: f32, distance_m: f32, row: &mut [f32]) {
     let beams = ranges_m.len();
     let [range_scale, bearing_scale, distance_scale, index_scale] = encoding.divisors(beams);
@@ -72,7 +75,7 @@ pub fn encode(encoding: Encoding, ranges_m: &[f32], bearing_rad: f32, distance_m
 mod tests {
     use super::*;
 
-    /// Beam 6 of 24 measures 0.7 m; the goal is 2 m away, 90 degrees to the right.
+    /// The observation when beam 6 of 24 measures 0.7 m and the goal is 2 m away, 90 degrees to the right.
     fn row(encoding: Encoding) -> Vec<f32> {
         let mut ranges_m = vec![3.5; 24];
         ranges_m[6] = 0.7;

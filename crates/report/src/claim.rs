@@ -1,11 +1,11 @@
-//! Claims and their results.
+//! Results of claims.
 
 /// The result of a claim: whether the data support it, with the numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClaimResult {
     /// The claim.
     pub claim: String,
-    /// Whether it held.
+    /// Whether the claim held.
     pub outcome: ClaimOutcome,
     /// The numbers behind the outcome, in a sentence.
     pub sentence: String,
@@ -35,7 +35,7 @@ impl ClaimOutcome {
         }
     }
 
-    /// The outcome as a symbol. The symbols differ in shape, so that they can be told apart without colour.
+    /// The outcome as a symbol. The symbols differ in shape, so that they do not depend on colour.
     #[must_use]
     pub fn glyph(self) -> char {
         match self {

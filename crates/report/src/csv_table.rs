@@ -1,6 +1,6 @@
-//! Tables as CSV.
+//! The CSV format of tables.
 
-use crate::format::{MAX_DIGITS, is_zero};
+use crate::format::{MAX_DECIMALS, is_zero};
 use crate::table::{Cell, Table};
 
 impl Table {
@@ -61,12 +61,12 @@ fn censored_field(cell: &Cell) -> String {
     }
 }
 
-/// A plain number with two decimals more than `digits`; empty if it is not finite.
+/// `value` as a plain number with two decimals more than `digits`; empty if it is not finite.
 fn plain(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    let text = format!("{value:.*}", (digits.min(MAX_DIGITS) + 2).min(MAX_DIGITS));
+    let text = format!("{value:.*}", (digits.min(MAX_DECIMALS) + 2).min(MAX_DECIMALS));
     if is_zero(&text) { text.trim_start_matches('-').to_owned() } else { text }
 }
 
@@ -76,7 +76,7 @@ mod tests {
     use crate::samples;
 
     #[test]
-    fn a_csv_reader_gets_all_values_back() {
+    fn a_csv_reader_reads_all_values_back() {
         let csv = samples::table().to_csv();
         let mut reader = csv::Reader::from_reader(csv.as_bytes());
         let headings: Vec<_> = reader.headers().expect("headings").iter().map(str::to_owned).collect();

@@ -1,20 +1,20 @@
-//! Numbers as text for readers.
+//! The format of numbers in reports and figures.
 
-/// More decimals than these carry no information in an `f64`.
-pub(crate) const MAX_DIGITS: usize = 15;
+/// The maximum number of decimals.
+pub(crate) const MAX_DECIMALS: usize = 15;
 
-/// `value` with `digits` decimals (at most 15), a true minus sign and commas between thousands; a dash if it is not
-/// finite.
+/// `value` with `decimals` decimals (at most 15), a true minus sign and thousands separated by commas. An en dash if
+/// `value` is not finite.
 ///
 /// ```
 /// assert_eq!(wayfield_report::format::number(-1234.5, 1), "−1,234.5");
 /// ```
 #[must_use]
-pub fn number(value: f64, digits: usize) -> String {
+pub fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return "\u{2013}".to_owned();
     }
-    let plain = format!("{:.*}", digits.min(MAX_DIGITS), value.abs());
+    let plain = format!("{:.*}", decimals.min(MAX_DECIMALS), value.abs());
     let whole = plain.find('.').unwrap_or(plain.len());
     let mut text = String::new();
     if value < 0.0 && !is_zero(&plain) {
@@ -29,7 +29,7 @@ pub fn number(value: f64, digits: usize) -> String {
     text
 }
 
-/// Whether a printed number has no digit other than 0.
+/// Whether all digits of a formatted number are 0.
 pub(crate) fn is_zero(text: &str) -> bool {
     !text.bytes().any(|b| (b'1'..=b'9').contains(&b))
 }
@@ -40,7 +40,7 @@ mod tests {
 
     #[test]
     fn numbers_have_a_true_minus_and_commas_between_thousands() {
-        for (value, digits, text) in [
+        for (value, decimals, text) in [
             (0.0, 0, "0"),
             (-0.04, 1, "0.0"),
             (-0.05, 2, "\u{2212}0.05"),
@@ -50,7 +50,7 @@ mod tests {
             (f64::NAN, 1, "\u{2013}"),
             (f64::NEG_INFINITY, 1, "\u{2013}"),
         ] {
-            assert_eq!(number(value, digits), text);
+            assert_eq!(number(value, decimals), text);
         }
         assert!(number(1.0, usize::MAX).starts_with("1.0"));
     }

@@ -1,21 +1,21 @@
 //! Figures, tables, statistics and report pages, made from plain numbers.
 //!
-//! Everything is returned as text (SVG, HTML, Markdown, CSV) or as PNG bytes; the caller writes the files. The same
-//! numbers give the same bytes on every machine: nothing here reads a clock, a random number or an installed font.
+//! All functions return text (SVG, HTML, Markdown, CSV) or PNG bytes; the caller writes the files. The same numbers give
+//! the same bytes on every machine, because no clock, random number or installed font is used.
 //!
 //! | module | contents |
 //! |---|---|
 //! | [`chart`] | figures as SVG: [curves with 95 % bands](chart::CurveChart), [dot plots](chart::DotPlot), [scenario maps](chart::ScenarioMap) |
 //! | [`run_figure`] | the figure of a single training run |
-//! | [`raster`] | SVG to PNG |
+//! | [`raster`] | the conversion of SVG to PNG |
 //! | [`statistics`] | means over seeds with 95 % confidence intervals |
 //! | [`smoothing`] | the moving mean |
 //! | [`table`] | tables, as CSV and Markdown |
 //! | [`claim`] | whether the data support a claim: held, not shown or reversed |
 //! | [`page`] | a report made of text, figures and tables, as HTML and Markdown |
-//! | [`format`](mod@format) | numbers as text |
+//! | [`format`](mod@format) | the format of numbers |
 //!
-//! Values that are not finite are left out of figures and shown as a dash in tables.
+//! Non-finite values are left out of figures and displayed as a dash in tables.
 //!
 //! # Example
 //!

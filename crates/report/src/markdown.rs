@@ -1,4 +1,4 @@
-//! Reports and tables as GitHub's Markdown. Markup in names and sentences is escaped.
+//! Reports and tables as GitHub-flavoured Markdown. Markup characters in names and sentences are escaped.
 
 use crate::claim::{ClaimResult, tally};
 use crate::page::{Item, Page, Section, Setting};
@@ -6,35 +6,35 @@ use crate::page_text::{CLAIMS, PROVENANCE, SETTINGS, paragraphs, percent_encoded
 use crate::table::{Column, ColumnKind, Table};
 
 impl Table {
-    /// The table as GitHub's Markdown: the title, the rows, and the notes as a list.
+    /// The table as GitHub-flavoured Markdown: the title, the rows, and the notes as a list.
     #[must_use]
     pub fn to_markdown(&self) -> String {
-        let cell = |row, i| inline(&Table::cell(row, i).text());
+        let cell = |row, i| escaped(&Table::cell(row, i).text());
         let rows: Vec<Vec<String>> =
             self.rows.iter().map(|row| (0..self.columns.len()).map(|i| cell(row, i)).collect()).collect();
-        let mut blocks = vec![format!("**{}**", inline(&self.title)), grid(&self.columns, &rows)];
+        let mut blocks = vec![format!("**{}**", escaped(&self.title)), markdown_table(&self.columns, &rows)];
         if !self.notes.is_empty() {
-            blocks.push(list(self.notes.iter().map(|note| start(note))));
+            blocks.push(list(self.notes.iter().map(|note| line_start(note))));
         }
         document(&blocks)
     }
 }
 
 impl Page {
-    /// The report as GitHub's Markdown.
+    /// The report as GitHub-flavoured Markdown.
     #[must_use]
     pub fn to_markdown(&self) -> String {
-        markdown(self)
+        page_markdown(self)
     }
 }
 
-fn markdown(page: &Page) -> String {
-    let mut blocks = vec![format!("# {}", inline(&page.title))];
-    blocks.extend(page.warning.iter().map(|warning| format!("> **Warning:** {}", inline(warning))));
+fn page_markdown(page: &Page) -> String {
+    let mut blocks = vec![format!("# {}", escaped(&page.title))];
+    blocks.extend(page.warning.iter().map(|warning| format!("> **Warning:** {}", escaped(warning))));
     blocks.extend(page.lead.iter().flat_map(|text| escaped_paragraphs(text)));
     blocks.extend(claims(&page.claims));
-    for one in &page.sections {
-        section(&mut blocks, one);
+    for section in &page.sections {
+        add_section(&mut blocks, section);
     }
     if !page.settings.is_empty() {
         blocks.push(format!("## {SETTINGS}"));
@@ -42,7 +42,7 @@ fn markdown(page: &Page) -> String {
     }
     if !page.provenance.is_empty() {
         blocks.push(format!("## {PROVENANCE}"));
-        blocks.push(list(page.provenance.iter().map(|(n, v)| format!("**{}:** {}", inline(n), inline(v)))));
+        blocks.push(list(page.provenance.iter().map(|(n, v)| format!("**{}:** {}", escaped(n), escaped(v)))));
     }
     document(&blocks)
 }
@@ -51,27 +51,27 @@ fn claims(claims: &[ClaimResult]) -> Vec<String> {
     let Some(tally) = tally(claims) else { return Vec::new() };
     let rows: Vec<_> = claims
         .iter()
-        .map(|one| {
-            let claim = format!("[{}](#{})", inline(&one.claim), percent_encoded(&one.anchor));
-            vec![outcome(one), claim, inline(&one.sentence)]
+        .map(|result| {
+            let claim = format!("[{}](#{})", escaped(&result.claim), percent_encoded(&result.anchor));
+            vec![outcome_text(result), claim, escaped(&result.sentence)]
         })
         .collect();
     let columns = ["Result", "Claim", "Numbers"].map(text_column);
-    vec![format!("## {CLAIMS}"), tally, grid(&columns, &rows)]
+    vec![format!("## {CLAIMS}"), tally, markdown_table(&columns, &rows)]
 }
 
-fn section(blocks: &mut Vec<String>, section: &Section) {
-    // GitHub makes anchors from headings; links need the section's id.
-    blocks.push(format!("<a id=\"{}\"></a>", html(&section.id)));
-    blocks.push(format!("## {}", inline(&section.heading)));
+fn add_section(blocks: &mut Vec<String>, section: &Section) {
+    // GitHub derives anchors from headings, but the links use the section's id.
+    blocks.push(format!("<a id=\"{}\"></a>", escaped_html(&section.id)));
+    blocks.push(format!("## {}", escaped(&section.heading)));
     blocks.extend(escaped_paragraphs(&section.about));
     for item in &section.items {
         match item {
             Item::Text(text) => blocks.extend(escaped_paragraphs(text)),
             Item::Figure { name, caption, claim_results, .. } => {
                 let (svg, png) = (relative_url("figures", name, "svg"), relative_url("figures", name, "png"));
-                blocks.push(format!("![{}]({svg})", inline(name)));
-                blocks.push(format!("{} ([SVG]({svg}), [PNG]({png}))", start(caption)));
+                blocks.push(format!("![{}]({svg})", escaped(name)));
+                blocks.push(format!("{} ([SVG]({svg}), [PNG]({png}))", line_start(caption)));
                 blocks.extend(claim_list(claim_results));
             }
             Item::Table { table, claim_results } => {
@@ -86,13 +86,18 @@ fn section(blocks: &mut Vec<String>, section: &Section) {
 }
 
 fn claim_list(claim_results: &[ClaimResult]) -> Option<String> {
-    let line = |one: &ClaimResult| {
-        format!("{}: *{}*\\\n  {}", outcome(one), inline(&one.claim), start(&one.sentence))
+    let line = |result: &ClaimResult| {
+        format!(
+            "{}: *{}*\\\n  {}",
+            outcome_text(result),
+            escaped(&result.claim),
+            line_start(&result.sentence)
+        )
     };
     (!claim_results.is_empty()).then(|| list(claim_results.iter().map(line)))
 }
 
-fn outcome(claim_result: &ClaimResult) -> String {
+fn outcome_text(claim_result: &ClaimResult) -> String {
     format!("{}\u{a0}{}", claim_result.outcome.glyph(), claim_result.outcome.word().replace(' ', "\u{a0}"))
 }
 
@@ -101,12 +106,12 @@ fn setting(setting: &Setting) -> String {
     let fence = "`".repeat((longest + 1).max(3));
     format!(
         "<details><summary>{}</summary>\n\n{fence}ron\n{}\n{fence}\n\n</details>",
-        html(&setting.heading),
+        escaped_html(&setting.heading),
         setting.ron.trim_end(),
     )
 }
 
-/// The blocks, separated by blank lines.
+/// The Markdown document of `blocks`, separated by blank lines.
 fn document(blocks: &[String]) -> String {
     blocks.join("\n\n") + "\n"
 }
@@ -116,16 +121,16 @@ fn list(lines: impl Iterator<Item = String>) -> String {
 }
 
 fn escaped_paragraphs(text: &str) -> Vec<String> {
-    paragraphs(text).map(|paragraph| start(&paragraph)).collect()
+    paragraphs(text).map(|paragraph| line_start(&paragraph)).collect()
 }
 
 fn text_column(heading: &str) -> Column {
     Column { heading: heading.to_owned(), unit: String::new(), kind: ColumnKind::Text }
 }
 
-/// A table with aligned columns. The cells are escaped already.
-fn grid(columns: &[Column], rows: &[Vec<String>]) -> String {
-    let headings: Vec<_> = columns.iter().map(|column| inline(&column.text())).collect();
+/// A Markdown table with aligned columns. The cells must already be escaped.
+fn markdown_table(columns: &[Column], rows: &[Vec<String>]) -> String {
+    let headings: Vec<_> = columns.iter().map(|column| escaped(&column.text())).collect();
     let lines = || std::iter::once(&headings).chain(rows);
     let width = |i: usize| lines().map(|line| line[i].chars().count()).max().unwrap_or(0).max(3);
     let widths: Vec<_> = (0..columns.len()).map(width).collect();
@@ -146,23 +151,23 @@ fn grid(columns: &[Column], rows: &[Vec<String>]) -> String {
     lines.join("\n")
 }
 
-/// Escaped text within a line.
-fn inline(text: &str) -> String {
-    let mut escaped = String::new();
-    for c in line(text).chars() {
+/// `text` on one line, with the characters escaped that are markup anywhere in a line.
+fn escaped(text: &str) -> String {
+    let mut result = String::new();
+    for c in single_line(text).chars() {
         match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '$' => escaped.extend(['\\', c]),
-            _ => escaped.push(c),
+            '&' => result.push_str("&amp;"),
+            '<' => result.push_str("&lt;"),
+            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '$' => result.extend(['\\', c]),
+            _ => result.push(c),
         }
     }
-    escaped
+    result
 }
 
-/// Escaped text at the start of a line, where `#`, `-` and `1.` are markup too.
-fn start(text: &str) -> String {
-    let text = inline(text);
+/// `text` escaped for the start of a line, where `#`, `-` and `1.` are markup too.
+fn line_start(text: &str) -> String {
+    let text = escaped(text);
     let digits = text.bytes().take_while(u8::is_ascii_digit).count();
     let (number, rest) = text.split_at(digits);
     let numbered = digits > 0 && (rest.len() == 1 || rest.as_bytes().get(1) == Some(&b' '));
@@ -173,13 +178,13 @@ fn start(text: &str) -> String {
     }
 }
 
-/// Text within an HTML element or attribute, on one line.
-fn html(text: &str) -> String {
-    maud::html! { (line(text)) }.into_string()
+/// `text` on one line, escaped for an HTML element or attribute.
+fn escaped_html(text: &str) -> String {
+    maud::html! { (single_line(text)) }.into_string()
 }
 
-/// Text on one line. Non-breaking spaces are kept.
-fn line(text: &str) -> String {
+/// `text` with line breaks and runs of spaces replaced by single spaces. Non-breaking spaces are kept.
+fn single_line(text: &str) -> String {
     text.split_ascii_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -188,8 +193,8 @@ mod tests {
     use super::*;
     use crate::samples::{page, table};
 
-    /// The number of cell separators, escaped bars not counted.
-    fn bars(line: &str) -> usize {
+    /// The number of cell separators, without escaped bars.
+    fn separators(line: &str) -> usize {
         line.replace("\\|", "").matches('|').count()
     }
 
@@ -200,7 +205,7 @@ mod tests {
         assert_eq!(lines.len(), 4);
         let length = lines[0].chars().count();
         for line in &lines {
-            assert_eq!((bars(line), line.chars().count()), (6, length), "{line}");
+            assert_eq!((separators(line), line.chars().count()), (6, length), "{line}");
         }
         assert!(lines[1].starts_with("| ---") && lines[1].contains("-: |"));
         assert!(lines[2].contains("a \\| b, &lt;i>") && lines[2].contains(" 99.4 \u{b1} 0.8 |"));
@@ -210,8 +215,8 @@ mod tests {
     }
 
     #[test]
-    fn the_page_has_all_its_parts_and_escapes_their_text() {
-        let text = markdown(&page());
+    fn a_page_has_all_its_parts_with_escaped_text() {
+        let text = page().to_markdown();
         assert!(text.starts_with("# A \"report\" &lt;of> us\n\n> **Warning:** Only 2 seeds &lt;each>.\n"));
         for part in [
             "\n\\# First &amp; &lt;last>.\n",
@@ -228,17 +233,17 @@ mod tests {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
         assert!(!text.contains("<script") && !text.contains("<svg"));
-        assert_eq!(text, markdown(&page()));
+        assert_eq!(text, page().to_markdown(), "the text is reproducible");
     }
 
     #[test]
     fn only_markup_is_escaped() {
-        assert_eq!(start("96.8 of 100"), "96.8 of 100");
-        assert_eq!(start("1. one"), "1\\. one");
-        assert_eq!(start("7)"), "7\\)");
-        assert_eq!(start("- x"), "\\- x");
-        assert_eq!(start("2023"), "2023");
-        assert_eq!(start(""), "");
-        assert_eq!(inline("a_b *c* `d`\n e\u{a0}f"), "a\\_b \\*c\\* \\`d\\` e\u{a0}f");
+        assert_eq!(line_start("96.8 of 100"), "96.8 of 100");
+        assert_eq!(line_start("1. one"), "1\\. one");
+        assert_eq!(line_start("7)"), "7\\)");
+        assert_eq!(line_start("- x"), "\\- x");
+        assert_eq!(line_start("2023"), "2023");
+        assert_eq!(line_start(""), "");
+        assert_eq!(escaped("a_b *c* `d`\n e\u{a0}f"), "a\\_b \\*c\\* \\`d\\` e\u{a0}f");
     }
 }

@@ -7,7 +7,7 @@
 use crate::claim::ClaimResult;
 use crate::table::Table;
 
-/// A report. All its text is plain: markup in it is escaped.
+/// A report. All text is plain: markup in it is escaped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// The title.
@@ -22,7 +22,7 @@ pub struct Page {
     pub sections: Vec<Section>,
     /// The exact settings that were used.
     pub settings: Vec<Setting>,
-    /// How the report was made, as names and values: version, machine, seeds, command.
+    /// The provenance of the report, as names and values: version, machine, seeds, command.
     pub provenance: Vec<(String, String)>,
 }
 
@@ -46,7 +46,7 @@ pub enum Item {
     Text(String),
     /// A figure, which is also in `figures/` as `.svg` and `.png`.
     Figure {
-        /// The stem of its file names, such as `fig9`.
+        /// The stem of the figure's file names, such as `fig9`.
         name: String,
         /// The figure as SVG. It is trusted and inserted without escaping.
         svg: String,

@@ -1,4 +1,4 @@
-//! Text that the HTML and the Markdown report share.
+//! Headings and text functions that the HTML and Markdown reports share.
 
 /// The heading above the summary of claims.
 pub(crate) const CLAIMS: &str = "Claim results";
@@ -7,7 +7,7 @@ pub(crate) const SETTINGS: &str = "Exact settings";
 /// The heading above the provenance.
 pub(crate) const PROVENANCE: &str = "How this report was made";
 
-/// The paragraphs of a text, which blank lines separate.
+/// The paragraphs of a text, separated by blank lines, each as a single line.
 pub(crate) fn paragraphs(text: &str) -> impl Iterator<Item = String> {
     let mut parts = vec![String::new()];
     for line in text.lines().map(str::trim) {
@@ -29,7 +29,7 @@ pub(crate) fn relative_url(folder: &str, name: &str, extension: &str) -> String 
     format!("{folder}/{}.{extension}", percent_encoded(name))
 }
 
-/// A name, percent-encoded for a link.
+/// The percent-encoding of a name for a link.
 pub(crate) fn percent_encoded(name: &str) -> String {
     let mut text = String::new();
     for byte in name.bytes() {

@@ -1,6 +1,6 @@
-//! SVG figures as PNG.
+//! Conversion of SVG figures to PNG.
 //!
-//! Only the embedded font is used, so the same figure gives the same bytes on every machine.
+//! Only the embedded font is used, so a figure has the same bytes on every machine.
 
 use std::sync::{Arc, LazyLock};
 
@@ -13,7 +13,7 @@ use crate::style::DrawError;
 const FONT: &[u8] = include_bytes!("../../../assets/fonts/wayfield-sans.ttf");
 const FAMILY: &str = "Wayfield Sans";
 
-/// The embedded font, which replaces every font family that a figure names.
+/// The font database: the embedded font stands in for every font family that a figure names.
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     let mut fonts = fontdb::Database::new();
     fonts.load_font_data(FONT.to_vec());
@@ -23,10 +23,10 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// The bytes of a PNG file that shows an SVG on white, with `scale` pixels per SVG pixel.
+/// The PNG file of an SVG figure on a white background, with `scale` pixels per SVG pixel.
 ///
 /// # Errors
-/// `svg` is not valid SVG, or the picture would be empty or too large for memory.
+/// `svg` is not valid SVG, or the image would have no pixels or be too large for memory.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
     let options =
         Options { font_family: FAMILY.to_owned(), fontdb: Arc::clone(&FONTS), ..Options::default() };
@@ -35,7 +35,7 @@ pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
     let pixels = |length: f32| (length * scale).round() as u32;
     let (width, height) = (pixels(size.width()), pixels(size.height()));
     let mut picture = Pixmap::new(width, height)
-        .ok_or_else(|| DrawError::new(format!("cannot make a picture of {width} x {height} pixels")))?;
+        .ok_or_else(|| DrawError::new(format!("cannot create an image of {width} x {height} pixels")))?;
     picture.fill(Color::WHITE);
     resvg::render(&tree, Transform::from_scale(scale, scale), &mut picture.as_mut());
     picture.encode_png().map_err(DrawError::new)
@@ -55,16 +55,16 @@ mod tests {
         assert_eq!((picture.width(), picture.height()), (240, 80));
         let dark = picture.pixels().iter().filter(|p| p.red() < 100).count();
         assert!(dark > 200, "{dark} dark pixels: the text is missing");
-        assert_eq!(bytes, png(FIGURE, 2.0).expect("the figure is drawn"), "the same bytes each time");
+        assert_eq!(bytes, png(FIGURE, 2.0).expect("the figure is drawn"), "the bytes are reproducible");
     }
 
     #[test]
     fn the_font_has_every_character_that_figures_use() {
-        let drawn =
+        let png_of =
             |c: char| png(&FIGURE.replace("−±εαβ≥", &c.to_string()), 1.0).expect("the figure is drawn");
-        let unknown = drawn('\u{4e00}');
+        let missing_glyph = png_of('\u{4e00}');
         for c in "−±εαβγσµμΔ·≥≤≈°%–—…→×²₁‘’“”".chars() {
-            assert_ne!(drawn(c), unknown, "{c} is missing");
+            assert_ne!(png_of(c), missing_glyph, "{c} is missing");
         }
     }
 

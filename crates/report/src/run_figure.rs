@@ -32,12 +32,12 @@ pub struct EvaluationPoint {
 
 /// The success rate that the paper reports, in percent.
 const PAPER_PERCENT: f64 = 96.0;
-/// Episodes in the moving mean.
+/// The number of episodes in the moving mean.
 const WINDOW: usize = 50;
 
 /// The figure of a run, as the text of an SVG file of less than 300 kB.
 ///
-/// Points may come in any order. Values that are not finite are left out; no points at all give an empty figure. The
+/// Points may be in any order. Non-finite values are left out; without points, the figure is empty. The
 /// evaluation marked as the best is the latest whose cost is at most `cost_tolerance` (1 or more) times the lowest.
 ///
 /// # Errors
@@ -69,7 +69,7 @@ pub fn learning_curve_svg(
     chart.svg()
 }
 
-/// (x, y) values: thousands of environment steps, and what was measured there.
+/// (x, y) values: thousands of environment steps, and the value measured there.
 type Series = Vec<(f64, f64)>;
 
 fn success_panel(success: Series) -> ChartPanel {
@@ -135,7 +135,7 @@ fn best_marker(evaluations: &[EvaluationPoint], cost_tolerance: f64) -> Option<E
     let best = known().filter(|e| e.mean_cost_s <= cost_tolerance * lowest).max_by_key(|e| e.env_steps)?;
     let steps = number(best.env_steps as f64, 0);
     let time = best.mean_time_s.map_or(String::new(), |s| format!(", {s:.1} s per goal"));
-    // Rounded down, so that only a policy without a failure shows 100%.
+    // The rate is rounded down, so that only a policy without a failure has 100%.
     let percent = (best.success_rate.clamp(0.0, 1.0) * 1000.0 + 1e-9).floor() / 10.0;
     let label = format!("best: {percent}% at {steps} steps{time}");
     Some(EventMarker { x: thousands(best.env_steps), label })

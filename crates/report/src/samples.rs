@@ -53,7 +53,7 @@ pub(crate) fn svg() -> String {
     format!(r#"<?xml version="1.0"?><svg xmlns="{xmlns}" viewBox="0 0 9 9"><rect/></svg>"#)
 }
 
-/// A page with one of everything, and with markup in all its text.
+/// A page with one item of each kind, and with markup in all its text.
 pub(crate) fn page() -> Page {
     let figure = Item::Figure {
         name: "fig 9".into(),

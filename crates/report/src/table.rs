@@ -1,4 +1,6 @@
-//! Tables: headings with units, cells and notes. A table is written as CSV, Markdown or, in a [page](crate::page), HTML.
+//! Tables: headings with units, cells and notes.
+//!
+//! A table is written as CSV or Markdown, or as HTML in a [page](crate::page).
 
 use crate::claim::ClaimOutcome;
 use crate::format::{is_zero, number};
@@ -6,7 +8,7 @@ use crate::format::{is_zero, number};
 /// A table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// The stem of its file names, such as `table2`.
+    /// The stem of the table's file names, such as `table2`.
     pub name: String,
     /// The title, in one line.
     pub title: String,
@@ -23,13 +25,13 @@ pub struct Table {
 pub struct Column {
     /// The heading.
     pub heading: String,
-    /// The unit of its numbers; empty if there is none.
+    /// The unit of the numbers; it may be empty.
     pub unit: String,
-    /// The kind of its cells.
+    /// The kind of the cells.
     pub kind: ColumnKind,
 }
 
-/// The kind of a column's cells, which decides their alignment.
+/// The kind of a column's cells, which determines their alignment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnKind {
     /// Text, aligned to the left.
@@ -38,8 +40,8 @@ pub enum ColumnKind {
     Number,
 }
 
-/// A cell of a table. `digits` are the decimals shown. A value that is not finite is shown as a dash; a half width that
-/// is unknown or not finite is left out.
+/// A cell of a table. `digits` is the number of decimals. A non-finite value is displayed as a dash; an unknown or
+/// non-finite half width is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     /// Nothing.

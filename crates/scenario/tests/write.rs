@@ -1,4 +1,4 @@
-//! Scenarios written as text: the canonical form, and small diffs against the text they were read from.
+//! Scenarios as text: the canonical form, and small diffs to the text that a scenario was read from.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ fn read(text: &str) -> Scenario {
 
 fn shipped() -> Vec<(PathBuf, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join("scenarios");
-    let entries = std::fs::read_dir(folder).expect("the folder is there");
+    let entries = std::fs::read_dir(folder).expect("the folder exists");
     let files = entries.map(|entry| entry.expect("an entry").path());
     files
         .filter(|file| file.is_file())
@@ -31,7 +31,7 @@ fn file(name: &str) -> String {
     text
 }
 
-/// `text` after `change`, written like it was.
+/// `text` after `change`.
 fn edited(text: &str, change: impl FnOnce(&mut Scenario)) -> String {
     let mut scenario = read(text);
     change(&mut scenario);
@@ -40,7 +40,7 @@ fn edited(text: &str, change: impl FnOnce(&mut Scenario)) -> String {
     written
 }
 
-/// The lines that only one of two texts has: those of `before` with a `-`, those of `after` with a `+`.
+/// The lines that differ: those of `before` with a `-`, those of `after` with a `+`.
 fn diff(before: &str, after: &str) -> String {
     let (a, b): (Vec<_>, Vec<_>) = (before.split('\n').collect(), after.split('\n').collect());
     let shorter = a.len().min(b.len());
@@ -59,7 +59,7 @@ fn circle(x: f32, y: f32) -> Obstacle {
     }
 }
 
-/// A world in which nothing has its default.
+/// A scenario in which no field has its default.
 fn everything() -> Scenario {
     let moving = |shape, motion| Obstacle { shape, position_m: vec2(1.0, -2.5), rotation_rad: 0.1, motion };
     Scenario {
@@ -237,22 +237,22 @@ const EVERYTHING: &str = r#"(
 "#;
 
 #[test]
-fn the_canonical_form_to_the_letter() {
+fn the_canonical_text_of_every_field() {
     assert_eq!(to_text(&everything(), None), EVERYTHING);
     assert_eq!(to_text(&Scenario::default(), None), "(\n    name: \"Empty\",\n)\n", "defaults are left out");
 }
 
 #[test]
-fn the_canonical_form_is_a_fixed_point() {
+fn the_canonical_text_is_stable() {
     let scenario = read(EVERYTHING);
     assert_eq!(scenario, everything());
     assert_eq!(to_text(&scenario, None), EVERYTHING);
     assert_eq!(to_text(&scenario, Some(EVERYTHING)), EVERYTHING);
-    assert!(scenario.obstacles[6].position_m.x.is_sign_negative(), "-0.0 stays what it is");
+    assert!(scenario.obstacles[6].position_m.x.is_sign_negative(), "-0.0 keeps its sign");
 }
 
 #[test]
-fn every_shipped_file_is_written_as_it_is() {
+fn every_shipped_file_keeps_its_bytes() {
     for (path, text) in shipped() {
         assert_eq!(to_text(&read(&text), Some(&text)), text, "{}", path.display());
         let canonical = to_text(&read(&text), None);
@@ -261,14 +261,14 @@ fn every_shipped_file_is_written_as_it_is() {
 }
 
 #[test]
-fn what_is_no_scenario_is_no_model() {
+fn an_invalid_old_text_is_ignored() {
     for broken in ["", "(", "(name: 3)", "(name: \"x\") // and no more\n)"] {
         assert_eq!(to_text(&everything(), Some(broken)), EVERYTHING, "{broken:?}");
     }
 }
 
 #[test]
-fn moving_one_obstacle_changes_one_line() {
+fn moving_an_obstacle_changes_one_line() {
     let text = file("scenario-1.ron");
     assert_eq!(
         diff(&text, &edited(&text, |scenario| scenario.obstacles[1].position_m = vec2(-0.75, 0.6))),
@@ -283,7 +283,7 @@ fn moving_one_obstacle_changes_one_line() {
 }
 
 #[test]
-fn an_obstacle_less_an_obstacle_more() {
+fn removing_and_adding_an_obstacle_changes_one_line() {
     let text = file("scenario-1.ron");
     assert_eq!(
         diff(&text, &edited(&text, |scenario| drop(scenario.obstacles.remove(2)))),
@@ -294,18 +294,18 @@ fn an_obstacle_less_an_obstacle_more() {
     let between = edited(&text, |scenario| scenario.obstacles.insert(1, circle(1.0, 1.5)));
     assert_eq!(diff(&text, &between), "+        (shape: Circle(radius_m: 0.15), position_m: (1.0, 1.5)),\n");
     assert_eq!(edited(&between, |scenario| drop(scenario.obstacles.remove(1))), text);
-    // The last one takes nothing with it but itself; its field has a comment, so it stays.
+    // Without obstacles, the field and its comment stay.
     let none = edited(&text, |scenario| scenario.obstacles.clear());
     assert!(none.contains("(The first one bars the benchmark route.)\n    obstacles: [],\n)"), "{none}");
 }
 
 #[test]
-fn one_number_of_the_lidar_leaves_all_else() {
+fn changing_one_number_keeps_everything_else() {
     let text = file("empty.ron");
     let (before, after) = ("max_range_m: 3.5,", "max_range_m: 4.25,");
     assert_eq!(text.matches(before).count(), 1);
     assert_eq!(edited(&text, |scenario| scenario.lidar.max_range_m = 4.25), text.replace(before, after));
-    // Inside hand-made lines with comments behind them.
+    // In an aligned line with a comment behind it.
     assert_eq!(
         diff(&text, &edited(&text, |scenario| scenario.task.max_episode_steps = 800)),
         "-        max_episode_steps: 500,      // the episode is cut off here\n\
@@ -314,7 +314,7 @@ fn one_number_of_the_lidar_leaves_all_else() {
 }
 
 #[test]
-fn a_field_that_was_not_written_goes_where_the_schema_has_it() {
+fn a_new_field_is_inserted_in_the_order_of_the_schema() {
     let text = file("scenario-1.ron");
     let wall = Wall { corners_m: vec![vec2(0.0, 0.0), vec2(1.0, 0.0)], thickness_m: 0.1 };
     let walled = edited(&text, |scenario| scenario.walls.push(wall));
@@ -323,21 +323,21 @@ fn a_field_that_was_not_written_goes_where_the_schema_has_it() {
         "+    walls: [\n+        (corners_m: [(0.0, 0.0), (1.0, 0.0)]),\n+    ],\n+\n",
         "{walled}"
     );
-    assert!(walled.contains("round.\",\n\n    walls: [\n"), "behind `about`: {walled}");
-    assert_eq!(edited(&walled, |scenario| scenario.walls.clear()), text, "and goes without a trace");
+    assert!(walled.contains("round.\",\n\n    walls: [\n"), "after `about`: {walled}");
+    assert_eq!(edited(&walled, |scenario| scenario.walls.clear()), text, "removing it restores the text");
 
     let limited = edited(&text, |scenario| scenario.task.max_episode_steps = 800);
     assert_eq!(diff(&text, &limited), "+\n+    task: (max_episode_steps: 800),\n");
-    let turned = edited(&text, |scenario| scenario.obstacles[0].rotation_rad = 0.5);
+    let rotated = edited(&text, |scenario| scenario.obstacles[0].rotation_rad = 0.5);
     assert_eq!(
-        diff(&text, &turned),
+        diff(&text, &rotated),
         "-        (shape: Circle(radius_m: 0.15), position_m: (0.6, 0.6)),\n\
          +        (shape: Circle(radius_m: 0.15), position_m: (0.6, 0.6), rotation_rad: 0.5),\n"
     );
 }
 
 #[test]
-fn defaults_that_are_spelled_out_stay_and_comments_stay_aligned() {
+fn written_defaults_stay_and_comments_stay_aligned() {
     let text = file("empty.ron");
     assert_eq!(
         diff(&text, &edited(&text, |scenario| scenario.robot.motions[0].w_rad_s = 2.0)),
@@ -354,12 +354,12 @@ fn defaults_that_are_spelled_out_stay_and_comments_stay_aligned() {
     let tabbed = text.replace("0.0,             // standard", "0.0,\t\t\t\t\t\t\t\t\t\t\t\t\t// standard");
     assert_ne!(tabbed, text);
     let changed = edited(&tabbed, |scenario| scenario.lidar.beams = 36);
-    assert_eq!(changed, tabbed.replace("beams: 24", "beams: 36"), "tabs of a line that has not changed stay");
+    assert_eq!(changed, tabbed.replace("beams: 24", "beams: 36"), "an unchanged line keeps its tabs");
     let (before, after) = ("0.0,             // standard", "0.0125,          // standard");
     assert_eq!(edited(&text, |scenario| scenario.lidar.noise_std_m = 0.0125), text.replace(before, after));
 }
 
-/// A file that nobody would write, to see that nothing of it is lost.
+/// A file with comments and spaces in unusual places.
 const ODD: &str = "// Head (with a bracket)\n#![enable(implicit_some)] /* so */\nScenario(\n\
   \tlidar: ( beams : 30 /* not ( 24 */ , dropout:0.1),// why: \"it\" rains\n\
   \tname: r#\"An \"odd\" one\"#, /* a /* nested */ one */ obstacles: [ // three\n\
@@ -372,7 +372,7 @@ const ODD: &str = "// Head (with a bracket)\n#![enable(implicit_some)] /* so */\
   \tgoals: Fixed(position_m: (1.0, 1.0), heading_rad: Some(1.0)) /* last */\n) // done\n/* really */";
 
 #[test]
-fn odd_comments_stay() {
+fn comments_in_unusual_places_stay() {
     let same = |change: &dyn Fn(&mut Scenario), from: &str, to: &str| {
         assert_eq!(ODD.matches(from).count(), 1, "{from}");
         assert_eq!(edited(ODD, change), ODD.replace(from, to));
@@ -404,7 +404,7 @@ fn odd_comments_stay() {
 }
 
 #[test]
-fn what_goes_takes_its_comments_and_leaves_others() {
+fn a_removed_obstacle_takes_only_its_own_comments() {
     let place = |text: &str, keep: &[usize]| {
         edited(text, |scenario| {
             let places = [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(2.0, 2.0)];
@@ -439,7 +439,7 @@ fn what_goes_takes_its_comments_and_leaves_others() {
 }
 
 #[test]
-fn a_file_keeps_its_line_ends() {
+fn a_file_keeps_its_line_endings() {
     let text = file("scenario-1.ron").replace('\n', "\r\n");
     assert_eq!(to_text(&read(&text), Some(&text)), text);
     let written = edited(&text, |scenario| {
@@ -458,7 +458,7 @@ fn a_file_keeps_its_line_ends() {
 }
 
 #[test]
-fn a_world_of_ten_thousand_keeps_its_lines() {
+fn a_list_of_ten_thousand_obstacles_changes_in_one_line() {
     let scenario = Scenario {
         obstacles: (0..10_000_u16).map(|k| circle(f32::from(k), 0.5)).collect(),
         ..Scenario::default()
@@ -466,7 +466,7 @@ fn a_world_of_ten_thousand_keeps_its_lines() {
     let text = to_text(&scenario, None);
     let line = "        (shape: Circle(radius_m: 0.15), position_m: (7000.0, 0.5)),\n";
     assert_eq!(edited(&text, |scenario| drop(scenario.obstacles.remove(7000))), text.replace(line, ""));
-    // So much at once that elements are told apart by their order only.
+    // So many changes that elements are matched by their order only.
     edited(&text, |scenario| {
         scenario.obstacles.retain(|obstacle| obstacle.position_m.x % 3.0 != 0.0);
         scenario.obstacles.iter_mut().for_each(|obstacle| obstacle.position_m.y = 0.75);
@@ -516,7 +516,7 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
 }
 
 fn obstacle() -> impl Strategy<Value = Obstacle> {
-    // Few different ones, so that two lists share some.
+    // Few different obstacles, so that two lists share some.
     let few = (0_u8..5).prop_map(|k| circle(f32::from(k), 0.0));
     let any = (shape(), point(), number(), motion()).prop_map(|(shape, position_m, rotation_rad, motion)| {
         Obstacle { shape, position_m, rotation_rad, motion }
@@ -621,7 +621,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     )
 }
 
-/// All of a scenario's numbers, so that 0.0 and -0.0 differ and NaN is NaN.
+/// A scenario as text in which 0.0 and -0.0 differ and NaN equals NaN.
 fn spelled(scenario: &Scenario) -> String {
     format!("{scenario:?}")
 }
@@ -630,53 +630,53 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_scenario_reads_back_to_the_bit(scenario in scenario(), other in scenario()) {
+    fn any_scenario_is_read_back_bit_identically(scenario in scenario(), other in scenario()) {
         let text = to_text(&scenario, None);
         prop_assert_eq!(spelled(&read(&text)), spelled(&scenario), "{}", text);
         prop_assert_eq!(to_text(&read(&text), None), text.clone());
 
-        // With marks all over another scenario's text, which make it more than canonical.
+        // Comments in another scenario's text, so that it is not canonical.
         let marked = to_text(&other, None).replace("(\n", "( // in\n").replace("lidar: (", "lidar: ( /* l */");
         let marked = format!("// head\n{} // end", marked.trim_end());
         prop_assert_eq!(to_text(&read(&marked), Some(&marked)), marked.clone());
         let written = to_text(&scenario, Some(&marked));
-        prop_assert_eq!(spelled(&read(&written)), spelled(&scenario), "{}\nlike {}", written, marked);
-        let served = written.starts_with("// head\n( // in\n") && written.ends_with(") // end");
-        prop_assert!(served, "the model served: {}", written);
+        prop_assert_eq!(spelled(&read(&written)), spelled(&scenario), "{}\nold text: {}", written, marked);
+        let keeps_comments = written.starts_with("// head\n( // in\n") && written.ends_with(") // end");
+        prop_assert!(keeps_comments, "the old text is used: {}", written);
         prop_assert_eq!(to_text(&scenario, Some(&written)), written.clone());
-        // And back.
+        // And back again.
         let back = to_text(&other, Some(&written));
         prop_assert_eq!(spelled(&read(&back)), spelled(&other), "{}", back);
-        prop_assert!(back.starts_with("// head\n( // in\n"), "the model served: {}", back);
+        prop_assert!(back.starts_with("// head\n( // in\n"), "the old text is used: {}", back);
     }
 
     #[test]
-    fn comments_anywhere_are_no_hindrance(
+    fn comments_may_be_anywhere(
         scenario in scenario(),
         other in scenario(),
         seeds in vec(0_usize..40, 1..60),
     ) {
         let plain = Scenario { name: "x".into(), about: String::new(), ..other };
-        let like = strewn(&to_text(&plain, None), &seeds);
-        prop_assert_eq!(spelled(&read(&like)), spelled(&plain), "{}", like);
-        let written = to_text(&scenario, Some(&like));
-        prop_assert_eq!(spelled(&read(&written)), spelled(&scenario), "{}\nlike {}", written, like);
-        prop_assert!(written.starts_with("// head\n"), "the model served: {}\nlike {}", written, like);
+        let old_text = with_trivia(&to_text(&plain, None), &seeds);
+        prop_assert_eq!(spelled(&read(&old_text)), spelled(&plain), "{}", old_text);
+        let written = to_text(&scenario, Some(&old_text));
+        prop_assert_eq!(spelled(&read(&written)), spelled(&scenario), "{}\nold text: {}", written, old_text);
+        prop_assert!(written.starts_with("// head\n"), "the old text is used: {}\nold text: {}", written, old_text);
     }
 }
 
-/// `text`, whose strings have no brackets, with comments and line ends behind some of its brackets, commas and colons.
-fn strewn(text: &str, seeds: &[usize]) -> String {
+/// `text`, whose strings contain no brackets, with comments and line breaks behind some brackets, commas and colons.
+fn with_trivia(text: &str, seeds: &[usize]) -> String {
     const TRIVIA: [&str; 8] =
         ["// c )\n", " /* a, ( */ ", "\n", "\n\n\n", "/* a\n\n b */", " // d\n\n// e\n", "/*/**/*/", " "];
     let mut seeds = seeds.iter().cycle();
-    let mut strewn = String::from("// head\n");
+    let mut out = String::from("// head\n");
     for c in text.chars() {
-        strewn.push(c);
+        out.push(c);
         if matches!(c, '(' | ')' | '[' | ']' | ',' | ':') {
             let seed = seeds.next().copied().unwrap_or_default();
-            strewn += TRIVIA.get(seed).copied().unwrap_or_default();
+            out += TRIVIA.get(seed).copied().unwrap_or_default();
         }
     }
-    strewn
+    out
 }

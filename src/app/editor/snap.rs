@@ -1,16 +1,16 @@
-//! Snapping: what is dragged goes to the grid, to the world's middle, to sizes and angles that are even.
-//!
-//! In: where the pointer is. Out: where the thing goes; to the millimetre and 0.0001 rad in any case.
+//! Snapping of positions, sizes and angles. Without snapping they are rounded to 1 mm and 0.0001 rad.
 
-use super::points::{MIN_SIZE_M, to_angle, to_mm};
 use bevy::math::{Vec2, vec2};
 
-/// Whether and how finely.
+use super::limits::MIN_SIZE_M;
+use super::points::{to_angle, to_mm};
+
+/// The settings of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snap {
-    /// Or else to the millimetre only.
+    /// Whether to snap.
     pub on: bool,
-    /// The grid's step, in m: one of [`Snap::STEPS_M`].
+    /// The grid step in m, one of [`Snap::STEPS_M`].
     pub step_m: f32,
 }
 
@@ -21,35 +21,36 @@ impl Default for Snap {
 }
 
 impl Snap {
-    /// The steps that can be chosen, in m.
+    /// The grid steps to choose from, in m.
     pub const STEPS_M: [f32; 4] = [0.05, 0.1, 0.25, 0.5];
     /// The step of angles, in degrees.
     pub const STEP_DEGREES: f32 = 15.0;
 
-    /// The same, or none at all.
+    /// The same settings, without snapping if `free`.
     pub(super) fn disabled_if(self, free: bool) -> Self {
         Self { on: self.on && !free, ..self }
     }
 
-    /// A place: on the grid through (0, 0), or on a line through the world's `middle` where that is nearer.
-    pub(super) fn point(self, at: Vec2, middle: Vec2) -> Vec2 {
-        vec2(self.coordinate(at.x, middle.x), self.coordinate(at.y, middle.y))
+    /// A position: each coordinate snaps to the grid through (0, 0) or to that of the scenario's `centre`, whichever is
+    /// nearer.
+    pub(super) fn point(self, position: Vec2, centre: Vec2) -> Vec2 {
+        vec2(self.coordinate(position.x, centre.x), self.coordinate(position.y, centre.y))
     }
 
-    fn coordinate(self, at: f32, middle: f32) -> f32 {
+    fn coordinate(self, at: f32, centre: f32) -> f32 {
         if !self.on {
             return to_mm(at);
         }
         let grid = self.stepped(at);
-        to_mm(if (middle - at).abs() < (grid - at).abs() { middle } else { grid })
+        to_mm(if (centre - at).abs() < (grid - at).abs() { centre } else { grid })
     }
 
-    /// A size: so many steps, one at least.
+    /// A size: a multiple of the step, at least one step. Without snapping, at least 1 cm.
     pub(super) fn size(self, size_m: f32) -> f32 {
         if self.on { self.stepped(size_m).max(self.step_m) } else { to_mm(size_m).max(MIN_SIZE_M) }
     }
 
-    /// An angle in rad.
+    /// An angle in rad: a multiple of 15°.
     pub(super) fn angle(self, angle_rad: f32) -> f32 {
         let step = Self::STEP_DEGREES.to_radians();
         to_angle(if self.on { (angle_rad / step).round() * step } else { angle_rad })
@@ -65,16 +66,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_go_to_the_grid_or_to_the_worlds_middle() {
+    fn positions_snap_to_the_grid_or_to_the_centre() {
         let snap = Snap { on: true, step_m: 0.25 };
         assert_eq!(snap.point(vec2(0.37, -0.38), vec2(0.0, 0.0)), vec2(0.25, -0.5));
-        assert_eq!(snap.point(vec2(0.37, -0.38), vec2(0.4, -0.4)), vec2(0.4, -0.4), "the middle is nearer");
-        assert_eq!(snap.point(vec2(0.13, 0.1), vec2(0.1, 5.0)), vec2(0.1, 0.0), "each axis for itself");
+        assert_eq!(snap.point(vec2(0.37, -0.38), vec2(0.4, -0.4)), vec2(0.4, -0.4), "the centre is nearer");
+        assert_eq!(snap.point(vec2(0.13, 0.1), vec2(0.1, 5.0)), vec2(0.1, 0.0), "each axis snaps on its own");
         assert_eq!(snap.disabled_if(true).point(vec2(0.371_4, -0.38), vec2(0.0, 0.0)), vec2(0.371, -0.38));
     }
 
     #[test]
-    fn sizes_are_never_nothing() {
+    fn sizes_are_at_least_one_step() {
         let snap = Snap { on: true, step_m: 0.1 };
         assert_eq!([0.34, 0.02, -3.0].map(|size| snap.size(size)), [0.3, 0.1, 0.1]);
         let free = snap.disabled_if(true);
@@ -82,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_go_by_fifteen_degrees() {
+    fn angles_snap_to_fifteen_degrees() {
         let snap = Snap::default();
         let degrees = |angle: f32| snap.angle(angle.to_radians()).to_degrees().round();
         assert_eq!([37.0, 38.0, -7.0, 200.0].map(degrees), [30.0, 45.0, 0.0, -165.0]);

@@ -1,38 +1,44 @@
-//! The document as a whole: every operation, and the way back from it.
-#![expect(clippy::approx_constant, reason = "angles as a file has them, to four decimals")]
+//! The document as a whole: every operation, and undo.
+#![expect(clippy::approx_constant, reason = "angles are stored with four decimals")]
 
 mod drags;
+mod kinds;
+mod new_items;
 mod random_edits;
 mod saving;
 mod tools;
 
-use super::body::bounding_radius;
+use std::path::Path;
+use std::sync::Arc;
+
+use bevy::math::{Vec2, vec2};
+
+use super::limits::item_count;
 use super::points::to_mm;
 use super::*;
 use crate::scenario::{
-    Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Shape, Wall,
-    clearance, parse_ron, to_ron,
+    Diagnostic, Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Scenario,
+    Shape, Wall, clearance, diagnostics, parse_ron, to_ron,
 };
-use bevy::math::{Vec2, vec2};
 
-/// An editor of this world, as opened from its file.
+/// An editor of a scenario opened from a file.
 fn editor(scenario: Scenario) -> Editor {
-    Editor::open(Arc::new(scenario), "worlds/mine.ron".into(), true)
+    Editor::open(Arc::new(scenario), "scenarios/mine.ron".into(), true)
 }
 
-fn still(shape: Shape, position_m: Vec2) -> Obstacle {
+fn static_obstacle(shape: Shape, position_m: Vec2) -> Obstacle {
     Obstacle { shape, position_m, rotation_rad: 0.0, motion: ObstacleMotion::Static }
 }
 
-fn disc(x: f32, y: f32) -> Obstacle {
-    still(Shape::Circle { radius_m: 0.15 }, vec2(x, y))
+fn circle(x: f32, y: f32) -> Obstacle {
+    static_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(x, y))
 }
 
-/// A world with one of everything.
+/// A scenario with one item of every kind.
 fn full() -> Scenario {
     let patrol = ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
     Scenario {
-        obstacles: vec![disc(-1.0, -1.0), Obstacle { motion: patrol, ..disc(1.0, 0.0) }],
+        obstacles: vec![circle(-1.0, -1.0), Obstacle { motion: patrol, ..circle(1.0, 0.0) }],
         walls: vec![Wall {
             corners_m: vec![vec2(-1.5, 0.5), vec2(-1.0, 0.5), vec2(-1.0, 1.0)],
             thickness_m: 0.1,
@@ -48,22 +54,22 @@ fn full() -> Scenario {
     }
 }
 
-/// Asserts that `change` is one step: undone it is as before, redone as after; answers with the world after it.
+/// Asserts that `change` is one undo step. Returns the scenario after it.
 fn one_step(editor: &mut Editor, change: impl FnOnce(&mut Editor)) -> Scenario {
     let (before, revision) = (Arc::clone(editor.scenario()), editor.revision());
     change(editor);
     let after = Arc::clone(editor.scenario());
-    assert_ne!(before, after, "it changes something");
+    assert_ne!(before, after, "the change has an effect");
     assert_ne!(editor.revision(), revision);
     editor.undo();
-    assert_eq!(*editor.scenario(), before, "one undo takes it back");
+    assert_eq!(*editor.scenario(), before, "one undo restores the scenario");
     editor.redo();
-    assert_eq!(*editor.scenario(), after, "one redo brings it again");
+    assert_eq!(*editor.scenario(), after, "one redo repeats the change");
     Scenario::clone(&after)
 }
 
 #[test]
-fn every_operation_is_one_step_back_and_forth() {
+fn every_operation_is_one_undo_step() {
     type Change = fn(&mut Editor);
     let changes: [(Selection, Change); 17] = [
         (Selection::Nothing, |e| e.add(NewItem::Circle, vec2(0.0, 0.0))),
@@ -82,7 +88,7 @@ fn every_operation_is_one_step_back_and_forth() {
         (Selection::Nothing, |e| e.set_enclosure(EnclosureKind::Polygon)),
         (Selection::Nothing, |e| e.edit("name", |s| s.name = "Mine".into())),
         (Selection::Obstacle(1), |e| assert!(e.remove_handle(HandleKind::Waypoint(0)))),
-        (Selection::Goals, |e| assert!(e.remove_handle(HandleKind::Place(1)))),
+        (Selection::Goals, |e| assert!(e.remove_handle(HandleKind::Position(1)))),
     ];
     for (selection, change) in changes {
         let mut editor = editor(full());
@@ -92,10 +98,10 @@ fn every_operation_is_one_step_back_and_forth() {
 }
 
 #[test]
-fn many_steps_lead_all_the_way_back() {
+fn many_steps_can_be_undone_and_redone() {
     let mut editor = editor(full());
     let first = Arc::clone(editor.scenario());
-    let mut worlds = vec![Arc::clone(&first)];
+    let mut versions = vec![Arc::clone(&first)];
     for k in 0..40 {
         match k % 4 {
             0 => editor.add(NewItem::Box, vec2(0.3, 0.3)),
@@ -103,25 +109,25 @@ fn many_steps_lead_all_the_way_back() {
             2 => editor.duplicate(),
             _ => editor.delete(),
         }
-        worlds.push(Arc::clone(editor.scenario()));
+        versions.push(Arc::clone(editor.scenario()));
     }
-    for world in worlds.iter().rev().skip(1) {
+    for version in versions.iter().rev().skip(1) {
         editor.undo();
-        assert_eq!(editor.scenario(), world);
+        assert_eq!(editor.scenario(), version);
     }
     assert!(!editor.can_undo() && !editor.is_modified());
-    for world in &worlds[1..] {
+    for version in &versions[1..] {
         editor.redo();
-        assert_eq!(editor.scenario(), world);
+        assert_eq!(editor.scenario(), version);
     }
     assert!(!editor.can_redo());
     editor.undo();
     editor.add(NewItem::Circle, vec2(0.0, 0.0));
-    assert!(!editor.can_redo(), "another way was taken");
+    assert!(!editor.can_redo(), "a new change drops the steps to redo");
 }
 
 #[test]
-fn typing_in_a_field_is_one_step_until_another() {
+fn typing_in_a_field_is_one_step_until_another_field() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(0));
     for width in [1.0, 1.2, 1.25] {
@@ -132,13 +138,13 @@ fn typing_in_a_field_is_one_step_until_another() {
     editor.close_group();
     editor.edit("goal", |s| s.task.goal_radius_m = 0.25);
     editor.undo();
-    assert_eq!(editor.scenario().task.goal_radius_m, 0.3, "sealed between");
+    assert_eq!(editor.scenario().task.goal_radius_m, 0.3, "the group was closed in between");
     editor.undo();
     assert_eq!((editor.scenario().task.goal_radius_m, editor.scenario().walls[0].thickness_m), (0.2, 1.25));
     editor.undo();
     assert_eq!(editor.scenario().walls[0].thickness_m, 0.1);
-    assert!(!editor.can_undo(), "what changes nothing is no step");
-    // The same field of another selection is another step.
+    assert!(!editor.can_undo(), "an edit without effect is no step");
+    // The same field after another selection is another step.
     editor.edit("radius", |s| s.robot.radius_m = 0.11);
     editor.select(Selection::Obstacle(1));
     editor.edit("radius", |s| s.robot.radius_m = 0.12);
@@ -147,7 +153,7 @@ fn typing_in_a_field_is_one_step_until_another() {
 }
 
 #[test]
-fn undo_selects_what_was_selected_and_never_what_is_gone() {
+fn undo_restores_the_selection_if_its_item_exists() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
     editor.delete();
@@ -163,225 +169,7 @@ fn undo_selects_what_was_selected_and_never_what_is_gone() {
 }
 
 #[test]
-fn what_is_added_stands_in_the_clear() {
-    let mut editor = editor(Scenario::default());
-    for form in [NewItem::Circle, NewItem::Box, NewItem::Capsule, NewItem::Triangle, NewItem::Hexagon] {
-        editor.add(form, vec2(0.0, 0.0));
-        let (mut others, k) = (Scenario::clone(editor.scenario()), editor.scenario().obstacles.len() - 1);
-        assert_eq!(editor.selection(), Selection::Obstacle(k));
-        let added = others.obstacles.remove(k);
-        assert!(
-            clearance(&others, added.position_m, 0) >= bounding_radius(&added.shape),
-            "{form:?} {added:?}"
-        );
-        let on_grid = (added.position_m.x / 0.05).round() * 0.05;
-        assert!((added.position_m.x - on_grid).abs() < 1e-5);
-    }
-    assert_eq!(editor.diagnostics(), [], "nothing is wrong with five of them");
-    // No room at all: it is there all the same, and what is wrong is said.
-    for _ in 0..80 {
-        editor.add(NewItem::Box, vec2(0.0, 0.0));
-    }
-    assert_eq!(editor.scenario().obstacles.len(), 85);
-    assert!(!editor.diagnostics().is_empty());
-}
-
-#[test]
-fn a_polygon_to_begin_with_has_even_corners() {
-    let mut editor = editor(Scenario::default());
-    editor.add(NewItem::Triangle, vec2(1.0, -1.0));
-    let corners_m = vec![vec2(0.0, 0.25), vec2(-0.217, -0.125), vec2(0.217, -0.125)];
-    assert_eq!(editor.scenario().obstacles[0].shape, Shape::Polygon { corners_m });
-    editor.add(NewItem::Hexagon, vec2(1.0, -1.0));
-    let Shape::Polygon { corners_m } = &editor.scenario().obstacles[1].shape else { panic!("a polygon") };
-    assert_eq!(corners_m[..3], [vec2(0.2, 0.0), vec2(0.1, 0.173), vec2(-0.1, 0.173)]);
-}
-
-#[test]
-fn a_copy_is_like_the_thing_and_beside_it() {
-    let mut editor = editor(full());
-    editor.select(Selection::Obstacle(1));
-    editor.duplicate();
-    assert_eq!(editor.selection(), Selection::Obstacle(2));
-    let [_, first, copy] = &editor.scenario().obstacles[..] else { panic!("three obstacles") };
-    let by = copy.position_m - first.position_m;
-    assert!(by.x.hypot(by.y) >= 0.3, "two radii");
-    let ObstacleMotion::Patrol { waypoints_m, .. } = &copy.motion else { panic!("a patrol") };
-    let expected = vec2(to_mm(1.0 + by.x), to_mm(1.5 + by.y));
-    assert_eq!(waypoints_m[0], expected, "its path comes along");
-    // To a place, and after the first is gone.
-    editor.select(Selection::Wall(0));
-    editor.cut();
-    assert!(editor.scenario().walls.is_empty() && editor.can_paste());
-    editor.paste(Some(vec2(0.02, 0.51)));
-    assert_eq!(editor.scenario().walls[0].corners_m, [vec2(0.0, 0.5), vec2(0.5, 0.5), vec2(0.5, 1.0)]);
-    assert_eq!(editor.selection(), Selection::Wall(0));
-    // Again and again: each beside the last.
-    editor.paste(None);
-    editor.paste(None);
-    assert_eq!(editor.scenario().walls[1].corners_m[0], vec2(0.2, 0.3));
-    assert_eq!(editor.scenario().walls[2].corners_m[0], vec2(0.4, 0.1));
-}
-
-#[test]
-fn copies_of_a_random_walk_walk_otherwise() {
-    let mut editor = editor(Scenario::default());
-    editor.add(NewItem::Circle, vec2(1.0, -1.0));
-    editor.set_motion(MotionKind::RandomWalk);
-    editor.duplicate();
-    editor.copy();
-    editor.paste(None);
-    editor.paste(Some(vec2(-1.0, 1.0)));
-    editor.paste(None);
-    let seed = |obstacle: &Obstacle| match obstacle.motion {
-        ObstacleMotion::RandomWalk { seed, .. } => seed,
-        _ => panic!("a random walk"),
-    };
-    let seeds: Vec<_> = editor.scenario().obstacles.iter().map(seed).collect();
-    assert_eq!(seeds, [0, 1, 2, 3, 4]);
-}
-
-#[test]
-fn every_kind_of_motion_fits_the_world() {
-    for at in [vec2(0.0, -0.6), vec2(-1.7, -1.7), vec2(1.0, 1.8), vec2(0.6, 0.0)] {
-        for kind in MotionKind::ALL {
-            for shape in [Shape::Circle { radius_m: 0.1 }, Shape::Rectangle { width_m: 0.2, height_m: 0.1 }] {
-                let mut scenario = Scenario { obstacles: vec![still(shape, at)], ..Scenario::default() };
-                scenario.benchmark_route.start_m = vec2(-1.5, 1.5);
-                scenario.benchmark_route.goal_m = vec2(-1.5, 0.5);
-                let mut editor = editor(scenario);
-                editor.select(Selection::Obstacle(0));
-                editor.set_motion(kind);
-                assert_eq!(MotionKind::from_motion(&editor.scenario().obstacles[0].motion), kind);
-                let outside = |finding: &&Diagnostic| finding.path.starts_with("obstacles");
-                assert_eq!(editor.diagnostics().iter().find(outside), None, "{kind:?} at {at:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn a_patrol_and_a_way_back_share_their_path() {
-    let mut editor = editor(full());
-    editor.select(Selection::Obstacle(1));
-    editor.set_motion(MotionKind::BackAndForth);
-    let expected =
-        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
-    assert_eq!(editor.scenario().obstacles[1].motion, expected);
-    editor.set_motion(MotionKind::Patrol);
-    assert_eq!(editor.scenario().obstacles[1], full().obstacles[1]);
-}
-
-#[test]
-fn an_orbit_is_about_the_worlds_middle_if_there_is_room() {
-    let mut editor = editor(full());
-    editor.select(Selection::Obstacle(0));
-    editor.set_motion(MotionKind::Orbit);
-    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
-    assert_eq!(editor.scenario().obstacles[0].motion, expected);
-    // From a corner that far out it would go through the walls: half a metre to the left there is room.
-    editor.edit("x", |s| s.obstacles[0] = disc(1.5, 1.3));
-    editor.set_motion(MotionKind::Orbit);
-    let expected = ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.3), speed_rad_s: 0.15 };
-    assert_eq!(editor.scenario().obstacles[0].motion, expected);
-}
-
-#[test]
-fn rules_keep_what_they_have_in_common() {
-    let mut editor = editor(full());
-    editor.set_rule(PlacementRole::Goals, PlacementKind::Fixed);
-    assert_eq!(editor.selection(), Selection::Goals);
-    assert_eq!(
-        editor.scenario().goals,
-        PlacementRule::Fixed { position_m: vec2(0.0, 1.5), heading_rad: None }
-    );
-    editor.set_rule(PlacementRole::Goals, PlacementKind::OneOf);
-    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5)] });
-    editor.edit("clearance", |s| s.starts = PlacementRule::Random { clearance_m: 0.5 });
-    editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
-    let (min_m, max_m) = (vec2(-1.0, -1.0), vec2(1.0, 1.0));
-    assert_eq!(editor.scenario().starts, PlacementRule::Within { min_m, max_m, clearance_m: 0.5 });
-    editor.set_rule(PlacementRole::Starts, PlacementKind::Fixed);
-    assert_eq!(
-        editor.scenario().starts,
-        PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: None }
-    );
-    editor.delete();
-    assert_eq!(editor.scenario().starts, PlacementRule::default());
-    assert!(!editor.can_delete(), "there is nothing more to take away");
-}
-
-#[test]
-fn an_enclosure_becomes_a_polygon_and_a_rectangle_again() {
-    let mut editor = editor(full());
-    editor.set_enclosure(EnclosureKind::Polygon);
-    let corners_m = vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(2.0, 2.0), vec2(-2.0, 2.0)];
-    assert_eq!(editor.scenario().enclosure, Enclosure::Polygon { corners_m });
-    editor.edit("corner", |s| {
-        if let Enclosure::Polygon { corners_m } = &mut s.enclosure {
-            corners_m[2] = vec2(3.0, 2.0);
-        }
-    });
-    editor.set_enclosure(EnclosureKind::Rectangle);
-    assert_eq!(editor.scenario().enclosure, Enclosure::Rectangle { width_m: 6.0, height_m: 4.0 });
-}
-
-#[test]
-fn a_wall_is_drawn_corner_by_corner_in_one_step() {
-    let mut editor = editor(Scenario::default());
-    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
-    for at in [vec2(0.01, 0.52), vec2(0.01, 0.52), vec2(1.02, 0.49), vec2(1.0, 1.0)] {
-        editor.click_with_tool(at, false);
-    }
-    editor.click_with_tool(vec2(1.234_56, 1.0), true);
-    editor.undo_tool_point();
-    assert!(!editor.can_undo(), "nothing is in the world yet");
-    let after = one_step(&mut editor, Editor::finish_tool);
-    assert_eq!(
-        after.walls,
-        [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]
-    );
-    assert_eq!(*editor.tool(), Tool::Select);
-    // One corner is no wall.
-    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
-    editor.click_with_tool(vec2(0.0, 0.0), false);
-    editor.finish_tool();
-    assert_eq!(editor.scenario().walls.len(), 1);
-    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
-    editor.undo_tool_point();
-    assert_eq!(*editor.tool(), Tool::Select, "without a corner it is put away");
-}
-
-#[test]
-fn a_path_and_places_are_drawn_for_what_is_selected() {
-    let mut editor = editor(full());
-    editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
-    assert_eq!(*editor.tool(), Tool::Select, "there is nothing to lead");
-    editor.select(Selection::Obstacle(0));
-    editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
-    editor.click_with_tool(vec2(-1.0, 0.0), false);
-    editor.click_with_tool(vec2(0.0, 0.0), false);
-    let after = one_step(&mut editor, Editor::finish_tool);
-    let waypoints_m = vec![vec2(-1.0, 0.0), vec2(0.0, 0.0)];
-    assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 });
-    editor.select(Selection::Starts);
-    editor.set_tool(Tool::Places);
-    for at in [vec2(0.5, 0.5), vec2(0.51, 0.5), vec2(-0.5, 0.0)] {
-        editor.click_with_tool(at, false);
-    }
-    assert_eq!(
-        editor.scenario().starts,
-        PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] }
-    );
-    editor.undo();
-    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });
-    editor.set_tool(Tool::Places);
-    editor.select(Selection::Wall(0));
-    assert_eq!(*editor.tool(), Tool::Select, "the tool was for something else");
-}
-
-#[test]
-fn arrows_go_by_the_grids_step_with_all_that_belongs_to_it() {
+fn nudging_moves_the_item_and_its_path_by_grid_steps() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
     editor.nudge(0, -1, false);
@@ -395,7 +183,7 @@ fn arrows_go_by_the_grids_step_with_all_that_belongs_to_it() {
     assert_eq!(
         editor.scenario().obstacles[1].position_m,
         vec2(1.0, -0.05),
-        "arrow after arrow along x is one step"
+        "repeated nudges along x are one step"
     );
     editor.undo();
     assert_eq!(**editor.scenario(), full());
@@ -410,13 +198,13 @@ fn arrows_go_by_the_grids_step_with_all_that_belongs_to_it() {
 }
 
 #[test]
-fn findings_are_those_of_the_world_at_every_moment() {
-    let mut editor = editor(Scenario { obstacles: vec![disc(1.0, -1.0)], ..Scenario::default() });
+fn diagnostics_are_up_to_date_after_every_change() {
+    let mut editor = editor(Scenario { obstacles: vec![circle(1.0, -1.0)], ..Scenario::default() });
     assert_eq!(editor.diagnostics(), []);
     editor.select(Selection::Obstacle(0));
     assert!(editor.begin_drag(HandleKind::Middle, vec2(1.0, -1.0)));
     editor.drag_to(vec2(1.95, -1.0), false);
-    assert!(editor.has_error(Selection::Obstacle(0)), "it reaches beyond the walls");
+    assert!(editor.has_error(Selection::Obstacle(0)), "it crosses the boundary");
     assert!(!editor.has_error(Selection::Wall(0)) && !editor.has_error(Selection::Nothing));
     editor.drag_to(vec2(1.5, -1.0), false);
     assert_eq!(editor.diagnostics(), []);
@@ -427,66 +215,4 @@ fn findings_are_those_of_the_world_at_every_moment() {
     assert_eq!(editor.diagnostics()[0].path, "name");
     editor.undo();
     assert_eq!(editor.diagnostics(), []);
-}
-
-#[test]
-fn it_knows_whether_it_is_saved_and_where() {
-    let mut editor = editor(full());
-    assert!(!editor.is_modified());
-    assert_eq!(editor.file().as_deref(), Some(Path::new("worlds/mine.ron")));
-    editor.edit("name", |s| s.name = "Mine".into());
-    assert!(editor.is_modified());
-    let saved = Arc::clone(editor.scenario());
-    editor.mark_saved("worlds/other.ron", &saved);
-    assert!(!editor.is_modified());
-    assert_eq!(editor.from(), "worlds/other.ron");
-    editor.undo();
-    assert!(editor.is_modified());
-    editor.redo();
-    assert!(!editor.is_modified());
-    assert_eq!(Editor::open(Arc::default(), "empty".into(), true).file(), None, "it came with the program");
-    assert!(Editor::open(Arc::default(), "empty".into(), false).is_modified());
-}
-
-#[test]
-fn another_scenario_can_be_opened_and_undo_leads_back() {
-    let mut editor = editor(full());
-    editor.select(Selection::Wall(0));
-    editor.copy();
-    editor.nudge(1, 0, false);
-    let revision = editor.revision();
-    editor.open_other("empty", &Arc::new(Scenario::default()));
-    assert_eq!((editor.from(), &**editor.scenario()), ("empty", &Scenario::default()));
-    assert!(!editor.is_modified() && editor.revision() != revision);
-    assert_eq!(editor.selection(), Selection::Nothing);
-    // Nothing is lost: undo leads back to the modified scenario.
-    editor.undo();
-    assert_eq!((editor.from(), editor.scenario().walls.len()), ("worlds/mine.ron", 1));
-    assert!(editor.is_modified());
-    editor.redo();
-    assert_eq!((editor.from(), &**editor.scenario()), ("empty", &Scenario::default()));
-    assert!(!editor.is_modified());
-    editor.paste(None);
-    assert_eq!(editor.scenario().walls.len(), 1, "the copied wall can be pasted");
-}
-
-#[test]
-fn what_was_edited_goes_through_its_file_without_loss() {
-    let mut editor = editor(full());
-    editor.add(NewItem::Capsule, vec2(0.0, -1.5));
-    assert!(editor.begin_drag(HandleKind::Rotate, vec2(1.0, -1.5)));
-    editor.drag_to(vec2(0.123, 0.456), true);
-    editor.end_drag();
-    editor.set_motion(MotionKind::BackAndForth);
-    editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
-    let text = to_ron(&**editor.scenario()).expect("RON");
-    let back: Scenario = parse_ron(&text, "mine.ron").expect("what was written can be read");
-    assert_eq!(back, **editor.scenario());
-    let digits = |word: &str| word.split('.').nth(1).map_or(0, |part| part.trim_end_matches(')').len());
-    let longest = text
-        .split([' ', ',', '(', '\n'])
-        .filter(|word| word.trim_end_matches(')').parse::<f32>().is_ok() && !word.starts_with("6.283"))
-        .map(digits)
-        .max();
-    assert!(longest <= Some(4), "no number has more than four decimals:\n{text}");
 }

@@ -1,102 +1,100 @@
-//! Undo and redo: the world as it was before each step.
-//!
-//! In: each moment before a change. Out: the moment before or after. A moment is the whole world, shared, not copied;
-//! so nothing can be forgotten on the way back.
+//! Undo and redo. Each step keeps the whole scenario before it, shared, so that undo cannot miss a change.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::limits::{MAX_SNAPSHOT_ITEMS, MAX_UNDO_STEPS, item_count};
 use super::selection::Selection;
-use super::things;
 use crate::scenario::Scenario;
 
-/// The most steps that are kept.
-const MAX_UNDO_STEPS: usize = 500;
-/// The most things in all worlds that are kept together: in very large worlds there are fewer steps.
-const MAX_TOTAL_ITEMS: usize = 1_000_000;
+/// Fewest undo steps, however large the scenario.
+const MIN_UNDO_STEPS: usize = 20;
 
-/// A world, and what was selected in it.
+/// A scenario and its selection.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EditSnapshot {
     pub scenario: Arc<Scenario>,
     pub selection: Selection,
-    /// Where it came from, if the step to or from it opened another world.
+    /// The origin of the scenario, if the step to or from this snapshot replaced the document.
     pub origin: Option<Origin>,
 }
 
-/// Where a world came from.
+/// The origin of a scenario.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Origin {
     /// A name or a file.
     pub from: String,
-    /// As it stands there, if it does.
+    /// The scenario as the file has it; `None` if it was never saved.
     pub saved: Option<Arc<Scenario>>,
 }
 
 impl EditSnapshot {
-    /// With its origin only if the step to `other` has to do with that: a world that was saved between is saved still.
-    fn for_step(mut self, other: &Self) -> Self {
+    /// The snapshot, without its origin unless the step to `other` replaces the document. Undoing an ordinary step must
+    /// not forget that the document was saved in between.
+    fn for_step_to(mut self, other: &Self) -> Self {
         self.origin = self.origin.filter(|_| other.origin.is_some());
         self
     }
 }
 
-/// The way back and the way forward.
+/// The steps before and after the present state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct UndoStack {
     before: VecDeque<EditSnapshot>,
     after: Vec<EditSnapshot>,
-    /// The field that the last step is of, while it may go on.
-    field: Option<String>,
+    /// The field that the last step changes, while further changes of it belong to the same step.
+    open_field: Option<String>,
 }
 
 impl UndoStack {
-    /// Notes the moment before a change; there is no way forward any more.
-    pub fn push(&mut self, moment: EditSnapshot) {
-        self.field = None;
+    /// Begins a step: records the state before it and drops the steps to redo.
+    pub fn push(&mut self, snapshot: EditSnapshot) {
+        self.open_field = None;
         self.after.clear();
-        let most = (MAX_TOTAL_ITEMS / things(&moment.scenario).max(1)).clamp(20, MAX_UNDO_STEPS);
-        while self.before.len() >= most {
+        let items = item_count(&snapshot.scenario).max(1);
+        let max_steps = (MAX_SNAPSHOT_ITEMS / items).clamp(MIN_UNDO_STEPS, MAX_UNDO_STEPS);
+        while self.before.len() >= max_steps {
             self.before.pop_front();
         }
-        self.before.push_back(moment);
+        self.before.push_back(snapshot);
     }
 
-    /// The last step is of this field, and may go on.
+    /// Lets further changes of `field` belong to the last step.
     pub fn open_group(&mut self, field: &str) {
-        self.field = Some(field.to_owned());
+        self.open_field = Some(field.to_owned());
     }
 
-    /// Whether a change of this field belongs to the last step.
+    /// Whether a change of `field` belongs to the last step.
     pub fn continues_group(&self, field: &str) -> bool {
-        self.field.as_deref() == Some(field)
+        self.open_field.as_deref() == Some(field)
     }
 
+    /// Ends the last step: the next change is another one.
     pub fn close_group(&mut self) {
-        self.field = None;
+        self.open_field = None;
     }
 
-    /// The moment before the last step, in place of this one.
+    /// Replaces the present state `now` by the state before the last step.
     pub fn undo(&mut self, now: EditSnapshot) -> Option<EditSnapshot> {
-        self.field = None;
-        let moment = self.before.pop_back()?;
-        self.after.push(now.for_step(&moment));
-        Some(moment)
+        self.open_field = None;
+        let snapshot = self.before.pop_back()?;
+        self.after.push(now.for_step_to(&snapshot));
+        Some(snapshot)
     }
 
-    /// The moment after this one, if the way here was [`back`](Self::back).
+    /// Replaces the present state `now` by the state after the step that was undone last.
     pub fn redo(&mut self, now: EditSnapshot) -> Option<EditSnapshot> {
-        self.field = None;
-        let moment = self.after.pop()?;
-        self.before.push_back(now.for_step(&moment));
-        Some(moment)
+        self.open_field = None;
+        let snapshot = self.after.pop()?;
+        self.before.push_back(now.for_step_to(&snapshot));
+        Some(snapshot)
     }
 
-    /// The worlds before and after this moment, as far as no other was opened between.
+    /// The earlier and later versions of the present document, as far as it was not replaced in between.
     pub fn snapshots_of_document(&self) -> impl Iterator<Item = &Arc<Scenario>> {
-        let same = |moment: &&EditSnapshot| moment.origin.is_none();
+        let same = |snapshot: &&EditSnapshot| snapshot.origin.is_none();
         let before = self.before.iter().rev().take_while(same);
-        before.chain(self.after.iter().rev().take_while(same)).map(|moment| &moment.scenario)
+        before.chain(self.after.iter().rev().take_while(same)).map(|snapshot| &snapshot.scenario)
     }
 
     pub fn can_undo(&self) -> bool {
@@ -112,19 +110,19 @@ impl UndoStack {
 mod tests {
     use super::*;
 
-    fn moment(name: &str, origin: Option<Origin>) -> EditSnapshot {
+    fn snapshot(name: &str, origin: Option<Origin>) -> EditSnapshot {
         let scenario = Arc::new(Scenario { name: name.into(), ..Scenario::default() });
         EditSnapshot { scenario, selection: Selection::Nothing, origin }
     }
 
     #[test]
-    fn the_oldest_steps_are_forgotten() {
-        let mut steps = UndoStack::default();
+    fn the_oldest_steps_are_dropped() {
+        let mut stack = UndoStack::default();
         for k in 0..600 {
-            steps.push(moment(&k.to_string(), None));
+            stack.push(snapshot(&k.to_string(), None));
         }
         let (mut oldest, mut count) = (None, 0);
-        while let Some(found) = steps.undo(moment("now", None)) {
+        while let Some(found) = stack.undo(snapshot("now", None)) {
             count += 1;
             oldest = Some(found.scenario.name.clone());
         }
@@ -132,18 +130,18 @@ mod tests {
     }
 
     #[test]
-    fn an_origin_goes_along_only_where_another_world_was_opened() {
+    fn an_origin_is_restored_only_where_the_document_was_replaced() {
         let origin = |from: &str| Some(Origin { from: from.into(), saved: None });
-        let mut steps = UndoStack::default();
-        steps.push(moment("a", origin("a.ron")));
-        steps.push(moment("b", None));
-        let b = steps.undo(moment("b changed", origin("b.ron"))).expect("a step");
-        assert_eq!(b.origin, None, "nothing was opened in this step");
-        let a = steps.undo(moment("b", origin("b, saved elsewhere.ron"))).expect("a step");
+        let mut stack = UndoStack::default();
+        stack.push(snapshot("a", origin("a.ron")));
+        stack.push(snapshot("b", None));
+        let b = stack.undo(snapshot("b changed", origin("b.ron"))).expect("a step");
+        assert_eq!(b.origin, None, "this step did not replace the document");
+        let a = stack.undo(snapshot("b", origin("b, saved elsewhere.ron"))).expect("a step");
         assert_eq!(a.origin, origin("a.ron"));
-        let b = steps.redo(moment("a", origin("a, saved elsewhere.ron"))).expect("a step");
+        let b = stack.redo(snapshot("a", origin("a, saved elsewhere.ron"))).expect("a step");
         assert_eq!(b.origin, origin("b, saved elsewhere.ron"));
-        let changed = steps.redo(moment("b", origin("b.ron"))).expect("a step");
+        let changed = stack.redo(snapshot("b", origin("b.ron"))).expect("a step");
         assert_eq!((changed.scenario.name.as_str(), changed.origin), ("b changed", None));
     }
 }

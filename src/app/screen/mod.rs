@@ -64,7 +64,7 @@ pub fn screen_ui(
         ThemeChoice::Dark => ThemePreference::Dark,
     });
     view_state.followed = view_state.followed.min(view.scene.arenas.len().saturating_sub(1));
-    open_requested_editor(ui, view, view_state, commands);
+    open_requested_editor(view, view_state, commands);
     shortcuts::handle(ui, view, view_state, commands);
     if view_state.editor.is_none() {
         arena_view::steer::handle(ui, view, &mut view_state.interaction.steered, commands);
@@ -80,16 +80,11 @@ pub fn screen_ui(
 }
 
 /// Opens the editor if that was requested since the last frame and it is not open.
-fn open_requested_editor(
-    ui: &Ui,
-    view: &ScreenInput<'_>,
-    view_state: &mut ViewState,
-    commands: &mut Vec<Command>,
-) {
+fn open_requested_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands: &mut Vec<Command>) {
     if let Some(source) = view_state.open_editor.take()
         && view_state.editor.is_none()
     {
-        editor::confirm_exit::enter_editor(ui.ctx(), view, view_state, commands);
+        editor::confirm_exit::enter_editor(view, view_state, commands);
         if let EditorSource::Draft { from, scenario } = source {
             view_state.editor = Some(Box::new(Editor::open(scenario, from, true)));
         }

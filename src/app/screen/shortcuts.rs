@@ -18,9 +18,8 @@ pub fn handle(ui: &Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, comma
     if ctx.text_edit_focused() {
         return;
     }
-    if let Some(editor) =
-        view_state.editor.as_mut().filter(|_| !(view_state.help_open || confirm_exit::is_open(&ctx)))
-    {
+    let dialog_open = view_state.help_open || confirm_exit::is_open(view_state);
+    if let Some(editor) = view_state.editor.as_mut().filter(|_| !dialog_open) {
         editor::shortcuts::handle(ui, editor, view.status, commands);
     }
     let editing = view_state.editor.is_some();
@@ -96,9 +95,9 @@ fn execute(
         Shortcut::Value => overlays.value = !overlays.value,
         Shortcut::QValues => overlays.q_values = !overlays.q_values,
         Shortcut::Edit if view_state.editor.is_some() => {
-            confirm_exit::request_exit(ui.ctx(), view_state, None, commands)
+            confirm_exit::request_exit(view_state, None, commands);
         }
-        Shortcut::Edit => confirm_exit::enter_editor(ui.ctx(), view, view_state, commands),
+        Shortcut::Edit => confirm_exit::enter_editor(view, view_state, commands),
         Shortcut::Theme => {
             view_state.theme = if ui.visuals().dark_mode { ThemeChoice::Light } else { ThemeChoice::Dark }
         }

@@ -105,7 +105,7 @@ pub fn plots_panel_ui(
             plot_context(view.status),
             &mut view_state.interaction.more_plots_open,
             commands,
-        )
+        );
     });
     // Remember the width only when the user releases the edge, not when the window shrinks.
     let after = width(ui);

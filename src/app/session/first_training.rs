@@ -1,6 +1,6 @@
 //! The first training of the app.
 //!
-//! In: [`StartOptions`]. Out: the resources of the session, with a notice for each option that cannot be used.
+//! In: [`StartOptions`]. Out: the resources of the session, with a notice for each invalid option.
 
 use std::path::Path;
 
@@ -17,13 +17,13 @@ use super::start_training::{insert_run, prepare_new, scenario_topic};
 use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
 
-/// Starts the first training. The options were checked before; if they cannot be used after all, the default training
-/// starts, with a notice.
+/// Starts the first training. The options were checked before; if one is nevertheless invalid, the default training starts,
+/// with a notice.
 pub(super) fn start_first(world: &mut World, start: &StartOptions) {
     let default = StartOptions::default();
-    let requested = prepare_new(&start.scenario, &start.preset, start.seed);
+    let requested = prepare_new(&start.scenario, &start.preset, start.seed, &start.extensions);
     let problem = requested.as_ref().err().map(ToString::to_string);
-    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed);
+    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed, &start.extensions);
     match requested.or_else(|_| fallback(&start.preset)).or_else(|_| fallback(&default.preset)) {
         Ok(prepared) => {
             world.insert_resource(Pacer::new(start.pace, start.paused));
@@ -44,7 +44,7 @@ pub(super) fn start_first(world: &mut World, start: &StartOptions) {
         notify(world, scenario_topic(&start.scenario, is_broken), Severity::Error, problem);
     }
     if start.edit && world.resource::<TrainingRun>().config.scenario_from != start.scenario {
-        // The scenario is invalid, as the notice says, but perhaps it can be fixed in the editor.
+        // The scenario is invalid and has a notice, but the user may fix it in the editor.
         let _ = editor_files::open_in_editor(world, Path::new(&start.scenario));
     }
     if let Some(path) = &start.open {

@@ -1,4 +1,4 @@
-//! The source of the scenario: its file, and what the files that the user works with are known to hold.
+//! The scenario's source: its file, and the last known content of the files that the user works with.
 //!
 //! In: every scenario that is loaded, saved or opened in the editor. Out: whether the scenario of the training differs from
 //! its file, and whether a file may be overwritten.
@@ -12,18 +12,18 @@ use crate::run::folder::RunConfig;
 use crate::run::{RunError, shipped};
 use crate::scenario::{Scenario, path_exists};
 
-/// Where the scenario of the training comes from, and what its file is known to hold.
+/// The source of the training's scenario, and the last known content of files.
 #[derive(Resource)]
 pub struct ScenarioSource {
     /// The scenario in its file, or as it is shipped.
     pub(super) loaded: Scenario,
     /// A scenario to adopt when the next episode ends.
     pub(super) pending: Option<Scenario>,
-    /// The scenario that was saved last. `None` once the scenario of the training has changed after it.
+    /// The scenario that was saved last; `None` if the training's scenario has changed since.
     pub(super) saved: Option<ScenarioFile>,
     /// The scenario that was opened last in the editor.
     pub(super) opened_in_editor: Option<ScenarioFile>,
-    /// A file that somebody else has changed, and that the user wanted to overwrite once.
+    /// A file that another program has changed, and that the user has asked once to overwrite.
     overwrite_requested: Option<PathBuf>,
 }
 
@@ -39,7 +39,7 @@ impl ScenarioSource {
         }
     }
 
-    /// Keeps what `old` knows about files when a new training replaces one.
+    /// Copies the known contents of files from `old`, when a new training replaces one.
     pub(super) fn keep_known_files(&mut self, old: Self) {
         self.saved = old.saved;
         self.opened_in_editor = old.opened_in_editor;
@@ -57,17 +57,17 @@ impl ScenarioSource {
         self.saved.as_ref()
     }
 
-    /// Forgets the saved scenario: the scenario of the training is newer.
+    /// Discards the saved scenario, because the training's scenario is newer.
     pub(super) fn forget_saved(&mut self) {
         self.saved = None;
     }
 
-    /// Checks that writing `scenario` to `path` destroys nobody's work. That holds if the file has the same content as when
-    /// it was read or written here last, if it was never read here (the file dialog has asked then), or if the user asks for
-    /// the second time.
+    /// Checks that writing `scenario` to `path` overwrites no changes of another program. The file may be written if its
+    /// content is as last read or written by the app, if the app never read it (the file dialog has asked for confirmation), or
+    /// if the user asks twice.
     ///
     /// # Errors
-    /// Somebody else has changed the file, and the user asks for the first time.
+    /// Another program has changed the file, and the user asks for the first time.
     pub(super) fn check_overwrite(
         &mut self,
         config: &RunConfig,
@@ -94,7 +94,7 @@ impl ScenarioSource {
     }
 }
 
-/// The current content of `from`, a shipped scenario's name or a file.
+/// The current content of `from`, a file or a shipped name.
 pub(super) fn load_source(from: &str) -> Option<Scenario> {
     shipped::scenario(from).ok()
 }

@@ -1,7 +1,7 @@
-//! Trainings started in the app: from random weights, from a policy, or from a checkpoint.
+//! Starting a training in the app: from random weights, from a policy, or from a checkpoint.
 //!
-//! In: names or files. Out: a new [`TrainingRun`] in place of the previous one, its arenas at their first observation. If
-//! something cannot be used, nothing changes.
+//! In: names or files. Out: a new [`TrainingRun`] in place of the previous one, with its arenas reset. After an error,
+//! nothing has changed.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,6 +28,7 @@ use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::{RunError, training_setup};
 use crate::scenario::Scenario;
+use crate::simulation::Extensions;
 
 /// A training that is ready to start.
 pub(super) struct PreparedTraining {
@@ -52,9 +53,14 @@ fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<Prepared
 /// Prepares a training from random weights.
 ///
 /// # Errors
-/// The scenario or the preset cannot be used.
-pub(super) fn prepare_new(scenario: &str, preset: &str, seed: u64) -> Result<PreparedTraining, RunError> {
-    prepare(RunConfig::resolve(scenario, preset, seed)?, None)
+/// The scenario or the preset is invalid.
+pub(super) fn prepare_new(
+    scenario: &str,
+    preset: &str,
+    seed: u64,
+    extensions: &Extensions,
+) -> Result<PreparedTraining, RunError> {
+    prepare(RunConfig::resolve(scenario, preset, seed)?.with_extensions(extensions), None)
 }
 
 /// Inserts the resources of a prepared training, and puts its arenas in place of the current ones.
@@ -101,14 +107,15 @@ pub(super) fn start_or_notify(world: &mut World, scenario: &str, preset: &str, s
 /// Starts a training from random weights.
 ///
 /// # Errors
-/// The scenario or the preset cannot be used.
+/// The scenario or the preset is invalid.
 pub(super) fn start_training(
     world: &mut World,
     scenario: &str,
     preset: &str,
     seed: u64,
 ) -> Result<(), RunError> {
-    let prepared = prepare_new(scenario, preset, seed)?;
+    let extensions = world.resource::<TrainingRun>().config.extensions.clone();
+    let prepared = prepare_new(scenario, preset, seed, &extensions)?;
     world.resource_mut::<Pacer>().set_paused(false);
     replace(world, prepared);
     Ok(())
@@ -133,7 +140,7 @@ pub(super) fn start_in_scenario(world: &mut World, scenario: Scenario, from: Str
 /// Exploration starts at `epsilon`, limited to 0..1.
 ///
 /// # Errors
-/// The policy does not fit.
+/// The policy does not fit the scenario or the preset.
 pub(super) fn start_from_policy(
     world: &mut World,
     scenario: Option<(&str, Scenario)>,
@@ -154,9 +161,10 @@ pub(super) fn start_from_policy(
 /// Resumes the run in the folder at `path`.
 ///
 /// # Errors
-/// The folder holds no run, or one that cannot be used.
+/// The folder has no run, or an invalid one.
 pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
     let (folder, config) = RunFolder::open(path)?;
+    let config = config.resume_with_extensions(&world.resource::<TrainingRun>().config.extensions, path)?;
     let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
     let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
     let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;

@@ -4,29 +4,30 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::run::RunError;
 use crate::run::preset::Preset;
 use crate::run::shipped;
 use crate::scenario::{FileError, Scenario};
 use crate::simulation::Extensions;
 use crate::task::{ObservationLayout, ObservationSlice};
 
-/// The resolved configuration of a run: everything that another run needs to be bit-identical.
+/// The resolved configuration of a run: everything needed to repeat the run bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunConfig {
-    /// The version of wayfield that made the run.
+    /// The version of wayfield that started the run.
     pub version: String,
-    /// The seed of every random stream.
+    /// The seed from which all random streams are derived.
     pub seed: u64,
-    /// The scenario's file or shipped name, as given by the user.
+    /// The scenario's file or the name of a shipped scenario, as given by the user.
     pub scenario_from: String,
-    /// The preset's file or shipped name, as given by the user.
+    /// The preset's file or the name of a shipped preset, as given by the user.
     pub preset_from: String,
-    /// The policy that training starts from, if any.
+    /// The policy that training starts from; `None` for random weights.
     #[serde(default)]
     pub transfer: Option<Transfer>,
-    /// Numbers of ended episodes after which the current policy is saved, in addition to the best and the
-    /// last policy ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
+    /// The numbers of finished episodes after which the current policy is saved, in addition to the best and
+    /// the last policy ([`RunFolder::policy_after_file`](super::RunFolder::policy_after_file)).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub save_policy_after_episodes: Vec<u64>,
     /// The observation slices of plugin sensors.
@@ -35,21 +36,21 @@ pub struct RunConfig {
     /// The names of plugin reward terms.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reward_terms: Vec<String>,
-    /// The plugins, which are not part of the file.
+    /// The plugins. They are not part of the file.
     #[serde(skip)]
     pub extensions: Extensions,
     /// The scenario.
     pub scenario: Scenario,
-    /// The preset, including changes from the command line.
+    /// The preset, including overrides from the command line.
     pub preset: Preset,
 }
 
 impl RunConfig {
-    /// The configuration of a run that starts from random weights, with scenario and preset given by file or
-    /// shipped name.
+    /// The configuration of a run that starts from random weights. `scenario_from` and `preset_from` are files or
+    /// shipped names.
     ///
     /// # Errors
-    /// A file cannot be used. The message gives line, column and a fix.
+    /// A file cannot be read or is invalid. The message gives line, column and a fix.
     pub fn resolve(scenario_from: &str, preset_from: &str, seed: u64) -> Result<Self, FileError> {
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -73,13 +74,29 @@ impl RunConfig {
         Self { sensors, reward_terms, extensions: extensions.clone(), ..self }
     }
 
+    /// This recorded configuration with the user's plugins, for a run that is resumed. `path` is the run folder.
+    ///
+    /// # Errors
+    /// The sensors or reward terms of the plugins differ from the recorded ones.
+    pub fn resume_with_extensions(self, extensions: &Extensions, path: &Path) -> Result<Self, RunError> {
+        let recorded = (self.sensors.clone(), self.reward_terms.clone());
+        let config = self.with_extensions(extensions);
+        if recorded == (config.sensors.clone(), config.reward_terms.clone()) {
+            return Ok(config);
+        }
+        Err(RunError::invalid_input(
+            path,
+            "this run was started with other sensor or reward plugins; help: use the plugins listed in config.ron",
+        ))
+    }
+
     /// The layout of the run's observations.
     #[must_use]
     pub fn observation_layout(&self) -> ObservationLayout {
         ObservationLayout::new(self.preset.observation, self.sensors.clone())
     }
 
-    /// A one-line description.
+    /// A one-line description: scenario, preset, seed, number of arenas, and initial policy.
     #[must_use]
     pub fn description(&self) -> String {
         let name = self.preset_name();
@@ -96,26 +113,26 @@ impl RunConfig {
     /// The scenario's file name without folder and extension.
     #[must_use]
     pub fn scenario_name(&self) -> String {
-        stem(&self.scenario_from)
+        file_stem(&self.scenario_from)
     }
 
     /// The preset's file name without folder and extension.
     #[must_use]
     pub fn preset_name(&self) -> String {
-        stem(&self.preset_from)
+        file_stem(&self.preset_from)
     }
 }
 
-fn stem(from: &str) -> String {
-    Path::new(from).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+fn file_stem(path: &str) -> String {
+    Path::new(path).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Knowledge transfer: training starts from the weights of a policy (section 3.2 of the paper).
+/// The initial policy of a run with knowledge transfer (section 3.2 of the paper).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Transfer {
     /// The policy's file, as given by the user.
     pub policy: String,
-    /// The initial epsilon; `None` for the preset's.
+    /// The initial epsilon; `None` keeps the preset's.
     pub epsilon: Option<f32>,
 }

@@ -26,7 +26,7 @@ impl Run {
         began: Instant,
         listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
-        // Before the folder is created: invalid input must not leave an empty folder.
+        // This check comes before the folder is created, so that invalid input leaves no empty folder.
         let learner = create_learner(&config, policy.as_ref())?;
         let folder = RunFolder::create(out, &config)?;
         Self::from_scratch(config, policy, folder, learner, began, listener)
@@ -62,7 +62,7 @@ impl Run {
     ) -> Result<Self, RunError> {
         let (folder, config) = RunFolder::open(path)?;
         let folder = folder.locked()?;
-        let mut config = same_extensions(config, extensions, path)?;
+        let mut config = config.resume_with_extensions(extensions, path)?;
         if !checkpoint::exists(path) && !has_rows(path) {
             // The run was killed before its first checkpoint, and so before its first step.
             config.preset.budget = budget.unwrap_or(config.preset.budget);
@@ -152,17 +152,4 @@ impl Run {
 fn has_rows(folder: &Path) -> bool {
     let header = || header::<EpisodeRow>().map_or(0, |line| line.len() as u64);
     std::fs::metadata(folder.join("episodes.csv")).is_ok_and(|file| file.len() > header())
-}
-
-/// `config` with the user's plugins, which must be those that the run was started with.
-fn same_extensions(config: RunConfig, extensions: &Extensions, path: &Path) -> Result<RunConfig, RunError> {
-    let recorded = (config.sensors.clone(), config.reward_terms.clone());
-    let config = config.with_extensions(extensions);
-    if recorded == (config.sensors.clone(), config.reward_terms.clone()) {
-        return Ok(config);
-    }
-    Err(RunError::invalid_input(
-        path,
-        "this run was started with other sensor or reward plugins; help: resume it with those in config.ron",
-    ))
 }

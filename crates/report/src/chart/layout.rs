@@ -1,11 +1,12 @@
-//! The size of all figures, and what an empty one shows.
+//! The dimensions that all figures share, and the text of an empty plot.
 
 use plotters::style::text_anchor::HPos;
 
 use crate::style::{Canvas, DrawResult, SOFT_INK, TEXT, write};
 
-// In drawn pixels. Text stays legible when a figure is printed 12 cm wide.
+/// The width of a figure, in drawn pixels. Text stays legible when the figure is printed 12 cm wide.
 pub(crate) const WIDTH: i32 = 1280;
+/// The left edge of the plots, in drawn pixels.
 pub(crate) const LEFT: i32 = 128;
 
 /// Writes "no data yet" into the middle of an empty plot.

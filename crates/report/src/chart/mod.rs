@@ -1,4 +1,4 @@
-//! Figures for comparisons, in one common look.
+//! Figures, in a common style.
 //!
 //! | figure | shows |
 //! |---|---|
@@ -6,8 +6,8 @@
 //! | [`DotPlot`] | single values by row and column, with their means |
 //! | [`ScenarioMap`] | a scenario from above, with trajectories |
 //!
-//! Each takes plain numbers and returns the text of an SVG file. Values that are not finite are left out, and a figure
-//! without values shows "no data yet".
+//! In: plain numbers. Out: the text of an SVG file. Non-finite values are left out; a figure without values shows "no data
+//! yet".
 
 mod curve_chart;
 #[cfg(not(target_arch = "wasm32"))]
@@ -43,7 +43,7 @@ mod tests {
         }
     }
 
-    fn curves(lines: usize, panels: usize, episodes: u32) -> CurveChart {
+    fn curve_chart(lines: usize, panels: usize, episodes: u32) -> CurveChart {
         let panel = ChartPanel {
             heading: "Return per episode".to_owned(),
             y_unit: " %".to_owned(),
@@ -63,14 +63,14 @@ mod tests {
     }
 
     #[test]
-    fn curves_stay_inside_the_picture_for_any_input() {
-        let odd = |mean| BandPoint { x: 1.0, mean, low: f64::NAN, high: f64::INFINITY };
-        let mut extreme = curves(1, 1, 1);
-        extreme.panels[0].lines[0].points = vec![odd(f64::NAN), odd(1e300), odd(-9e11), odd(9e11), odd(2.0)];
+    fn curve_charts_stay_inside_the_figure_for_any_input() {
+        let non_finite_band = |mean| BandPoint { x: 1.0, mean, low: f64::NAN, high: f64::INFINITY };
+        let mut extreme = curve_chart(1, 1, 1);
+        extreme.panels[0].lines[0].points = [f64::NAN, 1e300, -9e11, 9e11, 2.0].map(non_finite_band).to_vec();
         extreme.panels[0].lines[0].raw = vec![(f64::NAN, 1.0), (3.0, f64::INFINITY)];
         extreme.panels[0].reference_lines[0].value = f64::NAN;
         extreme.markers.push(EventMarker { x: f64::INFINITY, label: "never".to_owned() });
-        let mut long = curves(3, 1, 9);
+        let mut long = curve_chart(3, 1, 9);
         long.title = "a title that is far too long ".repeat(8);
         long.panels[0].lines[0].name = "a name that is far too long ".repeat(8);
         for (x, label) in [(2.0, "at 2"), (402.0, "later, with a label that is much too long to fit")] {
@@ -79,8 +79,8 @@ mod tests {
         let cases = [
             ("empty", CurveChart::default()),
             ("an empty panel", CurveChart { panels: vec![ChartPanel::default()], ..CurveChart::default() }),
-            ("one episode", curves(1, 1, 1)),
-            ("four lines", curves(4, 3, 1500)),
+            ("one episode", curve_chart(1, 1, 1)),
+            ("four lines", curve_chart(4, 3, 1500)),
             ("extreme", extreme),
             ("long", long),
         ];
@@ -90,19 +90,19 @@ mod tests {
             assert_eq!(svg, figure.svg().expect("the figure is drawn"), "{name}");
         }
         assert!(CurveChart::default().svg().expect("the figure is drawn").contains("no data yet"));
-        assert!(curves(1, 1, 3).svg().expect("the figure is drawn").contains("a &lt; b &amp; c"));
+        assert!(curve_chart(1, 1, 3).svg().expect("the figure is drawn").contains("a &lt; b &amp; c"));
     }
 
     #[test]
-    fn many_long_curves_give_a_small_file() {
-        let mut chart = curves(6, 3, 20_000);
+    fn many_long_curves_still_give_a_small_file() {
+        let mut chart = curve_chart(6, 3, 20_000);
         chart.panels.iter_mut().flat_map(|p| &mut p.lines).for_each(|l| l.raw_style = RawStyle::Line);
         let svg = chart.svg().expect("the figure is drawn");
         assert!(svg.len() < 400_000, "{} bytes", svg.len());
     }
 
     #[test]
-    fn dot_plots_stay_inside_the_picture_for_any_input() {
+    fn dot_plots_stay_inside_the_figure_for_any_input() {
         let cell = |values: &[f64]| DotCell {
             values: values.to_vec(),
             estimate: Estimate::from_values(values),
@@ -139,10 +139,10 @@ mod tests {
     }
 
     #[test]
-    fn maps_stay_inside_the_picture_for_any_input() {
+    fn scenario_maps_stay_inside_the_figure_for_any_input() {
         let obstacle = |kind, outline| MapObstacle { kind, outline };
         let disc = |x, y, radius| obstacle(MapObstacleKind::Moving(0.3), MapShape::Disc(x, y, radius));
-        let beyond = vec![(1.0, 1.0), (9.0, 1.0), (9.0, 2.0), (1.0, 2.0)];
+        let beyond_the_enclosure = vec![(1.0, 1.0), (9.0, 1.0), (9.0, 2.0), (1.0, 2.0)];
         let map = ScenarioMap {
             title: "a < b & c".to_owned(),
             enclosure: vec![(-2.5, -2.5), (2.5, -2.5), (2.5, 2.5), (-2.5, 2.5)],
@@ -151,12 +151,12 @@ mod tests {
                 disc(2.4, 2.4, 1.0),
                 disc(f64::NAN, 0.0, 1.0),
                 disc(0.0, 0.0, 1e300),
-                obstacle(MapObstacleKind::Wall, MapShape::Polygon(beyond.clone())),
+                obstacle(MapObstacleKind::Wall, MapShape::Polygon(beyond_the_enclosure.clone())),
                 obstacle(MapObstacleKind::Generated, MapShape::Polygon(Vec::new())),
-                obstacle(MapObstacleKind::Moving(f64::NAN), MapShape::Polygon(beyond.clone())),
+                obstacle(MapObstacleKind::Moving(f64::NAN), MapShape::Polygon(beyond_the_enclosure.clone())),
             ],
             tracks: vec![
-                MapTrack::Lines(beyond),
+                MapTrack::Lines(beyond_the_enclosure),
                 MapTrack::Lines(vec![(f64::NAN, 0.0), (0.0, 0.0), (0.0, 0.0)]),
                 MapTrack::Ring(2.0, 0.0, 1.0),
                 MapTrack::Ring(0.0, 0.0, f64::NAN),
@@ -169,17 +169,17 @@ mod tests {
                 points: vec![(-2.0, -2.0), (f64::NAN, 0.0), (70.0, 0.0), (2.0, 2.0)],
             }],
         };
-        let within = |x: f64, y: f64| {
+        let with_enclosure = |x: f64, y: f64| {
             let corners = [(-x, -y), (x, -y), (x, y), (0.0, 0.0), (-x, y)];
             ScenarioMap { enclosure: corners.to_vec(), ..map.clone() }
         };
         let cases = [
             ("empty", ScenarioMap::default()),
-            ("not finite", within(f64::INFINITY, 2.5)),
-            ("flat", within(2.5, 0.0)),
+            ("not finite", with_enclosure(f64::INFINITY, 2.5)),
+            ("flat", with_enclosure(2.5, 0.0)),
             ("square", map.clone()),
-            ("wide", within(20.0, 2.5)),
-            ("tall", within(2.5, 20.0)),
+            ("wide", with_enclosure(20.0, 2.5)),
+            ("tall", with_enclosure(2.5, 20.0)),
             (
                 "no start and no goal",
                 ScenarioMap { start: (f64::NAN, 0.0, 0.0), goal: (0.0, f64::NAN, 1.0), ..map.clone() },

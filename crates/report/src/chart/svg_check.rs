@@ -1,4 +1,4 @@
-//! A check of drawn SVGs, for tests.
+//! The checks that tests run on drawn SVGs.
 
 use crate::style::text_width;
 
@@ -24,7 +24,7 @@ fn texts(svg: &str) -> Vec<([f64; 4], String)> {
     found.collect()
 }
 
-/// Fails if anything leaves the picture, texts overlap or a number is not finite.
+/// Asserts that nothing lies outside the figure, no texts overlap, and all numbers are finite.
 pub(crate) fn check(name: &str, svg: &str) {
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{name}");
     assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{name}");

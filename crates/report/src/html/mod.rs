@@ -1,4 +1,4 @@
-//! The report as one HTML file.
+//! The HTML format of reports: one file.
 
 mod parts;
 mod table;

@@ -1,4 +1,4 @@
-//! HTML that several parts of the page use: text, outcomes, claim results and links to files.
+//! HTML fragments that several parts of the page use: text, outcomes, claim results and links to files.
 
 use maud::{Markup, html};
 

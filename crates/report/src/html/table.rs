@@ -1,4 +1,4 @@
-//! Tables as HTML.
+//! The HTML format of tables.
 
 use maud::{Markup, html};
 

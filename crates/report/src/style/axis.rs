@@ -1,4 +1,4 @@
-//! Axes: their range, their ticks and the tick labels.
+//! Axes: ranges, ticks and tick labels.
 
 use std::ops::Range;
 
@@ -33,14 +33,14 @@ impl Axis {
         number(tick, digits)
     }
 
-    /// The pixel of a value on an axis drawn between two pixels; values outside the range are clamped to its ends.
+    /// The pixel of a value on an axis that is drawn between two pixels. Values outside the range are clamped to it.
     pub(crate) fn pixel(&self, value: f64, (from, to): (i32, i32)) -> i32 {
         let share = (value - self.range.start) / (self.range.end - self.range.start);
         from + (share.clamp(0.0, 1.0) * f64::from(to - from)).round() as i32
     }
 }
 
-/// The smallest and the largest value, moved apart if they are almost equal; 0 and 1 if there are no values.
+/// The smallest and the largest value; 0 and 1 if there are no values. Almost equal ones are moved apart.
 pub(crate) fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     if low > high {
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn values_outside_the_range_are_drawn_at_the_ends_of_the_axis() {
+    fn values_outside_the_range_are_clamped_to_the_axis() {
         let axis = Axis { range: 0.0..10.0, step: 5.0 };
         assert_eq!([-1.0, 0.0, 5.0, 99.0].map(|x| axis.pixel(x, (300, 100))), [300, 300, 200, 100]);
     }

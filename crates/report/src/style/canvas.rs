@@ -6,7 +6,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// A figure could not be drawn.
+/// The error of a figure that cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error("the figure could not be drawn: {0}")]
 pub struct DrawError(String);
@@ -36,7 +36,7 @@ pub(crate) type DrawResult = Result<(), Box<dyn Error>>;
 /// A position in drawn pixels: x to the right, y down.
 pub(crate) type Pixel = (i32, i32);
 
-/// The SVG of a white picture of the given size in drawn pixels. It is shown at half that size.
+/// The SVG of a white figure with the given size in drawn pixels. It is displayed at half that size.
 pub(crate) fn picture(
     (width, height): (u32, u32),
     draw: impl FnOnce(&Canvas) -> DrawResult,
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_is_shown_at_half_its_drawn_size() {
+    fn a_figure_is_displayed_at_half_its_drawn_size() {
         let svg = picture((200, 100), |_| Ok(())).expect("the picture is drawn");
         assert!(svg.contains(r#"width="100" height="50" viewBox="0 0 200 100""#));
     }

@@ -1,4 +1,4 @@
-//! Titles, and the spacing of labels that would overlap.
+//! The titles of figures, and the spacing of labels that would overlap.
 
 use plotters::style::text_anchor::HPos;
 
@@ -6,15 +6,14 @@ use super::canvas::{Canvas, DrawResult, TITLE, write};
 use super::palette::INK;
 use super::text::wrapped;
 
-/// Moves label heights at least `gap` apart within `low..=high`; closer if the range is too small.
-///
-/// The order of the heights is kept: result `i` belongs to label `i`.
+/// The y positions of labels, moved at least `gap` apart within `low..=high`, or closer if the range is too small. The
+/// order of the labels is kept; element `i` belongs to label `i`.
 pub(crate) fn spread(heights: &[i32], gap: i32, (low, high): (i32, i32)) -> Vec<i32> {
     let count = heights.len() as i32;
     let gap = if count > 1 { gap.min((high - low) / (count - 1)) } else { gap };
     let mut order: Vec<usize> = (0..heights.len()).collect();
     order.sort_by_key(|&i| (heights[i], i));
-    // First downwards from `low`, then upwards from `high`.
+    // The first pass moves labels down from `low`; the second moves them up from `high`.
     let mut moved = heights.to_vec();
     let mut minimum = low;
     for &i in &order {

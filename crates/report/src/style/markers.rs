@@ -1,4 +1,4 @@
-//! Markers: a shape for each colour of the palette, so that lines can be told apart without colour.
+//! Markers: a shape for each colour of the palette, so that lines can be distinguished without colour.
 
 use plotters::prelude::*;
 

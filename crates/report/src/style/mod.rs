@@ -1,6 +1,6 @@
-//! The look shared by all figures: sizes, colours, lines, text, axes and the legend.
+//! The common style of all figures: sizes, colours, lines, text, axes and the legend.
 //!
-//! Figures are drawn in drawn pixels, two of which are one pixel of the shown SVG. No figure needs colour to be read:
+//! Sizes are in drawn pixels; two of them are one pixel of the displayed SVG. Figures can be read without colour:
 //! every colour of the palette has its own marker shape, for colour-blind readers and for print in grey.
 
 mod axis;

@@ -1,4 +1,4 @@
-//! The colours of all figures: Okabe and Ito's palette, which colour-blind readers can tell apart.
+//! The colours of all figures: Okabe and Ito's palette, which is safe for colour-blind readers.
 
 use plotters::prelude::RGBColor;
 
@@ -15,7 +15,7 @@ const PALETTE: [RGBColor; 7] =
 /// The number of colours in the palette.
 pub(super) const COUNT: usize = PALETTE.len();
 
-/// The palette's colour at `index`, which wraps around.
+/// The palette's colour at `index`, modulo the palette's length.
 pub(crate) fn colour(index: usize) -> RGBColor {
     PALETTE[index % COUNT]
 }

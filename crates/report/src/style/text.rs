@@ -1,6 +1,6 @@
-//! The width of text, and text shortened or wrapped to a width.
+//! The width of text, and shortening and wrapping to a width.
 //!
-//! Widths follow Arial's metrics and are slightly too large, because the viewer may use another font of the stack.
+//! Widths follow Arial's metrics, rounded up slightly, because a viewer may use another font of the stack.
 
 /// The width of a line of text in drawn pixels.
 pub(crate) fn text_width(text: &str, size: f64) -> i32 {
@@ -38,7 +38,7 @@ pub(crate) fn ellipsized(text: &str, size: f64, width: i32) -> String {
 /// The text wrapped into lines of similar length, each at most `width` drawn pixels wide; at least one line.
 pub(crate) fn wrapped(text: &str, size: f64, width: i32) -> Vec<String> {
     let lines = filled(text, size, width);
-    // Narrow the lines as far as their number allows, so that the last line is not a single word.
+    // Narrower lines, as long as their number stays the same: the last line is then not a single word.
     let narrower = (width / 2..width).step_by(16).map(|narrow| filled(text, size, narrow));
     let mut balanced =
         narrower.filter(|other| other.len() == lines.len() && !other.iter().any(|l| l.ends_with('…')));

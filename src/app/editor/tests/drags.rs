@@ -1,18 +1,18 @@
-//! Drags of every handle, with numbers worked by hand.
+//! Drags of every handle, with results calculated by hand.
 
 use super::*;
 use bevy::math::{Vec2, vec2};
 
-/// Drags the handle `kind` of what is selected from where it is by `by`, in two goes.
+/// Drags a handle of the selected item by `by`, in two steps.
 fn drag(editor: &mut Editor, kind: HandleKind, by: Vec2, free: bool) {
-    let from = place(editor, kind);
+    let from = position(editor, kind);
     assert!(editor.begin_drag(kind, from), "{kind:?}");
     editor.drag_to(vec2(from.x + by.x / 3.0, from.y - by.y), free);
     editor.drag_to(vec2(from.x + by.x, from.y + by.y), free);
     editor.end_drag();
 }
 
-fn place(editor: &Editor, kind: HandleKind) -> Vec2 {
+fn position(editor: &Editor, kind: HandleKind) -> Vec2 {
     let handles = editor.handles();
     handles.iter().find(|handle| handle.kind == kind).unwrap_or_else(|| panic!("{kind:?}")).position_m
 }
@@ -28,8 +28,8 @@ fn near(a: Vec2, b: Vec2, within: f32) -> bool {
 }
 
 #[test]
-fn a_drag_is_one_step_and_none_if_nothing_moved() {
-    let mut editor = with(disc(1.0, -1.0));
+fn a_drag_is_one_step_or_none_without_a_change() {
+    let mut editor = with(circle(1.0, -1.0));
     one_step(&mut editor, |editor| drag(editor, HandleKind::Middle, vec2(-0.3, 0.1), false));
     let revision = editor.revision();
     assert!(editor.begin_drag(HandleKind::Middle, vec2(0.7, -0.9)));
@@ -37,56 +37,60 @@ fn a_drag_is_one_step_and_none_if_nothing_moved() {
     editor.drag_to(vec2(0.7, -0.9), false);
     editor.end_drag();
     editor.undo();
-    assert!(!editor.can_undo(), "there and back again is no step");
+    assert!(!editor.can_undo(), "a drag back to its origin is no step");
     assert_ne!(editor.revision(), revision);
     editor.begin_drag(HandleKind::Middle, vec2(1.0, -1.0));
     editor.drag_to(vec2(0.0, 0.5), false);
     editor.undo();
-    assert_eq!(editor.scenario().obstacles[0], disc(1.0, -1.0), "undo in the middle of a drag gives it up");
+    assert_eq!(editor.scenario().obstacles[0], circle(1.0, -1.0), "undo during a drag cancels it");
     assert_eq!(editor.dragged(), None);
     editor.drag_to(vec2(0.0, 0.5), false);
-    assert_eq!(editor.scenario().obstacles[0], disc(1.0, -1.0), "nothing is in the hand any more");
+    assert_eq!(editor.scenario().obstacles[0], circle(1.0, -1.0), "the drag has ended");
 }
 
 #[test]
-fn the_middle_goes_to_the_grid_wherever_it_was_taken() {
-    let mut editor = with(disc(1.0, -1.0));
+fn the_centre_snaps_to_the_grid_wherever_the_item_was_pressed() {
+    let mut editor = with(circle(1.0, -1.0));
     assert!(editor.begin_drag(HandleKind::Middle, vec2(1.1, -0.95)));
     editor.drag_to(vec2(1.332, -0.95), false);
     assert_eq!(editor.scenario().obstacles[0].position_m, vec2(1.25, -1.0), "1.232 is nearest to 1.25");
     editor.drag_to(vec2(1.332_4, -0.95), true);
-    assert_eq!(editor.scenario().obstacles[0].position_m, vec2(1.232, -1.0), "or to the millimetre");
+    assert_eq!(
+        editor.scenario().obstacles[0].position_m,
+        vec2(1.232, -1.0),
+        "without snapping, to the millimetre"
+    );
     editor.drag_to(vec2(f32::NAN, 0.0), true);
     assert_eq!(editor.scenario().obstacles[0].position_m, vec2(1.232, -1.0));
 }
 
 #[test]
-fn a_rim_and_the_ends_of_a_rod() {
-    let mut editor = with(disc(0.5, 0.0));
+fn circles_and_capsules_are_resized() {
+    let mut editor = with(circle(0.5, 0.0));
     drag(&mut editor, HandleKind::Radius, vec2(0.12, 0.0), false);
     assert_eq!(editor.scenario().obstacles[0].shape, Shape::Circle { radius_m: 0.25 });
-    // A rod along y, from (0, -0.5) to (0, 0.5): its right end is the upper one.
-    let rod = Obstacle {
+    // A capsule along y, from (0, -0.5) to (0, 0.5): its right end is the upper one.
+    let capsule = Obstacle {
         rotation_rad: 1.5708,
-        ..still(Shape::Capsule { length_m: 1.0, radius_m: 0.1 }, vec2(0.0, 0.0))
+        ..static_obstacle(Shape::Capsule { length_m: 1.0, radius_m: 0.1 }, vec2(0.0, 0.0))
     };
-    let mut editor = with(rod);
-    assert!(near(place(&editor, HandleKind::CapsuleEnd(true)), vec2(0.0, 0.6), 1e-5));
+    let mut editor = with(capsule);
+    assert!(near(position(&editor, HandleKind::CapsuleEnd(true)), vec2(0.0, 0.6), 1e-5));
     drag(&mut editor, HandleKind::CapsuleEnd(true), vec2(0.3, 0.4), false);
-    let rod = &editor.scenario().obstacles[0];
-    assert_eq!(rod.shape, Shape::Capsule { length_m: 1.4, radius_m: 0.1 });
-    assert_eq!(rod.position_m, vec2(0.0, 0.2), "the lower end stays at -0.5");
+    let capsule = &editor.scenario().obstacles[0];
+    assert_eq!(capsule.shape, Shape::Capsule { length_m: 1.4, radius_m: 0.1 });
+    assert_eq!(capsule.position_m, vec2(0.0, 0.2), "the lower end stays at -0.5");
     drag(&mut editor, HandleKind::CapsuleEnd(false), vec2(0.0, 5.0), false);
-    let rod = &editor.scenario().obstacles[0];
-    assert_eq!(rod.shape, Shape::Capsule { length_m: 0.05, radius_m: 0.1 }, "one step is left");
-    assert_eq!(rod.position_m, vec2(0.0, 0.875), "the upper end stays at 0.9");
+    let capsule = &editor.scenario().obstacles[0];
+    assert_eq!(capsule.shape, Shape::Capsule { length_m: 0.05, radius_m: 0.1 }, "at least one grid step");
+    assert_eq!(capsule.position_m, vec2(0.0, 0.875), "the upper end stays at 0.9");
     drag(&mut editor, HandleKind::Radius, vec2(-0.1, 0.0), false);
     assert_eq!(editor.scenario().obstacles[0].shape, Shape::Capsule { length_m: 0.05, radius_m: 0.2 });
 }
 
 #[test]
 fn resizing_a_box_keeps_the_opposite_side() {
-    let mut editor = with(still(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(0.3, 0.2)));
+    let mut editor = with(static_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(0.3, 0.2)));
     // Its lower left corner is (0, 0). The upper right goes to (0.95, 0.8).
     drag(&mut editor, HandleKind::Side(1, 1), vec2(0.36, 0.41), false);
     let o = &editor.scenario().obstacles[0];
@@ -94,30 +98,30 @@ fn resizing_a_box_keeps_the_opposite_side() {
     assert_eq!(o.position_m, vec2(0.475, 0.4));
     drag(&mut editor, HandleKind::Side(-1, 0), vec2(0.45, 0.3), false);
     let o = &editor.scenario().obstacles[0];
-    assert_eq!(o.shape, Shape::Rectangle { width_m: 0.5, height_m: 0.8 }, "a side changes one size");
+    assert_eq!(o.shape, Shape::Rectangle { width_m: 0.5, height_m: 0.8 }, "a side changes one dimension");
     assert_eq!(o.position_m, vec2(0.7, 0.4));
     drag(&mut editor, HandleKind::Side(0, 1), vec2(0.0, -9.0), true);
     let o = &editor.scenario().obstacles[0];
-    assert_eq!(o.shape, Shape::Rectangle { width_m: 0.5, height_m: 0.01 }, "a centimetre is left");
+    assert_eq!(o.shape, Shape::Rectangle { width_m: 0.5, height_m: 0.01 }, "at least one centimetre");
     assert_eq!(o.position_m, vec2(0.7, 0.005));
 }
 
 #[test]
-fn resizing_what_moves_takes_its_way_along() {
+fn resizing_a_moving_obstacle_moves_its_path() {
     let shape = Shape::Rectangle { width_m: 0.6, height_m: 0.4 };
     let motion = ObstacleMotion::Orbit { centre_m: vec2(0.3, 1.2), speed_rad_s: 0.15 };
-    let mut editor = with(Obstacle { motion, ..still(shape, vec2(0.3, 0.2)) });
-    // The right side from 0.6 to 1.0, the upper one from 0.4 to 0.8: the middle goes by 0.2 and 0.2.
+    let mut editor = with(Obstacle { motion, ..static_obstacle(shape, vec2(0.3, 0.2)) });
+    // The right side goes from 0.6 to 1.0, the upper side from 0.4 to 0.8: the centre moves by (0.2, 0.2).
     drag(&mut editor, HandleKind::Side(1, 1), vec2(0.4, 0.4), false);
     let o = &editor.scenario().obstacles[0];
     assert_eq!(o.position_m, vec2(0.5, 0.4));
     let expected = ObstacleMotion::Orbit { centre_m: vec2(0.5, 1.4), speed_rad_s: 0.15 };
-    assert_eq!(o.motion, expected, "its radius is 1 m as before");
+    assert_eq!(o.motion, expected, "the radius is still 1 m");
     let shape = Shape::Capsule { length_m: 1.0, radius_m: 0.1 };
     let motion =
         ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.0, 1.0), vec2(1.0, 1.0)], speed_m_s: 0.1 };
-    let mut editor = with(Obstacle { motion, ..still(shape, vec2(0.0, 0.0)) });
-    // The left end from -0.5 to -0.9.
+    let mut editor = with(Obstacle { motion, ..static_obstacle(shape, vec2(0.0, 0.0)) });
+    // The left end goes from -0.5 to -0.9.
     drag(&mut editor, HandleKind::CapsuleEnd(false), vec2(-0.4, 0.0), false);
     let o = &editor.scenario().obstacles[0];
     assert_eq!(o.position_m, vec2(-0.2, 0.0));
@@ -126,11 +130,11 @@ fn resizing_what_moves_takes_its_way_along() {
 }
 
 #[test]
-fn resizing_a_turned_box_keeps_the_opposite_corner() {
+fn resizing_a_rotated_box_keeps_the_opposite_corner() {
     // 30 degrees. The lower left corner is at (1 - 0.3 cos + 0.2 sin, -0.3 sin - 0.2 cos) = (0.8402, -0.3232).
-    let turned = Obstacle {
+    let rotated = Obstacle {
         rotation_rad: 0.5236,
-        ..still(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(1.0, 0.0))
+        ..static_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(1.0, 0.0))
     };
     // The lower left (-1, -1) or the upper right (1, 1).
     let corner = |editor: &Editor, side: f32| {
@@ -139,19 +143,19 @@ fn resizing_a_turned_box_keeps_the_opposite_corner() {
         let ((sin, cos), (x, y)) = (o.rotation_rad.sin_cos(), (side * width_m / 2.0, side * height_m / 2.0));
         vec2(o.position_m.x + x * cos - y * sin, o.position_m.y + x * sin + y * cos)
     };
-    let mut editor = with(turned);
+    let mut editor = with(rotated);
     assert!(near(corner(&editor, -1.0), vec2(0.8402, -0.3232), 1e-4));
     // By 0.4 along its own x, and 0.1 along its own y: (0.4 cos - 0.1 sin, 0.4 sin + 0.1 cos).
     drag(&mut editor, HandleKind::Side(1, 1), vec2(0.2964, 0.2866), false);
     let o = &editor.scenario().obstacles[0];
     assert_eq!(o.shape, Shape::Rectangle { width_m: 1.0, height_m: 0.5 });
-    assert!(near(corner(&editor, -1.0), vec2(0.8402, -0.3232), 6e-4), "but for the millimetre of its place");
-    // The lower left: the upper right stays.
-    let stays = corner(&editor, 1.0);
+    assert!(near(corner(&editor, -1.0), vec2(0.8402, -0.3232), 6e-4), "up to rounding to 1 mm");
+    // Dragging the lower left corner keeps the upper right one.
+    let fixed = corner(&editor, 1.0);
     drag(&mut editor, HandleKind::Side(-1, -1), vec2(0.1, 0.3), true);
-    assert!(near(corner(&editor, 1.0), stays, 6e-4));
+    assert!(near(corner(&editor, 1.0), fixed, 6e-4));
     let after = Arc::clone(editor.scenario());
-    // However often the pointer goes to and fro, nothing adds up.
+    // Errors do not add up while the pointer moves back and forth.
     editor.begin_drag(HandleKind::Side(-1, 0), vec2(0.0, 0.0));
     for k in 0..200 {
         editor.drag_to(vec2(0.01 * (k % 7) as f32, 0.02), true);
@@ -162,10 +166,10 @@ fn resizing_a_turned_box_keeps_the_opposite_corner() {
 }
 
 #[test]
-fn turning_goes_by_fifteen_degrees_from_wherever_it_was_taken() {
-    let mut editor = with(still(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(1.0, 0.0)));
+fn rotation_snaps_to_fifteen_degrees_wherever_the_drag_began() {
+    let mut editor = with(static_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(1.0, 0.0)));
     assert_eq!(editor.rotation_of(), Some((vec2(1.0, 0.0), 0.0)));
-    // Taken at 90 degrees, dragged to 128: 38 degrees, 45 snapped.
+    // Dragged from 90 to 128 degrees: 38 degrees, snapped 45.
     assert!(editor.begin_drag(HandleKind::Rotate, vec2(1.0, 2.0)));
     let at = |degrees: f32| vec2(1.0 + degrees.to_radians().cos(), degrees.to_radians().sin());
     editor.drag_to(at(128.0), false);
@@ -173,26 +177,27 @@ fn turning_goes_by_fifteen_degrees_from_wherever_it_was_taken() {
     editor.drag_to(at(128.0), true);
     assert_eq!(editor.scenario().obstacles[0].rotation_rad, 0.6632);
     editor.drag_to(at(-60.0), false);
-    assert_eq!(editor.scenario().obstacles[0].rotation_rad, -2.618, "150 degrees to the right");
+    assert_eq!(editor.scenario().obstacles[0].rotation_rad, -2.618, "150 degrees clockwise");
     editor.end_drag();
-    // A circle has nothing to turn.
-    assert!(!with(disc(0.5, 0.5)).begin_drag(HandleKind::Rotate, vec2(0.6, 0.5)));
+    // A circle cannot be rotated.
+    assert!(!with(circle(0.5, 0.5)).begin_drag(HandleKind::Rotate, vec2(0.6, 0.5)));
 }
 
 #[test]
-fn a_polygons_corners_are_dragged_put_in_and_taken_out() {
+fn corners_of_a_polygon_are_dragged_inserted_and_removed() {
     let corners_m = vec![vec2(-0.2, -0.2), vec2(0.2, -0.2), vec2(0.0, 0.2)];
-    let triangle = Obstacle { rotation_rad: 1.5708, ..still(Shape::Polygon { corners_m }, vec2(1.0, 0.0)) };
+    let triangle =
+        Obstacle { rotation_rad: 1.5708, ..static_obstacle(Shape::Polygon { corners_m }, vec2(1.0, 0.0)) };
     let mut editor = with(triangle);
-    // In the world: (1.2, -0.2), (1.2, 0.2), (0.8, 0).
-    assert!(near(place(&editor, HandleKind::Corner(2)), vec2(0.8, 0.0), 1e-5));
+    // In world coordinates: (1.2, -0.2), (1.2, 0.2), (0.8, 0).
+    assert!(near(position(&editor, HandleKind::Corner(2)), vec2(0.8, 0.0), 1e-5));
     drag(&mut editor, HandleKind::Corner(2), vec2(-0.1, 0.05), false);
     let corners = |editor: &Editor| match &editor.scenario().obstacles[0].shape {
         Shape::Polygon { corners_m } => corners_m.clone(),
         _ => Vec::new(),
     };
-    assert_eq!(corners(&editor)[2], vec2(0.05, 0.3), "in its own frame");
-    // Between the first two: from (1.2, 0) to (1.3, 0).
+    assert_eq!(corners(&editor)[2], vec2(0.05, 0.3), "in local coordinates");
+    // A new corner between the first two, dragged from (1.2, 0) to (1.3, 0).
     let after = one_step(&mut editor, |editor| {
         assert!(editor.begin_drag(HandleKind::InsertCorner(1), vec2(1.2, 0.0)));
         assert_eq!(editor.dragged(), Some(HandleKind::Corner(1)));
@@ -203,8 +208,8 @@ fn a_polygons_corners_are_dragged_put_in_and_taken_out() {
     assert_eq!(corners_m[..], [vec2(-0.2, -0.2), vec2(0.0, -0.3), vec2(0.2, -0.2), vec2(0.05, 0.3)]);
     assert!(editor.remove_handle(HandleKind::Corner(1)));
     assert_eq!(corners(&editor).len(), 3);
-    assert!(!editor.remove_handle(HandleKind::Corner(1)), "three are left");
-    // Given up, an inserted corner is gone.
+    assert!(!editor.remove_handle(HandleKind::Corner(1)), "a polygon keeps three corners");
+    // Cancelling the drag removes the inserted corner.
     editor.begin_drag(HandleKind::InsertCorner(3), vec2(0.0, 0.0));
     assert_eq!(corners(&editor).len(), 4);
     editor.cancel_drag();
@@ -212,7 +217,7 @@ fn a_polygons_corners_are_dragged_put_in_and_taken_out() {
 }
 
 #[test]
-fn a_walls_corners_and_the_whole_of_it() {
+fn a_wall_is_dragged_by_its_corners_or_as_a_whole() {
     let mut editor = editor(full());
     editor.select(Selection::Wall(0));
     let kinds: Vec<_> = editor.handles().iter().map(|handle| handle.kind).collect();
@@ -221,11 +226,11 @@ fn a_walls_corners_and_the_whole_of_it() {
     drag(&mut editor, HandleKind::Corner(1), vec2(0.26, 0.0), false);
     drag(&mut editor, HandleKind::InsertCorner(2), vec2(0.0, 0.2), false);
     let corners = |editor: &Editor| editor.scenario().walls[0].corners_m.clone();
-    // The middle of (-0.75, 0.5) and (-1, 1) is (-0.875, 0.75); 0.2 up and on the grid, where a half goes outwards.
+    // The middle of (-0.75, 0.5) and (-1, 1) is (-0.875, 0.75); 0.2 up and snapped; halves round away from zero.
     let [first, second, third, fourth] = corners(&editor)[..] else { panic!("four corners") };
     assert_eq!((first, second, fourth), (vec2(-1.5, 0.5), vec2(-0.75, 0.5), vec2(-1.0, 1.0)));
     assert!(near(third, vec2(-0.875, 0.95), 0.026));
-    // By its body: the first corner goes on the grid, the others keep their places to it.
+    // As a whole: the first corner snaps, the others keep their offsets.
     let before = corners(&editor);
     assert!(editor.begin_drag(HandleKind::Middle, vec2(-1.2, 0.5)));
     editor.drag_to(vec2(-0.98, 0.21), false);
@@ -234,11 +239,11 @@ fn a_walls_corners_and_the_whole_of_it() {
         assert!(near(*corner, vec2(before.x + 0.2, before.y - 0.3), 1e-5), "{corner:?} {before:?}");
     }
     assert!(editor.remove_handle(Corner(0)) && editor.remove_handle(Corner(0)));
-    assert!(!editor.remove_handle(Corner(0)), "two are left");
+    assert!(!editor.remove_handle(Corner(0)), "a wall keeps two corners");
 }
 
 #[test]
-fn a_path_is_dragged_in_parts_or_as_a_whole() {
+fn a_path_is_dragged_by_its_waypoints_or_as_a_whole() {
     let mut editor = editor(full());
     editor.select(Selection::Obstacle(1));
     assert_eq!(
@@ -249,7 +254,7 @@ fn a_path_is_dragged_in_parts_or_as_a_whole() {
     drag(&mut editor, HandleKind::PathStart, vec2(0.1, 0.1), false);
     drag(&mut editor, HandleKind::InsertWaypoint(2), vec2(-0.2, 0.0), false);
     let path = |editor: &Editor| editor.scenario().obstacles[1].path_m().expect("a path").0;
-    // The middle of (0.5, 1.5) and (1.1, 0.1) is (0.8, 0.8).
+    // Halfway between (0.5, 1.5) and (1.1, 0.1) is (0.8, 0.8).
     assert_eq!(path(&editor), [vec2(1.1, 0.1), vec2(1.3, 1.4), vec2(0.5, 1.5), vec2(0.6, 0.8)]);
     drag(&mut editor, HandleKind::Middle, vec2(-0.1, -0.1), false);
     assert_eq!(path(&editor), [vec2(1.0, 0.0), vec2(1.2, 1.3), vec2(0.4, 1.4), vec2(0.5, 0.7)]);
@@ -257,15 +262,15 @@ fn a_path_is_dragged_in_parts_or_as_a_whole() {
         assert!(editor.remove_handle(HandleKind::Waypoint(0)));
         assert_eq!(path(&editor).len(), 1 + left);
     }
-    assert!(!editor.remove_handle(HandleKind::Waypoint(0)), "one is left");
+    assert!(!editor.remove_handle(HandleKind::Waypoint(0)), "a path keeps one waypoint");
     let kinds: Vec<_> = editor.handles().iter().map(|handle| handle.kind).filter(|k| k.is_insert()).collect();
-    assert_eq!(kinds, [HandleKind::InsertWaypoint(0)], "the way back is the same way");
+    assert_eq!(kinds, [HandleKind::InsertWaypoint(0)], "one leg, there and back");
 }
 
 #[test]
-fn an_orbits_centre_and_a_random_walks_reach() {
+fn the_centre_of_an_orbit_and_the_radius_of_a_random_walk_are_dragged() {
     let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
-    let mut editor = with(Obstacle { motion, ..disc(0.6, 0.8) });
+    let mut editor = with(Obstacle { motion, ..circle(0.6, 0.8) });
     let text = |editor: &Editor, kind| {
         editor.handles().into_iter().find(|handle| handle.kind == kind).map(|handle| handle.text)
     };
@@ -275,15 +280,15 @@ fn an_orbits_centre_and_a_random_walks_reach() {
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
     drag(&mut editor, HandleKind::Middle, vec2(0.1, 0.0), false);
     let expected = ObstacleMotion::Orbit { centre_m: vec2(0.1, 0.5), speed_rad_s: 0.15 };
-    assert_eq!(editor.scenario().obstacles[0].motion, expected, "the whole of it moves");
+    assert_eq!(editor.scenario().obstacles[0].motion, expected, "the orbit moves with the obstacle");
     let motion = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
-    let mut editor = with(Obstacle { motion, ..disc(0.6, 0.8) });
-    drag(&mut editor, HandleKind::WalkReach, vec2(0.0, -0.2), false);
-    assert_eq!(text(&editor, HandleKind::WalkReach).as_deref(), Some("0.30 m"));
+    let mut editor = with(Obstacle { motion, ..circle(0.6, 0.8) });
+    drag(&mut editor, HandleKind::WalkRadius, vec2(0.0, -0.2), false);
+    assert_eq!(text(&editor, HandleKind::WalkRadius).as_deref(), Some("0.30 m"));
 }
 
 #[test]
-fn the_enclosure_keeps_its_middle_or_goes_corner_by_corner() {
+fn a_rectangular_enclosure_keeps_its_centre_and_a_polygon_is_dragged_by_corners() {
     let mut editor = editor(Scenario::default());
     editor.select(Selection::Enclosure);
     drag(&mut editor, HandleKind::Side(1, 0), vec2(0.5, 0.7), false);
@@ -296,7 +301,7 @@ fn the_enclosure_keeps_its_middle_or_goes_corner_by_corner() {
     editor.end_drag();
     let Enclosure::Polygon { corners_m } = &editor.scenario().enclosure else { panic!("a polygon") };
     assert_eq!(corners_m[3..], [vec2(-0.25, 1.5), vec2(-2.0, 0.1)]);
-    assert!(!editor.begin_drag(HandleKind::Middle, vec2(0.0, 0.0)), "the world itself stays where it is");
+    assert!(!editor.begin_drag(HandleKind::Middle, vec2(0.0, 0.0)), "the enclosure cannot be moved");
 }
 
 #[test]
@@ -309,7 +314,11 @@ fn regions_are_moved_and_resized() {
     assert_eq!(region, Some(Region { min_m: vec2(-1.0, -1.0), max_m: vec2(0.5, -0.2) }));
     drag(&mut editor, HandleKind::Side(-1, 0), vec2(9.0, 0.0), false);
     let region = editor.scenario().generators[0].within;
-    assert_eq!(region, Some(Region { min_m: vec2(0.45, -1.0), max_m: vec2(0.5, -0.2) }), "one step is left");
+    assert_eq!(
+        region,
+        Some(Region { min_m: vec2(0.45, -1.0), max_m: vec2(0.5, -0.2) }),
+        "at least one grid step"
+    );
     editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
     drag(&mut editor, HandleKind::Side(0, -1), vec2(0.0, 0.5), false);
     let (min_m, max_m) = (vec2(-1.0, -0.5), vec2(1.0, 1.0));
@@ -320,15 +329,15 @@ fn regions_are_moved_and_resized() {
 }
 
 #[test]
-fn places_and_the_courses_ends() {
+fn given_positions_and_the_ends_of_the_benchmark_route_are_dragged() {
     let mut editor = editor(full());
     editor.select(Selection::Goals);
-    drag(&mut editor, HandleKind::Place(1), vec2(-0.5, 0.1), false);
+    drag(&mut editor, HandleKind::Position(1), vec2(-0.5, 0.1), false);
     assert_eq!(
         editor.scenario().goals,
         PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5), vec2(1.0, -1.4)] }
     );
-    assert!(editor.remove_handle(HandleKind::Place(0)) && !editor.remove_handle(HandleKind::Place(0)));
+    assert!(editor.remove_handle(HandleKind::Position(0)) && !editor.remove_handle(HandleKind::Position(0)));
     editor.select(Selection::BenchmarkGoal);
     drag(&mut editor, HandleKind::Middle, vec2(0.1, -0.2), false);
     assert_eq!(editor.scenario().benchmark_route.goal_m, vec2(1.3, 1.0));
@@ -340,7 +349,7 @@ fn places_and_the_courses_ends() {
     });
     editor.select(Selection::Starts);
     drag(&mut editor, HandleKind::Rotate, vec2(-0.3, -0.3), false);
-    // By its body, too.
+    // Also by its body.
     assert!(editor.begin_drag(HandleKind::Middle, vec2(0.05, -1.0)));
     editor.drag_to(vec2(0.55, -1.2), false);
     editor.end_drag();
@@ -349,16 +358,21 @@ fn places_and_the_courses_ends() {
 }
 
 #[test]
-fn every_handle_that_is_shown_can_be_dragged() {
-    let mut world = full();
-    world.obstacles.push(still(Shape::Rectangle { width_m: 0.3, height_m: 0.2 }, vec2(0.5, -1.0)));
-    world.obstacles.push(still(Shape::Capsule { length_m: 0.3, radius_m: 0.1 }, vec2(0.5, -1.5)));
+fn every_handle_can_be_dragged() {
+    let mut scenario = full();
+    scenario
+        .obstacles
+        .push(static_obstacle(Shape::Rectangle { width_m: 0.3, height_m: 0.2 }, vec2(0.5, -1.0)));
+    scenario
+        .obstacles
+        .push(static_obstacle(Shape::Capsule { length_m: 0.3, radius_m: 0.1 }, vec2(0.5, -1.5)));
     let motion = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.1 };
-    world.obstacles.push(Obstacle { motion, ..disc(0.0, 1.0) });
+    scenario.obstacles.push(Obstacle { motion, ..circle(0.0, 1.0) });
     let motion = ObstacleMotion::RandomWalk { radius_m: 0.2, speed_m_s: 0.1, seed: 0 };
-    world.obstacles.push(Obstacle { motion, ..disc(0.0, -1.0) });
-    world.starts = PlacementRule::Within { min_m: vec2(-1.0, -1.0), max_m: vec2(1.0, 1.0), clearance_m: 0.2 };
-    let obstacles = (0..world.obstacles.len()).map(Selection::Obstacle);
+    scenario.obstacles.push(Obstacle { motion, ..circle(0.0, -1.0) });
+    scenario.starts =
+        PlacementRule::Within { min_m: vec2(-1.0, -1.0), max_m: vec2(1.0, 1.0), clearance_m: 0.2 };
+    let obstacles = (0..scenario.obstacles.len()).map(Selection::Obstacle);
     let others = [
         Selection::Enclosure,
         Selection::Wall(0),
@@ -370,14 +384,14 @@ fn every_handle_that_is_shown_can_be_dragged() {
     ];
     let mut dragged = 0;
     for selection in obstacles.chain(others) {
-        let mut editor = editor(world.clone());
+        let mut editor = editor(scenario.clone());
         editor.select(selection);
         for handle in editor.handles() {
             assert!(editor.begin_drag(handle.kind, handle.position_m), "{handle:?}");
             editor.drag_to(vec2(handle.position_m.x + 0.31, handle.position_m.y + 0.37), false);
-            assert!(editor.scenario().as_ref() != &world, "{selection:?} {handle:?}");
+            assert!(editor.scenario().as_ref() != &scenario, "{selection:?} {handle:?}");
             editor.cancel_drag();
-            assert_eq!(**editor.scenario(), world, "{handle:?}");
+            assert_eq!(**editor.scenario(), scenario, "{handle:?}");
             assert!(!handle.text.is_empty() && !handle.about.is_empty());
             dragged += 1;
         }
@@ -386,11 +400,11 @@ fn every_handle_that_is_shown_can_be_dragged() {
 }
 
 #[test]
-fn by_the_body_the_nearest_place_is_taken() {
+fn dragging_a_rule_by_its_body_drags_the_nearest_position() {
     let mut editor = editor(full());
     editor.select(Selection::Goals);
     assert!(editor.begin_drag(HandleKind::Middle, vec2(1.45, -1.5)));
-    assert_eq!(editor.dragged(), Some(HandleKind::Place(1)));
+    assert_eq!(editor.dragged(), Some(HandleKind::Position(1)));
     editor.drag_to(vec2(1.25, -1.5), false);
     editor.end_drag();
     assert_eq!(

@@ -1,39 +1,39 @@
-//! Whatever is done in whatever order: nothing breaks, and all of it can be undone.
+//! Random sequences of edits: every sequence can be undone, redone and saved.
 
 use super::*;
 use crate::random::{Stream, stream, uniform};
 use bevy::math::{Vec2, vec2};
 
-/// One of `count`.
+/// A random index below `count`.
 fn one_of(stream: &mut Stream, count: usize) -> usize {
     (uniform(stream, 0.0, count as f32) as usize).min(count.saturating_sub(1))
 }
 
-fn somewhere(stream: &mut Stream) -> Vec2 {
-    // Also outside the walls.
+fn random_position(stream: &mut Stream) -> Vec2 {
+    // Also outside the enclosure.
     vec2(uniform(stream, -3.0, 3.0), uniform(stream, -3.0, 3.0))
 }
 
-/// Drags a handle of what is selected to and fro, and lets go of it, or not.
+/// Drags a random handle of the selected item; sometimes the drag is not ended.
 fn drag(editor: &mut Editor, stream: &mut Stream) {
     let handles = editor.handles();
     let kind = match handles.get(one_of(stream, handles.len().max(1))) {
         Some(handle) if uniform(stream, 0.0, 1.0) < 0.8 => handle.kind,
         _ => HandleKind::Middle,
     };
-    editor.begin_drag(kind, somewhere(stream));
+    editor.begin_drag(kind, random_position(stream));
     for _ in 0..3 {
-        editor.drag_to(somewhere(stream), uniform(stream, 0.0, 1.0) < 0.5);
+        editor.drag_to(random_position(stream), uniform(stream, 0.0, 1.0) < 0.5);
     }
     match one_of(stream, 4) {
         0 => editor.cancel_drag(),
-        // It goes on in the midst of what comes next.
+        // The next edit happens during the drag.
         1 => {}
         _ => editor.end_drag(),
     }
 }
 
-/// A click with the tool, whichever it is, changes the rule that is selected at most.
+/// Clicks with the current tool, which may change only the selected rule.
 fn click(editor: &mut Editor, at: Vec2) {
     let before = Scenario::clone(editor.scenario());
     editor.click_with_tool(at, false);
@@ -46,20 +46,20 @@ fn click(editor: &mut Editor, at: Vec2) {
     assert_eq!(expected, before);
 }
 
-/// What the tool is for is selected, and the same as before, when something else was.
+/// Asserts that the tool fits the selected item, and that this item was selected `before`.
 fn assert_tool_fits(editor: &Editor, before: Selection) {
     let now = editor.selection();
     match editor.tool() {
         Tool::Select | Tool::Wall { .. } => {}
         Tool::Path { .. } => assert!(matches!(now, Selection::Obstacle(_)) && now == before, "{now:?}"),
-        Tool::Places => {
+        Tool::Positions => {
             assert!(matches!(now, Selection::Starts | Selection::Goals) && now == before, "{now:?}");
         }
     }
 }
 
-fn anything(editor: &mut Editor, stream: &mut Stream) {
-    const FORMS: [NewItem; 6] = [
+fn random_edit(editor: &mut Editor, stream: &mut Stream) {
+    const ITEMS: [NewItem; 6] = [
         NewItem::Circle,
         NewItem::Box,
         NewItem::Capsule,
@@ -67,10 +67,10 @@ fn anything(editor: &mut Editor, stream: &mut Stream) {
         NewItem::Hexagon,
         NewItem::Generator,
     ];
-    let at = somewhere(stream);
+    let at = random_position(stream);
     let rule = [PlacementRole::Starts, PlacementRole::Goals][one_of(stream, 2)];
     match one_of(stream, 28) {
-        0 | 26 => editor.add(FORMS[one_of(stream, 6)], at),
+        0 | 26 => editor.add(ITEMS[one_of(stream, 6)], at),
         1..=3 => {
             let found = editor.pick(at, 0.3);
             editor.select(found);
@@ -94,10 +94,13 @@ fn anything(editor: &mut Editor, stream: &mut Stream) {
                 editor.remove_handle(handle.kind);
             }
         }
-        // Anything else may come between taking a tool and ending it.
+        // Any other edit may happen before the tool is finished.
         18..=20 => {
-            let tools =
-                [Tool::Wall { corners_m: Vec::new() }, Tool::Path { waypoints_m: Vec::new() }, Tool::Places];
+            let tools = [
+                Tool::Wall { corners_m: Vec::new() },
+                Tool::Path { waypoints_m: Vec::new() },
+                Tool::Positions,
+            ];
             editor.set_tool(tools[one_of(stream, 3)].clone());
         }
         21..=24 => click(editor, at),
@@ -107,30 +110,34 @@ fn anything(editor: &mut Editor, stream: &mut Stream) {
 }
 
 #[test]
-fn whatever_is_done_can_be_undone_and_written_down() {
-    let (mut led, mut placed) = (0, 0);
+fn random_edits_can_be_undone_redone_and_saved() {
+    let (mut paths, mut places) = (0, 0);
     for seed in 0..6 {
         let mut stream = stream(seed, "anything", 0);
         let mut editor = editor(full());
         let mut most = 0;
         for _ in 0..400 {
             let before = editor.selection();
-            anything(&mut editor, &mut stream);
+            random_edit(&mut editor, &mut stream);
             assert_tool_fits(&editor, before);
-            led += usize::from(matches!(editor.tool(), Tool::Path { .. }));
-            placed += usize::from(*editor.tool() == Tool::Places);
+            paths += usize::from(matches!(editor.tool(), Tool::Path { .. }));
+            places += usize::from(*editor.tool() == Tool::Positions);
             assert_eq!(editor.selection(), editor.selection().if_present(editor.scenario()));
-            most = most.max(things(editor.scenario()));
+            most = most.max(item_count(editor.scenario()));
             if editor.dragged().is_none() {
-                assert_eq!(editor.diagnostics(), diagnostics(editor.scenario()), "of the world as it is");
+                assert_eq!(
+                    editor.diagnostics(),
+                    diagnostics(editor.scenario()),
+                    "diagnostics are up to date"
+                );
             }
         }
-        assert!(most > 8, "something was made: {most}");
+        assert!(most > 8, "items were added: {most}");
         let text = to_ron(&**editor.scenario()).expect("RON");
-        let back: Scenario = parse_ron(&text, "mine.ron").expect("what was written can be read");
+        let back: Scenario = parse_ron(&text, "mine.ron").expect("a saved scenario can be parsed");
         assert_eq!(back, **editor.scenario());
         editor.end_drag();
-        // Whatever was undone is done again, to have the whole way before it.
+        // Redo everything, so that all steps can be undone.
         while editor.can_redo() {
             editor.redo();
         }
@@ -144,5 +151,5 @@ fn whatever_is_done_can_be_undone_and_written_down() {
         }
         assert_eq!(*editor.scenario(), last);
     }
-    assert!(led > 10 && placed > 10, "tools were in hand: {led} {placed}");
+    assert!(paths > 10 && places > 10, "tools were used: {paths} {places}");
 }

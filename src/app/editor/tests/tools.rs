@@ -1,4 +1,4 @@
-//! Tools end with what they are for, and what is drawn is not lost unnoticed.
+//! A tool is put away when it no longer fits the selected item.
 
 use super::*;
 use bevy::math::vec2;
@@ -7,17 +7,17 @@ fn path() -> Tool {
     Tool::Path { waypoints_m: Vec::new() }
 }
 
-/// With the goals selected, and the tool for their places.
-fn placing() -> Editor {
+/// An editor with the goals selected and the tool that adds positions.
+fn placing_goals() -> Editor {
     let mut editor = editor(full());
     editor.select(Selection::Goals);
-    editor.set_tool(Tool::Places);
-    assert_eq!(*editor.tool(), Tool::Places);
+    editor.set_tool(Tool::Positions);
+    assert_eq!(*editor.tool(), Tool::Positions);
     editor
 }
 
 #[test]
-fn places_go_to_no_other_rule_than_the_one_they_are_for() {
+fn the_positions_tool_is_put_away_when_its_rule_is_deselected_or_changes_kind() {
     let changes: [fn(&mut Editor); 6] = [
         Editor::delete,
         |e| e.add(NewItem::Circle, vec2(0.0, 0.0)),
@@ -27,39 +27,39 @@ fn places_go_to_no_other_rule_than_the_one_they_are_for() {
         |e| e.edit("rule", |s| s.goals = PlacementRule::default()),
     ];
     for (k, change) in changes.into_iter().enumerate() {
-        let mut editor = placing();
+        let mut editor = placing_goals();
         change(&mut editor);
         assert_eq!(*editor.tool(), Tool::Select, "change {k}");
         let before = Arc::clone(editor.scenario());
         editor.click_with_tool(vec2(0.5, 0.5), false);
         assert_eq!(*editor.scenario(), before, "change {k}");
     }
-    // The enclosure is a rectangle already: nothing changes but the selection.
-    let mut editor = placing();
+    // The enclosure is a rectangle already; only the selection changes.
+    let mut editor = placing_goals();
     editor.set_enclosure(EnclosureKind::Rectangle);
     assert_eq!((editor.selection(), editor.tool()), (Selection::Enclosure, &Tool::Select));
 }
 
 #[test]
-fn places_go_on_while_their_rule_is_selected() {
-    let mut editor = placing();
+fn the_positions_tool_stays_while_its_rule_is_selected() {
+    let mut editor = placing_goals();
     editor.click_with_tool(vec2(0.5, 0.5), false);
     editor.edit("name", |s| s.name = "Mine".into());
-    assert!(editor.remove_handle(HandleKind::Place(0)));
+    assert!(editor.remove_handle(HandleKind::Position(0)));
     editor.click_with_tool(vec2(1.0, 0.5), false);
     let positions_m = vec![vec2(1.5, -1.5), vec2(0.5, 0.5), vec2(1.0, 0.5)];
     assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m });
-    assert_eq!(*editor.tool(), Tool::Places);
-    // Of a rule of another kind the first click makes one of places.
+    assert_eq!(*editor.tool(), Tool::Positions);
+    // The first click turns a rule of another kind into a list of positions.
     editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
-    editor.set_tool(Tool::Places);
+    editor.set_tool(Tool::Positions);
     editor.edit("name", |s| s.name = "Another".into());
     editor.click_with_tool(vec2(0.5, 0.5), false);
     assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });
 }
 
 #[test]
-fn a_path_is_for_one_obstacle_only() {
+fn the_path_tool_is_put_away_when_its_obstacle_is_deselected() {
     let changes: [fn(&mut Editor); 4] = [
         Editor::duplicate,
         Editor::delete,
@@ -83,5 +83,59 @@ fn a_path_is_for_one_obstacle_only() {
     editor.click_with_tool(vec2(0.0, 0.0), false);
     editor.set_motion(MotionKind::Orbit);
     editor.nudge(1, 0, false);
-    assert_ne!(*editor.tool(), Tool::Select, "it is the same obstacle");
+    assert_ne!(*editor.tool(), Tool::Select, "the same obstacle is selected");
+}
+
+#[test]
+fn drawing_a_wall_is_one_undo_step() {
+    let mut editor = editor(Scenario::default());
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+    for at in [vec2(0.01, 0.52), vec2(0.01, 0.52), vec2(1.02, 0.49), vec2(1.0, 1.0)] {
+        editor.click_with_tool(at, false);
+    }
+    editor.click_with_tool(vec2(1.234_56, 1.0), true);
+    editor.undo_tool_point();
+    assert!(!editor.can_undo(), "the scenario is unchanged so far");
+    let after = one_step(&mut editor, Editor::finish_tool);
+    assert_eq!(
+        after.walls,
+        [Wall { corners_m: vec![vec2(0.0, 0.5), vec2(1.0, 0.5), vec2(1.0, 1.0)], thickness_m: 0.1 }]
+    );
+    assert_eq!(*editor.tool(), Tool::Select);
+    // One corner does not make a wall.
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+    editor.click_with_tool(vec2(0.0, 0.0), false);
+    editor.finish_tool();
+    assert_eq!(editor.scenario().walls.len(), 1);
+    editor.set_tool(Tool::Wall { corners_m: Vec::new() });
+    editor.undo_tool_point();
+    assert_eq!(*editor.tool(), Tool::Select, "without a corner the tool is put away");
+}
+
+#[test]
+fn paths_and_positions_are_drawn_for_the_selected_item() {
+    let mut editor = editor(full());
+    editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
+    assert_eq!(*editor.tool(), Tool::Select, "no obstacle is selected");
+    editor.select(Selection::Obstacle(0));
+    editor.set_tool(Tool::Path { waypoints_m: Vec::new() });
+    editor.click_with_tool(vec2(-1.0, 0.0), false);
+    editor.click_with_tool(vec2(0.0, 0.0), false);
+    let after = one_step(&mut editor, Editor::finish_tool);
+    let waypoints_m = vec![vec2(-1.0, 0.0), vec2(0.0, 0.0)];
+    assert_eq!(after.obstacles[0].motion, ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 });
+    editor.select(Selection::Starts);
+    editor.set_tool(Tool::Positions);
+    for at in [vec2(0.5, 0.5), vec2(0.51, 0.5), vec2(-0.5, 0.0)] {
+        editor.click_with_tool(at, false);
+    }
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5), vec2(-0.5, 0.0)] }
+    );
+    editor.undo();
+    assert_eq!(editor.scenario().starts, PlacementRule::OneOf { positions_m: vec![vec2(0.5, 0.5)] });
+    editor.set_tool(Tool::Positions);
+    editor.select(Selection::Wall(0));
+    assert_eq!(*editor.tool(), Tool::Select, "the tool does not fit a wall");
 }

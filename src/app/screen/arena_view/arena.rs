@@ -48,7 +48,7 @@ fn walls(canvas: &Canvas, scenario: &Scenario, color: Color32) {
             canvas.painter.rect_stroke(inside, 0.0, Stroke::new(thickness, color), StrokeKind::Outside);
         }
         Enclosure::Polygon { .. } => {
-            silhouette::draw_closed_line(canvas, &scenario.enclosure.corners_m(), thickness, color)
+            silhouette::draw_closed_line(canvas, &scenario.enclosure.corners_m(), thickness, color);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! One arena with all its overlays, and the pointer over it.
 
+use egui::accesskit::{Rect as AccessRect, Role};
 use egui::{Align2, CursorIcon, Id, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, vec2};
 
 use super::camera::steer_camera;
@@ -65,6 +66,7 @@ pub fn single_arena(
     if let Some(arena) = scene.arenas.get(index) {
         draw_arena(ui, &canvas, scene, index, arena, view_state, id);
         draw_drag_feedback(ui, &response, &canvas, arena, object, active.as_ref());
+        name_objects(ui, id, &canvas, scene, arena);
     }
     canvas
 }
@@ -157,6 +159,26 @@ fn draw_drag_feedback(
             silhouette::draw(canvas, &around, clear, Stroke::new(1.5, palette.text.gamma_multiply(0.8)));
             response.clone().on_hover_text_at_pointer(drag::tooltip(object));
         }
+    }
+}
+
+/// Adds the objects that can be dragged to the accessibility tree, if egui builds one.
+fn name_objects(ui: &Ui, view: Id, canvas: &Canvas, scene: &Scene, arena: &ArenaScene) {
+    let obstacles = (0..scene.scenario.obstacles.len()).map(Movable::Obstacle);
+    for object in [Movable::Robot, Movable::Goal].into_iter().chain(obstacles) {
+        let id = view.with(object);
+        ui.ctx().accesskit_node_builder(id, |node| {
+            let Some(outline) = drag_target::silhouette(arena, object, None) else { return };
+            let rect = outline.screen_rect(canvas);
+            node.set_role(Role::GraphicsObject);
+            node.set_label(object.to_string());
+            node.set_bounds(AccessRect::new(
+                rect.min.x.into(),
+                rect.min.y.into(),
+                rect.max.x.into(),
+                rect.max.y.into(),
+            ));
+        });
     }
 }
 

@@ -1,20 +1,18 @@
-//! What is wrong with the world that is edited, at every moment.
-//!
-//! In: the editor. Out: a list; what is pressed there is selected, or its part of the panel opened.
+//! The list of problems in the edited scenario. A click selects the item, or opens the group of the field.
 
 use egui::{CursorIcon, Frame, Margin, RichText, Sense, Stroke, Ui, WidgetInfo, WidgetType};
 
 use super::scenario_panel;
-use crate::app::editor::{Editor, Selection};
+use crate::app::editor::{Editor, EditorInteraction, Selection};
 use crate::app::screen::theme::{Palette, SMALL};
 use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::scenario::Diagnostic;
 
-/// The most that are listed.
+/// Most problems listed.
 const MAX_SHOWN: usize = 12;
 
-/// Draws them.
-pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor) {
+/// Shows the list.
+pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorInteraction) {
     let palette = Palette::from_ui(ui);
     let count = editor.diagnostics().len();
     if count == 0 {
@@ -22,23 +20,23 @@ pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor) {
         return;
     }
     section_title_ui(ui, &if count == 1 { "1 problem".to_owned() } else { format!("{count} problems") });
-    let mut pressed = None;
-    for finding in editor.diagnostics().iter().take(MAX_SHOWN) {
-        if diagnostic_ui(ui, finding, palette) {
-            pressed = Some(finding.path.clone());
+    let mut clicked = None;
+    for problem in editor.diagnostics().iter().take(MAX_SHOWN) {
+        if diagnostic_ui(ui, problem, palette) {
+            clicked = Some(problem.path.clone());
         }
     }
     if let Some(more @ 1..) = count.checked_sub(MAX_SHOWN) {
-        ui.label(weak_text(&format!("and {more} more like these")));
+        ui.label(weak_text(&format!("and {more} more")));
     }
-    if let Some(path) = pressed {
+    if let Some(path) = clicked {
         editor.select(Selection::from_field_path(&path));
-        scenario_panel::reveal_field(ui.ctx(), &path);
+        interaction.group_to_open = Some(scenario_panel::group_of(&path));
     }
 }
 
-/// One of them; whether it was pressed.
-fn diagnostic_ui(ui: &mut Ui, finding: &Diagnostic, palette: Palette) -> bool {
+/// Shows one problem. Returns whether it was clicked.
+fn diagnostic_ui(ui: &mut Ui, problem: &Diagnostic, palette: Palette) -> bool {
     let frame = Frame::new()
         .fill(palette.control)
         .stroke(Stroke::new(1.0, palette.border))
@@ -47,11 +45,11 @@ fn diagnostic_ui(ui: &mut Ui, finding: &Diagnostic, palette: Palette) -> bool {
     let shown = frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.spacing_mut().item_spacing.y = 1.0;
-        ui.label(RichText::new(where_it_is(&finding.path)).size(SMALL).color(palette.error).strong());
-        ui.label(RichText::new(&finding.message).size(SMALL).color(palette.text));
+        ui.label(RichText::new(field_name(&problem.path)).size(SMALL).color(palette.error).strong());
+        ui.label(RichText::new(&problem.message).size(SMALL).color(palette.text));
     });
     let response = shown.response.interact(Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, finding.to_string()));
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, problem.to_string()));
     if response.hovered() || response.has_focus() {
         let stroke = Stroke::new(1.0, palette.error);
         ui.painter().rect_stroke(response.rect, 4.0, stroke, egui::StrokeKind::Inside);
@@ -59,17 +57,14 @@ fn diagnostic_ui(ui: &mut Ui, finding: &Diagnostic, palette: Palette) -> bool {
     response.clicked()
 }
 
-/// A field's path in words: `obstacles[2].shape.radius_m` is `Obstacle 3, radius`.
-fn where_it_is(path: &str) -> String {
+/// The readable name of a field: `obstacles[2].shape.radius_m` is `Obstacle 3, radius`. Units and the word `shape` are
+/// left out.
+fn field_name(path: &str) -> String {
     let mut words = Vec::new();
     for part in path.split('.') {
         let mut pieces = part.split(['[', ']']).filter(|piece| !piece.is_empty());
-        let Some(name) = pieces.next() else { continue };
+        let Some(name) = pieces.next().filter(|&name| name != "shape") else { continue };
         let numbers: Vec<usize> = pieces.filter_map(|piece| piece.parse().ok()).collect();
-        // The unit and the shape are plain from the rest.
-        if name == "shape" {
-            continue;
-        }
         let units = ["_m_s", "_rad_s", "_rad", "_m", "_s"];
         let bare = units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name);
         let name = bare.replace('_', " ");
@@ -88,8 +83,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_is_told_in_words() {
-        for (path, words) in [
+    fn a_field_path_becomes_a_readable_name() {
+        for (path, name) in [
             ("obstacles[2].shape.radius_m", "Obstacle 3, radius"),
             ("walls[0]", "Wall 1"),
             ("starts.clearance_m", "Starts, clearance"),
@@ -98,7 +93,7 @@ mod tests {
             ("name", "Name"),
             ("", ""),
         ] {
-            assert_eq!(where_it_is(path), words);
+            assert_eq!(field_name(path), name);
         }
     }
 }

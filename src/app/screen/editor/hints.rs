@@ -1,28 +1,24 @@
-//! The hint: one line at the foot of the world that says what can be done now.
-//!
-//! In: the tool, what is selected, what is under the pointer. Out: a soft line, cut off where it has no room.
+//! The hint line at the bottom of the canvas: what the pointer and the keys do now. Truncated where it does not fit.
 
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{FontId, Rect, vec2};
 
-use super::pointer::PointerHit;
-use crate::app::editor::{Editor, HandleKind, Selection, Tool};
+use crate::app::editor::{Editor, HandleKind, PointerHit, Selection, Tool};
 use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::theme::SMALL;
 
-/// Draws it.
-pub fn draw(canvas: &Canvas, editor: &Editor, under: PointerHit) {
+/// Draws the hint line, unless the canvas is too low.
+pub fn draw(canvas: &Canvas, editor: &Editor, hit: PointerHit) {
     let view = canvas.transform.rect.shrink2(vec2(8.0, 5.0));
     if view.height() < 120.0 {
         return;
     }
-    let words = words(editor, under);
     let format = TextFormat {
         font_id: FontId::proportional(SMALL),
         color: canvas.palette.weak_text,
         ..Default::default()
     };
-    let mut job = LayoutJob::single_section(words, format);
+    let mut job = LayoutJob::single_section(hint(editor, hit), format);
     job.wrap = TextWrapping::truncate_at_width((view.width() - 12.0).max(20.0));
     let galley = canvas.painter.layout_job(job);
     let size = galley.size() + vec2(12.0, 6.0);
@@ -31,60 +27,69 @@ pub fn draw(canvas: &Canvas, editor: &Editor, under: PointerHit) {
     canvas.painter.galley(strip.min + vec2(6.0, 3.0), galley, canvas.palette.weak_text);
 }
 
-/// What it says.
-fn words(editor: &Editor, under: PointerHit) -> String {
+/// The text of the hint line.
+fn hint(editor: &Editor, hit: PointerHit) -> String {
+    tool_hint(editor)
+        .or_else(|| editor.dragged().map(|_| "Alt: no snapping · Escape: cancel"))
+        .or_else(|| handle_hint(editor, hit))
+        .unwrap_or_else(|| selection_hint(editor.selection()))
+        .into()
+}
+
+fn tool_hint(editor: &Editor) -> Option<&'static str> {
     match editor.tool() {
-        Tool::Wall { corners_m } if corners_m.is_empty() => return "Click where the wall begins".into(),
-        Tool::Path { waypoints_m } if waypoints_m.is_empty() => {
-            return "Click where it goes first; in the end it comes back".into();
-        }
+        Tool::Wall { corners_m } if corners_m.is_empty() => Some("Click the first corner of the wall"),
+        Tool::Path { waypoints_m } if waypoints_m.is_empty() => Some("Click the first waypoint"),
         Tool::Wall { .. } | Tool::Path { .. } => {
-            return "Click the next corner; double click or Enter: done, Backspace: one back".into();
+            Some("Click the next point · Double-click or Enter: finish · Backspace: remove the last point")
         }
-        Tool::Places => return "Click place by place; Enter: done".into(),
-        Tool::Select => {}
+        Tool::Positions => Some("Click to add positions · Enter: finish"),
+        Tool::Select => None,
     }
-    if editor.dragged().is_some() {
-        return "Alt: without snapping · Escape: back to where it was".into();
-    }
-    match under {
-        PointerHit::Handle(HandleKind::Middle) | PointerHit::Body(_) | PointerHit::Nothing => {}
+}
+
+fn handle_hint(editor: &Editor, hit: PointerHit) -> Option<&'static str> {
+    match hit {
+        PointerHit::Handle(HandleKind::Middle) | PointerHit::Body(_) | PointerHit::Nothing => None,
         PointerHit::Handle(kind) => {
-            let about = editor.handles().into_iter().find(|handle| handle.kind == kind);
-            return about.map_or_else(String::new, |handle| handle.about.into());
+            let handle = editor.handles().into_iter().find(|handle| handle.kind == kind);
+            Some(handle.map_or("", |handle| handle.about))
         }
     }
-    match editor.selection() {
-        Selection::Nothing => "Click a thing to change it; drag the floor and turn the wheel to look around",
-        Selection::Enclosure => "Drag its sides or corners",
+}
+
+fn selection_hint(selection: Selection) -> &'static str {
+    match selection {
+        Selection::Nothing => "Click an item to edit it · Drag the floor to pan · Scroll to zoom",
+        Selection::Enclosure => "Drag a side or a corner to resize",
         Selection::Obstacle(_) | Selection::Wall(_) => {
-            "Drag it or its handles · Delete · Ctrl+D: another one · Arrows: a little"
+            "Drag the item or its handles · Delete · Ctrl+D: duplicate · Arrow keys: move one step"
         }
-        _ => "Drag it or its handles · Arrows: a little · Escape: select nothing",
+        _ => "Drag the item or its handles · Arrow keys: move one step · Escape: deselect",
     }
-    .into()
 }
 
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
-    use super::*;
+    use bevy::math::{Vec2, vec2};
+
+    use super::{Editor, HandleKind, PointerHit, Selection, Tool, hint};
     use crate::scenario::Scenario;
 
     #[test]
-    fn the_hint_goes_with_the_tool_and_the_hand() {
+    fn the_hint_follows_the_tool_the_drag_and_the_pointer() {
         let mut editor = Editor::open(Arc::new(Scenario::default()), "empty".into(), true);
-        let says = |editor: &Editor, under| words(editor, under);
-        assert!(says(&editor, PointerHit::Nothing).starts_with("Click a thing"));
+        assert!(hint(&editor, PointerHit::Nothing).starts_with("Click an item"));
         editor.select(Selection::BenchmarkStart);
-        assert_eq!(says(&editor, PointerHit::Handle(HandleKind::Rotate)), "Where it looks");
-        assert!(editor.begin_drag(HandleKind::Middle, bevy::math::Vec2::ZERO));
-        assert!(says(&editor, PointerHit::Handle(HandleKind::Middle)).starts_with("Alt"));
+        assert_eq!(hint(&editor, PointerHit::Handle(HandleKind::Rotate)), "Turn the heading");
+        assert!(editor.begin_drag(HandleKind::Middle, Vec2::ZERO));
+        assert!(hint(&editor, PointerHit::Handle(HandleKind::Middle)).starts_with("Alt"));
         editor.end_drag();
         editor.set_tool(Tool::Wall { corners_m: Vec::new() });
-        assert!(says(&editor, PointerHit::Nothing).ends_with("begins"));
-        editor.click_with_tool(bevy::math::vec2(0.5, 0.5), true);
-        assert!(says(&editor, PointerHit::Nothing).contains("Backspace"));
+        assert!(hint(&editor, PointerHit::Nothing).contains("first corner"));
+        editor.click_with_tool(vec2(0.5, 0.5), true);
+        assert!(hint(&editor, PointerHit::Nothing).contains("Backspace"));
     }
 }

@@ -1,31 +1,31 @@
-//! The keyboard of the editor.
+//! The keyboard in the editor.
 //!
-//! In: the keys of this frame, where no text is being written. Out: the editor's changes, and orders to save or open.
+//! In: the keys of this frame, while no text is being edited. Out: the editor's changes, and commands to save or open.
 
 use egui::{Event, Key, Modifiers, Ui};
 
-use super::finish_drawing;
+use super::framing::canvas_id;
 use crate::app::app_snapshot::AppSnapshot;
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, Selection, Tool};
 
-/// The keys and what they do, in the order in which they are listed.
+/// The keys and their actions, in the order of the help window.
 pub const KEY_HELP: [(&str, &str); 12] = [
-    ("Delete", "Delete it"),
-    ("Ctrl+Z", "Undo; with Shift, or Ctrl+Y, do it again"),
-    ("Ctrl+C", "Copy; Ctrl+X cuts, Ctrl+V pastes"),
-    ("Ctrl+D", "Another one like it"),
-    ("Arrows", "Move it a step; with Shift 1 cm"),
-    ("Alt", "While dragging: without snapping"),
-    ("Shift", "On a path's begin: move the obstacle alone"),
-    ("Enter", "The wall or path is done"),
-    ("Escape", "Back; select nothing"),
-    ("F", "Show the whole world"),
-    ("Ctrl+S", "Save the world"),
-    ("Ctrl+O", "Open a world"),
+    ("Delete", "Delete the item"),
+    ("Ctrl+Z", "Undo; Ctrl+Y or Ctrl+Shift+Z: redo"),
+    ("Ctrl+C", "Copy; Ctrl+X: cut; Ctrl+V: paste"),
+    ("Ctrl+D", "Duplicate the item"),
+    ("Arrows", "Move the item one step; with Shift 1 cm"),
+    ("Alt", "While dragging: no snapping"),
+    ("Shift", "On the start of a path: move the obstacle alone"),
+    ("Enter", "Finish the wall or path"),
+    ("Escape", "Cancel, or deselect"),
+    ("F", "Show the whole scenario"),
+    ("Ctrl+S", "Save the scenario"),
+    ("Ctrl+O", "Open a scenario"),
 ];
 
-/// Does what the keys of this frame ask for.
+/// Handles the keys of this frame.
 pub fn handle(ui: &Ui, editor: &mut Editor, status: &AppSnapshot, commands: &mut Vec<Command>) {
     let pressed: Vec<(Key, Modifiers, bool)> = ui.input(|input| {
         let keys = input.events.iter().filter_map(|event| match *event {
@@ -34,11 +34,11 @@ pub fn handle(ui: &Ui, editor: &mut Editor, status: &AppSnapshot, commands: &mut
         });
         keys.collect()
     });
-    // Arrows, Enter and Escape belong to a control that has the focus.
-    let focused = ui.ctx().memory(|memory| memory.focused().is_some_and(|id| id != super::canvas_id()));
-    // It closes a list that is open, and nothing more.
-    let listed = egui::Popup::is_any_open(ui.ctx());
-    for (key, held, repeat) in pressed.into_iter().filter(|&(key, ..)| !(listed && key == Key::Escape)) {
+    // A focused control keeps the keys without Ctrl.
+    let focused = ui.ctx().memory(|memory| memory.focused().is_some_and(|id| id != canvas_id()));
+    // Escape closes an open list and does nothing else.
+    let list_open = egui::Popup::is_any_open(ui.ctx());
+    for (key, held, repeat) in pressed.into_iter().filter(|&(key, ..)| !(list_open && key == Key::Escape)) {
         if held.command {
             with_command(key, held, repeat, editor, status, commands);
         } else if !focused {
@@ -47,6 +47,7 @@ pub fn handle(ui: &Ui, editor: &mut Editor, status: &AppSnapshot, commands: &mut
     }
 }
 
+/// Handles a key with Ctrl (Command on a Mac).
 fn with_command(
     key: Key,
     held: Modifiers,
@@ -59,14 +60,14 @@ fn with_command(
         Key::Z if held.shift => editor.redo(),
         Key::Z => editor.undo(),
         Key::Y => editor.redo(),
-        // Held down, only undo and redo go on and on.
+        // Of the keys held down, only undo and redo repeat.
         _ if repeat || held.shift => {}
         Key::C => editor.copy(),
         Key::X => editor.cut(),
         Key::V => editor.paste(None),
         Key::D => editor.duplicate(),
         Key::S => {
-            finish_drawing(editor);
+            editor.finish_drawing();
             commands.push(Command::SaveScenario {
                 scenario: editor.scenario().clone(),
                 based_on: editor.from().to_owned(),
@@ -78,6 +79,7 @@ fn with_command(
     }
 }
 
+/// Handles a key without Ctrl.
 fn plain(key: Key, held: Modifiers, repeat: bool, editor: &mut Editor) {
     let drawing = *editor.tool() != Tool::Select;
     match key {

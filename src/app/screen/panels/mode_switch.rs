@@ -36,10 +36,10 @@ pub(super) fn mode_switch_ui(
     match command {
         Some(command) if editing => {
             let command = (Some(clicked) != current).then_some(command);
-            confirm_exit::request_exit(ui.ctx(), view_state, command, commands)
+            confirm_exit::request_exit(view_state, command, commands);
         }
         Some(command) => commands.push(command),
-        None if !editing => confirm_exit::enter_editor(ui.ctx(), view, view_state, commands),
+        None if !editing => confirm_exit::enter_editor(view, view_state, commands),
         None => {}
     }
 }

@@ -8,8 +8,9 @@ use super::model::EventMarker;
 use crate::chart::layout::{LEFT, WIDTH};
 use crate::style::{Axis, Canvas, DrawResult, HAIRLINE, SOFT_INK, TEXT, ellipsized, line, text_width, write};
 
-/// The shared x axis.
+/// The frame of a curve chart: the x axis and the edges that all panels share.
 pub(super) struct Frame {
+    /// The x axis.
     pub(super) x: Axis,
     /// The right edge of all plots, in drawn pixels; the left edge is `LEFT`.
     pub(super) right: i32,
@@ -30,7 +31,7 @@ impl Frame {
         write(root, &name, ((LEFT + self.right) / 2, top + 76), TEXT, &SOFT_INK, HPos::Center)
     }
 
-    /// Writes the markers' labels above their lines, each shortened where the next marker begins.
+    /// Writes the labels of the markers in one row, each shortened to end before the next marker.
     pub(super) fn draw_marker_labels(&self, root: &Canvas, markers: &[&EventMarker], y: i32) -> DrawResult {
         let mut labels: Vec<(i32, &str)> =
             markers.iter().map(|m| (self.pixel_x(m.x), m.label.as_str())).collect();
@@ -38,7 +39,7 @@ impl Frame {
         for (i, &(at, label)) in labels.iter().enumerate() {
             let end = labels.get(i + 1).map_or(WIDTH - 16, |next| next.0 - 16);
             let width = text_width(label, TEXT);
-            // To the right of its line; a single label that fits only on the left goes there.
+            // A label is written to the right of its line, or to the left if it is the only one and fits only there.
             if labels.len() == 1 && at + width > end && at - width > LEFT {
                 write(root, label, (at, y), TEXT, &SOFT_INK, HPos::Right)?;
             } else {

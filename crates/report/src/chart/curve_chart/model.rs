@@ -1,4 +1,4 @@
-//! The contents of a curve chart, and what of it can be drawn.
+//! The data of a curve chart, and its drawable part.
 
 use crate::chart::layout::WIDTH;
 use crate::style::{Axis, TEXT, bounds, is_drawable, text_width, thinned};
@@ -31,12 +31,12 @@ pub struct EventMarker {
     pub label: String,
 }
 
-/// One plot of the stack.
+/// One panel of a curve chart: a plot below the previous one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChartPanel {
     /// The heading above the plot.
     pub heading: String,
-    /// The unit behind each number of the y axis: "%", " s" or nothing.
+    /// The unit after each number of the y axis, such as "%" or " s"; it may be empty.
     pub y_unit: String,
     /// The curves; more than six are hard to tell apart.
     pub lines: Vec<CurveLine>,
@@ -60,32 +60,32 @@ pub struct ReferenceLine {
 pub struct CurveLine {
     /// The short name at the curve's right end.
     pub name: String,
-    /// The index of its colour in the palette, which wraps around.
+    /// The colour's index in the palette, modulo the palette's length.
     pub colour: usize,
     /// The smoothed mean and its band, in any order.
     pub points: Vec<BandPoint>,
     /// The raw values as (x, y), in any order.
     pub raw: Vec<(f64, f64)>,
-    /// How the raw values are drawn.
+    /// The style of the raw values.
     pub raw_style: RawStyle,
 }
 
-/// How raw values are drawn.
+/// The style of raw values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RawStyle {
-    /// As a thin line.
+    /// A thin line.
     #[default]
     Line,
-    /// As dots.
+    /// Dots.
     Dots,
 }
 
 /// A point of a smoothed mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandPoint {
-    /// In units of the x axis.
+    /// The x value, in units of the x axis.
     pub x: f64,
-    /// In units of the y axis.
+    /// The smoothed mean, in units of the y axis.
     pub mean: f64,
     /// The lower end of the 95 % interval; not finite if there is no interval.
     pub low: f64,
@@ -93,13 +93,13 @@ pub struct BandPoint {
     pub high: f64,
 }
 
-/// Most vertices of a line, or of one side of a band.
+/// The maximum number of vertices of a line, or of one side of a band.
 const MAX_VERTICES: usize = 320;
-/// Most dots of a curve.
+/// The maximum number of dots of a curve.
 const MAX_DOTS: usize = 900;
 
 impl ChartPanel {
-    /// The finite values of the panel, in order of x and thinned to what can be seen.
+    /// The finite values of the panel, sorted by x and thinned to the visible resolution.
     pub(super) fn drawable(&self) -> Self {
         Self {
             lines: self.lines.iter().map(CurveLine::drawable).collect(),
@@ -160,7 +160,7 @@ impl CurveLine {
     }
 }
 
-/// At most `max` points: the smallest and the largest of each stretch, so that noise keeps its height.
+/// At most `max` of the points: the lowest and the highest of each group of neighbours, so that noise keeps its height.
 fn thinned_to_extremes(points: &[(f64, f64)], max: usize) -> Vec<(f64, f64)> {
     if points.len() <= max {
         return points.to_vec();

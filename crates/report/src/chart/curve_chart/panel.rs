@@ -127,7 +127,7 @@ impl<'a> PanelDrawing<'a> {
         for (i, (curve, path)) in curves.iter().zip(&paths).enumerate() {
             let marker = (curves.len() > 1).then_some(curve.colour);
             if let Some(marker) = marker {
-                // Each line's markers lie between those of the other lines.
+                // The markers of each line are offset, so that they lie between those of the other lines.
                 let first = f64::from(LEFT) + 40.0 + MARKER_DISTANCE * i as f64 / curves.len() as f64;
                 for at in evenly_in_x(path, first, MARKER_DISTANCE) {
                     draw_marker(root, marker, at)?;
@@ -158,7 +158,7 @@ impl<'a> PanelDrawing<'a> {
     }
 }
 
-/// Points of a path from left to right, about `distance` apart in x; the first is at `first` or just behind it.
+/// Points of a path from left to right, about `distance` apart in x. The first lies at or just after `first`.
 fn evenly_in_x(path: &[Pixel], first: f64, distance: f64) -> Vec<Pixel> {
     let mut next = first;
     let mut found = Vec::new();

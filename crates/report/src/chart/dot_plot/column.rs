@@ -15,7 +15,7 @@ use crate::style::{
 /// Space between a column's sides and its axis, for dots and arrows at the ends, in drawn pixels.
 const PADDING: i32 = 36;
 
-/// The drawable values of a column, a cell for each row.
+/// The drawable values of a column: one cell per row.
 pub(super) struct ColumnDrawing<'a> {
     pub(super) heading: &'a str,
     unit: &'a str,
@@ -49,7 +49,7 @@ impl<'a> ColumnDrawing<'a> {
         let ends = self.cells.iter().filter_map(|c| c.estimate).flat_map(|e| self.ends(&e));
         let ends: Vec<f64> = ends.map(|x| x.clamp(low - margin, high + margin)).collect();
         let with_ticks = |count| Axis::within(shown().chain(ends.iter().copied()), count);
-        // As many ticks as fit without their labels touching.
+        // The number of ticks is limited so that their labels do not touch.
         let fits = |axis: &Axis| {
             let widths = axis.ticks().into_iter().map(|t| text_width(&axis.label(t), TEXT) + 24);
             let gap = axis.step / (axis.range.end - axis.range.start) * f64::from(pixels);

@@ -1,8 +1,8 @@
-//! Dot plots: a dot for each seed, their mean with its interval, and the paper's value.
+//! Dot plots: a dot for each seed, the mean over the seeds with its interval, and the paper's value.
 //!
 //! | file | contents |
 //! |---|---|
-//! | `model.rs` | what is drawn |
+//! | `model.rs` | the data of a dot plot |
 //! | `column.rs` | one column |
 //! | `symbols.rs` | the symbols and their legend |
 

@@ -1,4 +1,4 @@
-//! The contents of a dot plot.
+//! The data of a dot plot.
 
 use crate::statistics::Estimate;
 use crate::style::is_drawable;
@@ -19,9 +19,9 @@ pub struct DotPlot {
 pub struct DotColumn {
     /// The name of the measure.
     pub heading: String,
-    /// The unit below the axis, in words; nothing if empty.
+    /// The unit, in words, written below the axis; it may be empty.
     pub unit: String,
-    /// The range of possible values, such as 0 to 100 for percentages; intervals are cut off at its ends. `None`: any.
+    /// The range of possible values, such as 0 to 100 for percentages; intervals are cut off at its ends. `None` means no limits.
     pub limits: Option<(f64, f64)>,
     /// A cell for each row, in the rows' order; missing cells are empty.
     pub cells: Vec<DotCell>,
@@ -36,7 +36,7 @@ pub struct DotCell {
     pub estimate: Option<Estimate>,
     /// The paper's value.
     pub paper: Option<f64>,
-    /// Whether some seeds never reached the event that is measured: their true values lie further to the right.
+    /// Whether some seeds never reached the measured event, so that their true values lie further to the right.
     pub censored: bool,
 }
 

@@ -8,7 +8,7 @@ use crate::style::{
 
 use super::model::DotCell;
 
-/// How far below the mean the seeds are drawn, in drawn pixels.
+/// The distance from the mean down to the seeds' dots, in drawn pixels.
 pub(super) const SEED_DROP: i32 = 22;
 
 pub(super) fn draw_seed(root: &Canvas, at: Pixel) -> DrawResult {
@@ -37,7 +37,7 @@ pub(super) fn draw_arrow(root: &Canvas, (x, y): Pixel) -> DrawResult {
     area(root, vec![(x, y), (x - 18, y - 10), (x - 18, y + 10)], INK.filled())
 }
 
-/// The legend of the symbols that the cells need.
+/// The legend of the symbols that occur in the cells.
 pub(super) fn legend<'a>(cells: impl Iterator<Item = &'a DotCell> + Clone, width: i32) -> Legend {
     let any = |has: fn(&DotCell) -> bool| cells.clone().any(has);
     let mut entries = Vec::new();

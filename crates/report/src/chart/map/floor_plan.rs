@@ -22,7 +22,7 @@ pub(super) struct FloorPlan {
 }
 
 impl FloorPlan {
-    /// The plan of an enclosure, as large as fits; `None` if the enclosure has no area.
+    /// The plan of an enclosure at the largest scale that fits; `None` if the enclosure has no area.
     pub(super) fn new(enclosure: &[(f64, f64)], (left, upper): Pixel, available: (f64, f64)) -> Option<Self> {
         if !enclosure.iter().all(|corner| is_drawable(corner.0) && is_drawable(corner.1)) {
             return None;
@@ -165,7 +165,7 @@ impl FloorPlan {
     ) -> DrawResult {
         let ((left, upper), (right, lower)) = field;
         let corners = self.pixels(corners);
-        // The field's edge in one direction, then the walls in the other: a sheet with a hole.
+        // A polygon with a hole: the edge of the field in one direction, then the walls in the other.
         let edge = [(left, lower), (left, upper), (right, upper), (right, lower)];
         let sheet = closed(edge.to_vec()).into_iter().chain(closed(corners.clone()));
         area(root, sheet.collect(), cover.filled())?;
@@ -175,12 +175,12 @@ impl FloorPlan {
     }
 }
 
-/// The corners of a polygon that looks like a circle.
+/// The corners of a polygon that approximates a circle.
 pub(super) fn ring((x, y, radius): (f64, f64, f64)) -> Vec<(f64, f64)> {
     (0..64).map(|i| f64::from(i) / 64.0 * TAU).map(|a| (x + radius * a.cos(), y + radius * a.sin())).collect()
 }
 
-/// The corners followed by the first one.
+/// The corners, with the first one repeated at the end.
 pub(super) fn closed(mut corners: Vec<Pixel>) -> Vec<Pixel> {
     corners.extend(corners.first().copied());
     corners

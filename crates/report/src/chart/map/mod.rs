@@ -1,8 +1,8 @@
-//! Maps: a scenario seen from above, as a figure with trajectories or as a thumbnail.
+//! Scenario maps: a scenario seen from above, as a figure with trajectories or as a thumbnail.
 //!
 //! | file | contents |
 //! |---|---|
-//! | `model.rs` | what is drawn |
+//! | `model.rs` | the data of a map |
 //! | `floor_plan.rs` | metres to pixels, and everything drawn to scale |
 //! | `tracks.rs` | the tracks of moving obstacles |
 //! | `symbols.rs` | symbols and the legend |
@@ -25,14 +25,15 @@ use crate::style::{
     is_drawable, line, picture, pixels_along, thinned, title_height,
 };
 
-/// Most vertices of a trajectory.
+/// The maximum number of vertices of a trajectory.
 const MAX_VERTICES: usize = 1200;
 // In drawn pixels.
 const RIGHT: i32 = 32;
 const FOOT: i32 = 128;
 const MAX_HEIGHT: f64 = 1400.0;
-/// The size of the thumbnail, which is shown at half of it, and the margin around its walls.
+/// The width and height of a thumbnail, in drawn pixels.
 const THUMBNAIL: (i32, i32) = (960, 720);
+/// The margin around the walls in a thumbnail, in drawn pixels.
 const MARGIN: i32 = 36;
 const OUTSIDE: RGBColor = RGBColor(240, 240, 240);
 
@@ -60,7 +61,7 @@ impl ScenarioMap {
     }
 
     /// The scenario without title, legend, numbers and trajectories, as the text of an SVG file of 480 x 360 pixels.
-    /// The grid's lines are whole metres apart in a scenario larger than 3 m.
+    /// In a scenario larger than 3 m, the grid lines are a whole number of metres apart.
     ///
     /// # Errors
     /// The drawing library failed. No input is known to cause this.
@@ -111,7 +112,7 @@ impl ScenarioMap {
             let (fill, edge) = obstacle_colours(obstacle.kind);
             match &obstacle.outline {
                 MapShape::Disc(x, y, radius) => {
-                    plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?
+                    plan.draw_disc(root, (*x, *y, *radius), fill.filled(), edge)?;
                 }
                 MapShape::Polygon(corners) => plan.draw_polygon(root, corners, fill.filled(), edge)?,
             }

@@ -1,4 +1,4 @@
-//! The contents of a scenario map, in metres and radians: x to the right, y up.
+//! The data of a scenario map, in metres and radians; the x axis points right, the y axis up.
 
 /// A scenario seen from above, with trajectories through it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub struct ScenarioMap {
     pub enclosure: Vec<(f64, f64)>,
     /// Walls and obstacles; later ones are drawn over earlier ones.
     pub obstacles: Vec<MapObstacle>,
-    /// The paths of moving obstacles.
+    /// The tracks of moving obstacles.
     pub tracks: Vec<MapTrack>,
     /// The robot's start: x and y in m, heading in rad, anticlockwise from the x axis.
     pub start: (f64, f64, f64),
@@ -22,7 +22,7 @@ pub struct ScenarioMap {
 /// A wall or an obstacle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapObstacle {
-    /// The kind, which decides its colour.
+    /// The kind, which determines the colour.
     pub kind: MapObstacleKind,
     /// The outline.
     pub outline: MapShape,
@@ -44,27 +44,27 @@ pub enum MapObstacleKind {
 /// The outline of a wall or an obstacle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MapShape {
-    /// x, y and radius, in m.
+    /// A disc: centre x, y and radius, in m.
     Disc(f64, f64, f64),
-    /// The corners in order, in m.
+    /// A polygon: its corners in order, in m.
     Polygon(Vec<(f64, f64)>),
 }
 
-/// The path of a moving obstacle.
+/// The path of a moving obstacle, or the area it stays in.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MapTrack {
     /// Straight segments between points, in m.
     Lines(Vec<(f64, f64)>),
-    /// A circle, or the area within it: x, y and radius, in m.
+    /// A circular orbit, or the disc that a random walk stays in: centre x, y and radius, in m.
     Ring(f64, f64, f64),
 }
 
-/// A trajectory through the scenario.
+/// A robot's trajectory through the scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapTrajectory {
     /// The short name in the legend.
     pub name: String,
-    /// The index of its colour in the palette, which wraps around.
+    /// The colour's index in the palette, modulo the palette's length.
     pub colour: usize,
     /// The positions x and y in m, in order of time.
     pub points: Vec<(f64, f64)>,

@@ -22,7 +22,7 @@ pub(super) fn obstacle_colours(kind: MapObstacleKind) -> (RGBColor, RGBColor) {
     }
 }
 
-/// The legend's entries: start, goal, the kinds of obstacles there are, and the trajectories.
+/// The legend's entries: start, goal, the kinds of obstacles on the map, and the trajectories.
 pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
     let mut entries = vec![
         LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start".into()),

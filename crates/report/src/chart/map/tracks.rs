@@ -26,7 +26,7 @@ pub(super) fn draw_tracks(plan: &FloorPlan, root: &Canvas, tracks: &[MapTrack]) 
         }
     }
     rings.dedup();
-    // The longest first, because a shorter one may lie on it.
+    // The longest segments come first, because a shorter one may lie on them.
     segments.sort_by_key(|&(from, to)| std::cmp::Reverse(distance_squared(from, to)));
     let mut drawn: Vec<(Pixel, Pixel)> = Vec::new();
     for (from, to) in segments {
@@ -45,7 +45,7 @@ pub(super) fn draw_tracks(plan: &FloorPlan, root: &Canvas, tracks: &[MapTrack]) 
 fn draw_dots(root: &Canvas, path: &[Pixel]) -> DrawResult {
     let length: f64 = path.windows(2).map(|ends| (distance_squared(ends[0], ends[1]) as f64).sqrt()).sum();
     let distance = length / (length / DOT_DISTANCE).round().max(1.0);
-    // Slightly less, so that rounding does not drop the last dot.
+    // The tolerance keeps rounding from dropping the last dot.
     for at in pixels_along(path, 0.0, (distance * 0.9999).max(1.0)) {
         root.draw(&Circle::new(at, DOT_RADIUS, TRACK.filled()))?;
     }

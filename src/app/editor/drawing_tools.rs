@@ -1,0 +1,144 @@
+//! Drawing click by click: a wall, the path of an obstacle, positions of starts or goals.
+//!
+//! A wall or a path is one undo step, each position is one.
+
+use bevy::math::Vec2;
+
+use super::document::Editor;
+use super::items::ListItem;
+use super::items::rule_points::positions;
+use super::kinds::{PlacementKind, PlacementRole};
+use super::limits::{MAX_POINTS, NEW_SPEED_M_S, NEW_WALL_THICKNESS_M, WALL_CORNERS};
+use super::points::distance;
+use super::selection::Selection;
+use super::tool::Tool;
+use crate::scenario::{ObstacleMotion, PlacementRule, Scenario, Wall};
+
+impl Editor {
+    /// The current tool.
+    #[must_use]
+    pub fn tool(&self) -> &Tool {
+        &self.tool
+    }
+
+    /// What is being drawn, `wall` or `path`, once it has a point. It is not part of the scenario yet.
+    #[must_use]
+    pub fn unfinished_drawing(&self) -> Option<&'static str> {
+        match self.tool {
+            _ if self.tool.points_m().is_empty() => None,
+            Tool::Wall { .. } => Some("wall"),
+            _ => Some("path"),
+        }
+    }
+
+    /// Whether a wall or a path is being drawn.
+    #[must_use]
+    pub fn is_drafting(&self) -> bool {
+        self.unfinished_drawing().is_some()
+    }
+
+    /// Selects a tool, if it fits the selected item.
+    pub fn set_tool(&mut self, tool: Tool) {
+        self.end_drag();
+        self.close_group();
+        let fits = match tool {
+            Tool::Select | Tool::Wall { .. } => true,
+            Tool::Path { .. } => matches!(self.selection, Selection::Obstacle(_)),
+            Tool::Positions => PlacementRole::from_selection(self.selection).is_some(),
+        };
+        if fits {
+            self.tool = tool;
+        }
+    }
+
+    /// Uses the tool at `position_m`; `free` disables snapping. A second click on the same point is ignored.
+    pub fn click_with_tool(&mut self, position_m: Vec2, free: bool) {
+        if !position_m.is_finite() {
+            return;
+        }
+        let at = self.snapped(position_m, free);
+        if self.tool == Tool::Positions {
+            return self.add_place(at);
+        }
+        if let Some(points) = self.tool.points_mut()
+            && points.len() < MAX_POINTS
+            && points.last().is_none_or(|&last| distance(last, at) > 0.0)
+        {
+            points.push(at);
+        }
+    }
+
+    /// Adds a position to the selected rule.
+    fn add_place(&mut self, position_m: Vec2) {
+        self.step(|scenario, selection| {
+            let Some(role) = PlacementRole::from_selection(*selection) else { return };
+            let mut positions_m = positions(role.of(scenario)).to_vec();
+            if positions_m.len() < MAX_POINTS && !positions_m.contains(&position_m) {
+                positions_m.push(position_m);
+                *role.of_mut(scenario) = PlacementRule::OneOf { positions_m };
+            }
+        });
+    }
+
+    /// Finishes the drawing and puts the tool away. A wall or path with too few points is dropped.
+    pub fn finish_tool(&mut self) {
+        match std::mem::take(&mut self.tool) {
+            Tool::Wall { corners_m } if corners_m.len() >= *WALL_CORNERS.start() => {
+                self.append(ListItem::Wall(Wall { corners_m, thickness_m: NEW_WALL_THICKNESS_M }));
+            }
+            Tool::Path { waypoints_m } if !waypoints_m.is_empty() => self.set_path(waypoints_m),
+            _ => {}
+        }
+    }
+
+    /// Finishes an unfinished drawing; another tool stays.
+    pub fn finish_drawing(&mut self) {
+        if self.is_drafting() {
+            self.finish_tool();
+        }
+    }
+
+    /// Sets the path of the selected obstacle; without a path so far, its motion becomes a patrol.
+    fn set_path(&mut self, path: Vec<Vec2>) {
+        self.step(|scenario, selection| {
+            let Selection::Obstacle(k) = *selection else { return };
+            let Some(obstacle) = scenario.obstacles.get_mut(k) else { return };
+            match &mut obstacle.motion {
+                ObstacleMotion::Patrol { waypoints_m, .. }
+                | ObstacleMotion::BackAndForth { waypoints_m, .. } => *waypoints_m = path,
+                motion => *motion = ObstacleMotion::Patrol { waypoints_m: path, speed_m_s: NEW_SPEED_M_S },
+            }
+        });
+    }
+
+    /// Removes the last point of the drawing; without a point, puts the tool away.
+    pub fn undo_tool_point(&mut self) {
+        if self.tool.points_mut().and_then(Vec::pop).is_none() {
+            self.cancel_tool();
+        }
+    }
+
+    /// Puts the tool away if it no longer fits after a change: its item was `selected` and is not any more, or its rule
+    /// has changed since `before` to a kind without positions.
+    pub(super) fn check_tool(&mut self, before: &Scenario, selected: Selection) {
+        let role = PlacementRole::from_selection(selected);
+        let kind = |scenario: &Scenario| role.map(|role| PlacementKind::from_rule(role.of(scenario)));
+        let same = self.selection == selected;
+        let fits = match self.tool {
+            Tool::Select | Tool::Wall { .. } => true,
+            Tool::Path { .. } => same,
+            Tool::Positions => {
+                let now = kind(&self.scenario);
+                same && (now == Some(PlacementKind::OneOf) || now == kind(before))
+            }
+        };
+        if !fits {
+            self.cancel_tool();
+        }
+    }
+
+    /// Puts the tool away; an unfinished drawing is lost.
+    pub fn cancel_tool(&mut self) {
+        self.tool = Tool::Select;
+    }
+}

@@ -1,0 +1,49 @@
+//! The user's unfinished actions in the editor. Never saved.
+
+use bevy::math::Vec2;
+
+use super::handle::HandleKind;
+use super::selection::Selection;
+use crate::app::commands::Command;
+
+/// What is under the pointer or is being dragged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointerHit {
+    /// The floor.
+    Nothing,
+    /// A handle of the selected item.
+    Handle(HandleKind),
+    /// An item.
+    Body(Selection),
+}
+
+/// A pressed pointer button.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Press {
+    /// What was pressed.
+    pub hit: PointerHit,
+    /// Where it was pressed, in m.
+    pub position_m: Vec2,
+}
+
+/// A request to leave the editor that waits for the user's confirmation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExitRequest {
+    /// The command to send after leaving, if any.
+    pub then: Option<Command>,
+}
+
+/// The user's unfinished actions in the editor.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EditorInteraction {
+    /// The pressed pointer button.
+    pub press: Option<Press>,
+    /// The question whether to leave with unsaved changes, if it is open.
+    pub exit_request: Option<ExitRequest>,
+    /// Whether the question before the current training is discarded is open.
+    pub confirm_restart: bool,
+    /// Whether the simulation was running when the editor was opened; it resumes after the editor.
+    pub resume_on_exit: bool,
+    /// The group of the panel to open in the next frame, as the name of its field in the scenario.
+    pub group_to_open: Option<String>,
+}

@@ -1,0 +1,84 @@
+//! An inner wall.
+
+use bevy::math::Vec2;
+
+use super::super::handle::{Handle, HandleKind};
+use super::super::limits::WALL_CORNERS;
+use super::corners;
+use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
+use crate::scenario::{Scenario, inner_wall_distance};
+
+pub(super) struct WallItem(pub usize);
+
+impl Editable for WallItem {
+    fn title(&self, scenario: &Scenario) -> String {
+        numbered("Wall", self.0, scenario.walls.len())
+    }
+
+    fn exists(&self, scenario: &Scenario) -> bool {
+        self.0 < scenario.walls.len()
+    }
+
+    fn body(&self, scenario: &Scenario) -> Body {
+        scenario.walls.get(self.0).cloned().map_or(Body::Nothing, Body::Wall)
+    }
+
+    fn solid_distance_m(&self, scenario: &Scenario, point_m: Vec2) -> Option<f32> {
+        scenario.walls.get(self.0).map(|wall| inner_wall_distance(wall, point_m))
+    }
+
+    fn handles(&self, scenario: &Scenario) -> Vec<Handle> {
+        let wall = scenario.walls.get(self.0);
+        wall.map_or_else(Vec::new, |wall| corners::handles(&wall.corners_m, false, *WALL_CORNERS.end()))
+    }
+
+    /// The middle handle is not drawn, but the wall can be dragged by its body: then the first corner is the handle.
+    fn handle_position_m(&self, scenario: &Scenario, kind: HandleKind) -> Option<Vec2> {
+        if kind == HandleKind::Middle {
+            return self.anchor_m(scenario);
+        }
+        let handle = self.handles(scenario).into_iter().find(|handle| handle.kind == kind);
+        handle.map(|handle| handle.position_m)
+    }
+
+    fn drag(&self, scenario: &mut Scenario, kind: HandleKind, target: DragTarget) -> Option<()> {
+        let corners_m = &mut scenario.walls.get_mut(self.0)?.corners_m;
+        match kind {
+            HandleKind::Corner(k) => *corners_m.get_mut(k)? = target.snapped_m,
+            HandleKind::Middle => {
+                let by = target.snapped_m - *corners_m.first()?;
+                corners::translate(corners_m, by);
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+
+    fn insert(&self, scenario: &mut Scenario, kind: HandleKind, position_m: Vec2) -> Option<HandleKind> {
+        let HandleKind::InsertCorner(k) = kind else { return None };
+        corners::insert(&mut scenario.walls.get_mut(self.0)?.corners_m, k, position_m)
+    }
+
+    fn remove(&self, scenario: &mut Scenario, kind: HandleKind) -> Option<()> {
+        let HandleKind::Corner(k) = kind else { return None };
+        corners::remove(&mut scenario.walls.get_mut(self.0)?.corners_m, k, *WALL_CORNERS.start())
+    }
+
+    fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
+        corners::translate(&mut scenario.walls.get_mut(self.0)?.corners_m, by_m);
+        Some(())
+    }
+
+    fn copy(&self, scenario: &Scenario) -> Option<ListItem> {
+        scenario.walls.get(self.0).cloned().map(ListItem::Wall)
+    }
+
+    /// The first corner.
+    fn anchor_m(&self, scenario: &Scenario) -> Option<Vec2> {
+        scenario.walls.get(self.0)?.corners_m.first().copied()
+    }
+
+    fn delete(&self, scenario: &mut Scenario) -> Option<()> {
+        remove_at(&mut scenario.walls, self.0)
+    }
+}

@@ -1,0 +1,43 @@
+//! Limits and default values of the editor.
+
+use std::ops::RangeInclusive;
+
+use crate::scenario::Scenario;
+
+/// Number of corners of a polygonal obstacle.
+pub(super) const POLYGON_CORNERS: RangeInclusive<usize> = 3..=32;
+/// Number of corners of a wall.
+pub(super) const WALL_CORNERS: RangeInclusive<usize> = 2..=256;
+/// Number of corners of a polygonal enclosure.
+pub(super) const ENCLOSURE_CORNERS: RangeInclusive<usize> = 3..=64;
+/// Most points of a path and most positions of a start or goal rule.
+pub(super) const MAX_POINTS: usize = 256;
+
+/// Smallest size that a drag leaves, in m.
+pub(super) const MIN_SIZE_M: f32 = 0.01;
+/// Smallest width and height of an enclosure, in m.
+pub(super) const MIN_ENCLOSURE_M: f32 = 0.5;
+
+/// Thickness of a new wall, in m.
+pub(super) const NEW_WALL_THICKNESS_M: f32 = 0.1;
+/// Speed of an obstacle on a new path, in m/s.
+pub(super) const NEW_SPEED_M_S: f32 = 0.1;
+/// Angular velocity of a new orbit, in rad/s; about that of the paper's Scenario II.
+pub(super) const NEW_ORBIT_SPEED_RAD_S: f32 = 0.15;
+/// Largest speed of an obstacle that the schema accepts, in m/s.
+pub(super) const MAX_SPEED_M_S: f32 = 5.0;
+/// Clearance of a new start or goal rule, in m; the schema's default.
+pub(super) const NEW_CLEARANCE_M: f32 = 0.35;
+
+/// Scenarios with more items than this are checked only at the end of a drag.
+pub(super) const MAX_ITEMS_CHECKED_WHILE_DRAGGING: usize = 1_000;
+/// Most undo steps.
+pub(super) const MAX_UNDO_STEPS: usize = 500;
+/// Most items in all undo snapshots together, so that very large scenarios have fewer undo steps.
+pub(super) const MAX_SNAPSHOT_ITEMS: usize = 1_000_000;
+
+/// Number of obstacles and wall corners in a scenario.
+pub(super) fn item_count(scenario: &Scenario) -> usize {
+    let corners = scenario.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>();
+    scenario.obstacles.len() + corners
+}

@@ -1,0 +1,69 @@
+//! Orbits and paths that fit into the scenario, for an obstacle that gets a new motion.
+
+use bevy::math::{Vec2, vec2};
+
+use super::limits::{MAX_SPEED_M_S, NEW_ORBIT_SPEED_RAD_S};
+use super::points::{centre_of, distance, point_to_mm};
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario, clearance, enclosure_distance};
+
+/// Directions that are tried in this order.
+const DIRECTIONS: [Vec2; 4] = [Vec2::NEG_X, Vec2::X, Vec2::NEG_Y, Vec2::Y];
+
+/// An orbit around the centre of the scenario if it stays inside the enclosure, else a small orbit next to the obstacle.
+pub(super) fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
+    let (at, radius_m) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
+    let centre = point_to_mm(centre_of(scenario));
+    let radii = [0.5, 0.3, 0.2, 0.1];
+    let nearby = radii.into_iter().flat_map(|r| DIRECTIONS.map(|direction| at + r * direction));
+    let fits = |centre: &Vec2| {
+        let orbit_m = distance(*centre, at);
+        orbit_m >= 0.05 && enclosure_distance(&scenario.enclosure, *centre) >= orbit_m + radius_m
+    };
+    let centre_m = std::iter::once(centre).chain(nearby).find(fits).unwrap_or(at + vec2(-0.1, 0.0));
+    let max_rad_s = MAX_SPEED_M_S / distance(centre_m, at).max(0.01);
+    ObstacleMotion::Orbit {
+        centre_m: point_to_mm(centre_m),
+        speed_rad_s: NEW_ORBIT_SPEED_RAD_S.min(max_rad_s),
+    }
+}
+
+/// Waypoints for obstacle `index`: a square, or one straight line. The path stays inside the enclosure and, if
+/// possible, clear of other items.
+pub(super) fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Vec2> {
+    let mut others = scenario.clone();
+    let obstacle = others.obstacles.remove(index);
+    let (at, radius_m) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
+    let lengths = [1.0, 0.75, 0.5, 0.3, 0.2, 0.1];
+    let candidates: Vec<Vec<Vec2>> = lengths
+        .into_iter()
+        .flat_map(|length_m| DIRECTIONS.map(|direction| candidate(at, direction, length_m, square)))
+        .collect();
+    let clear = |path: &&Vec<Vec2>| {
+        samples(at, path, square).iter().all(|&point| clearance(&others, point, 0) >= radius_m)
+    };
+    let inside = |path: &&Vec<Vec2>| {
+        let free_m = |&point: &Vec2| enclosure_distance(&others.enclosure, point);
+        samples(at, path, square).iter().all(|point| free_m(point) >= radius_m)
+    };
+    let found = candidates.iter().find(clear).or_else(|| candidates.iter().find(inside));
+    found.or(candidates.last()).cloned().unwrap_or_default()
+}
+
+/// The far end of a line, or the three other corners of a square counterclockwise.
+fn candidate(from: Vec2, Vec2 { x, y }: Vec2, length_m: f32, square: bool) -> Vec<Vec2> {
+    let corners = [vec2(x, y), vec2(x - y, y + x), vec2(-y, x)];
+    corners[..if square { 3 } else { 1 }]
+        .iter()
+        .map(|&corner| point_to_mm(from + length_m * corner))
+        .collect()
+}
+
+/// Eight points of each leg and, for a square, one on the way back.
+fn samples(from: Vec2, path: &[Vec2], square: bool) -> Vec<Vec2> {
+    let corners: Vec<Vec2> = std::iter::once(from).chain(path.iter().copied()).collect();
+    let legs = corners.windows(2).flat_map(|ends| {
+        let (start, leg) = (ends[0], ends[1] - ends[0]);
+        (1..=8_u8).map(move |k| start + leg * f32::from(k) / 8.0)
+    });
+    legs.chain(square.then(|| from.midpoint(*corners.last().unwrap_or(&from)))).collect()
+}

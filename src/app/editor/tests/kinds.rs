@@ -1,0 +1,89 @@
+//! Changes of kind: motion, start and goal rules, enclosure.
+
+use super::*;
+
+#[test]
+fn every_new_motion_fits_the_scenario() {
+    for at in [vec2(0.0, -0.6), vec2(-1.7, -1.7), vec2(1.0, 1.8), vec2(0.6, 0.0)] {
+        for kind in MotionKind::ALL {
+            for shape in [Shape::Circle { radius_m: 0.1 }, Shape::Rectangle { width_m: 0.2, height_m: 0.1 }] {
+                let mut scenario =
+                    Scenario { obstacles: vec![static_obstacle(shape, at)], ..Scenario::default() };
+                scenario.benchmark_route.start_m = vec2(-1.5, 1.5);
+                scenario.benchmark_route.goal_m = vec2(-1.5, 0.5);
+                let mut editor = editor(scenario);
+                editor.select(Selection::Obstacle(0));
+                editor.set_motion(kind);
+                assert_eq!(MotionKind::from_motion(&editor.scenario().obstacles[0].motion), kind);
+                let of_obstacles = |problem: &&Diagnostic| problem.path.starts_with("obstacles");
+                assert_eq!(editor.diagnostics().iter().find(of_obstacles), None, "{kind:?} at {at:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn changing_between_patrol_and_back_and_forth_keeps_the_path() {
+    let mut editor = editor(full());
+    editor.select(Selection::Obstacle(1));
+    editor.set_motion(MotionKind::BackAndForth);
+    let expected =
+        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, 1.5), vec2(0.5, 1.5)], speed_m_s: 0.1 };
+    assert_eq!(editor.scenario().obstacles[1].motion, expected);
+    editor.set_motion(MotionKind::Patrol);
+    assert_eq!(editor.scenario().obstacles[1], full().obstacles[1]);
+}
+
+#[test]
+fn a_new_orbit_is_centred_in_the_scenario_if_it_fits() {
+    let mut editor = editor(full());
+    editor.select(Selection::Obstacle(0));
+    editor.set_motion(MotionKind::Orbit);
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s: 0.15 };
+    assert_eq!(editor.scenario().obstacles[0].motion, expected);
+    // From so far out it would cross the boundary; half a metre to the left it fits.
+    editor.edit("x", |s| s.obstacles[0] = circle(1.5, 1.3));
+    editor.set_motion(MotionKind::Orbit);
+    let expected = ObstacleMotion::Orbit { centre_m: vec2(1.0, 1.3), speed_rad_s: 0.15 };
+    assert_eq!(editor.scenario().obstacles[0].motion, expected);
+}
+
+#[test]
+fn changing_a_rule_keeps_what_both_kinds_have() {
+    let mut editor = editor(full());
+    editor.set_rule(PlacementRole::Goals, PlacementKind::Fixed);
+    assert_eq!(editor.selection(), Selection::Goals);
+    assert_eq!(
+        editor.scenario().goals,
+        PlacementRule::Fixed { position_m: vec2(0.0, 1.5), heading_rad: None }
+    );
+    editor.set_rule(PlacementRole::Goals, PlacementKind::OneOf);
+    assert_eq!(editor.scenario().goals, PlacementRule::OneOf { positions_m: vec![vec2(0.0, 1.5)] });
+    editor.edit("clearance", |s| s.starts = PlacementRule::Random { clearance_m: 0.5 });
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Within);
+    let (min_m, max_m) = (vec2(-1.0, -1.0), vec2(1.0, 1.0));
+    assert_eq!(editor.scenario().starts, PlacementRule::Within { min_m, max_m, clearance_m: 0.5 });
+    editor.set_rule(PlacementRole::Starts, PlacementKind::Fixed);
+    assert_eq!(
+        editor.scenario().starts,
+        PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: None }
+    );
+    editor.delete();
+    assert_eq!(editor.scenario().starts, PlacementRule::default());
+    assert!(!editor.can_delete(), "the default rule cannot be deleted");
+}
+
+#[test]
+fn an_enclosure_can_become_a_polygon_and_a_rectangle_again() {
+    let mut editor = editor(full());
+    editor.set_enclosure(EnclosureKind::Polygon);
+    let corners_m = vec![vec2(-2.0, -2.0), vec2(2.0, -2.0), vec2(2.0, 2.0), vec2(-2.0, 2.0)];
+    assert_eq!(editor.scenario().enclosure, Enclosure::Polygon { corners_m });
+    editor.edit("corner", |s| {
+        if let Enclosure::Polygon { corners_m } = &mut s.enclosure {
+            corners_m[2] = vec2(3.0, 2.0);
+        }
+    });
+    editor.set_enclosure(EnclosureKind::Rectangle);
+    assert_eq!(editor.scenario().enclosure, Enclosure::Rectangle { width_m: 6.0, height_m: 4.0 });
+}

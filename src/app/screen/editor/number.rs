@@ -1,0 +1,156 @@
+//! A number with its unit: how it is stored, shown and limited.
+
+use egui::{DragValue, Id, Response, Ui, vec2};
+
+use super::controls::set_accessible_name;
+
+/// Width of a number's field, in points.
+pub const WIDTH: f32 = 66.0;
+/// Height of a row, in points.
+pub const HEIGHT: f32 = 24.0;
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// A full turn, in rad.
+const TURN: f64 = std::f64::consts::TAU;
+
+/// The unit, precision and range of a number.
+#[derive(Clone, Copy, Debug)]
+pub struct NumberSpec {
+    suffix: &'static str,
+    /// The shown value of a stored 1.
+    factor: f64,
+    /// Decimals of the stored value.
+    stored: i32,
+    /// Smallest and largest number of decimals of the shown value.
+    shown: (usize, usize),
+    /// Change of the stored value per dragged point.
+    speed: f64,
+    /// Smallest and largest stored value.
+    range: (f64, f64),
+}
+
+impl NumberSpec {
+    /// A coordinate, in m.
+    pub const POSITION: Self = Self::length(-500.0, 500.0);
+    /// An angle, stored in rad and shown in degrees.
+    pub const ANGLE: Self =
+        Self { suffix: "°", factor: DEGREES, stored: 4, shown: (0, 1), speed: 0.017, range: (-TURN, TURN) };
+    /// A speed, in m/s.
+    pub const SPEED: Self =
+        Self { suffix: " m/s", factor: 1.0, stored: 3, shown: (2, 3), speed: 0.005, range: (0.0, 5.0) };
+    /// An angular velocity, stored in rad/s and shown in degrees per second.
+    pub const ANGULAR_VELOCITY: Self =
+        Self {
+            suffix: " °/s", factor: DEGREES, stored: 4, shown: (0, 1), speed: 0.01, range: (-20.0, 20.0)
+        };
+    /// A fraction, shown in percent.
+    pub const FRACTION: Self =
+        Self { suffix: "%", factor: 100.0, stored: 4, shown: (0, 2), speed: 0.005, range: (0.0, 1.0) };
+
+    /// A length, in m.
+    pub const fn length(min: f64, max: f64) -> Self {
+        Self { suffix: " m", factor: 1.0, stored: 3, shown: (2, 3), speed: 0.01, range: (min, max) }
+    }
+
+    /// A time, in s.
+    pub const fn seconds(min: f64, max: f64) -> Self {
+        Self { suffix: " s", factor: 1.0, stored: 3, shown: (1, 3), speed: 0.01, range: (min, max) }
+    }
+
+    /// The same with another range of stored values.
+    pub const fn with_range(self, min: f64, max: f64) -> Self {
+        Self { range: (min, max), ..self }
+    }
+}
+
+/// The name of a field for screen readers.
+pub enum FieldName {
+    /// The text of this label.
+    Label(Id),
+    /// This text.
+    Text(String),
+}
+
+/// The events of a field in this frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FieldEvents {
+    /// The value changed.
+    pub changed: bool,
+    /// The field lost the focus, or a drag of its value ended.
+    pub left: bool,
+}
+
+impl FieldEvents {
+    /// The events of either field.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self { changed: self.changed || other.changed, left: self.left || other.left }
+    }
+}
+
+/// Shows the field of a number.
+pub fn number_ui(ui: &mut Ui, name: FieldName, tip: &str, value: &mut f32, spec: NumberSpec) -> FieldEvents {
+    let mut shown = f64::from(*value) * spec.factor;
+    let before = shown;
+    // A value out of range, as a file may have it, stays until it is changed.
+    let (min, max) = (before.min(spec.range.0 * spec.factor), before.max(spec.range.1 * spec.factor));
+    let field = DragValue::new(&mut shown)
+        .speed(spec.speed * spec.factor)
+        .range(min..=max)
+        .clamp_existing_to_range(false)
+        .custom_formatter(move |value, _| format_number(value, spec.shown))
+        .suffix(spec.suffix);
+    let response = ui.add_sized(vec2(WIDTH, HEIGHT), field);
+    let response = match name {
+        FieldName::Label(label) => response.labelled_by(label),
+        FieldName::Text(text) => {
+            set_accessible_name(&response, &text);
+            response
+        }
+    };
+    // egui parses the text of a field that is left, and the text has fewer decimals than the stored value.
+    let changed = format_number(shown, spec.shown) != format_number(before, spec.shown);
+    if changed {
+        let steps = 10_f64.powi(spec.stored);
+        *value = ((shown / spec.factor * steps).round() / steps) as f32 + 0.0;
+    }
+    FieldEvents { changed, left: is_left(&with_tip(response, tip)) }
+}
+
+/// A number with between `min` and `max` decimals, as many as it needs.
+fn format_number(value: f64, (min, max): (usize, usize)) -> String {
+    let mut text = format!("{value:.max$}");
+    for _ in min..max {
+        match text.strip_suffix('0') {
+            Some(shorter) => text.truncate(shorter.len()),
+            None => return text,
+        }
+    }
+    text.truncate(text.trim_end_matches('.').len());
+    text
+}
+
+/// Whether the field lost the focus or a drag of its value ended.
+pub fn is_left(response: &Response) -> bool {
+    response.lost_focus() || response.drag_stopped()
+}
+
+/// The response with a tooltip, unless that is empty.
+pub fn with_tip(response: Response, tip: &str) -> Response {
+    if tip.is_empty() { response } else { response.on_hover_text(tip) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_no_needless_decimals() {
+        assert_eq!(
+            [0.15, 0.125, 4.0, -1.2].map(|value| format_number(value, (2, 3))),
+            ["0.15", "0.125", "4.00", "-1.20"]
+        );
+        assert_eq!([30.0, 0.06, -85.94].map(|value| format_number(value, (0, 1))), ["30", "0.1", "-85.9"]);
+        assert_eq!([100.0, 2.5, 0.0].map(|value| format_number(value, (0, 2))), ["100", "2.5", "0"]);
+    }
+}

@@ -1,0 +1,74 @@
+//! The fields of the robot, its LIDAR and the task.
+
+use egui::Ui;
+
+use super::controls::button_row_ui;
+use super::fields::FieldRows;
+use super::number::NumberSpec;
+use crate::app::editor::Editor;
+use crate::scenario::Motion;
+
+/// A full turn, exactly as in the schema's default.
+const FULL_TURN_RAD: f32 = std::f32::consts::TAU;
+/// Most motions of the robot.
+const MAX_MOTIONS: usize = 64;
+
+/// Shows the fields of the robot.
+pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
+    let mut robot = editor.scenario().robot.clone();
+    let mut rows = FieldRows::new(ui);
+    rows.number("Radius", "", &mut robot.radius_m, NumberSpec::length(0.01, 10.0));
+    let tip = "Time constant with which the robot follows its motion commands";
+    rows.number("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(0.0, 10.0));
+    let units = [NumberSpec::SPEED.with_range(-5.0, 5.0), NumberSpec::ANGULAR_VELOCITY];
+    rows.list("Motion", &mut robot.motions, 1, "edit them in the file", units, |motion| {
+        [("speed", &mut motion.v_m_s), ("turn rate", &mut motion.w_rad_s)]
+    });
+    if robot.motions.len() < MAX_MOTIONS
+        && button_row_ui(rows.ui, &[("Add motion", "Add an action that the policy can choose", true)])
+            == Some(0)
+    {
+        robot.motions.push(Motion { v_m_s: 0.15, w_rad_s: 0.0 });
+        rows.mark_changed("motion added");
+    }
+    rows.commit(editor, "robot", |scenario| scenario.robot = robot);
+}
+
+/// Shows the fields of the LIDAR.
+pub fn lidar_ui(ui: &mut Ui, editor: &mut Editor) {
+    let mut lidar = editor.scenario().lidar.clone();
+    let mut rows = FieldRows::new(ui);
+    rows.count("Beams", "Evenly distributed over the field of view", &mut lidar.beams, 1..=4096);
+    let view = NumberSpec::ANGLE.with_range(0.01, f64::from(FULL_TURN_RAD));
+    rows.number("Field of view", "Centred on the heading", &mut lidar.field_of_view_rad, view);
+    if lidar.is_all_around() {
+        lidar.field_of_view_rad = FULL_TURN_RAD;
+    }
+    let tip = "Largest range; also reported by beams that hit nothing";
+    rows.number("Range", tip, &mut lidar.max_range_m, NumberSpec::length(0.01, 1000.0));
+    let tip = "Standard deviation of the Gaussian noise on each range";
+    rows.number("Noise", tip, &mut lidar.noise_std_m, NumberSpec::length(0.0, 10.0));
+    let tip = "Probability that a beam is lost and reports the largest range";
+    rows.number("Dropout", tip, &mut lidar.dropout, NumberSpec::FRACTION);
+    let tip = "Age of a scan when the policy sees it";
+    rows.count("Latency in steps", tip, &mut lidar.latency_steps, 0..=50);
+    rows.commit(editor, "lidar", |scenario| scenario.lidar = lidar);
+}
+
+/// Shows the fields of the task.
+pub fn task_ui(ui: &mut Ui, editor: &mut Editor) {
+    let mut task = editor.scenario().task.clone();
+    let mut rows = FieldRows::new(ui);
+    let tip = "The goal is reached within this distance";
+    rows.number("Goal radius", tip, &mut task.goal_radius_m, NumberSpec::length(0.001, 100.0));
+    let tip = "An obstacle within this distance of the robot's centre is a collision; must exceed its radius";
+    rows.number("Collision range", tip, &mut task.collision_range_m, NumberSpec::length(0.001, 100.0));
+    let tip = "Smallest distance from the robot to a new goal";
+    let distance = NumberSpec::length(0.001, 1000.0);
+    rows.number("Min. goal distance", tip, &mut task.min_goal_distance_m, distance);
+    let tip = "Longest episode";
+    rows.count("Time limit in steps", tip, &mut task.max_episode_steps, 1..=1_000_000);
+    let tip = "Simulated time of one step";
+    rows.number("Control period", tip, &mut task.control_period_s, NumberSpec::seconds(0.001, 10.0));
+    rows.commit(editor, "task", |scenario| scenario.task = task);
+}

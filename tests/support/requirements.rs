@@ -1,0 +1,45 @@
+//! Tools that a few tests need beyond Rust. Without them a test is skipped with one line that names the packages; in CI
+//! (`CI=true`) a missing tool is a failure.
+
+#![allow(dead_code, reason = "each test file uses part of this module")]
+
+use std::process::{Command, Stdio};
+
+/// The tools that a virtual display with a mouse takes.
+pub const DISPLAY: Requirement = Requirement {
+    commands: &["Xvfb", "xdotool"],
+    packages: "xvfb xdotool mesa-vulkan-drivers libvulkan1 libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2",
+};
+
+/// Commands that must be on the PATH, and the Debian packages that bring them.
+pub struct Requirement {
+    /// The commands.
+    pub commands: &'static [&'static str],
+    /// The packages.
+    pub packages: &'static str,
+}
+
+impl Requirement {
+    /// Whether all commands are there. If not, prints why the test is skipped, or fails in CI.
+    pub fn is_met(&self) -> bool {
+        let missing: Vec<&str> = self.commands.iter().copied().filter(|command| !exists(command)).collect();
+        if missing.is_empty() {
+            return true;
+        }
+        report_skip(&format!("{} not found; help: apt-get install {}", missing.join(" and "), self.packages));
+        false
+    }
+}
+
+/// Prints that a test is skipped and why; fails in CI, where no test may be skipped.
+pub fn report_skip(why: &str) {
+    let test = std::thread::current().name().unwrap_or("test").to_string();
+    assert!(std::env::var_os("CI").is_none(), "{test} must not be skipped in CI: {why}");
+    eprintln!("skipped {test}: {why}");
+}
+
+fn exists(command: &str) -> bool {
+    // Whatever a tool answers: it started.
+    let started = Command::new(command).arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    started.is_ok()
+}

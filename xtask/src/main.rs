@@ -1,0 +1,80 @@
+//! Maintenance commands, run as `cargo xtask <command>`.
+//!
+//! Files that the tests compare with what the code says are renewed here, so that nobody has to remember how.
+
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "\
+usage: cargo xtask <command>
+
+  docs        renew docs/scenario-format.md (from the schema) and the flags in docs/command-line.md (from clap)
+  messages    renew the command line's error messages in tests/snapshots/messages/
+  snapshots   renew the app's screenshots in tests/snapshots/; look at each before you commit it
+  pictures    redraw the shipped scenarios in docs/worlds/
+  ci          run all CI checks, .ci/run";
+
+/// One step: a program, its arguments, and the variables that make a test write instead of compare.
+struct Step<'a> {
+    program: &'a str,
+    arguments: Vec<String>,
+    variables: &'a [(&'a str, &'a str)],
+}
+
+fn main() -> ExitCode {
+    let command = std::env::args().nth(1).unwrap_or_default();
+    let Some(steps) = steps(&command) else {
+        eprintln!("{USAGE}");
+        return ExitCode::from(2);
+    };
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
+    for Step { program, arguments, variables } in steps {
+        eprintln!("+ {program} {}", arguments.join(" "));
+        let status =
+            Command::new(program).args(&arguments).envs(variables.iter().copied()).current_dir(root).status();
+        match status {
+            Ok(status) if status.success() => {}
+            Ok(_) => return ExitCode::FAILURE,
+            Err(error) => {
+                eprintln!("error: {program} cannot be started: {error}");
+                return ExitCode::FAILURE;
+            }
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+/// The steps of `command`; None if there is no such command.
+fn steps(command: &str) -> Option<Vec<Step<'static>>> {
+    const RENEW: &[(&str, &str)] = &[("WAYFIELD_RENEW", "1")];
+    const UPDATE: &[(&str, &str)] = &[("UPDATE_SNAPSHOTS", "1")];
+    Some(match command {
+        "docs" => vec![
+            cargo("test --release -p wayfield-scenario --test docs the_page_is_what_the_schema_says", RENEW),
+            cargo("test --release -p wayfield --lib flag_tables", RENEW),
+        ],
+        "messages" => vec![cargo("test --release -p wayfield --test cli_errors", RENEW)],
+        "snapshots" => vec![cargo("test --release -p wayfield --test app_snapshots", UPDATE)],
+        "pictures" => pictures(),
+        "ci" => vec![Step { program: "bash", arguments: vec![".ci/run".into()], variables: &[] }],
+        _ => return None,
+    })
+}
+
+/// One step per shipped scenario.
+fn pictures() -> Vec<Step<'static>> {
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let files = std::fs::read_dir(scenarios).into_iter().flatten().flatten();
+    let mut names: Vec<String> = files
+        .filter_map(|file| file.path().file_stem().map(|name| name.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    let draw = |name: &String| {
+        cargo(&format!("run --release -p wayfield -- --scenario {name} --draw docs/worlds/{name}.png"), &[])
+    };
+    names.iter().map(draw).collect()
+}
+
+fn cargo(arguments: &str, variables: &'static [(&'static str, &'static str)]) -> Step<'static> {
+    Step { program: "cargo", arguments: arguments.split(' ').map(String::from).collect(), variables }
+}
