@@ -67,7 +67,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> {
-    let mut simulation = training_app::training(arenas, learning, &Extensions::default().plugin(RecordSetEnds))?;
+    let mut simulation =
+        training_app::training(arenas, learning, &Extensions::default().plugin(RecordSetEnds))?;
     let steps = if learning { LEARNING_STEPS } else { (ENV_STEPS / arenas).max(MIN_STEPS) };
     let mut spent = [Duration::ZERO; SETS.len() + 1];
     for step in 0..WARM_UP + steps {

@@ -41,7 +41,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let arenas = ARENAS.iter().map(|&n| row("arenas", n)).collect::<Result<Vec<_>, _>>()?;
     let min = |rows: &[Row]| rows.iter().map(|row| row.1).fold(f64::INFINITY, f64::min);
-    println!("| arenas | us per env step | relative to the minimum | env steps/s | MB |\n|---|---|---|---|---|");
+    println!(
+        "| arenas | us per env step | relative to the minimum | env steps/s | MB |\n|---|---|---|---|---|"
+    );
     for (n, us, kb) in &arenas {
         println!("| {n} | {us:.2} | {:.2} | {:.0} | {:.1} |", us / min(&arenas), 1e6 / us, kb / 1024.0);
     }
@@ -87,7 +89,10 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
         app.step()?;
     }
     let us = began.elapsed().as_secs_f64() * 1e6 / (steps * arenas) as f64;
-    assert!(app.world().resource::<ActiveLearner>().0.gradient_steps() == 0, "no gradient steps are measured");
+    assert!(
+        app.world().resource::<ActiveLearner>().0.gradient_steps() == 0,
+        "no gradient steps are measured"
+    );
     Ok((us, memory_kb))
 }
 

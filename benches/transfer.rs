@@ -54,7 +54,9 @@ fn measures() -> Vec<Measure> {
         or_infinity(run.reached(TIMED), |row| row.wall_s)
     });
     let failures = UP_TO.map(|env_steps| {
-        Measure::new(format!("mean failure rate in % up to {env_steps} env steps"), 1, move |run| failures(run, env_steps))
+        Measure::new(format!("mean failure rate in % up to {env_steps} env steps"), 1, move |run| {
+            failures(run, env_steps)
+        })
     });
     env_steps.into_iter().chain([seconds]).chain(failures).collect()
 }

@@ -15,8 +15,7 @@ use crate::policy::Encoding;
 use crate::scenario::Scenario;
 use crate::sim::{SimPlugin, spawn_arenas};
 use crate::task::{
-    ExtraRewards, Fault, ObservationLayout, ObservationSlice, RewardConfig, TaskFault,
-    TaskMode, TaskPlugin,
+    ExtraRewards, Fault, ObservationLayout, ObservationSlice, RewardConfig, TaskFault, TaskMode, TaskPlugin,
 };
 
 /// A user's plugins. They are added to every simulation that is built with them.

@@ -44,7 +44,9 @@ fn assert_same(what: &str, arena: usize, one: &[Vec<u32>], other: &[Vec<u32>]) {
     assert_eq!(one.len(), other.len());
     if let Some(step) = (0..one.len()).find(|&step| one[step] != other[step]) {
         let first = (0..one[step].len()).find(|&i| one[step][i] != other[step][i]);
-        panic!("{what}: arena {arena} differs at step {step} in number {first:?} of x, y, heading, goal, ...");
+        panic!(
+            "{what}: arena {arena} differs at step {step} in number {first:?} of x, y, heading, goal, ..."
+        );
     }
 }
 

@@ -39,7 +39,9 @@ fn with_noise(noise_std_m: f32, dropout: f32) -> Scenario {
 #[test]
 fn a_lidar_without_noise_reports_the_true_ranges() {
     assert!(
-        ranges(&with_noise(0.0, 0.0), 50, 1).iter().all(|(clean, reported)| clean.to_bits() == reported.to_bits())
+        ranges(&with_noise(0.0, 0.0), 50, 1)
+            .iter()
+            .all(|(clean, reported)| clean.to_bits() == reported.to_bits())
     );
 }
 
@@ -54,7 +56,10 @@ fn noise_has_mean_0_and_the_scenarios_standard_deviation() {
     assert!(mean.abs() < 0.0007, "the mean error is {mean} m");
     assert!((std - 0.05).abs() < 0.0006, "the standard deviation is {std} m instead of 0.05 m");
     let within = errors().filter(|e| e.abs() < 0.05).count() as f64 / n;
-    assert!((within - 0.6827).abs() < 0.01, "a fraction of {within} is within one standard deviation, not 0.68");
+    assert!(
+        (within - 0.6827).abs() < 0.01,
+        "a fraction of {within} is within one standard deviation, not 0.68"
+    );
 }
 
 #[test]

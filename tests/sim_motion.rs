@@ -89,7 +89,11 @@ fn a_thousand_random_motions_stay_on_the_closed_form_path() {
                 off_m < 3e-6 && angle_between(end.2, expected.2) < 1e-6,
                 "step {step}: the arc ends at {expected:?}, the robot is at {end:?}"
             );
-            assert!(end.2 > -PI - 1e-6 && end.2 <= PI + 1e-6, "step {step}: the heading {} is not wrapped", end.2);
+            assert!(
+                end.2 > -PI - 1e-6 && end.2 <= PI + 1e-6,
+                "step {step}: the heading {} is not wrapped",
+                end.2
+            );
             track[arena] = arc(track[arena], motion, period);
         }
     }

@@ -45,11 +45,7 @@ fn moving_obstacles_follow_the_clock_across_episodes() {
         lab.step(&actions);
         episodes += lab.take_ended_episodes().len();
         for arena in 0..3 {
-            assert_eq!(
-                lab.state(arena).clock,
-                Clock(step),
-                "the clock counts control steps across episodes"
-            );
+            assert_eq!(lab.state(arena).clock, Clock(step), "the clock counts control steps across episodes");
             assert_in_place(&mut lab, arena, &format!("after step {step}"));
         }
     }

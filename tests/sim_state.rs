@@ -64,10 +64,16 @@ fn assert_no_stale_scan(mut scenario: Scenario) {
                 assert_ne!(after.goal, before[arena].goal, "a reached goal is redrawn");
                 let row = lab.row(arena);
                 let (dx, dy) = (after.goal.x_m - after.pose.x_m, after.goal.y_m - after.pose.y_m);
-                assert!((row[25] * 4.0 - dx.hypot(dy)).abs() < 1e-5, "the distance of the new goal is observed");
+                assert!(
+                    (row[25] * 4.0 - dx.hypot(dy)).abs() < 1e-5,
+                    "the distance of the new goal is observed"
+                );
                 let off = (dy.atan2(dx) - after.pose.heading_rad) - row[24] * std::f32::consts::PI;
                 let off = off.rem_euclid(std::f32::consts::TAU);
-                assert!(off.min(std::f32::consts::TAU - off) < 1e-5, "the bearing of the new goal is observed");
+                assert!(
+                    off.min(std::f32::consts::TAU - off) < 1e-5,
+                    "the bearing of the new goal is observed"
+                );
             }
         }
     }

@@ -158,7 +158,11 @@ fn assert_rewards_add_up(scenario: &Scenario, reward: &RewardConfig) {
             } else if outcome.reached {
                 assert_eq!(outcome.reward.total(), 250.0);
             } else if reward.kind == RewardKind::Traditional {
-                assert_eq!(outcome.reward, RewardTerms::default(), "eq. (3) gives 0 without goal or collision");
+                assert_eq!(
+                    outcome.reward,
+                    RewardTerms::default(),
+                    "eq. (3) gives 0 without goal or collision"
+                );
             } else if !outcome.timed_out {
                 let from = potential(&before[arena].pose, &before[arena].goal, before[arena].scan.nearest_m);
                 let to = potential(&after[arena].pose, &after[arena].goal, after[arena].scan.nearest_m);
@@ -229,7 +233,10 @@ fn a_collision_is_a_nearest_range_below_l_c() {
             }
             if outcome.collided {
                 // A step moves robot and obstacle by less than 0.06 m. A corner may lie between two beams.
-                assert!(before[arena].scan.nearest_m < 0.13 + 0.2, "an obstacle was near before the collision");
+                assert!(
+                    before[arena].scan.nearest_m < 0.13 + 0.2,
+                    "an obstacle was near before the collision"
+                );
             }
         }
     }

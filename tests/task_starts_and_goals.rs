@@ -86,11 +86,11 @@ fn the_benchmark_route_always_has_the_same_start_and_goal() {
 
 #[test]
 fn missing_free_space_for_a_start_is_reported_with_the_arena() {
-    let block = common::static_obstacle(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
+    let block =
+        common::static_obstacle(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
     let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
     let lab = Lab::new(&scenario, 1, 1);
-    let fault =
-        lab.simulation.world().resource::<TaskFault>().0.clone().expect("a fault");
+    let fault = lab.simulation.world().resource::<TaskFault>().0.clone().expect("a fault");
     assert!(fault.to_string().starts_with("arena 0, step 0: no free space for a start"), "{fault}");
 }
 

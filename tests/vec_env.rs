@@ -208,11 +208,13 @@ fn a_run_with_plugins_resumes_to_the_bit_only_with_the_same_plugins() {
     let error = run(resume(&Extensions::default())).expect_err("the plugins are missing").to_string();
     assert!(error.contains("other sensor or reward plugins"), "{error}");
     run(resume(&extensions)).expect("the second part");
-    let policy =
-        |name: &str| std::fs::read(folder.path().join(name).join("policy-last.safetensors")).expect("a file of the run");
+    let policy = |name: &str| {
+        std::fs::read(folder.path().join(name).join("policy-last.safetensors")).expect("a file of the run")
+    };
     assert!(policy("whole") == policy("parts"), "both runs have the same weights to the bit");
     let rows = |name: &str| {
-        let text = std::fs::read_to_string(folder.path().join(name).join("episodes.csv")).expect("a file of the run");
+        let text = std::fs::read_to_string(folder.path().join(name).join("episodes.csv"))
+            .expect("a file of the run");
         // Without the wall time.
         let wall =
             text.lines().next().and_then(|header| header.split(',').position(|column| column == "wall_s"));

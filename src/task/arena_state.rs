@@ -61,10 +61,7 @@ impl ArenaState {
         let are_finite = |values: &[f32]| values.iter().all(|value| value.is_finite());
         for (what, is_valid) in [
             ("the robot's pose", is_pose(pose)),
-            (
-                "the robot's speed",
-                within(twist.v_m_s, MAX_TWIST.0) && within(twist.w_rad_s, MAX_TWIST.1),
-            ),
+            ("the robot's speed", within(twist.v_m_s, MAX_TWIST.0) && within(twist.w_rad_s, MAX_TWIST.1)),
             (
                 "the LIDAR scan",
                 are_ranges(&scan.ranges_m) && is_range(&scan.nearest_m) && is_pose(&scan.sensor_pose),

@@ -38,8 +38,7 @@ pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
 pub use state::{
-    Arena, ArenaLayout, Clock, Episode, Goal, PendingReset, Pose, Scan, Streams, Twist,
-    wrap_angle,
+    Arena, ArenaLayout, Clock, Episode, Goal, PendingReset, Pose, Scan, Streams, Twist, wrap_angle,
 };
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};

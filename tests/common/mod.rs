@@ -167,7 +167,8 @@ pub fn static_obstacle(shape: Shape, position_m: Vec2, rotation_rad: f32) -> Obs
 /// Four static cylinders, as in the paper's Scenario I.
 pub fn four_cylinders() -> Scenario {
     let at = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
-    let obstacles = at.map(|position_m| static_obstacle(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)).into();
+    let obstacles =
+        at.map(|position_m| static_obstacle(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)).into();
     Scenario { name: "Four cylinders".into(), obstacles, ..Scenario::default() }
 }
 

@@ -39,9 +39,7 @@ fn gap_m(colliders: &ColliderSet, solids: &[ColliderHandle], at: Vec2, radius_m:
     let to = |solid: &ColliderHandle| {
         let solid = &colliders[*solid];
         let found = query::contact(&place, &disc, solid.position(), solid.shape(), 1000.0);
-        found
-            .expect("rapier supports both shapes")
-            .map_or(f64::INFINITY, |contact| f64::from(contact.dist))
+        found.expect("rapier supports both shapes").map_or(f64::INFINITY, |contact| f64::from(contact.dist))
     };
     solids.iter().map(to).fold(f64::INFINITY, f64::min)
 }
@@ -108,7 +106,11 @@ fn lidar_contact_and_geometry_agree_to_a_millimetre_over_a_million_poses() {
             let gap = gap_m(&colliders, &solids, position, scenario.robot.radius_m);
             // If shapes overlap, rapier's smallest gap and the clearance are both those of the deepest penetration.
             let off = (gap - (clear - radius)).abs();
-            assert!(off < TOLERANCE_M, "{}: rapier's gap is {gap} m for a radius of {radius} m", context("disc"));
+            assert!(
+                off < TOLERANCE_M,
+                "{}: rapier's gap is {gap} m for a radius of {radius} m",
+                context("disc")
+            );
             worst.rapier_m = worst.rapier_m.max(off);
             touching += usize::from(gap < 0.0);
             inside += usize::from(clear < 0.0);

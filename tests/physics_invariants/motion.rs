@@ -26,10 +26,8 @@ fn empty(period_s: f32, lag_s: f32, max_m_s: f32, stream: &mut Stream) -> Scenar
     let extremes = levels.into_iter().flat_map(|v| levels.map(|w| (v, w)));
     let random: Vec<_> =
         (0..55).map(|_| (2.0 * uniform_01(stream) - 1.0, 2.0 * uniform_01(stream) - 1.0)).collect();
-    scenario.robot.motions = extremes
-        .chain(random)
-        .map(|(v, w)| Motion { v_m_s: v * max_m_s, w_rad_s: w * max_rad_s })
-        .collect();
+    scenario.robot.motions =
+        extremes.chain(random).map(|(v, w)| Motion { v_m_s: v * max_m_s, w_rad_s: w * max_rad_s }).collect();
     scenario.robot.radius_m = uniform(stream, 0.01, 0.12);
     scenario.robot.actuator_lag_s = lag_s;
     scenario.task.control_period_s = period_s;
@@ -91,7 +89,8 @@ fn a_step_without_contact_has_the_arc_and_the_energy_of_the_commanded_motion() {
             lab.step(&actions);
             for (arena, (before, after)) in states.iter().zip(lab.states()).enumerate() {
                 let motion = &scenario.robot.motions[actions[arena]];
-                let context = || format!("{motion:?} for {period_s} s, lag {lag_s} s, from {:?}", before.pose);
+                let context =
+                    || format!("{motion:?} for {period_s} s, lag {lag_s} s, from {:?}", before.pose);
                 let twist = (f64::from(before.twist.v_m_s), f64::from(before.twist.w_rad_s));
                 let [mean, end] = mean_and_end(twist, motion, f64::from(lag_s), period);
                 let (from, heading) = (centre(&before.pose), f64::from(before.pose.heading_rad));
@@ -100,8 +99,8 @@ fn a_step_without_contact_has_the_arc_and_the_energy_of_the_commanded_motion() {
                 assert!(!collided, "{}: a collision without obstacles", context());
 
                 // The rounding of the coordinates is half a bit.
-                let rounding = 2.0_f64.powi(-24)
-                    * (expected.0.abs() + expected.1.abs() + from.0.abs() + from.1.abs());
+                let rounding =
+                    2.0_f64.powi(-24) * (expected.0.abs() + expected.1.abs() + from.0.abs() + from.1.abs());
                 let off_m = (distance(centre(&after.pose), expected) - rounding).max(0.0);
                 let off = off_m / (mean.0.abs() * period).max(1e-3);
                 let turn = angle_between(f64::from(after.pose.heading_rad), expected_heading);

@@ -150,7 +150,8 @@ fn in_random_scenarios_at_full_speed_no_robot_passes_through_anything() {
                 })
                 .collect();
             for step in batch.step(&starts.expect("free space")) {
-                contacts += usize::from(step.assert_invariants(&format!("scenario {number}, {}", scenario.name)));
+                contacts +=
+                    usize::from(step.assert_invariants(&format!("scenario {number}, {}", scenario.name)));
                 steps += 1;
             }
         }
@@ -255,10 +256,7 @@ fn an_obstacle_that_moves_over_a_robot_collides_with_it() {
         put(Shape::Circle { radius_m: 0.001 }, patrol()),
         put(Shape::Circle { radius_m: 0.05 }, patrol()),
         put(Shape::Rectangle { width_m: 0.001, height_m: 0.4 }, patrol()),
-        put(
-            Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(0.2, 0.0), vec2(0.0, 0.03)] },
-            patrol(),
-        ),
+        put(Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(0.2, 0.0), vec2(0.0, 0.03)] }, patrol()),
         put(needle(), orbit(vec2(-1.0, 0.0), 5.0 * PI)),
         put(needle(), orbit(vec2(-0.9, 0.1), -5.0 * PI)),
         put(Shape::Circle { radius_m: 0.001 }, orbit(vec2(-0.2, 0.0), 3.125)),
