@@ -199,7 +199,7 @@ fn an_edited_scenario_continues_or_restarts_the_training() {
     invalid.obstacles[0].position_m = vec2(1.95, 0.9);
     app.command(apply(&invalid, false));
     app.frame(Duration::from_millis(10));
-    assert!(has_notice(&app, "beyond the enclosure"), "{:?}", app.error_notices());
+    assert!(has_notice(&app, "outside the enclosure"), "{:?}", app.error_notices());
     app.command(apply(
         &Scenario {
             lidar: wayfield::scenario::Lidar { beams: 12, ..edited.lidar.clone() },

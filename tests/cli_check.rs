@@ -63,8 +63,8 @@ fn every_problem_of_every_file_is_printed() {
     let starts = [
         "files/b/preset.ron:19:9: unknown field `nstep` in `learning`: did you mean `n_step`? the fields are ",
         "files/b/scenario.ron:12:5: unknown field `obstacels` in the file: did you mean `obstacles`? the fields are ",
-        "files/c.ron:13:9: `obstacles[0]` reaches 0.100 m beyond the enclosure: move it inwards or make it smaller",
-        "files/c.ron:15:9: `obstacles[2]` reaches 0.050 m beyond the enclosure: move it inwards or make it smaller",
+        "files/c.ron:13:9: `obstacles[0]` extends 0.100 m outside the enclosure: move it inside or make it smaller",
+        "files/c.ron:15:9: `obstacles[2]` extends 0.050 m outside the enclosure: move it inside or make it smaller",
         "error: 3 of 4 checked files are invalid",
     ];
     assert_eq!(lines.len(), starts.len(), "{}", done.stderr);
@@ -123,7 +123,7 @@ fn json_lists_the_files_and_the_problems() {
                     "line": 13,
                     "column": 9,
                     "message":
-                        "`obstacles[0]` reaches 0.100 m beyond the enclosure: move it inwards or make it smaller",
+                        "`obstacles[0]` extends 0.100 m outside the enclosure: move it inside or make it smaller",
                 },
                 {
                     "path": "empty",

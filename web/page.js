@@ -1,5 +1,6 @@
-// The page around the app: loads the module, and stands in for files, dialogs, a command line and a terminal. Its
-// counterpart in the app is src/app/browser.rs.
+// The page around the app. It loads the WebAssembly module and provides what the browser lacks: opening and saving files,
+// options in the URL instead of a command line, and status and error messages instead of a terminal. Its counterpart in the
+// app is src/app/browser.rs.
 
 const byId = (id) => document.getElementById(id);
 const cover = byId('cover');
@@ -25,7 +26,7 @@ byId('reset').addEventListener('click', (event) => {
     location.assign(location.pathname);
 });
 
-// Keys that the app handles, so that the browser must not: no scrolling, no leaving the canvas, no saving of the page.
+// Keys that the app handles. The browser must not handle them too: it would scroll, move the focus or save the page.
 const KEYS = new Set([' ', 'Tab', 'ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', '/', "'"]);
 const KEYS_WITH_CTRL = new Set(['s', 'o']);
 const canvas = byId('canvas');
@@ -40,7 +41,7 @@ canvas.addEventListener('webglcontextlost', () =>
 
 let app;
 
-/// Passes a file from the user to the app.
+/// Passes a file that the user has chosen or dropped to the app.
 async function openUserFile(file) {
     if (document.body.dataset.state !== 'started') return;
     // One byte more than the largest policy. The app reports what is wrong with a larger or unreadable file.
@@ -60,14 +61,14 @@ addEventListener('drop', (event) => {
     for (const file of event.dataTransfer?.files ?? []) openUserFile(file);
 });
 
-/// Compresses a text to characters allowed in an address; `decompress` is the inverse.
+/// Compresses a text to URL-safe base64; `decompress` is the inverse.
 async function compress(text) {
     const bytes = await through(new TextEncoder().encode(text), new CompressionStream('deflate-raw'));
     return btoa(Array.from(new Uint8Array(bytes), (byte) => String.fromCharCode(byte)).join(''))
         .replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '');
 }
-async function decompress(letters) {
-    const bytes = Uint8Array.from(atob(letters.replaceAll('-', '+').replaceAll('_', '/')), (c) => c.charCodeAt(0));
+async function decompress(encoded) {
+    const bytes = Uint8Array.from(atob(encoded.replaceAll('-', '+').replaceAll('_', '/')), (c) => c.charCodeAt(0));
     // One byte more than the largest scenario. The app reports what is wrong with a larger one.
     const maxBytes = 2 ** 20 + 1;
     const text = await through(bytes, new DecompressionStream('deflate-raw'), maxBytes);
@@ -86,10 +87,10 @@ async function through(bytes, transform, maxBytes = Infinity) {
     return new Blob(pieces).arrayBuffer();
 }
 
-/// Text of the scenario embedded in the address, if there is one.
+/// Text of the scenario embedded in the URL, if there is one.
 let embeddedScenario;
 
-/// Number of changes of the address. A change that takes long is dropped if a later one was made meanwhile.
+/// Number of changes of the URL so far. A change that is still being prepared is dropped if another one is made meanwhile.
 let addressVersion = 0;
 function changeAddress(address) {
     addressVersion += 1;
@@ -136,13 +137,13 @@ globalThis.wayfieldPage = {
         if (embedded === undefined) return changeAddress(`?${query}`);
         wayfieldPage.clear_share_link();
         const version = addressVersion;
-        // After the #, because browsers do not send that part to the host. If it cannot be compressed, there is no link.
-        const letters = await compress(embedded).catch(() => undefined);
-        if (version === addressVersion && letters !== undefined) changeAddress(`?${query}#scenario=${letters}`);
+        // In the fragment, which browsers do not send to the host. If the compression fails, the URL stays cleared.
+        const encoded = await compress(embedded).catch(() => undefined);
+        if (version === addressVersion && encoded !== undefined) changeAddress(`?${query}#scenario=${encoded}`);
     },
     clear_share_link: () => changeAddress(location.pathname),
     save_preferences(text) {
-        // Storage may be disabled; then nothing is stored.
+        // If storage is disabled, the preferences are not saved.
         try { localStorage.setItem(PREFERENCES_KEY, text); } catch {}
     },
     load_preferences() {
@@ -150,13 +151,13 @@ globalThis.wayfieldPage = {
     },
 };
 
-// Errors that stop the app without calling `failed`, such as too little memory.
+// Errors that stop the app without a call of `failed`, such as running out of memory.
 addEventListener('error', (event) => {
     if (event.error instanceof WebAssembly.RuntimeError && !hasFailed) wayfieldPage.failed(String(event.error));
 });
 
-/// Fetches the module and updates the progress bar. `total` comes from the build, because a host that compresses does not
-/// report the uncompressed size.
+/// Fetches the module and updates the progress bar. `total` is the uncompressed size in bytes, known from the build: a host
+/// that compresses does not report it.
 async function fetchWithProgress(url, total) {
     const response = await fetch(url);
     if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
@@ -170,7 +171,7 @@ async function fetchWithProgress(url, total) {
             to.enqueue(piece);
         },
     }));
-    // This type lets the browser compile while loading, whatever type the host sends.
+    // This content type lets the browser compile while loading. The host may send another one.
     return new Response(counted, { headers: { 'Content-Type': 'application/wasm' } });
 }
 
@@ -182,14 +183,14 @@ async function start() {
         return stop('This browser does not provide WebGL 2, which the app needs to draw. It may be disabled in the settings or'
             + ' blocked because of the graphics driver. Please try another browser.');
     }
-    const letters = new URLSearchParams(location.hash.slice(1)).get('scenario');
-    if (letters !== null) embeddedScenario = await decompress(letters).catch(() => 'not a scenario: the address is damaged');
+    const encoded = new URLSearchParams(location.hash.slice(1)).get('scenario');
+    if (encoded !== null) embeddedScenario = await decompress(encoded).catch(() => 'not a scenario: the address is damaged');
     try {
-        // The mark of the build, so that no cache combines the files of two builds.
-        const { bytes, mark } = await fetch('build.json', { cache: 'no-cache' }).then((response) => response.json());
-        const { default: initialise, ...rest } = await import(`./wayfield.js?${mark}`);
+        // The build id in the URLs prevents a cache from combining files of two builds.
+        const { bytes, build_id } = await fetch('build.json', { cache: 'no-cache' }).then((response) => response.json());
+        const { default: initialise, ...rest } = await import(`./wayfield.js?${build_id}`);
         wayfieldPage.app = app = rest;
-        await initialise({ module_or_path: await fetchWithProgress(`wayfield_bg.wasm?${mark}`, bytes) });
+        await initialise({ module_or_path: await fetchWithProgress(`wayfield_bg.wasm?${build_id}`, bytes) });
     } catch (error) {
         if (!hasFailed) stop('The app could not be loaded. Please check your internet connection and reload.', String(error));
     }

@@ -1,5 +1,5 @@
-//! Tools that a few tests need beyond Rust. Without them a test is skipped with one line that names the packages; in
-//! the gate (`CI=true`) that is a failure instead.
+//! Tools that a few tests need beyond Rust. Without them a test is skipped with one line that names the packages; in CI
+//! (`CI=true`) a missing tool is a failure.
 
 #![allow(dead_code, reason = "each test file uses part of this module")]
 
@@ -20,7 +20,7 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// Whether all commands are there. If not, prints why the test is skipped, or fails in the gate.
+    /// Whether all commands are there. If not, prints why the test is skipped, or fails in CI.
     pub fn is_met(&self) -> bool {
         let missing: Vec<&str> = self.commands.iter().copied().filter(|command| !exists(command)).collect();
         if missing.is_empty() {
@@ -31,7 +31,7 @@ impl Requirement {
     }
 }
 
-/// Prints that a test is skipped and why; fails in the gate, where no test may be skipped.
+/// Prints that a test is skipped and why; fails in CI, where no test may be skipped.
 pub fn report_skip(why: &str) {
     let test = std::thread::current().name().unwrap_or("test").to_string();
     assert!(std::env::var_os("CI").is_none(), "{test} must not be skipped in CI: {why}");

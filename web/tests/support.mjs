@@ -17,7 +17,7 @@ const TYPES = {
 export async function serve() {
     const base = '/some/where/';
     const server = createServer(async (request, response) => {
-        const path = new URL(request.url, 'http://localhost').pathname; // Without the query, which is the mark of the build.
+        const path = new URL(request.url, 'http://localhost').pathname; // Without the query, which is the build id.
         const name = path === base ? 'index.html' : path.slice(base.length);
         try {
             if (!path.startsWith(base) || name.includes('/')) throw new Error('not served');

@@ -12,7 +12,7 @@ usage: cargo xtask <command>
   messages    renew the command line's error messages in tests/snapshots/messages/
   snapshots   renew the app's screenshots in tests/snapshots/; look at each before you commit it
   pictures    redraw the shipped scenarios in docs/worlds/
-  ci          run the gate, .ci/run";
+  ci          run all CI checks, .ci/run";
 
 /// One step: a program, its arguments, and the variables that make a test write instead of compare.
 struct Step<'a> {

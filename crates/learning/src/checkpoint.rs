@@ -6,8 +6,8 @@
 //! trajectories), the arrays of the replay buffer (states, transitions, leaves of the sum tree), and the CRC-32C of
 //! everything before it.
 //!
-//! The lengths of the arrays follow from the config and the counters, and are checked before memory is allocated. A
-//! checksum detects accidents, not intent; therefore every value is also checked before the learner uses it.
+//! The lengths of the arrays follow from the config and the counters, and are checked before memory is allocated. The
+//! checksum detects accidental damage only, so every value is also checked before the learner uses it.
 
 mod arrays;
 mod checksum;
@@ -26,7 +26,7 @@ use super::learner::Learner;
 const FORMAT: HeaderFormat =
     HeaderFormat { magic: b"wayfield", version: 1, max_bytes: 1 << 29, checksum: false };
 
-/// Why a checkpoint could not be written or read.
+/// An error when a checkpoint is written or read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {

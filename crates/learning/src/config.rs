@@ -90,7 +90,8 @@ pub enum Optimizer {
     },
 }
 
-/// A value as a function of env steps alone. A run that is resumed with a larger budget therefore stays the same run.
+/// A value as a function of env steps. It does not depend on the total number of steps, so a run that is resumed with a
+/// larger budget continues unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Schedule {
@@ -159,7 +160,7 @@ pub enum TargetUpdate {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Exploration {
-    /// Exponential decay per episode, equation (10): max(end, start decay^episodes). The paper: 1, 0.99, 0.05.
+    /// Exponential decay per episode, equation (10): max(end, start x decay^episodes). The paper: 1, 0.99, 0.05.
     PerEpisode {
         /// Epsilon in the first episode.
         start: f32,
@@ -179,7 +180,7 @@ pub enum Exploration {
     },
 }
 
-/// A config value is out of range.
+/// The error of a config value that is out of range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{field}` {problem}")]
 pub struct ConfigError {

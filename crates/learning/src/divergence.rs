@@ -1,4 +1,4 @@
-//! Divergence of the learning: non-finite values, and Q-values above the largest possible return.
+//! Detection of divergence: non-finite values, and Q-values above the largest possible return.
 //!
 //! In: the results of a gradient step. Out: [`DivergenceError`], after which the learner cannot be used; or
 //! [`Overestimate`], a warning after which learning continues.
@@ -6,7 +6,7 @@
 use super::config::{LearningConfig, Loss, TargetUpdate};
 use super::network::QNetwork;
 
-/// The learning diverged: a value is no longer finite.
+/// The error of a learner that has diverged: a loss or a weight is NaN or infinite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "learning diverged at gradient step {gradient_step} (env step {env_step}): {what}; help: try {advice} in a new run"
@@ -22,12 +22,12 @@ pub struct DivergenceError {
     pub advice: String,
 }
 
-/// Q-values exceed the largest possible return. A discounted sum of rewards is at most the largest reward so far, divided
-/// by 1 - gamma.
+/// A warning that Q-values exceed the largest possible return: the largest |reward| so far, divided by 1 - gamma.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "learning seems to diverge at gradient step {gradient_step} (env step {env_step}): the mean |Q-value| is {q:.4}, but no \
-     return can exceed {largest_return:.4} (the largest reward so far, {largest_reward:.4}, / (1 - gamma)); help: try {advice}"
+     return can exceed {largest_return:.4} = {largest_reward:.4} (the largest |reward| so far) / (1 - gamma); help: try \
+     {advice}"
 )]
 pub struct Overestimate {
     /// The number of the gradient step, from 1.
@@ -44,7 +44,7 @@ pub struct Overestimate {
     pub advice: String,
 }
 
-/// Changes of `config` that make divergence less likely.
+/// Changes of `config` that make divergence less likely, as text for a message.
 pub(crate) fn advice(config: &LearningConfig) -> String {
     let mut changes = vec!["a lower learning_rate or reward_scale"];
     if config.loss == Loss::MeanSquared {
@@ -60,7 +60,8 @@ pub(crate) fn advice(config: &LearningConfig) -> String {
     changes.join(", ")
 }
 
-/// The first non-finite value among the inputs of a non-finite loss: rewards, values of next states, Q-values.
+/// The cause of a non-finite loss, as text: the first non-finite value among the rewards, the Q-values of the next states
+/// and the Q-values.
 pub(crate) fn non_finite_loss_cause(rewards: &[f32], next_q: &[f32], q: &[f32], td_errors: &[f32]) -> String {
     for (what, values) in [
         ("a stored reward is", rewards),
@@ -75,7 +76,7 @@ pub(crate) fn non_finite_loss_cause(rewards: &[f32], next_q: &[f32], q: &[f32], 
     format!("the loss is not finite, with TD errors of up to {largest:e}")
 }
 
-/// The first non-finite weight, and the step that caused it.
+/// The first non-finite weight and the gradient step that caused it, as text.
 pub(crate) fn non_finite_weight_cause(network: &QNetwork, gradient: &[f32], learning_rate: f32) -> String {
     let weights = network.parameters();
     let Some(at) = weights.iter().position(|weight| !weight.is_finite()) else {
@@ -95,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_non_finite_input_is_reported_as_the_cause_of_the_loss() {
+    fn the_first_non_finite_input_is_reported_as_the_cause_of_a_non_finite_loss() {
         let (nan, inf) = (f32::NAN, f32::INFINITY);
         let message = non_finite_loss_cause(&[1.0, inf], &[nan], &[nan], &[nan]);
         assert_eq!(message, "the loss is not finite, because a stored reward is inf");

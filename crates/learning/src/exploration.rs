@@ -10,9 +10,9 @@ use wayfield_random::{Stream, uniform_01, uniform_index};
 impl Exploration {
     /// Epsilon, the probability of a random action (0 to 1), after `env_steps` and `episodes`.
     ///
-    /// [`Exploration::PerEpisode`] is equation (10) of the paper: max(end, start decay^episodes). `start` replaces the
-    /// schedule's start after a knowledge transfer (section 3.2: 0.5). Nothing is accumulated, so a resumed run continues
-    /// exactly.
+    /// [`Exploration::PerEpisode`] is equation (10) of the paper: max(end, start x decay^episodes). After a knowledge
+    /// transfer, `start` replaces the start of the schedule (section 3.2: 0.5). Epsilon has no state of its own, so a
+    /// resumed run continues exactly.
     #[must_use]
     pub fn epsilon(&self, env_steps: u64, episodes: u64, start: Option<f32>) -> f32 {
         match *self {
@@ -28,7 +28,7 @@ impl Exploration {
     }
 }
 
-/// A random action with probability `epsilon`, otherwise the greedy one; and whether it is the random one.
+/// An action and whether it is the random one: a random action with probability `epsilon`, otherwise the greedy one.
 ///
 /// `q_row` has one Q-value per action. Both random draws (whether to explore, and the random action) are always made, so
 /// that the position of the stream does not depend on the outcome.
@@ -59,10 +59,10 @@ mod tests {
         assert_eq!(
             TABLE_1.epsilon(1_000_000, 3, None),
             TABLE_1.epsilon(0, 3, None),
-            "it does not depend on env steps"
+            "epsilon does not depend on env steps"
         );
         let transfer = TABLE_1.epsilon(0, 10, Some(0.5));
-        assert!((transfer - 0.452_191_04).abs() < 1e-6, "after a transfer: 0.5 x 0.99^10 = 0.5 x 0.9043821");
+        assert!((transfer - 0.452_191_04).abs() < 1e-6, "after a transfer: {transfer}, not 0.5 x 0.99^10");
     }
 
     #[test]
@@ -100,7 +100,7 @@ mod tests {
         let (mut never, mut always) = (stream(1, "test", 0), stream(1, "test", 0));
         for _ in 0..100 {
             assert!(!epsilon_greedy(&[0.0; 5], 0.0, &mut never).1, "epsilon 0 never explores");
-            assert!(epsilon_greedy(&[0.0; 5], 1.0, &mut always).1, "epsilon 1 always does");
+            assert!(epsilon_greedy(&[0.0; 5], 1.0, &mut always).1, "epsilon 1 always explores");
         }
         assert_eq!(random_u64(&mut never), random_u64(&mut always));
     }

@@ -18,11 +18,11 @@ pub struct HeaderFormat {
     pub version: u32,
     /// The maximum length of the content that a reader accepts, in bytes.
     pub max_bytes: u64,
-    /// Whether a CRC-32C of the content precedes it.
+    /// Whether a CRC-32C of the content is written before it.
     pub checksum: bool,
 }
 
-/// Why a header could not be read.
+/// An error when a header is read.
 #[derive(Debug, thiserror::Error)]
 pub enum HeaderError {
     /// The reader failed, or the file ends inside the header.
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn every_damage_is_an_error() {
+    fn every_kind_of_damage_is_an_error() {
         let bytes = written(&FORMAT);
         for length in 0..bytes.len() {
             assert!(matches!(read(&bytes[..length]), Err(HeaderError::Io(_))), "{length} bytes");

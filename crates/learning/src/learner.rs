@@ -1,4 +1,5 @@
-//! The learner: (prioritized-replay) (double) (dueling) DQN, algorithm 1 of the paper with every part switchable.
+//! The learner: DQN with prioritized replay, double Q-learning and dueling networks (algorithm 1 of the paper), each of
+//! them optional.
 //!
 //! In: experiences, one per env step of each environment. Out: Q-values, epsilon, statistics of the gradient steps, a
 //! policy.
@@ -20,7 +21,7 @@ use wayfield_random::{Stream, stream};
 use self::update::Scratch;
 pub use self::update::UpdateStats;
 
-/// The maximum number of floats in all observations of a replay buffer: 8 GB of them, or 1 GB on 32-bit systems.
+/// The maximum number of f32 values in all observations of a replay buffer: 8 GB, or 1 GB on 32-bit systems.
 pub const MAX_STORED_FLOATS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
 
 /// The maximum number of parallel environments.
@@ -39,10 +40,10 @@ pub struct Experience<'a> {
     pub reward: f32,
     /// The observation after the step, before any reset.
     pub next_observation: &'a [f32],
-    /// Whether the return ends here (collision, goal reached): there is no value to bootstrap from.
+    /// Whether the step reached a terminal state (collision, goal reached): the return ends here, without bootstrapping.
     pub terminated: bool,
-    /// Whether a time limit ends the episode: the return bootstraps from `next_observation`, but the next experience does
-    /// not follow from it.
+    /// Whether a time limit ended the episode: the return bootstraps from `next_observation`, but the next experience does
+    /// not start there.
     pub truncated: bool,
 }
 
@@ -60,15 +61,16 @@ pub(crate) struct Counters {
     pub(crate) env_steps: u64,
     pub(crate) episodes: u64,
     pub(crate) gradient_steps: u64,
-    /// Outstanding gradient steps.
+    /// Gradient steps that the next [`Learner::train`] will take.
     pub(crate) pending_updates: u32,
-    /// Replaces the initial epsilon of the schedule after a transfer.
+    /// The initial epsilon after a transfer; it replaces that of the schedule.
     pub(crate) epsilon_start: Option<f32>,
     /// The stream for sampling batches.
     pub(crate) sampling: Stream,
 }
 
-/// A Q-learning agent. Its user chooses the actions, for example with [`epsilon_greedy`](super::epsilon_greedy).
+/// A DQN learner. It computes Q-values; the caller chooses the actions, for example with
+/// [`epsilon_greedy`](super::epsilon_greedy).
 ///
 /// The [crate documentation](crate) has an example.
 #[derive(Debug, Clone)]
@@ -80,20 +82,21 @@ pub struct Learner {
     pub(crate) replay: ReplayBuffer,
     pub(crate) trajectories: Vec<Trajectory>,
     pub(crate) counters: Counters,
-    /// The largest |scaled reward| of an env step so far. After a restore from a checkpoint: the largest |n-step return| of
-    /// the stored transitions.
+    /// The largest |scaled reward| of an env step so far. In a learner restored from a checkpoint it starts at the largest
+    /// |n-step return| of the stored transitions.
     pub(crate) largest_reward: f32,
-    /// The gradient steps whose Q-values exceeded the return bound, minus those whose did not; at least 0.
+    /// A counter, at least 0, that a gradient step with Q-values above the return bound raises by 1, and that any other
+    /// gradient step lowers by 1.
     steps_over_bound: u32,
     scratch: Scratch,
 }
 
-/// Why a policy's weights cannot be loaded into a learner.
+/// An error when a policy's weights are loaded into a learner.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LoadWeightsError {
     /// The policy's network has another shape than the learner's.
     #[error(
-        "the policy's network is {found}, but the learner's is {expected}; help: use a config with the policy's network"
+        "the policy's network is {found}, but the learner's is {expected}; help: use a config with the network {found}"
     )]
     NetworkMismatch {
         /// The learner's network.
@@ -153,8 +156,8 @@ impl Learner {
         self.online.q_values(observations, n, out);
     }
 
-    /// Stores and counts one env step. Within an episode, `observation` is taken to equal the previous `next_observation`
-    /// of the same environment, and is not stored again.
+    /// Stores and counts one env step. Within an episode, `observation` must equal the previous `next_observation` of the
+    /// same environment: it is not stored again.
     ///
     /// # Panics
     /// If `env_index`, `action` or the length of an observation does not match the sizes given to [`Learner::new`].
@@ -180,7 +183,7 @@ impl Learner {
         self.count_env_step();
     }
 
-    /// Counts an env step, and adds the gradient steps for it.
+    /// Counts an env step, and adds its gradient steps to the pending ones.
     fn count_env_step(&mut self) {
         let Self { counters, config, replay, .. } = self;
         counters.env_steps += 1;
@@ -191,8 +194,9 @@ impl Learner {
         }
     }
 
-    /// The gradient steps that [`Learner::train`] would take: `gradient_steps` for every `train_freq` env steps since the
-    /// last call. Env steps count once `learning_starts` is reached and the replay buffer can fill a batch.
+    /// The number of gradient steps that [`Learner::train`] would take: `gradient_steps` for every `train_freq` env steps
+    /// since its last call. Before `learning_starts` env steps, or with less than a batch in the replay buffer, no gradient
+    /// steps are added.
     #[must_use]
     pub fn pending_updates(&self) -> u32 {
         self.counters.pending_updates
@@ -210,25 +214,25 @@ impl Learner {
         self.config.exploration.epsilon(env_steps, episodes, epsilon_start)
     }
 
-    /// The env steps stored so far, of all environments together.
+    /// The number of env steps stored so far, of all environments together.
     #[must_use]
     pub fn env_steps(&self) -> u64 {
         self.counters.env_steps
     }
 
-    /// The finished episodes.
+    /// The number of finished episodes.
     #[must_use]
     pub fn episodes(&self) -> u64 {
         self.counters.episodes
     }
 
-    /// The gradient steps taken.
+    /// The number of gradient steps taken.
     #[must_use]
     pub fn gradient_steps(&self) -> u64 {
         self.counters.gradient_steps
     }
 
-    /// The config that the learner was made with.
+    /// The config given to [`Learner::new`].
     #[must_use]
     pub fn config(&self) -> &LearningConfig {
         &self.config
@@ -281,8 +285,8 @@ impl Learner {
         self.online.to_policy(BTreeMap::new())
     }
 
-    /// Ends all episodes because the environments were reset from outside. Steps that still wait for their n-step return
-    /// are stored as truncated.
+    /// Ends the trajectories of all environments, for an unplanned reset of the environments. Steps that still wait for
+    /// their n-step return are stored as truncated transitions.
     pub fn truncate_trajectories(&mut self) {
         let Self { trajectories, replay, config, .. } = self;
         for trajectory in trajectories {

@@ -1,18 +1,18 @@
 //! Deep Q-learning in plain Rust: double dueling DQN with prioritized replay (PER-D3QN), without Bevy.
 //!
-//! A [`Learner`] takes the experiences of any environment with a flat observation and discrete actions, trains a Q-network
-//! on them, and returns Q-values to act on. Every part of the algorithm is an option of [`LearningConfig`]. A learner can
+//! A [`Learner`] stores the experiences of any environment with a flat observation and discrete actions, trains a Q-network
+//! on them, and computes Q-values to act on. Every part of the algorithm is an option of [`LearningConfig`]. A learner can
 //! be saved and restored exactly ([`Learner::save`]), and its network exported as a [`Policy`]. All randomness comes from
 //! seeded streams: the same seed gives the same bits on any number of threads.
 //!
 //! # Example
 //!
-//! Act, store, train, in a corridor of five cells with a reward at its right end:
+//! A training loop in a corridor of five cells with a reward at its right end:
 //!
 //! ```
 //! use wayfield_learning::*;
 //!
-//! /// Action 0 moves left, action 1 moves right. The episode ends behind the last cell, with a reward of 1.
+//! /// Action 0 moves left, action 1 moves right. Moving right from the last cell ends the episode with a reward of 1.
 //! #[derive(Default)]
 //! struct Corridor {
 //!     cell: usize,
@@ -70,7 +70,7 @@
 //!     }
 //! }
 //!
-//! // It has learned to move right in every cell. The value of that is the discounted reward, 0.9^(steps to the end - 1).
+//! // The greedy action is to move right in every cell. Its value is the discounted reward, 0.9^(steps to the end - 1).
 //! for cell in 0..Corridor::CELLS {
 //!     learner.q_values(&Corridor { cell }.observation(), 1, &mut q);
 //!     assert_eq!(greedy(&q), 1, "in cell {cell}: {q:?}");
@@ -88,14 +88,14 @@
 //! |---|---|
 //! | `config` | the options, their defaults (Table 1 of the paper) and their ranges |
 //! | `learner` | storing experiences; the gradient step with TD targets and target network |
-//! | `network`, `ops`, `matmul` | the Q-network: parameters, forward pass, gradient; the only modules with dfdx |
+//! | `network`, `ops`, `matmul` | the Q-network: parameters, forward pass, gradient; the only modules that use dfdx |
 //! | `optimizer` | RMSProp and Adam |
 //! | [`replay`], `state_ring` | the replay buffer: rings of states and transitions, uniform and prioritized sampling |
 //! | [`sum_tree`] | proportional sampling in O(log n) |
 //! | `n_step` | n-step returns |
 //! | `exploration` | epsilon-greedy actions and the decay of epsilon |
 //! | `divergence` | errors for non-finite values, warnings about Q-values above any possible return |
-//! | `checkpoint`, `framing` | a learner as a file, from which it continues exactly |
+//! | `checkpoint`, `framing` | saving a learner to a file, and restoring it exactly |
 
 mod checkpoint;
 mod config;

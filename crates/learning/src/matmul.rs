@@ -1,18 +1,18 @@
-//! Matrix products for the browser. On wasm, gemm's only kernel is not vectorized; natively, dfdx's products are used.
+//! Matrix products for wasm, where gemm's only kernel is not vectorized. Native builds use dfdx's products.
 //!
-//! In: row-major matrices, of which the left one may be transposed. Out: their product. Plain loops over blocks that fit the
-//! registers, which the compiler vectorizes (`simd128`, see `web/build`).
+//! In: row-major matrices; the left one may be transposed. Out: their product. The loops run over blocks that fit into the
+//! registers, and the compiler vectorizes them (`simd128`, see `web/build`).
 
-/// The rows of a block of the result.
+/// The number of rows of a block of the result.
 const ROWS: usize = 4;
-/// The columns of a block of the result.
+/// The number of columns of a block of the result.
 const COLUMNS: usize = 16;
 
-/// A matrix with the strides of its memory layout.
+/// The left factor of a product. Its strides make a transposed matrix possible without a copy.
 #[derive(Clone, Copy)]
 pub(crate) struct LeftMatrix<'a> {
     pub(crate) values: &'a [f32],
-    /// The distances from one row to the next and from one column to the next.
+    /// The distances in `values` from one row to the next, and from one column to the next.
     pub(crate) strides: (usize, usize),
 }
 
@@ -23,7 +23,7 @@ pub(crate) fn multiply(
     (m, k, n): (usize, usize, usize),
     out: &mut [f32],
 ) {
-    // A strip of columns is copied together and padded with zeros, so that every block is complete.
+    // A contiguous copy of the current columns of `right`, padded with zeros to the full width of a block.
     let mut strip = vec![[0.0; COLUMNS]; k];
     for column in (0..n).step_by(COLUMNS) {
         let width = COLUMNS.min(n - column);
@@ -34,7 +34,7 @@ pub(crate) fn multiply(
         let mut row = 0;
         while row < m {
             let height = ROWS.min(m - row);
-            // The last block overlaps the previous one instead of being smaller, if there are enough rows.
+            // If there are enough rows, the last block overlaps the previous one instead of being smaller.
             let first = if height < ROWS && m >= ROWS { m - ROWS } else { row };
             let mut write = |i: usize, sums: &[f32; COLUMNS]| {
                 let at = (first + i) * n + column;
@@ -52,18 +52,18 @@ pub(crate) fn multiply(
     }
 }
 
-/// The block of `HEIGHT` rows from `first` on, in one strip of columns.
+/// A block of the result: `HEIGHT` rows from row `first` on, in the columns of `strip`.
 #[inline(always)]
 fn block<const HEIGHT: usize>(
     left: LeftMatrix<'_>,
     first: usize,
     strip: &[[f32; COLUMNS]],
 ) -> [[f32; COLUMNS]; HEIGHT] {
-    let (down, across) = left.strides;
+    let (row_stride, column_stride) = left.strides;
     let mut sums = [[0.0; COLUMNS]; HEIGHT];
     for (p, right) in strip.iter().enumerate() {
         for (i, sums) in sums.iter_mut().enumerate() {
-            let factor = left.values[(first + i) * down + p * across];
+            let factor = left.values[(first + i) * row_stride + p * column_stride];
             for (sum, right) in sums.iter_mut().zip(right) {
                 *sum += factor * right;
             }
@@ -102,7 +102,7 @@ mod tests {
             let left_transposed = transposed(&a, m, k);
             out.fill(f32::NAN);
             multiply(LeftMatrix { values: &left_transposed, strides: (1, m) }, &b, (m, k, n), &mut out);
-            assert_eq!(out, expected, "{m} x {k} x {n}, the left one transposed");
+            assert_eq!(out, expected, "{m} x {k} x {n}, with a transposed left matrix");
         }
     }
 }

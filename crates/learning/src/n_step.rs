@@ -1,8 +1,8 @@
 //! N-step returns, with one accumulator per environment.
 //!
-//! In: the steps of one environment. Out: transitions with the return R = sum of gamma^i r_i over m steps, where m = n
-//! within an episode and m < n at its end, and with the discount of the bootstrap value: gamma^m, or 0 if terminated
-//! (Sutton 1988; with replay: Hessel et al. 2018).
+//! In: the steps of one environment. Out: transitions over m steps, with the return R = sum of gamma^i r_i and the discount
+//! of the bootstrap value: gamma^m, or 0 if terminated. m is n, or less at the end of an episode (Sutton 1988; with replay:
+//! Hessel et al. 2018).
 
 use std::collections::VecDeque;
 
@@ -34,18 +34,18 @@ pub struct Transition {
     pub discount: f32,
     /// The state m steps later; meaningless if terminated.
     pub next: StateId,
-    /// Whether the return ended.
+    /// Whether the last step reached a terminal state.
     pub terminated: bool,
-    /// Whether a time limit or a reset from outside ended the episode.
+    /// Whether a time limit or an unplanned reset ended the episode.
     pub truncated: bool,
 }
 
-/// Whether the episode ended with a step.
+/// The effect of a step on the episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StepEnd {
     /// The episode continues.
     Ongoing,
-    /// The return ended: there is no value to bootstrap from.
+    /// The episode ended in a terminal state: the return ends without bootstrapping.
     Terminated,
     /// The episode was cut off: the return bootstraps from the last observation.
     Truncated,
@@ -110,7 +110,8 @@ impl NStepAccumulator {
 mod tests {
     use super::*;
 
-    /// The transitions of an episode with the rewards 1, 2, 3, ..., state i before step i, and a last step that ends with `end`.
+    /// The transitions of an episode with the rewards 1, 2, 3, ..., with state i before step i. Its last step has the given
+    /// `end`.
     fn run(n: usize, steps: u64, end: StepEnd) -> Vec<Transition> {
         let (mut accumulator, mut out) = (NStepAccumulator::default(), Vec::new());
         for i in 0..steps {

@@ -1,8 +1,8 @@
 //! The Q-network: fully connected layers with ReLU and a plain or dueling head (fig. 5 of the paper).
 //!
 //! In: observations, row-major. Out: Q-values, or V and A; in training, the gradient of the TD loss with respect to all
-//! parameters. The parameters are one flat vector, which the dfdx tensors mirror. So optimizer, target network, policy
-//! files and checkpoints do not depend on tensors.
+//! parameters. All parameters are stored in one flat vector, and copied to the dfdx tensors after each change. Optimizer,
+//! target network, policy files and checkpoints use only the flat vector.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use super::ops::{Dense, Rows, dueling, rows, td_loss, values};
 use wayfield_random::{Stream, uniform};
 
 /// The maximum number of rows of one forward pass. Larger batches are split, so that the matrix products stay below the size
-/// at which gemm uses several threads. Here that costs more than it gains.
+/// at which gemm starts threads: at this size, threads cost more than they gain.
 const CHUNK_ROWS: usize = 128;
 
 /// A network that maps observations to Q-values.
@@ -87,7 +87,7 @@ impl QNetwork {
     #[must_use]
     pub fn to_policy(&self, metadata: BTreeMap<String, String>) -> Policy {
         Policy::new(self.shape.clone(), self.parameters.clone(), metadata)
-            .expect("the shape and the number of parameters were checked when the network was made")
+            .expect("`from_parameters` checks the shape and the number of parameters")
     }
 
     /// The sizes of the layers.
@@ -102,7 +102,7 @@ impl QNetwork {
         &self.parameters
     }
 
-    /// Lets `change` modify the parameters in place.
+    /// Modifies the parameters in place.
     pub fn update(&mut self, change: impl FnOnce(&mut [f32])) {
         change(&mut self.parameters);
         self.refresh();
@@ -143,8 +143,8 @@ impl QNetwork {
         }
     }
 
-    /// Runs the network on chunks of rows, and writes the rows that `finish` makes of the last layer into `out` (row-major, n x
-    /// `width`).
+    /// Runs the network on chunks of rows, applies `finish` to the output of the last layer, and writes the resulting rows
+    /// into `out` (row-major, n x `width`).
     fn in_chunks(
         &self,
         observations: &[f32],
@@ -168,13 +168,13 @@ impl QNetwork {
         self.layers.iter().enumerate().fold(x, |x, (i, layer)| layer.forward(x, i < last, i > 0))
     }
 
-    /// Writes the loss of the regression of Q(s, a) on its targets, and the gradient of that loss, into `out`. The
-    /// observations are row-major, n x inputs, where n is the number of actions in `on`.
-    pub(crate) fn gradient(&self, observations: &[f32], on: Regression<'_>, out: &mut Gradient) {
-        let x = rows(&self.device, observations.to_vec(), on.actions.len(), self.shape.inputs);
+    /// Writes the loss of the regression of Q(s, a) on the TD targets, and the gradient of that loss, into `out`. The
+    /// observations are row-major, n x inputs, where n is the number of transitions.
+    pub(crate) fn gradient(&self, observations: &[f32], regression: Regression<'_>, out: &mut Gradient) {
+        let x = rows(&self.device, observations.to_vec(), regression.actions.len(), self.shape.inputs);
         let head = self.head(x.leaky_traced());
         let q = if self.shape.dueling { dueling(head) } else { head };
-        let loss = td_loss(q, on, &mut out.td_errors, &mut out.q);
+        let loss = td_loss(q, regression, &mut out.td_errors, &mut out.q);
         out.loss = values(&loss)[0];
         let grads = loss.backward();
         out.values.resize(self.parameters.len(), 0.0);
@@ -191,7 +191,7 @@ impl QNetwork {
 }
 
 impl PartialEq for QNetwork {
-    /// Whether shape and parameters are equal.
+    /// Equality of shape and parameters. The tensors are copies of the parameters.
     fn eq(&self, other: &Self) -> bool {
         self.shape == other.shape && self.parameters == other.parameters
     }

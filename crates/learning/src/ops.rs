@@ -1,8 +1,10 @@
-//! The operations of the network on dfdx's tape: dense layer, dueling combination, TD loss.
+//! The network's operations with their backward passes: dense layer, dueling combination, TD loss.
 //!
-//! In: tensors of batch x units, with or without a tape. Out: tensors; on a tape, each operation records its backward pass.
+//! In: tensors of batch x units, with or without a gradient tape. Out: tensors; on a tape, each operation records its
+//! backward pass.
+//!
 //! dfdx's own bias broadcast, ReLU and row selection iterate over general strides and cost more than the matrix products.
-//! Here dfdx computes only the products, and plain loops do the rest.
+//! Here dfdx computes only the matrix products and holds the tape; plain loops do the rest.
 
 use dfdx::prelude::*;
 
@@ -13,7 +15,7 @@ use super::matmul::{LeftMatrix, multiply, transposed};
 /// A batch of rows, with or without a tape.
 pub(crate) type Rows<T = NoneTape> = Tensor<(usize, usize), f32, Cpu, T>;
 
-/// `n` rows of `width` from row-major `values`.
+/// A tensor of shape n x width with the row-major `values`.
 pub(crate) fn rows(device: &Cpu, values: Vec<f32>, n: usize, width: usize) -> Rows {
     device.tensor_from_vec(values, (n, width))
 }
@@ -25,19 +27,19 @@ pub(crate) fn values<S: Shape, T>(tensor: &Tensor<S, f32, Cpu, T>) -> Vec<f32> {
     values
 }
 
-/// a b^T.
+/// The product a b^T.
 #[cfg(not(target_arch = "wasm32"))]
 fn times_transposed(a: &Rows, b: &Rows) -> Rows {
     a.clone().matmul(b.clone().permute::<_, Axes2<1, 0>>())
 }
 
-/// a^T b.
+/// The product a^T b, written to `out`.
 #[cfg(not(target_arch = "wasm32"))]
 fn transposed_times(a: &Rows, b: &Rows, out: &mut [f32]) {
     a.clone().permute::<_, Axes2<1, 0>>().matmul(b.clone()).copy_into(out);
 }
 
-/// a b.
+/// The product a b, written to `out`.
 #[cfg(not(target_arch = "wasm32"))]
 fn times(a: &Rows, b: &Rows, out: &mut [f32]) {
     a.clone().matmul(b.clone()).copy_into(out);
@@ -72,8 +74,9 @@ pub(crate) struct Dense {
 }
 
 impl Dense {
-    /// x W^T + b, followed by a ReLU if `relu` is set. `input_gradient` is false for observations, which need no gradient.
-    /// Neither x nor the layer may be used elsewhere on the tape: gradients are assigned, not accumulated.
+    /// The layer's output x W^T + b, followed by a ReLU if `relu` is set. `input_gradient`: whether the backward pass
+    /// computes the gradient of x; observations need none. Neither x nor the layer may be used elsewhere on the tape:
+    /// gradients are assigned, not accumulated.
     pub(crate) fn forward<T: Tape<f32, Cpu>>(&self, x: Rows<T>, relu: bool, input_gradient: bool) -> Rows<T> {
         let (x, mut tape) = x.split_tape();
         let (n, outputs) = (x.shape().0, self.weight.shape().0);
@@ -90,17 +93,17 @@ impl Dense {
             }
         }
         y.copy_from(&activations);
-        let (Self { weight, bias }, of_y) = (self.clone(), y.clone());
+        let (Self { weight, bias }, output) = (self.clone(), y.clone());
         tape.add_backward_op(move |grads| {
-            let mut gradient = std::mem::take(&mut **grads.get_or_alloc_mut(&of_y)?);
+            let mut gradient = std::mem::take(&mut **grads.get_or_alloc_mut(&output)?);
             if relu {
                 for (g, &a) in gradient.iter_mut().zip(&activations) {
                     *g = if a > 0.0 { *g } else { 0.0 };
                 }
             }
-            let of_bias = grads.get_or_alloc_mut(&bias)?;
+            let bias_gradient = grads.get_or_alloc_mut(&bias)?;
             for row in gradient.chunks_exact(outputs) {
-                add(of_bias, row);
+                add(bias_gradient, row);
             }
             let gradient = x.device().try_tensor_from_vec(gradient, (n, outputs))?;
             transposed_times(&gradient, &x, grads.get_or_alloc_mut(&weight)?);
@@ -130,13 +133,15 @@ pub(crate) fn dueling<T: Tape<f32, Cpu>>(head: Rows<T>) -> Rows<T> {
 
     let y = out.clone();
     tape.add_backward_op(move |grads| {
-        let of_q = std::mem::take(&mut **grads.get_or_alloc_mut(&y)?);
-        let of_head = grads.get_or_alloc_mut(&head)?;
-        for (of_q, of_head) in of_q.chunks_exact(actions).zip(of_head.chunks_exact_mut(width)) {
-            let mean = mean(of_q);
-            of_head[0] += mean * actions as f32;
-            for (of_advantage, q) in of_head[1..].iter_mut().zip(of_q) {
-                *of_advantage += q - mean;
+        let q_gradient = std::mem::take(&mut **grads.get_or_alloc_mut(&y)?);
+        let head_gradient = grads.get_or_alloc_mut(&head)?;
+        for (q_gradient, head_gradient) in
+            q_gradient.chunks_exact(actions).zip(head_gradient.chunks_exact_mut(width))
+        {
+            let mean = mean(q_gradient);
+            head_gradient[0] += mean * actions as f32;
+            for (advantage_gradient, q) in head_gradient[1..].iter_mut().zip(q_gradient) {
+                *advantage_gradient += q - mean;
             }
         }
         Ok(())
@@ -153,14 +158,15 @@ pub(crate) struct Regression<'a> {
     pub targets: &'a [f32],
     /// The n importance weights.
     pub weights: &'a [f32],
-    /// The loss of an error.
+    /// The loss as a function of the TD error.
     pub loss: Loss,
 }
 
-/// The mean over the batch of weight x loss(Q(s, a) - y). Writes Q(s, a) - y into `errors` and Q(s, a) into `chosen`.
+/// The mean of weight x loss(Q(s, a) - y) over the batch. `q` is n x actions. Writes the n TD errors Q(s, a) - y into
+/// `errors` and the n values Q(s, a) into `chosen`.
 pub(crate) fn td_loss<T: Tape<f32, Cpu>>(
     q: Rows<T>,
-    on: Regression<'_>,
+    regression: Regression<'_>,
     errors: &mut Vec<f32>,
     chosen: &mut Vec<f32>,
 ) -> Tensor<Rank0, f32, Cpu, T> {
@@ -169,26 +175,26 @@ pub(crate) fn td_loss<T: Tape<f32, Cpu>>(
     let all = values(&q);
     errors.clear();
     chosen.clear();
-    let mut of_q = vec![0.0; n * actions];
+    let mut q_gradient = vec![0.0; n * actions];
     let mut total = 0.0;
     for i in 0..n {
-        let at = i * actions + usize::from(on.actions[i]);
-        let error = all[at] - on.targets[i];
-        let (loss, slope) = match on.loss {
+        let at = i * actions + usize::from(regression.actions[i]);
+        let error = all[at] - regression.targets[i];
+        let (loss, slope) = match regression.loss {
             Loss::MeanSquared => (error * error, 2.0 * error),
             Loss::Huber { delta } if error.abs() > delta => {
                 (delta * (error.abs() - 0.5 * delta), delta.copysign(error))
             }
             Loss::Huber { .. } => (0.5 * error * error, error),
         };
-        total += on.weights[i] * loss;
-        of_q[at] = on.weights[i] * slope / n as f32;
+        total += regression.weights[i] * loss;
+        q_gradient[at] = regression.weights[i] * slope / n as f32;
         errors.push(error);
         chosen.push(all[at]);
     }
     let loss = q.device().tensor(total / n as f32);
     tape.add_backward_op(move |grads| {
-        add(grads.get_or_alloc_mut(&q)?, &of_q);
+        add(grads.get_or_alloc_mut(&q)?, &q_gradient);
         Ok(())
     });
     loss.put_tape(tape)

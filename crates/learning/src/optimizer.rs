@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::config::Optimizer;
 
-/// Moments below this are set to 0. The moments of dead ReLUs would otherwise decay into denormal numbers, which cost a
-/// hundred cycles each. 1e-30 is too small to affect the step, because of `epsilon`.
+/// The smallest moment that is not set to 0. The moments of dead ReLUs would otherwise decay into denormal numbers, which
+/// cost a hundred cycles each. 1e-30 is too small to affect the step, because of `epsilon`.
 const MIN_MOMENT: f32 = 1e-30;
 
 /// The state of an optimizer.
@@ -64,6 +64,7 @@ impl OptimizerState {
     }
 }
 
+/// `moment`, or 0 if it is smaller than [`MIN_MOMENT`].
 fn flush(moment: f32) -> f32 {
     if moment.abs() < MIN_MOMENT { 0.0 } else { moment }
 }

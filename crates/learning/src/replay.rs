@@ -35,7 +35,7 @@ pub(crate) struct Priorities {
     pub(crate) largest: f64,
 }
 
-/// A buffer of the newest transitions.
+/// A ring buffer of the newest transitions.
 #[derive(Debug, Clone)]
 pub struct ReplayBuffer {
     sampling: Sampling,
@@ -116,8 +116,8 @@ impl ReplayBuffer {
         self.states.contains(id)
     }
 
-    /// Stores an observation of `inputs` numbers. This first removes the transitions that refer to the observation it
-    /// replaces, and all older transitions.
+    /// Stores an observation of `inputs` numbers in place of the oldest. This first removes the transitions that refer to
+    /// the oldest observation, and all older transitions.
     pub fn push_state(&mut self, observation: &[f32]) -> StateId {
         let last_reference = self.states.last_reference_to_oldest();
         while self.head < last_reference {
@@ -126,8 +126,8 @@ impl ReplayBuffer {
         self.states.push(observation)
     }
 
-    /// Stores a transition with the largest priority so far. A full buffer removes its oldest one. A transition whose states
-    /// have been overwritten is not stored; that happens if its environment paused for longer than a whole buffer.
+    /// Stores a transition with the largest priority so far. A full buffer removes its oldest transition. A transition whose
+    /// states have been overwritten is not stored: its environment paused while the others filled the whole buffer.
     pub fn push(&mut self, transition: &Transition) {
         let next = if transition.terminated { transition.state } else { transition.next };
         if !self.contains_state(transition.state) || !self.contains_state(next) {
@@ -240,7 +240,7 @@ impl Batch {
     }
 }
 
-/// A draw from [0, 1) in steps of 2^-53, which reach every one of 10^6 transitions.
+/// A draw from [0, 1) in steps of 2^-53, which are fine enough to reach each of 10^6 transitions.
 fn uniform_f64(stream: &mut Stream) -> f64 {
     (wayfield_random::random_u64(stream) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
 }

@@ -12,9 +12,9 @@ pub struct StateId(pub(crate) u64);
 /// Observations of equal length.
 #[derive(Debug, Clone)]
 pub(crate) struct StateRing {
-    /// Row-major, capacity x inputs. The operating system provides the zeroed memory when it is first touched.
+    /// Row-major, capacity x inputs. The zeroed memory takes no space until it is first written.
     pub(crate) values: Vec<f32>,
-    /// Per slot: 1 + the number of the last transition that refers to it; 0 if there is none.
+    /// Per slot: 1 + the number of the last transition that refers to it; 0 if no transition does.
     pub(crate) last_reference: Vec<u64>,
     inputs: usize,
     capacity: usize,

@@ -1,12 +1,12 @@
-//! A sum tree: draws an index with a probability proportional to its weight, in O(log n).
+//! A sum tree, for sampling an index with a probability proportional to its weight in O(log n).
 //!
-//! In: a weight per index. Out: the index at any point of the weights laid end to end (Schaul et al. 2016, appendix
-//! B.2.1).
+//! In: a weight per index, and a point between 0 and their sum. Out: the index whose interval contains the point when the
+//! weights are laid end to end (Schaul et al. 2016, appendix B.2.1).
 //!
-//! Weights are f64. The sum of 10^6 weights in f32 resolves 1 part in 10^7, which would lose small weights at the replay
-//! size of the paper's Table 1. The f64 tree takes 8 MB more there.
+//! Weights are f64. In f32, the sum of 10^6 weights has a resolution of 1 part in 10^7, so small weights would be lost at
+//! the replay capacity of the paper's Table 1. The f64 tree takes 8 MB more there.
 
-/// The weights of `capacity` indices and all their partial sums.
+/// A binary tree over the weights of `capacity` indices: each node is the sum of its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SumTree {
     /// A complete binary tree: the root is at 1, the children of i are at 2i and 2i + 1, the leaves start at `leaves`.
@@ -16,8 +16,8 @@ pub struct SumTree {
 }
 
 impl SumTree {
-    /// A tree with all weights 0. `capacity` is at least 1. The operating system provides zeroed memory page by page, when
-    /// it is first touched.
+    /// A tree with all weights 0. `capacity` is at least 1. The zeroed memory takes no space until it is first written:
+    /// the operating system provides it page by page.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
         let leaves = capacity.max(1).next_power_of_two();
@@ -44,8 +44,8 @@ impl SumTree {
 
     /// Sets the weight of `index` (< capacity) to `weight` (finite, not negative).
     ///
-    /// Each parent is recomputed as the sum of its children instead of adding a difference. So no rounding error
-    /// accumulates, and the inner nodes depend on the leaves alone: a checkpoint only needs the leaves.
+    /// Each parent is recomputed as the sum of its children, not changed by a difference. Therefore rounding errors do not
+    /// accumulate, and the inner nodes depend on the leaves alone: a checkpoint stores only the leaves.
     pub fn set(&mut self, index: usize, weight: f64) {
         let (mut node, mut sum) = (self.leaves + index, weight);
         self.nodes[node] = sum;
@@ -76,8 +76,8 @@ impl SumTree {
         found[0].0 - self.leaves
     }
 
-    /// Writes the result of [`Self::find`] for each of `points` into `found`. All descend the tree in parallel, so that
-    /// their memory accesses overlap.
+    /// Writes the result of [`Self::find`] for each of `points` into `found`. All points descend the tree level by level
+    /// together, so that their memory accesses overlap.
     pub fn find_all(&self, points: impl Iterator<Item = f64>, found: &mut Vec<usize>) {
         let mut descents: Vec<_> = points.map(|point| (1, point)).collect();
         self.descend(&mut descents);
@@ -91,7 +91,7 @@ impl SumTree {
         while level < self.leaves {
             for (node, point) in &mut *descents {
                 let [left, right] = [self.nodes[2 * *node], self.nodes[2 * *node + 1]];
-                // Without branches, which the processor could not predict.
+                // Branch-free, because the CPU cannot predict the direction.
                 let to_right = (*point >= left) & (right > 0.0);
                 *point -= left * f64::from(to_right);
                 *node = 2 * *node + usize::from(to_right);

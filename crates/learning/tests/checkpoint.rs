@@ -41,7 +41,8 @@ fn configs() -> [LearningConfig; 3] {
     [config(Sampling::Uniform, 1), config(prioritized, 1), config(prioritized, 3)]
 }
 
-/// An environment of noise. Actions depend on the Q-values, so that any difference between two learners soon shows.
+/// An environment with random observations. Actions depend on the Q-values, so any difference between two learners soon
+/// changes the experiences.
 #[derive(Clone)]
 struct NoiseEnv {
     observations: [[f32; INPUTS]; NUM_ENVS],
@@ -108,7 +109,7 @@ fn a_restored_learner_continues_with_the_same_bits() {
             let mut other_env = env.clone();
             env.run(&mut one, 150);
             other_env.run(&mut two, 150);
-            assert!(one.gradient_steps() > 100, "it has learned in between");
+            assert!(one.gradient_steps() > 100, "the learner has taken gradient steps in between");
             assert_eq!(saved(&one), saved(&two), "config {number}, saved after {rounds} rounds");
         }
     }
@@ -134,7 +135,7 @@ fn the_epsilon_of_a_transfer_is_saved() {
     let policy = Learner::new(config, INPUTS, ACTIONS, NUM_ENVS, 6).expect("a valid config").policy();
     learner.load_weights(&policy, Some(0.5)).expect("the same shape");
     let network = QNetwork::from_policy(&policy).expect("a valid shape");
-    assert_eq!(learner.network(), &network, "it starts with the policy's weights");
+    assert_eq!(learner.network(), &network, "the learner starts with the policy's weights");
     assert_eq!(learner.target_network(), &network);
     assert_eq!(learner.epsilon(), 0.5);
     assert_eq!(restored(config, &saved(&learner)).expect("a valid checkpoint").epsilon(), 0.5);

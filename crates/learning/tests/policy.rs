@@ -1,4 +1,4 @@
-//! Policy files: stable bytes, readable by other programs, safe to read from untrusted sources.
+//! Policy files: their bytes are reproducible, and reading an untrusted file is safe.
 
 use std::collections::HashMap;
 
@@ -24,7 +24,7 @@ fn policy() -> Policy {
     policy
 }
 
-/// The tensors and the header of a policy file, to be changed and serialized again.
+/// The tensors and the header of a valid policy file. A test changes them and serializes them again.
 struct Parts {
     tensors: Vec<(String, Dtype, Vec<usize>, Vec<u8>)>,
     header: String,
@@ -44,6 +44,7 @@ impl Parts {
         Self { tensors, header }
     }
 
+    /// The error of reading a file with these parts.
     fn error(&self) -> PolicyError {
         let tensors = self.tensors.iter().map(|(name, dtype, shape, data)| {
             (name, TensorView::new(*dtype, shape.clone(), data).expect("data that fits the shape"))
@@ -59,7 +60,7 @@ impl Parts {
 }
 
 #[test]
-fn a_policy_survives_its_bytes_which_are_always_the_same() {
+fn a_policy_is_read_as_it_was_written_and_equal_policies_give_equal_bytes() {
     let (one, bytes) = (policy(), policy().to_bytes().expect("finite weights"));
     assert_eq!(Policy::from_bytes(&bytes).expect("a valid file"), one);
     for _ in 0..20 {
@@ -73,7 +74,7 @@ fn a_policy_survives_its_bytes_which_are_always_the_same() {
 }
 
 #[test]
-fn every_change_of_a_file_has_its_own_error() {
+fn every_kind_of_invalid_file_has_its_own_error() {
     let error = Policy::from_bytes(b"not a policy at all").expect_err("not safetensors");
     assert!(matches!(error, PolicyError::NotSafetensors(_)), "{error}");
 

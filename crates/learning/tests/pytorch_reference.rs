@@ -1,4 +1,4 @@
-//! Complete gradient steps compared with PyTorch.
+//! Comparison of complete gradient steps with PyTorch.
 //!
 //! `reference/learning_step.py` trains on nine env steps with float64 PyTorch and writes `learning_step.json`. Here the
 //! learner gets the same steps, weights and options. All parts are tested together: n-step returns, termination and

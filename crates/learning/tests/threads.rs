@@ -1,14 +1,15 @@
-//! The number of threads does not change any bit of the learned weights.
+//! Reproducibility on any number of threads: the learned weights are the same to the bit.
 
 use std::process::Command;
 
 use wayfield_learning::{Experience, Learner, LearningConfig, NetworkConfig, ReplayConfig};
 use wayfield_random::{normal, stream, uniform_index};
 
-/// Runs in a separate process, because the thread pool is created once per process.
+/// Trains a learner and prints a checksum of its checkpoint. The test below runs it in child processes, because the thread
+/// pool is created once per process.
 #[test]
-#[ignore = "run by the test below"]
-fn fingerprint() {
+#[ignore = "run by any_number_of_threads_gives_the_same_bits"]
+fn print_checksum() {
     let config = LearningConfig {
         // Matrix products of this size use several threads.
         network: NetworkConfig { hidden: vec![256, 256], dueling: true },
@@ -35,7 +36,7 @@ fn fingerprint() {
     learner.save(&mut bytes).expect("memory can be written");
     // Without the checksum at the end: the CRC of data followed by its CRC is a constant.
     let content = &bytes[..bytes.len() - 4];
-    println!("fingerprint {:08x} after {}", crc32c::crc32c(content), learner.gradient_steps());
+    println!("checksum {:08x}, gradient steps {}", crc32c::crc32c(content), learner.gradient_steps());
 }
 
 #[test]
@@ -43,15 +44,15 @@ fn any_number_of_threads_gives_the_same_bits() {
     let run = |threads: &str| {
         let test = std::env::current_exe().expect("the path of the test program");
         let output = Command::new(test)
-            .args(["--exact", "fingerprint", "--ignored", "--nocapture"])
+            .args(["--exact", "print_checksum", "--ignored", "--nocapture"])
             .env("RAYON_NUM_THREADS", threads)
             .output()
             .expect("the test program starts");
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        text.lines().find_map(|line| line.split_once("fingerprint ")).expect(&text).1.to_string()
+        text.lines().find_map(|line| line.split_once("checksum ")).expect(&text).1.to_string()
     };
     let one = run("1");
-    assert!(!one.ends_with(" 0"), "it has learned something: {one}");
+    assert!(!one.ends_with(" 0"), "the learner has taken gradient steps: {one}");
     for threads in ["2", "3", "8"] {
         assert_eq!(run(threads), one, "{threads} threads");
     }

@@ -71,16 +71,14 @@ pub(super) struct InflatedObstacle {
 impl InflatedObstacle {
     pub(super) fn new(shape: &Shape, (x, y, rotation): (f32, f32, f32), inflation: f64) -> Self {
         let (sin, cos) = libm::sincos(rotation.into());
-        let (half_width, half_height, radius) = match *shape {
-            Shape::Circle { radius_m } => (0.0, 0.0, f64::from(radius_m) + inflation),
-            Shape::Rectangle { width_m, height_m } => {
-                (f64::from(width_m) / 2.0, f64::from(height_m) / 2.0, inflation)
-            }
-            Shape::Capsule { length_m, radius_m } => {
-                (f64::from(length_m) / 2.0, 0.0, f64::from(radius_m) + inflation)
-            }
+        let (half_width, half_height, radius) = match shape.rounded_box() {
+            Some(rounded) => (
+                f64::from(rounded.half_width_m),
+                f64::from(rounded.half_height_m),
+                f64::from(rounded.radius_m) + inflation,
+            ),
             // Unsupported; callers check `is_supported` first.
-            Shape::Polygon { .. } => (0.0, 0.0, f64::INFINITY),
+            None => (0.0, 0.0, f64::INFINITY),
         };
         Self { x: x.into(), y: y.into(), cos, sin, half_width, half_height, radius }
     }

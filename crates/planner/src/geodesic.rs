@@ -14,8 +14,8 @@ use wayfield_scenario::{Obstacle, Scenario, polygon, pose_at};
 const CIRCLE_CORNERS: usize = 32;
 /// The number of polygon corners on each rounded corner of an inflated rectangle.
 const RECTANGLE_CORNER_POINTS: usize = 3;
-/// The maximum number of corners of all polygons together. Obstacles beyond it, far from the straight line to the goal, are
-/// left out.
+/// The maximum number of corners of all polygons together. If there are more, the obstacles with the largest sum of
+/// distances to start and goal are left out.
 const MAX_CORNERS: usize = 400;
 
 /// A convex region that blocks the line of sight.

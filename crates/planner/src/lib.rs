@@ -59,7 +59,7 @@ use search::{LOOKAHEAD_STATES, SearchLimits, StateGrid, search, search_lower_bou
 
 use serde::{Deserialize, Serialize};
 
-use wayfield_scenario::{Enclosure, Scenario, Shape};
+use wayfield_scenario::{Enclosure, Scenario};
 
 /// The margin, in m, that a plan keeps to the collision range and the goal radius, and by which the lower bound relaxes
 /// them. It exceeds the rounding errors of the simulation's f32 arithmetic over a few hundred steps.
@@ -136,7 +136,7 @@ pub fn unsupported_reason(scenario: &Scenario) -> Option<String> {
     if matches!(scenario.enclosure, Enclosure::Polygon { .. }) {
         return Some("polygons: the enclosure is a polygon".into());
     }
-    let polygon = scenario.obstacles.iter().position(|o| matches!(o.shape, Shape::Polygon { .. }));
+    let polygon = scenario.obstacles.iter().position(|o| o.shape.rounded_box().is_none());
     polygon.map(|index| format!("polygons: obstacles[{index}] is a polygon"))
 }
 

@@ -183,7 +183,7 @@ fn actions_to(nodes: &[Node], last: usize) -> Vec<u8> {
 /// The lower bound on the steps from `start` to `goal`, by a best-first search of up to `max_states` states.
 ///
 /// No states are merged, so every trajectory to the goal passes through an open node. Therefore the lowest cost among the
-/// open nodes is a lower bound, and so is the greatest such value during the search. The search stops early once the bound
+/// open nodes is a lower bound, and so is the largest such value during the search. The search stops early once the bound
 /// reaches `stop_at` steps.
 pub(super) fn search_lower_bound(
     scenario: &Scenario,

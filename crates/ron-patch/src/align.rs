@@ -1,12 +1,12 @@
-//! Which element of a changed list corresponds to which element of the old one.
+//! The alignment of a changed list with the old one: pairs of corresponding elements.
 //!
-//! Elements keep their order. A changed element is recognised by the fields that it still shares with the old one.
+//! Elements keep their order. A changed element is recognised by the fields that are still equal to those of the old one.
 
 use crate::value::Value;
 
-/// The maximum number of pairs that are compared. Longer stretches are paired in order.
+/// The maximum number of pairs that are compared. Elements of longer lists are paired in order.
 const MAX_PAIRS: usize = 250_000;
-/// The similarity of two equal elements; that of two different ones is at most a quarter of it.
+/// The similarity of two equal elements. The similarity of two different elements is at most a quarter of it.
 const EQUAL: u32 = 1000;
 
 /// For each element of `new`, the index of the corresponding element of `old`, or `None` if it has been added.
@@ -21,7 +21,7 @@ pub(crate) fn align(old: &[Value], new: &[Value]) -> Vec<Option<usize>> {
     aligned
 }
 
-/// The pairing with the greatest total similarity; of several, the one that pairs earlier elements.
+/// The pairing with the greatest total similarity. Among equally good ones, it pairs the earliest elements.
 fn best_pairing(old: &[Value], new: &[Value]) -> Vec<Option<usize>> {
     if old.len().saturating_mul(new.len()) > MAX_PAIRS {
         return (0..new.len()).map(|k| (k < old.len()).then_some(k)).collect();
@@ -53,7 +53,7 @@ fn best_pairing(old: &[Value], new: &[Value]) -> Vec<Option<usize>> {
     aligned
 }
 
-/// How much `old` and `new` have in common: the number of equal fields, or [`EQUAL`].
+/// The similarity of two elements: [`EQUAL`] if they are equal, otherwise the number of equal fields.
 fn similarity(old: &Value, new: &Value) -> u32 {
     if old == new {
         return EQUAL;

@@ -1,7 +1,7 @@
 //! The canonical text of a value.
 //!
-//! Four spaces per level. What fits in a line of 110 columns is one line, except that a list of structs has one line per
-//! struct. Fields that equal their defaults are left out.
+//! Each level is indented by four spaces. A value that fits into a line of 110 columns is written on one line; only a list
+//! of structs always has one line per struct. Fields that equal their defaults are left out.
 
 use crate::literal::{columns, quoted, wrapped};
 use crate::style::Style;
@@ -19,7 +19,7 @@ pub(crate) struct Formatter<'a> {
     pub style: &'a Style,
 }
 
-/// A position in the text at which a value is to be written.
+/// The position in the text at which a value is written.
 #[derive(Clone, Copy)]
 pub(crate) struct Cursor<'a> {
     /// The indentation of its line.
@@ -33,12 +33,12 @@ impl<'a> Formatter<'a> {
         Self { newline, style }
     }
 
-    /// The whole file.
+    /// The text of a whole file.
     pub fn file(&self, value: &Value) -> String {
         self.top_level(value) + self.newline
     }
 
-    /// The top-level value: the fields of a struct are in lines of their own.
+    /// The text of the top-level value. A struct has one line per field, even if it would fit on one line.
     pub fn top_level(&self, value: &Value) -> String {
         let Some(record) = value.record().filter(|record| !record.fields.is_empty()) else {
             return self.value(value, Cursor { indent: "", column: 0 });
@@ -55,7 +55,7 @@ impl<'a> Formatter<'a> {
         text + ")"
     }
 
-    /// The fields of a record that are written: those that differ from their defaults, or all if none does.
+    /// The fields of a record that are written: those that differ from their defaults, or all if all equal their defaults.
     fn written_fields<'v>(&self, record: &'v Record) -> Vec<&'v (&'static str, Value)> {
         let all = self.style.is_all_default(record);
         record
@@ -65,13 +65,13 @@ impl<'a> Formatter<'a> {
             .collect()
     }
 
-    /// `name: value` in a line with this indentation.
+    /// The text `name: value` of a field on a line of its own.
     fn field(&self, name: &str, value: &Value, indent: &str) -> String {
         let column = columns(indent) + name.len() + 2;
         format!("{indent}{name}: {}", self.value(value, Cursor { indent, column }))
     }
 
-    /// `value` at `cursor`, with room for a comma after it.
+    /// The text of `value` at `cursor`. It leaves space for a comma.
     pub fn value(&self, value: &Value, cursor: Cursor) -> String {
         if let Some(line) = self.line(value).filter(|line| cursor.column + columns(line) < WIDTH) {
             return line;
@@ -93,7 +93,7 @@ impl<'a> Formatter<'a> {
         }
     }
 
-    /// The brackets with one line per part; `indent` is that of the closing bracket.
+    /// A pair of brackets with one line per part. `indent` is the indentation of the closing bracket.
     fn lines(&self, open: &str, parts: impl Iterator<Item = String>, indent: &str, close: &str) -> String {
         let mut text = open.to_string() + self.newline;
         for part in parts {
@@ -102,7 +102,7 @@ impl<'a> Formatter<'a> {
         text + indent + close
     }
 
-    /// `value` in one line; `None` if it contains a list of structs.
+    /// The text of `value` on one line; `None` if it contains a list of structs.
     fn line(&self, value: &Value) -> Option<String> {
         Some(match value {
             Value::Scalar(literal) => literal.clone(),

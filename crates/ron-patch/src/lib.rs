@@ -1,8 +1,8 @@
 //! A RON writer that keeps comments.
 //!
 //! A program that reads a hand-written RON file, changes one number and writes the file back usually loses its comments
-//! and its layout. [`patch`] writes the change into the old text instead: every byte that the change does not touch
-//! stays as it is. [`to_text`] writes a value that has no old text.
+//! and its layout. [`patch`] writes the change into the old text instead: all bytes outside the change stay the same.
+//! [`to_text`] writes a value that has no old text.
 //!
 //! ```
 //! use serde::{Deserialize, Serialize};
@@ -32,8 +32,8 @@
 //! | `merge`, `align`, `rebuild` | the old text with the changed values in it |
 //! | [`SourceMap`] | from a byte offset to a field's path and back, for error messages |
 //!
-//! Supported are structs with named fields, enums whose variants have named fields or none, options, lists, tuples,
-//! tuple structs, strings, booleans and numbers. Other types (maps, characters, bytes, units, newtypes and tuple
+//! Supported types are structs with named fields, enums whose variants have named fields or no fields, options, lists,
+//! tuples, tuple structs, strings, booleans and numbers. Other types (maps, characters, bytes, units, newtypes and tuple
 //! variants) return [`Unsupported`].
 
 mod align;
@@ -69,11 +69,11 @@ pub fn to_text<T: Serialize>(value: &T, style: &Style) -> Result<String, Unsuppo
     Ok(Formatter::new("\n", style).file(&Value::from_serde(value)?))
 }
 
-/// `value` as a new version of `text`, which `read` parses to the old value.
+/// A new version of `text` that contains `value`. `text` contains the old value, which `read` parses.
 ///
-/// - What is equal in both values keeps its bytes: comments, order, empty lines, and defaults that are written out.
-/// - A changed field is rewritten in place, below the comments above it.
-/// - A new list element is inserted at its position in the list. A removed one takes its comments with it.
+/// - Unchanged parts keep their bytes: comments, order, empty lines, and defaults that are written out.
+/// - A changed field is rewritten in place; the comments above it stay.
+/// - A new list element is inserted at its position in the list. A removed element is removed with its comments.
 /// - Line endings follow the first line of `text`.
 ///
 /// The result is checked: `read` parses it back to `value`, to the bit. If that fails, or if `read` rejects `text`, the
@@ -96,7 +96,7 @@ pub fn patch<T: Serialize>(
     }
 }
 
-/// `text`, which is `old`, with the changes that make it `new`; `None` if its brackets do not match.
+/// A new version of `text` that contains `new` instead of `old`; `None` if the brackets of `text` do not match.
 fn merge(text: &str, old: &Value, new: &Value, style: &Style) -> Option<String> {
     let first_line_end = text.split_once('\n').map_or("", |(line, _)| line);
     let formatter = Formatter::new(if first_line_end.ends_with('\r') { "\r\n" } else { "\n" }, style);

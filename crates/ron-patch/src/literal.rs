@@ -1,12 +1,13 @@
-//! String literals: quotes, escapes, and line breaks in long ones.
+//! RON string literals: quoting, escapes, and wrapping of long texts.
 
-/// `text` as a RON string literal.
+/// A RON string literal with the content `text`, in one line.
 pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", escaped(text))
 }
 
-/// `text` as a literal of several lines that starts in `column` and stays within `width` columns. Every line but the last
-/// ends in a space and `\`; RON skips the backslash, the line break and the spaces after it.
+/// A RON string literal with the content `text`, wrapped at spaces to lines of at most `width` columns; a longer word is not
+/// broken. It starts in `column`. Every line but the last ends with a space and `\`: RON ignores the backslash, the line
+/// break and the spaces after it.
 pub(crate) fn wrapped(text: &str, column: usize, width: usize, newline: &str) -> String {
     let mut literal = String::new();
     let mut used = column + 1;
@@ -15,8 +16,8 @@ pub(crate) fn wrapped(text: &str, column: usize, width: usize, newline: &str) ->
         let word = escaped(word);
         literal += &word;
         used += columns(&word);
-        // The next word needs room for its closing quote and comma, or for its backslash. A break before a word that
-        // starts with a space would lose that space.
+        // The next word needs space for a closing quote and a comma, or for a backslash. There is no break before a word
+        // that starts with a space, because RON would ignore that space.
         let next = words.peek().map_or(0, |next| columns(&escaped(next)) + 3);
         if next > 0
             && used + next > width
@@ -29,7 +30,7 @@ pub(crate) fn wrapped(text: &str, column: usize, width: usize, newline: &str) ->
     format!("\"{literal}\"")
 }
 
-/// The number of columns of `text`, which is a single line.
+/// The width of `text`, a single line, in columns: the number of its characters.
 pub(crate) fn columns(text: &str) -> usize {
     text.chars().count()
 }

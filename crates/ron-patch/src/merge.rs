@@ -1,8 +1,8 @@
-//! A changed value in the text of the old one.
+//! The merge of a changed value into the text of the old value.
 //!
-//! In: the text, the old value, the new value. Out: a text in which everything unchanged has the same bytes. A part that
-//! was in the canonical form stays canonical. A part in another form, or with comments inside, is changed only where it
-//! differs: field by field, element by element.
+//! In: the text, the old value, the new value. Out: a text in which all unchanged parts have the same bytes. A part in the
+//! canonical form stays canonical. A part in another form, or with comments inside, is changed only where the values
+//! differ: field by field, element by element.
 
 use crate::align::align;
 use crate::format::{Cursor, Formatter};
@@ -11,16 +11,16 @@ use crate::syntax::SyntaxNode;
 use crate::trivia::line_start;
 use crate::value::{Record, Value};
 
-/// Writes new values into `text`.
+/// A text and the formatter for the new values in it.
 pub(crate) struct Merge<'a> {
     /// The old text.
     pub text: &'a str,
-    /// Writes the parts that cannot be taken from the text.
+    /// The formatter of the parts that cannot be taken from the text.
     pub formatter: &'a Formatter<'a>,
 }
 
 impl Merge<'_> {
-    /// The whole file.
+    /// The new text of the whole file.
     pub fn file(&self, root: &SyntaxNode, old: &Value, new: &Value) -> String {
         let root_text = match (root.open, old, new) {
             _ if self.text[root.value.clone()] == self.formatter.top_level(old) => {
@@ -72,7 +72,7 @@ impl Merge<'_> {
         }
     }
 
-    /// The text of `node` with other values of its children.
+    /// The text of `node` with new values for its children.
     fn replace_values(&self, node: &SyntaxNode, values: &[String]) -> String {
         let (mut out, mut at) = (String::new(), node.value.start);
         for (child, value) in node.children.iter().zip(values) {
@@ -111,8 +111,8 @@ impl Merge<'_> {
         rebuilder.finish()
     }
 
-    /// The changed fields that the text lacks. Each comes with the index of the child that it goes before: it follows the
-    /// last child that precedes it in the type's order.
+    /// The changed fields that are missing in the text, each with the index of the child before which it is inserted: after
+    /// the last child that precedes it in the type's order.
     fn added_fields<'v>(
         &self,
         node: &SyntaxNode,

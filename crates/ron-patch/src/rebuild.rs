@@ -1,6 +1,6 @@
-//! Rebuilds the text between a pair of brackets when children are kept, removed or inserted.
+//! The new text between a pair of brackets when children are kept, removed or inserted.
 //!
-//! In: a [`SyntaxNode`], and in order what happens to its children ([`ChildrenRebuilder::keep`],
+//! In: a [`SyntaxNode`], and the operations on its children in their order ([`ChildrenRebuilder::keep`],
 //! [`ChildrenRebuilder::remove`], [`ChildrenRebuilder::insert`]). Out: the new text of the node, with correct commas, line
 //! breaks, empty lines and comments.
 
@@ -23,33 +23,35 @@ pub(crate) struct ChildrenRebuilder<'a> {
     contents: BracketContents,
     /// The indentation of the line of the opening bracket.
     outer_indent: &'a str,
-    /// The indentation of a child in a line of its own.
+    /// The indentation of a child that starts a line.
     child_indent: String,
-    /// Whether the style's blank lines go between the children: only at the top level, and only if the text has some.
+    /// Whether inserted children are separated by the style's blank lines: only at the top level, and only if the text has
+    /// blank lines or fewer than three children.
     blank_lines: bool,
     /// The columns in which the line comments of two or more children start.
     comment_columns: BTreeSet<usize>,
     out: String,
-    /// Comments above removed children, with an empty line below them: they stay.
+    /// Comments above removed children that an empty line separates from the child: they stay.
     orphaned: String,
-    /// The last child that was written, if there is one.
+    /// The last child written so far.
     last: Option<LastChild<'a>>,
 }
 
-/// The last child that was written.
+/// The last child written so far.
 struct LastChild<'a> {
     /// Its key; empty for a list element.
     key: &'a str,
     /// Whether it has been inserted.
     is_new: bool,
-    /// The offset at which its comma belongs if another child follows; `None` if it has a comma.
+    /// The offset at which a comma must be added if another child follows; `None` if it has a comma.
     missing_comma: Option<usize>,
-    /// The offset of its comma if that can be dropped when no other child follows.
+    /// The offset of its comma, if the comma can be removed when no other child follows.
     optional_comma: Option<usize>,
 }
 
 impl<'a> ChildrenRebuilder<'a> {
-    /// For the children of `node`, whose bracket opens at `open`; `top_level` if they are the top-level fields of the file.
+    /// A rebuilder for the children of `node`, whose bracket opens at `open`. `top_level`: whether they are the top-level
+    /// fields of the file.
     pub fn new(
         text: &'a str,
         formatter: &'a Formatter<'a>,
@@ -80,7 +82,7 @@ impl<'a> ChildrenRebuilder<'a> {
         }
     }
 
-    /// Keeps child `k`, with the text `value` as its value.
+    /// Keeps child `k`, and replaces its value by the text `value`.
     pub fn keep(&mut self, k: usize, value: &str) {
         let child = &self.node.children[k];
         let key = child.key.clone().map_or("", |key| &self.text[key]);
@@ -112,7 +114,7 @@ impl<'a> ChildrenRebuilder<'a> {
             head = without_first_line(&head).into();
         }
         if self.out.ends_with('\n') {
-            // The child starts a line now, even if it stood behind another child before.
+            // The child now starts a line, even if it followed another child on the same line before.
             if head.trim().is_empty() && !head.contains('\n') {
                 head.clone_from(&self.child_indent);
             }
@@ -125,7 +127,8 @@ impl<'a> ChildrenRebuilder<'a> {
         head
     }
 
-    /// Writes what follows child `k` in its line. An aligned comment behind a changed value stays aligned.
+    /// Writes the text after child `k`, up to the end of its line. A comment after a changed value stays aligned with the
+    /// comments of other children.
     fn push_after(&mut self, k: usize, value: &str) {
         let (child, after) = (&self.node.children[k], self.contents.segments[k].after.clone());
         let changed = value != &self.text[child.value.clone()];
@@ -140,7 +143,7 @@ impl<'a> ChildrenRebuilder<'a> {
         }
     }
 
-    /// Removes child `k`, with the comments directly above it and behind it.
+    /// Removes child `k`, with the comments directly above it and after it.
     pub fn remove(&mut self, k: usize) {
         let head = self.head(k);
         self.orphaned = stacked(std::mem::take(&mut self.orphaned), &head[..own_comments_start(head)]);
@@ -149,7 +152,7 @@ impl<'a> ChildrenRebuilder<'a> {
         }
     }
 
-    /// Inserts a child; `key` is empty for a list element. It gets a line of its own if the previous child ended its line.
+    /// Inserts a child; `key` is empty for a list element. It is written on a new line if the previous child ended its line.
     pub fn insert(&mut self, key: &'a str, value: &Value) {
         let own_line = self.out.ends_with('\n');
         if own_line {
@@ -174,7 +177,7 @@ impl<'a> ChildrenRebuilder<'a> {
         self.last = Some(LastChild { key, is_new: true, missing_comma, optional_comma: None });
     }
 
-    /// The text of the node.
+    /// The new text of the node.
     pub fn finish(mut self) -> String {
         let tail = &self.text[self.contents.tail.clone()];
         let bracket = self.contents.front.start + 1 - self.node.value.start;
@@ -190,7 +193,7 @@ impl<'a> ChildrenRebuilder<'a> {
         self.out + tail
     }
 
-    /// Gives the last child a comma if the last child of the old text had one, and takes it away otherwise.
+    /// Adds a comma after the last child if the last child of the old text had one; otherwise removes it.
     fn fix_last_comma(&mut self) {
         let had_comma = self.node.children.last().is_none_or(|last| last.comma.is_some());
         let Some(last) = &self.last else { return };
@@ -201,7 +204,7 @@ impl<'a> ChildrenRebuilder<'a> {
         }
     }
 
-    /// Whether child `k` has no comments of its own, neither inside nor around it.
+    /// Whether child `k` has no comments: neither inside nor directly around it.
     pub fn has_no_comments(&self, k: usize) -> bool {
         let (child, segment) = (&self.node.children[k], &self.contents.segments[k]);
         let own = segment.head.start + own_comments_start(self.head(k));
@@ -210,14 +213,14 @@ impl<'a> ChildrenRebuilder<'a> {
             && !has_comment(&self.text[segment.after.clone()])
     }
 
-    /// Adds the comma between the last child and the one that is about to be written.
+    /// Adds a missing comma after the last child, before another child is written.
     fn add_missing_comma(&mut self) {
         if let Some(at) = self.last.as_mut().and_then(|last| last.missing_comma.take()) {
             self.out.insert(at, ',');
         }
     }
 
-    /// Writes an empty line if the style wants one between the last child and `key`.
+    /// Writes an empty line if the style has one between the last child and `key`.
     fn push_blank_line_before(&mut self, key: &str) {
         let style = self.formatter.style;
         if self.blank_lines && self.last.as_ref().is_some_and(|last| style.blank_line_between(last.key, key))

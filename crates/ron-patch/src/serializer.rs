@@ -9,7 +9,7 @@ use serde::ser::{
 
 use crate::value::{Record, Value};
 
-/// A value contains a type that this crate cannot write as RON, such as a map.
+/// The error of a value that contains a type that this crate does not support, such as a map.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cannot be written as RON: {0}")]
 pub struct Unsupported(String);
@@ -21,16 +21,16 @@ impl serde::ser::Error for Unsupported {
 }
 
 impl Value {
-    /// `value` as a tree.
+    /// The tree of a serde value.
     pub fn from_serde<T: Serialize + ?Sized>(value: &T) -> Result<Self, Unsupported> {
         value.serialize(ToValue)
     }
 }
 
-/// The serializer.
+/// The serde serializer whose output is a [`Value`].
 struct ToValue;
 
-/// The elements of a list or tuple that have been serialized so far.
+/// A list or tuple under construction: the elements so far, and the [`Value`] variant that they become.
 struct Parts {
     wrap: fn(Vec<Value>) -> Value,
     parts: Vec<Value>,

@@ -2,7 +2,7 @@
 
 use crate::tokens::token;
 
-/// One value of the text.
+/// A value in the text, with its key.
 struct Entry {
     /// The index of the entry that contains it.
     parent: usize,
@@ -32,10 +32,10 @@ struct Open {
     child: Option<usize>,
 }
 
-/// From a byte offset of a RON text to the path of the field there, and back.
+/// A map between the byte offsets of a RON text and the paths of its fields, in both directions.
 ///
-/// A path looks like `obstacles[2].shape.radius_m`. Names of structs and enum variants are not part of it. Broken text is
-/// accepted: this is meant for error messages.
+/// A path looks like `obstacles[2].shape.radius_m`. Names of structs and enum variants are not part of it. Invalid text is
+/// accepted, because error messages need positions in it.
 ///
 /// ```
 /// use wayfield_ron_patch::SourceMap;
@@ -56,7 +56,7 @@ pub struct SourceMap<'a> {
 const UNKNOWN: usize = usize::MAX;
 
 impl<'a> SourceMap<'a> {
-    /// The positions in `text`.
+    /// The source map of `text`.
     #[must_use]
     pub fn new(text: &'a str) -> Self {
         let root = Entry { parent: 0, step: Step::Index(0), start: 0, value: UNKNOWN, end: UNKNOWN };
@@ -105,7 +105,7 @@ impl<'a> SourceMap<'a> {
         child
     }
 
-    /// What looked like a value was a key: the value follows the colon.
+    /// Turns the open child, which ends at a `colon`, into a key. Its value follows.
     fn turn_child_into_key(&mut self, inner: &Open, colon: usize) {
         if let Some(entry) = inner.child.map(|child| &mut self.entries[child]) {
             let key = self.text[entry.start..colon].trim_end().trim_matches('"');
@@ -141,8 +141,8 @@ impl<'a> SourceMap<'a> {
         self.entries[self.innermost(offset)].value.min(offset)
     }
 
-    /// The offset of the value at `path`. If the text lacks it, that of the nearest field that contains it; `None` if the
-    /// text has none of the path's fields.
+    /// The offset of the value at `path`. If the text does not contain the field, the offset of the innermost field on the
+    /// path that it does contain; `None` if it contains no field of the path.
     #[must_use]
     pub fn offset_of(&self, path: &str) -> Option<usize> {
         let mut found = 0;
@@ -153,7 +153,7 @@ impl<'a> SourceMap<'a> {
         (found != 0).then(|| self.entries[found].value)
     }
 
-    /// The entry in `parent` that `step` (`field` or `2]`) names.
+    /// The entry in `parent` with the name or index `step`, written `field` or `2]`.
     fn entry_below(&self, parent: usize, step: &str) -> Option<usize> {
         let index = step.strip_suffix(']').and_then(|digits| digits.parse::<usize>().ok());
         let is_named = |entry: &Entry| match (entry.step, index) {
@@ -165,13 +165,13 @@ impl<'a> SourceMap<'a> {
             .find(|&k| self.entries[k].parent == parent && is_named(&self.entries[k]))
     }
 
-    /// The offset of the top-level value, behind leading comments; `None` if the text has only comments.
+    /// The offset of the top-level value, after leading comments; `None` if the text contains no value.
     #[must_use]
     pub fn start(&self) -> Option<usize> {
         self.entries.first().map(|root| root.value).filter(|&value| value != UNKNOWN)
     }
 
-    /// The innermost entry that contains `offset`: the last one in the order of the text.
+    /// The innermost entry that contains `offset`. It is the last such entry in the order of the text.
     fn innermost(&self, offset: usize) -> usize {
         self.entries.iter().rposition(|entry| entry.start <= offset && offset < entry.end).unwrap_or(0)
     }

@@ -1,4 +1,4 @@
-//! What the writer has to know about a type: which fields a file may leave out, and where blank lines go.
+//! The style of a type's text: the fields that a file may leave out, and the blank lines.
 
 use serde::Serialize;
 
@@ -9,17 +9,17 @@ use crate::value::{Record, Value};
 /// The default style writes every field, without blank lines.
 #[derive(Clone, Debug, Default)]
 pub struct Style {
-    /// For each struct or variant with optional fields: those fields with their defaults.
+    /// The structs and variants with optional fields. Each record holds those fields with their defaults.
     optional: Vec<Record>,
     /// The neighbouring top-level fields without a blank line between them; `None` if there are no blank lines at all.
     joined: Option<&'static [(&'static str, &'static str)]>,
 }
 
 impl Style {
-    /// Leaves fields of `value`'s type out where they equal those of `value`, except the `required` ones.
+    /// Makes the fields of a type optional, except the `required` ones: a field that equals that of `value` is left out.
     ///
-    /// `value` is a struct or an enum variant, as read from the shortest text that is valid for it. Call this once for
-    /// each type, and for each variant, that has defaults. Values of types that this crate cannot write are ignored.
+    /// `value` holds the defaults of a struct or of an enum variant, as read from the shortest valid text. Call this once
+    /// for each struct and each variant with defaults. Values of unsupported types are ignored.
     #[must_use]
     pub fn with_defaults<T: Serialize>(mut self, value: &T, required: &[&str]) -> Self {
         if let Ok(Value::Record(mut record)) = Value::from_serde(value) {
@@ -36,7 +36,7 @@ impl Style {
         self
     }
 
-    /// Whether `value` is what a file means that leaves `field` of `record` out.
+    /// Whether `value` is the default of `field` of `record`.
     pub(crate) fn is_default(&self, record: &Record, field: &str, value: &Value) -> bool {
         let optional = self.optional.iter().find(|other| other.is_same_type(record));
         let fields = optional.map_or(&[][..], |optional| &optional.fields);

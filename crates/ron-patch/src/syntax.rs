@@ -33,7 +33,7 @@ impl SyntaxNode {
     }
 }
 
-/// The tokens of a text from an offset on.
+/// The parser: a text, and the offset of the next token.
 struct Tokens<'a> {
     text: &'a str,
     at: usize,
@@ -50,7 +50,8 @@ impl Tokens<'_> {
         Some((start, end))
     }
 
-    /// The next value and its key. The recursion is no deeper than the one of ron, which has already read the text.
+    /// The next value with its key. The recursion cannot overflow the stack: ron, which limits the depth, has already read
+    /// the text.
     fn node(&mut self) -> Option<SyntaxNode> {
         let (mut start, mut end) = self.next()?;
         let mut key = None;
@@ -71,7 +72,7 @@ impl Tokens<'_> {
         Some(SyntaxNode { key, value: start..end, open, children, comma: None })
     }
 
-    /// Reads the values up to the closing bracket into `children`, and returns the offset behind that bracket.
+    /// Reads the values up to the closing bracket into `children`, and returns the offset after that bracket.
     fn children(&mut self, children: &mut Vec<SyntaxNode>) -> Option<usize> {
         loop {
             match self.peek()? {
@@ -86,22 +87,22 @@ impl Tokens<'_> {
     }
 }
 
-/// The bytes between two brackets that belong to one child.
+/// The byte ranges around one child of a bracket.
 pub(crate) struct Segment {
     /// The trivia before the child: spaces, and the comments in the lines above it.
     pub head: Range<usize>,
-    /// From the end of the value to the next segment: the comma and, if no other child follows in the line, the rest of
-    /// the line.
+    /// The bytes from the end of the value to the next segment: the comma and, if no other child follows on the line, the
+    /// rest of the line.
     pub after: Range<usize>,
 }
 
 /// A pair of brackets: the line of the opening bracket, a segment for each child, and the trivia before the closing one.
 pub(crate) struct BracketContents {
-    /// From the opening bracket, inclusive.
+    /// The opening bracket and, if no child follows on its line, the rest of that line.
     pub front: Range<usize>,
-    /// One for each child.
+    /// The segments, one for each child.
     pub segments: Vec<Segment>,
-    /// Up to the closing bracket, inclusive.
+    /// The trivia after the last child, and the closing bracket.
     pub tail: Range<usize>,
 }
 

@@ -1,5 +1,5 @@
-//! The RON tokenizer: words, strings, characters and punctuation, without the comments and spaces between them. It also
-//! accepts text that ron rejects.
+//! The RON tokenizer: words, strings, characters and punctuation; comments and spaces are skipped. It also accepts text that
+//! ron rejects.
 
 /// The start and end of the next token at or after `at`. Spaces, comments and `#![...]` are skipped.
 pub(crate) fn token(text: &str, mut at: usize) -> Option<(usize, usize)> {
@@ -40,7 +40,8 @@ fn word_length(rest: &str, first: char) -> usize {
         .map_or(rest.len(), |end| end + first.len_utf8())
 }
 
-/// The length of `r#"..."#`, whose first word has the length `word`; `None` if this is no raw string.
+/// The length of a raw string `r#"..."#`, whose prefix (`r` or `br`) has the length `word`; `None` if `rest` does not start
+/// with a raw string.
 fn raw_string_length(rest: &str, word: usize) -> Option<usize> {
     let hashes = rest[word..].bytes().take_while(|&b| b == b'#').count();
     if !matches!(&rest[..word], "r" | "br") || !rest[word + hashes..].starts_with('"') {
@@ -51,7 +52,7 @@ fn raw_string_length(rest: &str, word: usize) -> Option<usize> {
     Some(rest[body..].find(&closing).map_or(rest.len(), |end| body + end + closing.len()))
 }
 
-/// The length of a character literal, or 1 if the quote starts none.
+/// The length of a character literal; 1 if the quote does not start a character literal.
 fn char_length(rest: &str) -> usize {
     match rest.strip_prefix("'\\") {
         Some(escaped) => {
@@ -62,7 +63,7 @@ fn char_length(rest: &str) -> usize {
     }
 }
 
-/// The length of a string literal with escapes; without a closing quote it reaches to the end of the text.
+/// The length of a string literal with escapes. Without a closing quote, it extends to the end of the text.
 fn string_length(rest: &str) -> usize {
     let mut escaped = false;
     for (at, byte) in rest.bytes().enumerate().skip(1) {
@@ -76,7 +77,7 @@ fn string_length(rest: &str) -> usize {
     rest.len()
 }
 
-/// The length of a block comment, which may contain others; without an end it reaches to the end of the text.
+/// The length of a block comment, which may contain nested ones. Without an end, it extends to the end of the text.
 pub(crate) fn block_comment_length(rest: &str) -> usize {
     let bytes = rest.as_bytes();
     let (mut depth, mut at) = (0_usize, 0);

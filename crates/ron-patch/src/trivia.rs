@@ -19,13 +19,14 @@ pub(crate) fn without_first_line(trivia: &str) -> &str {
     trivia.split_once('\n').map_or("", |(_, rest)| rest)
 }
 
-/// `above`, which is empty or ends with an empty line, followed by `below`. Two empty lines in a row become one.
+/// The concatenation of `above`, which is empty or ends with an empty line, and `below`. Two empty lines in a row become
+/// one.
 pub(crate) fn stacked(above: String, below: &str) -> String {
     let doubled = !above.is_empty() && starts_with_empty_line(below);
     above + if doubled { without_first_line(below) } else { below }
 }
 
-/// The offset in `head`, the trivia above a value, at which the value's own comments start: behind the last empty line.
+/// The offset in `head`, the trivia above a value, at which the comments of that value start: after the last empty line.
 pub(crate) fn own_comments_start(head: &str) -> usize {
     let (mut own, mut at, mut breaks) = (0, 0, 1);
     while let Some(first) = head[at..].chars().next() {
@@ -45,8 +46,8 @@ pub(crate) fn own_comments_start(head: &str) -> usize {
     own
 }
 
-/// The offset behind the line break that ends the line of `from`, if only spaces and whole comments precede it; otherwise
-/// `from`. Only the text before `limit` is considered.
+/// The offset after the line break that ends the line of `from`, if only spaces and whole comments are in between;
+/// otherwise `from`. Only the text before `limit` is considered.
 pub(crate) fn line_rest_end(text: &str, from: usize, limit: usize) -> usize {
     let mut at = from;
     while at < limit {
@@ -67,15 +68,15 @@ pub(crate) fn line_rest_end(text: &str, from: usize, limit: usize) -> usize {
     from
 }
 
-/// The offset and column of a `//` comment that follows a value in its line, with only a comma and spaces between them.
-/// `after` is the text behind the value.
+/// The offset and column of a `//` comment that follows a value on the same line, with only a comma and spaces in between.
+/// `after` is the range of the text after the value.
 pub(crate) fn line_comment(text: &str, after: Range<usize>) -> Option<(usize, usize)> {
     let at = after.start + text[after.clone()].find("//")?;
     let spaces = text[after.start..at].strip_prefix(',')?;
     (spaces.trim().is_empty() && !spaces.contains('\n')).then(|| (at, line_start(text, at).1))
 }
 
-/// The indentation of the line of `at`, and the column of `at`.
+/// The indentation of the line that contains the offset `at`, and the column of `at`.
 pub(crate) fn line_start(text: &str, at: usize) -> (&str, usize) {
     let start = text[..at].rfind('\n').map_or(0, |end| end + 1);
     let line = &text[start..at];

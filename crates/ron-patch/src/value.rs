@@ -1,9 +1,9 @@
-//! A serde value as a tree: type and field names, fields in the type's order, numbers as RON writes them.
+//! The tree of a serde value: type and field names, fields in the type's order, numbers as RON text.
 
-/// One value. Two are equal if they are equal to the bit: 0.0 and -0.0 differ, and every NaN equals every other.
+/// A value. Equality compares the RON text of numbers: 0.0 and -0.0 differ, and NaNs are equal.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value {
-    /// A number or boolean, as RON writes it.
+    /// A number or boolean, as RON text.
     Scalar(String),
     /// A string, without quotes and escapes.
     Text(String),

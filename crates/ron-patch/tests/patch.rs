@@ -1,9 +1,9 @@
-//! Values written into the text that they were read from.
+//! Tests of [`patch`] and [`to_text`]: layout, comments, defaults, line endings.
 
 use serde::{Deserialize, Serialize};
 use wayfield_ron_patch::{Style, Unsupported, patch, to_text};
 
-/// A small schema with everything that the writer supports.
+/// A small schema with every kind of supported type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Map {
@@ -28,7 +28,7 @@ struct Post {
     is_metal: bool,
 }
 
-/// Serialized like a vector of glam: a tuple struct.
+/// A tuple struct, which is how glam serializes a vector.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Point(f32, f32);
 
@@ -229,7 +229,7 @@ fn comments_follow_their_elements_when_others_are_removed_and_inserted() {
         \x20   // c\n    (radius_m: 0.3, position_m: (2.5, 0.0)),\n\
         \x20   (radius_m: 0.15, position_m: (9.0, 0.0)),\n])\n"
     );
-    // The radius identifies one that has moved.
+    // A post with a new position is still recognised by its radius.
     let written = edited(text, |map| {
         map.posts.drain(..2);
         map.posts[0].position_m.0 = 2.5;
@@ -249,7 +249,7 @@ fn line_endings_follow_the_old_text() {
 }
 
 #[test]
-fn a_text_that_cannot_be_patched_is_written_from_scratch() {
+fn a_text_that_cannot_be_patched_is_replaced_by_the_canonical_text() {
     // ron reads `r#beams` as `beams`. The writer does not, and would add a second field.
     let text = "// mine\n(name: \"x\", lidar: (r#beams: 30))\n";
     assert_eq!(edited(text, |_| {}), text);

@@ -1,19 +1,17 @@
-//! Whether a scenario can be meant: every number in its range, everything inside the walls, room for the
-//! task, a way from every start to every goal.
+//! The checks of a scenario: ranges of numbers, geometry inside the enclosure, free space, reachability.
 //!
-//! In: a [`Scenario`] that was read or built. Out: [`Diagnostic`]s, each with the field's path and the mend;
-//! none when all is well. The limits also keep a hostile file from taking memory or time: a scenario without
-//! findings is safe to run.
+//! In: a [`Scenario`], read from a file or built in code. Out: a [`Diagnostic`] with field path and fix for each problem.
+//! The limits also keep a hostile file from taking memory or time: a scenario without diagnostics is safe to run.
 //!
 //! | file | duty |
 //! |---|---|
-//! | `numbers.rs` | each number against its range, and against those it must fit |
+//! | `numbers.rs` | ranges of numbers, comparisons between numbers |
 //! | `obstacles.rs` | the same for walls, obstacles and generators |
-//! | `polygons.rs` | the corners of polygons: that they make an outline |
-//! | `speeds.rs` | how far robot and obstacles come in one control step |
-//! | `space.rs` | everything inside the enclosure; room for starts, goals and the benchmark route |
-//! | `extent.rs` | how far an obstacle reaches beyond the enclosure, on its whole way |
-//! | `reachability.rs`, `grid.rs` | whether the robot can get from every start to every goal |
+//! | `polygons.rs` | corners of polygons: simple and, for obstacles, convex |
+//! | `speeds.rs` | distances travelled by robot and obstacles in one control step |
+//! | `space.rs` | geometry inside the enclosure; free space for starts, goals and the benchmark route |
+//! | `extent.rs` | how far an obstacle reaches outside the enclosure along its whole path |
+//! | `reachability.rs`, `grid.rs` | a path for the robot from every start to every goal |
 
 mod extent;
 mod grid;
@@ -28,19 +26,18 @@ use std::fmt;
 use std::ops::RangeInclusive;
 
 use super::file_error::Diagnostic;
+use super::limits::COORDINATE_M;
 use super::schema::Scenario;
 use glam::Vec2;
 
 const METRES: &str = " (metres)";
-const METRES_PER_SECOND: &str = " (metres a second)";
+const METRES_PER_SECOND: &str = " (metres per second)";
 const SECONDS: &str = " (seconds)";
 const RADIANS: &str = " (radians: a full turn is 6.2832)";
-const RADIANS_PER_SECOND: &str = " (radians a second)";
-/// A full turn either way, with a little room for rounding.
-const MAX_ANGLE_RAD: f32 = 6.3;
+const RADIANS_PER_SECOND: &str = " (radians per second)";
 
-/// All that is wrong with `scenario`. Whether there is room for the task is asked only when the numbers are
-/// sound, and whether there is a way only when there is room.
+/// All problems of `scenario`. Free space is checked only if all numbers are valid, reachability only if there is free
+/// space.
 #[must_use]
 pub fn diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     let mut diagnostics = Diagnostics(Vec::new());
@@ -52,8 +49,7 @@ pub fn diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     diagnostics.0
 }
 
-/// What is wrong with the numbers of `scenario`: without such findings it can be drawn and edited, though perhaps not
-/// driven in.
+/// The invalid numbers of `scenario`. A scenario without them can be drawn and edited, but perhaps not run.
 #[must_use]
 pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     let mut diagnostics = Diagnostics(Vec::new());
@@ -61,7 +57,7 @@ pub fn value_diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     diagnostics.0
 }
 
-/// The findings so far.
+/// The diagnostics collected so far.
 struct Diagnostics(Vec<Diagnostic>);
 
 impl Diagnostics {
@@ -69,7 +65,7 @@ impl Diagnostics {
         self.0.push(Diagnostic { path: path.to_string(), message: message.into() });
     }
 
-    /// Reports `value` unless it lies in `range`; NaN lies in none.
+    /// Reports `value` if it lies outside `range`; NaN always does.
     fn check_range<T>(&mut self, path: fmt::Arguments<'_>, value: T, range: RangeInclusive<T>, unit: &str)
     where
         T: PartialOrd + fmt::Display,
@@ -80,22 +76,21 @@ impl Diagnostics {
         }
     }
 
-    /// Reports coordinates that lie beyond the largest enclosure there is.
+    /// Reports coordinates outside the range of the largest enclosure.
     fn check_point(&mut self, path: fmt::Arguments<'_>, Vec2 { x, y }: Vec2) {
-        self.check_range(format_args!("{path}[0]"), x, -500.0..=500.0, METRES);
-        self.check_range(format_args!("{path}[1]"), y, -500.0..=500.0, METRES);
+        self.check_range(format_args!("{path}[0]"), x, COORDINATE_M, METRES);
+        self.check_range(format_args!("{path}[1]"), y, COORDINATE_M, METRES);
     }
 
-    /// Reports a list of `count` entries unless it has as many as `range` says.
+    /// Reports a list whose length `count` lies outside `range`.
     fn check_count(&mut self, path: fmt::Arguments<'_>, count: usize, range: RangeInclusive<usize>) {
         if !range.contains(&count) {
             let (low, high) = (range.start(), range.end());
-            self.push(path, format!("has {count} entries: write {low} to {high} of them"));
+            self.push(path, format!("has {count} entries: write {low} to {high}"));
         }
     }
 
-    /// Reports a list of points unless it has as many as `range` says, and each that lies beyond the largest
-    /// enclosure.
+    /// Reports a list of points whose length lies outside `range`, and each point with a coordinate out of range.
     fn check_points(&mut self, path: fmt::Arguments<'_>, points: &[Vec2], range: RangeInclusive<usize>) {
         let most = *range.end();
         self.check_count(path, points.len(), range);
@@ -104,22 +99,22 @@ impl Diagnostics {
         }
     }
 
-    /// Reports `value` unless it is greater than `bound`, which is called `what`, or was noted before.
+    /// Reports `value` if it is not greater than `bound`, which the message calls `what`. A field that was reported before
+    /// is not reported again.
     fn check_above(&mut self, path: fmt::Arguments<'_>, value: f32, bound: f32, what: &str) {
-        if value <= bound && !self.0.iter().any(|finding| finding.path == path.to_string()) {
+        if value <= bound && !self.0.iter().any(|found| found.path == path.to_string()) {
             self.push(path, format!("is {value}: write more than {what}, {bound} m"));
         }
     }
 }
 
-/// `most`, rounded down to three places (or three digits, where it is small), so that what is written is
-/// allowed.
+/// `most` rounded down to three decimals, or to three digits if it is small, so that the printed number is allowed.
 fn rounded_down(most: f32) -> String {
     let most = f64::from(most);
     let places = if most > 0.0 { (-libm::log10(most).floor()).clamp(0.0, 9.0) as usize + 2 } else { 3 };
     let places = places.max(3);
     let scale = libm::pow(10.0, places as f64);
-    // A quotient that should be a round number may have lost its last bit.
+    // The factor restores round numbers that lost their last bit in a division.
     format!("{:.places$}", (most * scale * (1.0 + 1e-7)).floor() / scale)
 }
 
@@ -128,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limits_are_rounded_down_but_not_to_nothing() {
+    fn a_limit_is_rounded_down_but_keeps_three_digits() {
         for (most, text) in [
             (2.5, "2.500"),
             (7.142_857, "7.142"),

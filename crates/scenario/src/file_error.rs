@@ -1,22 +1,21 @@
-//! What is wrong with a file, in a form that an editor can jump to.
+//! The error type of unusable files, which names file, line and column of every problem.
 //!
-//! In: a path, the text where there is one, findings. Out: [`FileError`], which prints one line
-//! `path:line:column: what is wrong: how to mend it` for each thing.
+//! In: a path, the text if there is one, diagnostics. Out: [`FileError`], which prints one line
+//! `path:line:column: problem: fix` per problem.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use wayfield_ron_patch::SourceMap;
 
-/// At most so many problems of one file are reported; the rest are counted.
-const MAX_PROBLEMS: usize = 100;
+use super::limits::MAX_PROBLEMS;
 
-/// Something in a file that reads well but can't be meant: found by a check.
+/// A problem found by a check in a value that was read successfully.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Where: the field's path, such as `obstacles[2].shape.radius_m`.
+    /// Path of the field, such as `obstacles[2].shape.radius_m`.
     pub path: String,
-    /// What is wrong and how to mend it; the line starts with the path, so this goes on after it.
+    /// The problem and its fix, as the rest of a sentence that starts with the path.
     pub message: String,
 }
 
@@ -26,16 +25,16 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// One thing wrong with a file.
+/// A problem of a file, with its location in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LocatedDiagnostic {
-    /// Line and column, both from 1, the column in characters; none when it has no place in the text.
+    /// Line and column, both counted from 1, the column in characters. `None` for a problem of the whole file.
     pub line_column: Option<(usize, usize)>,
-    /// What is wrong and how to mend it.
+    /// The problem and its fix.
     pub message: String,
 }
 
-/// A file that can't be used, with everything that is wrong with it.
+/// The error for an unusable file, with all of its problems.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileError {
     path: PathBuf,
@@ -43,7 +42,7 @@ pub struct FileError {
 }
 
 impl FileError {
-    /// A problem of the file as a whole.
+    /// The error for a problem of the whole file.
     #[must_use]
     pub fn for_file(path: &Path, message: impl Into<String>) -> Self {
         Self {
@@ -52,44 +51,43 @@ impl FileError {
         }
     }
 
-    /// A problem at a byte offset of the file's text.
+    /// The error for a problem at a byte offset of the text.
     #[must_use]
     pub fn at_offset(path: &Path, text: &str, offset: usize, message: impl Into<String>) -> Self {
         let line_column = Some(line_column(text, offset));
         Self { path: path.into(), problems: vec![LocatedDiagnostic { line_column, message: message.into() }] }
     }
 
-    /// What a check found, each placed in the text where the text has its field, or at its beginning where that is left
-    /// out. Only the first hundred are
-    /// kept.
+    /// The error for the problems that a check found. Each is located at its field, or at the start of the value if the
+    /// text omits the field. Only the first [`MAX_PROBLEMS`] are kept.
     #[must_use]
     pub fn from_diagnostics(path: &Path, text: &str, diagnostics: &[Diagnostic]) -> Self {
-        let outline = SourceMap::new(text);
+        let source_map = SourceMap::new(text);
         let mut problems: Vec<_> = diagnostics
             .iter()
             .take(MAX_PROBLEMS)
-            .map(|finding| LocatedDiagnostic {
-                line_column: outline
-                    .offset_of(&finding.path)
-                    .or_else(|| outline.start())
+            .map(|found| LocatedDiagnostic {
+                line_column: source_map
+                    .offset_of(&found.path)
+                    .or_else(|| source_map.start())
                     .map(|offset| line_column(text, offset)),
-                message: finding.to_string(),
+                message: found.to_string(),
             })
             .collect();
         if let Some(more @ 1..) = diagnostics.len().checked_sub(MAX_PROBLEMS) {
-            let message = format!("and {more} more like these: mend some and look again");
+            let message = format!("and {more} more problems: fix some and check again");
             problems.push(LocatedDiagnostic { line_column: None, message });
         }
         Self { path: path.into(), problems }
     }
 
-    /// The file.
+    /// Path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// All that is wrong with it, never empty.
+    /// All problems; never empty.
     #[must_use]
     pub fn problems(&self) -> &[LocatedDiagnostic] {
         &self.problems
@@ -114,7 +112,7 @@ impl fmt::Display for FileError {
     }
 }
 
-/// The line and column, from 1, of a byte offset (a character's first byte, or the text's end).
+/// Line and column, counted from 1, of the character at a byte offset.
 fn line_column(text: &str, offset: usize) -> (usize, usize) {
     let before = text.get(..offset).unwrap_or(text);
     let line = 1 + before.bytes().filter(|&byte| byte == b'\n').count();

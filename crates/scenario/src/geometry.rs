@@ -6,6 +6,7 @@
 use super::motion::pose_at;
 use super::polygon;
 use super::schema::{Enclosure, Lidar, Obstacle, ObstacleMotion, Scenario, Shape, Wall};
+use super::shape::to_local;
 use glam::{Vec2, vec2};
 
 /// The distance, in m, from `point_m` to the nearest surface of an obstacle (where it is at `step`) or of a
@@ -46,7 +47,7 @@ pub fn inner_wall_distance(wall: &Wall, point: Vec2) -> f32 {
         let long = length(dx, dy);
         let (ux, uy) = if long > 0.0 { (dx / long, dy / long) } else { (1.0, 0.0) };
         let (px, py) = (point.x - (from.x + to.x) / 2.0, point.y - (from.y + to.y) / 2.0);
-        from_box(vec2((px * ux + py * uy).abs() - long / 2.0 - half, (py * ux - px * uy).abs() - half))
+        box_distance(vec2((px * ux + py * uy).abs() - long / 2.0 - half, (py * ux - px * uy).abs() - half))
     };
     wall.corners_m.windows(2).map(to_piece).fold(f32::INFINITY, f32::min)
 }
@@ -55,63 +56,18 @@ fn obstacle_distance(obstacle: &Obstacle, point: Vec2, step: u64, control_period
     shape_distance(&obstacle.shape, pose_at(obstacle, step, control_period_s), point)
 }
 
-/// From a point to the surface of a shape at a pose (x in m, y in m, rotation in rad), in m, negative inside it.
+/// Signed distance, in m, from a point to the surface of a shape at a pose (x in m, y in m, rotation in rad); negative
+/// inside the shape.
 #[must_use]
 pub fn shape_distance(shape: &Shape, pose: (f32, f32, f32), point: Vec2) -> f32 {
-    let (dx, dy) = (point.x - pose.0, point.y - pose.1);
-    // In the shape's own frame.
-    let own = || {
-        let (sin, cos) = libm::sincosf(pose.2);
-        vec2(dx * cos + dy * sin, dy * cos - dx * sin)
-    };
-    match shape {
-        Shape::Circle { radius_m } => length(dx, dy) - radius_m,
-        Shape::Rectangle { width_m, height_m } => {
-            // Folded into the first quadrant, measured from the corner.
-            let Vec2 { x, y } = own();
-            from_box(vec2(x.abs() - width_m / 2.0, y.abs() - height_m / 2.0))
-        }
-        Shape::Polygon { corners_m } => -polygon::signed_distance(corners_m, own()),
-        Shape::Capsule { length_m, radius_m } => {
-            let Vec2 { x, y } = own();
-            length((x.abs() - length_m / 2.0).max(0.0), y) - radius_m
-        }
-    }
+    let offset = vec2(point.x - pose.0, point.y - pose.1);
+    // A circle looks the same from every direction: skip the sine and cosine.
+    shape.distance(if shape.has_orientation() { to_local(offset, pose.2) } else { offset })
 }
 
-/// From a box's corner, seen from which a point is so far outwards along x and y.
-fn from_box(Vec2 { x: past_x, y: past_y }: Vec2) -> f32 {
-    length(past_x.max(0.0), past_y.max(0.0)) + past_x.max(past_y).min(0.0)
-}
-
-impl Shape {
-    /// From its middle to its farthest point, in m.
-    #[must_use]
-    pub fn bounding_radius_m(&self) -> f32 {
-        match self {
-            Self::Circle { radius_m } => *radius_m,
-            Self::Rectangle { width_m, height_m } => length(width_m / 2.0, height_m / 2.0),
-            Self::Polygon { corners_m } => {
-                corners_m.iter().map(|&Vec2 { x, y }| length(x, y)).fold(0.0, f32::max)
-            }
-            Self::Capsule { length_m, radius_m } => length_m / 2.0 + radius_m,
-        }
-    }
-}
-
-/// The distance from `centre_m` to the farthest point of an obstacle at step 0.
-pub(super) fn max_distance_from(obstacle: &Obstacle, centre_m: Vec2) -> f32 {
-    let (dx, dy) = (obstacle.position_m.x - centre_m.x, obstacle.position_m.y - centre_m.y);
-    let (sin, cos) = libm::sincosf(obstacle.rotation_rad);
-    let (x, y) = (dx * cos + dy * sin, dy * cos - dx * sin);
-    match &obstacle.shape {
-        Shape::Circle { radius_m } => length(dx, dy) + radius_m,
-        Shape::Rectangle { width_m, height_m } => length(x.abs() + width_m / 2.0, y.abs() + height_m / 2.0),
-        Shape::Polygon { corners_m } => {
-            corners_m.iter().map(|corner| length(x + corner.x, y + corner.y)).fold(0.0, f32::max)
-        }
-        Shape::Capsule { length_m, radius_m } => length(x.abs() + length_m / 2.0, y) + radius_m,
-    }
+/// Signed distance, in m, to a box from a point whose coordinates, measured outwards from the box's corner, are `past`.
+pub(super) fn box_distance(past: Vec2) -> f32 {
+    length(past.x.max(0.0), past.y.max(0.0)) + past.x.max(past.y).min(0.0)
 }
 
 impl Enclosure {
@@ -295,7 +251,7 @@ mod tests {
         let shape = Shape::Rectangle { width_m: 2.0, height_m: 1.0 };
         let motion = ObstacleMotion::Static;
         let o = Obstacle { shape, position_m: vec2(3.0, 0.0), rotation_rad: FRAC_PI_2, motion };
-        assert!(near(max_distance_from(&o, vec2(0.0, 0.0)), length(3.5, 1.0)));
+        assert!(near(o.max_distance_from(Vec2::ZERO), length(3.5, 1.0)));
         let shape = Shape::Polygon { corners_m: vec![vec2(0.0, 0.0), vec2(4.0, 0.0), vec2(0.0, 1.0)] };
         let o = Obstacle {
             shape,
@@ -303,10 +259,10 @@ mod tests {
             rotation_rad: FRAC_PI_2,
             motion: ObstacleMotion::Static,
         };
-        assert!(near(max_distance_from(&o, vec2(0.0, 0.0)), 5.0), "its far corner is at (3, 4)");
+        assert!(near(o.max_distance_from(Vec2::ZERO), 5.0), "its far corner is at (3, 4)");
         let shape = Shape::Capsule { length_m: 2.0, radius_m: 0.5 };
         let o =
             Obstacle { shape, position_m: vec2(3.0, 0.0), rotation_rad: 0.0, motion: ObstacleMotion::Static };
-        assert!(near(max_distance_from(&o, vec2(0.0, 0.0)), 4.5));
+        assert!(near(o.max_distance_from(Vec2::ZERO), 4.5));
     }
 }

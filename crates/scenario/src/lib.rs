@@ -1,20 +1,21 @@
-//! What a world is: its schema in RON, its checks, its loader. Spawns nothing, knows no Bevy.
+//! Scenarios: RON schema, loader, checks, geometry, obstacle motions, placement of starts and goals, and writer.
 //!
-//! In: a scenario file (`scenarios/*.ron`). Out: a checked [`Scenario`], the pose of its obstacles at any
-//! step ([`pose_at`]), and random starts and goals that are clear of them ([`draw_start`],
-//! [`draw_goal`]). [`read_ron`] also serves every other RON file of the project, so that all report
-//! mistakes alike.
+//! In: a scenario file (`scenarios/*.ron`). Out: a checked [`Scenario`], the pose of its obstacles at any step
+//! ([`pose_at`]), and random starts and goals that are clear of them ([`draw_start`], [`draw_goal`]). [`read_ron`] reads
+//! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
 
 mod check;
 mod file_error;
 mod generate;
 mod geometry;
+pub mod limits;
 mod load;
 mod motion;
 mod placement;
 pub mod polygon;
 mod ron_message;
 mod schema;
+mod shape;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
 mod write;
@@ -23,12 +24,14 @@ pub use check::diagnostics;
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
+pub use limits::MAX_FILE_BYTES;
 pub use load::{
-    MAX_FILE_BYTES, parse_ron, path_exists, read_bytes, read_ron, read_ron_with_limit, read_text,
-    read_text_with_limit, to_ron,
+    parse_ron, path_exists, read_bytes, read_ron, read_ron_with_limit, read_text, read_text_with_limit,
+    to_ron,
 };
 pub use motion::pose_at;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use ron_message::closest_name;
 pub use schema::*;
+pub use shape::RoundedBox;
 pub use write::to_text;

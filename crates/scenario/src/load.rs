@@ -1,7 +1,7 @@
-//! Reading the project's RON files, with errors that name file, line, column and mend.
+//! The reader of all RON files of the project, with errors that name file, line, column and fix.
 //!
-//! In: a path (or a text and the path to blame). Out: any deserializable type, or a [`FileError`]. Nothing
-//! read here can take more than a mebibyte, nest without end, or panic.
+//! In: a path, or a text and the path for messages. Out: any deserializable type, or a [`FileError`]. Size and nesting are
+//! limited, and no input causes a panic.
 
 use std::ffi::OsStr;
 use std::io::ErrorKind;
@@ -15,28 +15,24 @@ use serde::de::DeserializeOwned;
 
 use super::check::{diagnostics, value_diagnostics};
 use super::file_error::{Diagnostic, FileError};
+use super::limits::{MAX_FILE_BYTES, MAX_NESTING};
 use super::ron_message::{closest_name, explain};
 use super::schema::Scenario;
 
-/// The most bytes a RON file may have.
-pub const MAX_FILE_BYTES: u64 = 1 << 20;
-/// The most levels of nesting.
-const MAX_NESTING: usize = 64;
-/// Where the project's own RON files lie, seen from its root.
+/// Folders of the project's own RON files, relative to its root.
 const SHIPPED: [&str; 3] = ["scenarios", "assets/presets", "assets/experiments"];
 
 impl Scenario {
-    /// The scenario in the file at `path`, read and checked.
+    /// The checked scenario in the file at `path`.
     ///
     /// # Errors
-    /// [`FileError`] with all findings when the file can't be read, is no scenario, or describes an
-    /// impossible one.
+    /// [`FileError`] if the file can't be read, is not a scenario, or has diagnostics; it lists all of them.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
         Self::parse(&read_text(path)?, path)
     }
 
-    /// The scenario that `text` spells, checked; `path` is only what errors name.
+    /// The checked scenario in `text`. Errors name `path`.
     ///
     /// # Errors
     /// As [`Scenario::load`].
@@ -44,7 +40,7 @@ impl Scenario {
         parse_checked(text, path.as_ref(), diagnostics)
     }
 
-    /// The scenario in the file at `path`, to be edited: every number is sound, but the parts may not fit together.
+    /// The scenario in the file at `path`, for editing: all numbers are valid, but the parts may not fit together.
     ///
     /// # Errors
     /// As [`Scenario::load`].
@@ -53,7 +49,7 @@ impl Scenario {
         Self::parse_draft(&read_text(path)?, path)
     }
 
-    /// The scenario that `text` spells, to be edited; `path` is only what errors name.
+    /// The scenario in `text`, for editing. Errors name `path`.
     ///
     /// # Errors
     /// As [`Scenario::load_draft`].
@@ -79,16 +75,16 @@ fn parse_checked(
 /// A `T` from the RON file at `path`.
 ///
 /// # Errors
-/// [`FileError`] when the file can't be read or is no RON for a `T`.
+/// [`FileError`] if the file can't be read or is not RON for a `T`.
 pub fn read_ron<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, FileError> {
     let path = path.as_ref();
     parse_ron(&read_text(path)?, path)
 }
 
-/// A `T` from a RON file of up to `max_bytes` at `path`: for files that the program itself has written.
+/// A `T` from a RON file of up to `max_bytes` at `path`, for files that the program itself wrote.
 ///
 /// # Errors
-/// [`FileError`] when the file can't be read or is no RON for a `T`.
+/// [`FileError`] if the file can't be read or is not RON for a `T`.
 pub fn read_ron_with_limit<T: DeserializeOwned>(
     path: impl AsRef<Path>,
     max_bytes: u64,
@@ -97,10 +93,10 @@ pub fn read_ron_with_limit<T: DeserializeOwned>(
     parse_any(&read_text_with_limit(path, max_bytes)?, path)
 }
 
-/// A `T` from RON text; `path` is only what errors name.
+/// A `T` from RON text. Errors name `path`.
 ///
 /// # Errors
-/// [`FileError`] when `text` is no RON for a `T`.
+/// [`FileError`] if `text` is not RON for a `T`.
 pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T, FileError> {
     if text.len() as u64 > MAX_FILE_BYTES {
         return Err(too_large(path.as_ref(), MAX_FILE_BYTES));
@@ -115,29 +111,29 @@ fn parse_any<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, FileErro
     })
 }
 
-/// `value` as RON text that [`parse_ron`] reads back: one field a line, in the order of the type's fields.
+/// `value` as RON text for [`parse_ron`], with one field per line.
 ///
 /// # Errors
-/// ron's own, for types that RON can't spell; the project's types are not among them.
+/// The error of ron for a type that RON can't represent. No type of the project is one.
 pub fn to_ron<T: Serialize>(value: &T) -> Result<String, ron::Error> {
     options().to_string_pretty(value, PrettyConfig::new().indentor("    "))
 }
 
-/// The bytes of the file at `path`, of which no more than `most` are read.
+/// The first `max_bytes` bytes of the file at `path`, or all if it is shorter.
 ///
 /// # Errors
-/// It is missing or unreadable.
+/// The file is missing or unreadable.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn read_bytes(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
+pub fn read_bytes(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    std::io::Read::read_to_end(&mut std::io::Read::take(std::fs::File::open(path)?, most), &mut bytes)?;
+    std::io::Read::read_to_end(&mut std::io::Read::take(std::fs::File::open(path)?, max_bytes), &mut bytes)?;
     Ok(bytes)
 }
 
 #[cfg(target_arch = "wasm32")]
 pub use super::virtual_files::read as read_bytes;
 
-/// Whether there is a file or folder at `path`.
+/// Whether a file or folder exists at `path`.
 pub fn path_exists(path: &Path) -> bool {
     #[cfg(target_arch = "wasm32")]
     return super::virtual_files::contains(path);
@@ -148,12 +144,13 @@ pub fn path_exists(path: &Path) -> bool {
 /// The text of the file at `path`.
 ///
 /// # Errors
-/// [`FileError`] when it is missing (naming what is there instead), unreadable, over 1 MiB or not UTF-8.
+/// [`FileError`] if the file is missing (the message lists its neighbours), unreadable, larger than [`MAX_FILE_BYTES`] or
+/// not UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, FileError> {
     read_text_with_limit(path, MAX_FILE_BYTES)
 }
 
-/// As [`read_text`], but of up to `max_bytes`: for files that the program itself has written.
+/// [`read_text`] with another size limit, for files that the program itself wrote.
 ///
 /// # Errors
 /// As [`read_text`].
@@ -174,7 +171,12 @@ pub fn read_text_with_limit(path: impl AsRef<Path>, max_bytes: u64) -> Result<St
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(&error.as_bytes()[..good]).into_owned();
-        FileError::at_offset(path, &text, good, "not UTF-8 text from here on: save it as UTF-8")
+        FileError::at_offset(
+            path,
+            &text,
+            good,
+            "the text is not valid UTF-8 from here on: save the file as UTF-8",
+        )
     })
 }
 
@@ -186,11 +188,10 @@ fn options() -> Options {
 
 fn too_large(path: &Path, max_bytes: u64) -> FileError {
     let most = max_bytes >> 20;
-    FileError::for_file(path, format!("larger than {most} MiB: that is no file of this kind"))
+    FileError::for_file(path, format!("larger than {most} MiB, the limit for this kind of file"))
 }
 
-/// The error for a file that is not there: the nearest name among its neighbours (or the shipped files), and
-/// a list.
+/// The error for a missing file, with the closest name among its neighbours (or the shipped files) and a list of them.
 fn missing(path: &Path) -> FileError {
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut there = ron_files(folder);
@@ -205,7 +206,7 @@ fn missing(path: &Path) -> FileError {
     FileError::for_file(path, format!("no such file{hint}{}", listing(&there)))
 }
 
-/// The RON files of a folder in the order of their names; none if it can't be read.
+/// The RON files of a folder, sorted by name. Empty if the folder can't be read.
 fn ron_files(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut files: Vec<_> =
@@ -214,7 +215,7 @@ fn ron_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// " (files there: ...)": up to a dozen of `files`.
+/// The text " (files there: ...)" with up to twelve of `files`.
 fn listing(files: &[PathBuf]) -> String {
     let names: Vec<_> = files.iter().take(12).map(|file| file.display().to_string()).collect();
     match files.len() {

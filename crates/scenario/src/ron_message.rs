@@ -1,4 +1,4 @@
-//! ron's errors in words for someone who edits the file: what is wrong, in which field, how to mend it.
+//! The messages for ron's errors: the problem, its field, and the fix.
 //!
 //! In: the text and ron's [`SpannedError`]. Out: a byte offset and a message.
 
@@ -6,25 +6,25 @@ use ron::error::{Error, Position, SpannedError};
 
 use wayfield_ron_patch::SourceMap;
 
-/// Where in `text` to point for `error`, and what to say there.
+/// Byte offset in `text` and message for `error`.
 pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
     use Error as E;
     let (start, end) = (offset(text, error.span.start), offset(text, error.span.end));
-    let outline = SourceMap::new(text);
-    let here = || field(&outline.path_at(end));
-    // Where a bracket or comma stands instead of a value, the value is what comes before.
+    let source_map = SourceMap::new(text);
+    let here = || field(&source_map.path_at(end));
+    // If there is a bracket or comma instead of a value, the message is about the value before it.
     let at_value = if text[end..].starts_with(value_start) { end } else { last_of(&text[..end]) };
-    let must = |what: &str| (end, format!("{} must be {what}", field(&outline.path_at(at_value))));
+    let must = |what: &str| (end, format!("{} must be {what}", field(&source_map.path_at(at_value))));
     match &error.code {
         E::NoSuchStructField { expected, found, .. } => {
-            let inside = field(&outline.parent_path_at(start));
+            let inside = field(&source_map.parent_path_at(start));
             (
                 start,
                 format!("unknown field `{found}` in {inside}: {}", choice(found, expected, "the fields are")),
             )
         }
         E::NoSuchEnumVariant { expected, found, .. } => {
-            let of = field(&outline.path_at(start));
+            let of = field(&source_map.path_at(start));
             (
                 start,
                 format!("unknown choice `{found}` for {of}: {}", choice(found, expected, "the choices are")),
@@ -32,25 +32,29 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
         }
         E::DuplicateStructField { field: name, .. } => (
             start,
-            format!("`{name}` is written twice in {}: keep one", field(&outline.parent_path_at(start))),
+            format!("`{name}` appears twice in {}: remove one", field(&source_map.parent_path_at(start))),
         ),
-        E::MissingStructField { field: name, .. } => {
-            (outline.value_start_at(end), format!("{} lacks the field `{name}`: add `{name}: ...`", here()))
-        }
+        E::MissingStructField { field: name, .. } => (
+            source_map.value_start_at(end),
+            format!("{} lacks the field `{name}`: add `{name}: ...`", here()),
+        ),
         E::ExpectedInteger => must("a whole number"),
         E::ExpectedFloat => must("a number"),
         E::ExpectedBoolean => must("true or false"),
         E::ExpectedString => must("text in double quotes: \"...\""),
         E::ExpectedArray => must("a list in square brackets: [...]"),
         E::ExpectedStructLike => must("written with parentheses: (...)"),
+        E::ExpectedDifferentLength { expected, .. } if expected.ends_with("2 f32 values") => {
+            (end, format!("{} must be a point: (x, y)", here()))
+        }
         E::ExpectedDifferentLength { expected, .. } => (end, format!("{} must be {expected}", here())),
         E::InvalidValueForType { expected, found } => must(&format!("{expected}, not {found}")),
         E::IntegerOutOfBounds => {
-            let path = field(&outline.path_at(start));
+            let path = field(&source_map.path_at(start));
             (start, format!("{path} must be a whole number in range: this one is negative or too large"))
         }
         E::ExpectedComma if fraction(text, end) => {
-            let start = outline.value_start_at(end);
+            let start = source_map.value_start_at(end);
             (start, format!("{} must be a whole number, without a fraction", here()))
         }
         E::ExpectedComma => (end, "a comma or a closing bracket is missing before this".into()),
@@ -58,7 +62,7 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
             end,
             format!(
                 "{} must end before this: a `)` is missing, or it has too many parts",
-                field(&outline.parent_path_at(end))
+                field(&source_map.parent_path_at(end))
             ),
         ),
         E::ExpectedMapColon => {
@@ -67,12 +71,16 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
         E::ExpectedNamedStructLike(_) if text[end..].starts_with([')', ']', '}']) => {
             (end, "this closes no open bracket, or a value is missing before it".into())
         }
+        E::ExpectedNamedStructLike("Vec2") => (end, format!("{} must be a point: (x, y)", here())),
         E::ExpectedNamedStructLike(_) => (end, format!("{} must be written in parentheses: (...)", here())),
+        E::ExpectedDifferentStructName { expected, .. } if *expected == "Vec2" => {
+            (start, format!("{} must be a point: (x, y)", here()))
+        }
         E::ExpectedDifferentStructName { expected, found } => {
             (start, format!("expected `{expected}(...)` or `(...)`, found `{found}`"))
         }
         E::ExpectedIdentifier if text[end..].starts_with([']', '}']) => {
-            (end, format!("{} is still open: a `)` is missing before this", here()))
+            (end, format!("{} is not closed: a `)` is missing before this", here()))
         }
         E::ExpectedIdentifier | E::SuggestRawIdentifier(_) | E::InvalidIdentifier(_) => {
             (end, "a field's name is missing here: write `name: value`".into())
@@ -80,16 +88,15 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> (usize, String) {
         E::TrailingCharacters => (end, "the file's value ends before this: remove what follows".into()),
         E::UnclosedBlockComment => (start, "this comment has no end: close it with `*/`".into()),
         E::ExpectedStringEnd => (start, "this text has no closing quote: add one".into()),
-        E::Eof => (end, "the file ends in the middle: a closing bracket is missing".into()),
+        E::Eof => (end, "the file ends too early: a closing bracket is missing".into()),
         E::ExceededRecursionLimit => {
-            (end, "brackets are nested too deep here: nothing in this file needs so many".into())
+            (end, "brackets are nested too deeply here: no value in this kind of file needs that many".into())
         }
         other => (end, format!("this is not RON: {other}")),
     }
 }
 
-/// "did you mean `x`? the fields are `x`, `y`": the nearest of `known` to `word`, if one is near, and all of
-/// them.
+/// The text "did you mean `x`? the fields are `x`, `y`": the closest of `known` to `word`, if one is close, then all.
 fn choice(word: &str, known: &[&str], lead: &str) -> String {
     let hint = closest_name(word, known.iter().copied())
         .map(|near| format!("did you mean `{near}`? "))
@@ -98,7 +105,7 @@ fn choice(word: &str, known: &[&str], lead: &str) -> String {
     if all.is_empty() { "there are none here".into() } else { format!("{hint}{lead} {}", all.join(", ")) }
 }
 
-/// Which of `known` may have been meant by `word`, if any is near: the "did you mean" of every message.
+/// The name in `known` that is most similar to `word`, if any is similar; for "did you mean" hints.
 #[must_use]
 pub fn closest_name<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
@@ -113,22 +120,22 @@ fn field(path: &str) -> String {
     if path.is_empty() { "the file".into() } else { format!("`{path}`") }
 }
 
-/// Whether a value may start with this character.
+/// Whether a value may start with `c`.
 fn value_start(c: char) -> bool {
     !matches!(c, ')' | ']' | '}' | ',') && !c.is_whitespace()
 }
 
-/// The offset of the last character of `text` that is no space.
+/// Offset of the last character of `text` that is not whitespace.
 fn last_of(text: &str) -> usize {
     text.trim_end().char_indices().next_back().map_or(0, |(at, _)| at)
 }
 
-/// Whether a number's fractional part starts at `offset`.
+/// Whether the fractional part of a number starts at `offset`.
 fn fraction(text: &str, offset: usize) -> bool {
     text[..offset].ends_with(|c: char| c.is_ascii_digit()) && text[offset..].starts_with('.')
 }
 
-/// ron's line and column (in characters) as a byte offset.
+/// Byte offset of ron's line and column (in characters).
 fn offset(text: &str, position: Position) -> usize {
     let line_start: usize =
         text.split_inclusive('\n').take(position.line.saturating_sub(1)).map(str::len).sum();

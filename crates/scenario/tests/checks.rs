@@ -23,7 +23,7 @@ fn enclosed(corners_m: &[Vec2]) -> Vec<String> {
 fn a_polygonal_enclosure_must_be_an_outline() {
     assert_eq!(
         enclosed(&[vec2(0.0, 0.0), vec2(1.0, 0.0)]),
-        ["`enclosure.corners_m` has 2 entries: write 3 to 64 of them"]
+        ["`enclosure.corners_m` has 2 entries: write 3 to 64"]
     );
     assert_eq!(
         enclosed(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(0.0, 501.0)]),
@@ -31,17 +31,17 @@ fn a_polygonal_enclosure_must_be_an_outline() {
     );
     assert_eq!(
         enclosed(&[vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(3.0, 0.25)]),
-        ["`enclosure.corners_m` reach over 0.25 m along y: move them apart, to 0.5 m at least"]
+        ["`enclosure.corners_m` span only 0.25 m along y: spread them over at least 0.5 m"]
     );
     assert_eq!(
         enclosed(&[vec2(0.0, 0.0), vec2(3.0, 3.0), vec2(3.0, 3.0), vec2(0.0, 3.0)]),
-        ["`enclosure.corners_m[2]` is where the corner before it is: leave one of them out"]
+        ["`enclosure.corners_m[2]` repeats the corner before it: remove one of them"]
     );
     // An hourglass; sides that only touch; a side that goes back along the one before it.
     let meet = |second: usize, sides: &str, first: &str| {
         [format!(
-            "`enclosure.corners_m[{second}]` begins a side ({sides}) that meets the one from {first}: move a corner, \
-             or list them in their order around it"
+            "`enclosure.corners_m[{second}]` starts a side ({sides}) that touches the side from {first}: move a corner, \
+             or list the corners in order around the outline"
         )]
     };
     assert_eq!(
@@ -71,7 +71,7 @@ fn a_polygonal_enclosure_must_be_an_outline() {
 }
 
 #[test]
-fn more_than_there_may_be_of_walls_and_generators_is_refused() {
+fn too_many_walls_and_generators_are_refused() {
     let wall = |corners| Wall { corners_m: vec![vec2(0.0, 0.0); corners], thickness_m: 0.1 };
     let generator = |count| Generator {
         count,
@@ -87,16 +87,16 @@ fn more_than_there_may_be_of_walls_and_generators_is_refused() {
     assert_eq!(
         found,
         [
-            "`walls` has 1001 entries: write 0 to 1000 of them",
-            "`walls` have 11011 straight pieces together: write walls of 10000 at most",
-            "`generators` has 17 entries: write 0 to 16 of them",
-            "`generators` ask for 204 obstacles together: write counts whose sum is at most 200",
+            "`walls` has 1001 entries: write 0 to 1000",
+            "`walls` have 11011 segments in total: write at most 10000",
+            "`generators` has 17 entries: write 0 to 16",
+            "`generators` ask for 204 obstacles in total: write counts that add up to at most 200",
         ]
     );
 }
 
 #[test]
-fn places_that_the_rules_name_must_leave_a_way_to_go() {
+fn named_positions_must_be_far_enough_apart() {
     let fixed = |x, heading_rad| PlacementRule::Fixed { position_m: vec2(x, 0.0), heading_rad };
     let one_of =
         |places: &[f32]| PlacementRule::OneOf { positions_m: places.iter().map(|&x| vec2(x, 0.0)).collect() };
@@ -106,23 +106,23 @@ fn places_that_the_rules_name_must_leave_a_way_to_go() {
         with(fixed(0.0, Some(7.0)), fixed(0.6, Some(1.5))),
         [
             "`starts.heading_rad` is 7: write a number from -6.3 to 6.3 (radians: a full turn is 6.2832)",
-            "`goals.heading_rad` has no meaning: a goal looks nowhere; leave it out",
+            "`goals.heading_rad` has no effect: a goal has no heading; remove it",
         ]
     );
     assert_eq!(
         with(fixed(0.0, None), fixed(0.25, None)),
-        ["`goals.position_m` lies 0.250 m from the start: put it 0.5 m away at least, or write less for \
+        ["`goals.position_m` is 0.250 m from the start: move it at least 0.5 m away, or write a smaller \
              task.min_goal_distance_m"]
     );
     assert_eq!(
         with(one_of(&[0.0, 1.0]), one_of(&[0.75, 1.25, 0.8])),
-        ["`starts.positions_m[1]` leaves no goal that is 0.5 m away: move it, or write less for \
+        ["`starts.positions_m[1]` has no goal at least 0.5 m away: move it, or write a smaller \
              task.min_goal_distance_m"]
     );
     assert_eq!(
         with(one_of(&[]), one_of(&[501.0])),
         [
-            "`starts.positions_m` has 0 entries: write 1 to 256 of them",
+            "`starts.positions_m` has 0 entries: write 1 to 256",
             "`goals.positions_m[0][0]` is 501: write a number from -500 to 500 (metres)",
         ]
     );
@@ -136,52 +136,52 @@ fn places_that_the_rules_name_must_leave_a_way_to_go() {
     assert_eq!(
         with(within(vec2(-0.5, -0.5), vec2(0.5, 0.5)), fixed(0.0, None)),
         [
-            "`goals` lie too near the starts: fewer than one start in 4 leaves a goal that is 0.5 m away; move \
-             them, or write less for task.min_goal_distance_m"
+            "`goals` are too close to the starts: fewer than one start in 4 has a goal at least 0.5 m away; move \
+             them, or write a smaller task.min_goal_distance_m"
         ]
     );
     assert_eq!(
         with(within(vec2(1.8, -1.0), vec2(2.0, 1.0)), within(vec2(1.0, 0.5), vec2(0.5, 1.0))),
         [
-            "`goals.max_m[0]` is 0.5, and `min_m[0]` is 1: write the lower left corner as min_m, the upper right one \
+            "`goals.max_m[0]` is 0.5 and `min_m[0]` is 1: write the lower left corner as min_m and the upper right one \
              as max_m"
         ]
     );
     assert_eq!(
         with(within(vec2(1.8, -1.0), vec2(2.0, 1.0)), PlacementRule::default()),
         [
-            "`starts` finds no free space at step 0: no point of its rectangle is 0.3 m clear; use fewer or smaller \
+            "`starts` has no free space at step 0: no point of its rectangle has a clearance of 0.3 m; use fewer or smaller \
              obstacles, or a smaller clearance_m"
         ]
     );
 }
 
 #[test]
-fn generators_that_can_fill_the_room_are_told_of() {
+fn generators_that_may_fill_the_arena_are_reported() {
     let generator = |count, within| Generator {
         count,
         shape: RandomShape::Circle { radius_m: (0.1, 0.12) },
         gap_m: 0.3,
         within,
     };
-    let told = |what: &str| {
+    let messages = |what: &str| {
         [format!(
-            "`generators` can leave no room {what}: write fewer or smaller ones, keep them within a part of the \
-             enclosure, or write a smaller clearance_m"
+            "`generators` may leave no free space {what}: generate fewer or smaller obstacles, restrict them with \
+             `within`, or write a smaller clearance_m"
         )]
     };
     let nowhere = Generator { gap_m: 3.0, ..generator(8, None) };
     assert_eq!(
         found(&Scenario { generators: vec![nowhere], ..Scenario::default() }),
         [
-            "`generators` find no room for anything: write a smaller gap_m, smaller sizes, or a larger `within`"
+            "`generators` have no space for any obstacle: write a smaller gap_m, smaller sizes, or a larger `within`"
         ]
     );
     let crowd = Scenario { generators: vec![generator(100, None)], ..Scenario::default() };
     assert_eq!(found(&Scenario { generators: vec![generator(8, None)], ..crowd.clone() }), [""; 0]);
     let far = PlacementRule::Random { clearance_m: 0.6 };
-    assert_eq!(found(&Scenario { goals: far.clone(), ..crowd.clone() }), told("for a goal"));
-    assert_eq!(found(&Scenario { starts: far, ..crowd }), told("for a start"));
+    assert_eq!(found(&Scenario { goals: far.clone(), ..crowd.clone() }), messages("for a goal"));
+    assert_eq!(found(&Scenario { starts: far, ..crowd }), messages("for a start"));
     // They fill a hall but for its left end.
     let right = Region { min_m: vec2(-1.0, -0.75), max_m: vec2(3.0, 0.75) };
     let mut hall = Scenario {
@@ -192,40 +192,40 @@ fn generators_that_can_fill_the_room_are_told_of() {
     };
     (hall.benchmark_route.start_m, hall.benchmark_route.goal_m) = (vec2(-2.5, 0.0), vec2(-2.0, 0.0));
     hall.task.min_goal_distance_m = 1.0;
-    assert_eq!(found(&hall), told("for a goal that is task.min_goal_distance_m away"));
+    assert_eq!(found(&hall), messages("for a goal that is task.min_goal_distance_m away"));
 }
 
 #[test]
-fn what_the_robot_cannot_reach_is_told_with_two_points() {
+fn unreachable_goals_are_reported_with_two_points() {
     let wall = |corners: &[Vec2]| Wall { corners_m: corners.into(), thickness_m: 0.1 };
     // A closet in the upper right corner, 1 m x 1 m inside.
     let closet = wall(&[vec2(0.95, 2.0), vec2(0.95, 0.95), vec2(2.0, 0.95)]);
-    let needs = "it needs a gap of more than 0.26 m, twice the collision range; open a way";
+    let needs = "the robot needs a gap of more than 0.26 m, twice the collision range; widen a gap";
     let mut scenario = Scenario { walls: vec![closet], ..Scenario::default() };
     scenario.benchmark_route.goal_m = vec2(1.0, -1.0);
-    let told = found(&scenario);
-    assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("`goals` may be at (1.5"), "{told:?}");
-    assert!(told[0].contains(", where the robot can't get from ("), "{told:?}");
+    let messages = found(&scenario);
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    assert!(messages[0].starts_with("`goals` includes (1.5"), "{messages:?}");
+    assert!(messages[0].contains(", which the robot can't reach from ("), "{messages:?}");
     assert!(
-        told[0].ends_with(&format!(": {needs}, fill that place up, or write a rule without it")),
-        "{told:?}"
+        messages[0].ends_with(&format!(": {needs}, block that area, or exclude it from the rule")),
+        "{messages:?}"
     );
     // Goals elsewhere: the starts are what is left.
     let elsewhere =
         PlacementRule::Within { min_m: vec2(-2.0, -2.0), max_m: vec2(2.0, 0.9), clearance_m: 0.35 };
     scenario.goals = elsewhere.clone();
-    let told = found(&scenario);
-    assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("`starts` may be at (1.5"), "{told:?}");
-    assert!(told[0].contains(", from where the robot can't get to ("), "{told:?}");
+    let messages = found(&scenario);
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    assert!(messages[0].starts_with("`starts` includes (1.5"), "{messages:?}");
+    assert!(messages[0].contains(", from which the robot can't reach ("), "{messages:?}");
     scenario.starts = elsewhere;
     assert_eq!(found(&scenario), [""; 0]);
     // A fixed start in the closet is what is wrong, wherever goals may be.
     scenario.starts = PlacementRule::Fixed { position_m: vec2(1.25, 1.25), heading_rad: None };
     scenario.goals = PlacementRule::default();
     assert!(
-        found(&scenario)[0].starts_with("`starts` may be at (1.25, 1.25), from where"),
+        found(&scenario)[0].starts_with("`starts` includes (1.25, 1.25), from which"),
         "{:?}",
         found(&scenario)
     );
@@ -275,17 +275,21 @@ fn a_gap_of_twice_the_collision_range_is_the_least() {
     }
 }
 
-/// Asserts that a text is told of within 20 s, and that what is told of it has `needle`.
+/// Asserts that a text is messages of within 20 s, and that what is messages of it has `needle`.
 fn assert_reported_quickly(what: &str, text: &str, needle: &str) {
     assert!(text.len() <= 1 << 20, "{what}: {} bytes are no file", text.len());
     let start = Instant::now();
-    let told = Scenario::parse(text, "w.ron").expect_err(what).to_string();
-    assert!(told.contains(needle), "{what}: `{needle}` is not in: {}", &told[..told.len().min(1000)]);
+    let messages = Scenario::parse(text, "w.ron").expect_err(what).to_string();
+    assert!(
+        messages.contains(needle),
+        "{what}: `{needle}` is not in: {}",
+        &messages[..messages.len().min(1000)]
+    );
     assert!(start.elapsed() < Duration::from_secs(20), "{what} took {:?}", start.elapsed());
 }
 
 #[test]
-fn a_hostile_file_takes_neither_long_nor_much() {
+fn hostile_files_are_reported_quickly() {
     // As many obstacles as fit, all moving, none of them blocking but the last, which blocks everything.
     let mut text = String::from("(name: \"a\", obstacles: [");
     for _ in 0..9_999 {
@@ -295,7 +299,7 @@ fn a_hostile_file_takes_neither_long_nor_much() {
     text.truncate(text.len().min(1_000_000));
     let text = &text[..=text.rfind("),(").expect("some fit")];
     let text = format!("{text}, (shape: Rectangle(width_m: 3.99, height_m: 3.99), position_m: (0, 0))])");
-    assert_reported_quickly("a crowd that moves", &text, "`goals` finds no free space");
+    assert_reported_quickly("a crowd that moves", &text, "`goals` has no free space");
     for text in ["(".repeat(1 << 20), "/*".repeat(1 << 19), "(name:\"".repeat(1 << 17)] {
         let start = Instant::now();
         assert!(Scenario::parse(&text, "w.ron").is_err());
@@ -304,7 +308,7 @@ fn a_hostile_file_takes_neither_long_nor_much() {
 }
 
 #[test]
-fn nor_do_hostile_outlines() {
+fn hostile_outlines_are_reported_quickly() {
     // Slivers of 32 corners right across a world as large as is looked at, and a wall that parts it.
     let mut sliver = String::from("(shape:Polygon(corners_m:[");
     for k in 0..31 {
@@ -316,7 +320,7 @@ fn nor_do_hostile_outlines() {
         "(name:\"a\",enclosure:Rectangle(width_m:60,height_m:60),walls:[(corners_m:[(-30,25),(30,25)])],\
          obstacles:[{slivers}],benchmark_route:(start_m:(-20,0),goal_m:(0,-20)))"
     );
-    assert_reported_quickly("slivers", &text, "`goals` may be at");
+    assert_reported_quickly("slivers", &text, "`goals` includes");
     // As many pieces of walls as there may be, up and down over the whole, none of which leaves a way; and patrols that
     // go so through an enclosure of 64 corners.
     let zigzag: String =
@@ -326,7 +330,7 @@ fn nor_do_hostile_outlines() {
         "(name:\"a\",enclosure:Rectangle(width_m:60,height_m:60),walls:[{walls}],benchmark_route:(start_m:(-20,0),goal_m:(-20,\
          -20)))"
     );
-    assert_reported_quickly("walls", &text, "`goals` may be at");
+    assert_reported_quickly("walls", &text, "`goals` includes");
     let mut comb = String::from("(-30,-30),(30,-30),");
     for k in 0..31 {
         comb.push_str(&format!("({},30),({}.5,-20),", 30 - k, 29 - k));
@@ -339,5 +343,5 @@ fn nor_do_hostile_outlines() {
         "(name:\"a\",enclosure:Polygon(corners_m:[{comb}]),obstacles:[{patrols}],benchmark_route:(start_m:(-20,-28),goal_m:(0,\
          -28)))"
     );
-    assert_reported_quickly("a comb", &text, "reaches on its way");
+    assert_reported_quickly("a comb", &text, "while it moves");
 }

@@ -426,7 +426,7 @@ fn the_page_says_what_was_worked_out_by_hand() {
         impl Default for Robot {\n/// By rule.\nfn default() -> Self { todo!() }\n}\n\
         /// A wall.\npub struct Wall {\n/// Along.\npub corners_m: Vec<Vec2>,\n\
         /// Across.\n#[serde(default = \"x\")]\npub thickness_m: f32,\n}\n\
-        /// A motion.\npub enum ObstacleMotion {\n/// None.\nStill,\n/// Some.\nRandomWalk {\n/// How far.\nreach_m: f32,\n\
+        /// A motion.\npub enum ObstacleMotion {\n/// None.\nStatic,\n/// Some.\nRandomWalk {\n/// How far.\nradius_m: f32,\n\
         /// How fast.\nspeed_m_s: f32,\n/// Which.\n#[serde(default)]\nseed: u32,\n},\n}\n\
         /// A box.\npub struct Region {\n/// One.\npub min_m: Vec2,\n/// Other.\npub max_m: Vec2,\n}\n";
     let page = page(source, "()\n");

@@ -6,9 +6,9 @@ use super::CheckpointError;
 use super::header::Header;
 use crate::replay::{Priorities, ReplayBuffer, StoredTransition};
 
-/// The number of bytes that are read or written at once.
+/// The size of a chunk that is read or written at once, in bytes.
 const CHUNK_BYTES: usize = 1 << 16;
-/// The bytes of a transition in the file.
+/// The size of a transition in the file, in bytes.
 const TRANSITION_BYTES: usize = 18;
 
 impl ReplayBuffer {
@@ -67,7 +67,8 @@ impl ReplayBuffer {
         Ok(())
     }
 
-    /// Every stored transition has a valid priority; removed ones have priority 0, so that they are never drawn.
+    /// Checks that every stored transition has a valid priority, and every removed one priority 0, so that it is never
+    /// drawn.
     fn check_leaves(&self, leaves: &[f64]) -> Result<(), CheckpointError> {
         if !(self.head..self.tail).all(|number| is_priority(leaves[self.slot(number)])) {
             return Err(CheckpointError::Corrupt("a priority is invalid"));
@@ -79,7 +80,7 @@ impl ReplayBuffer {
         Ok(())
     }
 
-    /// Recomputes which transition last refers to each state. Removed transitions do not matter.
+    /// Recomputes the last reference to each state from the stored transitions.
     fn restore_last_references(&mut self) {
         for number in self.head..self.tail {
             let StoredTransition { state, next, .. } = self.transitions[self.slot(number)];

@@ -13,7 +13,7 @@ impl<T> ChecksummedStream<T> {
         Self { inner, crc: 0 }
     }
 
-    /// The stream itself, and the checksum.
+    /// The inner stream and the checksum.
     pub(super) fn into_parts(self) -> (T, u32) {
         (self.inner, self.crc)
     }

@@ -9,9 +9,10 @@ use crate::learner::{Counters, Learner, Trajectory};
 use crate::optimizer::OptimizerState;
 use crate::state_ring::StateId;
 
-/// The maximum of every counter, so that none overflows.
+/// The maximum of every counter, far enough from overflow for any run.
 const MAX_COUNT: u64 = 1 << 62;
 
+/// The header's content.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Header {
     config: LearningConfig,
@@ -50,7 +51,7 @@ impl Header {
         }
     }
 
-    /// Puts the values into `learner`, whose replay buffer has already been read.
+    /// Restores `learner`, whose replay buffer has already been read.
     pub(super) fn apply_to(self, learner: &mut Learner) {
         learner.online.update(|weights| weights.copy_from_slice(&self.online));
         learner.target.update(|weights| weights.copy_from_slice(&self.target));
@@ -61,7 +62,7 @@ impl Header {
             learner.replay.transitions.iter().fold(0.0, |largest, t| largest.max(t.reward.abs()));
     }
 
-    /// Whether `learner`, which is fresh, has the same config, and all values are valid.
+    /// Checks that the config is that of `learner`, a new learner, and that all values are valid.
     pub(super) fn check(&self, learner: &Learner) -> Result<(), CheckpointError> {
         self.check_config(learner)?;
         let parameters = learner.online.parameters().len();
@@ -74,11 +75,11 @@ impl Header {
         let valid_moments = finite(first) && second.iter().all(|m| m.is_finite() && *m >= 0.0);
         for (problem, valid) in [
             (
-                "it has a wrong number of weights",
+                "its number of weights does not match the config",
                 self.online.len() == parameters && self.target.len() == parameters,
             ),
             ("a weight is not finite", finite(&self.online) && finite(&self.target)),
-            ("it has a wrong number of optimizer moments", has_all_moments),
+            ("its number of optimizer moments does not match the config", has_all_moments),
             ("an optimizer moment is invalid", valid_moments),
             ("its number of transitions is invalid", self.stored_transitions(learner).is_some()),
             ("a counter is too large", counts.iter().all(|&count| count < MAX_COUNT)),
@@ -119,8 +120,8 @@ impl Header {
         Some(stored).filter(|&n| n <= learner.replay.capacity() as u64)
     }
 
-    /// Each env step adds at most `gradient_steps` pending updates, and there are at most as many env steps as stored
-    /// transitions. Updates need a transition to sample.
+    /// Whether the number of pending updates is possible. Each env step adds at most `gradient_steps` updates, the number
+    /// of env steps is bounded by that of the stored transitions, and an update needs a transition to sample.
     fn has_valid_pending_updates(&self, learner: &Learner) -> bool {
         let stored = self.stored_transitions(learner);
         let env_steps = stored.unwrap_or_default().max(learner.trajectories.len() as u64);

@@ -1,4 +1,4 @@
-//! Saved learners with invalid values.
+//! Checkpoints with invalid values and a valid checksum.
 
 use super::*;
 use crate::config::{NetworkConfig, Optimizer, ReplayConfig, Sampling, Schedule};
@@ -53,7 +53,7 @@ fn invalid_values_are_rejected_even_if_the_checksum_matches() {
     let changes: &[Change] = &[
         ("a weight is not finite", |l| l.online.update(|weights| weights[3] = f32::NAN)),
         ("a weight is not finite", |l| l.target.update(|weights| weights[0] = f32::INFINITY)),
-        ("it has a wrong number of optimizer moments", |l| l.optimizer.second.truncate(2)),
+        ("its number of optimizer moments does not match the config", |l| l.optimizer.second.truncate(2)),
         ("an optimizer moment is invalid", |l| l.optimizer.first[1] = f32::NAN),
         ("an optimizer moment is invalid", |l| l.optimizer.second[1] = -1.0),
         ("a counter is too large", |l| l.optimizer.steps = u64::MAX),

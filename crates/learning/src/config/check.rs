@@ -1,4 +1,4 @@
-//! The range checks of every config value.
+//! Range checks of all config values.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -8,7 +8,7 @@ use super::{
 };
 use wayfield_policy::NetworkShape;
 
-/// The largest `reward_scale`. Scaled rewards and their sums are still finite with it.
+/// The maximum `reward_scale`, small enough that scaled rewards and their sums stay finite.
 const MAX_REWARD_SCALE: f32 = 1e20;
 
 impl LearningConfig {
@@ -59,7 +59,7 @@ impl ReplayConfig {
             return Err(ConfigError {
                 field: "replay.capacity".into(),
                 problem: format!(
-                    "is {}, less than a batch of {batch_size}; help: raise it, or lower batch_size",
+                    "is {}, less than batch_size ({batch_size}); help: raise it, or lower batch_size",
                     self.capacity
                 ),
             });

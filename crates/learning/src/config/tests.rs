@@ -6,7 +6,7 @@ use super::*;
 type Change = (&'static str, fn(&mut LearningConfig));
 
 #[test]
-fn a_config_survives_ron() {
+fn a_config_is_read_from_ron_as_it_was_written() {
     let config = LearningConfig {
         loss: Loss::Huber { delta: 1.0 },
         optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },

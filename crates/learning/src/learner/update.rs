@@ -9,7 +9,7 @@ use crate::network::{Gradient, QNetwork, Regression};
 use crate::replay::Batch;
 use wayfield_policy::greedy;
 
-/// Warn only after Q-values have exceeded the return bound for this many gradient steps.
+/// The value of `steps_over_bound` from which on an overestimate is reported.
 const MIN_OVERESTIMATE_STEPS: u32 = 50;
 
 /// Means over the gradient steps of one [`Learner::train`].
@@ -38,10 +38,10 @@ pub(super) struct Scratch {
 }
 
 impl Learner {
-    /// Takes the pending gradient steps. `None` if there are none.
+    /// Takes the pending gradient steps, and returns their statistics; `None` if no step is pending.
     ///
     /// # Errors
-    /// The loss or a weight is not finite. The learner cannot be used any more.
+    /// The loss or a weight is not finite. The learner can no longer be used.
     pub fn train(&mut self) -> Result<Option<UpdateStats>, DivergenceError> {
         let pending_updates = std::mem::take(&mut self.counters.pending_updates);
         if pending_updates == 0 {
@@ -89,8 +89,9 @@ impl Learner {
         }
         let chooser = if config.double { &*online_q } else { &*target_q };
         td_targets(batch, chooser, target_q, targets);
-        let on = Regression { actions: &batch.actions, targets, weights: &batch.weights, loss: config.loss };
-        online.gradient(&batch.states, on, gradient);
+        let regression =
+            Regression { actions: &batch.actions, targets, weights: &batch.weights, loss: config.loss };
+        online.gradient(&batch.states, regression, gradient);
     }
 
     /// Moves the weights along the gradient.
@@ -114,8 +115,8 @@ impl Learner {
         Ok(())
     }
 
-    /// A warning if the mean |Q(s, a)| of this batch, `q`, exceeds the largest possible return, and the batches of most
-    /// recent gradient steps did too.
+    /// A warning if `q`, the mean |Q(s, a)| of this batch, exceeds the largest possible return, and at least
+    /// [`MIN_OVERESTIMATE_STEPS`] more batches have exceeded it than not.
     fn check_return_bound(&mut self, q: f32) -> Option<Overestimate> {
         let Self { config, counters, largest_reward, steps_over_bound, .. } = self;
         let largest_return = *largest_reward / (1.0 - config.gamma);
@@ -137,8 +138,8 @@ impl Learner {
     }
 }
 
-/// Writes y = R + discount Q_target(s', a*) into `targets`. The best action a* is that of `chooser`, which holds the
-/// online network's Q(s', .) in double DQN, and the target network's otherwise.
+/// Writes the TD targets y = R + discount Q_target(s', a*) into `targets`. `chooser` holds the Q-values of which a* is the
+/// argmax: Q(s', .) of the online network in double DQN, of the target network otherwise.
 pub(super) fn td_targets(batch: &Batch, chooser: &[f32], target_q: &[f32], targets: &mut Vec<f32>) {
     let actions = target_q.len() / batch.rewards.len();
     let rows = chooser.chunks_exact(actions).zip(target_q.chunks_exact(actions));
@@ -163,7 +164,7 @@ fn update_target(update: TargetUpdate, step: u64, online: &QNetwork, target: &mu
     }
 }
 
-/// Whether no value is NaN or infinite. There is no early exit, so that the loop can be vectorized.
+/// Whether all values are finite. The loop has no early exit, so that the compiler can vectorize it.
 pub(super) fn all_finite(values: &[f32]) -> bool {
     values.iter().map(|v| v.to_bits() & 0x7FFF_FFFF).fold(0, u32::max) < f32::INFINITY.to_bits()
 }

@@ -1,4 +1,4 @@
-//! The gradient compared with central finite differences of the loss, parameter by parameter.
+//! Gradient check: every derivative is compared with a central finite difference of the loss.
 
 use super::{Gradient, QNetwork, Regression};
 use crate::config::{Loss, NetworkConfig};
@@ -24,10 +24,10 @@ fn check(dueling: bool, loss: Loss) {
     let targets: Vec<f32> = (0..BATCH).map(|_| normal(&mut noise)).collect();
     let weights: Vec<f32> = (0..BATCH).map(|i| 0.1 + 0.07 * i as f32).collect();
     let actions: Vec<u8> = (0..BATCH).map(|i| (i % 3) as u8).collect();
-    let on = Regression { actions: &actions, targets: &targets, weights: &weights, loss };
+    let regression = Regression { actions: &actions, targets: &targets, weights: &weights, loss };
 
     let mut gradient = Gradient::default();
-    network.gradient(&observations, on, &mut gradient);
+    network.gradient(&observations, regression, &mut gradient);
     assert_eq!(gradient.values.len(), shape.parameter_count());
 
     // Compare the loss and the TD errors with their definitions.
@@ -39,7 +39,7 @@ fn check(dueling: bool, loss: Loss) {
         let chosen = q[i * 3 + i % 3];
         let d = chosen - targets[i];
         assert!((gradient.td_errors[i] - d).abs() < 1e-5, "TD error {i} is Q(s, a) - y");
-        assert!((gradient.q[i] - chosen).abs() < 1e-5, "Q(s, a) {i}");
+        assert!((gradient.q[i] - chosen).abs() < 1e-5, "Q(s, a) of transition {i}");
         expected += weights[i]
             * match loss {
                 Loss::MeanSquared => d * d,
@@ -51,12 +51,12 @@ fn check(dueling: bool, loss: Loss) {
     assert!(small > 1 && large > 1, "both branches of the Huber loss are tested: {small}, {large}");
     assert!((gradient.loss - expected / BATCH as f32).abs() < 1e-5, "the loss is the weighted mean");
 
-    // Central differences. The step is small compared with the weights (0.4), and large compared with the rounding of f32.
+    // Central differences. The step is small compared with the weights (about 0.4), and large compared with f32 rounding.
     let step = 2e-3;
     let mut other = Gradient::default();
     let mut moved = |network: &mut QNetwork, i: usize, by: f32| {
         network.update(|parameters| parameters[i] += by);
-        network.gradient(&observations, on, &mut other);
+        network.gradient(&observations, regression, &mut other);
         other.loss
     };
     let mut nonzero = 0;

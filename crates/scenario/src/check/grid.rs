@@ -1,80 +1,80 @@
-//! A fine grid over the enclosure: which of its cells are blocked, and which hang together.
+//! A fine grid over the enclosure with blocked cells and connected regions of free cells.
 //!
-//! In: outlines with a margin. Out: [`BlockedCells`] as bits, row by row, and [`ConnectedRegions`]: the free cells in pieces that hang
-//! together side by side. All shapes are convex, so that each blocks one interval of a row: the work goes with the
-//! number of rows, not of cells.
+//! In: outlines with a margin. Out: [`BlockedCells`], a bit per cell, and [`ConnectedRegions`]: the free cells grouped into
+//! regions whose cells share sides. All shapes are convex, so each blocks one interval of a row, and the work grows with
+//! the number of rows, not of cells.
 
 use glam::{DVec2, Vec2Swizzles, dvec2};
 
 use crate::polygon::sides;
 
-/// About so many cells at most.
+/// Approximate largest number of cells.
 const MAX_CELLS: f64 = 1_048_576.0;
-/// Cells need not be smaller than this part of the robot's room.
+/// Smallest side of a cell as a fraction of the robot's collision range.
 const MIN_CELL_FRACTION: f64 = 1.0 / 32.0;
-/// Nor may they be larger than this part: what fits through a gap would be lost between them.
+/// Largest side of a cell as a fraction of the collision range. In larger cells a passable gap could get lost.
 const MAX_CELL_FRACTION: f64 = 1.0 / 2.0;
 
-/// Where the cells are.
+/// The position and size of the cells.
 pub(super) struct CellGrid {
     origin: DVec2,
     /// The side of a cell, in m.
     pub(super) cell_m: f64,
     columns: usize,
     rows: usize,
-    /// Rows go along the longer side of the enclosure: whether that is y.
-    turned: bool,
+    /// Whether rows run along y; they run along the longer side of the enclosure.
+    transposed: bool,
 }
 
 impl CellGrid {
-    /// A grid over the box between two corners for a robot whose middle needs `room_m` to all sides; none where the box
-    /// is so large that cells would be too coarse.
+    /// A grid over the box between two corners for a robot whose centre must keep `room_m` from everything. `None` if the
+    /// box is so large that the cells would be too coarse.
     pub(super) fn over(low: DVec2, high: DVec2, room_m: f64) -> Option<Self> {
         let (width, height) = (high.x - low.x, high.y - low.y);
         let cell_m = (room_m * MIN_CELL_FRACTION).max((width * height / MAX_CELLS).sqrt());
-        let turned = height > width;
+        let transposed = height > width;
         let count = |extent: f64| ((extent / cell_m).ceil() as usize).max(1);
         let (columns, rows) =
-            if turned { (count(height), count(width)) } else { (count(width), count(height)) };
-        let grid = Self { origin: low, cell_m, columns, rows, turned };
-        (cell_m <= room_m * MAX_CELL_FRACTION).then(|| Self { origin: grid.along(low), ..grid })
+            if transposed { (count(height), count(width)) } else { (count(width), count(height)) };
+        let grid = Self { origin: low, cell_m, columns, rows, transposed };
+        (cell_m <= room_m * MAX_CELL_FRACTION).then(|| Self { origin: grid.swap_axes(low), ..grid })
     }
 
-    /// Between the world's axes and the grid's, either way.
-    pub(super) fn along(&self, point: DVec2) -> DVec2 {
-        if self.turned { point.yx() } else { point }
+    /// Converts a point between the scenario's axes and the grid's axes, in either direction.
+    pub(super) fn swap_axes(&self, point: DVec2) -> DVec2 {
+        if self.transposed { point.yx() } else { point }
     }
 
-    /// The row and column of the cell that a point (along the world's axes) lies in.
+    /// Row and column of the cell that contains a point of the scenario.
     pub(super) fn cell_at(&self, point: DVec2) -> (usize, usize) {
-        let DVec2 { x, y } = self.along(point);
+        let DVec2 { x, y } = self.swap_axes(point);
         let index = |at: f64, origin: f64, count: usize| {
             (((at - origin) / self.cell_m).max(0.0) as usize).min(count - 1)
         };
         (index(y, self.origin.y, self.rows), index(x, self.origin.x, self.columns))
     }
 
-    /// The middle of a cell, along the world's axes.
-    pub(super) fn middle(&self, row: usize, column: usize) -> DVec2 {
-        self.along(dvec2(self.origin.x + (column as f64 + 0.5) * self.cell_m, self.y(row)))
+    /// Centre of a cell in the scenario.
+    pub(super) fn centre(&self, row: usize, column: usize) -> DVec2 {
+        self.swap_axes(dvec2(self.origin.x + (column as f64 + 0.5) * self.cell_m, self.y(row)))
     }
 
     fn y(&self, row: usize) -> f64 {
         self.origin.y + (row as f64 + 0.5) * self.cell_m
     }
 
-    /// The first column whose middle is beyond `x`.
+    /// First column whose centre is greater than `x`.
     fn column_beyond(&self, x: f64) -> usize {
         (((x - self.origin.x) / self.cell_m - 0.5).floor() + 1.0).clamp(0.0, self.columns as f64) as usize
     }
 
-    /// The first column whose middle is not before `x`.
+    /// First column whose centre is at least `x`.
     fn column_from(&self, x: f64) -> usize {
         ((x - self.origin.x) / self.cell_m - 0.5).ceil().clamp(0.0, self.columns as f64) as usize
     }
 }
 
-/// A bit for each cell of a grid.
+/// A set of cells of a grid, one bit per cell.
 pub(super) struct BlockedCells<'a> {
     grid: &'a CellGrid,
     words_a_row: usize,
@@ -82,15 +82,15 @@ pub(super) struct BlockedCells<'a> {
 }
 
 impl<'a> BlockedCells<'a> {
-    /// None set.
-    pub(super) fn none(grid: &'a CellGrid) -> Self {
+    /// The empty set.
+    pub(super) fn empty(grid: &'a CellGrid) -> Self {
         let words_a_row = grid.columns.div_ceil(64);
         Self { grid, words_a_row, bits: vec![0; words_a_row * grid.rows] }
     }
 
-    /// Sets those whose middles lie outside the polygon with these corners.
+    /// Adds the cells whose centres are outside the polygon with these corners.
     pub(super) fn set_outside(&mut self, corners: &[DVec2]) {
-        let corners: Vec<DVec2> = corners.iter().map(|&corner| self.grid.along(corner)).collect();
+        let corners: Vec<DVec2> = corners.iter().map(|&corner| self.grid.swap_axes(corner)).collect();
         let mut crossings = Vec::new();
         for row in 0..self.grid.rows {
             let y = self.grid.y(row);
@@ -106,14 +106,14 @@ impl<'a> BlockedCells<'a> {
         }
     }
 
-    /// Sets those whose middles lie nearer than `margin` to the convex hull of `points`, which are in order around it.
+    /// Adds the cells whose centres are closer than `margin` to the convex hull of `points`, listed in order around it.
     pub(super) fn set_near(&mut self, points: &[DVec2], margin: f64) {
-        let points: Vec<DVec2> = points.iter().map(|&point| self.grid.along(point)).collect();
+        let points: Vec<DVec2> = points.iter().map(|&point| self.grid.swap_axes(point)).collect();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for point in &points {
             (low, high) = (low.min(point.y), high.max(point.y));
         }
-        // What is so near is bounded by arcs about the points and by the sides, moved out by the margin to both sides.
+        // This area is bounded by arcs about the points and by the sides, shifted by the margin in both directions.
         let mut moved = Vec::with_capacity(2 * points.len());
         for (a, b) in sides(&points) {
             let long = a.distance(b);
@@ -145,9 +145,9 @@ impl<'a> BlockedCells<'a> {
         }
     }
 
-    /// Sets those whose middles lie outside a box.
+    /// Adds the cells whose centres are outside a box.
     pub(super) fn set_outside_box(&mut self, low: DVec2, high: DVec2) {
-        let (low, high) = (self.grid.along(low), self.grid.along(high));
+        let (low, high) = (self.grid.swap_axes(low), self.grid.swap_axes(high));
         for row in 0..self.grid.rows {
             let y = self.grid.y(row);
             if y < low.y || y > high.y {
@@ -159,7 +159,7 @@ impl<'a> BlockedCells<'a> {
         }
     }
 
-    /// Sets the columns `from` to before `to` of a row.
+    /// Adds the columns from `from` up to, but not including, `to` of a row.
     fn set(&mut self, row: usize, from: usize, to: usize) {
         if from >= to {
             return;
@@ -176,7 +176,7 @@ impl<'a> BlockedCells<'a> {
         }
     }
 
-    /// The runs of a row that are not set, as first column and the one after the last.
+    /// The free runs of a row, as half-open ranges of columns.
     pub(super) fn gaps(&self, row: usize) -> impl Iterator<Item = (usize, usize)> {
         let mut column = 0;
         std::iter::from_fn(move || {
@@ -187,7 +187,7 @@ impl<'a> BlockedCells<'a> {
         })
     }
 
-    /// The first column from `column` on whose bit is `set`, or the number of columns.
+    /// First column from `column` on whose bit equals `set`, or the number of columns.
     fn next(&self, row: usize, column: usize, set: bool) -> usize {
         let words = &self.bits[row * self.words_a_row..][..self.words_a_row];
         let mut word = column / 64;
@@ -203,22 +203,22 @@ impl<'a> BlockedCells<'a> {
         self.grid.columns
     }
 
-    /// The grid's rows.
+    /// The rows of the grid.
     pub(super) fn rows(&self) -> std::ops::Range<usize> {
         0..self.grid.rows
     }
 }
 
-/// Where a side crosses the height `y`.
+/// The x coordinate at which a side crosses the height `y`, if it does.
 fn crossing(from: DVec2, to: DVec2, y: f64) -> Option<f64> {
     ((from.y > y) != (to.y > y)).then(|| from.x + (y - from.y) / (to.y - from.y) * (to.x - from.x))
 }
 
-/// The cells that are not set, in pieces that hang together side by side.
+/// The free cells, grouped into regions whose cells share sides.
 pub(super) struct ConnectedRegions {
-    /// By rows: first column, the one after the last, and the run's number.
+    /// Runs by row: first column, column after the last, and number of the run.
     runs: Vec<Vec<(usize, usize, u32)>>,
-    /// For each run the first of its part, which gives the part its number.
+    /// First run of the region of each run; its number is the number of the region.
     parents: Vec<u32>,
 }
 
@@ -242,14 +242,14 @@ impl ConnectedRegions {
             }
             parts.runs.push(runs);
         }
-        // A run's other one has a lower number, so that it knows its part already.
+        // A parent has a lower number than its run, so its region is already known.
         for run in 0..parts.parents.len() {
             parts.parents[run] = parts.parents[parts.parents[run] as usize];
         }
         parts
     }
 
-    /// The part that a cell belongs to; none if it is set.
+    /// Number of the region that contains a cell, or `None` if the cell is blocked.
     pub(super) fn at(&self, row: usize, column: usize) -> Option<u32> {
         let runs = self.runs.get(row)?;
         let after = runs.partition_point(|run| run.0 <= column);
@@ -257,7 +257,7 @@ impl ConnectedRegions {
         (column < to).then(|| self.parents[run as usize])
     }
 
-    /// The run that stands for the part that `run` belongs to, as far as is known; the way there gets shorter.
+    /// Root of the tree that contains `run`, with path halving.
     fn root(&mut self, mut run: u32) -> u32 {
         while self.parents[run as usize] != run {
             let next = self.parents[run as usize];
@@ -273,11 +273,11 @@ mod tests {
     use super::*;
 
     fn grid(width: f64, height: f64) -> CellGrid {
-        // Cells of 1 m: no finer, since the robot needs 32 m.
+        // Cells of 1 m, because the robot needs 32 m.
         CellGrid::over(DVec2::ZERO, dvec2(width, height), 32.0).expect("not too large")
     }
 
-    /// The cells as text, `#` where they are set, the lowest row first.
+    /// The cells as text, lowest row first, with `#` for blocked cells.
     fn drawn(cells: &BlockedCells<'_>) -> Vec<String> {
         let row = |row| {
             let mut text = "#".repeat(cells.grid.columns);
@@ -290,21 +290,21 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_a_point_is_a_disc_and_near_a_segment_a_rod() {
+    fn the_cells_near_a_point_form_a_disc_and_near_a_segment_a_capsule() {
         let grid = grid(9.0, 5.0);
-        let mut cells = BlockedCells::none(&grid);
+        let mut cells = BlockedCells::empty(&grid);
         cells.set_near(&[dvec2(2.5, 2.5)], 2.1);
         cells.set_near(&[dvec2(7.5, 0.0), dvec2(7.5, 5.0)], 0.6);
         assert_eq!(drawn(&cells), ["..#....#.", ".###...#.", "#####..#.", ".###...#.", "..#....#."]);
     }
 
     #[test]
-    fn a_turned_square_and_the_outside_of_an_l() {
+    fn a_rotated_square_and_the_outside_of_an_l_are_blocked() {
         let grid = grid(6.0, 5.0);
-        let mut cells = BlockedCells::none(&grid);
+        let mut cells = BlockedCells::empty(&grid);
         cells.set_near(&[dvec2(3.0, 0.2), dvec2(5.3, 2.5), dvec2(3.0, 4.8), dvec2(0.7, 2.5)], 0.0);
         assert_eq!(drawn(&cells), ["......", "..##..", ".####.", "..##..", "......"]);
-        let mut cells = BlockedCells::none(&grid);
+        let mut cells = BlockedCells::empty(&grid);
         cells.set_outside(&[
             dvec2(0.0, 0.0),
             dvec2(6.0, 0.0),
@@ -314,16 +314,16 @@ mod tests {
             dvec2(0.0, 5.0),
         ]);
         assert_eq!(drawn(&cells), ["......", "......", "..####", "..####", "..####"]);
-        let mut cells = BlockedCells::none(&grid);
+        let mut cells = BlockedCells::empty(&grid);
         cells.set_outside_box(dvec2(1.0, 1.0), dvec2(4.0, 4.9));
         assert_eq!(drawn(&cells), ["######", "#...##", "#...##", "#...##", "#...##"]);
     }
 
     #[test]
-    fn parts_hang_together_by_sides_not_by_corners() {
+    fn regions_connect_through_sides_but_not_through_corners() {
         let grid = grid(130.0, 3.0);
-        let mut cells = BlockedCells::none(&grid);
-        // A wall over all rows but for a gap; and a corner that only touches.
+        let mut cells = BlockedCells::empty(&grid);
+        // A wall with a gap in row 2, and two cells that touch only at a corner.
         cells.set(0, 70, 71);
         cells.set(1, 70, 71);
         cells.set(0, 128, 129);
@@ -332,17 +332,17 @@ mod tests {
         assert_eq!(parts.at(0, 0), parts.at(0, 127), "through the gap in row 2");
         assert_eq!(parts.at(0, 70), None);
         assert!(parts.at(0, 129).is_some());
-        assert_ne!(parts.at(0, 129), parts.at(0, 0), "across a corner there is no way");
+        assert_ne!(parts.at(0, 129), parts.at(0, 0), "a corner does not connect");
         assert_eq!(parts.at(2, 129), parts.at(0, 0));
     }
 
     #[test]
-    fn a_tall_box_has_its_rows_upright_and_keeps_its_places() {
+    fn a_tall_box_has_rows_along_y_and_keeps_its_points() {
         let grid = grid(3.0, 130.0);
         assert_eq!((grid.rows, grid.columns), (3, 130));
         let (row, column) = grid.cell_at(dvec2(2.2, 77.9));
         assert_eq!((row, column), (2, 77));
-        assert_eq!(grid.middle(row, column), dvec2(2.5, 77.5));
+        assert_eq!(grid.centre(row, column), dvec2(2.5, 77.5));
         assert!(
             CellGrid::over(dvec2(0.0, 0.0), dvec2(1000.0, 1000.0), 0.13).is_none(),
             "cells of 1 m are too coarse"

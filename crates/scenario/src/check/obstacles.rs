@@ -1,37 +1,32 @@
-//! Each number of walls, obstacles and generators against its range.
+//! The range checks of walls, obstacles and generators.
 
-use super::numbers::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S, region};
-use super::{Diagnostics, MAX_ANGLE_RAD, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, polygons};
+use super::numbers::check_region;
+use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, polygons};
+use crate::limits::*;
 use crate::schema::*;
 
-/// The most straight pieces that all inner walls have together: as many as there may be obstacles.
-const MAX_WALL_SEGMENTS: usize = 10_000;
-/// The most obstacles that all generators ask for together.
-const MAX_GENERATED_OBSTACLES: u64 = 200;
-
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    diagnostics.check_count(format_args!("walls"), scenario.walls.len(), 0..=1_000);
-    for (k, wall) in scenario.walls.iter().enumerate().take(1_000) {
-        diagnostics.check_points(format_args!("walls[{k}].corners_m"), &wall.corners_m, 2..=256);
+    diagnostics.check_count(format_args!("walls"), scenario.walls.len(), 0..=MAX_WALLS);
+    for (k, wall) in scenario.walls.iter().enumerate().take(MAX_WALLS) {
+        diagnostics.check_points(format_args!("walls[{k}].corners_m"), &wall.corners_m, WALL_CORNERS);
         diagnostics.check_range(
             format_args!("walls[{k}].thickness_m"),
             wall.thickness_m,
-            0.01..=100.0,
+            WALL_THICKNESS_M,
             METRES,
         );
     }
     let pieces: usize = scenario.walls.iter().map(|wall| wall.corners_m.len().saturating_sub(1)).sum();
     if pieces > MAX_WALL_SEGMENTS {
-        let message =
-            format!("have {pieces} straight pieces together: write walls of {MAX_WALL_SEGMENTS} at most");
+        let message = format!("have {pieces} segments in total: write at most {MAX_WALL_SEGMENTS}");
         diagnostics.push(format_args!("walls"), message);
     }
-    diagnostics.check_count(format_args!("obstacles"), scenario.obstacles.len(), 0..=10_000);
-    for (k, obstacle) in scenario.obstacles.iter().enumerate().take(10_000) {
+    diagnostics.check_count(format_args!("obstacles"), scenario.obstacles.len(), 0..=MAX_OBSTACLES);
+    for (k, obstacle) in scenario.obstacles.iter().enumerate().take(MAX_OBSTACLES) {
         check_obstacle(k, obstacle, diagnostics);
     }
-    diagnostics.check_count(format_args!("generators"), scenario.generators.len(), 0..=16);
-    for (k, generator) in scenario.generators.iter().enumerate().take(16) {
+    diagnostics.check_count(format_args!("generators"), scenario.generators.len(), 0..=MAX_GENERATORS);
+    for (k, generator) in scenario.generators.iter().enumerate().take(MAX_GENERATORS) {
         check_generator(k, generator, scenario.task.collision_range_m, diagnostics);
     }
     let asked: u64 = scenario.generators.iter().map(|generator| u64::from(generator.count)).sum();
@@ -39,7 +34,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         && scenario.generators.iter().all(|g| u64::from(g.count) <= MAX_GENERATED_OBSTACLES)
     {
         let message = format!(
-            "ask for {asked} obstacles together: write counts whose sum is at most {MAX_GENERATED_OBSTACLES}"
+            "ask for {asked} obstacles in total: write counts that add up to at most {MAX_GENERATED_OBSTACLES}"
         );
         diagnostics.push(format_args!("generators"), message);
     }
@@ -47,7 +42,7 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 
 fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) {
     let mut size = |name: &str, value: f32| {
-        diagnostics.check_range(format_args!("obstacles[{k}].shape.{name}"), value, 0.001..=1000.0, METRES);
+        diagnostics.check_range(format_args!("obstacles[{k}].shape.{name}"), value, SHAPE_SIZE_M, METRES);
     };
     match &obstacle.shape {
         Shape::Circle { radius_m } => size("radius_m", *radius_m),
@@ -67,7 +62,7 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) 
     diagnostics.check_range(
         format_args!("obstacles[{k}].rotation_rad"),
         obstacle.rotation_rad,
-        -MAX_ANGLE_RAD..=MAX_ANGLE_RAD,
+        ANGLE_RAD,
         RADIANS,
     );
     let mut speed = |value: f32| {
@@ -89,14 +84,18 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) 
         ObstacleMotion::Patrol { waypoints_m, speed_m_s }
         | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
             speed(*speed_m_s);
-            diagnostics.check_points(format_args!("obstacles[{k}].motion.waypoints_m"), waypoints_m, 1..=256);
+            diagnostics.check_points(
+                format_args!("obstacles[{k}].motion.waypoints_m"),
+                waypoints_m,
+                WAYPOINTS,
+            );
         }
         ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed: _ } => {
             speed(*speed_m_s);
             diagnostics.check_range(
                 format_args!("obstacles[{k}].motion.radius_m"),
                 *radius_m,
-                0.01..=500.0,
+                WALK_RADIUS_M,
                 METRES,
             );
         }
@@ -104,13 +103,13 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) 
 }
 
 fn check_generator(k: usize, generator: &Generator, collision_range_m: f32, diagnostics: &mut Diagnostics) {
-    diagnostics.check_range(format_args!("generators[{k}].count"), generator.count, 1..=200, "");
+    diagnostics.check_range(format_args!("generators[{k}].count"), generator.count, GENERATOR_COUNT, "");
     let mut sizes = |name: &str, (low, high): (f32, f32)| {
         let path = format_args!("generators[{k}].shape.{name}");
-        diagnostics.check_range(format_args!("{path}[0]"), low, 0.001..=1000.0, METRES);
-        diagnostics.check_range(format_args!("{path}[1]"), high, 0.001..=1000.0, METRES);
+        diagnostics.check_range(format_args!("{path}[0]"), low, SHAPE_SIZE_M, METRES);
+        diagnostics.check_range(format_args!("{path}[1]"), high, SHAPE_SIZE_M, METRES);
         if low > high {
-            diagnostics.push(path, format!("is ({low}, {high}): write the lower number first"));
+            diagnostics.push(path, format!("is ({low}, {high}): write the smaller number first"));
         }
     };
     match generator.shape {
@@ -121,9 +120,9 @@ fn check_generator(k: usize, generator: &Generator, collision_range_m: f32, diag
         }
     }
     let path = format_args!("generators[{k}].gap_m");
-    diagnostics.check_range(path, generator.gap_m, 0.0..=1000.0, METRES);
+    diagnostics.check_range(path, generator.gap_m, CLEARANCE_M, METRES);
     diagnostics.check_above(path, generator.gap_m, 2.0 * collision_range_m, "twice the collision range");
     if let Some(Region { min_m, max_m }) = generator.within {
-        region(format_args!("generators[{k}].within"), min_m, max_m, diagnostics);
+        check_region(format_args!("generators[{k}].within"), min_m, max_m, diagnostics);
     }
 }

@@ -1,22 +1,23 @@
-//! Whether the robot can get from wherever it may start to wherever a goal may be.
+//! The check that the robot can reach every possible goal from every possible start.
 //!
-//! The robot's middle must keep the collision range from everything: what is left is looked at on a fine grid. Only
-//! what is surely out of reach is noted: a cell counts as free if there could be a free point in it. What moves, and
-//! what generators make (they keep their gaps), stands in nobody's way for ever, and is left aside.
-//!
-//! Asked of scenarios in which everything has its room.
+//! In: a scenario that passed all other checks. The robot's centre must keep the collision range from everything; the
+//! space that remains is divided into a fine grid. A cell counts as free if it could contain a free point, so that only
+//! goals that are certainly out of reach are reported. Moving and generated obstacles are ignored: the former don't block
+//! a passage for ever, the latter leave gaps.
 
 use super::Diagnostics;
-use super::extent::{moves, support_points};
 use super::grid::{BlockedCells, CellGrid, ConnectedRegions};
 use crate::polygon::sides;
 use crate::schema::*;
 use glam::DVec2;
 
-/// A part of the free space in which a rule has places: how many cells of it, and one place among them.
+/// A connected region of free space that contains positions of a rule.
 struct RegionSite {
+    /// Number of the region.
     part: u32,
+    /// Number of its cells that the rule allows.
     cells: usize,
+    /// One of the positions.
     place: DVec2,
 }
 
@@ -24,10 +25,10 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let room = f64::from(scenario.task.collision_range_m);
     let (low, high) = scenario.enclosure.bounds_m();
     let Some(grid) = CellGrid::over(low.as_dvec2(), high.as_dvec2(), room) else { return };
-    // From a cell's middle to its corner.
+    // Distance from the centre of a cell to its corner.
     let half = grid.cell_m * std::f64::consts::FRAC_1_SQRT_2;
     let parts = ConnectedRegions::of(&blocked(scenario, &grid, (room - half) * (1.0 - 1e-6)));
-    rules(scenario, &grid, &parts, diagnostics);
+    check_rules(scenario, &grid, &parts, diagnostics);
 
     let [start, goal] = [scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m].map(|place| {
         let (row, column) = grid.cell_at(place.as_dvec2());
@@ -35,48 +36,53 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     });
     if start.is_some() && goal.is_some() && start != goal {
         let message = format!(
-            "can't be reached from benchmark_route.start_m: {}; open a way, or move one of them",
-            needs(scenario)
+            "can't be reached from benchmark_route.start_m: {}; widen a gap, or move one of them",
+            required_gap(scenario)
         );
         diagnostics.push(format_args!("benchmark_route.goal_m"), message);
     }
 }
 
-/// All places of both rules must lie in one part.
-fn rules(scenario: &Scenario, grid: &CellGrid, parts: &ConnectedRegions, diagnostics: &mut Diagnostics) {
+/// Checks that all positions of both rules are in one region.
+fn check_rules(
+    scenario: &Scenario,
+    grid: &CellGrid,
+    parts: &ConnectedRegions,
+    diagnostics: &mut Diagnostics,
+) {
     let starts = sites(scenario, &scenario.starts, grid, parts);
     let goals = sites(scenario, &scenario.goals, grid, parts);
-    // The largest part is the one that is meant.
+    // The largest region is taken for the intended one.
     let Some(main) = starts.iter().chain(&goals).max_by_key(|site| site.cells) else { return };
     let odd = |sites: &[RegionSite]| sites.iter().position(|site| site.part != main.part);
     let (odd_start, odd_goal) = (odd(&starts), odd(&goals));
     let all_starts_odd = starts.iter().all(|site| site.part != main.part);
     let (name, there, message) = match (odd_start, odd_goal) {
-        (Some(start), _) if all_starts_odd => ("starts", &starts[start], "from where the robot can't get to"),
-        (_, Some(goal)) => ("goals", &goals[goal], "where the robot can't get from"),
-        (Some(start), None) => ("starts", &starts[start], "from where the robot can't get to"),
+        (Some(start), _) if all_starts_odd => ("starts", &starts[start], "from which the robot can't reach"),
+        (_, Some(goal)) => ("goals", &goals[goal], "which the robot can't reach from"),
+        (Some(start), None) => ("starts", &starts[start], "from which the robot can't reach"),
         (None, None) => return,
     };
-    // (Adding 0 makes a -0 a 0.)
+    // Adding 0 turns -0 into 0.
     let round = |x: f64| (100.0 * x).round() / 100.0 + 0.0;
     let point = |place: DVec2| format!("({:.2}, {:.2})", round(place.x), round(place.y));
     let message = format!(
-        "may be at {}, {message} {}: {}; open a way, fill that place up, or write a rule without it",
+        "includes {}, {message} {}: {}; widen a gap, block that area, or exclude it from the rule",
         point(there.place),
         point(main.place),
-        needs(scenario)
+        required_gap(scenario)
     );
     diagnostics.push(format_args!("{name}"), message);
 }
 
-fn needs(scenario: &Scenario) -> String {
+fn required_gap(scenario: &Scenario) -> String {
     format!(
-        "it needs a gap of more than {:.2} m, twice the collision range",
+        "the robot needs a gap of more than {:.2} m, twice the collision range",
         2.0 * scenario.task.collision_range_m
     )
 }
 
-/// The parts that the places of `rule` lie in.
+/// The regions that contain positions of `rule`.
 fn sites(
     scenario: &Scenario,
     rule: &PlacementRule,
@@ -85,7 +91,7 @@ fn sites(
 ) -> Vec<RegionSite> {
     let mut sites: Vec<RegionSite> = Vec::new();
     let mut longest: Vec<usize> = Vec::new();
-    // One run of cells, with a place in it.
+    // Adds a run of cells and a position in it.
     let mut add = |part: Option<u32>, cells: usize, place: DVec2| {
         let Some(part) = part else { return };
         let index = sites.iter().position(|site| site.part == part).unwrap_or_else(|| {
@@ -116,7 +122,7 @@ fn sites(
             }
             for row in taken.rows() {
                 for (from, to) in taken.gaps(row) {
-                    add(parts.at(row, from), to - from, grid.middle(row, (from + to) / 2));
+                    add(parts.at(row, from), to - from, grid.centre(row, (from + to) / 2));
                 }
             }
         }
@@ -124,21 +130,21 @@ fn sites(
     sites
 }
 
-/// The cells whose middles are outside, or nearer than `margin` to something that stands still.
+/// The cells whose centres are outside the enclosure or closer than `margin` to a static object.
 fn blocked<'a>(scenario: &Scenario, grid: &'a CellGrid, margin: f64) -> BlockedCells<'a> {
-    let mut cells = BlockedCells::none(grid);
+    let mut cells = BlockedCells::empty(grid);
     let corners: Vec<DVec2> = scenario.enclosure.corners_m().iter().map(|corner| corner.as_dvec2()).collect();
     cells.set_outside(&corners);
     for (from, to) in sides(&corners) {
         cells.set_near(&[from, to], margin);
     }
     let mut set = |obstacle: &Obstacle| {
-        let (points, radius) = support_points(&obstacle.shape, obstacle.rotation_rad);
+        let (points, radius) = obstacle.shape.support_points(obstacle.rotation_rad);
         let middle = obstacle.position_m.as_dvec2();
         let points: Vec<DVec2> = points.iter().map(|point| middle + point.as_dvec2()).collect();
         cells.set_near(&points, margin + f64::from(radius));
     };
     scenario.walls.iter().flat_map(Wall::segments).for_each(|piece| set(&piece));
-    scenario.obstacles.iter().filter(|obstacle| !moves(obstacle)).for_each(set);
+    scenario.obstacles.iter().filter(|obstacle| !obstacle.motion.is_moving()).for_each(set);
     cells
 }

@@ -1,60 +1,61 @@
-//! Whether everything stays inside the enclosure, and whether there is room for starts, goals and the benchmark route.
+//! The checks that everything stays inside the enclosure and leaves free space for starts, goals and the benchmark route.
 //!
-//! Asked of scenarios whose numbers are sound.
+//! In: a scenario with valid numbers.
 
 use super::Diagnostics;
-use super::extent::{EnclosureExtent, TOLERANCE_M, moves};
+use super::extent::{EnclosureExtent, TOLERANCE_M};
 use crate::geometry::{clearance, length};
 use crate::motion::pose_at;
 use crate::placement::free_points;
 use crate::schema::*;
 use glam::{Vec2, vec2};
 
-/// At how many moments of an episode room is looked for when obstacles move.
+/// Number of moments of an episode at which free space is checked if obstacles move.
 const SAMPLED_STEPS: u64 = 4;
-/// So many sides of obstacles are gone through for one place, over all moments: where there are more, fewer moments do.
+/// Most sides of obstacles that are tested per position, over all moments. A scenario with more sides is checked at fewer
+/// moments.
 const MAX_EDGE_CHECKS: usize = 80_000;
-/// So many layouts of generators are looked at.
+/// Most generated layouts that are checked.
 const MAX_SAMPLED_LAYOUTS: usize = 4;
-/// Where furnishing them takes more than this (obstacles to place times sides to keep clear of), fewer are: a check
-/// while the hand still moves must not be felt.
+/// Work (obstacles to place times sides to test) spent on generating layouts; fewer are checked if one takes more. The
+/// editor runs this check during a drag, so it must be quick.
 const GENERATION_WORK_BUDGET: usize = 20_000;
-/// Where furnishing one takes more than this, none is.
+/// Work above which no layout is generated.
 const MAX_GENERATION_WORK: usize = 400_000;
-/// Of random starts, one in so many must leave a goal that is far enough.
+/// One in this many random starts must have a goal that is far enough away.
 const FAR_START_DIVISOR: usize = 4;
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let inside = EnclosureExtent::new(&scenario.enclosure);
-    walls(scenario, &inside, diagnostics);
+    check_walls(scenario, &inside, diagnostics);
     for (k, obstacle) in scenario.obstacles.iter().enumerate() {
         let over = inside.overhang_m(obstacle);
         if over > TOLERANCE_M {
-            let (what, mend) = if moves(obstacle) {
-                ("reaches on its way", "shorten the way or make it smaller")
+            let (when, fix) = if obstacle.motion.is_moving() {
+                (" while it moves", "shorten its path or make it smaller")
             } else {
-                ("reaches", "move it inwards or make it smaller")
+                ("", "move it inside or make it smaller")
             };
             diagnostics.push(
                 format_args!("obstacles[{k}]"),
-                format!("{what} {over:.3} m beyond the enclosure: {mend}"),
+                format!("extends {over:.3} m outside the enclosure{when}: {fix}"),
             );
         }
     }
-    generators(scenario, diagnostics);
-    named(scenario, diagnostics);
-    benchmark_route(scenario, diagnostics);
-    room(scenario, diagnostics);
+    check_regions(scenario, diagnostics);
+    check_named_positions(scenario, diagnostics);
+    check_benchmark_route(scenario, diagnostics);
+    check_free_space(scenario, diagnostics);
 }
 
-/// The middle line of an inner wall must be inside; its ends may lie in the enclosure's walls.
-fn walls(scenario: &Scenario, inside: &EnclosureExtent<'_>, diagnostics: &mut Diagnostics) {
+/// Checks that the centre line of every inner wall is inside the enclosure; it may end in the enclosure's own walls.
+fn check_walls(scenario: &Scenario, inside: &EnclosureExtent<'_>, diagnostics: &mut Diagnostics) {
     for (k, wall) in scenario.walls.iter().enumerate() {
         let before = diagnostics.0.len();
         for (j, &corner) in wall.corners_m.iter().enumerate() {
             let over = inside.segment_overhang_m(corner, corner, 0.0);
             if over > TOLERANCE_M {
-                let message = format!("lies {over:.3} m beyond the enclosure: move it inwards");
+                let message = format!("is {over:.3} m outside the enclosure: move it inside");
                 diagnostics.push(format_args!("walls[{k}].corners_m[{j}]"), message);
             }
         }
@@ -65,7 +66,7 @@ fn walls(scenario: &Scenario, inside: &EnclosureExtent<'_>, diagnostics: &mut Di
             let over = inside.segment_overhang_m(ends[0], ends[1], 0.0);
             if over > TOLERANCE_M {
                 let message = format!(
-                    "begins a piece that reaches {over:.3} m beyond the enclosure: lead it round by another corner"
+                    "starts a segment that extends {over:.3} m outside the enclosure: add a corner that goes around"
                 );
                 diagnostics.push(format_args!("walls[{k}].corners_m[{j}]"), message);
             }
@@ -73,19 +74,19 @@ fn walls(scenario: &Scenario, inside: &EnclosureExtent<'_>, diagnostics: &mut Di
     }
 }
 
-fn generators(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+fn check_regions(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let (low, high) = scenario.enclosure.bounds_m();
     for (k, generator) in scenario.generators.iter().enumerate() {
         let Some(Region { min_m, max_m }) = generator.within else { continue };
         if min_m.x >= high.x || max_m.x <= low.x || min_m.y >= high.y || max_m.y <= low.y {
-            let message = "lies outside the enclosure: move it inwards, or leave it out";
+            let message = "is outside the enclosure: move it inside, or remove it";
             diagnostics.push(format_args!("generators[{k}].within"), message);
         }
     }
 }
 
-/// The places that a rule names, each with its path below the rule's; none where the rule draws them.
-fn places(rule: &PlacementRule) -> Vec<(String, Vec2)> {
+/// The positions that a rule names, each with its field path below the rule. Empty for a random rule.
+fn named_positions(rule: &PlacementRule) -> Vec<(String, Vec2)> {
     match rule {
         PlacementRule::Random { .. } | PlacementRule::Within { .. } => Vec::new(),
         PlacementRule::Fixed { position_m, .. } => vec![("position_m".into(), *position_m)],
@@ -95,23 +96,28 @@ fn places(rule: &PlacementRule) -> Vec<(String, Vec2)> {
     }
 }
 
-/// Places that the rules name must be where the robot doesn't collide with what stands still.
-fn named(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    let standing = standing(scenario);
+/// Checks that the robot does not collide with a static object at the positions that the rules name.
+fn check_named_positions(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+    let still = without_moving_obstacles(scenario);
     for (name, rule) in [("starts", &scenario.starts), ("goals", &scenario.goals)] {
-        for (path, place) in places(rule) {
-            let clear = clearance(&standing, place, 0);
-            keeps_clear(format_args!("{name}.{path}"), clear, scenario.task.collision_range_m, diagnostics);
+        for (path, place) in named_positions(rule) {
+            let clear = clearance(&still, place, 0);
+            check_clearance(
+                format_args!("{name}.{path}"),
+                clear,
+                scenario.task.collision_range_m,
+                diagnostics,
+            );
         }
     }
 }
 
-/// The benchmark route's ends must be where the robot doesn't collide, and apart.
-fn benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+/// Checks that the robot does not collide at either end of the benchmark route, and that the ends are apart.
+fn check_benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
     for (name, point) in [("start_m", benchmark_route.start_m), ("goal_m", benchmark_route.goal_m)] {
         let clear = clearance(scenario, point, 0);
-        keeps_clear(format_args!("benchmark_route.{name}"), clear, task.collision_range_m, diagnostics);
+        check_clearance(format_args!("benchmark_route.{name}"), clear, task.collision_range_m, diagnostics);
     }
     let apart = length(
         benchmark_route.start_m.x - benchmark_route.goal_m.x,
@@ -125,61 +131,63 @@ fn benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     );
 }
 
-fn keeps_clear(path: std::fmt::Arguments<'_>, clear: f32, least: f32, diagnostics: &mut Diagnostics) {
+fn check_clearance(path: std::fmt::Arguments<'_>, clear: f32, least: f32, diagnostics: &mut Diagnostics) {
     if clear < least {
-        let lies = if clear < 0.0 { "inside an obstacle or wall" } else { "from an obstacle or wall" };
+        let side = if clear < 0.0 { "inside an obstacle or wall" } else { "from an obstacle or wall" };
         let message =
-            format!("lies {:.3} m {lies}: put it at least {least} m clear of everything", clear.abs());
+            format!("is {:.3} m {side}: keep it at least {least} m away from everything", clear.abs());
         diagnostics.push(path, message);
     }
 }
 
-/// Starts and goals must find room, and goals far enough from wherever the robot is.
-fn room(scenario: &Scenario, diagnostics: &mut Diagnostics) {
-    let moments = if scenario.obstacles.iter().any(moves) {
+/// Checks that there is free space for starts and goals, and for goals far enough from any position of the robot.
+fn check_free_space(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+    let moments = if scenario.obstacles.iter().any(|obstacle| obstacle.motion.is_moving()) {
         (MAX_EDGE_CHECKS / sides(scenario).max(1)).clamp(1, SAMPLED_STEPS as usize) as u64
     } else {
         1
     };
-    let (mut starts, mut goals, mut spread) = (None, None, false);
+    let (mut starts, mut goals, mut too_narrow) = (None, None, false);
     for step in (0..moments).map(|k| k * u64::from(scenario.task.max_episode_steps) / SAMPLED_STEPS) {
         let found = FreeSpace::new(&frozen(scenario, step));
         starts = starts.or((!found.starts).then_some(step));
         goals = goals.or((!found.goals).then_some(step));
-        spread |= found.goals && !found.wide;
+        too_narrow |= found.goals && !found.wide;
     }
-    none("starts", starts, &scenario.starts, diagnostics);
-    none("goals", goals, &scenario.goals, diagnostics);
-    if spread {
+    report_no_free_space("starts", starts, &scenario.starts, diagnostics);
+    report_no_free_space("goals", goals, &scenario.goals, diagnostics);
+    if too_narrow {
         let message = format!(
-            "is {}: the free space for goals is less than twice as long, so some places of the robot leave no \
-             goal; write less, or make room",
+            "is {}, but the free space for goals is less than twice as long, so that no goal is far enough from some robot \
+             positions: write a smaller distance, or free more space",
             scenario.task.min_goal_distance_m
         );
         diagnostics.push(format_args!("task.min_goal_distance_m"), message);
     }
     if starts.is_none() && goals.is_none() {
-        far_enough(scenario, diagnostics);
-        if !spread {
-            layouts(scenario, diagnostics);
+        check_goal_distance(scenario, diagnostics);
+        if !too_narrow {
+            check_layouts(scenario, diagnostics);
         }
     }
 }
 
-/// What the rules find in a world at one moment. Of a rule that names places nothing is asked here.
+/// The free space of a scenario at one moment, as the placement rules see it. Rules that name positions are not checked
+/// here.
 struct FreeSpace {
     starts: bool,
     goals: bool,
-    /// Whether random goals lie so far apart that one is far enough from anywhere.
+    /// Whether random goals are too_narrow so widely that one is far enough from any position.
     wide: bool,
 }
 
 impl FreeSpace {
-    /// In a world in which everything stands.
+    /// The free space of a scenario in which nothing moves.
     fn new(frozen: &Scenario) -> Self {
         let far = 2.0 * frozen.task.min_goal_distance_m;
-        let any =
-            |rule: &PlacementRule| !places(rule).is_empty() || free_points(frozen, rule, 0).next().is_some();
+        let any = |rule: &PlacementRule| {
+            !named_positions(rule).is_empty() || free_points(frozen, rule, 0).next().is_some()
+        };
         let starts = any(&frozen.starts);
         let PlacementRule::Random { .. } = frozen.goals else {
             return Self { starts, goals: any(&frozen.goals), wide: true };
@@ -196,8 +204,8 @@ impl FreeSpace {
     }
 }
 
-/// What generators make must leave room, too: a few layouts are looked at.
-fn layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+/// Checks that a few generated layouts leave free space, too.
+fn check_layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let made = scenario.max_obstacles() - scenario.obstacles.len();
     if made == 0 {
         return;
@@ -218,19 +226,20 @@ fn layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
             _ => continue,
         };
         let message = format!(
-            "can leave no room {what}: write fewer or smaller ones, keep them within a part of the enclosure, or write \
-             a smaller clearance_m"
+            "may leave no free space {what}: generate fewer or smaller obstacles, restrict them with `within`, or write a \
+             smaller clearance_m"
         );
         diagnostics.push(format_args!("generators"), message);
         return;
     }
-    if placed == 0 && !diagnostics.0.iter().any(|finding| finding.path.starts_with("generators")) {
-        let message = "find no room for anything: write a smaller gap_m, smaller sizes, or a larger `within`";
+    if placed == 0 && !diagnostics.0.iter().any(|found| found.path.starts_with("generators")) {
+        let message =
+            "have no space for any obstacle: write a smaller gap_m, smaller sizes, or a larger `within`";
         diagnostics.push(format_args!("generators"), message);
     }
 }
 
-fn none(name: &str, step: Option<u64>, rule: &PlacementRule, diagnostics: &mut Diagnostics) {
+fn report_no_free_space(name: &str, step: Option<u64>, rule: &PlacementRule, diagnostics: &mut Diagnostics) {
     let (of, clearance_m) = match rule {
         PlacementRule::Random { clearance_m } => ("the enclosure", clearance_m),
         PlacementRule::Within { clearance_m, .. } => ("its rectangle", clearance_m),
@@ -238,22 +247,22 @@ fn none(name: &str, step: Option<u64>, rule: &PlacementRule, diagnostics: &mut D
     };
     if let Some(step) = step {
         let message = format!(
-            "finds no free space at step {step}: no point of {of} is {clearance_m} m clear; use fewer or smaller \
+            "has no free space at step {step}: no point of {of} has a clearance of {clearance_m} m; use fewer or smaller \
              obstacles, or a smaller clearance_m"
         );
         diagnostics.push(format_args!("{name}"), message);
     }
 }
 
-/// Starts must leave a goal that is far enough. (Of random goals, [`room`] has seen to that.)
-fn far_enough(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+/// Checks that a goal is far enough from the starts. [`check_free_space`] does this for random goals.
+fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     if matches!(scenario.goals, PlacementRule::Random { .. }) {
         return;
     }
     let least = scenario.task.min_goal_distance_m;
     let frozen = frozen(scenario, 0);
     let points = |rule: &PlacementRule| -> Vec<Vec2> {
-        let named: Vec<_> = places(rule).into_iter().map(|(_, place)| place).collect();
+        let named: Vec<_> = named_positions(rule).into_iter().map(|(_, place)| place).collect();
         if named.is_empty() { free_points(&frozen, rule, 0).collect() } else { named }
     };
     let goals = points(&scenario.goals);
@@ -264,18 +273,18 @@ fn far_enough(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         let apart = length(goal.x - start.x, goal.y - start.y);
         if apart < least {
             let message = format!(
-                "lies {apart:.3} m from the start: put it {least} m away at least, or write less for \
+                "is {apart:.3} m from the start: move it at least {least} m away, or write a smaller \
                  task.min_goal_distance_m"
             );
             diagnostics.push(format_args!("goals.position_m"), message);
         }
         return;
     }
-    let named = places(&scenario.starts);
+    let named = named_positions(&scenario.starts);
     for (path, start) in &named {
         if !leaves(*start) {
             let message = format!(
-                "leaves no goal that is {least} m away: move it, or write less for task.min_goal_distance_m"
+                "has no goal at least {least} m away: move it, or write a smaller task.min_goal_distance_m"
             );
             diagnostics.push(format_args!("starts.{path}"), message);
         }
@@ -285,33 +294,28 @@ fn far_enough(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         let far = starts.iter().filter(|&&start| leaves(start)).count();
         if far * FAR_START_DIVISOR < starts.len() {
             let message = format!(
-                "lie too near the starts: fewer than one start in {FAR_START_DIVISOR} leaves a goal that is {least} m away; \
-                 move them, or write less for task.min_goal_distance_m"
+                "are too close to the starts: fewer than one start in {FAR_START_DIVISOR} has a goal at least {least} m away; \
+                 move them, or write a smaller task.min_goal_distance_m"
             );
             diagnostics.push(format_args!("goals"), message);
         }
     }
 }
 
-/// How many sides all obstacles and inner walls have.
+/// Number of sides of all obstacles and inner walls.
 fn sides(scenario: &Scenario) -> usize {
-    let of_obstacle = |obstacle: &Obstacle| match &obstacle.shape {
-        Shape::Circle { .. } => 1,
-        Shape::Rectangle { .. } | Shape::Capsule { .. } => 2,
-        Shape::Polygon { corners_m } => corners_m.len(),
-    };
-    scenario.obstacles.iter().map(of_obstacle).sum::<usize>()
+    scenario.obstacles.iter().map(|obstacle| obstacle.shape.side_count()).sum::<usize>()
         + scenario.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>()
 }
 
-/// The scenario without what moves.
-fn standing(scenario: &Scenario) -> Scenario {
+/// The scenario without its moving obstacles.
+fn without_moving_obstacles(scenario: &Scenario) -> Scenario {
     let mut still = scenario.clone();
-    still.obstacles.retain(|obstacle| !moves(obstacle));
+    still.obstacles.retain(|obstacle| !obstacle.motion.is_moving());
     still
 }
 
-/// The scenario with every obstacle standing where it is at `step`.
+/// The scenario with every obstacle stopped where it is at `step`.
 fn frozen(scenario: &Scenario, step: u64) -> Scenario {
     let mut still = scenario.clone();
     for obstacle in &mut still.obstacles {

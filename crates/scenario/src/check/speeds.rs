@@ -1,25 +1,23 @@
-//! How far robot and obstacles come in one control step: not so far that they jump over one another.
+//! The distances that robot and obstacles travel in one control step: too short to jump over each other.
 
 use std::f32::consts::PI;
 
-use super::numbers::{MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S};
 use super::{Diagnostics, rounded_down};
 use crate::geometry::length;
+use crate::limits::*;
 use crate::schema::*;
 
-/// The farthest that an obstacle may move in one control step, in m.
-const MAX_STEP_M: f32 = 0.5;
-/// What rounding may add to a speed that is just allowed.
+/// Factor of tolerance for the rounding of a speed at the limit.
 const SLACK: f32 = 1.0 + 1e-5;
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let period = scenario.task.control_period_s;
-    // Who has yet to write a control period that there is, is told of that first.
-    let period = if (0.001..=10.0).contains(&period) { period } else { 0.0 };
-    for (k, obstacle) in scenario.obstacles.iter().enumerate().take(10_000) {
+    // An invalid control period is reported elsewhere; with a period of 0 nothing here is.
+    let period = if CONTROL_PERIOD_S.contains(&period) { period } else { 0.0 };
+    for (k, obstacle) in scenario.obstacles.iter().enumerate().take(MAX_OBSTACLES) {
         check_obstacle(k, obstacle, period, diagnostics);
     }
-    robot(scenario, period, diagnostics);
+    check_robot(scenario, period, diagnostics);
 }
 
 fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut Diagnostics) {
@@ -38,8 +36,9 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
                 diagnostics.push(path, too_far(speed * period, "obstacle", &most));
             } else if speed > MAX_SPEED_M_S * SLACK {
                 let most = rounded_down(MAX_SPEED_M_S / arm);
-                let message =
-                    format!("makes the obstacle move at {speed:.3} m/s: write at most {most}, for 5 m/s");
+                let message = format!(
+                    "moves the obstacle at {speed:.3} m/s, above the limit of {MAX_SPEED_M_S} m/s: write at most {most}"
+                );
                 diagnostics.push(path, message);
             } else if speed_rad_s.abs() * period > PI * SLACK {
                 diagnostics.push(path, too_round(speed_rad_s.abs() * period, "obstacle", period));
@@ -57,15 +56,16 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
     }
 }
 
-fn robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) {
+fn check_robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) {
     let goal = scenario.task.goal_radius_m;
-    for (k, motion) in scenario.robot.motions.iter().enumerate().take(64) {
+    for (k, motion) in scenario.robot.motions.iter().enumerate().take(*MOTIONS.end()) {
         let gone = motion.v_m_s.abs() * period;
-        if gone > 2.0 * goal * SLACK && motion.v_m_s.abs() <= MAX_SPEED_M_S && goal >= 0.001 {
+        if gone > 2.0 * goal * SLACK && motion.v_m_s.abs() <= MAX_SPEED_M_S && goal >= *GOAL_RADIUS_M.start()
+        {
             let most = rounded_down(2.0 * goal / period);
             let message = format!(
-                "takes the robot {gone:.3} m far in one control step, over its goal of {:.3} m across: write at \
-                 most {most}, or less for task.control_period_s",
+                "moves the robot {gone:.3} m in one control step, more than the goal's diameter of {:.3} m: write at most \
+                 {most}, or a smaller task.control_period_s",
                 2.0 * goal
             );
             diagnostics.push(format_args!("robot.motions[{k}].v_m_s"), message);
@@ -80,15 +80,15 @@ fn robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) {
 
 fn too_far(gone: f32, what: &str, most: &str) -> String {
     format!(
-        "takes the {what} {gone:.3} m far in one control step: write at most {most}, for 0.5 m, or less for \
-         task.control_period_s"
+        "moves the {what} {gone:.3} m in one control step, above the limit of {MAX_STEP_M} m: write at most {most}, or a \
+         smaller task.control_period_s"
     )
 }
 
 fn too_round(turned: f32, what: &str, period: f32) -> String {
     format!(
-        "turns the {what} by {turned:.3} rad in one control step, more than half a turn: write at most {}, or less \
-         for task.control_period_s",
+        "turns the {what} by {turned:.3} rad in one control step, more than half a turn: write at most {}, or a \
+         smaller task.control_period_s",
         rounded_down(PI / period)
     )
 }

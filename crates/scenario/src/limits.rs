@@ -1,0 +1,109 @@
+//! The limits of files and of the numbers in them.
+//!
+//! They keep a hostile or mistaken file from taking memory or time. Lengths are in m, angles in rad, times in s; ranges
+//! include both ends.
+
+use std::ops::RangeInclusive;
+
+// Files.
+
+/// Largest RON file, in bytes.
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
+/// Deepest nesting of brackets in a RON file.
+pub const MAX_NESTING: usize = 64;
+/// Most problems that are reported for one file; the rest are counted.
+pub const MAX_PROBLEMS: usize = 100;
+
+// Texts.
+
+/// Longest scenario name, in characters.
+pub const MAX_NAME_CHARS: usize = 100;
+/// Longest description of a scenario, in characters.
+pub const MAX_ABOUT_CHARS: usize = 2_000;
+
+// Enclosure and walls.
+
+/// Coordinates of points, in m.
+pub const COORDINATE_M: RangeInclusive<f32> = -500.0..=500.0;
+/// Extent of the enclosure along x and along y, in m.
+pub const ENCLOSURE_SIDE_M: RangeInclusive<f32> = 0.5..=1000.0;
+/// Number of corners of a polygonal enclosure.
+pub const ENCLOSURE_CORNERS: RangeInclusive<usize> = 3..=64;
+/// Most inner walls.
+pub const MAX_WALLS: usize = 1_000;
+/// Number of corners of an inner wall.
+pub const WALL_CORNERS: RangeInclusive<usize> = 2..=256;
+/// Thickness of an inner wall, in m.
+pub const WALL_THICKNESS_M: RangeInclusive<f32> = 0.01..=100.0;
+/// Most segments of all inner walls together.
+pub const MAX_WALL_SEGMENTS: usize = 10_000;
+
+// Obstacles.
+
+/// Most obstacles.
+pub const MAX_OBSTACLES: usize = 10_000;
+/// Sizes of shapes, in m.
+pub const SHAPE_SIZE_M: RangeInclusive<f32> = 0.001..=1000.0;
+/// Number of corners of a polygonal obstacle.
+pub const POLYGON_CORNERS: RangeInclusive<usize> = 3..=32;
+/// Coordinates of the corners of a polygonal obstacle in its own frame, in m.
+pub const POLYGON_COORDINATE_M: RangeInclusive<f32> = -1000.0..=1000.0;
+/// Smallest area of a polygonal obstacle, in m^2: that of the smallest square.
+pub const MIN_POLYGON_AREA_M2: f64 = 1e-6;
+/// Rotations and headings, in rad: a full turn either way, with some room for rounding.
+pub const ANGLE_RAD: RangeInclusive<f32> = -6.3..=6.3;
+/// Highest speed of an obstacle or the robot, in m/s.
+pub const MAX_SPEED_M_S: f32 = 5.0;
+/// Highest angular speed of an obstacle or the robot, in rad/s.
+pub const MAX_ANGULAR_SPEED_RAD_S: f32 = 20.0;
+/// Longest way of an obstacle in one control step, in m.
+pub const MAX_STEP_M: f32 = 0.5;
+/// Number of waypoints of a patrol.
+pub const WAYPOINTS: RangeInclusive<usize> = 1..=256;
+/// Reach of a random walk, in m.
+pub const WALK_RADIUS_M: RangeInclusive<f32> = 0.01..=500.0;
+
+// Generators.
+
+/// Most generators.
+pub const MAX_GENERATORS: usize = 16;
+/// Number of obstacles of one generator.
+pub const GENERATOR_COUNT: RangeInclusive<u32> = 1..=200;
+/// Most obstacles of all generators together.
+pub const MAX_GENERATED_OBSTACLES: u64 = 200;
+/// Smallest gap around generated obstacles, and the clearance of placement rules, in m.
+pub const CLEARANCE_M: RangeInclusive<f32> = 0.0..=1000.0;
+
+// Robot and LIDAR.
+
+/// Radius of the robot, in m.
+pub const ROBOT_RADIUS_M: RangeInclusive<f32> = 0.01..=10.0;
+/// Number of motions of the robot.
+pub const MOTIONS: RangeInclusive<usize> = 1..=64;
+/// Time constant of the drive, in s.
+pub const ACTUATOR_LAG_S: RangeInclusive<f32> = 0.0..=10.0;
+/// Number of LIDAR beams.
+pub const BEAMS: RangeInclusive<usize> = 1..=4096;
+/// Field of view of the LIDAR, in rad; a full turn may be written as 6.2832.
+pub const FIELD_OF_VIEW_RAD: RangeInclusive<f32> = 0.01..=62_832.0 / 10_000.0;
+/// Maximum range of the LIDAR, in m.
+pub const LIDAR_RANGE_M: RangeInclusive<f32> = 0.01..=1000.0;
+/// Standard deviation of the range noise, in m.
+pub const LIDAR_NOISE_M: RangeInclusive<f32> = 0.0..=10.0;
+/// Delay of a scan, in control steps.
+pub const LIDAR_LATENCY_STEPS: RangeInclusive<u32> = 0..=50;
+
+// Task and placement.
+
+/// Radius of the goal, in m.
+pub const GOAL_RADIUS_M: RangeInclusive<f32> = 0.001..=100.0;
+/// Collision range, in m.
+pub const COLLISION_RANGE_M: RangeInclusive<f32> = 0.01..=100.0;
+/// Time limit of an episode, in control steps.
+pub const EPISODE_STEPS: RangeInclusive<u32> = 1..=1_000_000;
+/// Control period, in s.
+pub const CONTROL_PERIOD_S: RangeInclusive<f32> = 0.001..=10.0;
+/// Smallest distance of a new goal from the robot, in m.
+pub const GOAL_DISTANCE_M: RangeInclusive<f32> = 0.001..=1000.0;
+/// Number of positions of a `OneOf` rule.
+pub const POSITIONS: RangeInclusive<usize> = 1..=256;
