@@ -104,8 +104,8 @@ impl SimulationBuilder {
         Self { agent: Agent::Plugin(action_selection), ..self }
     }
 
-    /// Adds an agent that explores and learns. Insert the learner as [`ActiveLearner`](crate::agent::ActiveLearner) before the first
-    /// step.
+    /// Adds an agent that explores and learns. Insert the learner as
+    /// [`ActiveLearner`](crate::agent::ActiveLearner) before the first step.
     #[must_use]
     pub fn training(self) -> Self {
         Self { agent: Agent::Training, ..self }
