@@ -1,7 +1,7 @@
 //! Simulations: arenas of one scenario, stepped by their caller.
 //!
-//! [`SimulationBuilder`] puts the plugins of a simulation together, a user's among them. Training, evaluation,
-//! [`VecEnv`](crate::env::VecEnv) and the app all use it. A [`Simulation`] is headless: it has a world and no window.
+//! [`SimulationBuilder`] combines the plugins of a simulation with a user's plugins. Training, evaluation,
+//! [`VecEnv`](crate::env::VecEnv) and the app all use it. A [`Simulation`] is headless.
 
 use std::fmt;
 use std::sync::Arc;
@@ -15,11 +15,10 @@ use crate::policy::Encoding;
 use crate::scenario::Scenario;
 use crate::sim::{SimPlugin, spawn_arenas};
 use crate::task::{
-    EpisodeSetup, ExtraRewards, Fault, ObservationLayout, ObservationSlice, RewardConfig, TaskFault,
-    TaskMode, TaskPlugin,
+    ExtraRewards, Fault, ObservationLayout, ObservationSlice, RewardConfig, TaskFault, TaskMode, TaskPlugin,
 };
 
-/// A user's plugins, which are added to every simulation that is built with them.
+/// A user's plugins. They are added to every simulation that is built with them.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -44,7 +43,7 @@ pub struct Extensions(Vec<AddPlugin>);
 type AddPlugin = Arc<dyn Fn(&mut App) + Send + Sync>;
 
 impl Extensions {
-    /// Adds `plugin`, which may call [`SimulationAppExt`](crate::task::SimulationAppExt)'s methods in its `build`.
+    /// Adds `plugin`. Its `build` may call the methods of [`SimulationAppExt`](crate::task::SimulationAppExt).
     #[must_use]
     pub fn plugin(mut self, plugin: impl Plugin + Clone) -> Self {
         self.0.push(Arc::new(move |app| {
@@ -53,12 +52,12 @@ impl Extensions {
         self
     }
 
-    /// Adds all plugins to `app`, which must have the task already.
-    pub fn build(&self, app: &mut App) {
+    /// Adds all plugins to `app`, which must have the [`TaskPlugin`] already.
+    fn build(&self, app: &mut App) {
         self.0.iter().for_each(|add| add(app));
     }
 
-    /// The slices that the plugins' sensors add to an observation, and the names of their reward terms.
+    /// The slices that the plugins' sensors add to the observation, and the names of the plugins' reward terms.
     #[must_use]
     pub fn describe(&self) -> (Vec<ObservationSlice>, Vec<String>) {
         if self.0.is_empty() {
@@ -76,7 +75,7 @@ impl Extensions {
 }
 
 impl PartialEq for Extensions {
-    /// The same plugins, by identity.
+    /// Whether both are clones of the same plugins, by identity.
     fn eq(&self, other: &Self) -> bool {
         self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|(one, two)| Arc::ptr_eq(one, two))
     }
@@ -88,17 +87,17 @@ impl fmt::Debug for Extensions {
     }
 }
 
-/// How a simulation's actions are chosen.
+/// The component that chooses actions.
 enum Agent {
     /// The caller writes [`Actions`](crate::task::Actions) before each step.
     Caller,
     /// An [`AgentPlugin`] chooses them.
     Plugin(ActionSelection),
-    /// An [`AgentPlugin`] explores, and a [`TrainingPlugin`] learns.
+    /// An [`AgentPlugin`] explores, and a [`TrainingPlugin`] trains the learner.
     Training,
 }
 
-/// Builds a simulation: a scenario, a number of arenas, a seed, the task's options, and a user's plugins.
+/// A builder of simulations: a scenario, a number of arenas, a seed, the options of the task, and a user's plugins.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -121,7 +120,8 @@ pub struct SimulationBuilder {
 }
 
 impl SimulationBuilder {
-    /// One arena of `scenario`, seed 0, the paper's reward and scaled observations; the caller chooses actions.
+    /// A builder with one arena of `scenario`, seed 0, the paper's reward and scaled observations. The caller chooses the
+    /// actions.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>) -> Self {
         Self {
@@ -142,7 +142,7 @@ impl SimulationBuilder {
         Self { arenas: arenas.max(1), ..self }
     }
 
-    /// Sets the seed. Arena k's streams depend on the seed and k alone.
+    /// Sets the seed. The random streams of arena k depend on the seed and k alone.
     #[must_use]
     pub fn seed(self, seed: u64) -> Self {
         Self { seed, ..self }
@@ -172,7 +172,8 @@ impl SimulationBuilder {
         Self { extensions: extensions.clone(), ..self }
     }
 
-    /// Adds an agent that selects actions from the policy or the sources in the world.
+    /// Adds an agent. It selects actions with the [`GreedyPolicy`](crate::agent::GreedyPolicy) or the
+    /// [`ActionSources`](crate::agent::ActionSources) in the world.
     #[must_use]
     pub fn agent(self, action_selection: ActionSelection) -> Self {
         Self { agent: Agent::Plugin(action_selection), ..self }
@@ -184,7 +185,7 @@ impl SimulationBuilder {
         Self { agent: Agent::Training, ..self }
     }
 
-    /// Adds the plugins to `app`, whose runner decides when [`ControlStep`] runs. No arena is made.
+    /// Adds the plugins to `app`, whose runner decides when [`ControlStep`] runs. Spawns no arena.
     pub fn add_to(&self, app: &mut App) {
         Self::add_plugins_of(app, self);
         self.extensions.build(app);
@@ -209,21 +210,21 @@ impl SimulationBuilder {
         }
     }
 
-    /// The headless simulation without an arena yet; [`spawn_arenas`] makes them.
+    /// A headless simulation without arenas; call [`spawn_arenas`] next.
     #[must_use]
-    pub fn build_empty(&self) -> Simulation {
+    pub(crate) fn build_empty(&self) -> Simulation {
         let mut app = App::new();
         app.add_plugins(MinimalPlugins);
         self.add_to(&mut app);
-        // What an app's runner does before its first frame.
+        // An app's runner does this before its first frame.
         app.finish();
         app.cleanup();
         app.update();
-        // The world alone: unlike an app, it may move between threads.
+        // Keeps the world only, because an app cannot move between threads.
         Simulation { world: std::mem::take(app.world_mut()) }
     }
 
-    /// The headless simulation, every arena at its first observation.
+    /// A headless simulation, with every arena at its first observation.
     #[must_use]
     pub fn build(&self) -> Simulation {
         let mut simulation = self.build_empty();
@@ -238,55 +239,51 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// The ECS world with all arenas, to be read.
+    /// The ECS world with all arenas.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The ECS world with all arenas. Change arenas only between steps.
+    /// The ECS world with all arenas, to modify between steps.
     pub fn world_mut(&mut self) -> &mut World {
         &mut self.world
     }
 
-    /// One control step in all arenas.
+    /// Runs one control step in all arenas.
     ///
     /// # Errors
     /// See [`step`].
     pub fn step(&mut self) -> Result<(), StepError> {
         step(&mut self.world)
     }
-
-    /// Whether starts and goals are drawn at random, or are those of the benchmark route.
-    pub fn set_episode_setup(&mut self, setup: EpisodeSetup) {
-        self.world.insert_resource(setup);
-    }
 }
 
-/// Why a control step failed.
+/// The reason why a control step failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
-    /// No free space for a start or goal, or a number that is not finite.
+    /// No free space for a start or goal, or a non-finite number.
     #[error(transparent)]
     Task(#[from] Fault),
-    /// A loss or a weight that is not finite.
+    /// A non-finite loss or weight.
     #[error(transparent)]
     Learning(#[from] DivergenceError),
 }
 
-/// One control step in all arenas of `world`.
+/// Runs one control step in all arenas of `world`.
 ///
 /// # Errors
-/// No free space was found for a start or goal; or a number is NaN or infinite: the message says which, where and when.
+/// - No free space was found for a start or goal.
+/// - A number is NaN or infinite. The message names the number, the arena and the step.
 pub fn step(world: &mut World) -> Result<(), StepError> {
     world.run_schedule(ControlStep);
     if let Some(fault) = &world.resource::<TaskFault>().0 {
         return Err(fault.clone().into());
     }
-    // Only a training that is under way can fail by its learner: one that is suspended keeps an older fault.
-    let learns = world.get_resource::<ActionSelection>() == Some(&ActionSelection::EpsilonGreedy)
+    // A suspended training keeps its fault. Only an active one can fail this step.
+    let is_training = world.get_resource::<ActionSelection>() == Some(&ActionSelection::EpsilonGreedy)
         && world.contains_resource::<ActiveLearner>();
-    let fault = world.get_resource::<TrainingFault>().filter(|_| learns);
+    let fault = world.get_resource::<TrainingFault>().filter(|_| is_training);
     match fault.and_then(|fault| fault.0.as_ref()) {
         Some(diverged) => Err(diverged.clone().into()),
         None => Ok(()),

@@ -1,4 +1,4 @@
-//! Crash recovery: however a run ends, its folder stays consistent, and the resumed run equals an
+//! Tests of crash recovery: after any kind of crash, the run folder is consistent, and the resumed run equals an
 //! uninterrupted one.
 #![cfg(target_os = "linux")]
 
@@ -14,7 +14,7 @@ use cli_support::{
     with_short_episodes,
 };
 
-/// A run of about half a second, and an option that makes it write checkpoints all the time.
+/// The arguments of a run of about half a second that writes checkpoints all the time.
 const RUN: &str = "--train --scenario one.ron --preset fast.ron --seed 9 --steps 6400";
 const OFTEN: &str = "--checkpoint-every 0.01";
 
@@ -44,7 +44,7 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
     workspace.assert_same_run("uninterrupted", "timed");
     let (mut killed_before_start, mut killed) = (0, 0);
     for moment in 0..50_u32 {
-        // Spread over the whole run by the golden ratio, so that the moments don't line up with any period.
+        // The golden ratio spreads the moments over the whole run, so that they do not align with any period.
         let part = (f64::from(moment) * 0.618_033_988_749_894_9).fract();
         let run = format!("killed-{moment}");
         let mut child = workspace.start(&format!("{RUN} {OFTEN} --out {run}"));
@@ -85,7 +85,7 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
 }
 
 #[test]
-fn a_damaged_checkpoint_is_skipped_for_the_previous_one() {
+fn a_damaged_checkpoint_is_replaced_by_the_previous_one() {
     let workspace = workspace();
     workspace.run_ok(&format!("{RUN} --out run"));
     let resume =
@@ -158,7 +158,7 @@ fn two_processes_cannot_write_in_one_run_folder() {
     workspace.run_ok("--train --resume run --steps 3000001 --checkpoint-every 1000000 --json").json();
 }
 
-/// Whether this machine lets a test mount a file system: as root, or in a user namespace. If not, the test is skipped.
+/// Whether this test may mount a file system, as root or in a user namespace. If not, the test is skipped.
 fn can_mount() -> bool {
     let tried = Command::new("unshare").args(["--mount", "--map-root-user", "true"]).output();
     let works = tried.is_ok_and(|output| output.status.success());
@@ -170,8 +170,7 @@ fn can_mount() -> bool {
     works
 }
 
-/// Runs `script` with a separate temporary file system mounted at `small` in the workspace. (This needs root, or a user with
-/// permission to create namespaces.)
+/// Runs `script` with a small temporary file system mounted at `small` in the workspace.
 fn with_small_disk(workspace: &Workspace, options: &str, script: &str) -> CommandOutput {
     std::fs::create_dir_all(workspace.path("small")).unwrap();
     let script = format!("mount -t tmpfs -o {options} tmpfs small && {script}");
@@ -191,7 +190,7 @@ fn a_full_disk_damages_nothing() {
         return;
     }
     let workspace = workspace();
-    // The files written before are complete. With free space, the run resumes.
+    // The files written before the disk was full are complete. Once there is space, the run resumes.
     let done = with_small_disk(
         &workspace,
         "size=1m",
@@ -248,16 +247,16 @@ fn links_in_a_run_folder_are_not_followed() {
     for name in ["episodes.csv", "checkpoint/lock", "policy.safetensors"] {
         let file = workspace.path(&format!("run/{name}"));
         let kept = std::fs::read(&file).expect("the run has this file");
-        std::fs::remove_file(&file).expect("it can be removed");
+        std::fs::remove_file(&file).expect("the file can be removed");
         std::os::unix::fs::symlink(workspace.path("precious.txt"), &file).expect("a link can be made");
         let done = workspace.run("--train --resume run --episodes 40");
         assert_eq!(done.status, Some(2), "{}", done.stderr);
         assert!(done.stderr.contains(name) && done.stderr.contains("is a link"), "{}", done.stderr);
-        std::fs::remove_file(&file).expect("the link");
-        std::fs::write(&file, kept).expect("it can be put back");
+        std::fs::remove_file(&file).expect("the link can be removed");
+        std::fs::write(&file, kept).expect("the file can be restored");
     }
     assert_eq!(
-        std::fs::read_to_string(workspace.path("precious.txt")).expect("it is there"),
+        std::fs::read_to_string(workspace.path("precious.txt")).expect("the file still exists"),
         "not part of a run"
     );
     workspace.run_ok("--train --resume run --episodes 40");

@@ -40,7 +40,7 @@ pub struct ScalarFields {
     inputs: Option<FieldInputs>,
 }
 
-/// Everything that the fields depend on.
+/// The inputs of the fields, compared to detect changes.
 #[derive(Clone, PartialEq)]
 struct FieldInputs {
     potential: bool,
@@ -97,7 +97,7 @@ impl FieldGrid {
     }
 }
 
-/// What the fields are computed from.
+/// The parts of the world that the fields are computed from.
 #[derive(SystemParam)]
 pub(super) struct FieldSources<'w, 's> {
     view_state: Res<'w, CurrentViewState>,

@@ -95,7 +95,7 @@ impl MetricsWriter {
         self.events.flush().map_err(|error| self.failed("events", error))?;
         let length = |writer: &mut csv::Writer<File>| {
             writer.flush()?;
-            // After a power cut, the rows that a checkpoint counts on must still be there.
+            // The rows that a checkpoint refers to must survive a power cut.
             writer.get_ref().sync_data()?;
             Ok(writer.get_ref().metadata()?.len())
         };

@@ -1,11 +1,11 @@
-//! Training and evaluation without a window: run folders, checkpoints, policies, results.
+//! Headless training and evaluation: run folders, checkpoints, policies, results.
 //!
 //! In: a scenario, a preset and a seed, or a run folder, or a policy. Out: run folders, results, progress.
 //!
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
-//! | `limits.rs`, `memory.rs` | the limits of all input, and of a run's memory |
+//! | `limits.rs`, `memory.rs` | limits of input values and of a run's memory |
 //! | `check_files.rs` | checks of scenario and preset files |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |

@@ -63,7 +63,7 @@ impl Workspace {
         command
     }
 
-    /// Runs the binary and waits for its end.
+    /// Runs the binary and waits until it exits.
     pub fn run(&self, arguments: &str) -> CommandOutput {
         let output = self.command(arguments).output().unwrap();
         CommandOutput {
@@ -184,7 +184,7 @@ impl CommandOutput {
     }
 }
 
-/// Waits for the end of a started command.
+/// Waits until a started command exits.
 pub fn wait_for_output(child: Child) -> CommandOutput {
     let output = child.wait_with_output().unwrap();
     CommandOutput {
@@ -194,8 +194,8 @@ pub fn wait_for_output(child: Child) -> CommandOutput {
     }
 }
 
-/// Waits until `holds` returns true. Kills the child and panics if that takes more than a minute or the child
-/// ends first.
+/// Waits until `holds` returns true. Kills the child and panics if this takes more than a minute or the child
+/// exits first.
 pub fn wait_until(child: &mut Child, what: &str, holds: impl Fn() -> bool) {
     let began = Instant::now();
     while !holds() {

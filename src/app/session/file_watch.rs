@@ -1,7 +1,7 @@
 //! File watches: the scenario follows its file while the user edits it in another program.
 //!
 //! In: the file, checked a few times a second. Out: a scenario that the training adopts when the next episode ends, or a
-//! notice about what is wrong with the file while the last valid scenario keeps running. Adopted scenarios are recorded in
+//! notice about the errors in the file while the training continues in the last valid scenario. Adopted scenarios are recorded in
 //! the journal.
 
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ type Stamp = (SystemTime, u64);
 pub(super) struct FileWatches {
     /// The file of the scenario, if it has one.
     scenario: Option<FileWatch>,
-    /// A file that could not be used, and what to do once it can.
+    /// A broken file, and the action to take once it is fixed.
     waiting: Option<(FileWatch, RetryAction)>,
 }
 
@@ -50,12 +50,12 @@ impl FileWatches {
     }
 }
 
-/// What to do when a broken file can be used.
+/// The action to take once a broken file is fixed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum RetryAction {
-    /// Start a training in it. The user asked for it on the command line, and did not choose the default that runs instead.
+    /// Start a training with this file. The user named it on the command line; the default training runs meanwhile.
     StartTraining,
-    /// Open it, as the user asked before.
+    /// Open the file, as the user requested.
     Open,
 }
 
@@ -113,7 +113,7 @@ pub(super) fn poll(world: &mut World) {
     }
 }
 
-/// Reads the file of the scenario, which has changed, and schedules the scenario, or reports what is wrong with it.
+/// Reads the file of the scenario, which has changed, and schedules the scenario, or reports the errors in it.
 fn read_scenario(world: &mut World, path: &Path) {
     let name = path.display().to_string();
     let topic = NoticeTopic::File(name.clone());
@@ -141,8 +141,8 @@ fn read_scenario(world: &mut World, path: &Path) {
     }
 }
 
-/// Tries again to use a file that could not be used before. If that would discard a training worth keeping,
-/// only reports that it can be used.
+/// Retries a broken file after it has changed. If using it would discard a training worth keeping, only reports
+/// that the file is fixed.
 fn retry(world: &mut World, path: &Path) {
     let name = path.display().to_string();
     let topic = NoticeTopic::File(name.clone());
@@ -175,7 +175,7 @@ fn start_there(world: &mut World, name: String) {
     notify(world, NoticeTopic::File(name), severity, text);
 }
 
-/// Waits until the file `from` can be used, if it exists and cannot be used now. Returns whether it waits.
+/// Starts to watch the file `from` if it exists and is broken. Returns whether it is watched.
 pub(super) fn retry_when_fixed(world: &mut World, from: &str, action: RetryAction) -> bool {
     let is_broken = Path::new(from).is_file() && check_usable(Path::new(from)).is_err();
     if is_broken {

@@ -1,6 +1,6 @@
 //! Files written by the app: the policy, the run, the episodes, the curves, the scenario.
 //!
-//! In: what to save, and where. Out: a file or a folder, complete or not at all.
+//! In: the part to save, and a path. Out: a file or a folder. After a failure, nothing is left behind.
 
 use std::io::Write;
 use std::path::Path;
@@ -21,7 +21,7 @@ use crate::run::{RunError, checkpoint, metrics};
 use crate::scenario::to_ron;
 
 impl TrainingRun {
-    /// A file name for `what`.
+    /// The suggested name of the file.
     #[must_use]
     pub fn suggested_file_name(&self, what: SaveKind) -> String {
         let config = &self.config;
@@ -74,8 +74,8 @@ fn policy_bytes(world: &World) -> Result<Vec<u8>, RunError> {
     }
 }
 
-/// Saves a folder that `--train --resume` can continue, with `journal.ron` in it. A suspended training is resumed for the
-/// time of saving.
+/// Saves a folder that `--train --resume` can continue, with `journal.ron` in it. A suspended training is resumed while
+/// it is saved.
 fn save_run(world: &mut World, path: &Path) -> Result<(), RunError> {
     if cfg!(target_arch = "wasm32") {
         let why =

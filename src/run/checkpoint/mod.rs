@@ -1,4 +1,4 @@
-//! Checkpoints of a run: everything that a resumed run needs to continue bit-identically.
+//! Checkpoints of a run: the complete state from which a run resumes bit-identically.
 //!
 //! In: the learner, the arenas, the random streams, the lengths of the CSV files. Out:
 //! `checkpoint/latest.bin`, written atomically, and the two checkpoints before it. If the newest cannot be
@@ -40,7 +40,7 @@ const FORMAT: HeaderFormat =
 /// The checkpoint cannot be written; the previous one is kept.
 pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerState) -> Result<(), RunError> {
     folder.write(NAMES[0], |file| write_to(file, world, trainer_state))?;
-    // From the oldest to the newest: whenever this is interrupted, all files are complete and in order.
+    // The oldest file is renamed first. If this is interrupted at any point, all files are complete and in order.
     for (from, to) in NAMES.iter().zip(&NAMES[1..]).rev() {
         let (from, to) = (folder.path().join(from), folder.path().join(to));
         match std::fs::rename(&from, &to) {
@@ -121,7 +121,7 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
 /// every value is checked.
 ///
 /// # Errors
-/// What is wrong with the file.
+/// The file is invalid. The message describes the problem.
 pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerState, Learner), String> {
     let mut trainer_state: TrainerState = FORMAT.read(&mut file).map_err(header_error)?;
     trainer_state.distribute_extensions()?;

@@ -1,4 +1,4 @@
-//! Atomic writes: after a crash, a file holds its old or its new contents, never a part.
+//! Atomic writes: after a crash, a file has either its old or its new contents, never a part of them.
 
 use std::fs::DirEntry;
 #[cfg(not(target_arch = "wasm32"))]
@@ -41,7 +41,7 @@ pub fn write_atomic(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>
     Ok(())
 }
 
-/// Offers the file `path`, written with `write`, as a download of the page.
+/// Offers the file `path`, written with `write`, as a download in the browser.
 ///
 /// # Errors
 /// `write` fails.
@@ -58,7 +58,7 @@ pub(super) fn is_temporary(entry: &DirEntry) -> bool {
     entry.file_name().to_string_lossy().starts_with(TEMPORARY)
 }
 
-/// Makes a file readable by everybody, as files usually are (temporary files are private).
+/// Makes a file readable by all users, like a newly created file. (Temporary files are private.)
 #[cfg(unix)]
 fn make_readable(path: &Path) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

@@ -13,7 +13,7 @@ impl RunFolder {
     /// The rows of the CSV file `name`.
     ///
     /// # Errors
-    /// The file cannot be read, or its rows are not of type `Row`.
+    /// The file cannot be read, or a row cannot be parsed as `Row`.
     pub fn rows<Row: DeserializeOwned>(&self, name: &str) -> Result<Vec<Row>, RunError> {
         let path = self.path.join(name);
         let rows = csv::Reader::from_path(&path).map(|mut reader| reader.deserialize().collect());

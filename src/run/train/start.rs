@@ -26,7 +26,7 @@ impl Run {
         began: Instant,
         listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
-        // Before the folder is created: invalid input must not leave an empty folder.
+        // This check comes before the folder is created, so that invalid input leaves no empty folder.
         let learner = create_learner(&config, policy.as_ref())?;
         let folder = RunFolder::create(out, &config)?;
         Self::from_scratch(config, policy, folder, learner, began, listener)
