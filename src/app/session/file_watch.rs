@@ -75,7 +75,7 @@ impl FileWatch {
         let path = PathBuf::from(from);
         let stamp = stamp(&path);
         let is_file = stamp.is_some() || !shipped::is_scenario(from);
-        is_file.then(|| Self { path, checked: None, stamp, read: None })
+        is_file.then_some(Self { path, checked: None, stamp, read: None })
     }
 
     /// The file's path, if the file should be read at time `now`: it has changed since it was read last, but not between the
