@@ -1,8 +1,8 @@
 //! File watches: the scenario follows its file while the user edits it in another program.
 //!
-//! In: the file, checked a few times a second by Bevy's real time. Out: a scenario that the training adopts when the next episode ends, or a
-//! notice about the errors in the file while the training continues in the last valid scenario. Adopted scenarios are recorded in
-//! the journal.
+//! In: the file, checked a few times a second of Bevy's real time. Out: a scenario that the training adopts when the next
+//! episode ends, or a notice about the errors in the file while the training continues in the last valid scenario. Adopted
+//! scenarios are recorded in the journal.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
