@@ -1,4 +1,4 @@
-//! What a gradient step and a forward pass of the paper's network cost, on one core.
+//! The cost of a gradient step and of a forward pass of the paper's network, on one core.
 //!
 //! `cargo bench --bench learner`: 28 inputs, two hidden layers of 64, 5 actions.
 
@@ -47,7 +47,7 @@ fn config(dueling: bool, batch_size: usize) -> LearningConfig {
     }
 }
 
-/// A learner, warmed up on noise, and the next experience to give it.
+/// A learner with a filled replay buffer, and random observations for further experiences.
 struct Bench {
     learner: Learner,
     observations: Vec<Vec<f32>>,
@@ -56,7 +56,7 @@ struct Bench {
 
 impl Bench {
     fn new(config: &LearningConfig) -> Self {
-        let learner = Learner::new(config, INPUTS, ACTIONS, 1, 1).expect("a sound config");
+        let learner = Learner::new(config, INPUTS, ACTIONS, 1, 1).expect("a valid config");
         let mut noise = stream(1, "bench", 0);
         let observations = (0..1000).map(|_| (0..INPUTS).map(|_| normal(&mut noise)).collect()).collect();
         let mut bench = Self { learner, observations, step: 0 };
@@ -82,7 +82,7 @@ impl Bench {
     }
 }
 
-/// One env step remembered and one gradient step taken.
+/// One stored experience and one gradient step.
 #[divan::bench(
     args = [(64, false), (64, true), (128, false), (128, true)],
     sample_count = 200,
@@ -92,14 +92,14 @@ fn gradient_step(bencher: Bencher, (batch_size, dueling): (usize, bool)) {
     let mut bench = Bench::new(&config(dueling, batch_size));
     bencher.counter(ItemsCount::new(1_usize)).bench_local(|| {
         bench.store();
-        bench.learner.train().expect("it does not diverge")
+        bench.learner.train().expect("no divergence")
     });
 }
 
-/// The Q-values of so many observations.
+/// The Q-values of `n` observations.
 #[divan::bench(args = [1, 16, 64, 256])]
 fn forward(bencher: Bencher, n: usize) {
-    let learner = Learner::new(&config(true, 64), INPUTS, ACTIONS, 1, 1).expect("a sound config");
+    let learner = Learner::new(&config(true, 64), INPUTS, ACTIONS, 1, 1).expect("a valid config");
     let mut noise = stream(1, "bench", 0);
     let observations: Vec<f32> = (0..n * INPUTS).map(|_| normal(&mut noise)).collect();
     let mut q = Vec::new();

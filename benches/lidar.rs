@@ -1,5 +1,5 @@
-//! One scan of one arena (24 beams): arena by arena against its few shapes, as wayfield does, and the same beams
-//! through rapier's query pipeline.
+//! The cost of a scan of one arena with 24 beams: wayfield's casts against the arena's colliders, and the same beams in
+//! rapier's query pipeline.
 //!
 //! `cargo bench --bench lidar`; items are beams.
 
@@ -26,9 +26,9 @@ fn main() {
 const BEAMS: usize = 24;
 const POSE: Pose = Pose { x_m: 0.1, y_m: -1.1, heading_rad: 0.7 };
 
-#[divan::bench(args = ["still", "moving"])]
+#[divan::bench(args = ["static", "moving"])]
 fn wayfield_scan(bencher: Bencher, obstacles: &str) {
-    let mut lab = stepped(obstacles);
+    let mut lab = lab_after_a_step(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
     lab.with_physics(0, |bodies, _, colliders| {
         let mut ranges_m = Vec::new();
@@ -40,9 +40,9 @@ fn wayfield_scan(bencher: Bencher, obstacles: &str) {
     });
 }
 
-#[divan::bench(args = ["still", "moving"])]
+#[divan::bench(args = ["static", "moving"])]
 fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
-    let mut lab = stepped(obstacles);
+    let mut lab = lab_after_a_step(obstacles);
     let beams = lidar::BeamDirections::from_lidar(&Lidar { beams: BEAMS, ..Lidar::default() });
     let world = lab.simulation.world_mut();
     let mut arenas =
@@ -67,10 +67,10 @@ fn rapier_query_pipeline(bencher: Bencher, obstacles: &str) {
     });
 }
 
-/// One arena after a step, so that rapier's own pipeline is up to date.
-fn stepped(obstacles: &str) -> Lab {
+/// One arena after a step, so that rapier's query pipeline is up to date.
+fn lab_after_a_step(obstacles: &str) -> Lab {
     let scenario: Scenario =
-        if obstacles == "still" { common::four_cylinders() } else { common::moving_obstacles() };
+        if obstacles == "static" { common::four_cylinders() } else { common::moving_obstacles() };
     let mut lab = Lab::new(&scenario, 1, 1);
     lab.step(&[2]);
     lab

@@ -1,9 +1,9 @@
-//! Where a control step goes: the time of each of its sets.
+//! The time of each set of a control step.
 //!
-//! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, means over control
-//! steps that see episodes at all ages, per number of arenas: without gradient steps, and last the default preset as it
-//! trains. Between two sets a system reads the clock, which costs some 40 ns: it shows at one arena only. `Decide` begins
-//! with the schedule, `Reset` ends with the look at the faults.
+//! `cargo bench --no-default-features --bench profile` prints nanoseconds per env step in Scenario I, for several numbers of
+//! arenas: without gradient steps, and in the last row with those of the default preset. The numbers are means over
+//! control steps with episodes of all ages. A system between two sets reads the clock, which takes about 40 ns and matters
+//! for one arena only. `Decide` includes the start of the schedule, `Reset` the check for faults.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -29,48 +29,50 @@ const SETS: [ControlSet; 8] = [
     ControlSet::Reset,
 ];
 const ARENAS: [usize; 6] = [1, 16, 64, 256, 512, 1024];
-/// Control steps before anything is measured: longer than an episode may last.
+/// Control steps before the measurement: more than an episode has.
 const WARM_UP: usize = 600;
-/// Measured without gradient steps: so many env steps, and at least so many control steps.
+/// Measured env steps without gradient steps.
 const ENV_STEPS: usize = 200_000;
+/// The minimum number of measured control steps without gradient steps.
 const MIN_STEPS: usize = 600;
-/// Control steps measured with gradient steps.
+/// Measured control steps with gradient steps.
 const LEARNING_STEPS: usize = 5_000;
 
-/// When each set ended, in this control step.
+/// The times at which the sets of this control step ended.
 #[derive(Resource, Default)]
-struct Ends(Vec<Instant>);
+struct SetEnds(Vec<Instant>);
 
-/// Notes when each set ended.
+/// Records the end of every set.
 #[derive(Clone)]
-struct Ticks;
+struct RecordSetEnds;
 
-impl Plugin for Ticks {
+impl Plugin for RecordSetEnds {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Ends>();
+        app.init_resource::<SetEnds>();
         for pair in SETS.windows(2) {
-            app.add_systems(ControlStep, tick.after(pair[0].clone()).before(pair[1].clone()));
+            app.add_systems(ControlStep, record.after(pair[0].clone()).before(pair[1].clone()));
         }
     }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let names: Vec<String> = SETS.iter().map(|set| format!("{set:?}")).collect();
-    println!("| arenas | {} | whole |", names.join(" | "));
+    println!("| arenas | {} | total |", names.join(" | "));
     println!("|---|{}---|", "---|".repeat(SETS.len()));
     for arenas in ARENAS {
         row(&arenas.to_string(), arenas, false)?;
     }
     let arenas = shipped::preset("fast")?.arenas;
-    row(&format!("{arenas}, learning"), arenas, true)
+    row(&format!("{arenas}, training"), arenas, true)
 }
 
 fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> {
-    let mut simulation = training_app::training(arenas, learning, &Extensions::default().plugin(Ticks))?;
+    let mut simulation =
+        training_app::training(arenas, learning, &Extensions::default().plugin(RecordSetEnds))?;
     let steps = if learning { LEARNING_STEPS } else { (ENV_STEPS / arenas).max(MIN_STEPS) };
     let mut spent = [Duration::ZERO; SETS.len() + 1];
     for step in 0..WARM_UP + steps {
-        simulation.world_mut().resource_mut::<Ends>().0.clear();
+        simulation.world_mut().resource_mut::<SetEnds>().0.clear();
         let began = Instant::now();
         simulation.step()?;
         let ended = Instant::now();
@@ -78,7 +80,7 @@ fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> 
             continue;
         }
         let mut from = began;
-        for (set, end) in simulation.world().resource::<Ends>().0.iter().chain([&ended]).enumerate() {
+        for (set, end) in simulation.world().resource::<SetEnds>().0.iter().chain([&ended]).enumerate() {
             spent[set] += *end - from;
             from = *end;
         }
@@ -89,6 +91,6 @@ fn row(name: &str, arenas: usize, learning: bool) -> Result<(), Box<dyn Error>> 
     Ok(())
 }
 
-fn tick(mut ends: ResMut<Ends>) {
+fn record(mut ends: ResMut<SetEnds>) {
     ends.0.push(Instant::now());
 }

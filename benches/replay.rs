@@ -1,4 +1,4 @@
-//! What the replay buffer costs at the paper's size: 1,000,000 transitions.
+//! The cost of the replay buffer at the paper's size of 1,000,000 transitions.
 //!
 //! `cargo bench --bench replay`.
 
@@ -40,7 +40,7 @@ fn sum_tree_find(bencher: Bencher) {
     bencher.bench_local(|| tree.find(tree.total() * f64::from(uniform_01(&mut noise))));
 }
 
-/// Draws a batch of 64 from a full buffer, and (prioritized) gives it new priorities.
+/// Draws a batch of 64 from a full buffer. With prioritized sampling, also updates its priorities.
 #[divan::bench(args = [false, true], sample_size = 10)]
 fn sample_64(bencher: Bencher, prioritized: bool) {
     let beta = Schedule::Constant(0.4);

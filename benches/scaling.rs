@@ -1,8 +1,8 @@
-//! Scaling: what an env step and a gradient step cost, and what they hold in memory, against the number of arenas and
-//! the size of the replay buffer.
+//! The time and memory of an env step and a gradient step, by the number of arenas and the size of the replay buffer.
 //!
-//! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables; with a path it draws them too. An
-//! env step here has everything in (preset `fast`): forward pass, exploration, rapier, LIDAR, observation, reward, replay buffer.
+//! `cargo bench --no-default-features --bench scaling -- [SVG]` prints two tables. With a path, it also draws them. An env
+//! step here is a complete training step of the preset `fast` without gradient steps: forward pass, exploration, rapier,
+//! LIDAR, observation, reward, replay buffer.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -27,12 +27,12 @@ const REPLAY: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 const ENV_STEPS: usize = 150_000;
 const GRADIENT_STEPS: u32 = 3_000;
 
-/// One row of a table: size, microseconds for one step, kB held.
+/// One row of a table: size, microseconds per step, kB of memory.
 type Row = (usize, f64, f64);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    // A process of its own for each row, so that none finds memory that another has left.
+    // Every row is measured in a new process, so that no row reuses the memory of another.
     if let [kind, size] = arguments.as_slice() {
         let size = size.parse()?;
         let (us, kb) = if kind == "arenas" { env_step(size)? } else { gradient_step(size)? };
@@ -40,21 +40,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     let arenas = ARENAS.iter().map(|&n| row("arenas", n)).collect::<Result<Vec<_>, _>>()?;
-    let least = |rows: &[Row]| rows.iter().map(|row| row.1).fold(f64::INFINITY, f64::min);
-    println!("| arenas | us an env step | times the least | env steps/s | MB |\n|---|---|---|---|---|");
+    let min = |rows: &[Row]| rows.iter().map(|row| row.1).fold(f64::INFINITY, f64::min);
+    println!(
+        "| arenas | us per env step | relative to the minimum | env steps/s | MB |\n|---|---|---|---|---|"
+    );
     for (n, us, kb) in &arenas {
-        println!("| {n} | {us:.2} | {:.2} | {:.0} | {:.1} |", us / least(&arenas), 1e6 / us, kb / 1024.0);
+        println!("| {n} | {us:.2} | {:.2} | {:.0} | {:.1} |", us / min(&arenas), 1e6 / us, kb / 1024.0);
     }
     let replay = REPLAY.iter().map(|&n| row("replay", n)).collect::<Result<Vec<_>, _>>()?;
     println!(
-        "\n| transitions in the replay buffer | us a gradient step | times the least | gradient steps/s | MB |\n|---|---|---|---|---|"
+        "\n| transitions in the replay buffer | us per gradient step | relative to the minimum | gradient steps/s | MB |\n|---|---|---|---|---|"
     );
     for (n, us, kb) in &replay {
-        println!("| {n} | {us:.1} | {:.2} | {:.0} | {:.1} |", us / least(&replay), 1e6 / us, kb / 1024.0);
+        println!("| {n} | {us:.1} | {:.2} | {:.0} | {:.1} |", us / min(&replay), 1e6 / us, kb / 1024.0);
     }
     if let Some(path) = arguments.first() {
         draw(path, &arenas, &replay)?;
-        println!("\ndrawn: {path}");
+        println!("\nfigure: {path}");
     }
     Ok(())
 }
@@ -65,7 +67,7 @@ fn row(kind: &str, size: usize) -> Result<Row, Box<dyn Error>> {
         .stderr(Stdio::inherit())
         .output()?;
     let text = String::from_utf8(output.stdout)?;
-    let (us, kb) = text.trim().split_once(' ').ok_or("a row's process printed no row")?;
+    let (us, kb) = text.trim().split_once(' ').ok_or("the process of a row printed no result")?;
     Ok((size, us.parse()?, kb.parse()?))
 }
 
@@ -80,18 +82,21 @@ fn env_step(arenas: usize) -> Result<(f64, f64), Box<dyn Error>> {
     for _ in 0..(2_000 / arenas).max(4) {
         app.step()?;
     }
-    let held = status_kb("VmRSS:") as f64 - before;
+    let memory_kb = status_kb("VmRSS:") as f64 - before;
     let steps = ENV_STEPS / arenas;
     let began = Instant::now();
     for _ in 0..steps {
         app.step()?;
     }
     let us = began.elapsed().as_secs_f64() * 1e6 / (steps * arenas) as f64;
-    assert!(app.world().resource::<ActiveLearner>().0.gradient_steps() == 0, "only env steps are measured");
-    Ok((us, held))
+    assert!(
+        app.world().resource::<ActiveLearner>().0.gradient_steps() == 0,
+        "no gradient steps are measured"
+    );
+    Ok((us, memory_kb))
 }
 
-/// `GRADIENT_STEPS` steps at batch 64 from a prioritized buffer with `transitions` in it.
+/// `GRADIENT_STEPS` gradient steps with batches of 64 from a prioritized buffer with `transitions` transitions.
 fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let mut config = config()?;
     config.replay.capacity = transitions;
@@ -116,22 +121,22 @@ fn gradient_step(transitions: usize) -> Result<(f64, f64), Box<dyn Error>> {
         });
         observation = next_observation;
     }
-    let held = status_kb("VmRSS:") as f64 - before;
+    let memory_kb = status_kb("VmRSS:") as f64 - before;
     let began = Instant::now();
     let taken = learner.train()?.map_or(0, |stats| stats.gradient_steps);
-    Ok((began.elapsed().as_secs_f64() * 1e6 / f64::from(taken.max(1)), held))
+    Ok((began.elapsed().as_secs_f64() * 1e6 / f64::from(taken.max(1)), memory_kb))
 }
 
 fn draw(path: &str, arenas: &[Row], replay: &[Row]) -> Result<(), Box<dyn Error>> {
     let root = SVGBackend::new(path, (900, 380)).into_drawing_area();
     root.fill(&WHITE)?;
     let (left, right) = root.split_horizontally(450);
-    panel(&left, "An env step, everything in", "arenas", "us an env step", arenas)?;
+    panel(&left, "Time of an env step", "arenas", "us per env step", arenas)?;
     panel(
         &right,
-        "A gradient step, batch 64",
+        "Time of a gradient step, batch 64",
         "transitions in the replay buffer",
-        "us a gradient step",
+        "us per gradient step",
         replay,
     )?;
     root.present()?;

@@ -1,10 +1,10 @@
-//! Time to skill: how soon a run drives, at what cost, and how well in the end.
+//! The time and env steps that a training run needs to reach 96 % and 99 % success, and the final success.
 //!
 //! `cargo bench --no-default-features --bench skill -- [SEEDS] [PRESET:SCENARIO ...]`, by default 2 seeds of
-//! `fast:scenario-1 fast:scenario-2 per_d3qn:scenario-1`. Every seed is a whole run as `--train` makes it, with 500
-//! episodes in each evaluation; its best policy is then put to 500 that it has never seen. Wall time is counted from
-//! the run's begin, with evaluations; env steps do not depend on the machine. CPU time is that of the same run again,
-//! stopped when it first reached 96 %: both threads, evaluations too.
+//! `fast:scenario-1 fast:scenario-2 per_d3qn:scenario-1`. Every seed is a complete run as with `--train`, with 500 episodes
+//! per evaluation. Its best policy is then tested in 500 new episodes. Wall time starts with the run and includes
+//! evaluations. Env steps do not depend on the machine. CPU time is measured in a second run that stops where the first one
+//! reached 96 %; it includes both threads and the evaluations.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -22,7 +22,7 @@ use wayfield::run::evaluate::{Evaluation, Evaluator, compare_with_optimum};
 use wayfield::run::metric_rows::EvaluationRow;
 use wayfield::task::EpisodeSetup;
 
-/// What one seed came to.
+/// The result of one seed.
 struct SeedResult {
     run: FinishedRun,
     cpu_to_96_s: f64,
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let default = ["fast:scenario-1", "fast:scenario-2", "per_d3qn:scenario-1"].map(String::from).to_vec();
     println!("{seeds} seeds each: median (worst)\n");
     println!(
-        "| run | 96 %: env steps | wall s | CPU s | 99 %: env steps | wall s | whole run s | success of 500 | time / least time |"
+        "| run | 96 %: env steps | wall s | CPU s | 99 %: env steps | wall s | complete run s | success | time / optimal time |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     for pair in if pairs.is_empty() { default } else { pairs } {
@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             at(0, 0.99, |row| row.env_steps as f64),
             at(2, 0.99, |row| row.wall_s),
             over(1, &|o| o.run.summary.wall_s),
-            // The worst success is the lowest one.
+            // Negated, because the worst success rate is the lowest.
             over(3, &|o| -o.success_rate).replace('-', ""),
             over(3, &|o| o.time_ratio),
         );
@@ -80,15 +80,15 @@ fn outcome(preset: &str, scenario: &str, seed: u64) -> Result<SeedResult, Box<dy
         }
         None => f64::INFINITY,
     };
-    let world = Arc::new(config.scenario);
+    let scenario = Arc::new(config.scenario);
     let policy = Policy::from_bytes(&run.best)?;
-    let episodes = Evaluator::new(&world, EVAL_EPISODES).run(
+    let episodes = Evaluator::new(&scenario, EVAL_EPISODES).run(
         &policy,
         1000 + seed,
         EVAL_EPISODES,
         EpisodeSetup::Random,
     )?;
-    let evaluation = Evaluation::from_episodes(&episodes, 100, &world.task, 1000 + seed);
-    let time_ratio = compare_with_optimum(&world, &episodes).map_or(f64::INFINITY, |a| a.time_ratio);
+    let evaluation = Evaluation::from_episodes(&episodes, 100, &scenario.task, 1000 + seed);
+    let time_ratio = compare_with_optimum(&scenario, &episodes).map_or(f64::INFINITY, |a| a.time_ratio);
     Ok(SeedResult { run, cpu_to_96_s, success_rate: evaluation.success_rate, time_ratio })
 }

@@ -1,7 +1,6 @@
-//! The cost of one control step: physics, LIDAR, reward and resets with random actions; and the same with a greedy
-//! agent's forward pass.
+//! The cost of a control step: physics, LIDAR, reward and resets, with random actions or with a greedy agent.
 //!
-//! `cargo bench --bench step`; items are environment steps.
+//! `cargo bench --bench step`; items are env steps.
 
 #[path = "support/allocator.rs"]
 mod allocator;
@@ -29,7 +28,7 @@ fn main() {
 const ARENAS: [usize; 4] = [1, 16, 64, 256];
 
 #[divan::bench(args = ARENAS)]
-fn still_obstacles(bencher: Bencher, arenas: usize) {
+fn static_obstacles(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::four_cylinders(), arenas);
 }
 
@@ -38,9 +37,10 @@ fn moving_obstacles(bencher: Bencher, arenas: usize) {
     control_step(bencher, &common::moving_obstacles(), arenas);
 }
 
-/// The network is Table 1's (28-64-64, dueling) with its first weights: it drives badly, at the same cost.
+/// With the forward pass of the network of Table 1 (28-64-64, dueling). Its weights are untrained, which does not change the
+/// cost.
 #[divan::bench(args = ARENAS)]
-fn everything_in(bencher: Bencher, arenas: usize) {
+fn with_greedy_agent(bencher: Bencher, arenas: usize) {
     let scenario = Arc::new(common::four_cylinders());
     let shape = NetworkShape {
         inputs: observation::width(scenario.lidar.beams),
@@ -48,7 +48,7 @@ fn everything_in(bencher: Bencher, arenas: usize) {
         actions: scenario.robot.motions.len(),
         dueling: true,
     };
-    let network = QNetwork::new(shape, &mut random::stream(1, "weights", 0)).expect("the shape is sound");
+    let network = QNetwork::new(shape, &mut random::stream(1, "weights", 0)).expect("a valid shape");
     let mut simulation =
         SimulationBuilder::new(&scenario).arenas(arenas).seed(1).agent(ActionSelection::Greedy).build();
     let world = simulation.world_mut();
@@ -64,9 +64,9 @@ fn everything_in(bencher: Bencher, arenas: usize) {
 
 fn control_step(bencher: Bencher, scenario: &Scenario, num_envs: usize) {
     let config = VecEnvConfig { num_envs, mode: TaskMode::Continuing, ..VecEnvConfig::default() };
-    let mut env = VecEnv::new(scenario, config).expect("there is room for starts and goals");
+    let mut env = VecEnv::new(scenario, config).expect("free space for starts and goals");
     let mut streams = common::action_streams(num_envs);
-    // Into the middle of things: episodes of all ages.
+    // Runs until there are episodes of all ages.
     for _ in 0..200 {
         env.step(&common::random_actions(&mut streams)).expect("a valid step");
     }

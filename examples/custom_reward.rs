@@ -1,4 +1,4 @@
-//! A reward term of a plugin: a penalty for turning, logged like the paper's own terms.
+//! A custom reward term, added by a plugin: a penalty for turning, logged like the paper's own terms.
 //!
 //! `cargo run --release --no-default-features --example custom_reward -- FOLDER`
 
@@ -13,7 +13,7 @@ use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use wayfield::simulation::Extensions;
 use wayfield::task::{Arena, ExtraRewards, RewardTerm, SimulationAppExt, Twist};
 
-/// Costs `per_rad` for every rad that the robot turns in a control step of 0.2 s.
+/// A penalty of `per_rad` for every radian that the robot turns in a control step of 0.2 s.
 #[derive(Clone)]
 struct SmoothDriving {
     per_rad: f32,
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let job = Job::New { config: Box::new(config), policy: None, out: Some(folder) };
     let (folder, summary) = train(job, CHECKPOINT_INTERVAL, &AtomicBool::new(false), Instant::now(), None)?;
     let rows = std::fs::read_to_string(folder.join("episodes.csv"))?;
-    println!("{} episodes; the columns of episodes.csv:", summary.episodes);
+    println!("{} episodes; columns of episodes.csv:", summary.episodes);
     println!("{}", rows.lines().next().unwrap_or_default());
     Ok(())
 }

@@ -1,6 +1,6 @@
-//! A sensor of a plugin: the robot's own speed and turning rate become part of the observation.
+//! A custom sensor, added by a plugin: the robot's speed and turning rate become part of the observation.
 //!
-//! The policy records the sensor; it drives with the same plugin, and is refused without it.
+//! The policy file records the sensor. Evaluation works with the same plugin and fails without it.
 //!
 //! `cargo run --release --no-default-features --example custom_sensor -- FOLDER`
 
@@ -18,7 +18,7 @@ use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use wayfield::simulation::Extensions;
 use wayfield::task::{EpisodeSetup, SensorReadings, SensorSlice, SimulationAppExt, Twist};
 
-/// Two numbers: speed / 0.15 m/s and turning rate / 1.5 rad/s.
+/// A sensor with two readings: speed / 0.15 m/s and turning rate / 1.5 rad/s.
 #[derive(Clone)]
 struct Odometry;
 
@@ -45,15 +45,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (folder, _) = train(job, CHECKPOINT_INTERVAL, &AtomicBool::new(false), Instant::now(), None)?;
 
     let policy = policy_card::read(&folder.join("policy.safetensors"))?;
-    println!("the policy takes {} numbers: 28 and odometry's 2", policy.shape().inputs);
+    println!("the policy has {} inputs: the paper's 28 and 2 of the odometry", policy.shape().inputs);
     let (seed, count) = (1000, 100);
     let mut evaluator = Evaluator::with_extensions(&scenario, count, &extensions);
     let episodes = evaluator.run(&policy, seed, count, EpisodeSetup::Random)?;
     let result = Evaluation::from_episodes(&episodes, count, &scenario.task, seed);
-    println!("with the plugin: success {:.1} %", 100.0 * result.success_rate);
+    println!("with the plugin: {:.1} % success", 100.0 * result.success_rate);
     match Evaluator::new(&scenario, count).run(&policy, seed, count, EpisodeSetup::Random) {
-        Err(error) => println!("without it: {error}"),
-        Ok(_) => return Err("a policy must not drive without the sensor that it was trained with".into()),
+        Err(error) => println!("without the plugin: {error}"),
+        Ok(_) => return Err("the evaluation must fail without the sensor of the training".into()),
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! An evaluation from code: the shipped expert of Scenario I over 100 episodes it has never seen.
+//! An evaluation: the shipped policy for Scenario I in 100 new episodes.
 //!
 //! `cargo run --release --no-default-features --example evaluate_policy`
 
@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (seed, count) = (1000, 100);
     let scenario = Arc::new(shipped::scenario("scenario-1")?);
     let (_, policy) =
-        shipped::policies().iter().find(|(name, _)| *name == "scenario-1").ok_or("not shipped")?;
+        shipped::policies().iter().find(|(name, _)| *name == "scenario-1").ok_or("no such policy")?;
     let episodes = Evaluator::new(&scenario, count).run(policy, seed, count, EpisodeSetup::Random)?;
     let result = Evaluation::from_episodes(&episodes, count, &scenario.task, seed);
     println!(

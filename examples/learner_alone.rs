@@ -1,4 +1,4 @@
-//! The learner without Bevy and without robots: double dueling DQN with prioritized replay in a corridor of five cells.
+//! The learner without a simulation: double dueling DQN with prioritized replay in a corridor of five cells.
 //!
 //! `cargo run --release --no-default-features --example learner_alone`
 
@@ -8,7 +8,8 @@ use wayfield_learning::{
 };
 use wayfield_random::stream;
 
-/// Cells 0 to 4; the agent starts in the middle. Action 1 moves right, action 0 left. The right end gives 1.
+/// The number of cells. The agent starts in the middle; action 0 moves left, action 1 right. Both ends terminate the
+/// episode; the right end gives a reward of 1.
 const CELLS: usize = 5;
 
 fn observation(cell: usize) -> [f32; CELLS] {
@@ -49,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for cell in 1..CELLS - 1 {
         learner.q_values(&observation(cell), 1, &mut q);
         println!("cell {cell}: Q(left) {:.2}, Q(right) {:.2}", q[0], q[1]);
-        assert_eq!(greedy(&q), 1, "the learner has learned to move right");
+        assert_eq!(greedy(&q), 1, "the learned policy moves right, to the reward");
     }
     Ok(())
 }

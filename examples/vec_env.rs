@@ -1,4 +1,4 @@
-//! A vectorised environment: 64 robots driven towards their goals by a rule of three lines.
+//! A vectorised environment: 64 robots that turn towards their goals and ignore the obstacles.
 //!
 //! `cargo run --release --no-default-features --example vec_env`
 
@@ -21,7 +21,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut episodes, mut reached, started) = (0, 0, Instant::now());
     for _ in 0..STEPS {
         for (action, row) in actions.iter_mut().zip(observations.chunks_exact(width)) {
-            // The number behind the ranges is the goal's bearing / pi, left positive; action 0 turns left most.
+            // The number after the ranges is the goal's bearing / pi, left positive. Actions: 0 turns left, 2 drives
+            // straight, 4 turns right.
             let bearing_rad = row[beams] * PI;
             *action = if bearing_rad > 0.2 {
                 0
@@ -37,6 +38,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         reached += step.outcomes.iter().filter(|outcome| outcome.reached).count();
     }
     let per_second = (NUM_ENVS * STEPS) as f64 / started.elapsed().as_secs_f64();
-    println!("{reached} of {episodes} episodes reached the goal; {per_second:.0} env steps per second");
+    println!("{reached} of {episodes} episodes reached the goal; {per_second:.0} env steps/s");
     Ok(())
 }

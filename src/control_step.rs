@@ -6,14 +6,14 @@
 //!
 //! | set | responsible for | filled by |
 //! |---|---|---|
-//! | `Decide` | observations -> actions | [`AgentPlugin`](crate::agent::AgentPlugin) |
-//! | `Actuate` | actions -> velocities of robots and obstacles | [`SimPlugin`](crate::sim::SimPlugin) |
-//! | `Simulate` | one step of rapier | [`SimPlugin`](crate::sim::SimPlugin) |
-//! | `Sense` | poses, LIDAR scans, plugins' sensors -> next observations | `SimPlugin`, [`TaskPlugin`](crate::task::TaskPlugin) |
-//! | `Reward` | reward, collision, goal, time limit | [`TaskPlugin`](crate::task::TaskPlugin) |
-//! | `Store` | transitions -> replay buffer | [`TrainingPlugin`](crate::agent::TrainingPlugin) |
-//! | `Learn` | gradient steps | [`TrainingPlugin`](crate::agent::TrainingPlugin) |
-//! | `Reset` | new goals, new episodes, `EpisodeEnded` | [`TaskPlugin`](crate::task::TaskPlugin) |
+//! | `Decide` | observations -> actions | [`agent`](crate::agent) |
+//! | `Actuate` | actions -> velocities of robots and obstacles | [`sim`](crate::sim) |
+//! | `Simulate` | one step of rapier | [`sim`](crate::sim) |
+//! | `Sense` | poses, LIDAR scans, plugins' sensors -> next observations | [`sim`](crate::sim), plugins, [`task`](crate::task) |
+//! | `Reward` | reward, collision, goal, time limit | [`task`](crate::task), plugins |
+//! | `Store` | transitions -> replay buffer | [`agent`](crate::agent) |
+//! | `Learn` | gradient steps | [`agent`](crate::agent) |
+//! | `Reset` | new goals, new episodes, `EpisodeEnded` | [`task`](crate::task) |
 //!
 //! Plugins add systems to the public sub-sets [`SenseSet`] and [`RewardSet`], usually through
 //! [`SimulationAppExt`](crate::task::SimulationAppExt).
@@ -43,7 +43,7 @@ pub enum ControlSet {
     Reward,
     /// Stores transitions in the replay buffer.
     Store,
-    /// Takes the gradient steps that are due.
+    /// Takes the pending gradient steps.
     Learn,
     /// Publishes ended episodes, starts new ones, and draws new goals for reached ones.
     Reset,
@@ -63,15 +63,15 @@ pub enum SenseSet {
 /// The sub-sets of [`ControlSet::Reward`], in order.
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub enum RewardSet {
-    /// Computes the paper's reward, and what the step ends.
+    /// Computes the paper's reward, termination and truncation.
     Outcome,
     /// Plugins compute their [`ExtraRewards`](crate::task::ExtraRewards).
     Terms,
-    /// Adds the plugins' terms to the outcomes, and checks that every number is finite.
+    /// Adds the plugins' terms to the outcomes, and checks that all numbers are finite.
     Sum,
 }
 
-/// The schedule that gives every arena with a pending reset a new start or goal, and a fresh observation.
+/// The schedule that gives every arena with a pending reset a new start or goal, and a new observation.
 /// [`ControlStep`] runs it last, if there is such an arena.
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Reset;
@@ -83,7 +83,7 @@ pub enum ResetSet {
     Draw,
     /// Places bodies at their starts.
     Place,
-    /// Casts the LIDAR from there.
+    /// Takes LIDAR scans at the starts.
     Scan,
     /// Sensors of plugins write their first readings.
     Sensors,
@@ -94,8 +94,8 @@ pub enum ResetSet {
 /// Defines the two schedules and the order of their sets.
 ///
 /// Both run on the single-threaded executor: a step takes microseconds, and threads would cost more than they gain.
-/// Two systems that touch the same data without a defined order are an error.
-pub struct ControlStepPlugin;
+/// Two systems that access the same data without a defined order are an error.
+pub(crate) struct ControlStepPlugin;
 
 impl Plugin for ControlStepPlugin {
     fn build(&self, app: &mut App) {

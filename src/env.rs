@@ -1,4 +1,4 @@
-//! A vectorised environment with Gymnasium's names: many robots, stepped together by the caller's actions.
+//! A vectorised environment with Gymnasium's interface: many robots, stepped together by the caller's actions.
 //!
 //! ```
 //! use wayfield::env::{VecEnv, VecEnvConfig};
@@ -33,14 +33,14 @@ use crate::task::{
 /// The options of a [`VecEnv`].
 #[derive(Clone, Debug)]
 pub struct VecEnvConfig {
-    /// The number of environments, at least 1. Environment k does the same whatever their number.
+    /// The number of environments, at least 1. The results of environment k do not depend on it.
     pub num_envs: usize,
     /// The units of the observation, eq. (8).
     pub encoding: Encoding,
     /// The parameters of the reward, eqs. (3) to (7).
     pub reward: RewardConfig,
-    /// What happens at the goal. [`TaskMode::Episodic`] ends the episode there; [`TaskMode::Continuing`] is the paper's
-    /// training, which goes on to a new goal.
+    /// What happens when a robot reaches its goal. [`TaskMode::Episodic`] ends the episode. [`TaskMode::Continuing`] is the
+    /// paper's training, in which the episode continues with a new goal.
     pub mode: TaskMode,
     /// Plugins with sensors and reward terms.
     pub extensions: Extensions,
@@ -58,25 +58,25 @@ impl Default for VecEnvConfig {
     }
 }
 
-/// What went wrong in a [`VecEnv`].
+/// An error of a [`VecEnv`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VecEnvError {
-    /// Not one action per environment.
-    #[error("{given} actions are given for {num_envs} environments")]
+    /// The number of actions is not the number of environments.
+    #[error("{given} actions were given for {num_envs} environments; give one action per environment")]
     ActionCount {
-        /// How many were given.
+        /// The number of actions given.
         given: usize,
-        /// How many there must be.
+        /// The number of environments.
         num_envs: usize,
     },
-    /// An action that the robot does not have.
+    /// An action is out of range.
     #[error("action {action} of environment {env} is out of range: the robot has actions 0 to {}", .num_actions - 1)]
     Action {
-        /// The environment.
+        /// The environment's index.
         env: usize,
-        /// Its action.
+        /// The action.
         action: usize,
-        /// How many actions there are.
+        /// The number of actions.
         num_actions: usize,
     },
     /// The simulation failed.
@@ -84,28 +84,29 @@ pub enum VecEnvError {
     Step(#[from] StepError),
 }
 
-/// What one step of all environments gave, by environment. Rows of observations are `observation_width()` long.
+/// The results of one step, one element per environment. Observations are rows of `observation_width()` numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
-    /// The observations to act on next: `num_envs` rows. Where an episode has ended, the first one of the next episode.
+    /// The observations for the next actions: `num_envs` rows. After the end of an episode, the first observation of the
+    /// next episode.
     pub observations: &'a [f32],
     /// The rewards.
     pub rewards: &'a [f32],
-    /// Whether the return ends here: the robot collided or reached its goal.
+    /// Whether the return ends with this step, because the robot collided or reached its goal.
     pub terminated: &'a [bool],
-    /// Whether the time limit cut the episode short.
+    /// Whether the time limit ended the episode.
     pub truncated: &'a [bool],
-    /// What the step itself led to, before any reset: `num_envs` rows. Bootstrap truncated returns from these.
+    /// The observations after the step and before any reset: `num_envs` rows. Bootstrap truncated returns from these.
     pub final_observations: &'a [f32],
-    /// The outcomes in detail: rewards by term, goal reached, collision.
+    /// The outcomes in detail: reward terms, goal reached, collision.
     pub outcomes: &'a [StepOutcome],
-    /// The episodes that this step ended.
+    /// The episodes that ended with this step, in the order of the environments.
     pub ended: &'a [EpisodeEnded],
 }
 
-/// Environments of one scenario, stepped together. An episode that ends is followed by a new one in the same step.
+/// Environments of one scenario, stepped together. When an episode ends, the next one starts in the same step.
 ///
-/// Without plugins, a step allocates nothing but what rapier allocates inside.
+/// Without plugins, a step allocates no memory except inside rapier.
 pub struct VecEnv {
     simulation: Simulation,
     num_envs: usize,
@@ -117,12 +118,12 @@ pub struct VecEnv {
     ended: Vec<EpisodeEnded>,
 }
 
-/// A copy of the observations that the step led to, taken before arenas are reset.
+/// A copy of the observations after the step and before any reset.
 #[derive(Resource, Default)]
 struct FinalObservations(Vec<f32>);
 
 impl VecEnv {
-    /// Environments of `scenario`, with seed 0 until [`reset`](Self::reset) gives another.
+    /// Environments of `scenario`, ready to step with seed 0. [`reset`](Self::reset) sets another seed.
     ///
     /// # Errors
     /// No free space was found for a start or goal.
@@ -151,7 +152,7 @@ impl VecEnv {
         Ok(env)
     }
 
-    /// Starts a new episode in every environment, with the random streams of `seed`; gives the first observations,
+    /// Starts a new episode in every environment with the random streams of `seed`. Returns the first observations:
     /// `num_envs` rows.
     ///
     /// # Errors
@@ -164,10 +165,11 @@ impl VecEnv {
         Ok(self.observations())
     }
 
-    /// One control step (0.2 s by default) of every environment; `actions[k]` is an index into the robot's motions.
+    /// Runs one control step (0.2 s by default) in every environment. `actions[k]` is the action of environment k, an index
+    /// into the robot's motions.
     ///
     /// # Errors
-    /// Not one action per environment, an action out of range, or a simulation that failed.
+    /// The number of actions is wrong, an action is out of range, or the simulation failed.
     pub fn step(&mut self, actions: &[usize]) -> Result<Step<'_>, VecEnvError> {
         self.check_actions(actions)?;
         self.simulation.world_mut().resource_mut::<Actions>().0.copy_from_slice(actions);
@@ -191,7 +193,7 @@ impl VecEnv {
         })
     }
 
-    /// The observations to act on: `num_envs` rows of `observation_width` numbers.
+    /// The observations for the next actions: `num_envs` rows of `observation_width()` numbers.
     #[must_use]
     pub fn observations(&self) -> &[f32] {
         &self.simulation.world().resource::<Observations>().current
@@ -203,19 +205,19 @@ impl VecEnv {
         self.num_envs
     }
 
-    /// The number of discrete actions: the robot's motions.
+    /// The number of discrete actions, which is the number of the robot's motions.
     #[must_use]
     pub fn num_actions(&self) -> usize {
         self.num_actions
     }
 
-    /// The length of an observation: 28 with the paper's 24 beams, and more with plugins' sensors.
+    /// The length of an observation: 28 with the paper's 24 beams, plus the slices of plugins' sensors.
     #[must_use]
     pub fn observation_width(&self) -> usize {
         self.observation_width
     }
 
-    /// The simulation underneath, for anything that Gymnasium's interface lacks: poses, scans, arenas' states.
+    /// The underlying simulation, which gives access to everything else: poses, scans, states of arenas.
     pub fn simulation_mut(&mut self) -> &mut Simulation {
         &mut self.simulation
     }
@@ -239,7 +241,7 @@ impl VecEnv {
     }
 }
 
-/// Keeps the observations that a step led to before arenas are reset.
+/// Copies the observations after each step, before arenas are reset.
 #[derive(Clone)]
 struct KeepFinalObservations;
 

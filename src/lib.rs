@@ -1,25 +1,99 @@
-//! wayfield: a LIDAR robot learns to navigate, in a Bevy world, by prioritized-replay double dueling DQN.
+//! wayfield trains a mobile robot with a LIDAR to drive to a goal among obstacles, without a map. It is a [Bevy]
+//! simulation with [rapier] physics, a double dueling DQN with prioritized replay, and an app to watch both.
 //!
-//! The system of Li, Yue, Shangguan and Jin, *Navigation of Mobile Robots Based on Deep Reinforcement Learning:
-//! Reward Function Optimization and Knowledge Transfer* (IJCAS 21(2), 2023). The rooms, from the ground up; each
-//! imports only from those above it:
+//! It implements Li, Yue, Shangguan and Jin, [*Navigation of Mobile Robots Based on Deep Reinforcement Learning: Reward
+//! Function Optimization and Knowledge Transfer*](https://doi.org/10.1007/s12555-021-0642-7) (2023). Equation and table
+//! numbers in these pages refer to that paper.
 //!
-//! | room | what lives there |
+//! # Install and run
+//!
+//! From a clone of the repository, with a stable Rust toolchain and a C compiler:
+//!
+//! ```sh
+//! cargo train                # train without a window; writes a run folder
+//! cargo run --release        # open the app
+//! ```
+//!
+//! In another crate, add this repository as a dependency. The library alone needs no window: set
+//! `default-features = false`.
+//!
+//! # Quick start
+//!
+//! Sixteen robots in the paper's Scenario I turn towards their goals and ignore the obstacles:
+//!
+//! ```
+//! use wayfield::env::{VecEnv, VecEnvConfig};
+//! use wayfield::run::shipped;
+//!
+//! let scenario = shipped::scenario("scenario-1")?;
+//! let mut env = VecEnv::new(&scenario, VecEnvConfig { num_envs: 16, ..VecEnvConfig::default() })?;
+//! env.reset(7)?;
+//! let (mut actions, mut goals) = ([2; 16], 0);
+//! for _ in 0..500 {
+//!     for (action, observation) in actions.iter_mut().zip(env.observations().chunks_exact(28)) {
+//!         // Number 24 is the goal's bearing / pi, left positive. Actions: 0 turns left, 2 drives straight, 4 turns right.
+//!         *action = if observation[24] > 0.05 { 0 } else if observation[24] < -0.05 { 4 } else { 2 };
+//!     }
+//!     let step = env.step(&actions)?;
+//!     goals += step.outcomes.iter().filter(|outcome| outcome.reached).count();
+//! }
+//! assert!(goals > 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The repository's `examples/` show headless training, the evaluation of a policy, a custom sensor, a custom reward term
+//! and the learner without a simulation.
+//!
+//! # Crates
+//!
+//! These crates do not depend on Bevy. This crate re-exports all but `wayfield_ron_patch`.
+//!
+//! | crate | contents |
 //! |---|---|
-//! | [`random`] | named, seeded streams of random numbers |
-//! | [`scenario`] | what a world is: the RON schema, its checks, its loader |
-//! | [`learning`] | what learning is: network, replay buffer, update rules; no Bevy |
-//! | [`control_step`] | the schedule of one control step, and its sets |
-//! | [`task`] | the Markov decision process: observation, reward, the end of episodes |
-//! | [`world`] | the world alive in the ECS: arenas, rapier, robot, obstacles, LIDAR |
-//! | [`agent`] | observations -> actions, transitions -> learner |
-//! | [`report`] | figures, tables, statistics, pages: drawn and written, not computed here |
-//! | [`run`] | what a user does without a window: train, evaluate, resume |
-//! | [`reproduce`] | the paper's figures and tables: many runs, one report |
-//! | `app` | the window: watch it learn, and take a hand in it (with the feature `gui`) |
+//! | [`wayfield_random`] | named, seeded streams of random numbers |
+//! | [`wayfield_policy`] | policy files, the encoding of observations, the forward pass |
+//! | [`wayfield_scenario`] | scenarios: the RON schema, its checks, geometry, generators |
+//! | `wayfield_ron_patch` | a RON writer that keeps comments |
+//! | [`wayfield_learning`] | the learner: Q-network, replay buffer, update rules |
+//! | [`wayfield_planner`] | time-optimal paths, and lower bounds on the number of steps |
+//! | [`wayfield_report`] | figures, tables, statistics and report pages |
+//!
+//! # Modules
+//!
+//! Each module uses only those above it.
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`control_step`] | the schedule of a control step, and its sets |
+//! | [`task`] | the Markov decision process: observation, reward, termination, starts and goals |
+//! | [`sim`] | arenas, physics, robot, obstacles and LIDAR in the ECS |
+//! | [`agent`] | the choice of actions, and training |
+//! | [`simulation`] | [`SimulationBuilder`](simulation::SimulationBuilder): a simulation from a scenario, a seed and plugins |
+//! | [`env`] | [`VecEnv`](env::VecEnv): a vectorised environment with Gymnasium's interface |
+//! | [`run`] | training, evaluation, run folders and checkpoints |
+//! | [`reproduce`] | the paper's figures and tables |
+//! | `app` | the app (feature `gui`) |
 //! | [`cli`] | the command line |
 //!
-//! The browser's build leaves out `cli`, `reproduce` and what only they use; in its place `app` has a door of its own.
+//! # Extension points
+//!
+//! - A **sensor** adds a named slice to the observation: [`add_sensor`](task::SimulationAppExt::add_sensor).
+//! - A **reward term** is added to the reward and logged by name:
+//!   [`add_reward_term`](task::SimulationAppExt::add_reward_term).
+//! - Any other Bevy system can run in the sets of a [`ControlStep`](control_step::ControlStep).
+//! - [`Extensions`](simulation::Extensions) passes such plugins to training, evaluation and environments.
+//! - [`cli::main`] runs the command line from another binary.
+//!
+//! # Features
+//!
+//! | feature | contents |
+//! |---|---|
+//! | `gui` (default) | the app, with Bevy's renderer and egui |
+//!
+//! The build for the browser (`wasm32`) has no [`cli`] and no [`reproduce`].
+//!
+//! [Bevy]: https://bevyengine.org
+//! [rapier]: https://rapier.rs
 
 pub use wayfield_learning as learning;
 pub use wayfield_planner as planner;

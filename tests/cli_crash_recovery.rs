@@ -1,4 +1,4 @@
-//! Crash recovery: however a run ends, its folder stays consistent, and the resumed run equals an
+//! Tests of crash recovery: after any kind of crash, the run folder is consistent, and the resumed run equals an
 //! uninterrupted one.
 #![cfg(target_os = "linux")]
 
@@ -6,17 +6,22 @@ mod cli_support;
 #[path = "support/requirements.rs"]
 mod requirements;
 
+use std::collections::BTreeSet;
 use std::process::Command;
+use std::sync::Mutex;
 use std::time::Duration;
 
 use cli_support::{
     CommandOutput, SCENARIO_1, Workspace, quick_fast, signal, wait_for_output, wait_until,
     with_short_episodes,
 };
+use wayfield::run::write_points::WRITE_POINTS;
 
-/// A run of about half a second, and an option that makes it write checkpoints all the time.
+/// The arguments of a run of about half a second that writes checkpoints all the time.
 const RUN: &str = "--train --scenario one.ron --preset fast.ron --seed 9 --steps 6400";
 const OFTEN: &str = "--checkpoint-every 0.01";
+/// The number of runs that are killed by the clock.
+const MOMENTS: u32 = 12;
 
 /// A workspace with the uninterrupted run.
 fn workspace() -> Workspace {
@@ -35,6 +40,101 @@ fn names(workspace: &Workspace, folder: &str) -> Vec<String> {
     names
 }
 
+/// Asserts that no temporary file is left in the run folder `run`.
+fn assert_no_temporary_files(workspace: &Workspace, run: &str) {
+    let mut left = names(workspace, run);
+    left.extend(names(workspace, &format!("{run}/checkpoint")));
+    assert!(!left.iter().any(|name| name.starts_with('.')), "{run}: temporary files are left: {left:?}");
+}
+
+fn copy_folder(workspace: &Workspace, from: &str, to: &str) {
+    let copied = Command::new("cp").arg("-r").args([workspace.path(from), workspace.path(to)]).status();
+    assert!(copied.unwrap().success());
+}
+
+/// The arguments of a run that the test of the write points aborts. It starts from a policy, which is one more file to write.
+const ABORTED: &str = "--train --scenario one.ron --preset fast.ron --init init.safetensors --seed 9";
+/// The env steps after which an aborted run, once resumed, is compared with the uninterrupted one. This is more than
+/// the run had to do before the abort, so that there is something to resume even if it is aborted near its end.
+const ENV_STEPS: u32 = 3200;
+
+/// A training process to abort.
+#[derive(Clone, Copy, Debug)]
+enum Process {
+    /// The first process of a run.
+    First,
+    /// A process that resumes a run with all three checkpoints.
+    Resuming,
+}
+
+/// Aborts `process` at each pass of the write point with the index `point`, resumes the run, and compares the result with
+/// the uninterrupted run. Returns the number of passes.
+fn abort_at_each_pass(workspace: &Workspace, point: usize, process: Process) -> u32 {
+    for pass in 1..100 {
+        let at = format!("{}:{pass}", WRITE_POINTS[point]);
+        let run = format!("{process:?}-{point}-{pass}");
+        let command = match process {
+            Process::First => format!("{ABORTED} --steps 1600 --out {run}"),
+            Process::Resuming => {
+                copy_folder(workspace, "three-checkpoints", &run);
+                format!("--train --resume {run} --steps 2560")
+            }
+        };
+        let aborted = workspace.run_until(&command, &at);
+        if aborted.status == Some(0) {
+            return pass - 1;
+        }
+        assert_eq!(aborted.status, None, "{at}: wayfield {command}\n{}", aborted.stderr);
+        let again = if workspace.path(&format!("{run}/config.ron")).exists() {
+            format!("--train --resume {run} --steps {ENV_STEPS}")
+        } else {
+            format!("{ABORTED} --steps {ENV_STEPS} --out {run}")
+        };
+        let resumed = workspace.run_ok(&again);
+        assert!(!resumed.stderr.contains("warning"), "{at}: wayfield {command}\n{}", resumed.stderr);
+        workspace.assert_same_run("uninterrupted", &run);
+        assert_no_temporary_files(workspace, &run);
+        std::fs::remove_dir_all(workspace.path(&run)).unwrap();
+    }
+    panic!("{}: more than 99 passes", WRITE_POINTS[point]);
+}
+
+#[test]
+fn a_run_aborted_at_any_write_point_resumes_to_the_uninterrupted_result() {
+    let workspace = workspace();
+    std::fs::rename(
+        workspace.path("uninterrupted/policy-last.safetensors"),
+        workspace.path("init.safetensors"),
+    )
+    .unwrap();
+    std::fs::remove_dir_all(workspace.path("uninterrupted")).unwrap();
+    workspace.run_ok(&format!("{ABORTED} --steps {ENV_STEPS} --out uninterrupted"));
+    workspace.run_ok(&format!("{ABORTED} --steps 1600 --out three-checkpoints"));
+    workspace.run_ok("--train --resume three-checkpoints --steps 1920");
+    assert_eq!(
+        names(&workspace, "three-checkpoints/checkpoint"),
+        ["latest.bin", "lock", "older.bin", "previous.bin"]
+    );
+    let jobs = Mutex::new(
+        (0..WRITE_POINTS.len()).flat_map(|point| [(point, Process::First), (point, Process::Resuming)]),
+    );
+    let passed = Mutex::new(BTreeSet::new());
+    let work = || {
+        loop {
+            let Some((point, process)) = jobs.lock().unwrap().next() else { return };
+            if abort_at_each_pass(&workspace, point, process) > 0 {
+                passed.lock().unwrap().insert(WRITE_POINTS[point]);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(2, usize::from) {
+            scope.spawn(work);
+        }
+    });
+    assert_eq!(passed.into_inner().unwrap(), BTreeSet::from(WRITE_POINTS), "every write point is reached");
+}
+
 #[test]
 fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
     let workspace = workspace();
@@ -43,15 +143,15 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
     let duration = began.elapsed();
     workspace.assert_same_run("uninterrupted", "timed");
     let (mut killed_before_start, mut killed) = (0, 0);
-    for moment in 0..50_u32 {
-        // Spread over the whole run by the golden ratio, so that the moments don't line up with any period.
+    for moment in 0..MOMENTS {
+        // The golden ratio spreads the moments over the whole run, so that they do not align with any period.
         let part = (f64::from(moment) * 0.618_033_988_749_894_9).fract();
         let run = format!("killed-{moment}");
         let mut child = workspace.start(&format!("{RUN} {OFTEN} --out {run}"));
         std::thread::sleep(Duration::from_secs_f64(duration.as_secs_f64() * part));
         if child.try_wait().unwrap().is_none() {
             signal(&child, "KILL");
-            killed += usize::from(wait_for_output(child).status.is_none());
+            killed += u32::from(wait_for_output(child).status.is_none());
         }
         if !workspace.path(&format!("{run}/config.ron")).exists() {
             // There is nothing to resume; the same command starts again.
@@ -72,20 +172,16 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
             );
         }
         workspace.assert_same_run("uninterrupted", &run);
-        let left: Vec<_> = names(&workspace, &run)
-            .into_iter()
-            .chain(names(&workspace, &format!("{run}/checkpoint")))
-            .collect();
-        assert!(!left.iter().any(|name| name.starts_with('.')), "{run}: temporary files are left: {left:?}");
+        assert_no_temporary_files(&workspace, &run);
     }
     assert!(
-        killed >= 30,
-        "only {killed} of 50 runs were killed, {killed_before_start} of them before they started"
+        killed >= MOMENTS / 2,
+        "only {killed} of {MOMENTS} runs were killed, {killed_before_start} of them before they started"
     );
 }
 
 #[test]
-fn a_damaged_checkpoint_is_skipped_for_the_previous_one() {
+fn a_damaged_checkpoint_is_replaced_by_the_previous_one() {
     let workspace = workspace();
     workspace.run_ok(&format!("{RUN} --out run"));
     let resume =
@@ -103,14 +199,7 @@ fn a_damaged_checkpoint_is_skipped_for_the_previous_one() {
         bytes[middle] ^= 1;
         workspace.write(&file, bytes);
         let copy = format!("from-{env_steps}");
-        assert!(
-            Command::new("cp")
-                .arg("-r")
-                .args([workspace.path("run"), workspace.path(&copy)])
-                .status()
-                .unwrap()
-                .success()
-        );
+        copy_folder(&workspace, "run", &copy);
         let done = resume(&copy, 9600);
         let warning = format!("warning: {copy}/checkpoint/latest.bin: the checkpoint is damaged");
         assert!(done.stderr.contains(&warning), "{}", done.stderr);
@@ -158,7 +247,7 @@ fn two_processes_cannot_write_in_one_run_folder() {
     workspace.run_ok("--train --resume run --steps 3000001 --checkpoint-every 1000000 --json").json();
 }
 
-/// Whether this machine lets a test mount a file system: as root, or in a user namespace. If not, the test is skipped.
+/// Whether this test may mount a file system, as root or in a user namespace. If not, the test is skipped.
 fn can_mount() -> bool {
     let tried = Command::new("unshare").args(["--mount", "--map-root-user", "true"]).output();
     let works = tried.is_ok_and(|output| output.status.success());
@@ -170,8 +259,7 @@ fn can_mount() -> bool {
     works
 }
 
-/// Runs `script` with a separate temporary file system mounted at `small` in the workspace. (This needs root, or a user with
-/// permission to create namespaces.)
+/// Runs `script` with a small temporary file system mounted at `small` in the workspace.
 fn with_small_disk(workspace: &Workspace, options: &str, script: &str) -> CommandOutput {
     std::fs::create_dir_all(workspace.path("small")).unwrap();
     let script = format!("mount -t tmpfs -o {options} tmpfs small && {script}");
@@ -191,7 +279,7 @@ fn a_full_disk_damages_nothing() {
         return;
     }
     let workspace = workspace();
-    // The files written before are complete. With free space, the run resumes.
+    // The files written before the disk was full are complete. Once there is space, the run resumes.
     let done = with_small_disk(
         &workspace,
         "size=1m",
@@ -248,16 +336,16 @@ fn links_in_a_run_folder_are_not_followed() {
     for name in ["episodes.csv", "checkpoint/lock", "policy.safetensors"] {
         let file = workspace.path(&format!("run/{name}"));
         let kept = std::fs::read(&file).expect("the run has this file");
-        std::fs::remove_file(&file).expect("it can be removed");
+        std::fs::remove_file(&file).expect("the file can be removed");
         std::os::unix::fs::symlink(workspace.path("precious.txt"), &file).expect("a link can be made");
         let done = workspace.run("--train --resume run --episodes 40");
         assert_eq!(done.status, Some(2), "{}", done.stderr);
         assert!(done.stderr.contains(name) && done.stderr.contains("is a link"), "{}", done.stderr);
-        std::fs::remove_file(&file).expect("the link");
-        std::fs::write(&file, kept).expect("it can be put back");
+        std::fs::remove_file(&file).expect("the link can be removed");
+        std::fs::write(&file, kept).expect("the file can be restored");
     }
     assert_eq!(
-        std::fs::read_to_string(workspace.path("precious.txt")).expect("it is there"),
+        std::fs::read_to_string(workspace.path("precious.txt")).expect("the file still exists"),
         "not part of a run"
     );
     workspace.run_ok("--train --resume run --episodes 40");

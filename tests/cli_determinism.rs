@@ -1,5 +1,5 @@
-//! Determinism of the command line: runs with the same seed are byte-identical, and a run that was stopped
-//! (by its budget, by Ctrl-C or by SIGKILL) resumes to the result of an uninterrupted run.
+//! Tests of determinism on the command line: runs with the same seed are byte-identical, and a run that was
+//! stopped (by its budget, Ctrl-C or SIGKILL) resumes to the result of an uninterrupted run.
 
 mod cli_support;
 
@@ -62,7 +62,7 @@ fn a_run_of_150_episodes_resumed_to_300_equals_a_run_of_300() {
 
 #[test]
 fn a_run_with_two_step_returns_in_16_arenas_resumes_bit_identically() {
-    // 5200 is a multiple of no interval, so n-step returns, schedules and evaluations are all in progress.
+    // 5200 is not a multiple of any interval, so n-step returns, schedules and evaluations are all in progress.
     assert_resumes("--scenario one.ron --preset fast.ron", "--steps 5200", "--steps 10000");
 }
 
@@ -156,8 +156,8 @@ fn a_killed_run_resumes_from_its_last_checkpoint_to_the_uninterrupted_result() {
     let what = "--train --scenario one.ron --preset per.ron --seed 7";
     workspace.run_ok(&format!("{what} --episodes 400 --out uninterrupted"));
 
-    // Killed first after the checkpoint at the start, then after one in the middle. Both times there are rows
-    // on disk that the checkpoint does not include.
+    // The run is killed after its first checkpoint, and again after one in the middle. Both times there are rows on
+    // disk that the checkpoint does not include.
     let mut child = workspace.start(&format!("{what} --episodes 100 --out killed"));
     wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, "killed", HEADER));
     signal(&child, "KILL");
@@ -197,7 +197,7 @@ fn the_number_of_cores_does_not_change_a_run() {
     let workspace = workspace();
     let what = "--train --scenario noisy.ron --preset fast.ron --steps 8000 --seed 3";
     workspace.run_ok(&format!("{what} --out all-cores"));
-    // Only the first core that this process may use.
+    // The run is limited to the first core that this process may use.
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let allowed = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:")).unwrap().trim();
     let core = allowed.split([',', '-']).next().unwrap();

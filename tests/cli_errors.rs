@@ -1,5 +1,5 @@
-//! Invalid arguments and files: exit status 2, one message on stderr that names the file, the line and a fix,
-//! nothing on stdout, and no file created or changed. Also the help text.
+//! Tests of invalid arguments and files: exit status 2, one message on stderr that names the file, the line and a
+//! fix, nothing on stdout, and no file created or changed. Also tests of the help text.
 //!
 //! The messages are compared with `tests/snapshots/messages/`, one file per test. To renew them:
 //! `WAYFIELD_RENEW=1 cargo test --release --test cli_errors`
@@ -107,7 +107,7 @@ fn invalid_policies_are_rejected() {
         messages.line(&workspace, &format!("--eval {name} --json"));
         messages.line(&workspace, &format!("--train --preset quick.ron --init {name} --out new"));
     }
-    // Also the policy of a scenario with more beams, and a network of another size.
+    // A policy for another number of beams, and one with a network of another size.
     messages.line(&workspace, "--eval run/policy.safetensors --scenario scenario.ron");
     messages.line(&workspace, "--train --preset fast --init run/policy.safetensors --out new");
     messages.check();
@@ -140,7 +140,7 @@ fn output_folders_that_cannot_be_written_are_rejected() {
     for out in ["file", "file/below", "/proc/wayfield", "/dev/null/run"] {
         messages.line(&workspace, &format!("--train --preset quick.ron --out {out}"));
     }
-    // The default folder too.
+    // The default folder cannot be written either.
     workspace.write("runs", "");
     messages.line(&workspace, "--train --preset quick.ron");
     messages.check();

@@ -1,4 +1,4 @@
-//! Trained policies: the default preset learns, evaluations are correct, and policies can be transferred.
+//! Tests of trained policies: the default preset learns, evaluations are correct, and policies can be transferred.
 
 mod cli_support;
 
@@ -32,7 +32,7 @@ fn numbers(value: &Value, key: &str) -> Vec<f64> {
 
 #[test]
 fn the_default_preset_learns_to_navigate_in_30_000_steps() {
-    // 300 episodes that are neither in training nor in its evaluations.
+    // These 300 episodes occur neither in training nor in its evaluations.
     let report = trained().run_ok("--eval trained/policy.safetensors --rounds 3 --seed 77 --json").json();
     assert!(number(&report, "success_rate") >= 0.9, "{report}");
     let summary = trained().json("trained/summary.json");
@@ -80,8 +80,7 @@ fn course_times_every_episode_on_the_benchmark_route() {
     assert_eq!(times.len(), 25, "all 5 rounds of 5 episodes reach the goal: {report}");
     let mean = times.iter().sum::<f64>() / 25.0;
     assert!((mean - number(&report, "course_time_s")).abs() < 1e-9, "{report}");
-    // 10.8 s is the optimal time (docs/optimum.md). No time can be below it, and a trained robot's is not far
-    // above.
+    // The optimal time is 10.8 s (docs/optimum.md). No time is below it, and a trained robot's is close to it.
     assert!(times.iter().all(|time| (10.8 - 1e-9..20.0).contains(time)), "{times:?}");
 }
 

@@ -1,5 +1,5 @@
-//! `--reproduce` on the command line: it trains, tests and writes a report, does not repeat finished runs, and gives the
-//! same results for any number of parallel runs and after interruptions.
+//! Tests of `wayfield --reproduce`: it trains, tests and writes a report, does not repeat finished runs, and gives the same
+//! results for any number of parallel runs and after interruptions.
 
 mod cli_support;
 
@@ -80,7 +80,7 @@ fn report(workspace: &Workspace, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
-/// When each training was finished.
+/// The time at which each training run finished.
 fn finished_at(root: &Path) -> BTreeMap<PathBuf, std::time::SystemTime> {
     let runs = fs::read_dir(root.join("runs")).unwrap();
     let summaries = runs.map(|run| run.unwrap().path().join("summary.json"));
@@ -152,13 +152,13 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
         assert!(two[path] == *bytes, "{} depends on the number of jobs", path.display());
     }
 
-    // In the same folder, nothing is trained again, and the report is the same.
+    // In the same folder, no run is repeated, and the report is the same.
     let before = finished_at(&workspace.path("one"));
     workspace.run_ok("--reproduce --experiment mine/own.ron --out one");
     assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
     assert!(report(&workspace, "one") == one);
 
-    // A part of it with fewer seeds needs no new runs.
+    // A part of the experiment with fewer seeds needs no new runs.
     let json =
         workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --seeds 1 --json");
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
@@ -169,7 +169,7 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
 #[test]
 fn stopped_work_continues_where_it_stopped() {
     let workspace = workspace();
-    // Long enough to be stopped before it ends.
+    // The runs are long enough to be stopped before they end.
     let longer = OWN.replace("Episodes(24)", "Episodes(300)").replace("Episodes(12)", "Episodes(150)");
     workspace.write("mine/own.ron", longer);
     let arguments = "--reproduce --experiment mine/own.ron --jobs 1 --out";
@@ -190,7 +190,7 @@ fn stopped_work_continues_where_it_stopped() {
     );
     assert!(!workspace.path("stopped/report.html").exists(), "there is no report of unfinished work");
 
-    // It continues from the checkpoint; a run whose checkpoint is missing is repeated.
+    // A run continues from its checkpoint; a run without a checkpoint is repeated.
     let arguments_killed = format!("{arguments} stopped");
     let mut child = workspace.start(&arguments_killed);
     wait_until(&mut child, "a run is finished", || !finished_at(&workspace.path("stopped")).is_empty());

@@ -1,4 +1,4 @@
-//! Run folders: their contents and names, and that no run overwrites another.
+//! Tests of run folders: their contents and names, and that no run overwrites another.
 
 mod cli_support;
 

@@ -1,14 +1,14 @@
-//! Every example runs, and prints what it promises.
+//! Every example runs and prints the expected results.
 
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Runs an example with a path in a fresh folder as its argument; gives what it printed.
+/// Runs an example in a temporary folder, with the path of `argument` in it. Returns the example's stdout.
 fn run(name: &str, argument: &str) -> String {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let test = std::env::current_exe().expect("the test has a path");
-    // target/release/deps/examples-<hash> and target/release/examples/<name>
-    let target: PathBuf = test.ancestors().nth(2).expect("it is in target/<profile>/deps").into();
+    let test = std::env::current_exe().expect("the path of the test binary");
+    // The test is target/release/deps/examples-<hash>, the example target/release/examples/<name>.
+    let target: PathBuf = test.ancestors().nth(2).expect("the test is in target/<profile>/deps").into();
     let example = target.join("examples").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     let output = Command::new(&example)
         .arg(folder.path().join(argument))
@@ -21,44 +21,44 @@ fn run(name: &str, argument: &str) -> String {
 }
 
 #[test]
-fn the_learner_alone_finds_the_reward() {
+fn learner_alone_learns_to_move_to_the_reward() {
     let printed = run("learner_alone", "");
     assert_eq!(printed.matches("Q(right)").count(), 3, "{printed}");
 }
 
 #[test]
-fn the_vectorised_environment_steps() {
+fn vec_env_reports_reached_goals() {
     let printed = run("vec_env", "");
     assert!(printed.contains("episodes reached the goal"), "{printed}");
 }
 
 #[test]
-fn a_headless_training_reports_its_success_rate() {
+fn train_headless_reports_its_success_rate() {
     let printed = run("train_headless", "run");
     assert!(printed.contains("best success rate"), "{printed}");
 }
 
 #[test]
-fn a_shipped_policy_is_evaluated() {
+fn evaluate_policy_reports_more_than_90_percent_success() {
     let printed = run("evaluate_policy", "");
     assert!(printed.starts_with("success 9") || printed.starts_with("success 100"), "{printed}");
 }
 
 #[test]
-fn a_custom_reward_is_logged_by_name() {
+fn custom_reward_logs_its_term_by_name() {
     let printed = run("custom_reward", "run");
     assert!(printed.contains("reward_smoothness"), "{printed}");
 }
 
 #[test]
-fn a_custom_sensor_is_recorded_and_its_absence_refused() {
+fn custom_sensor_trains_a_policy_that_fails_without_the_sensor() {
     let printed = run("custom_sensor", "run");
-    assert!(printed.contains("takes 30 numbers"), "{printed}");
+    assert!(printed.contains("the policy has 30 inputs"), "{printed}");
     assert!(printed.contains("the policy was trained with `odometry:2`"), "{printed}");
 }
 
 #[test]
-fn a_scenario_is_drawn() {
+fn draw_scenario_draws_the_obstacles() {
     let printed = run("draw_scenario", "scenario.svg");
-    assert!(printed.contains("A box and a sentry with 2 obstacles"), "{printed}");
+    assert!(printed.contains("A box and a patrol with 2 obstacles"), "{printed}");
 }

@@ -1,4 +1,4 @@
-//! A drive that lags: the robot follows the motions it is told to as a first-order lag, and starts from rest.
+//! Actuator lag: the robot follows the commanded motions with a first-order lag, and starts at rest.
 
 mod common;
 
@@ -8,14 +8,14 @@ use wayfield::scenario::{Motion, Scenario};
 use wayfield::sim::{ActuatorLag, chord_velocity, integrate_heading};
 use wayfield::task::{EpisodeEnd, Goal, Pose, RewardConfig, TaskMode, Twist};
 
-/// The paper's robot with a lag of 0.3 s, a step and a half, and nothing near.
+/// The paper's robot with a lag of 0.3 s (1.5 control steps), far from everything.
 fn lagging() -> Scenario {
     let mut scenario = common::wide_open();
     scenario.robot.actuator_lag_s = 0.3;
     scenario
 }
 
-/// The robot at (0, 0) looking along x, at rest; the goal `ahead_m` before it.
+/// An arena with the robot at rest at (0, 0), heading along x, and the goal `ahead_m` in front of it.
 fn facing(scenario: &Scenario, ahead_m: f32, mode: TaskMode) -> Lab {
     let mut lab = Lab::with(scenario, 1, 4, RewardConfig::default(), mode);
     assert_eq!(lab.state(0).twist, Twist::default(), "an episode begins at rest");
@@ -26,7 +26,7 @@ fn facing(scenario: &Scenario, ahead_m: f32, mode: TaskMode) -> Lab {
     lab
 }
 
-/// Asserts that `pose` and `twist` are within 1e-6 of numbers worked by hand.
+/// Asserts that pose and twist are within 1e-6 of the expected values.
 fn assert_near(lab: &mut Lab, (x, y, heading): (f32, f32, f32), (v, w): (f32, f32)) {
     let (pose, twist) = (lab.state(0).pose, lab.state(0).twist);
     let off = [pose.x_m - x, pose.y_m - y, pose.heading_rad - heading, twist.v_m_s - v, twist.w_rad_s - w];
@@ -34,31 +34,31 @@ fn assert_near(lab: &mut Lab, (x, y, heading): (f32, f32, f32), (v, w): (f32, f3
 }
 
 #[test]
-fn two_steps_are_those_worked_by_hand() {
-    // T = 0.2 s, tau = 0.3 s: e^(-2/3) = 0.5134171 of the difference is left at a step's end, and on average over it
+fn two_steps_match_a_calculation_by_hand() {
+    // T = 0.2 s, tau = 0.3 s. The remaining difference is e^(-2/3) = 0.5134171 at a step's end, and on average over the step
     // 1.5 (1 - 0.5134171) = 0.7298743.
     let mut lab = facing(&lagging(), 50.0, TaskMode::Continuing);
-    // From rest towards (0.15, 1.5). Mean: 0.15 x 0.2701257 = 0.04051885 m/s and 0.4051885 rad/s, so an arc of radius
-    // 0.1 m over 0.0810377 rad: x = 0.1 sin, y = 0.1 (1 - cos). At its end 0.15 x 0.4865829 and 1.5 x 0.4865829.
+    // From rest, commanded (0.15, 1.5). Mean: 0.15 x 0.2701257 = 0.04051885 m/s and 0.4051885 rad/s, so an arc of radius
+    // 0.1 m over 0.0810377 rad: x = 0.1 sin, y = 0.1 (1 - cos). At its end: 0.15 x 0.4865829 and 1.5 x 0.4865829.
     lab.step(&[0]);
     assert_near(&mut lab, (0.008_094_903, 0.000_328_176, 0.081_037_7), (0.072_987_43, 0.729_874_3));
-    // From there towards (0.15, -1.5). Mean: 0.15 - 0.07701257 x 0.7298743 = 0.09379050 m/s and
-    // -1.5 + 2.2298743 x 0.7298743 = 0.1275280 rad/s: still to the left. Over 0.0255056 rad on a radius of
-    // 0.7354503 m; at its end 0.15 - 0.07701257 x 0.5134171 and -1.5 + 2.2298743 x 0.5134171.
+    // Then commanded (0.15, -1.5). Mean: 0.15 - 0.07701257 x 0.7298743 = 0.09379050 m/s and
+    // -1.5 + 2.2298743 x 0.7298743 = 0.1275280 rad/s, still to the left: an arc of radius 0.7354503 m over 0.0255056 rad.
+    // At its end: 0.15 - 0.07701257 x 0.5134171 and -1.5 + 2.2298743 x 0.5134171.
     lab.step(&[4]);
     assert_near(&mut lab, (0.026_770_054, 0.002_084_882, 0.106_543_3), (0.110_460_43, -0.355_144_35));
 }
 
 #[test]
-fn a_new_target_leaves_the_robot_its_speed_and_a_new_episode_does_not() {
+fn a_new_goal_keeps_the_robots_speed_and_a_new_episode_resets_it() {
     let mut scenario = lagging();
     scenario.task.max_episode_steps = 3;
     let mut lab = facing(&scenario, 0.205, TaskMode::Continuing);
     lab.step(&[2]);
-    assert!(lab.outcomes()[0].reached, "0.205 m less the 0.0081 m driven is nearer than l_a");
-    let left = libm::expf(-2.0 / 3.0);
+    assert!(lab.outcomes()[0].reached, "0.205 m minus the 0.0081 m driven is less than l_a");
+    let remaining = libm::expf(-2.0 / 3.0);
     for step in 1..3 {
-        let expected = 0.15 * (1.0 - left.powi(step));
+        let expected = 0.15 * (1.0 - remaining.powi(step));
         let twist = lab.state(0).twist;
         assert!((twist.v_m_s - expected).abs() < 1e-6, "after step {step}, {expected} m/s: {twist:?}");
         lab.step(&[2]);
@@ -68,7 +68,7 @@ fn a_new_target_leaves_the_robot_its_speed_and_a_new_episode_does_not() {
 }
 
 #[test]
-fn an_arena_that_is_rewound_begins_at_rest() {
+fn a_reset_arena_starts_at_rest() {
     let mut lab = Lab::with(&lagging(), 1, 4, RewardConfig::default(), TaskMode::SingleGoal);
     lab.step(&[0]);
     let state = lab.state(0);
@@ -78,7 +78,7 @@ fn an_arena_that_is_rewound_begins_at_rest() {
 }
 
 #[test]
-fn without_a_lag_every_step_is_the_chosen_motions_to_the_bit() {
+fn without_a_lag_every_step_has_the_commanded_motion_to_the_bit() {
     let scenario = common::wide_open();
     assert_eq!(scenario.robot.actuator_lag_s, 0.0);
     let arenas = 4;
@@ -91,19 +91,23 @@ fn without_a_lag_every_step_is_the_chosen_motions_to_the_bit() {
         for (arena, after) in lab.states().iter().enumerate() {
             let (from, motion) = (&before[arena].pose, &scenario.robot.motions[actions[arena]]);
             let velocity = lab.with_physics(arena, |bodies, set, _| set.bodies[bodies.robot].linvel());
-            let due = chord_velocity(from.heading_rad, motion, 0.2);
-            assert_eq!(bits(&[velocity.x, velocity.y]), bits(&[due.x, due.y]), "step {step}, arena {arena}");
+            let expected = chord_velocity(from.heading_rad, motion, 0.2);
+            assert_eq!(
+                bits(&[velocity.x, velocity.y]),
+                bits(&[expected.x, expected.y]),
+                "step {step}, arena {arena}"
+            );
             let heading_rad = integrate_heading(from.heading_rad, motion, 0.2);
             assert_eq!(after.pose.heading_rad.to_bits(), heading_rad.to_bits(), "step {step}, arena {arena}");
             assert_eq!(after.twist, Twist { v_m_s: motion.v_m_s, w_rad_s: motion.w_rad_s });
         }
     }
-    assert!(lab.take_ended_episodes().is_empty(), "nothing was hit, and no episode began anew");
+    assert!(lab.take_ended_episodes().is_empty(), "no robot collided and no episode ended");
 }
 
 #[test]
-fn each_arena_has_a_drive_of_its_own() {
-    // Two arenas alike, but for how fast the robot goes at first.
+fn each_arena_has_its_own_actuator_state() {
+    // Two arenas that differ in the robot's initial speed only.
     let mut lab = Lab::new(&lagging(), 2, 3);
     let state = lab.state(0);
     lab.edit(1, |other| *other = state.clone());
@@ -114,66 +118,66 @@ fn each_arena_has_a_drive_of_its_own() {
         lab.state(0)
     };
     lab.step(&[2, 2]);
-    let (slow, quick) = (lab.state(0), lab.state(1));
-    assert_eq!(slow, alone, "arena 0 knows nothing of arena 1");
-    let way = |pose: &Pose| (pose.x_m - state.pose.x_m).hypot(pose.y_m - state.pose.y_m);
-    assert!((way(&slow.pose) - 0.008_103_77).abs() < 2e-5, "{} m from rest", way(&slow.pose));
-    assert!((way(&quick.pose) - 0.03).abs() < 2e-5, "{} m at full speed", way(&quick.pose));
+    let (slow, fast) = (lab.state(0), lab.state(1));
+    assert_eq!(slow, alone, "arena 0 does not depend on arena 1");
+    let distance = |pose: &Pose| (pose.x_m - state.pose.x_m).hypot(pose.y_m - state.pose.y_m);
+    assert!((distance(&slow.pose) - 0.008_103_77).abs() < 2e-5, "{} m from rest", distance(&slow.pose));
+    assert!((distance(&fast.pose) - 0.03).abs() < 2e-5, "{} m at full speed", distance(&fast.pose));
 }
 
 proptest! {
     #[test]
-    fn a_lagging_drive_stays_between_what_it_did_and_what_it_is_told(
-        lag_s in 0.0_f32..=10.0, seconds in 0.001_f32..10.0, at_first in -5.0_f32..5.0, told in -5.0_f32..5.0,
+    fn the_twist_stays_between_the_initial_and_the_commanded_motion(
+        lag_s in 0.0_f32..=10.0, seconds in 0.001_f32..10.0, initial in -5.0_f32..5.0, commanded in -5.0_f32..5.0,
     ) {
         let lag = ActuatorLag::new(lag_s, seconds);
-        let chosen = Motion { v_m_s: told, w_rad_s: -4.0 * told };
-        let mut twist = Twist { v_m_s: at_first, w_rad_s: -4.0 * at_first };
-        let fastest = at_first.abs().max(told.abs()) * (1.0 + 1e-6);
+        let motion = Motion { v_m_s: commanded, w_rad_s: -4.0 * commanded };
+        let mut twist = Twist { v_m_s: initial, w_rad_s: -4.0 * initial };
+        let max = initial.abs().max(commanded.abs()) * (1.0 + 1e-6);
         let steps = (20.0 * lag_s / seconds).ceil().min(1e6) as u32 + 1;
         for _ in 0..steps {
-            let (mean, after) = lag.step(&twist, &chosen);
+            let (mean, after) = lag.step(&twist, &motion);
             for (v, w) in [(mean.v_m_s, mean.w_rad_s), (after.v_m_s, after.w_rad_s)] {
-                prop_assert!(v.abs() <= fastest && w.abs() <= 4.0 * fastest, "{v}, {w}");
+                prop_assert!(v.abs() <= max && w.abs() <= 4.0 * max, "{v}, {w}");
             }
-            let off = |v: f32| (v - told).abs();
-            let slack = 1e-6 * fastest;
+            let off = |v: f32| (v - commanded).abs();
+            let slack = 1e-6 * max;
             prop_assert!(off(after.v_m_s) <= off(mean.v_m_s) + slack && off(mean.v_m_s) <= off(twist.v_m_s) + slack);
             twist = after;
         }
-        // Once what a step would make up is less than a rounding it stays away.
-        let rounding = 2e-7 * fastest * (1.0 + lag_s / seconds);
-        prop_assert!((twist.v_m_s - told).abs() <= rounding, "after 20 lags: {twist:?}, told {told}");
+        // The twist stops changing when the change per step is below the rounding error.
+        let rounding = 2e-7 * max * (1.0 + lag_s / seconds);
+        prop_assert!((twist.v_m_s - commanded).abs() <= rounding, "after 20 lags: {twist:?}, commanded {commanded}");
     }
 
     #[test]
-    fn no_lag_is_the_chosen_motion_to_the_bit(
-        v in -5.0_f32..5.0, w in -20.0_f32..20.0, v_m_s in -5.0_f32..5.0, w_rad_s in -20.0_f32..20.0, none in 0..3,
+    fn zero_lag_gives_the_commanded_motion_to_the_bit(
+        v in -5.0_f32..5.0, w in -20.0_f32..20.0, v_m_s in -5.0_f32..5.0, w_rad_s in -20.0_f32..20.0, index in 0..3,
     ) {
-        // Also a lag too short to leave a trace: the least number there is.
-        let lag = ActuatorLag::new([0.0, -0.0, f32::from_bits(1)][none as usize], 0.2);
+        // Includes the smallest positive number, a lag too short to have an effect.
+        let lag = ActuatorLag::new([0.0, -0.0, f32::from_bits(1)][index as usize], 0.2);
         let (mean, after) = lag.step(&Twist { v_m_s: v, w_rad_s: w }, &Motion { v_m_s, w_rad_s });
-        let due = bits(&[v_m_s, w_rad_s]);
-        prop_assert_eq!(bits(&[mean.v_m_s, mean.w_rad_s]), due.clone());
-        prop_assert_eq!(bits(&[after.v_m_s, after.w_rad_s]), due);
+        let expected = bits(&[v_m_s, w_rad_s]);
+        prop_assert_eq!(bits(&[mean.v_m_s, mean.w_rad_s]), expected.clone());
+        prop_assert_eq!(bits(&[after.v_m_s, after.w_rad_s]), expected);
     }
 
     #[test]
-    fn a_step_is_as_far_as_a_hundred_small_ones(
-        lag_s in 0.01_f32..10.0, seconds in 0.01_f32..10.0, at_first in -5.0_f32..5.0, told in -5.0_f32..5.0,
+    fn one_step_equals_a_hundred_steps_of_a_hundredth(
+        lag_s in 0.01_f32..10.0, seconds in 0.01_f32..10.0, initial in -5.0_f32..5.0, commanded in -5.0_f32..5.0,
     ) {
-        let chosen = Motion { v_m_s: told, w_rad_s: 0.0 };
-        let start = Twist { v_m_s: at_first, w_rad_s: 0.0 };
-        let (mean, end) = ActuatorLag::new(lag_s, seconds).step(&start, &chosen);
+        let motion = Motion { v_m_s: commanded, w_rad_s: 0.0 };
+        let start = Twist { v_m_s: initial, w_rad_s: 0.0 };
+        let (mean, end) = ActuatorLag::new(lag_s, seconds).step(&start, &motion);
         let small = ActuatorLag::new(lag_s, seconds / 100.0);
         let (mut twist, mut sum) = (start, 0.0_f64);
         for _ in 0..100 {
-            let (mean, after) = small.step(&twist, &chosen);
+            let (mean, after) = small.step(&twist, &motion);
             sum += f64::from(mean.v_m_s) / 100.0;
             twist = after;
         }
-        // Speeds up to 10 m/s apart, a rounding or two of them in each of a hundred steps.
-        prop_assert!((sum - f64::from(mean.v_m_s)).abs() < 2e-4, "the mean: {sum} or {}", mean.v_m_s);
-        prop_assert!((twist.v_m_s - end.v_m_s).abs() < 2e-4, "at the end: {twist:?} or {end:?}");
+        // The tolerance covers the rounding of speeds that differ by up to 10 m/s in each of the hundred steps.
+        prop_assert!((sum - f64::from(mean.v_m_s)).abs() < 2e-4, "mean: {sum} and {}", mean.v_m_s);
+        prop_assert!((twist.v_m_s - end.v_m_s).abs() < 2e-4, "end: {twist:?} and {end:?}");
     }
 }

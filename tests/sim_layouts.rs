@@ -1,4 +1,4 @@
-//! Walls of any outline hold, layouts are redrawn for every episode, a slow LIDAR is late, named places are kept.
+//! Layouts: polygonal enclosures and inner walls, generated obstacles, LIDAR latency, fixed starts and goals.
 
 mod common;
 
@@ -13,12 +13,12 @@ use wayfield::scenario::{
 use wayfield::sim;
 use wayfield::task::{Clock, EpisodeEnd, Pose};
 
-/// An L with a wall, a rod, a triangle, and one of each that moves.
+/// An L-shaped enclosure with an inner wall, a static and a moving capsule, and a static and a moving triangle.
 fn irregular_walls() -> Scenario {
     let triangle = Shape::Polygon { corners_m: vec![vec2(-0.2, -0.1), vec2(0.2, -0.1), vec2(0.0, 0.3)] };
-    let rod = Shape::Capsule { length_m: 0.4, radius_m: 0.08 };
-    let to_and_fro = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.4, -0.4)], speed_m_s: 0.1 };
-    let walk = ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.1, seed: 4 };
+    let capsule = Shape::Capsule { length_m: 0.4, radius_m: 0.08 };
+    let back_and_forth = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.4, -0.4)], speed_m_s: 0.1 };
+    let random_walk = ObstacleMotion::RandomWalk { radius_m: 0.3, speed_m_s: 0.1, seed: 4 };
     Scenario {
         enclosure: Enclosure::Polygon {
             corners_m: vec![
@@ -35,19 +35,20 @@ fn irregular_walls() -> Scenario {
             thickness_m: 0.1,
         }],
         obstacles: vec![
-            common::still(rod.clone(), vec2(-0.6, 0.9), 0.6),
-            common::still(triangle.clone(), vec2(0.6, -0.7), 0.4),
-            Obstacle { motion: to_and_fro, ..common::still(rod, vec2(1.4, -1.6), 1.2) },
-            Obstacle { motion: walk, ..common::still(triangle, vec2(-1.3, -1.3), 0.0) },
+            common::static_obstacle(capsule.clone(), vec2(-0.6, 0.9), 0.6),
+            common::static_obstacle(triangle.clone(), vec2(0.6, -0.7), 0.4),
+            Obstacle { motion: back_and_forth, ..common::static_obstacle(capsule, vec2(1.4, -1.6), 1.2) },
+            Obstacle { motion: random_walk, ..common::static_obstacle(triangle, vec2(-1.3, -1.3), 0.0) },
         ],
         ..Scenario::default()
     }
 }
 
-fn field() -> Scenario {
+/// A static cylinder, and six generated obstacles.
+fn generated_obstacles() -> Scenario {
     let generator = |count, shape| Generator { count, shape, gap_m: 0.3, within: None };
     Scenario {
-        obstacles: vec![common::still(Shape::Circle { radius_m: 0.1 }, vec2(-1.0, 0.0), 0.0)],
+        obstacles: vec![common::static_obstacle(Shape::Circle { radius_m: 0.1 }, vec2(-1.0, 0.0), 0.0)],
         generators: vec![
             generator(4, RandomShape::Circle { radius_m: (0.1, 0.2) }),
             generator(2, RandomShape::Rectangle { width_m: (0.3, 0.5), height_m: (0.1, 0.2) }),
@@ -56,30 +57,30 @@ fn field() -> Scenario {
     }
 }
 
-/// What each arena sees is what geometry says of the world as it stands there.
+/// Asserts that the ranges of every arena agree with the geometry of the arena's current layout.
 fn assert_scan_matches_layout(lab: &mut Lab, when: &str) {
     for (arena, state) in lab.states().iter().enumerate() {
-        let room = lab.scenario.with_generated_obstacles(state.layout_seed);
+        let layout = lab.scenario.with_generated_obstacles(state.layout_seed);
         let origin = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
         for (beam, &range) in state.scan.ranges_m.iter().enumerate() {
-            let angle = f64::from(state.pose.heading_rad) + room.lidar.beam_angle_rad(beam);
-            let (low, high) = closed_form::range_bounds(&room, state.clock.0, origin, angle, 3.5);
+            let angle = f64::from(state.pose.heading_rad) + layout.lidar.beam_angle_rad(beam);
+            let (low, high) = closed_form::range_bounds(&layout, state.clock.0, origin, angle, 3.5);
             assert!(
                 f64::from(range) > low - 2e-5 && f64::from(range) < high + 2e-5,
-                "{when}, arena {arena}, beam {beam}: {range} m, geometry says {low} to {high} m"
+                "{when}, arena {arena}, beam {beam}: range {range} m, expected {low} to {high} m"
             );
         }
     }
 }
 
 #[test]
-fn every_episode_has_a_room_of_its_own_that_its_lidar_sees() {
-    let mut scenario = field();
+fn every_episode_has_a_new_layout_that_the_lidar_measures() {
+    let mut scenario = generated_obstacles();
     scenario.task.max_episode_steps = 25;
     let mut lab = Lab::new(&scenario, 6, 11);
     let mut layouts = std::collections::BTreeSet::new();
     let mut before = lab.states();
-    assert_scan_matches_layout(&mut lab, "at first");
+    assert_scan_matches_layout(&mut lab, "before the first step");
     for step in 1..=120 {
         lab.step(&[2; 6]);
         assert_scan_matches_layout(&mut lab, &format!("after step {step}"));
@@ -89,25 +90,25 @@ fn every_episode_has_a_room_of_its_own_that_its_lidar_sees() {
             assert_eq!(
                 old.layout_seed != new.layout_seed,
                 ended.contains(&arena),
-                "a room lasts for its episode"
+                "a layout changes exactly when an episode ends"
             );
             layouts.insert(new.layout_seed);
         }
         before = states;
     }
-    assert!(layouts.len() > 20, "no two rooms are alike: {}", layouts.len());
+    assert!(layouts.len() > 20, "only {} different layouts", layouts.len());
     let mut again = Lab::new(&scenario, 2, 11);
     assert_eq!(
         again.states()[1].layout_seed,
         Lab::new(&scenario, 6, 11).states()[1].layout_seed,
-        "told by seed and arena"
+        "the layout depends on seed and arena alone"
     );
     again.step(&[2; 2]);
 }
 
 #[test]
-fn a_saved_room_goes_on_to_the_bit() {
-    let scenario = field();
+fn a_restored_layout_continues_to_the_bit() {
+    let scenario = generated_obstacles();
     let mut lab = Lab::new(&scenario, 3, 5);
     for _ in 0..40 {
         lab.step(&[1; 3]);
@@ -125,8 +126,8 @@ fn a_saved_room_goes_on_to_the_bit() {
 }
 
 #[test]
-fn nothing_gets_through_a_wall_however_fast_it_is() {
-    for (scenario, name) in [(irregular_walls(), "crooked"), (field(), "field")] {
+fn no_robot_passes_through_a_wall_at_any_speed() {
+    for (scenario, name) in [(irregular_walls(), "irregular"), (generated_obstacles(), "generated")] {
         for v_m_s in [0.15, 1.0, 5.0] {
             let mut scenario = scenario.clone();
             scenario.robot.motions = [-3.0, 0.0, 3.0].map(|w_rad_s| Motion { v_m_s, w_rad_s }).into();
@@ -140,10 +141,11 @@ fn nothing_gets_through_a_wall_however_fast_it_is() {
                     assert!(!outcome.inactive, "arena {arena}");
                 }
                 for state in lab.states() {
-                    let room = lab.scenario.with_generated_obstacles(state.layout_seed);
+                    let layout = lab.scenario.with_generated_obstacles(state.layout_seed);
                     let at = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
-                    let inside_m = closed_form::clearance(&Scenario { obstacles: Vec::new(), ..room }, 0, at);
-                    assert!(inside_m > 0.0999 - 0.001, "{name} at {v_m_s} m/s, step {step}: {inside_m} m");
+                    let walls = Scenario { obstacles: Vec::new(), ..layout };
+                    let clear_m = closed_form::clearance(&walls, 0, at);
+                    assert!(clear_m > 0.0999 - 0.001, "{name} at {v_m_s} m/s, step {step}: {clear_m} m");
                 }
                 collisions += lab
                     .take_ended_episodes()
@@ -151,13 +153,13 @@ fn nothing_gets_through_a_wall_however_fast_it_is() {
                     .filter(|episode| episode.end == EpisodeEnd::Collided)
                     .count();
             }
-            assert!(collisions > 10, "{name} at {v_m_s} m/s: it was tried {collisions} times");
+            assert!(collisions > 10, "{name} at {v_m_s} m/s: only {collisions} collisions");
         }
     }
 }
 
 #[test]
-fn a_collision_is_told_where_the_clearance_says_so() {
+fn collisions_agree_with_the_clearance() {
     let scenario = irregular_walls();
     let mut lab = Lab::new(&scenario, 1, 3);
     let mut stream = random::stream(2, "places", 0);
@@ -165,7 +167,7 @@ fn a_collision_is_told_where_the_clearance_says_so() {
     while hits < 150 || free < 150 {
         let at = (uniform(&mut stream, -1.99, 1.99), uniform(&mut stream, -1.99, 1.99));
         let clear_m = closed_form::clearance(&scenario, 0, (f64::from(at.0), f64::from(at.1)));
-        // In the open for now, and no nearer to the robot's rim than a step could matter.
+        // Skips positions inside obstacles, and those so close to contact that one step decides.
         if clear_m < 0.02 || (clear_m - 0.1).abs() < 0.035 {
             continue;
         }
@@ -174,13 +176,13 @@ fn a_collision_is_told_where_the_clearance_says_so() {
             state.clock = Clock(0);
         });
         lab.step(&[2]);
-        // The body itself touches; what only comes nearer than the collision range need not be seen between two beams.
+        // Contact is always a collision. An obstacle that is merely within the collision range may lie between two beams.
         let touches = clear_m < 0.1;
         if touches {
-            assert!(lab.outcomes()[0].collided, "{at:?} has {clear_m} m");
+            assert!(lab.outcomes()[0].collided, "{at:?}, clearance {clear_m} m");
             hits += 1;
         } else if clear_m > 0.13 + 0.035 {
-            assert!(!lab.outcomes()[0].collided, "{at:?} has {clear_m} m");
+            assert!(!lab.outcomes()[0].collided, "{at:?}, clearance {clear_m} m");
             free += 1;
         }
         lab.take_ended_episodes();
@@ -188,14 +190,14 @@ fn a_collision_is_told_where_the_clearance_says_so() {
 }
 
 #[test]
-fn a_late_lidar_reports_what_was_there_some_steps_ago() {
-    let mut late = irregular_walls();
-    late.lidar.latency_steps = 3;
-    late.task.max_episode_steps = 40;
-    let mut lab = Lab::new(&late, 1, 8);
+fn a_lidar_with_latency_reports_the_scan_of_earlier_steps() {
+    let mut scenario = irregular_walls();
+    scenario.lidar.latency_steps = 3;
+    scenario.task.max_episode_steps = 40;
+    let mut lab = Lab::new(&scenario, 1, 8);
     let pose = lab.state(0).pose;
-    let mut seen = vec![lab.cast(0, &pose)];
-    let mut restarts = 0;
+    let mut scans = vec![lab.cast(0, &pose)];
+    let mut resets = 0;
     for step in 0..200_usize {
         lab.step(&[step / 5 % 5]);
         let state = lab.state(0);
@@ -204,22 +206,22 @@ fn a_late_lidar_reports_what_was_there_some_steps_ago() {
             assert_eq!(
                 state.scan.nearest_m,
                 now.iter().copied().fold(3.5, f32::min),
-                "collisions go by what is there now"
+                "collisions use the current ranges"
             );
-            seen.push(now);
+            scans.push(now);
         } else {
-            restarts += 1;
-            seen = vec![now];
+            resets += 1;
+            scans = vec![now];
         }
-        let expected = &seen[seen.len().saturating_sub(4)];
+        let expected = &scans[scans.len().saturating_sub(4)];
         assert_eq!(bits(&state.scan.ranges_m), bits(expected), "step {step}");
-        lab.assert_observations_current("a late scan is what is observed");
+        lab.assert_observations_current("with latency");
     }
-    assert!(restarts > 2);
+    assert!(resets > 2);
 }
 
 #[test]
-fn after_the_only_target_the_robot_starts_anew_and_the_episode_goes_on() {
+fn after_reaching_a_fixed_goal_the_robot_returns_to_its_start_and_the_episode_continues() {
     let scenario = Scenario {
         starts: PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: Some(0.0) },
         goals: PlacementRule::Fixed { position_m: vec2(0.6, 0.0), heading_rad: None },
@@ -228,7 +230,7 @@ fn after_the_only_target_the_robot_starts_anew_and_the_episode_goes_on() {
     let mut lab = Lab::new(&scenario, 1, 1);
     let start = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
     assert_eq!(lab.state(0).pose, start);
-    // 0.4 m to the goal's rim at 0.03 m a step: nearer than 0.2 m after 14 steps.
+    // 0.6 m to the goal at 0.03 m per step: nearer than the goal radius of 0.2 m after 14 steps.
     for round in 1..=3 {
         for _ in 0..14 {
             lab.step(&[2]);
@@ -237,13 +239,13 @@ fn after_the_only_target_the_robot_starts_anew_and_the_episode_goes_on() {
         assert!(lab.outcomes()[0].reached && lab.take_ended_episodes().is_empty());
         assert_eq!((state.pose, state.episode.goals), (start, round));
         assert_eq!(state.twist.v_m_s, 0.0, "at rest");
-        lab.assert_observations_current("after a new start");
+        lab.assert_observations_current("after the return to the start");
     }
     assert_eq!(lab.state(0).episode.steps, 42);
 }
 
 #[test]
-fn another_world_is_taken_with_streams_and_clocks_as_they_stand() {
+fn a_reset_with_another_scenario_keeps_streams_and_clocks() {
     let mut lab = Lab::new(&common::moving_obstacles(), 4, 7);
     for _ in 0..30 {
         lab.step(&[2; 4]);
@@ -256,15 +258,15 @@ fn another_world_is_taken_with_streams_and_clocks_as_they_stand() {
     for (old, new) in before.iter().zip(&after) {
         assert_eq!(old.clock, new.clock);
         assert_eq!(new.episode.steps, 0, "a new episode");
-        assert_ne!(old.streams.places, new.streams.places, "its start was drawn from the arena's own stream");
+        assert_ne!(old.streams.places, new.streams.places, "the start was drawn from the arena's stream");
     }
-    assert_scan_matches_layout(&mut lab, "after the change");
+    assert_scan_matches_layout(&mut lab, "after the reset");
     lab.step(&[2; 4]);
-    assert_scan_matches_layout(&mut lab, "a step later");
+    assert_scan_matches_layout(&mut lab, "one step later");
     let mut again = Lab::new(&common::moving_obstacles(), 4, 7);
     for _ in 0..30 {
         again.step(&[2; 4]);
     }
     sim::reset_with_scenario(again.simulation.world_mut(), &other);
-    assert_eq!(again.states(), after, "the same from the same");
+    assert_eq!(again.states(), after, "the reset is repeatable");
 }

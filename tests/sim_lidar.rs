@@ -1,4 +1,4 @@
-//! The LIDAR tells the distances that geometry tells, and meets the colliders that the robot meets.
+//! LIDAR ranges agree with geometry, and the beams hit the same colliders as the robot.
 
 mod common;
 
@@ -23,38 +23,40 @@ fn pose(x_m: f32, y_m: f32, heading_rad: f32) -> Pose {
     Pose { x_m, y_m, heading_rad }
 }
 
-/// Each range is the closed form's to 1e-5 m (where a beam grazes: between those of beams 10 um to either side).
+/// Asserts that every range from `from` agrees with the closed form to 1e-5 m. The range of a grazing beam must lie between
+/// those of beams shifted by 10 um to either side.
 fn assert_closed_form(lab: &mut Lab, from: &Pose) {
     let (scenario, clock) = (lab.scenario.clone(), lab.state(0).clock.0);
     let ranges = lab.cast(0, from);
     let beams = scenario.lidar.beams;
-    assert_eq!(ranges.len(), beams, "one range a beam");
+    assert_eq!(ranges.len(), beams, "one range per beam");
     let origin = (f64::from(from.x_m), f64::from(from.y_m));
     for (i, &range) in ranges.iter().enumerate() {
-        // All around, beam 0 looks ahead and the others follow counterclockwise; else they go from right to left.
+        // With a full field of view, beam 0 points ahead and the others follow counterclockwise. Otherwise the beams go from
+        // right to left.
         let view = f64::from(scenario.lidar.field_of_view_rad);
-        let all_around = i as f64 * std::f64::consts::TAU / beams as f64;
-        let across = if beams == 1 { 0.0 } else { view * (i as f64 / (beams - 1) as f64 - 0.5) };
-        let angle = f64::from(from.heading_rad) + if view > 6.27 { all_around } else { across };
+        let full = i as f64 * std::f64::consts::TAU / beams as f64;
+        let partial = if beams == 1 { 0.0 } else { view * (i as f64 / (beams - 1) as f64 - 0.5) };
+        let angle = f64::from(from.heading_rad) + if view > 6.27 { full } else { partial };
         let max_m = f64::from(scenario.lidar.max_range_m);
         let (low, high) = closed_form::range_bounds(&scenario, clock, origin, angle, max_m);
         let range = f64::from(range);
         assert!(
             range > low - 1e-5 && range < high + 1e-5,
-            "beam {i} of {beams} from {from:?}: geometry says {low} to {high} m, the LIDAR {range} m"
+            "beam {i} of {beams} from {from:?}: range {range} m, expected {low} to {high} m"
         );
     }
 }
 
 fn one_obstacle(shape: Shape, at: Vec2, turn: f32) -> Scenario {
-    Scenario { obstacles: vec![common::still(shape, at, turn)], ..Scenario::default() }
+    Scenario { obstacles: vec![common::static_obstacle(shape, at, turn)], ..Scenario::default() }
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
-    fn ranges_to_circles_and_walls_are_those_of_geometry(
+    fn ranges_to_circles_and_walls_match_the_closed_form(
         r in 0.1_f32..0.8, x in -1.5_f32..1.5, y in -1.5_f32..1.5,
         px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
         beams in prop_oneof![Just(24_usize), 1_usize..100],
@@ -65,7 +67,7 @@ proptest! {
     }
 
     #[test]
-    fn ranges_to_turned_boxes_and_their_corners_are_those_of_geometry(
+    fn ranges_to_rotated_boxes_match_the_closed_form(
         w in 0.01_f32..1.5, h in 0.01_f32..1.5, x in -1.5_f32..1.5, y in -1.5_f32..1.5, turn in -6.2_f32..6.2,
         px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
     ) {
@@ -74,15 +76,15 @@ proptest! {
     }
 
     #[test]
-    fn ranges_to_rods_polygons_and_inner_walls_are_those_of_geometry(
+    fn ranges_to_capsules_polygons_and_inner_walls_match_the_closed_form(
         length in 0.01_f32..1.5, r in 0.05_f32..0.5, x in -1.5_f32..1.5, y in -1.5_f32..1.5, turn in -6.2_f32..6.2,
         px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI, view in 0.3_f32..6.2, sides in 3_usize..9,
     ) {
         let from = pose(px, py, heading);
-        let mut rod = one_obstacle(Shape::Capsule { length_m: length, radius_m: r }, vec2(x, y), turn);
-        rod.lidar.field_of_view_rad = view;
-        assert_closed_form(&mut Lab::new(&rod, 1, 1), &from);
-        // Corners on an ellipse about a point aside of the origin: convex, in no order that parry could ask for.
+        let mut capsule = one_obstacle(Shape::Capsule { length_m: length, radius_m: r }, vec2(x, y), turn);
+        capsule.lidar.field_of_view_rad = view;
+        assert_closed_form(&mut Lab::new(&capsule, 1, 1), &from);
+        // Corners on an ellipse around a point next to the origin: convex and clockwise.
         let corner = |k: usize| {
             let (sin, cos) = (std::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
             vec2(length * cos - 0.2, -r * sin + 0.1)
@@ -96,7 +98,7 @@ proptest! {
     }
 
     #[test]
-    fn ranges_within_an_l_are_those_of_geometry(
+    fn ranges_in_an_l_shaped_enclosure_match_the_closed_form(
         notch in (-1.0_f32..1.0, -1.0_f32..1.0).prop_map(Vec2::from), px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI,
         backwards in any::<bool>(),
     ) {
@@ -111,8 +113,8 @@ proptest! {
     }
 
     #[test]
-    fn a_beam_aimed_at_a_corner_ends_there(turn in -PI..PI, from in -PI..PI, corner in 0_usize..4) {
-        // A box of 0.6 m x 0.4 m in the middle; beam 0 aims at one of its corners from 1.5 m off the middle.
+    fn a_beam_aimed_at_a_corner_ends_at_the_corner(turn in -PI..PI, from in -PI..PI, corner in 0_usize..4) {
+        // A box of 0.6 m x 0.4 m at the origin. Beam 0 points at one of its corners from a distance of 1.5 m.
         let scenario = one_obstacle(Shape::Rectangle { width_m: 0.6, height_m: 0.4 }, vec2(0.0, 0.0), turn);
         let (x, y) = [(0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)][corner];
         let at = Vec2::from_angle(turn).rotate(Vec2::new(x, y));
@@ -120,13 +122,12 @@ proptest! {
         let heading = (at - eye).to_angle();
         let mut lab = Lab::new(&scenario, 1, 1);
         assert_closed_form(&mut lab, &pose(eye.x, eye.y, heading));
-        let to_either_side = [-0.001, 0.001].map(|aside| lab.cast(0, &pose(eye.x, eye.y, heading + aside))[0]);
-        let nearest = to_either_side[0].min(to_either_side[1]);
-        prop_assert!(nearest < (at - eye).length() + 0.02, "one side of a corner is the box");
+        let [right, left] = [-0.001, 0.001].map(|offset| lab.cast(0, &pose(eye.x, eye.y, heading + offset))[0]);
+        prop_assert!(right.min(left) < (at - eye).length() + 0.02, "the box is on one side of the corner");
     }
 
     #[test]
-    fn rapiers_own_query_pipeline_measures_the_same(
+    fn ranges_match_rapiers_query_pipeline(
         px in -1.99_f32..1.99, py in -1.99_f32..1.99, heading in -PI..PI, steps in 0_usize..40,
     ) {
         let mut lab = Lab::new(&common::moving_obstacles(), 1, 3);
@@ -144,19 +145,19 @@ proptest! {
             &DefaultQueryDispatcher, &set.bodies, &colliders.colliders, filter,
         );
         for (i, beam) in beams.0.iter().enumerate() {
-            let theirs = |aside: f32| {
-                let ray = Ray::new(Vec2::new(px, py), Vec2::from_angle(heading + aside).rotate(*beam));
+            let theirs = |offset: f32| {
+                let ray = Ray::new(Vec2::new(px, py), Vec2::from_angle(heading + offset).rotate(*beam));
                 pipeline.cast_ray(&ray, 3.5, true).map_or(3.5, |(_, distance)| distance)
             };
-            // The bit that differs is how heading and beam are multiplied. A beam that grazes an edge may for it meet the
-            // one thing or the other behind it, as rapier's does when it is turned by the root of f32's rounding error.
+            // The rotation of the beam is rounded differently. So a beam that grazes an edge may hit either the edge or what
+            // is behind it. Rapier's beam does the same when it is rotated by the root of f32's rounding error.
             let (straight, left, right) = (theirs(0.0), theirs(1e-3), theirs(-1e-3));
             let at_an_edge = (left - right).abs() > 0.02
                 && ours[i] > left.min(right) - 0.02
                 && ours[i] < left.max(right) + 0.02;
             prop_assert!(
                 (ours[i] - straight).abs() < 1e-4 || at_an_edge,
-                "beam {i}: ours {} m, rapier's {straight} m",
+                "beam {i}: range {} m, rapier's range {straight} m",
                 ours[i]
             );
         }
@@ -164,25 +165,25 @@ proptest! {
 }
 
 #[test]
-fn distances_worked_by_hand() {
+fn ranges_match_a_calculation_by_hand() {
     let scenario = one_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(0.6, 0.0), 0.0);
     let mut lab = Lab::new(&scenario, 1, 1);
     let near = |a: f32, b: f32| (a - b).abs() < 1e-5;
     let ranges = lab.cast(0, &pose(0.0, 0.0, 0.0));
-    assert!(near(ranges[0], 0.45), "beam 0 looks ahead, at the cylinder");
-    assert!(near(ranges[6], 2.0), "beam 6 looks left, at the wall");
-    assert!(near(ranges[12], 2.0), "beam 12 looks back");
-    assert!(near(ranges[3], 2.0 * 2.0_f32.sqrt()), "beam 3 looks into the corner");
+    assert!(near(ranges[0], 0.45), "beam 0 points ahead, at the cylinder");
+    assert!(near(ranges[6], 2.0), "beam 6 points left, at the wall");
+    assert!(near(ranges[12], 2.0), "beam 12 points back, at the wall");
+    assert!(near(ranges[3], 2.0 * 2.0_f32.sqrt()), "beam 3 points at the corner");
     let ranges = lab.cast(0, &pose(0.0, 0.0, -PI / 2.0));
     assert!(
         near(ranges[6], 0.45),
-        "counterclockwise: with the heading to the right, the cylinder is to the left"
+        "beams go counterclockwise: after a turn to the right, the cylinder is on the left"
     );
-    assert!(near(ranges[18], 2.0) && ranges[18] > 1.0, "and not to the right");
+    assert!(near(ranges[18], 2.0) && ranges[18] > 1.0, "the cylinder is not on the right");
 }
 
 #[test]
-fn beams_that_meet_nothing_report_the_maximum_range() {
+fn beams_that_hit_nothing_report_the_maximum_range() {
     let mut lab = Lab::new(&common::wide_open(), 1, 1);
     assert_eq!(lab.cast(0, &pose(0.0, 0.0, 0.3)), vec![3.5; 24]);
     let mut short = common::four_cylinders();
@@ -191,27 +192,26 @@ fn beams_that_meet_nothing_report_the_maximum_range() {
 }
 
 #[test]
-fn a_beam_from_within_an_obstacle_or_a_wall_reports_nothing_free() {
+fn beams_from_inside_an_obstacle_or_a_wall_report_0() {
     for shape in [Shape::Circle { radius_m: 0.3 }, Shape::Rectangle { width_m: 0.6, height_m: 0.6 }] {
         let mut lab = Lab::new(&one_obstacle(shape, vec2(0.5, 0.5), 0.3), 1, 1);
-        assert_eq!(lab.cast(0, &pose(0.55, 0.45, 1.0)), vec![0.0; 24], "within an obstacle");
-        assert_eq!(lab.cast(0, &pose(2.2, 0.0, 1.0)), vec![0.0; 24], "within a wall");
+        assert_eq!(lab.cast(0, &pose(0.55, 0.45, 1.0)), vec![0.0; 24], "inside an obstacle");
+        assert_eq!(lab.cast(0, &pose(2.2, 0.0, 1.0)), vec![0.0; 24], "inside a wall");
     }
 }
 
-/// Drives straight on until the robot touches something; gives the smallest gap, in m, between its rim and
-/// anything.
-fn drive_into(scenario: &Scenario, from: Pose, max_steps: usize) -> f64 {
+/// Drives straight ahead until the robot touches something. Returns the smallest gap between the robot and anything, in m.
+fn drive_until_contact(scenario: &Scenario, from: Pose, max_steps: usize) -> f64 {
     let mut scenario = scenario.clone();
     let l_c = scenario.task.collision_range_m;
-    // Only contact is to end it.
+    // Only contact ends the episode.
     scenario.task.collision_range_m = 0.0;
     let mut lab = Lab::with(&scenario, 1, 1, RewardConfig::default(), TaskMode::SingleGoal);
     lab.edit(0, |state| {
         state.pose = from;
         (state.goal.x_m, state.goal.y_m) = (-9.0, -9.0);
     });
-    let (mut warned, mut gap) = (None, f64::INFINITY);
+    let (mut first_below_l_c, mut gap) = (None, f64::INFINITY);
     for step in 0..max_steps {
         lab.step(&[2]);
         let state = lab.state(0);
@@ -219,41 +219,41 @@ fn drive_into(scenario: &Scenario, from: Pose, max_steps: usize) -> f64 {
         let clear = closed_form::clearance(&scenario, state.clock.0, at);
         gap = gap.min(clear - f64::from(scenario.robot.radius_m));
         if state.scan.nearest_m < l_c {
-            warned.get_or_insert(step);
+            first_below_l_c.get_or_insert(step);
         }
         if state.scan.touching {
             assert!(lab.outcomes()[0].collided, "contact is a collision");
-            let warned = warned.expect("the LIDAR has fallen under l_c");
-            // l_c less the radius is just one step's 0.03 m, so at worst it is the same step.
-            assert!(warned <= step, "no later than the body touches");
+            let first_below_l_c = first_below_l_c.expect("d_o has fallen below l_c");
+            // l_c minus the radius is one step of 0.03 m, so at worst both happen in the same step.
+            assert!(first_below_l_c <= step, "d_o falls below l_c no later than the contact");
             return gap;
         }
     }
-    panic!("{from:?} never met anything, smallest gap {gap} m");
+    panic!("no contact from {from:?}, smallest gap {gap} m");
 }
 
 #[test]
-fn the_lidar_warns_before_the_body_touches_and_nothing_is_driven_through() {
-    let ahead = one_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(0.6, 0.0), 0.0);
+fn the_smallest_range_falls_below_l_c_before_contact_and_the_robot_penetrates_nothing() {
+    let cylinder = one_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(0.6, 0.0), 0.0);
     let slab = one_obstacle(Shape::Rectangle { width_m: 0.1, height_m: 1.0 }, vec2(0.6, 0.0), 0.0);
     let mut worst = f64::INFINITY;
     for k in 0..60 {
-        // All phases of the 0.03 m that a step takes.
+        // All offsets within the 0.03 m of a step.
         let x = -0.0005 * k as f32;
         for gap in [
-            drive_into(&ahead, pose(x, 0.0, 0.0), 60),
-            drive_into(&slab, pose(x, 0.02, 0.0), 60),
-            drive_into(&Scenario::default(), pose(1.0 + x, 0.3, 0.0), 60),
-            drive_into(&Scenario::default(), pose(0.9 + x, 0.9, PI / 4.0), 90),
+            drive_until_contact(&cylinder, pose(x, 0.0, 0.0), 60),
+            drive_until_contact(&slab, pose(x, 0.02, 0.0), 60),
+            drive_until_contact(&Scenario::default(), pose(1.0 + x, 0.3, 0.0), 60),
+            drive_until_contact(&Scenario::default(), pose(0.9 + x, 0.9, PI / 4.0), 90),
         ] {
             worst = worst.min(gap);
         }
     }
-    assert!(worst > -0.001, "the robot's disc goes no deeper than 1 mm into anything: {} mm", -worst * 1e3);
+    assert!(worst > -0.001, "the robot penetrates something by {} mm, more than 1 mm", -worst * 1e3);
 }
 
 #[test]
-fn an_obstacle_that_drives_into_the_robot_is_seen_coming() {
+fn the_lidar_detects_an_approaching_obstacle_before_contact() {
     let scenario = common::moving_obstacles();
     let mut lab = Lab::new(&scenario, 32, 2);
     let mut action_streams = common::action_streams(32);
@@ -266,17 +266,17 @@ fn an_obstacle_that_drives_into_the_robot_is_seen_coming() {
             collisions += usize::from(outcome.collided);
             assert!(
                 before[arena].scan.nearest_m >= scenario.task.collision_range_m,
-                "arena {arena}: no episode goes on with something under l_c"
+                "arena {arena}: no episode continues with d_o < l_c"
             );
         }
         for state in lab.states() {
-            assert!(!state.scan.touching, "with l_c above the radius, contact never comes first");
+            assert!(!state.scan.touching, "with l_c above the radius, an episode ends before contact");
         }
     }
     assert!(collisions > 100, "{collisions}");
 }
 
-/// Every beam cast against every shape: what [`lidar::cast`] must give although it leaves most of them out.
+/// The ranges from casting every beam against every shape. [`lidar::cast`] skips most casts and must give the same bits.
 fn cast_every_beam(
     colliders: &ColliderSet,
     solids: &[ColliderHandle],
@@ -298,7 +298,7 @@ fn cast_every_beam(
     ranges
 }
 
-/// Discs and turned boxes from 1 mm to 5 m, some of them on round numbers, so that beams run along their sides.
+/// Discs and rotated boxes from 1 mm to 5 m, some at round coordinates, so that beams run along their sides.
 fn any_solid() -> impl Strategy<Value = ColliderBuilder> {
     let size = || prop_oneof![(-3.0_f32..0.7).prop_map(|power| 10.0_f32.powf(power)), Just(0.25)];
     let place = || prop_oneof![-4.0_f32..4.0, (-8_i8..8).prop_map(|k| 0.5 * f32::from(k))];
@@ -313,7 +313,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
     #[test]
-    fn leaving_out_beams_changes_no_bit(
+    fn skipping_casts_changes_no_bit(
         scene in prop::collection::vec(any_solid(), 1..9),
         near in prop::option::of(0_usize..9), dx in -4.0_f32..4.0, dy in -4.0_f32..4.0, shrink in 0_i32..7,
         heading in prop_oneof![-PI..PI, (-4_i8..=4).prop_map(|k| f32::from(k) * PI / 4.0)],
@@ -321,7 +321,7 @@ proptest! {
     ) {
         let mut colliders = ColliderSet::new();
         let solids: Vec<_> = scene.into_iter().map(|solid| colliders.insert(solid)).collect();
-        // Anywhere, or around one of the shapes: on its rim, within it, at its very middle.
+        // Anywhere, or near one of the shapes: at its boundary, inside it, or at its centre.
         let middle = near.map_or(Vec2::ZERO, |k| colliders[solids[k % solids.len()]].translation());
         let scale = if shrink == 6 { 0.0 } else { 0.2_f32.powi(shrink) };
         let from = pose(middle.x + dx * scale, middle.y + dy * scale, heading);

@@ -1,4 +1,4 @@
-//! The robot drives the arcs that it is told to.
+//! The robot drives along the arcs of the commanded motions.
 
 mod common;
 
@@ -10,7 +10,7 @@ use wayfield::scenario::Motion;
 use wayfield::sim::{chord_velocity, integrate_heading};
 use wayfield::task::Pose;
 
-/// Where constant (v, w) takes a robot in `t` seconds: eq. by eq., in f64.
+/// The pose after `t` seconds of constant (v, w), computed in f64.
 fn arc((x, y, heading): (f64, f64, f64), motion: &Motion, t: f64) -> (f64, f64, f64) {
     let (v, w) = (f64::from(motion.v_m_s), f64::from(motion.w_rad_s));
     if w == 0.0 {
@@ -20,18 +20,18 @@ fn arc((x, y, heading): (f64, f64, f64), motion: &Motion, t: f64) -> (f64, f64, 
     (x + v / w * (after.sin() - heading.sin()), y - v / w * (after.cos() - heading.cos()), after)
 }
 
-fn wide(pose: &Pose) -> (f64, f64, f64) {
+fn to_f64(pose: &Pose) -> (f64, f64, f64) {
     (f64::from(pose.x_m), f64::from(pose.y_m), f64::from(pose.heading_rad))
 }
 
-/// How far two headings are apart, whole turns aside.
-fn apart(a: f64, b: f64) -> f64 {
+/// The absolute difference of two headings, modulo full turns.
+fn angle_between(a: f64, b: f64) -> f64 {
     let turn = (a - b).rem_euclid(TAU);
     turn.min(TAU - turn)
 }
 
 #[test]
-fn each_of_the_five_motions_ends_on_its_arc_at_the_speed_commanded() {
+fn each_of_the_five_motions_ends_on_its_arc_at_the_commanded_speed() {
     let scenario = common::wide_open();
     let mut lab = Lab::new(&scenario, 5, 1);
     for arena in 0..5 {
@@ -42,17 +42,17 @@ fn each_of_the_five_motions_ends_on_its_arc_at_the_speed_commanded() {
     let turning = [1.5, 0.75, 0.0, -0.75, -1.5];
     for (action, (before, after)) in before.iter().zip(lab.states()).enumerate() {
         let motion = Motion { v_m_s: 0.15, w_rad_s: turning[action] };
-        let (x, y, heading) = arc(wide(&before.pose), &motion, 0.2);
-        let end = wide(&after.pose);
+        let (x, y, heading) = arc(to_f64(&before.pose), &motion, 0.2);
+        let end = to_f64(&after.pose);
         assert!(
-            (end.0 - x).hypot(end.1 - y) < 1e-7 && apart(end.2, heading) < 1e-6,
-            "motion {action} is (0.15 m/s, {} rad/s) and ends after 0.2 s at {:?}, not at {end:?}",
+            (end.0 - x).hypot(end.1 - y) < 1e-7 && angle_between(end.2, heading) < 1e-6,
+            "motion {action}, (0.15 m/s, {} rad/s), must end at {:?} after 0.2 s, not at {end:?}",
             turning[action],
             (x, y, heading)
         );
-        // An arc of 0.15 m/s x 0.2 s = 0.03 m is a little longer than its chord: by less than 0.4 % here.
+        // The arc of 0.15 m/s x 0.2 s = 0.03 m is less than 0.4 % longer than its chord.
         let chord = (end.0 - 0.3_f32 as f64).hypot(end.1 + 0.2_f32 as f64);
-        assert!((0.0298..0.030_001).contains(&chord), "the robot drives 0.15 m/s, got {chord} m in 0.2 s");
+        assert!((0.0298..0.030_001).contains(&chord), "a chord of {chord} m in 0.2 s is not 0.15 m/s");
     }
 }
 
@@ -68,13 +68,13 @@ fn a_thousand_random_motions_stay_on_the_closed_form_path() {
             state.goal.x_m = 90.0;
         });
     }
-    // Long episodes: the test is about driving.
+    // Long episodes, so that no reset interrupts the trajectory.
     lab.simulation.world_mut().resource_mut::<wayfield::task::CurrentScenario>().0 = {
-        let mut patient = scenario.clone();
-        patient.task.max_episode_steps = 1_000_000;
-        patient.into()
+        let mut long = scenario.clone();
+        long.task.max_episode_steps = 1_000_000;
+        long.into()
     };
-    let mut track: Vec<_> = lab.states().iter().map(|state| wide(&state.pose)).collect();
+    let mut track: Vec<_> = lab.states().iter().map(|state| to_f64(&state.pose)).collect();
     let period = f64::from(scenario.task.control_period_s);
     for step in 1..=1000 {
         let before = lab.states();
@@ -82,39 +82,48 @@ fn a_thousand_random_motions_stay_on_the_closed_form_path() {
         lab.step(&actions);
         for (arena, after) in lab.states().iter().enumerate() {
             let motion = &scenario.robot.motions[actions[arena]];
-            let end = wide(&after.pose);
-            let due = arc(wide(&before[arena].pose), motion, period);
+            let end = to_f64(&after.pose);
+            let expected = arc(to_f64(&before[arena].pose), motion, period);
+            let off_m = (end.0 - expected.0).hypot(end.1 - expected.1);
             assert!(
-                (end.0 - due.0).hypot(end.1 - due.1) < 3e-6 && apart(end.2, due.2) < 1e-6,
-                "step {step}: from where the robot was, the arc ends at {due:?}; it is at {end:?}"
+                off_m < 3e-6 && angle_between(end.2, expected.2) < 1e-6,
+                "step {step}: the arc ends at {expected:?}, the robot is at {end:?}"
             );
-            assert!(end.2 > -PI - 1e-6 && end.2 <= PI + 1e-6, "step {step}: the heading {} wraps", end.2);
+            assert!(
+                end.2 > -PI - 1e-6 && end.2 <= PI + 1e-6,
+                "step {step}: the heading {} is not wrapped",
+                end.2
+            );
             track[arena] = arc(track[arena], motion, period);
         }
     }
     for (arena, state) in lab.states().iter().enumerate() {
-        let (end, due) = (wide(&state.pose), track[arena]);
-        let (off_m, off_rad) = ((end.0 - due.0).hypot(end.1 - due.1), apart(end.2, due.2));
+        let (end, expected) = (to_f64(&state.pose), track[arena]);
+        let off_m = (end.0 - expected.0).hypot(end.1 - expected.1);
+        let off_rad = angle_between(end.2, expected.2);
         assert!(
             off_m < 2e-4 && off_rad < 1e-4,
-            "after 1000 steps the robot is within 0.2 mm and 0.1 mrad of the path worked in f64: {off_m} m, {off_rad} rad"
+            "after 1000 steps the robot is {off_m} m and {off_rad} rad off the path computed in f64"
         );
-        assert!(due.0.hypot(due.1) > 0.1, "and it has been somewhere");
+        assert!(expected.0.hypot(expected.1) > 0.1, "the robot has moved");
     }
 }
 
 proptest! {
     #[test]
-    fn any_motion_has_the_chord_of_its_arc(
+    fn one_step_with_the_chord_velocity_ends_at_the_end_of_the_arc(
         heading in -3.1_f32..3.1, v_m_s in -5.0_f32..5.0, w_rad_s in -20.0_f32..20.0, seconds in 0.001_f32..1.0,
     ) {
         let motion = Motion { v_m_s, w_rad_s };
         let (x, y, after) = arc((0.0, 0.0, f64::from(heading)), &motion, f64::from(seconds));
         let chord = chord_velocity(heading, &motion, seconds) * seconds;
         let off = (f64::from(chord.x) - x).hypot(f64::from(chord.y) - y);
-        prop_assert!(off < 1e-5, "one straight step with the chord's velocity ends on the arc, {off} m off");
+        prop_assert!(off < 1e-5, "the chord ends {off} m off the arc");
         let heading_after = integrate_heading(heading, &motion, seconds);
-        prop_assert!(apart(f64::from(heading_after), after) < 1e-5, "the heading turns by w t");
-        prop_assert!(heading_after > -std::f32::consts::PI && heading_after <= std::f32::consts::PI, "and wraps");
+        prop_assert!(angle_between(f64::from(heading_after), after) < 1e-5, "the heading changes by w t");
+        prop_assert!(
+            heading_after > -std::f32::consts::PI && heading_after <= std::f32::consts::PI,
+            "the heading is wrapped"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! Nobody ever sees a stale scan, and a saved world goes on to the bit.
+//! No scan or observation is stale, and a restored simulation continues to the bit.
 
 mod common;
 
@@ -10,9 +10,9 @@ use wayfield::task::{
     observation::RANGE_SCALE_M,
 };
 
-/// Scan and observation of every arena are those of this very moment: the scan is to the bit what a fresh cast
-/// gives, and to 1e-5 m what geometry says of obstacles where the clock has them.
-fn assert_fresh(lab: &mut Lab, when: &str) {
+/// Asserts that the scan and observation of every arena are current. The scan equals a new cast to the bit, and the closed
+/// form at the arena's clock to 1e-5 m.
+fn assert_current(lab: &mut Lab, when: &str) {
     lab.assert_observations_current(when);
     let scenario = lab.scenario.clone();
     for (arena, state) in lab.states().iter().enumerate() {
@@ -20,12 +20,12 @@ fn assert_fresh(lab: &mut Lab, when: &str) {
         assert_eq!(
             bits(&state.scan.ranges_m),
             bits(&cast),
-            "{when}, arena {arena}: the scan is what the LIDAR sees now"
+            "{when}, arena {arena}: the scan equals a new cast"
         );
         assert_eq!(
             state.scan.nearest_m,
             cast.iter().copied().fold(3.5, f32::min),
-            "{when}: d_o is of that scan"
+            "{when}: d_o is the smallest range of the scan"
         );
         let origin = (f64::from(state.pose.x_m), f64::from(state.pose.y_m));
         for (i, &range) in cast.iter().enumerate() {
@@ -34,25 +34,25 @@ fn assert_fresh(lab: &mut Lab, when: &str) {
             let (low, high) = closed_form::range_bounds(&scenario, state.clock.0, origin, angle, 3.5);
             assert!(
                 f64::from(range) > low - 1e-5 && f64::from(range) < high + 1e-5,
-                "{when}, arena {arena}, clock {}: beam {i} reads {range} m, geometry says {low} to {high} m",
+                "{when}, arena {arena}, clock {}, beam {i}: range {range} m, expected {low} to {high} m",
                 state.clock.0
             );
         }
     }
 }
 
-fn no_scan_is_stale(mut scenario: Scenario) {
+fn assert_no_stale_scan(mut scenario: Scenario) {
     scenario.task.max_episode_steps = 80;
     let arenas = 16;
     let mut lab = Lab::new(&scenario, arenas, 6);
-    assert_fresh(&mut lab, "right after populate");
+    assert_current(&mut lab, "after spawning");
     let mut action_streams = common::action_streams(arenas);
     let (mut collisions, mut time_outs, mut redrawn) = (0, 0, 0);
     for step in 1..=300 {
         let before = lab.states();
         let actions = common::steer_to_goal(&lab, &mut action_streams);
         lab.step(&actions);
-        assert_fresh(&mut lab, &format!("after step {step}"));
+        assert_current(&mut lab, &format!("after step {step}"));
         for episode in lab.take_ended_episodes() {
             collisions += usize::from(episode.end == EpisodeEnd::Collided);
             time_outs += usize::from(episode.end == EpisodeEnd::TimedOut);
@@ -64,34 +64,40 @@ fn no_scan_is_stale(mut scenario: Scenario) {
                 assert_ne!(after.goal, before[arena].goal, "a reached goal is redrawn");
                 let row = lab.row(arena);
                 let (dx, dy) = (after.goal.x_m - after.pose.x_m, after.goal.y_m - after.pose.y_m);
-                assert!((row[25] * 4.0 - dx.hypot(dy)).abs() < 1e-5, "the new goal's distance is seen");
+                assert!(
+                    (row[25] * 4.0 - dx.hypot(dy)).abs() < 1e-5,
+                    "the distance of the new goal is observed"
+                );
                 let off = (dy.atan2(dx) - after.pose.heading_rad) - row[24] * std::f32::consts::PI;
                 let off = off.rem_euclid(std::f32::consts::TAU);
-                assert!(off.min(std::f32::consts::TAU - off) < 1e-5, "and its bearing");
+                assert!(
+                    off.min(std::f32::consts::TAU - off) < 1e-5,
+                    "the bearing of the new goal is observed"
+                );
             }
         }
     }
     assert!(
         collisions > 3 && time_outs > 3 && redrawn > 20,
-        "{collisions}, {time_outs}, {redrawn}: all were seen"
+        "{collisions} collisions, {time_outs} time-outs, {redrawn} redrawn goals"
     );
-    let fresh = |arena| Some((Streams::new(77, arena as u64), Clock(1000 * arena as u64)));
-    sim::reset_arenas(lab.simulation.world_mut(), fresh);
-    assert_fresh(&mut lab, "right after rewind");
+    let start = |arena| Some((Streams::new(77, arena as u64), Clock(1000 * arena as u64)));
+    sim::reset_arenas(lab.simulation.world_mut(), start);
+    assert_current(&mut lab, "after a reset");
 }
 
 #[test]
-fn no_scan_is_stale_among_still_obstacles() {
-    no_scan_is_stale(common::four_cylinders());
+fn no_scan_is_stale_with_static_obstacles() {
+    assert_no_stale_scan(common::four_cylinders());
 }
 
 #[test]
-fn no_scan_is_stale_among_moving_obstacles() {
-    no_scan_is_stale(common::moving_obstacles());
+fn no_scan_is_stale_with_moving_obstacles() {
+    assert_no_stale_scan(common::moving_obstacles());
 }
 
 #[test]
-fn an_arena_that_a_rewind_leaves_out_is_parked() {
+fn an_arena_without_a_start_in_a_reset_becomes_inactive() {
     let mut lab = Lab::with(&common::moving_obstacles(), 3, 6, RewardConfig::default(), TaskMode::SingleGoal);
     sim::reset_arenas(lab.simulation.world_mut(), |arena| {
         (arena != 1).then(|| (Streams::new(1, arena as u64), Clock(5)))
@@ -101,14 +107,14 @@ fn an_arena_that_a_rewind_leaves_out_is_parked() {
         lab.step(&[2, 2, 2]);
         assert!(lab.outcomes()[1].inactive && !lab.outcomes()[0].inactive);
         let (after, row_after) = (lab.state(1), lab.row(1));
-        assert_eq!(after, before[1], "the parked arena stands still");
-        assert_eq!(bits(&row), bits(&row_after), "and its observation with it");
+        assert_eq!(after, before[1], "the state of an inactive arena does not change");
+        assert_eq!(bits(&row), bits(&row_after), "the observation of an inactive arena does not change");
     }
-    assert_ne!(lab.state(2), before[2], "the others go on");
+    assert_ne!(lab.state(2), before[2], "the other arenas continue");
 }
 
-/// What 300 steps bring, from here.
-fn future(
+/// The states and observations after each of the next 300 steps.
+fn rollout(
     lab: &mut Lab,
     mut action_streams: Vec<wayfield::random::Stream>,
 ) -> Vec<(Vec<ArenaState>, Vec<u32>)> {
@@ -122,7 +128,7 @@ fn future(
         .collect()
 }
 
-fn goes_on_to_the_bit(mut scenario: Scenario) {
+fn assert_restored_continues_to_the_bit(mut scenario: Scenario) {
     scenario.task.max_episode_steps = 90;
     let arenas = 8;
     let mut lab = Lab::new(&scenario, arenas, 31);
@@ -134,60 +140,60 @@ fn goes_on_to_the_bit(mut scenario: Scenario) {
     let saved = postcard::to_allocvec(&lab.states()).expect("a snapshot serializes");
     let rows: Vec<_> = (0..arenas).map(|arena| bits(&lab.row(arena))).collect();
 
-    // Another seed: nothing of the fresh app's own start may shine through.
+    // A different seed, so that any state of the new simulation that survives the restore shows.
     let mut other = Lab::new(&scenario, arenas, 32);
-    let states: Vec<ArenaState> = postcard::from_bytes(&saved).expect("and comes back");
+    let states: Vec<ArenaState> = postcard::from_bytes(&saved).expect("a snapshot deserializes");
     sim::restore(other.simulation.world_mut(), &states);
-    assert_eq!(other.states(), lab.states(), "{}: restored is as saved", scenario.name);
+    assert_eq!(other.states(), lab.states(), "{}: the restored states are the saved ones", scenario.name);
     for (arena, row) in rows.iter().enumerate() {
-        assert_eq!(bits(&other.row(arena)), *row, "{}: arena {arena} observes what it did", scenario.name);
+        assert_eq!(bits(&other.row(arena)), *row, "{}: observation of arena {arena}", scenario.name);
     }
 
     lab.take_ended_episodes();
-    let one = future(&mut lab, action_streams.clone());
-    let two = future(&mut other, action_streams);
+    let one = rollout(&mut lab, action_streams.clone());
+    let two = rollout(&mut other, action_streams);
     for (step, (one, two)) in one.iter().zip(&two).enumerate() {
-        assert!(one == two, "{}: the two depart {} steps after the snapshot", scenario.name, step + 1);
+        assert!(one == two, "{}: the two differ {} steps after the snapshot", scenario.name, step + 1);
     }
-    let (ended, ended_too) = (lab.take_ended_episodes(), other.take_ended_episodes());
-    assert!(ended.len() > 2 * arenas, "episodes ended on the way");
-    assert_eq!(ended, ended_too, "and are published alike");
+    let (ended, other_ended) = (lab.take_ended_episodes(), other.take_ended_episodes());
+    assert!(ended.len() > 2 * arenas, "only {} episodes ended", ended.len());
+    assert_eq!(ended, other_ended, "both publish the same episodes");
 }
 
 #[test]
-fn a_saved_world_goes_on_to_the_bit_among_still_obstacles() {
-    goes_on_to_the_bit(common::four_cylinders());
+fn a_restored_simulation_continues_to_the_bit_with_static_obstacles() {
+    assert_restored_continues_to_the_bit(common::four_cylinders());
 }
 
 #[test]
-fn a_saved_world_goes_on_to_the_bit_among_moving_obstacles() {
-    goes_on_to_the_bit(common::moving_obstacles());
+fn a_restored_simulation_continues_to_the_bit_with_moving_obstacles() {
+    assert_restored_continues_to_the_bit(common::moving_obstacles());
 }
 
 #[test]
-fn a_saved_world_goes_on_to_the_bit_with_a_noisy_lidar() {
+fn a_restored_simulation_continues_to_the_bit_with_a_noisy_lidar() {
     let mut scenario = common::moving_obstacles();
     (scenario.lidar.noise_std_m, scenario.lidar.dropout) = (0.05, 0.05);
-    goes_on_to_the_bit(scenario);
+    assert_restored_continues_to_the_bit(scenario);
 }
 
 #[test]
-fn a_saved_world_goes_on_to_the_bit_with_a_drive_that_lags() {
+fn a_restored_simulation_continues_to_the_bit_with_an_actuator_lag() {
     let mut scenario = common::moving_obstacles();
     scenario.robot.actuator_lag_s = 0.5;
-    goes_on_to_the_bit(scenario);
+    assert_restored_continues_to_the_bit(scenario);
 }
 
 #[test]
-fn a_saved_world_goes_on_to_the_bit_even_in_contact() {
-    // A robot may scrape along things here: rapier's contacts are at work when the snapshot is taken.
+fn a_restored_simulation_continues_to_the_bit_even_in_contact() {
+    // Robots can slide along obstacles here, so rapier has contacts when the snapshot is taken.
     let mut scenario = common::moving_obstacles();
     (scenario.task.collision_range_m, scenario.robot.radius_m) = (0.1005, 0.1);
-    goes_on_to_the_bit(scenario);
+    assert_restored_continues_to_the_bit(scenario);
 }
 
 #[test]
-fn raw_observations_are_raw_at_every_turn() {
+fn raw_observations_are_raw_after_restores_steps_and_resets() {
     let mut scenario = common::moving_obstacles();
     scenario.task.max_episode_steps = 30;
     let mut lab = Lab::new(&scenario, 4, 3);
@@ -195,28 +201,28 @@ fn raw_observations_are_raw_at_every_turn() {
     lab.edit(0, |_| ());
     let mut action_streams = common::action_streams(4);
     for step in 0..100 {
-        // In metres and radians, whether restored, after a step, or of a new episode.
+        // In m and rad after a restore, after a step, and at the start of an episode.
         for (arena, state) in lab.states().iter().enumerate() {
             let row = lab.row(arena);
             assert_eq!(bits(&row[..24]), bits(&state.scan.ranges_m), "step {step}, arena {arena}");
-            let sight = [state.pose.bearing_rad(&state.goal), state.pose.distance_m(&state.goal)];
-            assert_eq!(bits(&row[24..26]), bits(&sight), "step {step}, arena {arena}");
+            let goal = [state.pose.bearing_rad(&state.goal), state.pose.distance_m(&state.goal)];
+            assert_eq!(bits(&row[24..26]), bits(&goal), "step {step}, arena {arena}");
             assert_eq!(row[26], state.scan.nearest_m, "step {step}, arena {arena}");
             assert_eq!(state.scan.ranges_m[row[27] as usize], row[26], "step {step}, arena {arena}");
         }
         lab.step(&common::random_actions(&mut action_streams));
     }
-    assert!(lab.take_ended_episodes().len() > 8, "episodes ended on the way");
+    assert!(lab.take_ended_episodes().len() > 8, "some episodes ended");
 }
 
 #[test]
-fn a_restored_noisy_observation_is_the_saved_one() {
+fn a_restore_draws_no_new_noise() {
     let mut scenario = common::four_cylinders();
     scenario.lidar.noise_std_m = 0.1;
     let mut lab = Lab::new(&scenario, 1, 3);
     lab.step(&[1]);
     let (state, row) = (lab.state(0), lab.row(0));
     lab.edit(0, |_| ());
-    assert_eq!(bits(&lab.row(0)), bits(&row), "restoring draws no new noise");
+    assert_eq!(bits(&lab.row(0)), bits(&row), "the restored observation is the saved one");
     assert_eq!(row[0], state.scan.ranges_m[0] / RANGE_SCALE_M);
 }

@@ -1,4 +1,4 @@
-//! A number that is NaN is caught in the step in which it arises, with its cause; that step is not learnt from.
+//! A NaN is reported in the step in which it occurs, with its cause, and that step is not stored.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use wayfield::run::{shipped, training_setup};
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::{Arena, Goal};
 
-/// Three arenas of Scenario I, ten steps on.
+/// A training in three arenas of Scenario I, after ten steps.
 fn three_arenas() -> Simulation {
     let mut config = wayfield::run::folder::RunConfig::resolve("scenario-1", "fast", 5).expect("shipped");
     config.preset.arenas = 3;
@@ -17,13 +17,13 @@ fn three_arenas() -> Simulation {
     let mut simulation =
         training_setup::training(&scenario, &config.preset, 5, learner, &Extensions::default());
     for _ in 0..10 {
-        simulation.step().expect("all is well");
+        simulation.step().expect("a valid step");
     }
     simulation
 }
 
 #[test]
-fn a_target_that_is_nowhere_is_caught_in_the_next_step() {
+fn a_nan_goal_is_reported_in_the_next_step() {
     let mut simulation = three_arenas();
     let world = simulation.world_mut();
     let mut arenas = world.query::<(&Arena, &mut Goal)>();
@@ -31,8 +31,8 @@ fn a_target_that_is_nowhere_is_caught_in_the_next_step() {
         goal.y_m = f32::NAN;
     }
     assert_eq!(world.resource::<ActiveLearner>().0.env_steps(), 30);
-    let error = wayfield::simulation::step(world).expect_err("it is not to be learnt from").to_string();
+    let error = wayfield::simulation::step(world).expect_err("the goal is NaN").to_string();
     assert!(error.starts_with("arena 1, step 11: the goal lies at ("), "{error}");
     assert!(error.contains("NaN m)"), "{error}");
-    assert_eq!(world.resource::<ActiveLearner>().0.env_steps(), 30, "nothing of that step is remembered");
+    assert_eq!(world.resource::<ActiveLearner>().0.env_steps(), 30, "no transition of that step is stored");
 }

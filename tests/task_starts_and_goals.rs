@@ -1,4 +1,4 @@
-//! Starts and goals: clear of everything where it is at that moment, spread over the room.
+//! Starts and goals keep their clearance from all obstacles at that moment, and are spread over the arena.
 
 mod common;
 
@@ -9,17 +9,17 @@ use wayfield::sim;
 use wayfield::task::{Arena, ArenaState, EpisodeSetup, RewardConfig, TaskFault, TaskMode};
 
 fn assert_clear(scenario: &Scenario, state: &ArenaState, what: &str, at: Vec2, rule: &PlacementRule) {
-    let PlacementRule::Random { clearance_m } = *rule else { panic!("random places") };
+    let PlacementRule::Random { clearance_m } = *rule else { panic!("a random placement rule") };
     let clear = closed_form::clearance(scenario, state.clock.0, (f64::from(at.x), f64::from(at.y)));
     assert!(
         clear > f64::from(clearance_m) - 1e-6,
-        "clock {}: the {what} {at:?} is {clear} m from something, the rule asks for {clearance_m} m",
+        "clock {}: the {what} {at:?} has a clearance of {clear} m, less than {clearance_m} m",
         state.clock.0
     );
 }
 
-/// Random driving through 1000 episodes: every start and every goal keeps its rule's clearance.
-fn places_are_clear(scenario: &Scenario) {
+/// Asserts over 1000 episodes of random driving that every start and goal keeps the clearance of its placement rule.
+fn assert_starts_and_goals_are_clear(scenario: &Scenario) {
     let mut scenario = scenario.clone();
     scenario.task.max_episode_steps = 100;
     scenario.goals = PlacementRule::Random { clearance_m: 0.25 };
@@ -40,8 +40,8 @@ fn places_are_clear(scenario: &Scenario) {
             if started[arena] || reached[arena] {
                 redrawn += u32::from(!started[arena]);
                 assert_clear(&scenario, state, "goal", goal, &scenario.goals);
-                let far = (goal.x - start.x).hypot(goal.y - start.y);
-                assert!(far > 0.5 - 1e-6, "a new goal is at least 0.5 m away, not {far} m");
+                let distance = (goal.x - start.x).hypot(goal.y - start.y);
+                assert!(distance > 0.5 - 1e-6, "a new goal is {distance} m away, less than 0.5 m");
             }
         }
         if episodes >= 1000 {
@@ -55,41 +55,42 @@ fn places_are_clear(scenario: &Scenario) {
             reached[arena] = outcome.reached;
         }
     }
-    assert!(redrawn > 5, "{redrawn} goals were redrawn under way");
-    assert!(quarters.iter().all(|&n| n > 150), "starts fall in every quarter of the room: {quarters:?}");
+    assert!(redrawn > 5, "only {redrawn} goals were redrawn within an episode");
+    assert!(quarters.iter().all(|&n| n > 150), "starts per quarter of the arena: {quarters:?}");
     assert_eq!(lab.simulation.world().resource::<TaskFault>().0, None);
 }
 
 #[test]
-fn a_thousand_starts_and_targets_are_clear_of_still_obstacles() {
-    places_are_clear(&common::four_cylinders());
+fn a_thousand_starts_and_goals_are_clear_of_static_obstacles() {
+    assert_starts_and_goals_are_clear(&common::four_cylinders());
 }
 
 #[test]
-fn a_thousand_starts_and_targets_are_clear_of_moving_obstacles() {
-    places_are_clear(&common::moving_obstacles());
+fn a_thousand_starts_and_goals_are_clear_of_moving_obstacles() {
+    assert_starts_and_goals_are_clear(&common::moving_obstacles());
 }
 
 #[test]
-fn the_course_always_begins_and_ends_at_the_same_places() {
+fn the_benchmark_route_always_has_the_same_start_and_goal() {
     let scenario = common::four_cylinders();
     let mut lab = Lab::with(&scenario, 2, 1, RewardConfig::default(), TaskMode::SingleGoal);
     lab.simulation.world_mut().insert_resource(EpisodeSetup::BenchmarkRoute);
     lab.spawn_arenas(&scenario, 2, 1);
     for state in lab.states() {
-        assert_eq!((state.pose.x_m, state.pose.y_m, state.pose.heading_rad), (0.0, 0.0, 0.0), "from (0, 0)");
-        assert_eq!((state.goal.x_m, state.goal.y_m), (1.2, 1.2), "to (1.2, 1.2)");
-        assert!((state.scan.ranges_m[3] - (0.6 * 2.0_f32.sqrt() - 0.15)).abs() < 1e-5, "past a cylinder");
+        assert_eq!((state.pose.x_m, state.pose.y_m, state.pose.heading_rad), (0.0, 0.0, 0.0), "the start");
+        assert_eq!((state.goal.x_m, state.goal.y_m), (1.2, 1.2), "the goal");
+        let cylinder_m = 0.6 * 2.0_f32.sqrt() - 0.15;
+        assert!((state.scan.ranges_m[3] - cylinder_m).abs() < 1e-5, "a cylinder is between start and goal");
     }
 }
 
 #[test]
-fn no_room_for_a_start_is_reported_and_names_the_arena() {
-    let block = common::still(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
+fn missing_free_space_for_a_start_is_reported_with_the_arena() {
+    let block =
+        common::static_obstacle(Shape::Rectangle { width_m: 3.9, height_m: 3.9 }, vec2(0.0, 0.0), 0.0);
     let scenario = Scenario { obstacles: vec![block], ..Scenario::default() };
     let lab = Lab::new(&scenario, 1, 1);
-    let fault =
-        lab.simulation.world().resource::<TaskFault>().0.clone().expect("the fault is there to be seen");
+    let fault = lab.simulation.world().resource::<TaskFault>().0.clone().expect("a fault");
     assert!(fault.to_string().starts_with("arena 0, step 0: no free space for a start"), "{fault}");
 }
 

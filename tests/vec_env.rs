@@ -1,4 +1,4 @@
-//! The vectorised environment and the extension points keep Gymnasium's promises.
+//! The vectorised environment follows Gymnasium's conventions, and plugins extend observation and reward.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use wayfield::task::{
 fn env(num_envs: usize, mode: TaskMode) -> VecEnv {
     let mut scenario = shipped::scenario("scenario-1").expect("shipped");
     scenario.task.max_episode_steps = 40;
-    VecEnv::new(&scenario, VecEnvConfig { num_envs, mode, ..VecEnvConfig::default() }).expect("it has room")
+    VecEnv::new(&scenario, VecEnvConfig { num_envs, mode, ..VecEnvConfig::default() }).expect("free space")
 }
 
 fn bits(values: &[f32]) -> Vec<u32> {
@@ -27,51 +27,51 @@ fn bits(values: &[f32]) -> Vec<u32> {
 fn rollout(env: &mut VecEnv, seed: u64) -> Vec<Vec<u32>> {
     let mut streams: Vec<_> = (0..env.num_envs() as u64).map(|k| stream(1, "actions", k)).collect();
     let (width, motions) = (env.observation_width(), env.num_actions());
-    let mut seen = vec![bits(&env.reset(seed).expect("it has room")[..width])];
+    let mut numbers = vec![bits(&env.reset(seed).expect("free space")[..width])];
     for _ in 0..200 {
         let actions: Vec<usize> = streams.iter_mut().map(|stream| uniform_index(stream, motions)).collect();
         let step = env.step(&actions).expect("a valid step");
-        seen.push(bits(&step.observations[..width]));
-        seen.push(bits(&step.rewards[..1]));
+        numbers.push(bits(&step.observations[..width]));
+        numbers.push(bits(&step.rewards[..1]));
     }
-    seen
+    numbers
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bits_after_any_history_and_beside_any_number_of_others() {
+fn the_same_seed_gives_the_same_bits_after_any_history_and_for_any_number_of_environments() {
     let mut one = env(1, TaskMode::Episodic);
     let first = rollout(&mut one, 7);
-    assert_eq!(rollout(&mut one, 7), first, "reset again");
-    assert_eq!(rollout(&mut env(9, TaskMode::Episodic), 7), first, "beside eight others");
-    assert_ne!(rollout(&mut one, 8), first, "another seed");
+    assert_eq!(rollout(&mut one, 7), first, "a second reset");
+    assert_eq!(rollout(&mut env(9, TaskMode::Episodic), 7), first, "nine environments");
+    assert_ne!(rollout(&mut one, 8), first, "a different seed");
 }
 
 #[test]
-fn an_episode_that_ends_is_followed_by_a_new_one_and_its_final_observation_is_kept() {
+fn an_ended_episode_is_followed_by_a_new_one_and_its_final_observation_is_returned() {
     let mut env = env(4, TaskMode::Episodic);
     let width = env.observation_width();
-    env.reset(3).expect("it has room");
+    env.reset(3).expect("free space");
     let mut ended = 0;
     for _ in 0..400 {
         let step = env.step(&[2; 4]).expect("a valid step");
         for k in 0..4 {
             let row = k * width..(k + 1) * width;
             let (next, last) = (&step.observations[row.clone()], &step.final_observations[row]);
-            assert!(!(step.terminated[k] && step.truncated[k]), "one or the other");
+            assert!(!(step.terminated[k] && step.truncated[k]), "a step never terminates and truncates");
             if step.terminated[k] || step.truncated[k] {
                 ended += 1;
-                assert_ne!(next, last, "a new episode starts elsewhere");
+                assert_ne!(next, last, "a new episode has another start");
                 assert!(step.ended.iter().any(|episode| episode.arena == k));
             } else {
-                assert_eq!(next, last, "nothing was reset");
+                assert_eq!(next, last, "without a reset, both observations are the same");
             }
         }
     }
-    assert!(ended > 10, "robots that drive straight ahead end their episodes soon: {ended}");
+    assert!(ended > 10, "only {ended} episodes ended");
 }
 
 #[test]
-fn at_the_goal_an_episode_ends_or_continues_as_the_mode_says() {
+fn the_mode_decides_whether_an_episode_ends_at_the_goal() {
     // The goal is straight ahead of the start.
     let scenario = Scenario::parse(
         "(
@@ -84,7 +84,7 @@ fn at_the_goal_an_episode_ends_or_continues_as_the_mode_says() {
     .unwrap_or_else(|error| panic!("{error}"));
     for (mode, ends) in [(TaskMode::Episodic, 1), (TaskMode::Continuing, 0)] {
         let config = VecEnvConfig { mode, ..VecEnvConfig::default() };
-        let mut env = VecEnv::new(&scenario, config).expect("it has room");
+        let mut env = VecEnv::new(&scenario, config).expect("free space");
         let mut reached = 0;
         let mut episodes = 0;
         for _ in 0..2_000 {
@@ -92,24 +92,24 @@ fn at_the_goal_an_episode_ends_or_continues_as_the_mode_says() {
             if step.outcomes[0].reached {
                 reached += 1;
                 episodes += step.ended.iter().filter(|episode| episode.end == EpisodeEnd::Reached).count();
-                assert!(step.terminated[0], "nothing is bootstrapped across a reached goal");
+                assert!(step.terminated[0], "a reached goal terminates the return");
             }
         }
-        assert!(reached > 5, "{mode:?}: straight ahead leads to the goal");
+        assert!(reached > 5, "{mode:?}: the goal was reached only {reached} times");
         assert_eq!(episodes, reached * ends, "{mode:?}");
     }
 }
 
 #[test]
-fn invalid_actions_are_named() {
+fn an_invalid_action_is_an_error_that_names_it() {
     let mut env = env(2, TaskMode::Episodic);
     let error = env.step(&[0]).expect_err("one action for two environments");
     assert_eq!(error, VecEnvError::ActionCount { given: 1, num_envs: 2 });
-    let error = env.step(&[0, 5]).expect_err("there are five actions, 0 to 4");
+    let error = env.step(&[0, 5]).expect_err("action 5 of five actions");
     assert_eq!(error.to_string(), "action 5 of environment 1 is out of range: the robot has actions 0 to 4");
 }
 
-/// A sensor of the robot's speed, and a reward of 1 in every step and of -2 in every odd arena.
+/// Sensors of the robot's speed and the arena's number; reward terms of 1 in every arena and of -2 in odd arenas.
 #[derive(Clone)]
 struct Extras;
 
@@ -145,12 +145,12 @@ impl Plugin for Extras {
 }
 
 #[test]
-fn sensors_and_reward_terms_of_plugins_are_part_of_the_observation_and_the_reward() {
+fn sensors_and_reward_terms_of_plugins_extend_observation_and_reward() {
     let scenario = shipped::scenario("empty").expect("shipped");
     let config = VecEnvConfig { num_envs: 3, ..VecEnvConfig::default() };
     let extras = VecEnvConfig { extensions: Extensions::default().plugin(Extras), ..config.clone() };
-    let mut plain = VecEnv::new(&scenario, config).expect("it has room");
-    let mut extended = VecEnv::new(&scenario, extras).expect("it has room");
+    let mut plain = VecEnv::new(&scenario, config).expect("free space");
+    let mut extended = VecEnv::new(&scenario, extras).expect("free space");
     assert_eq!(extended.observation_width(), plain.observation_width() + 2);
     let width = extended.observation_width();
     for _ in 0..20 {
@@ -166,7 +166,7 @@ fn sensors_and_reward_terms_of_plugins_are_part_of_the_observation_and_the_rewar
 }
 
 #[test]
-fn one_builder_serves_plain_simulations_too() {
+fn plugins_extend_a_simulation_from_the_builder_too() {
     let scenario = Arc::new(shipped::scenario("scenario-2").expect("shipped"));
     let extensions = Extensions::default().plugin(Extras);
     let (sensors, terms) = extensions.describe();
@@ -181,7 +181,7 @@ fn one_builder_serves_plain_simulations_too() {
 }
 
 #[test]
-fn a_run_with_plugins_resumes_to_the_bit_and_only_with_the_same_plugins() {
+fn a_run_with_plugins_resumes_to_the_bit_only_with_the_same_plugins() {
     use std::sync::atomic::AtomicBool;
     use std::time::Instant;
     use wayfield::run::folder::RunConfig;
@@ -198,21 +198,23 @@ fn a_run_with_plugins_resumes_to_the_bit_and_only_with_the_same_plugins() {
         config.preset.budget = Budget::EnvSteps(env_steps);
         Job::New { config: Box::new(config), policy: None, out: Some(folder.path().join(name)) }
     };
-    run(new("whole", 6_400)).expect("it trains");
-    run(new("parts", 3_200)).expect("it trains");
+    run(new("whole", 6_400)).expect("a complete run");
+    run(new("parts", 3_200)).expect("the first part");
     let resume = |extensions: &Extensions| Job::Resume {
         folder: folder.path().join("parts"),
         budget: Some(Budget::EnvSteps(6_400)),
         extensions: extensions.clone(),
     };
-    let error = run(resume(&Extensions::default())).expect_err("it lacks the plugins").to_string();
+    let error = run(resume(&Extensions::default())).expect_err("the plugins are missing").to_string();
     assert!(error.contains("other sensor or reward plugins"), "{error}");
-    run(resume(&extensions)).expect("it resumes");
-    let policy =
-        |name: &str| std::fs::read(folder.path().join(name).join("policy-last.safetensors")).expect("kept");
-    assert!(policy("whole") == policy("parts"), "the same weights to the bit");
+    run(resume(&extensions)).expect("the second part");
+    let policy = |name: &str| {
+        std::fs::read(folder.path().join(name).join("policy-last.safetensors")).expect("a file of the run")
+    };
+    assert!(policy("whole") == policy("parts"), "both runs have the same weights to the bit");
     let rows = |name: &str| {
-        let text = std::fs::read_to_string(folder.path().join(name).join("episodes.csv")).expect("kept");
+        let text = std::fs::read_to_string(folder.path().join(name).join("episodes.csv"))
+            .expect("a file of the run");
         // Without the wall time.
         let wall =
             text.lines().next().and_then(|header| header.split(',').position(|column| column == "wall_s"));

@@ -1,4 +1,4 @@
-//! The binary's allocator, so that a bench times what users run.
+//! The allocator of the wayfield binary, so that benches measure what users run.
 
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

@@ -1,5 +1,5 @@
-//! Whole runs, as `--train` makes them, looked at more closely: evaluations have 500 episodes.
-#![allow(dead_code)] // Each bench needs a part of it.
+//! Complete training runs as with `--train`, with 500 episodes per evaluation for precise success rates.
+#![allow(dead_code)] // Each bench uses some of it.
 
 use std::error::Error;
 use std::sync::atomic::AtomicBool;
@@ -11,26 +11,26 @@ use wayfield::run::metric_rows::{EvaluationRow, Summary};
 use wayfield::run::preset::Budget;
 use wayfield::run::train::{CHECKPOINT_INTERVAL, Job, train};
 
-/// Navigations of each evaluation on the way.
+/// The number of episodes of each evaluation during a run.
 pub const EVAL_EPISODES: usize = 500;
 
-/// A shipped preset in a shipped scenario.
+/// The configuration of a run with a shipped preset and a shipped scenario.
 pub fn config(preset: &str, scenario: &str, seed: u64) -> Result<RunConfig, Box<dyn Error>> {
     let mut config = RunConfig::resolve(scenario, preset, seed)?;
     config.preset.evaluation.episodes = EVAL_EPISODES;
     Ok(config)
 }
 
-/// What is left of a run.
+/// The results of a run.
 pub struct FinishedRun {
     pub summary: Summary,
     pub evaluations: Vec<EvaluationRow>,
-    /// The best policy's file.
+    /// The policy file of the best policy.
     pub best: Vec<u8>,
 }
 
 impl FinishedRun {
-    /// Runs `config`, from a policy's file with an epsilon if they are given.
+    /// Runs `config`. With `policy`, training starts from this policy file and with this epsilon.
     pub fn new(mut config: RunConfig, policy: Option<(&[u8], f32)>) -> Result<Self, Box<dyn Error>> {
         let scratch = tempfile::tempdir()?;
         let policy = match policy {
@@ -49,24 +49,24 @@ impl FinishedRun {
         Ok(Self { summary, evaluations, best })
     }
 
-    /// The first evaluation that reached `rate`.
+    /// The first evaluation with a success rate of at least `rate`.
     pub fn reached(&self, rate: f64) -> Option<&EvaluationRow> {
         self.evaluations.iter().find(|row| row.success_rate >= rate)
     }
 }
 
-/// What is said of a row that there may be none of: infinite, if so.
+/// The value of a row, or infinity without a row.
 pub fn or_infinity(row: Option<&EvaluationRow>, of: impl Fn(&EvaluationRow) -> f64) -> f64 {
     row.map_or(f64::INFINITY, of)
 }
 
-/// `config` until that many env steps.
+/// The configuration with a budget of `env_steps`.
 pub fn with_env_steps(mut config: RunConfig, env_steps: u64) -> RunConfig {
     config.preset.budget = Budget::EnvSteps(env_steps);
     config
 }
 
-/// The median, and in brackets the largest.
+/// The median, followed by the largest value in brackets.
 pub fn median_and_worst(mut values: Vec<f64>, digits: usize) -> String {
     values.sort_by(f64::total_cmp);
     let n = values.len();

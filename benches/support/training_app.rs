@@ -1,4 +1,4 @@
-//! Scenario I with the default preset, in any number of arenas, as training has it.
+//! A training simulation of Scenario I with the default preset and any number of arenas.
 
 use std::error::Error;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use wayfield::run::{shipped, training_setup};
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::observation;
 
-/// A simulation at its first observations. Without `learning` no gradient step is ever due.
+/// A training simulation at its first observations. Without `learning`, it takes no gradient steps.
 pub fn training(
     arenas: usize,
     learning: bool,

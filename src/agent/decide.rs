@@ -10,7 +10,7 @@ use crate::learning::{QNetwork, epsilon_greedy, greedy};
 use crate::random::{self, Stream};
 use crate::task::{Actions, Observations};
 
-/// How actions are selected.
+/// The method that selects actions.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActionSelection {
     /// Epsilon-greedy with the network in training ([`ActiveLearner`]).
@@ -21,7 +21,7 @@ pub enum ActionSelection {
     PerArena,
 }
 
-/// The network that [`ActionSelection::Greedy`] follows.
+/// The network of [`ActionSelection::Greedy`].
 #[derive(Resource)]
 pub struct GreedyPolicy(pub QNetwork);
 
@@ -30,22 +30,22 @@ pub struct GreedyPolicy(pub QNetwork);
 pub struct ActionSources {
     /// The source of each arena, by arena number.
     pub arenas: Vec<ActionSource>,
-    /// The number of actions to choose from.
+    /// The number of possible actions.
     pub num_actions: usize,
 }
 
 /// The source of the actions of one arena.
 pub enum ActionSource {
-    /// A network, followed greedily.
+    /// The greedy action of a network.
     Policy(QNetwork),
-    /// The user, who holds this action.
+    /// The user, with the action that is selected at the moment.
     Manual(usize),
 }
 
-/// The last decisions, and the random streams by which arenas explore.
+/// The last decisions, and the random streams of exploration.
 #[derive(Resource)]
 pub struct Decisions {
-    /// Q-values of the last decision: arenas x actions.
+    /// The Q-values of the last decision: arenas x actions.
     pub q_values: Vec<f32>,
     /// Whether the last action of each arena was random.
     pub explored: Vec<bool>,
@@ -54,9 +54,9 @@ pub struct Decisions {
 }
 
 impl Decisions {
-    /// No decision yet, and the streams at their start.
+    /// No decisions yet, and the initial streams of `seed`.
     #[must_use]
-    pub fn new(seed: u64, arenas: usize) -> Self {
+    pub(crate) fn new(seed: u64, arenas: usize) -> Self {
         Self {
             q_values: Vec::new(),
             explored: vec![false; arenas],
@@ -65,7 +65,7 @@ impl Decisions {
     }
 }
 
-/// `Decide`: epsilon-greedy or greedy, for all arenas at once.
+/// `Decide`: selects the actions of all arenas.
 pub(super) fn decide(
     action_selection: Res<ActionSelection>,
     learner: Option<Res<ActiveLearner>>,

@@ -2,10 +2,10 @@
 //!
 //! In: observations and outcomes. Out: actions, and an updated learner.
 //!
-//! | plugin | responsible for |
+//! | file | responsible for |
 //! |---|---|
-//! | [`AgentPlugin`] | `Decide`: observations -> actions, exploring or greedy (`decide.rs`) |
-//! | [`TrainingPlugin`] | `Store` and `Learn`: transitions -> replay buffer -> gradient steps (`train.rs`) |
+//! | `decide.rs` | `Decide`: observations -> actions, epsilon-greedy or greedy |
+//! | `train.rs` | `Store` and `Learn`: transitions -> replay buffer -> gradient steps |
 
 mod decide;
 mod train;
@@ -19,10 +19,10 @@ use crate::control_step::{ControlSet, ControlStep};
 use crate::task::step_is_finite;
 
 /// Selects the action of every arena.
-pub struct AgentPlugin {
-    /// How actions are selected.
+pub(crate) struct AgentPlugin {
+    /// The method that selects actions.
     pub action_selection: ActionSelection,
-    /// The run's seed. Arena k explores by the stream ("exploration", k) of it.
+    /// The run's seed. Arena k explores with the seed's stream ("exploration", k).
     pub seed: u64,
     /// The number of arenas.
     pub arenas: usize,
@@ -39,7 +39,7 @@ impl Plugin for AgentPlugin {
 /// Stores transitions in the replay buffer and takes gradient steps.
 ///
 /// Insert the learner as [`ActiveLearner`] before the first step.
-pub struct TrainingPlugin;
+pub(crate) struct TrainingPlugin;
 
 impl Plugin for TrainingPlugin {
     fn build(&self, app: &mut App) {

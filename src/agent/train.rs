@@ -1,7 +1,7 @@
 //! Training (`Store` and `Learn`): transitions enter the replay buffer, and the learner takes its gradient steps.
 //!
 //! In: observations, actions and outcomes of the step. Out: the learner in [`ActiveLearner`], statistics of its gradient
-//! steps ([`TrainingStats`]), a [`TrainingFault`] if learning diverged, and a [`TrainingWarning`] if it is about to.
+//! steps ([`TrainingStats`]), a [`TrainingFault`] if learning diverged, and a [`TrainingWarning`] if it may diverge.
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use crate::task::{Actions, Observations, StepOutcomes, TaskMode};
 #[derive(Resource)]
 pub struct ActiveLearner(pub Learner);
 
-/// The divergence of a loss or weight, if there was one. The caller of a step must check it and stop.
+/// The non-finite loss or weight, if there was one. The caller of a step must check it and stop.
 #[derive(Resource, Default)]
 pub struct TrainingFault(pub Option<DivergenceError>);
 
@@ -25,8 +25,8 @@ pub struct TrainingWarning {
 }
 
 impl TrainingWarning {
-    /// The first warning of the training; afterwards None.
-    pub fn take_new(&mut self) -> Option<Overestimate> {
+    /// The first warning of the training, returned once; None afterwards.
+    pub(crate) fn take_new(&mut self) -> Option<Overestimate> {
         let warning = self.first.clone().filter(|_| !self.reported);
         self.reported |= warning.is_some();
         warning
@@ -47,8 +47,8 @@ pub struct TrainingStats {
 }
 
 impl TrainingStats {
-    /// Returns the means of loss, absolute TD error and Q, and resets the sums. None without a gradient step.
-    pub fn take_means(&mut self) -> Option<(f64, f64, f64)> {
+    /// Returns the means of loss, absolute TD error and Q-value, and resets the sums. None without a gradient step.
+    pub(crate) fn take_means(&mut self) -> Option<(f64, f64, f64)> {
         let sums = std::mem::take(self);
         let n = f64::from(sums.gradient_steps);
         (sums.gradient_steps > 0).then(|| (sums.loss / n, sums.td_error / n, sums.q / n))
@@ -82,7 +82,7 @@ pub(super) fn store(
     }
 }
 
-/// `Learn`: takes the gradient steps that are due.
+/// `Learn`: takes the pending gradient steps.
 pub(super) fn learn(
     mut learner: ResMut<ActiveLearner>,
     mut stats: ResMut<TrainingStats>,

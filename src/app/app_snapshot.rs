@@ -14,7 +14,7 @@ pub type ScenarioFile = (String, Arc<Scenario>);
 /// A scenario or preset that can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// Its file, or the name of a shipped one.
+    /// The scenario's or preset's file, or its shipped name.
     pub from: String,
     /// Title to display.
     pub title: String,
@@ -34,7 +34,7 @@ pub enum Severity {
 /// A notice to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// Its severity.
+    /// Severity of the notice.
     pub severity: Severity,
     /// What happened, and how to fix it. May have several lines.
     pub text: String,
@@ -71,7 +71,7 @@ pub struct AppSnapshot {
     pub env_steps: u64,
     /// Gradient steps.
     pub gradient_steps: u64,
-    /// Env steps after which the preset ends a training without a window. In the app training continues.
+    /// Env steps after which a headless training with this preset ends. In the app training continues.
     pub budget_env_steps: Option<u64>,
     /// Probability of a random action, 0 to 1.
     pub epsilon: f32,
@@ -81,7 +81,7 @@ pub struct AppSnapshot {
     pub best_success_rate: Option<f64>,
     /// Env steps per second of wall time, over about the last second.
     pub env_steps_per_s: f64,
-    /// The same as a multiple of real time, for one arena.
+    /// Speed of the simulation as a multiple of real time, for one arena.
     pub real_time_factor: f64,
     /// Simulated time of one arena since the training started, in s.
     pub simulated_s: f64,
@@ -95,7 +95,7 @@ pub struct AppSnapshot {
     pub restart_loses_training: bool,
     /// Name of a shipped policy that can drive here, with the observations of the preset.
     pub expert: Option<String>,
-    /// The scenario that was saved last, and its file; `None` once the scenario of the training has changed after it.
+    /// The scenario that was saved last, and its file; `None` if the training's scenario has changed since.
     pub saved_scenario: Option<ScenarioFile>,
     /// Whether files can be written to disk. In a browser folders cannot be saved, and pictures are SVGs.
     pub has_disk: bool,

@@ -117,7 +117,7 @@ pub(super) fn run_file_dialogs(
     }
 }
 
-/// A file name for a scenario called `name`.
+/// The file name for a scenario called `name`.
 fn scenario_file_name(name: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let stem: String = name.chars().map(plain).collect();

@@ -74,12 +74,12 @@ pub enum Command {
     Transfer {
         /// A shipped scenario's name, or a file.
         scenario: String,
-        /// Epsilon at its start, 0 to 1 (the paper: 0.5).
+        /// Initial epsilon of that training, 0 to 1 (the paper: 0.5).
         epsilon: f32,
     },
     /// Starts a training from the opened policy, with the current scenario and preset.
     TrainFromOpened {
-        /// Epsilon at its start, 0 to 1.
+        /// Initial epsilon of that training, 0 to 1.
         epsilon: f32,
     },
     /// Moves an object.
@@ -100,7 +100,7 @@ pub enum Command {
     ApplyScenario {
         /// The scenario.
         scenario: Arc<Scenario>,
-        /// Its file, or the shipped scenario's name.
+        /// The scenario's file or shipped name.
         from: String,
         /// Whether to restart the training from random weights, with the same preset and seed; otherwise it continues.
         restart: bool,
@@ -109,7 +109,7 @@ pub enum Command {
     SaveScenario {
         /// The scenario.
         scenario: Arc<Scenario>,
-        /// File or shipped scenario's name that it was made from, whose comments are kept.
+        /// File or shipped name of the scenario it is based on, whose comments are kept.
         based_on: String,
         /// The file; `None` opens a dialog.
         path: Option<PathBuf>,
@@ -120,7 +120,7 @@ pub enum Command {
     DismissNotice(usize),
 }
 
-/// What can be saved.
+/// The part of a training to save.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveKind {
     /// The current policy, as safetensors.
@@ -140,14 +140,14 @@ pub enum SaveKind {
 pub enum EditorReply {
     /// A scenario was saved.
     Saved {
-        /// Path of its file.
+        /// Path of the saved file.
         file: String,
-        /// The scenario in the file now.
+        /// The saved scenario.
         scenario: Arc<Scenario>,
     },
     /// A scenario was opened to be edited.
     Opened {
-        /// Its file, or the shipped scenario's name.
+        /// The scenario's file or shipped name.
         from: String,
         /// The scenario, which may be invalid.
         scenario: Arc<Scenario>,

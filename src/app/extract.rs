@@ -22,7 +22,7 @@ use crate::task::{
     Actions, Arena, ArenaLayout, Clock, CurrentScenario, Episode, Goal, Pose, Scan, wrap_angle,
 };
 
-/// What the screen draws next.
+/// The snapshot that the screen draws next.
 #[derive(Resource, Default)]
 pub struct Snapshot {
     /// The scene and the state of the session; `None` before the first frame.
@@ -31,7 +31,7 @@ pub struct Snapshot {
     shipped: Option<(Vec<Choice>, Vec<Choice>)>,
 }
 
-/// At most this many arenas are shown: in a larger grid they could not be told apart.
+/// Maximum number of arenas shown. In a larger grid they would be too small.
 const MAX_ARENAS_SHOWN: usize = 100;
 
 /// The components of an arena that are shown.

@@ -17,7 +17,7 @@ use super::session::notices::NoticeTopic;
 use super::session::{Notices, TrainingRun};
 use crate::scenario::Scenario;
 
-/// A dialog that closes sooner than this never appeared: no user is that fast.
+/// A dialog that closes sooner than this has not appeared, because no user is that fast.
 const MIN_DURATION: Duration = Duration::from_millis(250);
 
 /// Notice where the system has no dialogs.
@@ -36,15 +36,15 @@ struct Dialog {
     since: Instant,
 }
 
-/// What a dialog is for.
+/// The purpose of a dialog.
 enum Purpose {
     /// To open a file.
     Open,
-    /// To save something of the training.
+    /// To save a part of the training.
     Save(SaveKind),
     /// To open a scenario in the editor.
     Edit,
-    /// To save an edited scenario, which was made from `based_on`.
+    /// To save an edited scenario that is based on `based_on`.
     SaveScenario { scenario: Arc<Scenario>, based_on: String },
 }
 
@@ -74,7 +74,7 @@ impl Purpose {
         }
     }
 
-    /// A file name for what is saved; `None` if a file is opened.
+    /// The suggested name of the file to save; `None` if a file is opened.
     fn suggested_file_name(&self, run: &TrainingRun) -> Option<String> {
         match self {
             Self::Open | Self::Edit => None,

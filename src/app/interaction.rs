@@ -7,18 +7,18 @@ use super::editor::EditorInteraction;
 use super::moves::{Movable, MoveRejection};
 use super::setup_form::SetupForm;
 
-/// A drag in progress.
+/// The drag in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveDrag {
     /// Index of the arena.
     pub arena: usize,
     /// The object.
     pub object: Movable,
-    /// Requested position of its centre, in m.
+    /// Requested position of the object's centre, in m.
     pub to_m: [f32; 2],
-    /// Why it cannot go there, if it cannot.
+    /// The reason why the object cannot be moved there; `None` if it can.
     pub rejection: Option<MoveRejection>,
-    /// From the pointer to the centre, in m.
+    /// Offset from the pointer to the object's centre, in m.
     pub offset_m: [f32; 2],
 }
 

@@ -1,18 +1,18 @@
 //! The app: watch a robot learn, and intervene.
 //!
-//! The same plugins as without a window run in the same ECS. This module decides when they step, displays what they do, and
-//! executes what the user asks for. Data flows in one direction: the screen reads the [`scene`] and writes [`commands`]; the
+//! The plugins of a headless run work in the same ECS. This module decides when they step, displays their state, and executes
+//! the user's commands. Data flows in one direction: the screen reads the [`scene`] and writes [`commands`]; the
 //! session executes the commands between control steps; the scene is extracted from the world once per frame.
 //!
 //! | file | duty |
 //! |---|---|
-//! | `session/` | the training behind the screen: commands, time, records, replay |
-//! | `commands.rs` | everything that the user can ask for |
+//! | `session/` | the training session: commands, time, records, replay |
+//! | `commands.rs` | the commands that the user can give |
 //! | `interaction.rs`, `setup_form.rs` | unfinished actions of the user: a drag, choices on the setup panel |
 //! | `moves.rs` | which objects can be moved by hand, and where to |
 //! | `extract.rs` | the world -> the scene and the app snapshot, read-only |
 //! | `scalar_fields.rs` | the potential and the value over the plane, read-only |
-//! | `scene.rs`, `app_snapshot.rs` | what is displayed, as plain data |
+//! | `scene.rs`, `app_snapshot.rs` | the displayed state, as plain data |
 //! | `history/` | the learning curves, in bounded memory |
 //! | `screen/` | everything that is drawn, with egui: the arenas, the plots, the panels |
 //! | `editor/` | the scenario editor: the document, its operations, undo and redo |
@@ -68,7 +68,7 @@ impl bevy::ecs::message::Message for EditorReply {}
 #[derive(Resource, Default)]
 pub struct CurrentViewState(pub ViewState);
 
-/// Runs everything in the app except the window: the session, and the scene extracted from it. Works without a window, too.
+/// The plugin of the app without its window: the session, and the scene extracted from it. It also works headless.
 pub struct AppCorePlugin {
     /// Options of the first training.
     pub start: session::StartOptions,

@@ -44,7 +44,7 @@ pub struct MoveRequest {
     pub arena: usize,
     /// The object.
     pub object: Movable,
-    /// Where its centre is to be now, in m.
+    /// Requested position of the object's centre, in m.
     pub to_m: Vec2,
 }
 
@@ -101,7 +101,7 @@ pub enum MoveRejection {
 /// Checks whether `object` may be moved to `to_m`.
 ///
 /// # Errors
-/// Why it may not.
+/// The reason why the object may not be moved there.
 pub fn check_move(arena: &MoveContext<'_>, object: Movable, to_m: Vec2) -> Result<(), MoveRejection> {
     let enclosure_m = enclosure_distance(&arena.layout.enclosure, to_m);
     if !(to_m.x.is_finite() && to_m.y.is_finite() && enclosure_m > 0.0) {
@@ -154,7 +154,7 @@ fn check_obstacle(arena: &MoveContext<'_>, index: usize, to_m: Vec2) -> Result<(
     }
 }
 
-/// The position in m that `obstacle` must have at step 0 for it to be at `to_m` now; it is at `pose` now.
+/// The position in m at step 0 that moves `obstacle` from its current `pose` to `to_m`.
 #[must_use]
 pub fn initial_position(obstacle: &Obstacle, pose: ObstaclePose, to_m: Vec2) -> Vec2 {
     match obstacle.motion {

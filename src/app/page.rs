@@ -10,7 +10,7 @@ extern "C" {
     /// Reports that the app has started, so that the page hides its cover.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn started();
-    /// Reports why the app has stopped.
+    /// Reports the error that stopped the app.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn failed(text: &str);
     /// Opens the browser's file picker.

@@ -31,7 +31,7 @@ const WRITE_INTERVAL_S: f64 = 2.0;
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// What the user has chosen to see.
+    /// The view state.
     pub view_state: ViewState,
     /// Size of the window in points.
     pub size: (f32, f32),

@@ -40,7 +40,7 @@ pub struct ScalarFields {
     inputs: Option<FieldInputs>,
 }
 
-/// Everything that the fields depend on.
+/// The inputs of the fields, compared to detect changes.
 #[derive(Clone, PartialEq)]
 struct FieldInputs {
     potential: bool,
@@ -97,7 +97,7 @@ impl FieldGrid {
     }
 }
 
-/// What the fields are computed from.
+/// The parts of the world that the fields are computed from.
 #[derive(SystemParam)]
 pub(super) struct FieldSources<'w, 's> {
     view_state: Res<'w, CurrentViewState>,
@@ -237,7 +237,7 @@ fn network(source: &ActionSource) -> Option<&QNetwork> {
     }
 }
 
-/// max_a Q(s, a) of each of `n` observations: the value of acting greedily from there.
+/// The state values: max_a Q(s, a) for each of `n` observations.
 fn values(network: &QNetwork, observations: &[f32], n: usize) -> Vec<f32> {
     let mut q_values = Vec::new();
     network.q_values(observations, n, &mut q_values);

@@ -70,7 +70,7 @@ pub struct ArenaScene {
     pub collisions: u32,
     /// Goals reached since the driver took over.
     pub goals_reached: u32,
-    /// Whether the arena is inactive: its episode has ended and nothing moves.
+    /// Whether the arena is inactive: its episode has ended, and nothing in it moves.
     pub inactive: bool,
 }
 

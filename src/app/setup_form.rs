@@ -1,4 +1,4 @@
-//! The choices on the setup panel that are not started yet.
+//! The setup form: choices on the setup panel for the next training.
 //!
 //! In: the session state. Out: the commands of the panel's buttons.
 
@@ -11,9 +11,9 @@ const EPSILON: f32 = 0.5;
 /// The choices on the setup panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetupForm {
-    /// The scenario: a shipped one's name or a file.
+    /// The scenario: a file or a shipped name.
     pub scenario: String,
-    /// The preset: a shipped one's name or a file.
+    /// The preset: a file or a shipped name.
     pub preset: String,
     /// The seed of a new training.
     pub seed: u64,
@@ -26,7 +26,7 @@ pub struct SetupForm {
 }
 
 impl SetupForm {
-    /// The choices `kept` from the last frame, or the running ones if another training has started since.
+    /// The choices `kept` from the last frame, or those of the running training if another one has started since.
     #[must_use]
     pub fn resume(kept: Option<Self>, status: &AppSnapshot) -> Self {
         let running = (status.scenario_from.clone(), status.preset_from.clone(), status.seed);

@@ -1,4 +1,4 @@
-//! The view state: what the user has chosen to see, and how. None of it affects the training.
+//! The view state: which parts of the app are shown, and how. It does not affect the training.
 //!
 //! In: the controls on the screen. Out: what the screen draws. Most of it is stored between sessions (`preferences.rs`).
 
@@ -69,14 +69,14 @@ pub enum EditorSource {
     RunningScenario,
     /// A scenario that could not be run, perhaps because it is invalid.
     Draft {
-        /// Its file.
+        /// The scenario's file.
         from: String,
         /// The scenario.
         scenario: Arc<Scenario>,
     },
 }
 
-/// What the user has chosen to see.
+/// The view state: the user's choices of what is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ViewState {

@@ -1,4 +1,4 @@
-//! Whether a claim held, and the sentence with its numbers.
+//! The result of a claim: the outcome, and a sentence with the numbers.
 //!
 //! In: a claim, and the values of both arms over the seeds. Out: a [`ClaimResult`]. A claim **held** if the 95 %
 //! interval of the difference (Welch) lies entirely on the claimed side of 0. It is **reversed** if the interval lies
@@ -28,7 +28,7 @@ pub fn compare(measure: Measure, better: &[MeasuredValue], than: &[MeasuredValue
     let sign = if measure.more_is_better() { 1.0 } else { -1.0 };
     let outcome = match difference {
         Some(Estimate { mean, half_width: Some(half_width), .. }) => {
-            // Differences within rounding errors are none.
+            // A difference within rounding errors counts as 0.
             let rounding = 1e-9 * mean.abs().max(1.0);
             let (advantage, margin) = (sign * mean, half_width.max(rounding));
             // Lower bounds occur only in measures where less is better, so the true values are worse.

@@ -20,7 +20,7 @@ const PAPER: &str = "Li, Yue, Shangguan, Jin: Navigation of Mobile Robots Based 
 const QUICK_WARNING: &str = "this is a quick report (--quick), with a tenth of the episodes and tests. Its numbers \
                              mean nothing for the claims.";
 
-/// The page.
+/// The page of the report.
 ///
 /// # Errors
 /// Results are missing, or a figure could not be drawn.

@@ -1,7 +1,7 @@
 //! The execution of a plan: trains and tests, several runs in parallel.
 //!
 //! In: a [`RunPlan`] and a folder. Out: a run folder for each training, with its test results. A run depends only on
-//! its configuration. So no result depends on the number of parallel runs, on their order, or on interruptions.
+//! its configuration, so no result depends on the number of parallel runs, on their order, or on interruptions.
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,7 +26,7 @@ use crate::simulation::Extensions;
 /// Runs all trainings of `plan` in folders below `folder`, `jobs` at a time.
 ///
 /// # Errors
-/// The first run that failed (the others are stopped and keep their checkpoints); or `stop` was set.
+/// A run failed (the others are stopped and keep their checkpoints), or `stop` was set.
 pub fn execute(
     plan: &RunPlan,
     folder: &Path,

@@ -1,6 +1,6 @@
 //! The schema of an experiment: arms to train over several seeds, and the figures and tables that compare them.
 //!
-//! In: a RON file of `assets/experiments/`, or a user's own. Out: an [`Experiment`].
+//! In: a RON file from `assets/experiments/` or from the user. Out: an [`Experiment`].
 //!
 //! An **arm** is one way to learn: a stage of training, or several stages, each of which starts from the weights of the
 //! stage before it (knowledge transfer). A **condition** changes all arms in the same way; with conditions, every arm
@@ -67,7 +67,7 @@ impl Default for TestRule {
     }
 }
 
-/// One way to learn.
+/// An arm: one way to learn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Arm {
@@ -75,12 +75,12 @@ pub struct Arm {
     pub name: String,
     /// The stages, in order. Each but the first starts from the final weights of the stage before it.
     pub stages: Vec<Stage>,
-    /// Which policy is tested.
+    /// The policy that is tested.
     #[serde(default)]
     pub policy: TestedPolicy,
 }
 
-/// Which policy of an arm is tested.
+/// The policy of an arm that is tested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TestedPolicy {
     /// The policy after the number of episodes that a figure or table names, as in the paper.
@@ -91,7 +91,7 @@ pub enum TestedPolicy {
     Best,
 }
 
-/// One training.
+/// A stage: one training run of an arm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
@@ -112,7 +112,7 @@ pub struct Stage {
     pub overrides: Override,
 }
 
-/// A change to all arms.
+/// A condition: a change to all arms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {

@@ -9,7 +9,7 @@ use super::measure::Measure;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FigureSpec {
-    /// The name of its files and for `--only`: lower-case letters, digits and `-`.
+    /// The name of the figure's files, also used by `--only`: lower-case letters, digits and `-`.
     pub name: String,
     /// The title.
     pub title: String,
@@ -31,7 +31,7 @@ pub enum FigureKind {
     LearningCurves {
         /// The series, one panel each.
         series: Vec<EpisodeSeries>,
-        /// Episodes in the moving mean, 1 to 10,000.
+        /// The number of episodes in the moving mean, 1 to 10,000.
         #[serde(default = "default_smoothing")]
         smoothing: usize,
         /// Horizontal lines, such as the paper's values.
@@ -69,7 +69,7 @@ pub enum EpisodeSeries {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceLineSpec {
-    /// The series whose panel shows it.
+    /// The series whose panel shows the line.
     pub series: EpisodeSeries,
     /// The value, in the series' unit.
     pub value: f64,

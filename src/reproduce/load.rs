@@ -20,7 +20,7 @@ impl Experiment {
     /// The experiment in `text`, checked; `path` is only used in errors.
     ///
     /// # Errors
-    /// As [`Experiment::load`].
+    /// As for [`Experiment::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
         let experiment: Self = parse_ron(text, path)?;

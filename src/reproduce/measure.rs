@@ -1,4 +1,4 @@
-//! The measures by which arms are compared: names, units, digits and directions. The numbers come from `results.rs`.
+//! The measures that compare arms: names, units, decimals and directions. The numbers come from `results.rs`.
 
 use serde::{Deserialize, Serialize};
 
@@ -71,7 +71,7 @@ impl Measure {
         matches!(self, Self::Success | Self::Return | Self::Goals)
     }
 
-    /// Why its number is invalid, if it is.
+    /// The problem with the measure's number; `None` if it is valid.
     pub(super) fn invalid_reason(self) -> Option<String> {
         match self {
             Self::EpisodesTo(x) | Self::StepsTo(x) if !(0.01..=1000.0).contains(&x) => {

@@ -1,4 +1,4 @@
-//! Reproduction of the paper: trains what its figures and tables need, over several seeds, and writes a report.
+//! Reproduction of the paper: trains the policies for its figures and tables, over several seeds, and writes a report.
 //!
 //! In: experiments (RON files) and a folder. Out, in that folder: a run folder for each training, and the report:
 //! `report.html`, `README.md`, each figure as SVG and PNG, each table as CSV and Markdown.
@@ -75,8 +75,8 @@ pub struct Reproduction {
 /// Trains, tests and writes the report. Runs that exist already are not repeated.
 ///
 /// # Errors
-/// A file cannot be read or written; a run failed; or `stop` was set. Finished work is kept, and the same options
-/// continue from there.
+/// A file cannot be read or written, a run failed, or `stop` was set. Finished work is kept, and the same options
+/// continue it.
 pub fn reproduce(
     options: &ReproduceOptions,
     stop: &'static AtomicBool,

@@ -1,7 +1,7 @@
 //! The optimal times of test episodes, computed once per scenario and test.
 //!
 //! In: a scenario and a [`TestRule`]. Out: [`OptimalTimes`]: the planner's time and a proven lower bound for each
-//! episode. They are kept in a folder, because planning among moving obstacles takes long.
+//! episode. They are stored in a folder, because planning among moving obstacles takes a long time.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -20,9 +20,9 @@ use crate::scenario::{Scenario, to_ron};
 /// The optimal times in one scenario, in the order of the test's episodes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OptimalTimes {
-    /// Of the random episodes.
+    /// The optimal times of the random episodes.
     pub episodes: Vec<StepBounds>,
-    /// Of the episodes on the benchmark route.
+    /// The optimal times of the episodes on the benchmark route.
     pub benchmark_route: Vec<StepBounds>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// What to reproduce, and how.
+/// The options of a reproduction.
 #[derive(Clone, Debug, Default)]
 pub struct ReproduceOptions {
     /// Experiment files of the user; if there are none, all shipped experiments.

@@ -19,13 +19,13 @@ use crate::run::preset::Budget;
 /// A training and its tests.
 #[derive(Clone, Debug)]
 pub struct Training {
-    /// The name of its folder; equal configurations have equal names.
+    /// The name of the run's folder. Equal configurations have equal names.
     pub name: String,
     /// The configuration of the run.
     pub config: RunConfig,
-    /// The index of the training from whose weights it starts.
+    /// The index of the training whose weights this one starts from.
     pub origin: Option<usize>,
-    /// The policies to test, and how.
+    /// The policies to test, with their tests.
     pub tests: BTreeSet<(PolicyId, TestRule)>,
 }
 
@@ -83,7 +83,7 @@ impl RunPlan {
     /// The plan for the selected experiments.
     ///
     /// # Errors
-    /// A scenario or preset cannot be used, or an arm is too short for a figure or table.
+    /// A scenario or preset is invalid, or an arm is too short for a figure or table.
     pub fn new(selected: &[SelectedExperiment]) -> Result<Self, RunError> {
         let mut plan = Self::default();
         for (index, selected) in selected.iter().enumerate() {

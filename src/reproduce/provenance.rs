@@ -1,4 +1,4 @@
-//! How a report was made: version, command, seeds, trainings, machine and time.
+//! The provenance of a report: version, command, seeds, trainings, machine and time.
 
 use super::plan::RunPlan;
 use super::results::Results;

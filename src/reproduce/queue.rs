@@ -1,4 +1,4 @@
-//! The queue of trainings: hands out those whose origin is finished, and collects the results.
+//! The queue of trainings. It returns the trainings that can start, and collects the results.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +26,7 @@ struct State {
 impl<'a> Queue<'a> {
     pub fn new(plan: &'a RunPlan) -> Self {
         let mut waiting: Vec<usize> = (0..plan.trainings.len()).collect();
-        // First those that others start from, then the longest, so that all cores stay busy until the end.
+        // Trainings that others start from come first, then the longest, so that all cores stay busy until the end.
         let urgency = |&index: &usize| {
             let is_origin = plan.trainings.iter().any(|t| t.origin == Some(index));
             let length = match plan.trainings[index].config.preset.budget {
@@ -89,7 +89,7 @@ impl<'a> Queue<'a> {
     /// The number of finished trainings.
     ///
     /// # Errors
-    /// The first run that failed.
+    /// A run failed; the error is that of the first one.
     pub fn into_result(self) -> Result<usize, RunError> {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         state.failed.map_or(Ok(state.done.len()), Err)

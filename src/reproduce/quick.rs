@@ -1,14 +1,14 @@
-//! `--quick`: a short version of an experiment, with a tenth of the episodes and tests, and two seeds.
+//! The option `--quick`: a short version of an experiment, with a tenth of the episodes and tests, and two seeds.
 //!
-//! Its numbers mean nothing for the paper's claims. It shows within a minute what the full report looks like, and that
-//! every step works.
+//! The results do not test the paper's claims. They show within a minute what the full report looks like, and that every
+//! step works.
 
 use super::experiment::Experiment;
 use super::figure_spec::FigureKind;
 use super::table_spec::TableKind;
 use crate::run::preset::{Budget, EvaluationConfig};
 
-/// The factor by which everything is shorter.
+/// The factor by which budgets and tests are shorter.
 const SHORTER: u64 = 10;
 
 /// The number of seeds.

@@ -13,10 +13,10 @@ use crate::run::RunError;
 /// PNG pixels per SVG pixel.
 const PNG_SCALE: f32 = 2.0;
 
-/// The file of the time spent, which also marks the folder as a report's.
+/// The file with the wall time spent. It also marks the folder as a report folder.
 const SPENT: &str = "spent.json";
 
-/// The time spent on a report so far, as `spent.json` holds it.
+/// The time spent on a report so far, as stored in `spent.json`.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Spent {
     /// Wall time of all processes, in s.

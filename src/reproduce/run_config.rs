@@ -12,7 +12,7 @@ use crate::simulation::Extensions;
 /// The configuration of `stage` under a condition, without its transfer. `from` is the experiment's file.
 ///
 /// # Errors
-/// The scenario or the preset cannot be used, or is invalid after the changes.
+/// The scenario or the preset is invalid, before or after the changes.
 pub fn run_config(
     from: &str,
     experiment: &Experiment,

@@ -12,7 +12,7 @@ use crate::scenario::closest_name;
 /// The experiments that `options` ask for, with the seeds and the length that they ask for.
 ///
 /// # Errors
-/// A file cannot be used; two things have the same name; or a name after `--only` does not exist.
+/// A file is invalid, a name is used twice, or a name after `--only` does not exist.
 pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, RunError> {
     let sources = sources(options)?;
     check_wanted(&options.only, &names(&sources)?)?;

@@ -1,4 +1,4 @@
-//! Evaluation during training, without stopping it.
+//! The background evaluator: evaluates policies while training continues.
 //!
 //! In: candidate policies. Out: their evaluations, in the same order. Evaluations use a separate simulation
 //! and separate random streams, so that a run's result does not depend on how fast they are.
@@ -32,7 +32,7 @@ pub struct Candidate {
     pub policy: Policy,
     /// Env steps of the run so far.
     pub env_steps: u64,
-    /// Ended episodes of the run so far.
+    /// Finished episodes of the run so far.
     pub episodes: u64,
     /// Gradient steps of the run so far.
     pub gradient_steps: u64,
@@ -43,7 +43,7 @@ pub struct Candidate {
 pub struct EvalResult {
     /// The candidate.
     pub candidate: Candidate,
-    /// Its evaluation, or the error that ended it.
+    /// The evaluation, or the error that ended it.
     pub result: Result<Evaluation, RunError>,
     /// When the evaluation ended.
     pub done: Instant,

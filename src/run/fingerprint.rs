@@ -33,7 +33,7 @@ impl fmt::Display for Fingerprint {
 /// The fingerprint of the first `control_steps` steps of a training run that only explores and never learns.
 ///
 /// # Errors
-/// The scenario or the preset cannot be used, or a step fails.
+/// The scenario or the preset is invalid, or a step fails.
 pub fn fingerprint(
     scenario: &str,
     preset: &str,

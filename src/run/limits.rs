@@ -7,7 +7,7 @@
 /// Maximum number of parallel arenas.
 pub const MAX_ARENAS: usize = 4096;
 
-/// Maximum number of env steps or episodes in a budget or an interval. No run gets there, and sums of such
+/// Maximum number of env steps or episodes in a budget or an interval. No run is that long, and sums of such
 /// numbers stay far below the maximum of a `u64`.
 pub const MAX_STEPS: u64 = 1_000_000_000_000_000;
 
@@ -39,5 +39,5 @@ pub const MAX_HEAD_BYTES: u64 = (1 << 30) + (1 << 27);
 /// Maximum number of recent returns in a checkpoint, over which the progress display averages.
 pub const MAX_RECENT_RETURNS: usize = 100;
 
-/// Maximum time in a checkpoint in s, some 30,000 years.
+/// Maximum time in a checkpoint in s, about 30,000 years.
 pub const MAX_TIME_S: f64 = 1e12;

@@ -1,7 +1,7 @@
 //! A lock on an output folder: only one process at a time may write in it.
 //!
-//! The lock is an advisory lock on an empty file in the folder. The operating system releases it when the
-//! process ends, however it ends; the file stays and its existence means nothing.
+//! It is an advisory lock on an empty file in the folder. The operating system releases it when the process
+//! exits or crashes. The file remains; only the lock on it matters.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;

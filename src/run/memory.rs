@@ -1,6 +1,6 @@
-//! The memory of a training run: whether a preset in a given scenario stays within the limits.
+//! The memory check of a training run.
 //!
-//! Preset and scenario can each be valid and still need too much memory together.
+//! A valid preset and a valid scenario can still need too much memory together.
 
 use super::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
 use super::preset::Preset;
@@ -19,7 +19,7 @@ impl Preset {
     /// Checks that a training run with this preset in `scenario` needs no more memory than allowed.
     ///
     /// # Errors
-    /// What needs too much, and which fields to reduce.
+    /// The run needs too much memory. The message names the fields to reduce.
     pub fn check_memory(&self, scenario: &Scenario) -> Result<(), String> {
         self.check_bodies(scenario)?;
         self.check_observations(scenario)?;

@@ -11,7 +11,7 @@ use crate::task::EpisodeEnd;
 /// A row of `episodes.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeRow {
-    /// Number of the episode, from 1, in the order of their ends.
+    /// Number of the episode, from 1, in the order in which episodes end.
     pub episode: u64,
     /// Index of the arena, from 0.
     pub arena: usize,
@@ -38,11 +38,11 @@ pub struct EpisodeRow {
     pub extra_rewards: Vec<f32>,
     /// Number of goals reached.
     pub goals: u32,
-    /// 1 if the episode ended in a collision, 0 if at the time limit.
+    /// 1 if the episode ended in a collision, 0 if it ended at the time limit.
     pub collision: u8,
     /// Epsilon when the episode ended.
     pub epsilon: f32,
-    /// Mean loss of the gradient steps since the previous row (without any: the previous row's mean).
+    /// Mean loss of the gradient steps since the previous row; the previous row's mean if there were none.
     pub loss: Option<f64>,
     /// Mean absolute TD error of the same gradient steps.
     pub td_error: Option<f64>,
@@ -65,9 +65,9 @@ impl EpisodeRow {
 pub struct EvaluationRow {
     /// Env steps of the run when the policy was submitted.
     pub env_steps: u64,
-    /// Ended episodes by then.
+    /// Episodes finished when the policy was submitted.
     pub episodes: u64,
-    /// Gradient steps taken by then.
+    /// Gradient steps of the run when the policy was submitted.
     pub gradient_steps: u64,
     /// Share of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
@@ -78,7 +78,7 @@ pub struct EvaluationRow {
     /// Mean simulated time of the successful episodes, in s.
     pub mean_time_s: Option<f64>,
     /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best
-    /// policy is chosen by it.
+    /// policy is the one with the lowest cost.
     pub mean_cost_s: f64,
     /// Wall time from the start of the process, in s; summed over all processes of a resumed run.
     pub wall_s: f64,
@@ -87,15 +87,15 @@ pub struct EvaluationRow {
 /// The first evaluation that reached a given success rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Milestone {
-    /// Env steps by then.
+    /// Env steps of the run at that evaluation.
     pub env_steps: u64,
-    /// Episodes by then.
+    /// Episodes finished at that evaluation.
     pub episodes: u64,
-    /// Wall time by then from the start of the process, including evaluations, in s.
+    /// Wall time at that evaluation, from the start of the process and including evaluations, in s.
     pub wall_s: f64,
 }
 
-/// `summary.json`.
+/// The contents of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// The version of wayfield.
@@ -110,7 +110,7 @@ pub struct Summary {
     pub seed: u64,
     /// Whether the budget is used up.
     pub finished: bool,
-    /// Ended episodes.
+    /// Finished episodes.
     pub episodes: u64,
     /// Env steps taken, over all arenas.
     pub env_steps: u64,

@@ -1,8 +1,7 @@
-//! The metrics of a training run, with or without a window: rows of episodes and evaluations, and the best
-//! policy.
+//! The metrics of a training run, headless or in the app: rows of episodes and evaluations, and the best policy.
 //!
 //! In: the world after a control step; results of evaluations. Out: rows, and an updated [`TrainerState`].
-//! Nothing here writes files or affects learning.
+//! This module neither writes files nor affects learning.
 
 use bevy::prelude::*;
 

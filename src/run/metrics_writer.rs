@@ -10,6 +10,7 @@ use super::checkpoint::BestPolicy;
 use super::folder::RunFolder;
 use super::metric_rows::{EpisodeRow, EvaluationRow};
 use super::tensorboard::EventWriter;
+use super::write_points::write_point;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 
 const EPISODES: &str = "episodes.csv";
@@ -95,8 +96,9 @@ impl MetricsWriter {
         self.events.flush().map_err(|error| self.failed("events", error))?;
         let length = |writer: &mut csv::Writer<File>| {
             writer.flush()?;
-            // After a power cut, the rows that a checkpoint counts on must still be there.
+            // The rows that a checkpoint refers to must survive a power cut.
             writer.get_ref().sync_data()?;
+            write_point("CSV: flushed");
             Ok(writer.get_ref().metadata()?.len())
         };
         let episodes =

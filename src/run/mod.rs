@@ -1,11 +1,11 @@
-//! Training and evaluation without a window: run folders, checkpoints, policies, results.
+//! Headless training and evaluation: run folders, checkpoints, policies, results.
 //!
 //! In: a scenario, a preset and a seed, or a run folder, or a policy. Out: run folders, results, progress.
 //!
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
-//! | `limits.rs`, `memory.rs` | the limits of all input, and of a run's memory |
+//! | `limits.rs`, `memory.rs` | limits of input values and of a run's memory |
 //! | `check_files.rs` | checks of scenario and preset files |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
@@ -15,6 +15,7 @@
 //! | `background_evaluator.rs` | evaluation during training |
 //! | `folder/` | run folders: configuration, CSV files, atomic writes |
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
+//! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
 //! | `policy_card.rs` | the metadata in a policy file |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
@@ -49,6 +50,7 @@ pub mod tensorboard;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod train;
 pub mod training_setup;
+pub mod write_points;
 
 /// The reason why a command failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

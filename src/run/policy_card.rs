@@ -1,4 +1,4 @@
-//! The card of a policy: metadata in the policy file that describe its inputs, actions and origin.
+//! The policy card: metadata in a policy file that describe the policy's inputs, actions and origin.
 //!
 //! In: the run's configuration, its counters, the success rate of the policy. Out: texts by key, without
 //! dates or times, so that equal runs have equal files. The card is for people; the program itself uses only
@@ -41,13 +41,16 @@ pub fn read(path: &Path) -> Result<Policy, RunError> {
             format!("is larger than {MAX_POLICY_BYTES} bytes; help: give the policy.safetensors of a run"),
         ));
     }
-    Policy::from_bytes(&bytes).map_err(|error| invalid_input(error.to_string()))
+    Policy::from_bytes(&bytes).map_err(|error| match error.to_string() {
+        message if message.contains("help:") => RunError::invalid_input(path, message),
+        message => invalid_input(message),
+    })
 }
 
 /// The encoding of the observations that `policy` was trained with.
 ///
 /// # Errors
-/// The card has an encoding that this version doesn't know.
+/// The card has an encoding that this version does not support.
 pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
     match policy.metadata.get(ENCODING).map(String::as_str) {
         None | Some("scaled") => Ok(Encoding::Scaled),
@@ -108,8 +111,7 @@ fn observation(encoding: Encoding, lidar: &Lidar) -> String {
     }
 }
 
-/// The card: the policy's inputs, actions and origin. `success_rate` (0 to 1) is that of its evaluation, if
-/// there was one.
+/// The card of a policy. `success_rate` is the rate in its evaluation, 0 to 1; `None` if it was not evaluated.
 #[must_use]
 pub fn metadata(
     config: &RunConfig,

@@ -1,6 +1,6 @@
-//! A training preset: everything that is chosen apart from the scenario and the seed.
+//! Training presets: all settings of a training run except the scenario and the seed.
 //!
-//! In: a RON file, shipped in `assets/presets/` or the user's. Out: a checked [`Preset`].
+//! In: a RON file, shipped in `assets/presets/` or written by the user. Out: a checked [`Preset`].
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::learning::LearningConfig;
 use crate::scenario::{Diagnostic, FileError, parse_ron, read_text};
 use crate::task::{Encoding, RewardConfig};
 
-/// A training preset.
+/// A training preset: all settings of a training run except the scenario and the seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
@@ -20,9 +20,9 @@ pub struct Preset {
     pub about: String,
     /// Number of parallel arenas, 1 to 4096. The paper: 1.
     pub arenas: usize,
-    /// Length of a run, unless `--episodes` or `--steps` changes it.
+    /// Length of a run; `--episodes` and `--steps` override it.
     pub budget: Budget,
-    /// When the policy is evaluated during training.
+    /// Schedule of the evaluations during training.
     #[serde(default)]
     pub evaluation: EvaluationConfig,
     /// How the observation, eq. (8), enters the network: `Scaled` to the order of one, or `Raw` in m and rad.
@@ -39,13 +39,13 @@ pub struct Preset {
 /// The length of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Budget {
-    /// Number of ended episodes over all arenas, 1 to 10^15.
+    /// Number of finished episodes over all arenas, 1 to 10^15.
     Episodes(u64),
     /// Number of env steps over all arenas, 1 to 10^15.
     EnvSteps(u64),
 }
 
-/// When and over how many episodes the greedy policy is evaluated during training.
+/// The schedule of the evaluations of the greedy policy during training.
 ///
 /// Evaluations run in a simulation with separate random streams. They do not affect learning, only which
 /// policy is kept as the best.
@@ -54,7 +54,7 @@ pub enum Budget {
 pub struct EvaluationConfig {
     /// Interval in env steps, 1 to 10^15.
     pub every_env_steps: u64,
-    /// Number of episodes, 1 to 100,000. Every evaluation uses the same ones.
+    /// Number of episodes, 1 to 100,000. Every evaluation uses the same episodes.
     pub episodes: usize,
 }
 

@@ -1,6 +1,6 @@
-//! Maps of scenarios, seen from above.
+//! Images of scenarios, seen from above.
 //!
-//! In: a scenario. Out: the map that figures are based on, or a thumbnail as an SVG or PNG file.
+//! In: a scenario. Out: a map for the figures of reports, or a thumbnail as an SVG or PNG file.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Write;
@@ -54,7 +54,7 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
 /// file's extension.
 ///
 /// # Errors
-/// Another extension, a failure in drawing, or a file that cannot be written.
+/// The extension is neither `svg` nor `png`, drawing fails, or the file cannot be written.
 pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
     let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
     let failed = |error: DrawError| RunError::failed(path, error);

@@ -1,4 +1,4 @@
-//! TensorBoard event files, scalars only.
+//! The writer of TensorBoard event files, for scalars only.
 //!
 //! In: a run's scalars, each with a tag and a step. Out: a file `events.out.tfevents.*` in the run folder.
 //! TensorBoard plots it while the run is in progress.
@@ -11,6 +11,8 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
+
+use super::write_points::write_point;
 
 /// A writer of scalars to one event file. Buffered data reaches the file on [`flush`](Self::flush) or on
 /// drop.
@@ -39,6 +41,7 @@ impl EventWriter {
             }
         }
         .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
+        write_point("events: created");
 
         let mut writer = Self { file: BufWriter::new(file) };
         let mut version = Message::event();
@@ -130,8 +133,8 @@ impl Message {
     }
 }
 
-/// Masked CRC-32C, as in TensorFlow's record format. The mask keeps the checksum of data that contains
-/// checksums useful.
+/// The masked CRC-32C of TensorFlow's record format. The mask is needed because a CRC over data that contains its
+/// own CRC is weak.
 fn masked_crc(data: &[u8]) -> u32 {
     crc32c::crc32c(data).rotate_right(15).wrapping_add(0xA282_EAD8)
 }
@@ -208,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn the_checksum_mask_is_the_one_of_the_format() {
+    fn the_checksum_mask_matches_the_format() {
         assert_eq!(slow_crc(b"123456789"), 0xE306_9283, "the check value in CRC catalogues");
         // 0xE3069283 rotated right by 15 bits is 0x2507C60D; plus 0xA282EAD8 that is 0xC78AB0E5.
         assert_eq!(masked_crc(b"123456789"), 0xC78A_B0E5);

@@ -1,7 +1,7 @@
-//! Arenas: spawned from a scenario, rewound, saved and restored.
+//! Arenas: spawned from a scenario, reset, saved, restored and edited.
 //!
-//! In: a scenario, how many arenas, a seed. Out: one entity an arena, with the task's components, and its first
-//! observation taken. Arenas are changed between control steps only.
+//! In: a scenario, a number of arenas, a seed. Out: one entity per arena, with the task's components and its first
+//! observation. Call these functions between control steps only.
 
 use std::sync::Arc;
 
@@ -19,8 +19,8 @@ use crate::task::{
     Streams, TaskFault, Twist, observation,
 };
 
-/// Replaces whatever arenas there are by `arenas` new ones of `scenario`, with the streams of `seed`, and begins an
-/// episode in each.
+/// Replaces all arenas by `arenas` new arenas of `scenario` with the random streams of `seed`, and starts an episode in
+/// each.
 pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, seed: u64) {
     physics::despawn_all(world);
     world.insert_resource(CurrentScenario(scenario.clone()));
@@ -52,14 +52,14 @@ pub fn spawn_arenas(world: &mut World, scenario: &Arc<Scenario>, arenas: usize, 
     world.run_schedule(Reset);
 }
 
-/// Begins anew in every arena, with the streams and the clock that `fresh` gives for its number; where it gives none,
-/// the arena is parked.
-pub fn reset_arenas(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(Streams, Clock)>) {
+/// Starts a new episode in every arena, with the streams and clock that `start` returns for the arena's number. An arena
+/// for which it returns None becomes inactive.
+pub fn reset_arenas(world: &mut World, mut start: impl FnMut(usize) -> Option<(Streams, Clock)>) {
     let mut arenas = world.query::<(&Arena, &mut Streams, &mut Clock, &mut Episode)>();
     for (arena, mut streams, mut clock, mut episode) in arenas.iter_mut(world) {
-        *episode = match fresh(arena.0) {
-            Some(begin) => {
-                (*streams, *clock) = begin;
+        *episode = match start(arena.0) {
+            Some(streams_and_clock) => {
+                (*streams, *clock) = streams_and_clock;
                 Episode { pending_reset: PendingReset::Full, ..Episode::default() }
             }
             None => Episode { inactive: true, ..Episode::default() },
@@ -68,7 +68,7 @@ pub fn reset_arenas(world: &mut World, mut fresh: impl FnMut(usize) -> Option<(S
     world.run_schedule(Reset);
 }
 
-/// The state of every arena, by number.
+/// The states of all arenas, in the order of their numbers.
 pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     let mut arenas = world.query::<(
         &Arena,
@@ -102,12 +102,12 @@ pub fn snapshot(world: &mut World) -> Vec<ArenaState> {
     states.into_iter().map(|(_, state)| state).collect()
 }
 
-/// Puts every arena back as [`snapshot`] found it, and rewrites the current observations from the saved scans.
-/// `states` must have one entry for each arena.
+/// Restores every arena to a state from [`snapshot`], and encodes the current observations from the saved scans.
+/// `states` must have one entry per arena.
 pub fn restore(world: &mut World, states: &[ArenaState]) {
     let scenario = world.resource::<CurrentScenario>().0.clone();
-    let mut rows = world.remove_resource::<Observations>().unwrap_or_default();
-    let width = rows.width;
+    let mut observations = world.remove_resource::<Observations>().unwrap_or_default();
+    let width = observations.width;
     let encoding = world.resource::<ObservationLayout>().encoding;
     let mut arenas = world.query::<(
         &Arena,
@@ -149,14 +149,14 @@ pub fn restore(world: &mut World, states: &[ArenaState]) {
         robot::place_body(&mut set, &bodies, &pose);
         obstacles::place_generated_obstacles(&scenario, &layout, &mut bodies, &mut colliders);
         obstacles::place_bodies(&layout, *clock, &bodies, &mut set, &mut colliders);
-        let row = &mut rows.current[arena.0 * width..][..width];
+        let row = &mut observations.current[arena.0 * width..][..width];
         observation::encode(encoding, &scan, &pose, &goal, &readings, row);
     }
-    world.insert_resource(rows);
+    world.insert_resource(observations);
 }
 
-/// Puts `scenario` under the arenas as they stand: the same episodes go on in the changed world, which their robots
-/// sense at once. The number of beams must be the same.
+/// Replaces the scenario and continues the current episodes in it, with new scans and observations. The number of LIDAR
+/// beams must be the same.
 pub fn change_scenario(world: &mut World, scenario: &Arc<Scenario>) {
     let states = snapshot(world);
     let (fault, actions) = (world.resource::<TaskFault>().clone(), world.resource::<Actions>().clone());
@@ -164,41 +164,41 @@ pub fn change_scenario(world: &mut World, scenario: &Arc<Scenario>) {
     world.insert_resource(fault);
     world.insert_resource(actions);
     restore(world, &states);
-    sense_anew(world, |_| true);
+    refresh(world, |_| true);
 }
 
-/// Begins anew in every arena, in another world: streams and clocks go on, layouts, starts and goals are drawn there.
-/// The number of beams and that of the robot's motions must be the same.
+/// Replaces the scenario and starts a new episode in every arena. Random streams and clocks continue; layouts, starts and
+/// goals are drawn in the new scenario. The number of LIDAR beams and of the robot's motions must be the same.
 pub fn reset_with_scenario(world: &mut World, scenario: &Arc<Scenario>) {
     let (states, fault) = (snapshot(world), world.resource::<TaskFault>().clone());
     spawn_arenas(world, scenario, states.len(), 0);
-    // What was drawn for a moment is gone.
+    // Discards a fault of the temporary draws above.
     world.insert_resource(fault);
     reset_arenas(world, |arena| states.get(arena).map(|state| (state.streams.clone(), state.clock)));
 }
 
-/// Puts the robot of `arena` at `to_m`, its heading as it is; the episode goes on from there.
+/// Moves the robot of `arena` to `to_m`, in m, with the same heading. The episode continues.
 pub fn move_robot(world: &mut World, arena: usize, to_m: Vec2) {
     let mut arenas = world.query::<(&Arena, &mut Pose)>();
     for (_, mut pose) in arenas.iter_mut(world).filter(|(other, _)| other.0 == arena) {
         (pose.x_m, pose.y_m) = to_m.into();
     }
-    sense_anew(world, |other| other == arena);
+    refresh(world, |other| other == arena);
 }
 
-/// Puts the target of `arena` at `to_m`; the episode goes on.
+/// Moves the goal of `arena` to `to_m`, in m. The episode continues.
 pub fn move_goal(world: &mut World, arena: usize, to_m: Vec2) {
     let mut arenas = world.query::<(&Arena, &mut Goal)>();
     for (_, mut goal) in arenas.iter_mut(world).filter(|(other, _)| other.0 == arena) {
         (goal.x_m, goal.y_m) = to_m.into();
     }
-    sense_anew(world, |other| other == arena);
+    refresh(world, |other| other == arena);
 }
 
-/// Bodies, scans, observations and potentials of the arenas that are `meant` follow what was moved in them.
-fn sense_anew(world: &mut World, meant: impl Fn(usize) -> bool) {
+/// Updates bodies, scans, observations and potentials of the selected arenas after an edit.
+fn refresh(world: &mut World, is_selected: impl Fn(usize) -> bool) {
     let mut arenas = world.query::<(&Arena, &mut Episode)>();
-    for (_, mut episode) in arenas.iter_mut(world).filter(|(arena, _)| meant(arena.0)) {
+    for (_, mut episode) in arenas.iter_mut(world).filter(|(arena, _)| is_selected(arena.0)) {
         episode.pending_reset = PendingReset::Refresh;
     }
     world.run_schedule(Reset);

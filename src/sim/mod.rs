@@ -1,23 +1,27 @@
-//! The world alive: arenas, bodies, motion and LIDAR in the ECS.
+//! The simulation in the ECS: arenas, bodies, motion and LIDAR.
 //!
-//! In: a scenario, a number of arenas, a seed ([`spawn_arenas`]); then actions, step by step. Out: poses and scans.
+//! In: a scenario, a number of arenas, a seed ([`spawn_arenas`]); then one action per arena and step. Out: poses and scans.
 //!
 //! | file | duty |
 //! |---|---|
-//! | `arena.rs` | arenas spawned from a scenario, saved and restored, changed by hand |
-//! | `physics.rs` | everything of bevy_rapier: its plugin, its bodies, a step |
-//! | `robot.rs` | the differential drive and its lag |
-//! | `contact.rs` | when in a step the robot first touches something |
-//! | `obstacles.rs` | moving obstacles as a function of the step count |
-//! | `lidar.rs` | the scan |
-//! | `probe.rs` | what a robot would see that stood elsewhere |
+//! | `arena.rs` | arenas: spawned from a scenario, reset, saved, restored, edited |
+//! | `physics.rs` | the interface to bevy_rapier: plugin, bodies, physics step |
+//! | `colliders.rs` | the rapier colliders of shapes and of the enclosure |
+//! | `robot.rs` | the differential drive and its actuator lag |
+//! | `contact.rs` | the moment in a step at which the robot first touches something |
+//! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
+//! | `lidar.rs` | scans with noise, dropout and latency |
+//! | `ray_cast.rs` | exact ranges along the beams |
+//! | `probe.rs` | scans from arbitrary poses, for displays |
 
 mod arena;
+mod colliders;
 mod contact;
 pub mod lidar;
 mod obstacles;
 mod physics;
 mod probe;
+mod ray_cast;
 mod robot;
 
 use bevy::prelude::*;
@@ -32,8 +36,8 @@ pub use robot::{ActuatorLag, chord_velocity, integrate_heading};
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, SenseSet};
 
-/// Responsible for bodies, motion and sensing. Arenas come with [`spawn_arenas`].
-pub struct SimPlugin;
+/// Simulates bodies, motion and sensing. [`spawn_arenas`] makes the arenas.
+pub(crate) struct SimPlugin;
 
 impl Plugin for SimPlugin {
     fn build(&self, app: &mut App) {

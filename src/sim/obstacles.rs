@@ -1,18 +1,19 @@
-//! Obstacles: where a moving one is, is a function of the arena's step count alone; generated ones are put up anew when an
-//! episode begins.
+//! Obstacles: the pose of a moving obstacle is a function of the arena's clock alone. Generated obstacles are replaced when
+//! an episode begins.
 //!
-//! In: the arena's [`Clock`] and its [`ArenaLayout`]. Out: the next position of its kinematic bodies, which neither drift nor get
-//! pushed; and generated obstacles in their new shapes and places.
+//! In: the arena's [`Clock`] and [`ArenaLayout`]. Out: the poses of kinematic bodies, which neither drift nor get pushed,
+//! and the shapes and poses of generated obstacles.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation, Vector};
 
-use super::physics::{self, Bodies};
+use super::colliders::shared_shape;
+use super::physics::Bodies;
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
 use crate::task::{ArenaLayout, Clock, CurrentScenario, Episode, PendingReset};
 
-/// `Actuate`: the clock advances, and every moving obstacle is told where it will be after this step.
+/// `Actuate`: advances the clock, and sets the pose of every moving obstacle after this step.
 pub(super) fn advance(
     scenario: Res<CurrentScenario>,
     mut arenas: Query<(&mut Clock, &Bodies, &Episode, &mut RapierRigidBodySet)>,
@@ -30,8 +31,7 @@ pub(super) fn advance(
     }
 }
 
-/// `Place`: what was generated for a new episode is put up, and in a fresh or rewound arena the moving obstacles are put
-/// where the clock says.
+/// `Place`: places the generated obstacles of a new episode. If the clock was set, also places the moving obstacles.
 pub(super) fn place(
     scenario: Res<CurrentScenario>,
     mut arenas: Query<(
@@ -43,20 +43,20 @@ pub(super) fn place(
         &mut RapierContextColliders,
     )>,
 ) {
-    for (clock, room, mut bodies, episode, mut set, mut colliders) in &mut arenas {
+    for (clock, layout, mut bodies, episode, mut set, mut colliders) in &mut arenas {
         if episode.pending_reset.begins_episode() {
-            place_generated_obstacles(&scenario.0, room, &mut bodies, &mut colliders);
+            place_generated_obstacles(&scenario.0, layout, &mut bodies, &mut colliders);
         }
         if episode.pending_reset == PendingReset::Full {
-            place_bodies(room, *clock, &bodies, &mut set, &mut colliders);
+            place_bodies(layout, *clock, &bodies, &mut set, &mut colliders);
         }
     }
 }
 
-/// Gives the colliders for what `scenario` generates the shapes and places that `room` has; the others are taken away.
+/// Gives the colliders reserved for generated obstacles the shapes and poses of `layout`, and disables the unused ones.
 pub(super) fn place_generated_obstacles(
     scenario: &Scenario,
-    room: &ArenaLayout,
+    layout: &ArenaLayout,
     bodies: &mut Bodies,
     colliders: &mut RapierContextColliders,
 ) {
@@ -64,29 +64,29 @@ pub(super) fn place_generated_obstacles(
         return;
     }
     bodies.solids.retain(|solid| !bodies.generated.contains(solid));
-    let generated = room.scenario.obstacles.get(scenario.obstacles.len()..).unwrap_or_default();
+    let generated = layout.scenario.obstacles.get(scenario.obstacles.len()..).unwrap_or_default();
     let mut obstacles = generated.iter();
     for &handle in &bodies.generated {
         let Some(collider) = colliders.colliders.get_mut(handle) else { continue };
         let obstacle = obstacles.next();
         collider.set_enabled(obstacle.is_some());
         if let Some(obstacle) = obstacle {
-            collider.set_shape(physics::shape(&obstacle.shape));
-            collider.set_position(body_pose(&room.scenario, obstacle, Clock(0)));
+            collider.set_shape(shared_shape(&obstacle.shape));
+            collider.set_position(body_pose(&layout.scenario, obstacle, Clock(0)));
             bodies.solids.push(handle);
         }
     }
 }
 
-/// Puts the moving obstacles, and the colliders that the LIDAR sees, where the clock says.
+/// Places the moving obstacles, and the colliders that the LIDAR senses, at their poses at `clock`.
 pub(super) fn place_bodies(
-    room: &ArenaLayout,
+    layout: &ArenaLayout,
     clock: Clock,
     bodies: &Bodies,
     set: &mut RapierRigidBodySet,
     colliders: &mut RapierContextColliders,
 ) {
-    let scenario = &*room.scenario;
+    let scenario = &*layout.scenario;
     for (index, obstacle) in moving(scenario) {
         if let Some(body) =
             bodies.obstacles.get(index).copied().flatten().and_then(|body| set.bodies.get_mut(body))

@@ -1,50 +1,47 @@
-//! All of bevy_rapier stands here: its plugin, how bodies are made, and the step of its contexts.
+//! The interface to bevy_rapier: its plugin, the creation of bodies, and the physics step.
 //!
-//! Every arena is a physics context of its own, so arenas cannot meet, and arena k moves the same bits whatever the
-//! number of arenas. In: a scenario's shapes. Out: [`Bodies`], the handles by which the other files of this room
-//! command and read rapier's bodies directly.
+//! In: a scenario's shapes. Out: [`Bodies`], the handles with which the other files of this module control and read
+//! rapier's bodies directly. Every arena is a separate physics context, so arenas cannot interact, and arena k computes the
+//! same bits for any number of arenas.
 //!
-//! bevy_rapier's `SyncBackend` systems make bodies and colliders from components when arenas are spawned; in a
-//! control step [`step`] steps its contexts, with one [`Pipeline`] for all of them. Copying every pose into a
-//! `Transform` and back each step would cost more than the step, and lose bits on the way; whoever draws reads
-//! [`Pose`](crate::task::Pose).
+//! bevy_rapier's `SyncBackend` systems make bodies and colliders from components when arenas are spawned. In a control
+//! step, [`step`] steps all contexts with one [`Pipeline`]. Poses are not copied into `Transform`s, because that would cost
+//! more than the step and lose precision. Displays read [`Pose`](crate::task::Pose).
 
 use bevy::ecs::schedule::{Schedule, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::transform::TransformPlugin;
 use bevy_rapier2d::prelude::*;
-use bevy_rapier2d::rapier::geometry::ConvexPolygon;
-use bevy_rapier2d::rapier::prelude::{ColliderHandle, PhysicsPipeline, RigidBodyHandle, SharedShape};
+use bevy_rapier2d::rapier::prelude::{ColliderHandle, PhysicsPipeline, RigidBodyHandle};
 
+use super::colliders::{collider, enclosure_colliders};
 use crate::control_step::{ControlSet, ControlStep};
-use crate::scenario::{Enclosure, Obstacle, ObstacleMotion, Scenario, Shape, polygon, pose_at};
+use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
 
-/// Runs when arenas have been spawned: makes rapier's bodies from the components.
+/// The schedule that makes rapier's bodies from the components of spawned arenas.
 #[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
 struct MakeBodies;
 
-/// The walls' thickness, in m: rapier itself lets little through it. (What it lets through, `contact.rs` stops.)
-const WALL_M: f32 = 0.5;
-
-/// How far ahead, in m, rapier may look for what a body would meet in the coming step: so that a
-/// body mostly stops at a surface instead of in it. (`contact.rs` does the rest.)
+/// The prediction distance of rapier's soft CCD, in m. With it, most bodies stop at a surface instead of inside it;
+/// `contact.rs` handles the others.
 const LOOK_AHEAD_M: f32 = 50.0;
 
-/// The handles of what stands and moves in an arena's physics context. What stands still is a collider without a body:
-/// rapier has that much less to look after.
+/// The handles of the bodies and colliders in an arena's physics context. A static obstacle is a collider without a
+/// body, which costs rapier less.
 #[derive(Component, Clone, Debug)]
 pub struct Bodies {
     /// The robot.
     pub robot: RigidBodyHandle,
-    /// One for each obstacle of the scenario, in its order; none for one that stands still.
+    /// The bodies of the scenario's obstacles, in the scenario's order; None for a static obstacle.
     pub obstacles: Vec<Option<RigidBodyHandle>>,
-    /// Colliders, enough for what the scenario's generators make; those that are not used are disabled.
+    /// The colliders reserved for generated obstacles. Those that the current layout does not use are disabled.
     pub generated: Vec<ColliderHandle>,
-    /// What a beam can meet: the obstacles in the scenario's order, then the walls, then what was generated.
+    /// Everything that beams and the robot can hit: the obstacles in the scenario's order, then the walls, then the
+    /// generated obstacles.
     pub solids: Vec<ColliderHandle>,
 }
 
-/// What a body is in its arena; orders the handles.
+/// The role of a body or collider in its arena. Its order is the order of the handles.
 #[derive(Component, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
     Robot,
@@ -71,12 +68,11 @@ pub(super) fn build(app: &mut App) {
     app.add_schedule(make);
 }
 
-/// The components of an arena's own entity that make it a physics context without gravity, stepped by
-/// `control_period_s`.
+/// The components that make an arena's entity a physics context without gravity, with steps of `control_period_s`.
 ///
-/// One solver iteration is enough: rapier cuts a step into as many substeps, which help where contacts and joints
-/// depend on each other. Here one disc meets one thing, once, and that ends its episode. A free robot goes its chord
-/// in one sum instead of four, with one rounding, and a step costs an eighth less of rapier's time.
+/// One solver iteration is enough. Rapier divides a step into as many substeps as iterations, which helps if contacts and
+/// joints depend on each other. Here a single disc touches something once, and that ends its episode. With one
+/// iteration, a free robot's translation is rounded once instead of four times, and rapier's step takes an eighth less time.
 pub(super) fn context(control_period_s: f32) -> impl Bundle {
     let mut simulation = RapierContextSimulation::default();
     simulation.integration_parameters.dt = control_period_s;
@@ -84,13 +80,15 @@ pub(super) fn context(control_period_s: f32) -> impl Bundle {
     (simulation, RapierConfiguration { gravity: Vec2::ZERO, ..RapierConfiguration::new(1.0) })
 }
 
-/// Rapier's working memory, one for all arenas: so it stays in the cache. What it keeps from step to step concerns joints,
-/// of which there are none, and a flag that every arena with a robot sets anew. Where all robots are touched equally often
-/// (`actuate` and `read_pose` do so in every step), rapier lays out its lack of joints once for all arenas.
+/// Rapier's working memory, shared by all arenas so that it stays in the cache.
+///
+/// Between steps it keeps only data about joints, of which there are none, and a flag that every arena with a robot sets
+/// again. `actuate` and `read_pose` modify all robots equally often, so rapier sets up its empty joint data once for all
+/// arenas.
 #[derive(Resource, Default)]
 struct Pipeline(PhysicsPipeline);
 
-/// What a step of rapier reads and writes of an arena.
+/// The components of an arena that a physics step reads and writes.
 type Stepped = (
     &'static RapierConfiguration,
     &'static mut RapierContextSimulation,
@@ -99,7 +97,7 @@ type Stepped = (
     &'static mut RapierRigidBodySet,
 );
 
-/// `Simulate`: one step of every arena that is not parked.
+/// `Simulate`: steps the physics of every active arena.
 fn step(mut pipeline: ResMut<Pipeline>, mut arenas: Query<Stepped>) {
     for (configuration, mut simulation, mut colliders, mut joints, mut set) in &mut arenas {
         if !configuration.physics_pipeline_active {
@@ -124,7 +122,7 @@ fn step(mut pipeline: ResMut<Pipeline>, mut arenas: Query<Stepped>) {
     }
 }
 
-/// Spawns the bodies of `scenario` for the arena `context`, in an order that depends on the scenario alone.
+/// Spawns the bodies and colliders of `scenario` in the arena `context`, in an order that depends on the scenario alone.
 pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Entity) {
     let link = RapierContextEntityLink(context);
     let at = |x: f32, y: f32, angle: f32| {
@@ -144,67 +142,28 @@ pub(super) fn spawn_bodies(world: &mut World, scenario: &Scenario, context: Enti
     let period_s = scenario.task.control_period_s;
     for (index, obstacle) in scenario.obstacles.iter().enumerate() {
         let (x, y, rotation) = pose_at(obstacle, 0, period_s);
-        let mut parts =
+        let mut entity =
             world.spawn((Part::Obstacle(index), link, collider(&obstacle.shape), at(x, y, rotation)));
         if obstacle.motion != ObstacleMotion::Static {
-            parts.insert(RigidBody::KinematicPositionBased);
+            entity.insert(RigidBody::KinematicPositionBased);
         }
     }
     let inner = scenario.walls.iter().flat_map(wayfield_scenario::Wall::segments);
     let inner = inner.map(|Obstacle { shape, position_m: Vec2 { x, y }, rotation_rad, .. }| {
         (collider(&shape), at(x, y, rotation_rad))
     });
-    for (index, (collider, at)) in around(&scenario.enclosure).into_iter().chain(inner).enumerate() {
+    let walls = enclosure_colliders(&scenario.enclosure).into_iter().chain(inner);
+    for (index, (collider, at)) in walls.enumerate() {
         world.spawn((Part::Wall(index), link, collider, at));
     }
     for index in 0..scenario.max_obstacles() - scenario.obstacles.len() {
-        // Shaped and placed, or disabled, when an episode begins. (Not here: all that has no body is then made in order.)
+        // A placeholder. Its shape and pose are set when an episode begins, or it is disabled. If it were disabled here,
+        // rapier would not make the colliders without a body in this order.
         world.spawn((Part::Generated(index), link, Collider::ball(1.0), at(0.0, 0.0, 0.0)));
     }
 }
 
-/// The colliders around the enclosure, and where they are. A rectangle has thick walls; any other outline its bare sides,
-/// for thick ones would reach in where a corner points inwards.
-fn around(enclosure: &Enclosure) -> Vec<(Collider, Transform)> {
-    match *enclosure {
-        Enclosure::Rectangle { width_m, height_m } => {
-            let (w, h, t) = (width_m / 2.0, height_m / 2.0, WALL_M / 2.0);
-            let long = w + WALL_M;
-            [(w + t, 0.0, t, h), (-w - t, 0.0, t, h), (0.0, h + t, long, t), (0.0, -h - t, long, t)]
-                .map(|(x, y, half_width, half_height)| {
-                    (Collider::cuboid(half_width, half_height), Transform::from_xyz(x, y, 0.0))
-                })
-                .into()
-        }
-        Enclosure::Polygon { .. } => {
-            let side = |(from, to): (Vec2, Vec2)| (Collider::segment(from, to), Transform::IDENTITY);
-            polygon::sides(&enclosure.corners_m()).map(side).collect()
-        }
-    }
-}
-
-/// A shape about its middle, as bevy_rapier has it.
-fn collider(shape: &Shape) -> Collider {
-    match shape {
-        Shape::Circle { radius_m } => Collider::ball(*radius_m),
-        Shape::Rectangle { width_m, height_m } => Collider::cuboid(width_m / 2.0, height_m / 2.0),
-        Shape::Capsule { length_m, radius_m } => Collider::capsule_x(length_m / 2.0, *radius_m),
-        Shape::Polygon { corners_m } => {
-            // Every corner is kept: parry would leave out those where the outline hardly bends. What it can't take encloses
-            // nothing: the checks let no such thing through.
-            let corners = polygon::counterclockwise(corners_m).into_iter().collect();
-            ConvexPolygon::from_convex_polyline_unmodified(corners)
-                .map_or_else(|| Collider::ball(0.001), |outline| SharedShape::new(outline).into())
-        }
-    }
-}
-
-/// The same as rapier has it, for colliders that are shaped anew.
-pub(super) fn shape(shape: &Shape) -> SharedShape {
-    collider(shape).raw
-}
-
-/// Makes rapier's bodies of all that was spawned, and gives each arena its [`Bodies`].
+/// Makes rapier's bodies and colliders from the spawned components, and adds [`Bodies`] to each arena.
 pub(super) fn make_bodies(world: &mut World) {
     world.run_schedule(MakeBodies);
     let mut found: Vec<(Entity, Part, Option<RigidBodyHandle>, ColliderHandle)> = world
@@ -214,21 +173,21 @@ pub(super) fn make_bodies(world: &mut World) {
         .collect();
     found.sort_by_key(|&(arena, part, ..)| (arena, part));
     for parts in found.chunk_by(|a, b| a.0 == b.0) {
-        // The robot, which always has a body, sorts first; then the obstacles in order, the walls, what is generated.
+        // The robot, which always has a body, sorts first; then the obstacles, the walls and the generated obstacles.
         let (arena, _, Some(robot), _) = parts[0] else { continue };
-        let obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
-        let (standing, generated) =
+        let is_obstacle = |part: &Part| matches!(part, Part::Obstacle(_));
+        let (permanent, generated) =
             parts[1..].split_at(parts[1..].partition_point(|p| !matches!(p.1, Part::Generated(_))));
         world.entity_mut(arena).insert(Bodies {
             robot,
-            obstacles: standing.iter().filter(|p| obstacle(&p.1)).map(|p| p.2).collect(),
+            obstacles: permanent.iter().filter(|p| is_obstacle(&p.1)).map(|p| p.2).collect(),
             generated: generated.iter().map(|p| p.3).collect(),
-            solids: standing.iter().map(|p| p.3).collect(),
+            solids: permanent.iter().map(|p| p.3).collect(),
         });
     }
 }
 
-/// Takes away every arena and body.
+/// Despawns all arenas and bodies.
 pub(super) fn despawn_all(world: &mut World) {
     let mut all: Vec<Entity> =
         world.query_filtered::<Entity, With<RapierContextEntityLink>>().iter(world).collect();
@@ -236,6 +195,6 @@ pub(super) fn despawn_all(world: &mut World) {
     for entity in all {
         world.despawn(entity);
     }
-    // bevy_rapier looks after removed bodies here; their contexts are gone with them.
+    // Lets bevy_rapier process the removed bodies.
     world.run_schedule(MakeBodies);
 }

@@ -1,6 +1,6 @@
-//! The probe: what a robot would see that stood elsewhere in its arena. For who looks on; it changes nothing.
+//! Scans from arbitrary poses in an arena, for displays such as the value map. Read-only.
 //!
-//! In: an arena's colliders as they stand, a pose. Out: the scan from there, without noise.
+//! In: an arena's colliders at their current positions, and a pose. Out: the scan from that pose, without noise.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -10,7 +10,7 @@ use super::lidar::{BeamDirections, cast};
 use super::physics::Bodies;
 use crate::task::{Arena, CurrentScenario, Pose, Scan};
 
-/// Reads the worlds of all arenas.
+/// Read access to the colliders of all arenas.
 #[derive(SystemParam)]
 pub struct Probe<'w, 's> {
     scenario: Res<'w, CurrentScenario>,
@@ -19,8 +19,8 @@ pub struct Probe<'w, 's> {
 }
 
 impl Probe<'_, '_> {
-    /// What takes scans in `arena`: called with a pose, it writes into the scan what is seen from there, in m. None if
-    /// there is no such arena.
+    /// A function that casts a scan from a pose in `arena` and writes its ranges, in m, into the given [`Scan`]. None if
+    /// the arena does not exist.
     #[must_use]
     pub fn of(&self, arena: usize) -> Option<impl Fn(&Pose, &mut Scan) + '_> {
         let (_, bodies, context) = self.arenas.iter().find(|(other, ..)| other.0 == arena)?;

@@ -1,16 +1,18 @@
 //! The robot: a differential drive.
 //!
-//! In: the chosen motion (v, w) of eq. (9). Out: the body's velocity before the physics step, its pose and [`Twist`]
-//! after it.
+//! In: the commanded motion (v, w) of eq. (9). Out: the body's velocity before the physics step; its pose and [`Twist`]
+//! after the step.
 //!
-//! What is driven in a step is the mean of the actual (v, w) over it: the chosen motion itself, or what the scenario's
-//! [`ActuatorLag`] makes of it. With a lag that is a simplification, for v and w change within the step and the true path is
-//! no arc; its turn and its length (what is reversed taken off) are kept, so the heading after the step is exact.
+//! A robot that drives with constant v and w for a time t follows an arc. The arc's chord has the length v t sinc(w t / 2)
+//! and the direction of the heading at t / 2. So one physics step with the chord's velocity takes the robot exactly to the
+//! end of the arc, unless it touches something before (`contact.rs`) and stops there.
 //!
-//! Driving with constant v and w for a time t describes an arc. Its chord has the length v t sinc(w t / 2) and points
-//! along the heading half way through, so one physics step with that velocity puts the robot exactly on the arc's
-//! end, unless it touches something on the way (`contact.rs`): there it stops. The body is a disc with locked rotation: the
-//! wheels turn it, contacts do not. Its heading is kept here, by `libm`, so that the bits are the same on every platform.
+//! Without a lag, (v, w) is the commanded motion. With an [`ActuatorLag`], it is the mean of the actual motion over the
+//! step. That is a simplification: the true path is not an arc. Its rotation and its signed length are kept, so the heading
+//! after the step is exact.
+//!
+//! The body is a disc with locked rotation, which only the wheels turn, never a contact. The heading is integrated here,
+//! with `libm`, so that its bits are the same on every platform.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
@@ -21,10 +23,10 @@ use super::physics::Bodies;
 use crate::scenario::{Motion, Scenario};
 use crate::task::{Actions, Arena, Clock, CurrentScenario, Episode, Pose, Scan, Twist, wrap_angle};
 
-/// What rounding may add to coordinates, and to a metre's way.
+/// The tolerance for rounding: in m for coordinates, relative for distances.
 const ROUNDING: f32 = 1e-6;
 
-/// The constant velocity, in m/s, that takes the robot in `seconds` to the end of its arc.
+/// The constant velocity, in m/s, that takes the robot to the end of its arc in `seconds`.
 #[must_use]
 pub fn chord_velocity(heading_rad: f32, motion: &Motion, seconds: f32) -> Vec2 {
     let half_turn = 0.5 * motion.w_rad_s * seconds;
@@ -39,22 +41,21 @@ pub fn integrate_heading(heading_rad: f32, motion: &Motion, seconds: f32) -> f32
     wrap_angle(heading_rad + motion.w_rad_s * seconds)
 }
 
-/// A drive whose actual u = (v, w) follows the chosen one as a first-order lag, over one control step: a share of the
-/// difference is left, the rest is made up. Without a lag nothing is left, and the step drives the chosen motion to the
-/// bit.
+/// A first-order lag of the actuators over one control step: the actual u = (v, w) approaches the commanded one. Without a
+/// lag, the robot drives the commanded motion to the bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorLag {
-    /// Share of the difference at the step's start that is left on average over the step, 0 to 1.
+    /// The mean over the step of the remaining difference, as a fraction of that at the step's start; 0 to 1.
     mean: f32,
-    /// Share of it that is left at the step's end, 0 to 1.
+    /// The remaining difference at the step's end, as a fraction of that at its start; 0 to 1.
     end: f32,
 }
 
 impl ActuatorLag {
-    /// The lag with time constant `lag_s`, 0 s or more, over steps of `seconds`, more than 0.
+    /// The lag with time constant `lag_s`, at least 0 s, over steps of `seconds`, above 0 s.
     ///
-    /// From du/dt = (chosen - u) / lag the difference falls as e^(-t / lag); over T seconds its mean is
-    /// (lag / T)(1 - e^(-T / lag)).
+    /// With du/dt = (commanded - u) / lag, the difference decays as e^(-t / lag). Its mean over T seconds is
+    /// (lag / T)(1 - e^(-T / lag)) of the initial difference.
     #[must_use]
     pub fn new(lag_s: f32, seconds: f32) -> Self {
         if lag_s <= 0.0 {
@@ -64,27 +65,26 @@ impl ActuatorLag {
         Self { mean: -libm::expm1f(-lags) / lags, end: libm::expf(-lags) }
     }
 
-    /// What is driven on average in a step that begins with `twist` while `chosen` is chosen, and what the drive does
-    /// at its end.
+    /// The mean motion over a step that starts with `twist` while `commanded` is commanded, and the twist at its end.
     #[must_use]
-    pub fn step(&self, twist: &Twist, chosen: &Motion) -> (Motion, Twist) {
-        // Whatever the drive did, nothing of it is left: not even the sign of a zero.
-        let left = |share: f32, actual: f32, chosen: f32| {
-            if share == 0.0 { chosen } else { chosen + (actual - chosen) * share }
+    pub fn step(&self, twist: &Twist, commanded: &Motion) -> (Motion, Twist) {
+        // Without a lag, returns the commanded value to the bit, including the sign of a zero.
+        let blend = |remaining: f32, actual: f32, commanded: f32| {
+            if remaining == 0.0 { commanded } else { commanded + (actual - commanded) * remaining }
         };
-        let v = |share| left(share, twist.v_m_s, chosen.v_m_s);
-        let w = |share| left(share, twist.w_rad_s, chosen.w_rad_s);
+        let v = |remaining| blend(remaining, twist.v_m_s, commanded.v_m_s);
+        let w = |remaining| blend(remaining, twist.w_rad_s, commanded.w_rad_s);
         let mean = Motion { v_m_s: v(self.mean), w_rad_s: w(self.mean) };
         (mean, Twist { v_m_s: v(self.end), w_rad_s: w(self.end) })
     }
 
-    /// That of the robot of `scenario` over its control period.
+    /// The lag of the robot of `scenario` over one control period.
     fn of(scenario: &Scenario) -> Self {
         Self::new(scenario.robot.actuator_lag_s, scenario.task.control_period_s)
     }
 }
 
-/// `Actuate`: what is driven in this step becomes the body's velocity.
+/// `Actuate`: sets the velocity of every robot's body for this step.
 pub(super) fn actuate(
     scenario: Res<CurrentScenario>,
     actions: Res<Actions>,
@@ -114,7 +114,7 @@ pub(super) fn actuate(
     }
 }
 
-/// What is read and written of an arena after its step.
+/// The components of an arena that [`read_pose`] reads and writes.
 type Stepped = (
     &'static Arena,
     &'static Bodies,
@@ -127,10 +127,12 @@ type Stepped = (
     &'static mut Scan,
 );
 
-/// `Sense`: where the step has left the robot, whether it touched something, and how fast it goes now.
+/// `Sense`: reads the robot's pose, contact and twist after the step.
 ///
-/// A free robot is where rapier has brought it. One that touches something rests where rapier has stopped it, if that is a
-/// place to rest at, else where it first touched. One that rapier has only turned aside goes where it was told to.
+/// - A robot that touches nothing is where rapier has moved it.
+/// - A robot that touches something rests where rapier has stopped it if that is a valid resting place, and otherwise where
+///   it first touched.
+/// - A robot that rapier has deflected although it touches nothing is put at the end of its chord.
 pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, mut arenas: Query<Stepped>) {
     let scenario = &*scenario.0;
     let (lag, period_s) = (ActuatorLag::of(scenario), scenario.task.control_period_s);
@@ -142,24 +144,24 @@ pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, m
             let (motion, after) = lag.step(&twist, &scenario.robot.motions[actions.0[arena.0]]);
             *twist = after;
             let from = Vec2::new(pose.x_m, pose.y_m);
-            let due = chord_velocity(pose.heading_rad, &motion, period_s);
-            let free = from + due * period_s;
-            // (Rapier also moves what overlaps, without a velocity.)
-            let turned_aside =
+            let velocity = chord_velocity(pose.heading_rad, &motion, period_s);
+            let free = from + velocity * period_s;
+            // Rapier also separates overlapping bodies, which moves them without a velocity.
+            let deflected =
                 (body.translation() - free).length() > ROUNDING * (1.0 + from.length() + free.length());
-            let to = if turned_aside { free } else { body.translation() };
+            let to = if deflected { free } else { body.translation() };
             let step =
                 ContactQuery { scenario, colliders: &colliders.colliders, bodies, clock: *clock, from };
-            let touch = step.first_contact(to);
-            scan.touching = touch.is_some();
-            if let Some(part) = touch {
+            let contact = step.first_contact(to);
+            scan.touching = contact.is_some();
+            if let Some(fraction) = contact {
                 if !step.is_resting_contact(body.translation(), to) {
-                    body.set_translation(from.lerp(to, part), true);
+                    body.set_translation(from.lerp(to, fraction), true);
                 }
                 body.set_linvel(Vec2::ZERO, true);
-            } else if turned_aside || body.linvel() != due {
+            } else if deflected || body.linvel() != velocity {
                 body.set_translation(to, true);
-                body.set_linvel(due, true);
+                body.set_linvel(velocity, true);
             }
             let position = body.translation();
             *pose = Pose {
@@ -171,7 +173,7 @@ pub(super) fn read_pose(scenario: Res<CurrentScenario>, actions: Res<Actions>, m
     }
 }
 
-/// `Place`: a restarted robot's body is put where its pose says, at rest.
+/// `Place`: moves the body of every reset robot to its pose, at rest.
 pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigidBodySet)>) {
     for (bodies, pose, episode, mut set) in &mut arenas {
         if !episode.pending_reset.moves_robot() {
@@ -181,7 +183,7 @@ pub(super) fn place(mut arenas: Query<(&Bodies, &Pose, &Episode, &mut RapierRigi
     }
 }
 
-/// Puts the robot's body where `pose` says, at rest.
+/// Moves the robot's body to `pose`, at rest.
 pub(super) fn place_body(set: &mut RapierRigidBodySet, bodies: &Bodies, pose: &Pose) {
     if let Some(body) = set.bodies.get_mut(bodies.robot) {
         body.set_position(BodyPose::translation(pose.x_m, pose.y_m), true);
@@ -195,7 +197,7 @@ mod tests {
 
     #[test]
     fn the_chord_ends_where_the_arc_ends() {
-        // On a circle of radius v / w = 0.1 m, heading east from its lowest point, for 0.2 s at 1.5 rad/s: 0.3 rad.
+        // A circle of radius v / w = 0.1 m, driven east from its lowest point for 0.2 s at 1.5 rad/s: 0.3 rad.
         let motion = Motion { v_m_s: 0.15, w_rad_s: 1.5 };
         let end = chord_velocity(0.0, &motion, 0.2) * 0.2;
         assert!((end.x - 0.1 * 0.3_f32.sin()).abs() < 1e-7, "x = r sin(w t), got {}", end.x);
@@ -204,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn driving_straight_is_driving_straight() {
+    fn without_rotation_the_chord_velocity_is_v_along_the_heading() {
         let motion = Motion { v_m_s: 0.15, w_rad_s: 0.0 };
         assert_eq!(chord_velocity(0.0, &motion, 0.2), Vec2::new(0.15, 0.0));
     }

@@ -1,9 +1,8 @@
 //! Sensors and reward terms that a plugin adds to the task.
 //!
-//! A plugin calls [`SimulationAppExt::add_sensor`] or [`SimulationAppExt::add_reward_term`] in its `build`. The app must
-//! have the [`TaskPlugin`](super::TaskPlugin) already; [`SimulationBuilder`](crate::simulation::SimulationBuilder) sees
-//! to that. What a sensor reads enters the observation under its name, and what a term gives is part of the reward, logged
-//! under its name like the paper's own terms.
+//! A plugin calls [`SimulationAppExt::add_sensor`] or [`SimulationAppExt::add_reward_term`] in its `build`. Pass the plugin
+//! to a simulation in [`Extensions`](crate::simulation::Extensions). The readings of a sensor are a named slice of the
+//! observation. A reward term is added to the reward and logged under its name, like the paper's own terms.
 
 use bevy::ecs::schedule::{IntoScheduleConfigs, ScheduleConfigs};
 use bevy::ecs::system::ScheduleSystem;
@@ -16,27 +15,30 @@ use crate::control_step::{ControlStep, Reset, ResetSet, RewardSet, SenseSet};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RewardTerm(usize);
 
-/// The reward terms of plugins: their names, and what each gives in this step.
+/// The reward terms of plugins: their names, and their values in this step.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct ExtraRewards {
     names: Vec<String>,
-    /// Arenas x terms.
+    /// The values in this step: arenas x terms.
     values: Vec<f32>,
 }
 
 impl ExtraRewards {
-    /// The names of the terms, in the order in which they were added.
+    /// The names of the terms, in the order of addition.
     #[must_use]
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Sets what `term` gives in `arena` in this step. It stays 0 in an arena that a system leaves out.
+    /// Sets the value of `term` in `arena` in this step. Without a call, it is 0.
+    ///
+    /// # Panics
+    /// If the arena does not exist.
     pub fn set(&mut self, arena: usize, term: RewardTerm, reward: f32) {
         self.values[arena * self.names.len() + term.0] = reward;
     }
 
-    /// What the terms give in `arena` in this step, in the order of [`names`](Self::names).
+    /// The values of all terms in `arena` in this step, in the order of [`names`](Self::names).
     #[must_use]
     pub fn of_arena(&self, arena: usize) -> &[f32] {
         &self.values[arena * self.names.len()..(arena + 1) * self.names.len()]
@@ -45,37 +47,39 @@ impl ExtraRewards {
     fn add(&mut self, name: &str) -> RewardTerm {
         assert!(
             self.names.iter().all(|other| other != name),
-            "two reward terms are called `{name}`: give one another name"
+            "two plugins add a reward term named `{name}`; rename one of them"
         );
         self.names.push(name.into());
         RewardTerm(self.names.len() - 1)
     }
 
-    /// Makes room for `arenas` arenas.
+    /// Allocates the values for `arenas` arenas.
     pub(crate) fn resize(&mut self, arenas: usize) {
         self.values = vec![0.0; arenas * self.names.len()];
     }
 }
 
-/// Sensors and reward terms for an app with the [`TaskPlugin`](super::TaskPlugin).
+/// Methods that add sensors and reward terms to a simulation's app.
 pub trait SimulationAppExt {
-    /// Adds a sensor: reserves `width` numbers of every observation under `name`, and runs the system that `sensor`
-    /// makes whenever arenas are sensed: in every control step, and after every reset.
+    /// Adds a sensor named `name` with `width` numbers in every observation.
     ///
-    /// The system writes its slice of every arena's [`SensorReadings`](super::SensorReadings). It may read anything;
-    /// draw random numbers only from named streams ([`random::stream`](crate::random::stream)).
+    /// `sensor` receives the handle of the sensor's slice and returns a system. The system runs in every control step and
+    /// after every reset, and writes the slice of every arena's [`SensorReadings`](super::SensorReadings). It may read
+    /// anything. It must draw random numbers from named streams only ([`random::stream`](crate::random::stream)).
     ///
     /// # Panics
-    /// If another sensor has this name, or the app lacks the task.
+    /// If another sensor has the same name, or the app is not a simulation.
     fn add_sensor<M, S>(&mut self, name: &str, width: usize, sensor: impl Fn(SensorSlice) -> S) -> &mut Self
     where
         S: IntoScheduleConfigs<ScheduleSystem, M>;
 
-    /// Adds a reward term: what the system that `term` makes sets in [`ExtraRewards`] for an arena is added to the
-    /// arena's reward in every step, and logged as `reward_<name>`.
+    /// Adds a reward term, logged as `reward_<name>`.
+    ///
+    /// `term` receives the handle of the term and returns a system. The system runs in every control step and sets the
+    /// term's value in [`ExtraRewards`] for each arena; the value is added to the arena's reward.
     ///
     /// # Panics
-    /// If another term has this name, or the app lacks the task.
+    /// If another term has the same name, or the app is not a simulation.
     fn add_reward_term<M, S>(&mut self, name: &str, term: impl Fn(RewardTerm) -> S) -> &mut Self
     where
         S: IntoScheduleConfigs<ScheduleSystem, M>;
@@ -108,7 +112,7 @@ pub(super) fn any_extra_rewards(extra: Res<ExtraRewards>) -> bool {
     !extra.names.is_empty()
 }
 
-/// `Reward`: adds the plugins' terms to the outcomes and to the episodes' sums, and clears them for the next step.
+/// `Reward`: adds the plugins' terms to the outcomes and to the episodes' sums, and sets them to 0 for the next step.
 pub(super) fn add_extra_rewards(
     mut extra: ResMut<ExtraRewards>,
     mut outcomes: ResMut<StepOutcomes>,

@@ -1,7 +1,7 @@
-//! What goes wrong in a step: no room for a start or goal, or a number that is none.
+//! Faults of a step: no free space for a start or goal, or a non-finite number.
 //!
-//! In: what `Sense` and `Reward` have left. Out: [`TaskFault`], which the caller of the step must look at. A step with a
-//! number that is none is neither remembered nor learnt from, and no episode ends with it.
+//! In: the results of `Sense` and `Reward`. Out: [`TaskFault`], which the caller of the step must check. A step with a
+//! non-finite number is not stored in the replay buffer, and ends no episode.
 
 use bevy::prelude::*;
 
@@ -11,41 +11,41 @@ use super::{
 };
 use crate::scenario::NoFreeSpace;
 
-/// Set where a step went wrong: the caller of the step must look, and stop.
+/// The fault of a step, if there was one. The caller of the step must check it and stop.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct TaskFault(pub Option<Fault>);
 
-/// Why a step went wrong.
+/// The reason why a step failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
-    /// No start or goal could be found. A world can be mended, and the training go on.
+    /// No free space for a start or goal was found. The run can continue after the scenario is changed.
     #[error("arena {arena}, step {step}: {why}")]
     NoFreeSpace {
-        /// In which arena.
+        /// The arena's number.
         arena: usize,
-        /// Its clock, in control steps.
+        /// The arena's clock, in control steps.
         step: u64,
-        /// What was looked for.
+        /// The start or goal that could not be placed.
         why: NoFreeSpace,
     },
-    /// A number is NaN or infinite: what comes after it means nothing.
+    /// A number is NaN or infinite. All later numbers are meaningless.
     #[error("arena {arena}, step {step}: {what}")]
     NonFinite {
-        /// In which arena.
+        /// The arena's number.
         arena: usize,
-        /// Its clock, in control steps.
+        /// The arena's clock, in control steps.
         step: u64,
-        /// Which number, where it came from, and what to try.
+        /// The number, its origin, and a possible fix.
         what: String,
     },
 }
 
-/// Whether the numbers of this step can be learnt from, and counted.
-pub fn step_is_finite(fault: Res<TaskFault>) -> bool {
+/// Whether all numbers of this step are finite, so that it can be stored and counted.
+pub(crate) fn step_is_finite(fault: Res<TaskFault>) -> bool {
     !matches!(fault.0, Some(Fault::NonFinite { .. }))
 }
 
-/// `Reward`, last: all numbers of the step are finite, or the first that is not is told with its cause.
+/// `Reward`, last: reports the first non-finite number of the step, with its cause.
 pub(super) fn detect_faults(
     observations: Res<Observations>,
     outcomes: Res<StepOutcomes>,
@@ -58,13 +58,13 @@ pub(super) fn detect_faults(
     if all_finite(&observations.next) && rewards.fold(0.0, |sum, r| sum + 0.0 * r) == 0.0 {
         return;
     }
-    let mut seen: Vec<_> = arenas.iter().filter(|(.., episode)| !episode.inactive).collect();
-    seen.sort_by_key(|(arena, ..)| arena.0);
-    for (arena, clock, pose, twist, scan, goal, episode) in seen {
+    let mut active: Vec<_> = arenas.iter().filter(|(.., episode)| !episode.inactive).collect();
+    active.sort_by_key(|(arena, ..)| arena.0);
+    for (arena, clock, pose, twist, scan, goal, episode) in active {
         let outcome = &outcomes.0[arena.0];
         let row = observations.next_row(arena.0);
-        if let Some(what) = cause(pose, twist, scan, goal, row, &layout)
-            .or_else(|| cause_of_reward(outcome, episode, extra.names()))
+        if let Some(what) = cause_in_observation(pose, twist, scan, goal, row, &layout)
+            .or_else(|| cause_in_reward(outcome, episode, extra.names()))
         {
             fault.0 = Some(Fault::NonFinite { arena: arena.0, step: clock.0, what });
             return;
@@ -72,8 +72,8 @@ pub(super) fn detect_faults(
     }
 }
 
-/// What among that which an observation is made of is not finite, the earliest first.
-fn cause(
+/// The description of the first non-finite input of an observation, in the order of computation.
+fn cause_in_observation(
     pose: &Pose,
     twist: &Twist,
     scan: &Scan,
@@ -84,8 +84,8 @@ fn cause(
     let Pose { x_m, y_m, heading_rad } = *pose;
     if !all_finite(&[x_m, y_m, heading_rad]) {
         return Some(format!(
-            "the robot's pose is ({x_m} m, {y_m} m, {heading_rad} rad): its motions are {} m/s and {} rad/s; try slower \
-             ones, or a shorter control_period_s",
+            "the robot's pose is ({x_m} m, {y_m} m, {heading_rad} rad) at {} m/s and {} rad/s; try slower motions or a \
+             shorter control_period_s",
             twist.v_m_s, twist.w_rad_s
         ));
     }
@@ -94,16 +94,16 @@ fn cause(
     }
     if let Some(beam) = scan.ranges_m.iter().position(|range| !range.is_finite()) {
         let range = scan.ranges_m[beam];
-        return Some(format!("the LIDAR's beam {beam} reports {range} m; look at the scenario's lidar"));
+        return Some(format!("LIDAR beam {beam} reports {range} m; check the scenario's lidar"));
     }
     let column = row.iter().position(|number| !number.is_finite())?;
     let beams = scan.ranges_m.len();
     let meaning = layout.describe_column(column, beams);
-    Some(format!("the observation's number {column} ({meaning}) is {}", row[column]))
+    Some(format!("number {column} of the observation ({meaning}) is {}", row[column]))
 }
 
-/// What the reward is made of, if it is not finite.
-fn cause_of_reward(outcome: &StepOutcome, episode: &Episode, extra_names: &[String]) -> Option<String> {
+/// The description of a non-finite reward and its terms.
+fn cause_in_reward(outcome: &StepOutcome, episode: &Episode, extra_names: &[String]) -> Option<String> {
     if let Some(index) = episode.extra_rewards.iter().position(|reward| !reward.is_finite()) {
         let name = extra_names.get(index).map_or("?", String::as_str);
         return Some(format!("the reward term `{name}` is not finite: check the plugin that adds it"));
@@ -112,8 +112,8 @@ fn cause_of_reward(outcome: &StepOutcome, episode: &Episode, extra_names: &[Stri
     let total = terms.total();
     (!total.is_finite()).then(|| {
         format!(
-            "the reward is {total}: {:e} for reaching, {:e} for colliding, {:e} by attraction and {:e} by repulsion, whose \
-             potentials are now {:e} and {:e}; give less for reward.mu or reward.sigma",
+            "the reward is {total}: reached {:e}, collided {:e}, attraction {:e}, repulsion {:e}; potentials: attraction \
+             {:e}, repulsion {:e}; try a smaller reward.mu or reward.sigma",
             terms.reached,
             terms.collided,
             terms.attraction,
@@ -124,7 +124,7 @@ fn cause_of_reward(outcome: &StepOutcome, episode: &Episode, extra_names: &[Stri
     })
 }
 
-/// Whether no value is NaN or infinite.
+/// Whether all values are finite.
 fn all_finite(values: &[f32]) -> bool {
     values.iter().all(|value| value.is_finite())
 }
@@ -135,34 +135,32 @@ mod tests {
     use crate::task::RewardConfig;
 
     const POSE: Pose = Pose { x_m: 1.0, y_m: 0.0, heading_rad: 0.0 };
-    const TARGET: Goal = Goal { x_m: 1.0, y_m: -2.0 };
+    const GOAL: Goal = Goal { x_m: 1.0, y_m: -2.0 };
 
-    fn said(pose: Pose, ranges_m: Vec<f32>, goal: Goal, row: &[f32]) -> Option<String> {
+    fn cause(pose: Pose, ranges_m: Vec<f32>, goal: Goal, row: &[f32]) -> Option<String> {
         let scan = Scan { ranges_m, ..Scan::default() };
-        cause(&pose, &Twist { v_m_s: 0.15, w_rad_s: 0.0 }, &scan, &goal, row, &ObservationLayout::default())
+        let twist = Twist { v_m_s: 0.15, w_rad_s: 0.0 };
+        cause_in_observation(&pose, &twist, &scan, &goal, row, &ObservationLayout::default())
     }
 
     #[test]
-    fn the_earliest_number_that_is_none_is_the_cause() {
+    fn the_first_non_finite_number_is_reported_as_the_cause() {
         let nan = f32::NAN;
-        assert_eq!(said(POSE, vec![3.5; 2], TARGET, &[1.0; 6]), None, "all is well");
-        let lost = Pose { y_m: nan, ..POSE };
-        let what = said(lost, vec![nan; 2], TARGET, &[nan; 6]).expect("it is seen");
-        assert!(
-            what.starts_with("the robot's pose is (1 m, NaN m, 0 rad): its motions are 0.15 m/s"),
-            "{what}"
-        );
-        let what = said(POSE, vec![3.5, f32::INFINITY], TARGET, &[nan; 6]).expect("it is seen");
-        assert!(what.starts_with("the LIDAR's beam 1 reports inf m"), "{what}");
-        let what = said(POSE, vec![3.5; 2], Goal { x_m: nan, ..TARGET }, &[nan; 6]).expect("it is seen");
+        assert_eq!(cause(POSE, vec![3.5; 2], GOAL, &[1.0; 6]), None, "all numbers are finite");
+        let bad_pose = Pose { y_m: nan, ..POSE };
+        let what = cause(bad_pose, vec![nan; 2], GOAL, &[nan; 6]).expect("a fault");
+        assert!(what.starts_with("the robot's pose is (1 m, NaN m, 0 rad) at 0.15 m/s"), "{what}");
+        let what = cause(POSE, vec![3.5, f32::INFINITY], GOAL, &[nan; 6]).expect("a fault");
+        assert!(what.starts_with("LIDAR beam 1 reports inf m"), "{what}");
+        let what = cause(POSE, vec![3.5; 2], Goal { x_m: nan, ..GOAL }, &[nan; 6]).expect("a fault");
         assert_eq!(what, "the goal lies at (NaN m, -2 m)");
-        let what = said(POSE, vec![3.5; 2], TARGET, &[1.0, 1.0, 1.0, nan, 1.0, 0.5]).expect("it is seen");
-        assert_eq!(what, "the observation's number 3 (d_g, the goal's distance) is NaN");
+        let what = cause(POSE, vec![3.5; 2], GOAL, &[1.0, 1.0, 1.0, nan, 1.0, 0.5]).expect("a fault");
+        assert_eq!(what, "number 3 of the observation (d_g, the goal's distance) is NaN");
     }
 
     #[test]
-    fn a_reward_that_is_no_number_is_told_with_its_terms() {
-        // 0.5 * 1e38 * 3^2 is more than an f32 can be. (No preset may ask for it.)
+    fn a_non_finite_reward_is_reported_with_its_terms() {
+        // 0.5 * 1e38 * 3^2 exceeds the range of f32. The check of presets rejects such a mu.
         let config = RewardConfig { mu: 1e38, ..RewardConfig::default() };
         let potential = config.potential(3.0, 1.0);
         let outcome = StepOutcome {
@@ -170,11 +168,11 @@ mod tests {
             ..StepOutcome::default()
         };
         let episode = Episode { potential, ..Episode::default() };
-        let what = cause_of_reward(&outcome, &episode, &[]).expect("it is seen");
-        let expected = "the reward is NaN: 0e0 for reaching, 0e0 for colliding, NaN by attraction and 0e0 by repulsion, \
-                        whose potentials are now inf and 0e0";
+        let what = cause_in_reward(&outcome, &episode, &[]).expect("a fault");
+        let expected = "the reward is NaN: reached 0e0, collided 0e0, attraction NaN, repulsion 0e0; potentials: \
+                        attraction inf, repulsion 0e0";
         assert!(what.starts_with(expected), "{what}");
-        assert_eq!(cause_of_reward(&StepOutcome::default(), &episode, &[]), None);
-        assert_eq!(config.check().expect_err("so it is refused").0, "mu");
+        assert_eq!(cause_in_reward(&StepOutcome::default(), &episode, &[]), None);
+        assert_eq!(config.check().expect_err("mu is too large").0, "mu");
     }
 }

@@ -1,11 +1,12 @@
 //! The task: the Markov decision process of the paper, as pure functions with thin systems over them.
 //!
-//! In: poses and LIDAR scans, written by [`sim`](crate::sim). Out: observations (eq. 8), rewards (eqs. 3 and 7), why
-//! episodes ended, and new starts and goals.
+//! In: poses and LIDAR scans, written by [`sim`](crate::sim). Out: observations (eq. 8), rewards (eqs. 3 and 7), ended
+//! episodes, and new starts and goals.
 //!
 //! | file | duty |
 //! |---|---|
 //! | `state.rs` | the components of an arena |
+//! | `arena_state.rs` | the state of an arena in a checkpoint, and its check |
 //! | `observation.rs` | observations and their layout: eq. (8), then plugins' sensors |
 //! | `reward.rs` | the reward of eqs. (3) to (7), term by term |
 //! | `outcome.rs` | the outcome of a step: reward, collision, goal, time limit |
@@ -13,20 +14,23 @@
 //! | `fault.rs` | detection of non-finite numbers and of scenarios without free space |
 //! | `extension.rs` | sensors and reward terms of plugins |
 
+mod arena_state;
 mod extension;
 mod fault;
 pub mod observation;
 mod outcome;
 mod reset;
-pub mod reward;
+mod reward;
 mod state;
 
 use std::sync::Arc;
 
 use bevy::prelude::*;
 
+pub use arena_state::ArenaState;
 pub use extension::{ExtraRewards, RewardTerm, SimulationAppExt};
-pub use fault::{Fault, TaskFault, step_is_finite};
+pub(crate) use fault::step_is_finite;
+pub use fault::{Fault, TaskFault};
 pub use observation::{
     Encoding, ObservationLayout, ObservationSlice, Observations, SensorReadings, SensorSlice,
 };
@@ -34,8 +38,7 @@ pub use outcome::{EpisodeEnd, EpisodeEnded, StepOutcome, StepOutcomes};
 pub use reset::EpisodeSetup;
 pub use reward::{Potential, RewardConfig, RewardKind, RewardTerms};
 pub use state::{
-    Arena, ArenaLayout, ArenaState, Clock, Episode, Goal, PendingReset, Pose, Scan, Streams, Twist,
-    wrap_angle,
+    Arena, ArenaLayout, Clock, Episode, Goal, PendingReset, Pose, Scan, Streams, Twist, wrap_angle,
 };
 
 use crate::control_step::{ControlSet, ControlStep, Reset, ResetSet, RewardSet, SenseSet};
@@ -45,7 +48,7 @@ use crate::scenario::Scenario;
 #[derive(Resource, Clone, Debug)]
 pub struct CurrentScenario(pub Arc<Scenario>);
 
-/// The action of each arena: an index into [`Robot::motions`](crate::scenario::Robot); eq. (9).
+/// The action of each arena: an index into [`Robot::motions`](crate::scenario::Robot), eq. (9).
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Actions(pub Vec<usize>);
 
@@ -58,13 +61,13 @@ pub enum TaskMode {
     Continuing,
     /// Reaching the goal ends the episode. An ended episode is followed by a new one.
     Episodic,
-    /// Reaching the goal ends the episode. After the end of its episode an arena is inactive.
+    /// Reaching the goal ends the episode. After its episode, an arena is inactive.
     SingleGoal,
 }
 
-/// Observations, rewards, the end of episodes, and new starts and goals.
+/// Computes observations and rewards, ends episodes, and draws new starts and goals.
 #[derive(Default)]
-pub struct TaskPlugin {
+pub(crate) struct TaskPlugin {
     /// The encoding of the paper's observation.
     pub observation: Encoding,
     /// The parameters of the reward.

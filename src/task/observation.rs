@@ -1,4 +1,4 @@
-//! The observations of all arenas, and their layout: eq. (8), then what sensor plugins add.
+//! The observations of all arenas, and their layout: eq. (8), then the readings of plugins' sensors.
 //!
 //! In: a scan, a pose, a goal, and the readings of plugins' sensors. Out: one row of [`Observations`] per arena. The
 //! paper's numbers come first ([`wayfield_policy::observation`] lists them); each slice that a plugin has reserved in
@@ -14,9 +14,9 @@ pub use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M, 
 use super::{Arena, CurrentScenario, Episode, Goal, PendingReset, Pose, Scan};
 use crate::policy;
 
-/// What an observation consists of: the paper's numbers in an encoding, then named slices of plugins' sensors.
+/// The parts of an observation: the paper's numbers in an encoding, then one named slice per plugin sensor.
 ///
-/// Policies and run folders record it; a policy drives only where the layout is the one it was trained with.
+/// Policies and run folders record the layout. A policy runs only with the layout that it was trained with.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ObservationLayout {
     /// The units of the paper's numbers.
@@ -30,7 +30,7 @@ pub struct ObservationLayout {
 pub struct ObservationSlice {
     /// The sensor's name.
     pub name: String,
-    /// How many numbers it has.
+    /// The number of elements.
     pub width: usize,
 }
 
@@ -38,13 +38,13 @@ pub struct ObservationSlice {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SensorSlice(Range<usize>);
 
-/// The readings of plugins' sensors in one arena: `layout.extra_width()` numbers, without unit conversion. They enter
-/// the observation as they are, so a sensor scales its own numbers to the order of one.
+/// The readings of plugins' sensors in one arena: `layout.extra_width()` numbers. They are copied into the observation
+/// unchanged, so a sensor should scale them to the order of 1.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct SensorReadings(Vec<f32>);
 
 impl SensorReadings {
-    /// The numbers of one sensor, to be read or written.
+    /// The readings of one sensor.
     ///
     /// # Panics
     /// If the slice was reserved in another app.
@@ -52,7 +52,7 @@ impl SensorReadings {
         &mut self.0[slice.0.clone()]
     }
 
-    /// All numbers, in the layout's order.
+    /// All readings, in the layout's order.
     #[must_use]
     pub fn as_slice(&self) -> &[f32] {
         &self.0
@@ -70,31 +70,31 @@ impl SensorReadings {
 impl ObservationLayout {
     /// The paper's numbers in `encoding`, followed by `slices`.
     #[must_use]
-    pub fn new(encoding: Encoding, slices: Vec<ObservationSlice>) -> Self {
+    pub(crate) fn new(encoding: Encoding, slices: Vec<ObservationSlice>) -> Self {
         Self { encoding, slices }
     }
 
-    /// Reserves `width` numbers under `name`, behind those reserved before.
+    /// Reserves `width` numbers under `name`, after the previously reserved slices.
     ///
     /// # Panics
-    /// If the name is taken: two plugins claim to be the same sensor.
-    pub fn reserve(&mut self, name: &str, width: usize) -> SensorSlice {
+    /// If another sensor has the same name.
+    pub(crate) fn reserve(&mut self, name: &str, width: usize) -> SensorSlice {
         assert!(
             self.slices.iter().all(|slice| slice.name != name),
-            "two sensors are called `{name}`: give one another name"
+            "two plugins add a sensor named `{name}`; rename one of them"
         );
         let start = self.extra_width();
         self.slices.push(ObservationSlice { name: name.into(), width });
         SensorSlice(start..start + width)
     }
 
-    /// The slices of plugins' sensors, in order.
+    /// The slices of plugins' sensors, in the order of reservation.
     #[must_use]
     pub fn slices(&self) -> &[ObservationSlice] {
         &self.slices
     }
 
-    /// How many numbers plugins' sensors add.
+    /// The number of elements that plugins' sensors add.
     #[must_use]
     pub fn extra_width(&self) -> usize {
         self.slices.iter().map(|slice| slice.width).sum()
@@ -106,9 +106,9 @@ impl ObservationLayout {
         width(beams) + self.extra_width()
     }
 
-    /// The name of number `column` of an observation with `beams` beams, for messages.
+    /// A description of number `column` of an observation with `beams` LIDAR beams, for messages.
     #[must_use]
-    pub fn describe_column(&self, column: usize, beams: usize) -> String {
+    pub(crate) fn describe_column(&self, column: usize, beams: usize) -> String {
         match column.checked_sub(beams) {
             None => format!("d_{}, a range", column + 1),
             Some(0) => "phi_0, the goal's bearing".into(),
@@ -123,13 +123,16 @@ impl ObservationLayout {
                     }
                     index -= width;
                 }
-                "beyond the layout".into()
+                "outside the layout".into()
             }
         }
     }
 }
 
-/// Writes the observation of one arena into `row`, which must be as long as the layout says.
+/// Writes the observation of one arena into `row`.
+///
+/// # Panics
+/// If the length of `row` is not that of the layout.
 pub fn encode(
     encoding: Encoding,
     scan: &Scan,
@@ -149,15 +152,15 @@ pub fn encode(
 pub struct Observations {
     /// The length of a row.
     pub width: usize,
-    /// What each arena's policy sees now: arenas x width.
+    /// The observations on which the next actions are based: arenas x width.
     pub current: Vec<f32>,
-    /// What each arena's step led to, before any reset: arenas x width.
+    /// The observations after the step and before any reset: arenas x width.
     pub next: Vec<f32>,
 }
 
 impl Observations {
-    /// Makes room for `arenas` rows of `width`.
-    pub fn resize(&mut self, arenas: usize, width: usize) {
+    /// Allocates `arenas` rows of `width` numbers.
+    pub(crate) fn resize(&mut self, arenas: usize, width: usize) {
         self.width = width;
         self.current = vec![0.0; arenas * width];
         self.next = vec![0.0; arenas * width];
@@ -176,27 +179,27 @@ impl Observations {
     }
 }
 
-/// `Sense`: the observation that the step has led to.
+/// `Sense`: encodes the observations after the step.
 pub(super) fn observe_next(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
     arenas: Query<(&Arena, &Scan, &Pose, &Goal, &SensorReadings)>,
 ) {
     let width = observations.width;
-    // Inactive arenas too: `current` and `next` are swapped after every step.
+    // Includes inactive arenas, because `current` and `next` are swapped after every step.
     for (arena, scan, pose, goal, readings) in &arenas {
         let row = &mut observations.next[arena.0 * width..][..width];
         encode(layout.encoding, scan, pose, goal, readings, row);
     }
 }
 
-/// `Reset`: the observation that the step has led to is the one that the next step starts from.
+/// `Reset`: makes the next observations the current ones.
 pub(super) fn advance(mut observations: ResMut<Observations>) {
     let observations = &mut *observations;
     std::mem::swap(&mut observations.current, &mut observations.next);
 }
 
-/// Schedule `Reset`: the first observation after a new goal or start, and the potential for that goal.
+/// Schedule `Reset`: encodes the observations and potentials of arenas with a new goal or start.
 pub(super) fn observe_first(
     layout: Res<ObservationLayout>,
     mut observations: ResMut<Observations>,
@@ -220,7 +223,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_observation_is_the_papers_numbers_then_the_sensors_slices() {
+    fn an_observation_is_the_papers_numbers_followed_by_the_sensors_slices() {
         let mut layout = ObservationLayout::default();
         layout.reserve("speed", 2);
         let bumper = layout.reserve("bumper", 1);
@@ -238,8 +241,8 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "two sensors are called `speed`")]
-    fn two_sensors_of_one_name_are_refused() {
+    #[should_panic(expected = "two plugins add a sensor named `speed`")]
+    fn two_sensors_with_the_same_name_are_rejected() {
         let mut layout = ObservationLayout::default();
         layout.reserve("speed", 1);
         layout.reserve("speed", 1);

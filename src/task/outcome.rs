@@ -19,7 +19,7 @@ pub struct StepOutcome {
     pub extra_reward: f32,
     /// Whether the goal was reached (d_g < l_a) without a collision.
     pub reached: bool,
-    /// Whether the robot collided: d_o < l_c, or its body touches another.
+    /// Whether the robot collided: d_o < l_c, or its body touches something.
     pub collided: bool,
     /// Whether the episode has reached its time limit.
     pub timed_out: bool,
@@ -28,7 +28,7 @@ pub struct StepOutcome {
 }
 
 impl StepOutcome {
-    /// The reward of the step: the paper's terms, and the plugins' if there are any.
+    /// The reward of the step: the sum of the paper's terms and the plugins' terms.
     #[must_use]
     pub fn total_reward(&self) -> f32 {
         let paper = self.reward.total();
@@ -48,7 +48,7 @@ impl StepOutcome {
         self.timed_out && !self.terminated()
     }
 
-    /// How the episode ends with this step, if it does.
+    /// The end of the episode, if it ends with this step.
     #[must_use]
     pub fn episode_end(&self, mode: TaskMode) -> Option<EpisodeEnd> {
         if self.collided {
@@ -67,7 +67,7 @@ impl StepOutcome {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct StepOutcomes(pub Vec<StepOutcome>);
 
-/// How an episode ended.
+/// The reason why an episode ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EpisodeEnd {
     /// The robot reached its goal (not in [`TaskMode::Continuing`]).
@@ -78,12 +78,12 @@ pub enum EpisodeEnd {
     TimedOut,
 }
 
-/// The message that an episode has ended.
+/// The message that is sent when an episode ends.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub struct EpisodeEnded {
     /// The arena.
     pub arena: usize,
-    /// How it ended.
+    /// The reason for the end.
     pub end: EpisodeEnd,
     /// The episode's length in control steps.
     pub steps: u32,
@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_time_limit_truncates_but_does_not_terminate() {
+    fn a_time_limit_truncates_the_return_but_does_not_terminate_it() {
         let outcome = StepOutcome { timed_out: true, ..StepOutcome::default() };
         assert!(outcome.truncated() && !outcome.terminated());
         assert_eq!(outcome.episode_end(TaskMode::Continuing), Some(EpisodeEnd::TimedOut));

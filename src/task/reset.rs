@@ -13,7 +13,7 @@ use crate::control_step::Reset;
 use crate::random;
 use crate::scenario::{NoFreeSpace, Scenario, draw_goal, draw_start_and_goal};
 
-/// The source of starts and goals.
+/// The choice of starts and goals.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EpisodeSetup {
     /// Random draws by the scenario's placement rules.
@@ -30,7 +30,7 @@ pub(super) fn run_reset(world: &mut World, arenas: &mut QueryState<&Episode>) {
     }
 }
 
-/// The most layouts that are tried to find one with free space for a start and a goal.
+/// The maximum number of layouts that are tried to find one with free space for a start and a goal.
 const MAX_LAYOUT_ATTEMPTS: u32 = 50;
 
 /// The components of an arena that a reset reads and writes.
@@ -62,7 +62,7 @@ pub(super) fn draw(
         if episode.pending_reset.begins_episode() {
             *episode = Episode { pending_reset: episode.pending_reset, ..Episode::default() };
         }
-        let stays = (episode.pending_reset == PendingReset::Goal).then_some(*pose);
+        let kept_pose = (episode.pending_reset == PendingReset::Goal).then_some(*pose);
         let generates = episode.pending_reset.begins_episode() && !scenario.0.generators.is_empty();
         // A layout without free space is replaced by another.
         let mut attempts = if generates { MAX_LAYOUT_ATTEMPTS } else { 1 };
@@ -72,7 +72,7 @@ pub(super) fn draw(
             }
             let drawn = match *setup {
                 EpisodeSetup::BenchmarkRoute => Ok(benchmark_route(&layout.scenario)),
-                EpisodeSetup::Random => draw_for(&layout.scenario, clock.0, stays, &mut streams),
+                EpisodeSetup::Random => draw_random(&layout.scenario, clock.0, kept_pose, &mut streams),
             };
             attempts -= 1;
             if drawn.is_ok() || attempts == 0 {
@@ -104,15 +104,15 @@ fn benchmark_route(scenario: &Scenario) -> StartAndGoalDraw {
     (Some(start), Goal { x_m: route.goal_m.x, y_m: route.goal_m.y })
 }
 
-/// A goal for a robot that `stays` at a pose. If no goal is far enough, or the robot does not stay, also a start.
-fn draw_for(
+/// A goal for a robot that stays at `kept_pose`. Also a start if no goal is far enough from that pose, or if it is None.
+fn draw_random(
     scenario: &Scenario,
     step: u64,
-    stays: Option<Pose>,
+    kept_pose: Option<Pose>,
     streams: &mut Streams,
 ) -> Result<StartAndGoalDraw, NoFreeSpace> {
     let stream = &mut streams.places;
-    let goal = stays.map(|pose| draw_goal(scenario, step, vec2(pose.x_m, pose.y_m), stream));
+    let goal = kept_pose.map(|pose| draw_goal(scenario, step, vec2(pose.x_m, pose.y_m), stream));
     if let Some(Ok(Vec2 { x: x_m, y: y_m })) = goal {
         return Ok((None, Goal { x_m, y_m }));
     }
@@ -120,7 +120,7 @@ fn draw_for(
     Ok((Some(Pose { x_m, y_m, heading_rad }), Goal { x_m: goal.x, y_m: goal.y }))
 }
 
-/// `Observe`, last: clears the pending resets.
+/// Schedule `Reset`, last: clears the pending resets.
 pub(super) fn clear_pending_resets(mut arenas: Query<&mut Episode>) {
     for mut episode in &mut arenas {
         episode.pending_reset = PendingReset::None;

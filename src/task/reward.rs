@@ -1,37 +1,38 @@
-//! Eqs. (3) to (7): what a step is worth, term by term.
+//! The reward of a step, term by term: eqs. (3) to (7).
 //!
-//! In: distances before and after a step, whether it reached or hit. Out: [`RewardTerms`], whose sum is the reward.
+//! In: the potentials before and after a step, whether the goal was reached, whether the robot collided. Out:
+//! [`RewardTerms`], whose sum is the reward.
 
 use bevy::prelude::Resource;
 use serde::{Deserialize, Serialize};
 
-/// Which of the paper's two rewards is given while neither reached nor collided.
+/// The reward of a step in which the robot neither reaches the goal nor collides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RewardKind {
-    /// Eq. (3): nothing.
+    /// Eq. (3): 0.
     Traditional,
-    /// Eq. (7): the fall of the potential, U_{t-1} - U_t.
+    /// Eq. (7): the decrease of the potential, U_{t-1} - U_t.
     Optimized,
 }
 
-/// The largest parameter: potentials over a kilometre are still numbers with it, and sums of rewards are.
+/// The largest absolute value of a parameter. With it, potentials over a kilometre and sums of rewards are finite.
 const MAX_PARAMETER: f32 = 1e9;
 
-/// The reward's parameters (Table 1).
+/// The parameters of the reward (Table 1).
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RewardConfig {
     /// Eq. (3) or eq. (7).
     pub kind: RewardKind,
-    /// r+, for reaching the goal.
+    /// r+, the reward for reaching the goal.
     pub reached: f32,
-    /// r-, for a collision.
+    /// r-, the reward for a collision.
     pub collided: f32,
-    /// mu of eq. (5), the attraction's gain, per m^2.
+    /// mu, the gain of the attraction in eq. (5), per m^2.
     pub mu: f32,
-    /// sigma of eq. (6), the repulsion's gain.
+    /// sigma, the gain of the repulsion in eq. (6).
     pub sigma: f32,
-    /// l_r of eq. (6), in m: obstacles farther than this do not repel. The paper leaves it open.
+    /// l_r of eq. (6), in m: the distance beyond which obstacles do not repel. The paper does not give its value.
     pub l_r_m: f32,
 }
 
@@ -48,7 +49,7 @@ impl Default for RewardConfig {
     }
 }
 
-/// The potential of eq. (4), in its two parts.
+/// The potential of eq. (4), as its two terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Potential {
     /// U_a of eq. (5).
@@ -65,16 +66,16 @@ impl Potential {
     }
 }
 
-/// A reward, or a sum of rewards, split in what it was given for.
+/// The terms of a reward, or of a sum of rewards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RewardTerms {
     /// r+ for reached goals.
     pub reached: f32,
     /// r- for collisions.
     pub collided: f32,
-    /// The fall of the attraction, U_a at t-1 less U_a at t: what came of driving towards the goal.
+    /// The decrease of the attraction, U_a at t-1 minus U_a at t: positive when the robot approaches the goal.
     pub attraction: f32,
-    /// The fall of the repulsion, U_r at t-1 less U_r at t: what came of keeping clear.
+    /// The decrease of the repulsion, U_r at t-1 minus U_r at t: positive when the robot moves away from an obstacle.
     pub repulsion: f32,
 }
 
@@ -96,9 +97,10 @@ impl core::ops::AddAssign for RewardTerms {
 }
 
 impl RewardConfig {
-    /// Eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, the latter only within l_r.
+    /// The potential of eqs. (4) to (6): U = mu d_g^2 / 2 + sigma (1 - d_o/l_r)^2 / 2, where the second term is 0 for
+    /// d_o > l_r.
     ///
-    /// `d_g` is the distance to the goal and `d_o` that to the nearest obstacle by LIDAR, both in m.
+    /// `d_g` is the distance to the goal, and `d_o` the smallest LIDAR range, both in m.
     #[must_use]
     pub fn potential(&self, d_g: f32, d_o: f32) -> Potential {
         let attraction = 0.5 * self.mu * d_g * d_g;
@@ -111,8 +113,8 @@ impl RewardConfig {
         Potential { attraction, repulsion }
     }
 
-    /// Eq. (3) or eq. (7). `before` and `after` are the potentials U_{t-1} and U_t. Where a step both collides and
-    /// reaches the goal, it counts as a collision.
+    /// The reward of eq. (3) or eq. (7). `before` and `after` are the potentials U_{t-1} and U_t. A step that both collides
+    /// and reaches the goal counts as a collision.
     #[must_use]
     pub fn reward(&self, reached: bool, collided: bool, before: Potential, after: Potential) -> RewardTerms {
         let mut terms = RewardTerms::default();
@@ -144,7 +146,7 @@ impl RewardConfig {
         }
         for (field, value) in gains {
             if value < 0.0 {
-                return Err((field, format!("is {value}; help: give 0 or more (the paper has 100)")));
+                return Err((field, format!("is {value}; help: give 0 or more (the paper uses 100)")));
             }
         }
         if !self.l_r_m.is_finite() || self.l_r_m <= 0.0 {
@@ -172,18 +174,18 @@ mod tests {
     }
 
     #[test]
-    fn eq_6_repulsion_rises_within_l_r_and_is_zero_beyond() {
+    fn eq_6_repulsion_increases_within_l_r_and_is_zero_beyond() {
         // 100 * (1 - 0.1/0.4)^2 / 2 = 28.125
         assert!((table_1().potential(0.0, 0.1).repulsion - 28.125).abs() < 1e-4);
-        assert_eq!(table_1().potential(0.0, 0.4).repulsion, 0.0, "zero at l_r itself");
+        assert_eq!(table_1().potential(0.0, 0.4).repulsion, 0.0, "zero at l_r");
         assert_eq!(table_1().potential(0.0, 0.41).repulsion, 0.0);
     }
 
     #[test]
-    fn eq_7_gives_the_fall_of_the_potential_or_a_terminal_reward() {
+    fn eq_7_gives_the_decrease_of_the_potential_or_a_terminal_reward() {
         let r = table_1();
-        // 0.03 m nearer, from 1.00 to 0.97 m: 50 * (1 - 0.9409) = 2.955
-        // and from 0.3 to 0.2 m off an obstacle: 50 * (1/4)^2 - 50 * (1/2)^2 = -9.375
+        // From 1.00 to 0.97 m from the goal: 50 * (1 - 0.9409) = 2.955.
+        // From 0.3 to 0.2 m from an obstacle: 50 * (1/4)^2 - 50 * (1/2)^2 = -9.375.
         let before = r.potential(1.0, 0.3);
         let after = r.potential(0.97, 0.2);
         let terms = r.reward(false, false, before, after);
@@ -192,11 +194,11 @@ mod tests {
         assert!((terms.total() - (before.total() - after.total())).abs() < 1e-4);
         assert_eq!(r.reward(true, false, before, after).total(), 250.0);
         assert_eq!(r.reward(false, true, before, after).total(), -200.0);
-        assert_eq!(r.reward(true, true, before, after).total(), -200.0, "a collision is a collision");
+        assert_eq!(r.reward(true, true, before, after).total(), -200.0, "a collision counts before the goal");
     }
 
     #[test]
-    fn eq_3_gives_nothing_on_the_way() {
+    fn eq_3_gives_zero_until_the_goal_or_a_collision() {
         let r = RewardConfig { kind: RewardKind::Traditional, ..table_1() };
         let (before, after) = (r.potential(1.0, 0.3), r.potential(0.97, 0.2));
         assert_eq!(r.reward(false, false, before, after).total(), 0.0);
@@ -205,11 +207,11 @@ mod tests {
     }
 
     #[test]
-    fn unusable_parameters_are_named() {
-        let bad = RewardConfig { l_r_m: 0.0, ..RewardConfig::default() };
-        assert_eq!(bad.check().unwrap_err().0, "l_r_m");
-        let bad = RewardConfig { mu: -1.0, ..RewardConfig::default() };
-        assert_eq!(bad.check().unwrap_err().0, "mu");
+    fn the_check_names_the_invalid_parameter() {
+        let invalid = RewardConfig { l_r_m: 0.0, ..RewardConfig::default() };
+        assert_eq!(invalid.check().unwrap_err().0, "l_r_m");
+        let invalid = RewardConfig { mu: -1.0, ..RewardConfig::default() };
+        assert_eq!(invalid.check().unwrap_err().0, "mu");
         assert_eq!(RewardConfig::default().check(), Ok(()));
     }
 }

@@ -1,5 +1,4 @@
-//! Error messages, compared with snapshots so that their wording is reviewed in one place:
-//! `tests/snapshots/messages/`.
+//! Snapshots of error messages, in `tests/snapshots/messages/`, where their wording can be reviewed in one place.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -14,7 +13,7 @@ pub struct Messages {
 }
 
 impl Messages {
-    /// No messages yet, to be compared with the snapshot `name`.
+    /// An empty list of messages for the snapshot `name`.
     pub fn new(name: &'static str) -> Self {
         Self { name, text: String::new() }
     }
@@ -39,7 +38,7 @@ impl Messages {
     /// Compares the messages with the snapshot, or renews it if `WAYFIELD_RENEW` is set.
     pub fn check(self) {
         if !cfg!(feature = "gui") {
-            // Without the window, messages that list the modes differ.
+            // Without the app, messages that list the modes differ.
             return;
         }
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots/messages");

@@ -1,8 +1,8 @@
-//! A headless app as the trainer builds it, without the agent: the tests choose the actions.
+//! A headless simulation for tests, which choose the actions.
 //!
-//! In: a scenario, a number of arenas, a seed. Out: a [`Lab`] that steps, and tells what it sees. [`closed_form`]
-//! holds the geometry that the LIDAR and the clearances are held against, worked in f64 and without parry.
-#![allow(dead_code, reason = "each test file uses its own part of the helpers")]
+//! In: a scenario, a number of arenas, a seed. Out: a [`Lab`] that steps, and gives access to states, outcomes and
+//! physics. [`closed_form`] computes reference distances in f64 and without parry.
+#![allow(dead_code, reason = "each test file uses some of the helpers")]
 
 pub mod closed_form;
 
@@ -22,14 +22,14 @@ use wayfield::task::{
     SensorReadings, StepOutcome, StepOutcomes, TaskMode, observation,
 };
 
-/// World and task in one headless app.
+/// A headless simulation and its scenario.
 pub struct Lab {
     pub simulation: Simulation,
     pub scenario: Arc<Scenario>,
 }
 
 impl Lab {
-    /// `arenas` arenas of `scenario` with the paper's reward, going on after each end.
+    /// `arenas` arenas of `scenario` with the paper's reward and [`TaskMode::Continuing`].
     pub fn new(scenario: &Scenario, arenas: usize, seed: u64) -> Self {
         Self::with(scenario, arenas, seed, RewardConfig::default(), TaskMode::Continuing)
     }
@@ -40,24 +40,24 @@ impl Lab {
         Self { simulation: builder.build(), scenario }
     }
 
-    /// Replaces the arenas, as hot reloading does.
+    /// Replaces the scenario and all arenas.
     pub fn spawn_arenas(&mut self, scenario: &Scenario, arenas: usize, seed: u64) {
         self.scenario = Arc::new(scenario.clone());
         sim::spawn_arenas(self.simulation.world_mut(), &self.scenario, arenas, seed);
     }
 
-    /// One control step; arena k takes `actions[k]`.
+    /// Runs one control step; arena k takes `actions[k]`.
     pub fn step(&mut self, actions: &[usize]) {
         self.simulation.world_mut().resource_mut::<Actions>().0.copy_from_slice(actions);
         self.simulation.world_mut().run_schedule(ControlStep);
     }
 
-    /// The episodes that have ended since this was last asked.
+    /// The episodes that have ended since the last call.
     pub fn take_ended_episodes(&mut self) -> Vec<EpisodeEnded> {
         self.simulation.world_mut().resource_mut::<Messages<EpisodeEnded>>().drain().collect()
     }
 
-    /// The state of every arena, by number.
+    /// The states of all arenas, in the order of their numbers.
     pub fn states(&mut self) -> Vec<ArenaState> {
         sim::snapshot(self.simulation.world_mut())
     }
@@ -66,10 +66,10 @@ impl Lab {
         self.states().swap_remove(arena)
     }
 
-    /// Changes the state of one arena by hand: puts its robot or its goal elsewhere.
-    pub fn edit(&mut self, arena: usize, change: impl FnOnce(&mut ArenaState)) {
+    /// Changes the state of one arena, for example the position of its robot or goal.
+    pub fn edit(&mut self, arena: usize, edit: impl FnOnce(&mut ArenaState)) {
         let mut states = self.states();
-        change(&mut states[arena]);
+        edit(&mut states[arena]);
         sim::restore(self.simulation.world_mut(), &states);
     }
 
@@ -77,12 +77,12 @@ impl Lab {
         &self.simulation.world().resource::<StepOutcomes>().0
     }
 
-    /// What the policy of `arena` sees now.
+    /// The current observation of `arena`.
     pub fn row(&self, arena: usize) -> Vec<f32> {
         self.simulation.world().resource::<Observations>().row(arena).to_vec()
     }
 
-    /// A scan from `pose` in `arena`, cast anew against the colliders as they are now.
+    /// The ranges of a new scan from `pose` in `arena`, in m, without noise.
     pub fn cast(&mut self, arena: usize, pose: &Pose) -> Vec<f32> {
         let beams = lidar::BeamDirections::from_lidar(&self.scenario.lidar);
         let max_range_m = self.scenario.lidar.max_range_m;
@@ -93,24 +93,24 @@ impl Lab {
         })
     }
 
-    /// Lets `ask` look at rapier's bodies and colliders of `arena`.
+    /// The result of `query` on rapier's bodies and colliders of `arena`.
     pub fn with_physics<T>(
         &mut self,
         arena: usize,
-        ask: impl FnOnce(&Bodies, &RapierRigidBodySet, &RapierContextColliders) -> T,
+        query: impl FnOnce(&Bodies, &RapierRigidBodySet, &RapierContextColliders) -> T,
     ) -> T {
         let world = self.simulation.world_mut();
         let mut arenas = world.query::<(&Arena, &Bodies, &RapierRigidBodySet, &RapierContextColliders)>();
         let (_, bodies, set, colliders) =
             arenas.iter(world).find(|(number, ..)| number.0 == arena).expect("the arena exists");
-        ask(bodies, set, colliders)
+        query(bodies, set, colliders)
     }
 
-    /// Every arena's observation is eq. (8) of its present scan, pose and goal.
+    /// Asserts that every arena's observation is eq. (8) of its current scan, pose and goal.
     pub fn assert_observations_current(&mut self, when: &str) {
         let layout = self.simulation.world().resource::<ObservationLayout>().clone();
         for (arena, state) in self.states().iter().enumerate() {
-            let mut fresh = vec![f32::NAN; layout.width(state.scan.ranges_m.len())];
+            let mut expected = vec![f32::NAN; layout.width(state.scan.ranges_m.len())];
             let readings = SensorReadings::default();
             observation::encode(
                 layout.encoding,
@@ -118,12 +118,12 @@ impl Lab {
                 &state.pose,
                 &state.goal,
                 &readings,
-                &mut fresh,
+                &mut expected,
             );
             assert_eq!(
                 bits(&self.row(arena)),
-                bits(&fresh),
-                "{when}, arena {arena}: the observation is eq. (8) of the present scan, pose and goal"
+                bits(&expected),
+                "{when}, arena {arena}: the observation is eq. (8) of the current scan, pose and goal"
             );
         }
     }
@@ -133,23 +133,23 @@ pub fn bits(numbers: &[f32]) -> Vec<u32> {
     numbers.iter().map(|x| x.to_bits()).collect()
 }
 
-/// For each arena a stream of its own, from which its actions are drawn.
+/// One random stream of actions per arena.
 pub fn action_streams(arenas: usize) -> Vec<Stream> {
     (0..arenas as u64).map(|k| random::stream(99, "actions", k)).collect()
 }
 
 pub fn random_actions(action_streams: &mut [Stream]) -> Vec<usize> {
-    action_streams.iter_mut().map(|driver| random::uniform_index(driver, 5)).collect()
+    action_streams.iter_mut().map(|stream| random::uniform_index(stream, 5)).collect()
 }
 
-/// The motion that turns most towards the goal; one in four is random, so that some robots hit something.
+/// Actions that turn towards the goal. A quarter of them are random, so that some robots collide.
 pub fn steer_to_goal(lab: &Lab, action_streams: &mut [Stream]) -> Vec<usize> {
     let beams = lab.scenario.lidar.beams;
-    let steered = |(arena, driver): (usize, &mut Stream)| {
-        let chance = random::uniform_index(driver, 20);
+    let action = |(arena, stream): (usize, &mut Stream)| {
+        let draw = random::uniform_index(stream, 20);
         let bearing_rad = lab.row(arena)[beams] * PI;
         match bearing_rad {
-            _ if chance < 5 => chance,
+            _ if draw < 5 => draw,
             b if b > 0.3 => 0,
             b if b > 0.1 => 1,
             b if b > -0.1 => 2,
@@ -157,26 +157,27 @@ pub fn steer_to_goal(lab: &Lab, action_streams: &mut [Stream]) -> Vec<usize> {
             _ => 4,
         }
     };
-    action_streams.iter_mut().enumerate().map(steered).collect()
+    action_streams.iter_mut().enumerate().map(action).collect()
 }
 
-pub fn still(shape: Shape, position_m: Vec2, rotation_rad: f32) -> Obstacle {
+pub fn static_obstacle(shape: Shape, position_m: Vec2, rotation_rad: f32) -> Obstacle {
     Obstacle { shape, position_m, rotation_rad, motion: ObstacleMotion::Static }
 }
 
-/// As the paper's Scenario I: four cylinders that stand still.
+/// Four static cylinders, as in the paper's Scenario I.
 pub fn four_cylinders() -> Scenario {
     let at = [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)];
-    let obstacles = at.map(|position_m| still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)).into();
+    let obstacles =
+        at.map(|position_m| static_obstacle(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)).into();
     Scenario { name: "Four cylinders".into(), obstacles, ..Scenario::default() }
 }
 
-/// Cylinders that revolve, a turned box that revolves, a box on patrol, and a turned box that stands still.
+/// Two cylinders and a rotated box on orbits, a box on patrol, and a static rotated box.
 pub fn moving_obstacles() -> Scenario {
     let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s };
     let cylinder = |position_m| Obstacle {
         motion: orbit(0.1),
-        ..still(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)
+        ..static_obstacle(Shape::Circle { radius_m: 0.15 }, position_m, 0.0)
     };
     let slab = Shape::Rectangle { width_m: 0.3, height_m: 0.15 };
     let patrol =
@@ -186,15 +187,15 @@ pub fn moving_obstacles() -> Scenario {
         obstacles: vec![
             cylinder(vec2(0.6, 0.6)),
             cylinder(vec2(-0.6, -0.6)),
-            Obstacle { motion: orbit(0.1), ..still(slab.clone(), vec2(-0.7, 0.6), 0.4) },
-            Obstacle { motion: patrol, ..still(slab.clone(), vec2(-1.4, -1.5), 0.2) },
-            still(slab, vec2(0.0, 0.0), 0.7),
+            Obstacle { motion: orbit(0.1), ..static_obstacle(slab.clone(), vec2(-0.7, 0.6), 0.4) },
+            Obstacle { motion: patrol, ..static_obstacle(slab.clone(), vec2(-1.4, -1.5), 0.2) },
+            static_obstacle(slab, vec2(0.0, 0.0), 0.7),
         ],
         ..Scenario::default()
     }
 }
 
-/// A few metres of nothing, and no walls within the LIDAR's range.
+/// An empty arena of 200 m, with its walls beyond the LIDAR's range.
 pub fn wide_open() -> Scenario {
     Scenario {
         enclosure: wayfield::scenario::Enclosure::Rectangle { width_m: 200.0, height_m: 200.0 },

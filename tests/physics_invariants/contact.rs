@@ -1,8 +1,8 @@
-//! LIDAR, contact and geometry agree to 1 mm, over a million random poses in random worlds.
+//! LIDAR, contact and geometry agree to 1 mm, over a million random poses in random scenarios.
 //!
-//! Three that know nothing of each other are asked how far it is: geometry, in f64 from the scenario's numbers; rapier,
-//! for the gap between the robot's disc and each collider (or how deep they are in each other); and the LIDAR, for a beam
-//! towards the nearest point and one in any direction.
+//! Three independent methods measure distances: geometry, in f64 from the scenario's numbers; rapier, as the gap or
+//! penetration between the robot's disc and each collider; and the LIDAR, with a beam towards the nearest point and a beam in
+//! a random direction.
 
 use bevy::math::{Vec2, vec2};
 use bevy_rapier2d::rapier::math::Pose as BodyPose;
@@ -15,37 +15,36 @@ use wayfield::sim::{self, lidar};
 use wayfield::task::{Clock, Pose, RewardConfig, TaskMode};
 
 use crate::common::{Lab, closed_form};
-use crate::random_scenarios::{Point, middle, straight, wide, worlds};
+use crate::random_scenarios::{Point, centre, distance, interpolate, scenarios, to_f64};
 
-const AGREE_M: f64 = 0.001;
+/// The largest allowed difference, in m.
+const TOLERANCE_M: f64 = 0.001;
 const POSES: usize = 1_000_000;
-const WORLDS: usize = 200;
+const SCENARIOS: usize = 200;
 
-/// The largest differences, in m.
+/// The largest differences.
 #[derive(Default)]
 struct Worst {
     rapier_m: f64,
     beam_m: f64,
     hit_m: f64,
-    /// Beams towards a nearest point that is a corner, which passed beside it.
-    beside: usize,
+    /// The number of beams towards a corner that missed the corner.
+    missed_corners: usize,
 }
 
-/// The gap that rapier sees between a disc at `at` and the nearest of `solids`; negative where they overlap.
+/// Rapier's gap between a disc at `at` and the nearest of `solids`, in m; negative if they overlap.
 fn gap_m(colliders: &ColliderSet, solids: &[ColliderHandle], at: Vec2, radius_m: f32) -> f64 {
     let disc = Ball::new(radius_m);
     let place = BodyPose::translation(at.x, at.y);
     let to = |solid: &ColliderHandle| {
         let solid = &colliders[*solid];
         let found = query::contact(&place, &disc, solid.position(), solid.shape(), 1000.0);
-        found
-            .expect("both are shapes that rapier knows")
-            .map_or(f64::INFINITY, |contact| f64::from(contact.dist))
+        found.expect("rapier supports both shapes").map_or(f64::INFINITY, |contact| f64::from(contact.dist))
     };
     solids.iter().map(to).fold(f64::INFINITY, f64::min)
 }
 
-/// The unit vector towards the nearest point of any solid, for whom stands outside of all.
+/// The unit vector from a point outside all solids towards the nearest point of any solid.
 fn towards_nearest(colliders: &ColliderSet, solids: &[ColliderHandle], at: Vec2) -> Vec2 {
     let nearest = solids.iter().map(|solid| {
         let solid = &colliders[*solid];
@@ -57,25 +56,25 @@ fn towards_nearest(colliders: &ColliderSet, solids: &[ColliderHandle], at: Vec2)
         .normalize_or(Vec2::X)
 }
 
-/// A pose in the enclosure: anywhere, or about the robot's radius from something.
-fn any_place(room: &Scenario, stream: &mut Stream) -> (Point, f64) {
-    let (low, high) = room.enclosure.bounds_m();
+/// A random point in the enclosure, and its clearance in m.
+fn any_point(layout: &Scenario, stream: &mut Stream) -> (Point, f64) {
+    let (low, high) = layout.enclosure.bounds_m();
     loop {
         let at = vec2(uniform(stream, low.x, high.x), uniform(stream, low.y, high.y));
-        let clear = closed_form::clearance(room, 0, wide(at));
-        let outside = closed_form::clearance(&walls_only(room), 0, wide(at)) < 0.0;
+        let clear = closed_form::clearance(layout, 0, to_f64(at));
+        let outside = closed_form::clearance(&enclosure_only(layout), 0, to_f64(at)) < 0.0;
         if !outside {
-            return (wide(at), clear);
+            return (to_f64(at), clear);
         }
     }
 }
 
-fn walls_only(room: &Scenario) -> Scenario {
-    Scenario { enclosure: room.enclosure.clone(), ..Scenario::default() }
+fn enclosure_only(layout: &Scenario) -> Scenario {
+    Scenario { enclosure: layout.enclosure.clone(), ..Scenario::default() }
 }
 
-/// The room of arena 0 at its clock, with all obstacles standing where they are.
-fn as_it_stands(lab: &mut Lab) -> Scenario {
+/// The layout of arena 0 with all obstacles static at their current poses.
+fn current_layout(lab: &mut Lab) -> Scenario {
     let state = lab.state(0);
     crate::random_scenarios::between_steps(
         &lab.scenario.with_generated_obstacles(state.layout_seed),
@@ -87,115 +86,123 @@ fn as_it_stands(lab: &mut Lab) -> Scenario {
 #[test]
 fn lidar_contact_and_geometry_agree_to_a_millimetre_over_a_million_poses() {
     let mut worst = Worst::default();
-    let mut asked = 0;
+    let mut poses = 0;
     let (mut touching, mut inside) = (0, 0);
-    for (number, scenario) in worlds(2, WORLDS).enumerate() {
+    for (number, scenario) in scenarios(2, SCENARIOS).enumerate() {
         let mut stream = stream(2, "a million poses", number as u64);
         let mut lab = Lab::new(&scenario, 1, number as u64);
         let clock = uniform_index(&mut stream, 100_000) as u64;
         lab.edit(0, |state| state.clock = Clock(clock));
-        let room = as_it_stands(&mut lab);
+        let layout = current_layout(&mut lab);
         let max_m = scenario.lidar.max_range_m;
         let radius = f64::from(scenario.robot.radius_m);
         let (colliders, solids) =
             lab.with_physics(0, |bodies, _, context| (context.colliders.clone(), bodies.solids.clone()));
         let mut ranges_m = Vec::new();
-        for _ in 0..POSES / WORLDS {
-            let (at, clear) = any_place(&room, &mut stream);
-            let told = |what: &str| format!("world {number}, {what} at {at:?}, geometry says {clear} m");
-            let place = Vec2::new(at.0 as f32, at.1 as f32);
-            let gap = gap_m(&colliders, &solids, place, scenario.robot.radius_m);
-            // (Where shapes overlap, each says its own depth, and geometry the deepest.)
+        for _ in 0..POSES / SCENARIOS {
+            let (at, clear) = any_point(&layout, &mut stream);
+            let context = |what: &str| format!("scenario {number}, {what} at {at:?}, clearance {clear} m");
+            let position = Vec2::new(at.0 as f32, at.1 as f32);
+            let gap = gap_m(&colliders, &solids, position, scenario.robot.radius_m);
+            // If shapes overlap, rapier's smallest gap and the clearance are both those of the deepest penetration.
             let off = (gap - (clear - radius)).abs();
-            assert!(off < AGREE_M, "{}: rapier says {gap} m for the disc of {radius} m", told("the disc"));
+            assert!(
+                off < TOLERANCE_M,
+                "{}: rapier's gap is {gap} m for a radius of {radius} m",
+                context("disc")
+            );
             worst.rapier_m = worst.rapier_m.max(off);
             touching += usize::from(gap < 0.0);
             inside += usize::from(clear < 0.0);
-            asked += 1;
+            poses += 1;
 
-            let towards = towards_nearest(&colliders, &solids, place);
-            let aside = Vec2::from_angle(std::f32::consts::TAU * uniform_01(&mut stream));
-            let pose = Pose { x_m: place.x, y_m: place.y, heading_rad: libm::atan2f(towards.y, towards.x) };
-            lidar::cast(&colliders, &solids, &pose, &[Vec2::X, aside], max_m, &mut ranges_m);
-            let due = clear.clamp(0.0, f64::from(max_m));
-            // (From a hair outside of a surface, the way to its nearest point is no direction that f32 can tell.)
+            let towards = towards_nearest(&colliders, &solids, position);
+            let random_direction = Vec2::from_angle(std::f32::consts::TAU * uniform_01(&mut stream));
+            let heading_rad = libm::atan2f(towards.y, towards.x);
+            let pose = Pose { x_m: position.x, y_m: position.y, heading_rad };
+            lidar::cast(&colliders, &solids, &pose, &[Vec2::X, random_direction], max_m, &mut ranges_m);
+            let expected = clear.clamp(0.0, f64::from(max_m));
+            // Very close to a surface, f32 cannot represent the direction to the nearest point.
             if clear.abs() > 1e-4 {
                 let range = f64::from(ranges_m[0]);
-                let off = (range - due).abs();
-                if off < AGREE_M {
+                let off = (range - expected).abs();
+                if off < TOLERANCE_M {
                     worst.beam_m = worst.beam_m.max(off);
                 } else {
-                    // At a corner the rounding of the direction decides whether it is hit: a beam 10 um aside misses it too.
+                    // The rounding of the direction decides whether a corner is hit. A beam shifted by 10 um misses it too.
                     let heading = f64::from(pose.heading_rad);
-                    let (low, high) = closed_form::range_bounds(&room, 0, at, heading, f64::from(max_m));
-                    let beside = low - AGREE_M < range && range < high + AGREE_M && high - low > AGREE_M;
-                    assert!(beside, "{}: the beam reads {range} m", told("towards the nearest point"));
-                    worst.beside += 1;
+                    let (low, high) = closed_form::range_bounds(&layout, 0, at, heading, f64::from(max_m));
+                    let in_bounds = low - TOLERANCE_M < range && range < high + TOLERANCE_M;
+                    let missed_corner = in_bounds && high - low > TOLERANCE_M;
+                    assert!(missed_corner, "{}: range {range} m", context("beam to the nearest point"));
+                    worst.missed_corners += 1;
                 }
             }
-            let angle = f64::from(pose.heading_rad) + f64::from(aside.to_angle());
-            let hit = check_beam(&room, at, angle, f64::from(ranges_m[1]), f64::from(max_m), &told("a beam"));
+            let angle = f64::from(pose.heading_rad) + f64::from(random_direction.to_angle());
+            let range = f64::from(ranges_m[1]);
+            let hit = check_beam(&layout, at, angle, range, f64::from(max_m), &context("random beam"));
             worst.hit_m = worst.hit_m.max(hit);
         }
     }
     println!(
-        "{asked} poses, {touching} touching, {inside} inside; worst: rapier {} m, towards the nearest {} m ({} beside), \
-         hits {} m",
-        worst.rapier_m, worst.beam_m, worst.beside, worst.hit_m
+        "{poses} poses, {touching} touching, {inside} inside; largest errors: rapier {} m, beam to the nearest point {} m \
+         ({} missed corners), random beam {} m",
+        worst.rapier_m, worst.beam_m, worst.missed_corners, worst.hit_m
     );
-    assert_eq!(asked, POSES);
-    assert!(worst.beside < POSES / 10_000, "{} beams passed beside a corner", worst.beside);
-    assert!(touching > POSES / 50 && inside > POSES / 100, "{touching} touched, {inside} inside");
+    assert_eq!(poses, POSES);
+    assert!(worst.missed_corners < POSES / 10_000, "{} beams missed a corner", worst.missed_corners);
+    assert!(touching > POSES / 50 && inside > POSES / 100, "{touching} touching, {inside} inside");
 }
 
-/// A beam ends on a surface and goes through nothing on the way. Gives how far off it ends, in m.
-fn check_beam(room: &Scenario, at: Point, angle: f64, range: f64, max: f64, told: &str) -> f64 {
+/// Asserts that a beam ends on a surface and passes through nothing. Returns the distance of its end from the surface, in m.
+fn check_beam(layout: &Scenario, at: Point, angle: f64, range: f64, max: f64, context: &str) -> f64 {
     let (sin, cos) = angle.sin_cos();
     let end = (at.0 + range * cos, at.1 + range * sin);
-    let there = closed_form::clearance(room, 0, end);
-    let begins_inside = closed_form::clearance(room, 0, at) <= 0.0;
-    if begins_inside {
-        assert!(range < AGREE_M, "{told}: reads {range} m from within");
+    let end_clearance = closed_form::clearance(layout, 0, end);
+    let starts_inside = closed_form::clearance(layout, 0, at) <= 0.0;
+    if starts_inside {
+        assert!(range < TOLERANCE_M, "{context}: range {range} m from inside a solid");
         return 0.0;
     }
     if range < max {
-        assert!(there.abs() < AGREE_M, "{told}: reads {range} m, and ends {there} m from a surface");
+        let off = end_clearance.abs();
+        assert!(off < TOLERANCE_M, "{context}: range {range} m ends {end_clearance} m from a surface");
     }
-    // From the robot to 1 mm before the end, nothing is deeper than 1 mm: by as far as nothing is.
-    let mut gone = 0.0;
-    while gone < range - AGREE_M {
-        let clear = closed_form::clearance(room, 0, straight(at, end, gone / range));
-        assert!(clear > -AGREE_M, "{told}: reads {range} m, but something is met {gone} m away");
-        gone += clear.max(0.0) + AGREE_M;
+    // Advances along the beam by the clearance, up to 1 mm before its end. No point may be deeper than 1 mm inside a solid.
+    let mut travelled = 0.0;
+    while travelled < range - TOLERANCE_M {
+        let clear = closed_form::clearance(layout, 0, interpolate(at, end, travelled / range));
+        assert!(clear > -TOLERANCE_M, "{context}: range {range} m, but there is a solid at {travelled} m");
+        travelled += clear.max(0.0) + TOLERANCE_M;
     }
-    if range < max { there.abs() } else { 0.0 }
+    if range < max { end_clearance.abs() } else { 0.0 }
 }
 
 #[test]
-fn a_step_tells_contact_where_geometry_does_to_a_millimetre() {
+fn a_step_reports_contact_in_agreement_with_geometry_to_a_millimetre() {
     const ARENAS: usize = 64;
     let mut stream = stream(4, "contact", 0);
-    let (mut touched, mut clear_of_all, mut asked) = (0, 0, 0);
-    for (number, mut scenario) in worlds(3, 40).enumerate() {
+    let (mut touching, mut free, mut cases) = (0, 0, 0);
+    for (number, mut scenario) in scenarios(3, 40).enumerate() {
         for obstacle in &mut scenario.obstacles {
             obstacle.motion = ObstacleMotion::Static;
         }
         scenario.robot.motions = vec![Motion { v_m_s: 0.0, w_rad_s: 0.0 }];
         let mut lab = Lab::with(&scenario, ARENAS, 5, RewardConfig::default(), TaskMode::SingleGoal);
         let fresh = lab.states();
-        let rooms: Vec<Scenario> =
+        let layouts: Vec<Scenario> =
             fresh.iter().map(|state| scenario.with_generated_obstacles(state.layout_seed)).collect();
         let radius = f64::from(scenario.robot.radius_m);
         for _ in 0..40 {
             let mut states = fresh.clone();
             let mut clears = Vec::new();
-            for (state, room) in states.iter_mut().zip(&rooms) {
-                // Half of them within 3 cm of contact.
+            for (state, layout) in states.iter_mut().zip(&layouts) {
+                // Half of the robots are within 3 cm of contact.
                 let near = uniform_01(&mut stream) < 0.5;
                 let (at, clear) = (0..300)
-                    .map(|_| any_place(room, &mut stream))
+                    .map(|_| any_point(layout, &mut stream))
                     .find(|(_, clear)| !near || (clear - radius).abs() < 0.03)
-                    .unwrap_or_else(|| any_place(room, &mut stream));
+                    .unwrap_or_else(|| any_point(layout, &mut stream));
                 state.pose = Pose { x_m: at.0 as f32, y_m: at.1 as f32, heading_rad: 0.0 };
                 clears.push(clear);
             }
@@ -203,16 +210,16 @@ fn a_step_tells_contact_where_geometry_does_to_a_millimetre() {
             lab.step(&[0; ARENAS]);
             for (arena, (state, clear)) in lab.states().iter().zip(&clears).enumerate() {
                 let gap = clear - radius;
-                let told = format!("world {number}, {:?}, {gap} m from contact", middle(&state.pose));
-                assert!(state.scan.touching || gap > 0.0, "{told}: touches");
-                assert!(!state.scan.touching || gap < AGREE_M, "{told}: does not touch");
-                let moved = crate::random_scenarios::apart(middle(&state.pose), middle(&states[arena].pose));
-                assert!(moved < 1e-5, "{told}: is told to stand, and goes {moved} m");
-                touched += usize::from(state.scan.touching);
-                clear_of_all += usize::from(!state.scan.touching);
-                asked += 1;
+                let context = format!("scenario {number}, {:?}, gap {gap} m", centre(&state.pose));
+                assert!(state.scan.touching || gap > 0.0, "{context}: the contact is not reported");
+                assert!(!state.scan.touching || gap < TOLERANCE_M, "{context}: a contact is reported");
+                let moved = distance(centre(&state.pose), centre(&states[arena].pose));
+                assert!(moved < 1e-5, "{context}: moves {moved} m although commanded to stand still");
+                touching += usize::from(state.scan.touching);
+                free += usize::from(!state.scan.touching);
+                cases += 1;
             }
         }
     }
-    assert!(asked > 100_000 && touched > 10_000 && clear_of_all > 10_000, "{touched} and {clear_of_all}");
+    assert!(cases > 100_000 && touching > 10_000 && free > 10_000, "{touching} touching, {free} free");
 }

@@ -1,18 +1,18 @@
-//! Physics can be believed: what is promised of bodies, beams and arenas, held over random worlds and at the extremes.
+//! Invariants of the physics, tested in random scenarios and at the limits of all parameters.
 //!
-//! | file | promise |
+//! | file | invariant |
 //! |---|---|
-//! | `motion.rs` | the robot has the speed and the energy that are commanded, and goes the arc of them |
-//! | `no_tunnelling.rs` | nothing is driven through, and nothing drives through the robot, at any allowed speed |
+//! | `motion.rs` | the robot has the commanded speed and energy, and drives along the commanded arc |
+//! | `no_tunnelling.rs` | no robot or obstacle passes through another at any allowed speed |
 //! | `contact.rs` | LIDAR, contact and geometry agree to 1 mm, over a million poses |
-//! | `arenas.rs` | arenas never see each other |
+//! | `arenas.rs` | arenas do not influence each other |
 //!
-//! Truth is worked in f64 without rapier (`random_scenarios.rs`, and `closed_form` of the common helpers). All draws are seeded:
-//! each run asks the same. Measured figures: docs/physics.md.
+//! Reference values are computed in f64 without rapier (`random_scenarios.rs`, and `closed_form` in `tests/common`). All
+//! draws are seeded, so every run tests the same cases. For the measured errors, see docs/physics.md.
 
 #[path = "../common/mod.rs"]
 mod common;
-#[allow(dead_code, reason = "these tests need sane worlds only")]
+#[allow(dead_code, reason = "these tests use valid scenarios only")]
 #[path = "../../crates/scenario/tests/scenario_strategies/mod.rs"]
 mod scenario_strategies;
 

@@ -1,9 +1,9 @@
-//! Speed and energy as commanded.
+//! The robot has the commanded speed and energy.
 //!
-//! Without contact a step takes the robot along the chord of the arc of v and w (with a lag: of their mean over the step)
-//! and turns it by w T. Rapier's body has the chord's velocity, so its kinetic energy is m / 2 times the square of that, with
-//! the mass of a disc of 1 kg/m^2. What is left is the rounding of f32: a part in 10^6 of the way, of the speed and of the
-//! heading's turn, and half a bit of the coordinates.
+//! Without contact, a step takes the robot along the chord of the arc of v and w (with a lag, of their means over the step)
+//! and turns it by w T. Rapier's body has the chord's velocity v_c, so its kinetic energy is m v_c^2 / 2 with the mass m of a
+//! disc of 1 kg/m^2. The tolerances cover the rounding of f32: 2e-6 of distances, speeds and rotations, and half a bit of
+//! the coordinates.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,23 +13,21 @@ use wayfield::scenario::{Enclosure, Motion, Scenario, diagnostics};
 use wayfield::task::{Pose, RewardConfig, TaskMode, Twist};
 
 use crate::common::Lab;
-use crate::random_scenarios::{Point, apart, arc, middle};
+use crate::random_scenarios::{Point, arc, centre, distance};
 
-/// A robot in the middle of nothing, with as many motions as there may be over all allowed speeds, its corners included.
-fn empty(period_s: f32, lag_s: f32, fastest_m_s: f32, stream: &mut Stream) -> Scenario {
+/// A scenario without obstacles, and a robot with 64 motions over all allowed speeds, the extremes included.
+fn empty(period_s: f32, lag_s: f32, max_m_s: f32, stream: &mut Stream) -> Scenario {
     let mut scenario = Scenario {
         enclosure: Enclosure::Rectangle { width_m: 1000.0, height_m: 1000.0 },
         ..Scenario::default()
     };
-    let fastest_rad_s = (PI as f32 / period_s).min(20.0);
-    let sides = [-1.0, 0.0, 1.0];
-    let corners = sides.into_iter().flat_map(|v| sides.map(|w| (v, w)));
-    let any: Vec<_> =
+    let max_rad_s = (PI as f32 / period_s).min(20.0);
+    let levels = [-1.0, 0.0, 1.0];
+    let extremes = levels.into_iter().flat_map(|v| levels.map(|w| (v, w)));
+    let random: Vec<_> =
         (0..55).map(|_| (2.0 * uniform_01(stream) - 1.0, 2.0 * uniform_01(stream) - 1.0)).collect();
-    scenario.robot.motions = corners
-        .chain(any)
-        .map(|(v, w)| Motion { v_m_s: v * fastest_m_s, w_rad_s: w * fastest_rad_s })
-        .collect();
+    scenario.robot.motions =
+        extremes.chain(random).map(|(v, w)| Motion { v_m_s: v * max_m_s, w_rad_s: w * max_rad_s }).collect();
     scenario.robot.radius_m = uniform(stream, 0.01, 0.12);
     scenario.robot.actuator_lag_s = lag_s;
     scenario.task.control_period_s = period_s;
@@ -41,20 +39,21 @@ fn empty(period_s: f32, lag_s: f32, fastest_m_s: f32, stream: &mut Stream) -> Sc
     scenario
 }
 
-/// What is driven on average over a step, and at its end, in f64: du/dt = (chosen - u) / lag.
-fn driven((v, w): (f64, f64), chosen: &Motion, lag: f64, period: f64) -> [(f64, f64); 2] {
-    let told = (f64::from(chosen.v_m_s), f64::from(chosen.w_rad_s));
+/// The mean (v, w) over a step and (v, w) at its end, in f64, from du/dt = (commanded - u) / lag.
+fn mean_and_end((v, w): (f64, f64), motion: &Motion, lag: f64, period: f64) -> [(f64, f64); 2] {
+    let commanded = (f64::from(motion.v_m_s), f64::from(motion.w_rad_s));
     let lags = period / lag;
     let (mean, end) = if lag > 0.0 { (-(-lags).exp_m1() / lags, (-lags).exp()) } else { (0.0, 0.0) };
-    [mean, end].map(|left| (told.0 + (v - told.0) * left, told.1 + (w - told.1) * left))
+    [mean, end].map(|rest| (commanded.0 + (v - commanded.0) * rest, commanded.1 + (w - commanded.1) * rest))
 }
 
-fn turned_apart(a: f64, b: f64) -> f64 {
+/// The absolute difference of two headings, modulo full turns.
+fn angle_between(a: f64, b: f64) -> f64 {
     let turn = (a - b).rem_euclid(TAU);
     turn.min(TAU - turn)
 }
 
-/// From 0.001 s to 10 s; none, short or long.
+/// A control period from 0.001 s to 10 s, and no, a short or a long lag, in s.
 fn period_and_lag(number: u64, stream: &mut Stream) -> (f32, f32) {
     let period = [0.001, 10.0, 0.2].get(number as usize).copied();
     let period = period.unwrap_or_else(|| 10.0_f32.powf(uniform(stream, -3.0, 1.0)).clamp(0.001, 10.0));
@@ -63,10 +62,10 @@ fn period_and_lag(number: u64, stream: &mut Stream) -> (f32, f32) {
 }
 
 #[test]
-fn a_free_step_is_the_arc_that_was_commanded_and_has_its_energy() {
+fn a_step_without_contact_has_the_arc_and_the_energy_of_the_commanded_motion() {
     const ARENAS: usize = 16;
     let mut stream = stream(21, "free steps", 0);
-    let (mut worst_way, mut worst_speed, mut worst_turn) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut worst_distance, mut worst_speed, mut worst_turn) = (0.0_f64, 0.0_f64, 0.0_f64);
     for number in 0..120 {
         let (period_s, lag_s) = period_and_lag(number, &mut stream);
         let scenario = empty(period_s, lag_s, 5.0, &mut stream);
@@ -76,10 +75,10 @@ fn a_free_step_is_the_arc_that_was_commanded_and_has_its_energy() {
         for round in 0..20_usize {
             let mut states = fresh.clone();
             for state in &mut states {
-                let mut place = || uniform(&mut stream, -200.0, 200.0);
-                (state.pose.x_m, state.pose.y_m) = (place(), place());
+                let mut coordinate = || uniform(&mut stream, -200.0, 200.0);
+                (state.pose.x_m, state.pose.y_m) = (coordinate(), coordinate());
                 state.pose.heading_rad = uniform(&mut stream, -3.1, 3.1);
-                // As fast at first as any motion could have made it.
+                // Any initial twist that a motion can cause.
                 state.twist = Twist {
                     v_m_s: uniform(&mut stream, -5.0, 5.0),
                     w_rad_s: uniform(&mut stream, -1.0, 1.0) * (PI as f32 / period_s).min(20.0),
@@ -90,47 +89,50 @@ fn a_free_step_is_the_arc_that_was_commanded_and_has_its_energy() {
             lab.step(&actions);
             for (arena, (before, after)) in states.iter().zip(lab.states()).enumerate() {
                 let motion = &scenario.robot.motions[actions[arena]];
-                let told = || format!("{motion:?} for {period_s} s, lag {lag_s} s, from {:?}", before.pose);
+                let context =
+                    || format!("{motion:?} for {period_s} s, lag {lag_s} s, from {:?}", before.pose);
                 let twist = (f64::from(before.twist.v_m_s), f64::from(before.twist.w_rad_s));
-                let [mean, end] = driven(twist, motion, f64::from(lag_s), period);
-                let (from, heading) = (middle(&before.pose), f64::from(before.pose.heading_rad));
-                let (due, due_heading) = arc((from, heading), mean, period);
-                assert!(!after.scan.touching && !lab.outcomes()[arena].collided, "{}: free", told());
+                let [mean, end] = mean_and_end(twist, motion, f64::from(lag_s), period);
+                let (from, heading) = (centre(&before.pose), f64::from(before.pose.heading_rad));
+                let (expected, expected_heading) = arc((from, heading), mean, period);
+                let collided = after.scan.touching || lab.outcomes()[arena].collided;
+                assert!(!collided, "{}: a collision without obstacles", context());
 
-                // Of what f32 can say: a part in 10^6 of the way, and half a bit of the coordinates.
-                let finest = 2.0_f64.powi(-24) * (due.0.abs() + due.1.abs() + from.0.abs() + from.1.abs());
-                let way =
-                    (apart(middle(&after.pose), due) - finest).max(0.0) / (mean.0.abs() * period).max(1e-3);
-                let turn = turned_apart(f64::from(after.pose.heading_rad), due_heading);
-                assert!(way < 2e-6, "{}: ends {way} of its way off", told());
-                assert!(turn < 2e-6, "{}: looks {turn} rad off", told());
-                let off = (f64::from(after.twist.v_m_s) - end.0).abs() / 5.0;
-                assert!(off < 1e-6, "{}: drives {:?}, not {end:?}", told(), after.twist);
+                // The rounding of the coordinates is half a bit.
+                let rounding =
+                    2.0_f64.powi(-24) * (expected.0.abs() + expected.1.abs() + from.0.abs() + from.1.abs());
+                let off_m = (distance(centre(&after.pose), expected) - rounding).max(0.0);
+                let off = off_m / (mean.0.abs() * period).max(1e-3);
+                let turn = angle_between(f64::from(after.pose.heading_rad), expected_heading);
+                assert!(off < 2e-6, "{}: position off by {off} of the distance", context());
+                assert!(turn < 2e-6, "{}: heading off by {turn} rad", context());
+                let off_v = (f64::from(after.twist.v_m_s) - end.0).abs() / 5.0;
+                assert!(off_v < 1e-6, "{}: {:?}, expected {end:?}", context(), after.twist);
 
-                let chord_m_s = apart(from, due) / period;
+                let chord_m_s = distance(from, expected) / period;
                 let (velocity, mass, energy) = lab.with_physics(arena, |bodies, set, _| {
                     let body = &set.bodies[bodies.robot];
                     (body.linvel(), f64::from(body.mass()), f64::from(body.kinetic_energy()))
                 });
-                let along = ((due.0 - from.0) / period, (due.1 - from.1) / period);
-                let speed = apart((f64::from(velocity.x), f64::from(velocity.y)), along) / 5.0;
-                assert!(speed < 1e-6, "{}: the body has {velocity} m/s, not {along:?}", told());
+                let chord = ((expected.0 - from.0) / period, (expected.1 - from.1) / period);
+                let speed = distance((f64::from(velocity.x), f64::from(velocity.y)), chord) / 5.0;
+                assert!(speed < 1e-6, "{}: velocity {velocity} m/s, expected {chord:?}", context());
                 let disc = PI * f64::from(scenario.robot.radius_m).powi(2);
-                assert!((mass / disc - 1.0).abs() < 1e-6, "a disc of 1 kg/m^2: {mass} kg, not {disc}");
-                let due_energy = 0.5 * disc * chord_m_s * chord_m_s;
-                let most = 0.5 * disc * 25.0;
+                assert!((mass / disc - 1.0).abs() < 1e-6, "mass {mass} kg, expected {disc} kg");
+                let expected_energy = 0.5 * disc * chord_m_s * chord_m_s;
+                let max_energy = 0.5 * disc * 25.0;
                 assert!(
-                    (energy - due_energy).abs() <= 3e-6 * most,
-                    "{}: {energy} J, not {due_energy}",
-                    told()
+                    (energy - expected_energy).abs() <= 3e-6 * max_energy,
+                    "{}: energy {energy} J, expected {expected_energy} J",
+                    context()
                 );
-                worst_way = worst_way.max(way);
+                worst_distance = worst_distance.max(off);
                 worst_speed = worst_speed.max(speed);
                 worst_turn = worst_turn.max(turn);
             }
         }
     }
-    println!("worst: {worst_way} of the way, {worst_speed} of 5 m/s, {worst_turn} rad");
+    println!("largest errors: {worst_distance} of the distance, {worst_speed} of 5 m/s, {worst_turn} rad");
 }
 
 #[test]
@@ -152,19 +154,19 @@ fn hundreds_of_steps_with_any_lag_do_not_drift() {
         wayfield::sim::restore(lab.simulation.world_mut(), &states);
         let mut tracks: Vec<((Point, f64), (f64, f64))> = vec![(((0.0, 0.0), 0.0), (0.0, 0.0)); ARENAS];
         for step in 0..STEPS {
-            // Motions are kept for a while, so that robots get somewhere.
+            // Keeps each motion for 20 steps, so that robots cover some distance.
             let actions: Vec<usize> = (0..ARENAS).map(|k| (step / 20 * 7 + 11 * k) % 64).collect();
             lab.step(&actions);
             for ((track, twist), action) in tracks.iter_mut().zip(&actions) {
                 let motion = &scenario.robot.motions[*action];
-                let [mean, end] = driven(*twist, motion, f64::from(lag_s), f64::from(period_s));
+                let [mean, end] = mean_and_end(*twist, motion, f64::from(lag_s), f64::from(period_s));
                 *track = arc(*track, mean, f64::from(period_s));
                 *twist = end;
             }
         }
-        for (state, ((due, heading), _)) in lab.states().iter().zip(&tracks) {
-            let off_m = apart(middle(&state.pose), *due);
-            let off_rad = turned_apart(f64::from(state.pose.heading_rad), *heading);
+        for (state, ((expected, heading), _)) in lab.states().iter().zip(&tracks) {
+            let off_m = distance(centre(&state.pose), *expected);
+            let off_rad = angle_between(f64::from(state.pose.heading_rad), *heading);
             assert!(
                 off_m < 1e-3 && off_rad < 2e-4,
                 "{STEPS} steps of {period_s} s: {off_m} m, {off_rad} rad off"
@@ -172,5 +174,5 @@ fn hundreds_of_steps_with_any_lag_do_not_drift() {
             (worst_m, worst_rad) = (worst_m.max(off_m), worst_rad.max(off_rad));
         }
     }
-    println!("worst after {STEPS} steps: {worst_m} m, {worst_rad} rad");
+    println!("largest errors after {STEPS} steps: {worst_m} m, {worst_rad} rad");
 }

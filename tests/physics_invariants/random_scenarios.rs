@@ -1,4 +1,4 @@
-//! Random worlds in which all is as fast as may be, and what happens in them between two steps.
+//! Random scenarios, also at maximum speed, and reference motions between two steps in f64.
 
 use std::f64::consts::PI;
 
@@ -12,17 +12,17 @@ use wayfield::task::Pose;
 use crate::common::closed_form;
 use crate::scenario_strategies::valid_scenario;
 
-/// A place (x, y in m).
+/// A point (x, y) in m.
 pub type Point = (f64, f64);
 
-/// `count` worlds over the whole schema with nothing wrong: the same for each `seed`.
-pub fn worlds(seed: u8, count: usize) -> impl Iterator<Item = Scenario> {
+/// `count` valid random scenarios over the whole schema. The same `seed` gives the same scenarios.
+pub fn scenarios(seed: u8, count: usize) -> impl Iterator<Item = Scenario> {
     let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[seed; 32]);
     let mut runner = TestRunner::new_with_rng(Config::default(), rng);
-    (0..count).map(move |_| valid_scenario().new_tree(&mut runner).expect("a world").current())
+    (0..count).map(move |_| valid_scenario().new_tree(&mut runner).expect("a scenario").current())
 }
 
-/// The same world with robot and obstacles as fast as the checks let them be, if that leaves nothing wrong.
+/// The scenario with robot and obstacles at the highest speeds that the checks allow, or None if it is then invalid.
 pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
     let period = scenario.task.control_period_s;
     for obstacle in &mut scenario.obstacles {
@@ -30,9 +30,9 @@ pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
         match &mut obstacle.motion {
             ObstacleMotion::Static => {}
             ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-                let arm = (at.x - centre_m.x).hypot(at.y - centre_m.y);
-                let most = (0.5 / period).min(5.0) / arm;
-                *speed_rad_s = most.min(20.0).min(PI as f32 / period).copysign(*speed_rad_s);
+                let radius_m = (at.x - centre_m.x).hypot(at.y - centre_m.y);
+                let max_rad_s = (0.5 / period).min(5.0) / radius_m;
+                *speed_rad_s = max_rad_s.min(20.0).min(PI as f32 / period).copysign(*speed_rad_s);
             }
             ObstacleMotion::Patrol { speed_m_s, .. }
             | ObstacleMotion::BackAndForth { speed_m_s, .. }
@@ -47,21 +47,22 @@ pub fn at_max_speed(mut scenario: Scenario) -> Option<Scenario> {
     diagnostics(&scenario).is_empty().then_some(scenario)
 }
 
-/// The world a part (0 to 1) of a step after `step`, all standing. What revolves goes along its arc, everything else
-/// straight from where the one step has it to where the next has it.
-pub fn between_steps(room: &Scenario, step: u64, part: f64) -> Scenario {
-    let period = room.task.control_period_s;
-    let still = |obstacle: &Obstacle| {
+/// The layout at a fraction (0 to 1) of the control period after `step`, with static obstacles. Orbiting obstacles move along
+/// their arcs, all others on straight lines between their poses at the two steps.
+pub fn between_steps(layout: &Scenario, step: u64, fraction: f64) -> Scenario {
+    let period = layout.task.control_period_s;
+    let static_at = |obstacle: &Obstacle| {
         let (from, to) = (pose_at(obstacle, step, period), pose_at(obstacle, step + 1, period));
         let (at, turn) =
             if let ObstacleMotion::Orbit { centre_m: Vec2 { x: cx, y: cy }, speed_rad_s } = obstacle.motion {
-                let angle = part * f64::from(speed_rad_s) * f64::from(period);
+                let angle = fraction * f64::from(speed_rad_s) * f64::from(period);
                 let (sin, cos) = angle.sin_cos();
                 let (x, y) = (f64::from(from.0 - cx), f64::from(from.1 - cy));
                 let at = (f64::from(cx) + x * cos - y * sin, f64::from(cy) + x * sin + y * cos);
                 (at, f64::from(from.2) + angle)
             } else {
-                (straight(wide(vec2(from.0, from.1)), wide(vec2(to.0, to.1)), part), f64::from(from.2))
+                let (from_m, to_m) = (to_f64(vec2(from.0, from.1)), to_f64(vec2(to.0, to.1)));
+                (interpolate(from_m, to_m, fraction), f64::from(from.2))
             };
         Obstacle {
             position_m: vec2(at.0 as f32, at.1 as f32),
@@ -70,14 +71,14 @@ pub fn between_steps(room: &Scenario, step: u64, part: f64) -> Scenario {
             ..obstacle.clone()
         }
     };
-    Scenario { obstacles: room.obstacles.iter().map(still).collect(), ..room.clone() }
+    Scenario { obstacles: layout.obstacles.iter().map(static_at).collect(), ..layout.clone() }
 }
 
-/// The first part of the step after `step` at which something is nearer than `reach_m` to the robot's middle, which goes
-/// straight from `from` to `to`; to 0.1 mm of what comes near.
-pub fn first_within(room: &Scenario, step: u64, from: Point, to: Point, reach_m: f64) -> Option<f64> {
-    let period = room.task.control_period_s;
-    let hurry = |obstacle: &Obstacle| match obstacle.motion {
+/// The fraction of the control period after `step` at which something first comes within `reach_m` of the robot's centre,
+/// which moves on a straight line from `from` to `to`. The resolution is 0.2 mm of relative motion.
+pub fn first_within(layout: &Scenario, step: u64, from: Point, to: Point, reach_m: f64) -> Option<f64> {
+    let period = layout.task.control_period_s;
+    let travel_m = |obstacle: &Obstacle| match obstacle.motion {
         ObstacleMotion::Static => 0.0,
         ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
             let (x, y) = (obstacle.position_m.x - centre_m.x, obstacle.position_m.y - centre_m.y);
@@ -88,26 +89,27 @@ pub fn first_within(room: &Scenario, step: u64, from: Point, to: Point, reach_m:
             f64::from((b.0 - a.0).hypot(b.1 - a.1))
         }
     };
-    let most = 1e-9 + apart(from, to) + room.obstacles.iter().map(hurry).fold(0.0, f64::max);
-    let mut part = 0.0;
+    let max_travel_m = 1e-9 + distance(from, to) + layout.obstacles.iter().map(travel_m).fold(0.0, f64::max);
+    let mut fraction = 0.0;
     loop {
-        let clear = closed_form::clearance(&between_steps(room, step, part), 0, straight(from, to, part));
+        let moment = between_steps(layout, step, fraction);
+        let clear = closed_form::clearance(&moment, 0, interpolate(from, to, fraction));
         if clear < reach_m {
-            return Some(part);
+            return Some(fraction);
         }
-        if part >= 1.0 {
+        if fraction >= 1.0 {
             return None;
         }
-        part = (part + (clear - reach_m).max(2e-4) / most).min(1.0);
+        fraction = (fraction + (clear - reach_m).max(2e-4) / max_travel_m).min(1.0);
     }
 }
 
-/// Anywhere in the enclosure where everything is farther than `clear_m` from the middle.
-pub fn free_pose(room: &Scenario, step: u64, clear_m: f64, stream: &mut Stream) -> Option<Pose> {
-    let (low, high) = room.enclosure.bounds_m();
+/// A random pose in the enclosure with a clearance above `clear_m`, or None if 1000 attempts find none.
+pub fn free_pose(layout: &Scenario, step: u64, clear_m: f64, stream: &mut Stream) -> Option<Pose> {
+    let (low, high) = layout.enclosure.bounds_m();
     for _ in 0..1000 {
         let (x_m, y_m) = (uniform(stream, low.x, high.x), uniform(stream, low.y, high.y));
-        if closed_form::clearance(room, step, wide(vec2(x_m, y_m))) > clear_m {
+        if closed_form::clearance(layout, step, to_f64(vec2(x_m, y_m))) > clear_m {
             let heading_rad = (2.0 * uniform_01(stream) - 1.0) * std::f32::consts::PI;
             return Some(Pose { x_m, y_m, heading_rad });
         }
@@ -115,24 +117,24 @@ pub fn free_pose(room: &Scenario, step: u64, clear_m: f64, stream: &mut Stream) 
     None
 }
 
-pub fn straight(from: Point, to: Point, part: f64) -> Point {
-    (from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part)
+pub fn interpolate(from: Point, to: Point, fraction: f64) -> Point {
+    (from.0 + (to.0 - from.0) * fraction, from.1 + (to.1 - from.1) * fraction)
 }
 
-pub fn apart(a: Point, b: Point) -> f64 {
+pub fn distance(a: Point, b: Point) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
-pub fn wide(Vec2 { x, y }: Vec2) -> Point {
+pub fn to_f64(Vec2 { x, y }: Vec2) -> Point {
     (f64::from(x), f64::from(y))
 }
 
-/// Where a robot's middle is.
-pub fn middle(pose: &Pose) -> Point {
-    wide(vec2(pose.x_m, pose.y_m))
+/// The position of the robot's centre.
+pub fn centre(pose: &Pose) -> Point {
+    to_f64(vec2(pose.x_m, pose.y_m))
 }
 
-/// Where constant `v` in m/s and `w` in rad/s take a robot in `seconds`, and how it looks then: in f64.
+/// The position and heading after `seconds` of constant `v` in m/s and `w` in rad/s, in f64.
 pub fn arc((at, heading): (Point, f64), (v, w): (f64, f64), seconds: f64) -> (Point, f64) {
     let half = 0.5 * w * seconds;
     let chord = v * seconds * if half.abs() < 1e-9 { 1.0 } else { half.sin() / half };

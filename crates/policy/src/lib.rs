@@ -1,22 +1,22 @@
 //! The policy core: everything needed to drive a robot with a trained wayfield policy, and nothing else.
 //!
-//! No Bevy, no dfdx, no allocation per decision. The Python package, the ONNX export, the ROS 2 node and the
-//! browser stand on this crate; the app and the learner use its file format and its observation encoding.
+//! The crate depends on neither Bevy nor dfdx, and a decision allocates no memory. The Python package, the ONNX export,
+//! the ROS 2 node and the browser build use it; the app and the learner share its file format and observation encoding.
 //!
 //! | module | duty |
 //! |---|---|
-//! | [`observation`] | a LIDAR scan and a goal become the numbers that the network takes |
+//! | [`observation`] | the network's inputs, from a LIDAR scan and a goal |
 //! | [`network`] | the shape of a Q-network, and its forward pass |
-//! | [`file`] | a policy as safetensors bytes, with its metadata |
+//! | [`file`] | the policy file: safetensors with metadata |
 //!
 //! # Example
 //!
-//! Decide what to do with a scan of 24 ranges, for a goal 2 m away and 90 degrees to the left:
+//! Choose an action for a scan of 24 ranges and a goal 2 m away, 90 degrees to the left:
 //!
 //! ```
 //! use wayfield_policy::{Encoding, NetworkShape, Policy, Scratch, observation};
 //!
-//! // `Policy::from_bytes(&std::fs::read("policy.safetensors")?)` reads a trained one.
+//! // `Policy::from_bytes(&std::fs::read("policy.safetensors")?)` reads a trained policy.
 //! let shape = NetworkShape { inputs: observation::width(24), hidden: vec![8], actions: 5, dueling: true };
 //! let parameters = vec![0.01; shape.parameter_count()];
 //! let policy = Policy::new(shape, parameters, Default::default())?;

@@ -1,6 +1,6 @@
-//! Generates docs/scenario-format.md from the comments and defaults of the schema, and checks that the page is up to date.
+//! The page docs/scenario-format.md, generated from the comments and defaults of the scenario schema.
 //!
-//! `cargo xtask docs` renews it.
+//! The test fails if the page is out of date; `cargo xtask docs` renews it.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -18,14 +18,14 @@ const RENEW: &str = "cargo xtask docs";
 
 const HEAD: &str = r#"# The scenario format
 
-A scenario describes an environment and its task. It is a text file in [RON](https://github.com/ron-rs/ron). The shipped
-scenarios are in [`scenarios/`](../scenarios). This is a complete file:
+A scenario describes an arena, the robot and the task, as a text file in [RON](https://github.com/ron-rs/ron). The
+shipped scenarios are in [`scenarios/`](../scenarios). This is a complete file:
 
 ```ron
 (name: "Mine")
 ```
 
-Every other field has a default, usually the paper's number: the file above is an empty arena of 4 m x 4 m. Write only the
+Every other field has a default, usually the paper's value: the file above is an empty arena of 4 m x 4 m. Write only the
 fields that differ. This file adds two obstacles, one of which moves:
 
 ```ron
@@ -43,22 +43,22 @@ fields that differ. This file adds two obstacles, one of which moves:
 )
 ```
 
-**Units.** {units} Every field name ends in its unit: `radius_m` is in metres, `speed_rad_s` in radians per second.
+**Units.** {units} Names end in the unit: a `radius_m` is in metres, a `speed_rad_s` in radians per second.
 
-**How to read the tables.** A value with fields is written in parentheses, `(field: value, ...)`, in any order. If there are
-several forms, such as for a shape, the form is named: `Circle(radius_m: 0.15)`. A list is written `[..., ...]`. A field
-without a default is required. The whole file is a [scenario](#scenario).
+**How to read the tables.** A value with fields is written in parentheses, `(field: value, ...)`, in any order. If
+there are several forms, such as for a shape, the value names one: `Circle(radius_m: 0.15)`. A list is written `[..., ...]`.
+A field without a default is required. The whole file is a [scenario](#scenario).
 
-**Check a file** with `wayfield --check mine.ron`, or all files of a folder with `wayfield --check scenarios/`. Every
-problem is reported with line, column, field and fix:
+**Check a file** with `wayfield --check mine.ron`, or all files in a folder with `wayfield --check scenarios/`. Each
+problem is printed with line, column, field and fix:
 
 ```text
 {mistake}
 ```
 
-**Try it:** `wayfield --scenario mine.ron` opens the file in the app. When you save the file in any editor, the app continues
-with the changed scenario after the current episode; if the file is invalid, it shows the message and keeps the last valid
-one. The app also has an editor, which saves these files and keeps your comments.
+**Try it out:** `wayfield --scenario mine.ron` opens it in the app. Save the file in any text editor, and the app
+adopts the changed scenario when the next episode ends. If the file is invalid, the app shows the message and continues with
+the last valid scenario. The app also has a scenario editor, which saves the same format and keeps your comments.
 
 ## Contents
 
@@ -69,7 +69,7 @@ struct Entry<'a> {
     name: String,
     kind: &'a Type,
     about: String,
-    /// Whether a file may omit it.
+    /// Whether the field may be left out.
     optional: bool,
 }
 
@@ -80,11 +80,11 @@ struct Group<'a> {
     entries: Vec<Entry<'a>>,
 }
 
-/// A type of the schema. A struct is one group without a name.
+/// A type of the schema. A struct has a single group without a name.
 struct Section<'a> {
     name: String,
     about: Vec<String>,
-    /// Description of its default.
+    /// The description of the type's default.
     default: Vec<String>,
     groups: Vec<Group<'a>>,
 }
@@ -128,7 +128,7 @@ fn entries<'a>(fields: &'a Fields, all_optional: bool) -> Vec<Entry<'a>> {
     fields.iter().map(entry).collect()
 }
 
-/// The types of the schema in their order.
+/// The schema's types, in the order of the schema.
 fn sections(file: &syn::File) -> Vec<Section<'_>> {
     let mut sections: Vec<Section> = Vec::new();
     for item in &file.items {
@@ -208,7 +208,7 @@ fn link(name: &str) -> String {
     format!("[{label}](#{})", label.replace(' ', "-"))
 }
 
-/// How a value of the type is written. Points are `Vec2`, ranges are pairs.
+/// The notation of a value of the type. Points are `Vec2`, ranges are pairs.
 fn written(kind: &Type) -> String {
     match (name(kind).as_str(), inner(kind)) {
         ("", _) => "`(lowest, highest)`".into(),
@@ -223,7 +223,7 @@ fn written(kind: &Type) -> String {
     }
 }
 
-/// A sample value of the type, as RON.
+/// An example value of the type, as RON.
 fn sample(kind: &Type, sections: &[Section<'_>]) -> String {
     match name(kind).as_str() {
         "" | "Vec2" => "(1.0, 1.0)".into(),
@@ -238,7 +238,7 @@ fn sample(kind: &Type, sections: &[Section<'_>]) -> String {
     }
 }
 
-/// The shortest text for a struct or variant: only its required fields.
+/// The shortest text for a struct or variant: only the fields without a default.
 fn shortest(group: &Group<'_>, sections: &[Section<'_>]) -> String {
     let required = group.entries.iter().filter(|entry| !entry.optional);
     let fields: Vec<_> =
@@ -248,11 +248,11 @@ fn shortest(group: &Group<'_>, sections: &[Section<'_>]) -> String {
 
 fn read<T: Serialize + DeserializeOwned>(text: &str) -> Value {
     let value: T = parse_ron(text, text).unwrap_or_else(|error| panic!("{error}"));
-    // Through text, where an f32 has no more digits than it needs.
+    // The detour through text gives an f32 its shortest decimal form.
     serde_json::from_str(&serde_json::to_string(&value).expect("JSON")).expect("JSON")
 }
 
-/// The fields of a `kind` read from `text`, with the program's defaults.
+/// The fields of `text`, parsed as a `kind`, so that defaults come from the program.
 fn filled_in(kind: &str, text: &str) -> Value {
     macro_rules! one_of {
         ($($kind:ident),*) => {
@@ -281,7 +281,7 @@ fn filled_in(kind: &str, text: &str) -> Value {
     )
 }
 
-/// `value` as RON, with fields in the order of the schema.
+/// `value` as RON, with the fields in the order of the schema.
 fn ron(value: &Value, sections: &[Section<'_>]) -> String {
     let ron = |value: &Value| ron(value, sections);
     let entries = || sections.iter().flat_map(|section| &section.groups).flat_map(|group| &group.entries);
@@ -307,14 +307,13 @@ fn ron(value: &Value, sections: &[Section<'_>]) -> String {
     }
 }
 
-/// The cell of the default column for `entry`, whose default is `value`, and the default itself if it is too long for the
-/// table.
+/// The text of the default column for `entry` with the default `value`; and the default itself, if it is too long for a table.
 fn default(entry: &Entry<'_>, value: &Value, sections: &[Section<'_>]) -> (String, Option<String>) {
     let kind = name(entry.kind);
     let is_struct = sections.iter().any(|section| section.name == kind && section.groups[0].name.is_empty());
     match ron(value, sections) {
-        _ if !entry.optional => ("required".into(), None),
-        _ if is_struct => ("see its table".into(), None),
+        _ if !entry.optional => ("must be given".into(), None),
+        _ if is_struct => ("see there".into(), None),
         _ if value.is_null() => ("none".into(), None),
         text if kind == "String" => (format!("`\"{text}\"`"), None),
         text if text.len() > 40 => ("see below".into(), Some(text)),
@@ -409,7 +408,7 @@ fn text(path: &str) -> String {
 }
 
 #[test]
-fn the_page_is_what_the_schema_says() {
+fn the_page_matches_the_schema() {
     let page = page(&text("crates/scenario/src/schema.rs"), &text("scenarios/empty.ron"));
     if std::env::var_os("WAYFIELD_RENEW").is_some() {
         std::fs::write(at("docs/scenario-format.md"), &page).expect("the page can be written");
@@ -421,7 +420,7 @@ fn the_page_is_what_the_schema_says() {
 }
 
 #[test]
-fn the_page_says_what_was_worked_out_by_hand() {
+fn a_small_schema_gives_the_page_written_by_hand() {
     let source = "//! What.\n//!\n//! Metres.\n/// A robot.\n/// Ours.\n#[serde(default)]\npub struct Robot {\n\
         /// Its radius | half\n/// across.\npub radius_m: f32,\n}\n\
         impl Default for Robot {\n/// By rule.\nfn default() -> Self { todo!() }\n}\n\
@@ -441,12 +440,12 @@ fn the_page_says_what_was_worked_out_by_hand() {
          | `radius_m` | number | `0.1` | Its radius \\| half across. |\n\
          \n## Wall\n\nA wall.\n\n\
          | field | written | default | meaning |\n|---|---|---|---|\n\
-         | `corners_m` | list of `(x, y)` | required | Along. |\n\
+         | `corners_m` | list of `(x, y)` | must be given | Along. |\n\
          | `thickness_m` | number | `0.1` | Across. |\n\
          \n## Obstacle motion\n\nA motion.\n\n### `Static`\n\nNone.\n\n### `RandomWalk`\n\nSome.\n\n\
          | field | written | default | meaning |\n|---|---|---|---|\n\
-         | `radius_m` | number | required | How far. |\n\
-         | `speed_m_s` | number | required | How fast. |\n\
+         | `radius_m` | number | must be given | How far. |\n\
+         | `speed_m_s` | number | must be given | How fast. |\n\
          | `seed` | whole number | `0` | Which. |\n\
          \n## Region\n\nA box.\n\n\
          | field | written | meaning |\n|---|---|---|\n\
@@ -458,12 +457,12 @@ fn the_page_says_what_was_worked_out_by_hand() {
 }
 
 #[test]
-fn empty_ron_spells_every_field_that_has_a_default() {
+fn empty_ron_contains_every_field_with_a_default() {
     let source = text("crates/scenario/src/schema.rs");
     let file = syn::parse_file(&source).expect("the schema is Rust");
     let example = text("scenarios/empty.ron");
     let mut named = 0;
-    // Types whose values need nothing: the scenario itself and the parts of it that are there in every world.
+    // Types whose fields all have defaults: the parts that every scenario has.
     for section in sections(&file).iter().filter(|section| section.groups[0].name.is_empty()) {
         let entries = &section.groups[0].entries;
         if section.name == "Scenario" || entries.iter().all(|entry| entry.optional) {
@@ -484,7 +483,7 @@ fn empty_ron_spells_every_field_that_has_a_default() {
 }
 
 #[test]
-fn the_examples_on_the_page_are_worlds() {
+fn the_examples_on_the_page_are_valid_scenarios() {
     let page = text("docs/scenario-format.md");
     let blocks = page.split("```ron\n").skip(1).filter_map(|rest| Some(rest.split_once("```")?.0));
     let whole: Vec<_> = blocks.filter(|block| block.starts_with(['(', '/'])).collect();

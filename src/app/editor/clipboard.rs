@@ -1,4 +1,4 @@
-//! Copy, cut, paste, duplicate and delete.
+//! Clipboard operations of the editor: copy, cut, paste, duplicate and delete.
 
 use std::sync::Arc;
 
@@ -73,7 +73,7 @@ impl Editor {
         items::selected(self.selection()).is_some_and(|item| item.can_delete(self.scenario()))
     }
 
-    /// Deletes the selected item. A selected start or goal rule is reset: then starts or goals are anywhere.
+    /// Deletes the selected item. A start or goal rule is reset instead, so that starts or goals may be anywhere.
     pub fn delete(&mut self) {
         self.step(|scenario, selection| {
             let deleted = items::selected(*selection).and_then(|item| item.delete(scenario));

@@ -29,15 +29,14 @@ pub struct Editor {
     pub(super) clipboard: Option<ListItem>,
     diagnostics: Vec<Diagnostic>,
     revision: u64,
-    /// The name or file that the scenario came from.
+    /// The scenario's name or file.
     pub(super) from: String,
-    /// The scenario as its file has it; `None` if it was never saved.
+    /// The scenario in its file; `None` if it was never saved.
     pub(super) saved: Option<Arc<Scenario>>,
 }
 
 impl Editor {
-    /// An editor of `scenario`. `from` is the name or file that it came from; `saved` whether that still holds the same
-    /// scenario.
+    /// An editor of `scenario`. `from` is the scenario's name or file; `saved` is whether that file has the same scenario.
     #[must_use]
     pub fn open(scenario: Arc<Scenario>, from: String, saved: bool) -> Self {
         Self {
@@ -86,7 +85,7 @@ impl Editor {
         self.selection
     }
 
-    /// Selects an item, or nothing if the scenario does not have it. Selecting another item puts the tool away.
+    /// Selects an item, or nothing if the scenario does not have it. Selecting another item deselects the tool.
     pub fn select(&mut self, selection: Selection) {
         self.end_drag();
         self.close_group();
@@ -156,7 +155,7 @@ impl Editor {
         self.check_tool(&before, selected);
     }
 
-    /// Ends the current undo step: the next [`edit`](Self::edit) of the same field is another step.
+    /// Ends the current undo step. The next [`edit`](Self::edit) of the same field begins another one.
     pub fn close_group(&mut self) {
         self.undo_stack.close_group();
     }

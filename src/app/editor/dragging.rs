@@ -67,8 +67,8 @@ impl Editor {
         self.drag.as_ref().map(|drag| drag.kind)
     }
 
-    /// Removes the corner, waypoint or position of a handle of the selected item. Returns false if the handle has none
-    /// or too few would remain.
+    /// Removes the corner, waypoint or position of a handle of the selected item. Returns false if the handle belongs
+    /// to none of these or too few would remain.
     pub fn remove_handle(&mut self, kind: HandleKind) -> bool {
         let before = self.revision();
         self.step(|scenario, selection| {

@@ -1,6 +1,6 @@
-//! Drawing click by click: a wall, the path of an obstacle, positions of starts or goals.
+//! Drawing tools: walls, paths of obstacles, and positions of starts or goals, point by point.
 //!
-//! A wall or a path is one undo step, each position is one.
+//! A complete wall or path is one undo step, and so is each position.
 
 use bevy::math::Vec2;
 
@@ -21,7 +21,7 @@ impl Editor {
         &self.tool
     }
 
-    /// What is being drawn, `wall` or `path`, once it has a point. It is not part of the scenario yet.
+    /// The kind of the unfinished drawing, `wall` or `path`, once it has a point. It is not part of the scenario yet.
     #[must_use]
     pub fn unfinished_drawing(&self) -> Option<&'static str> {
         match self.tool {
@@ -80,7 +80,7 @@ impl Editor {
         });
     }
 
-    /// Finishes the drawing and puts the tool away. A wall or path with too few points is dropped.
+    /// Finishes the drawing and deselects the tool. A wall or path with too few points is discarded.
     pub fn finish_tool(&mut self) {
         match std::mem::take(&mut self.tool) {
             Tool::Wall { corners_m } if corners_m.len() >= *WALL_CORNERS.start() => {
@@ -91,7 +91,7 @@ impl Editor {
         }
     }
 
-    /// Finishes an unfinished drawing; another tool stays.
+    /// Finishes an unfinished wall or path; another tool stays selected.
     pub fn finish_drawing(&mut self) {
         if self.is_drafting() {
             self.finish_tool();
@@ -111,15 +111,15 @@ impl Editor {
         });
     }
 
-    /// Removes the last point of the drawing; without a point, puts the tool away.
+    /// Removes the last point of the drawing; without a point, deselects the tool.
     pub fn undo_tool_point(&mut self) {
         if self.tool.points_mut().and_then(Vec::pop).is_none() {
             self.cancel_tool();
         }
     }
 
-    /// Puts the tool away if it no longer fits after a change: its item was `selected` and is not any more, or its rule
-    /// has changed since `before` to a kind without positions.
+    /// Deselects the tool if it no longer fits after a change: the selection is no longer `selected`, or the rule had positions
+    /// in `before` and has none now.
     pub(super) fn check_tool(&mut self, before: &Scenario, selected: Selection) {
         let role = PlacementRole::from_selection(selected);
         let kind = |scenario: &Scenario| role.map(|role| PlacementKind::from_rule(role.of(scenario)));
@@ -137,7 +137,7 @@ impl Editor {
         }
     }
 
-    /// Puts the tool away; an unfinished drawing is lost.
+    /// Deselects the tool and discards an unfinished drawing.
     pub fn cancel_tool(&mut self) {
         self.tool = Tool::Select;
     }

@@ -1,4 +1,4 @@
-//! Handles: the points by which a selected item is dragged.
+//! Handles: the points of a selected item that can be dragged.
 
 use bevy::math::Vec2;
 
@@ -45,11 +45,11 @@ impl HandleKind {
 /// A point that can be dragged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Handle {
-    /// The part that it changes.
+    /// The part that the handle changes.
     pub kind: HandleKind,
-    /// Its position in m.
+    /// The handle's position in m.
     pub position_m: Vec2,
-    /// The value that it changes, formatted with its unit.
+    /// The value that the handle changes, formatted with its unit.
     pub text: String,
     /// A short description for the hint line.
     pub about: &'static str,

@@ -1,4 +1,4 @@
-//! The user's unfinished actions in the editor. Never saved.
+//! The user's unfinished actions in the editor, which are never saved.
 
 use bevy::math::Vec2;
 
@@ -6,7 +6,7 @@ use super::handle::HandleKind;
 use super::selection::Selection;
 use crate::app::commands::Command;
 
-/// What is under the pointer or is being dragged.
+/// The target of the pointer: under it, or being dragged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointerHit {
     /// The floor.
@@ -20,9 +20,9 @@ pub enum PointerHit {
 /// A pressed pointer button.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Press {
-    /// What was pressed.
+    /// The pressed target.
     pub hit: PointerHit,
-    /// Where it was pressed, in m.
+    /// The position of the press, in m.
     pub position_m: Vec2,
 }
 

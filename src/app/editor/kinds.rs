@@ -36,7 +36,7 @@ impl MotionKind {
     }
 }
 
-/// What a placement rule places.
+/// The objects that a placement rule places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlacementRole {
     /// Starts of the robot.

@@ -10,7 +10,7 @@ pub(super) const POLYGON_CORNERS: RangeInclusive<usize> = 3..=32;
 pub(super) const WALL_CORNERS: RangeInclusive<usize> = 2..=256;
 /// Number of corners of a polygonal enclosure.
 pub(super) const ENCLOSURE_CORNERS: RangeInclusive<usize> = 3..=64;
-/// Most points of a path and most positions of a start or goal rule.
+/// Maximum number of points of a path, and of positions of a start or goal rule.
 pub(super) const MAX_POINTS: usize = 256;
 
 /// Smallest size that a drag leaves, in m.
@@ -31,9 +31,9 @@ pub(super) const NEW_CLEARANCE_M: f32 = 0.35;
 
 /// Scenarios with more items than this are checked only at the end of a drag.
 pub(super) const MAX_ITEMS_CHECKED_WHILE_DRAGGING: usize = 1_000;
-/// Most undo steps.
+/// Maximum number of undo steps.
 pub(super) const MAX_UNDO_STEPS: usize = 500;
-/// Most items in all undo snapshots together, so that very large scenarios have fewer undo steps.
+/// Maximum number of items in all undo snapshots together. Very large scenarios therefore have fewer undo steps.
 pub(super) const MAX_SNAPSHOT_ITEMS: usize = 1_000_000;
 
 /// Number of obstacles and wall corners in a scenario.

@@ -1,4 +1,4 @@
-//! The scenario's file: where it came from, and whether it is saved.
+//! The scenario's file, and whether the scenario is saved.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ impl Editor {
         self.saved = Some(Arc::clone(scenario));
     }
 
-    /// Whether `scenario` is this document, now or some undo steps away.
+    /// Whether `scenario` is the current state of this document, or one that undo or redo can restore.
     fn is_version(&self, scenario: &Arc<Scenario>) -> bool {
         let mut versions = std::iter::once(&self.scenario).chain(self.undo_stack.snapshots_of_document());
         versions.any(|version| Arc::ptr_eq(version, scenario) || version == scenario)
@@ -39,7 +39,7 @@ impl Editor {
         self.changed();
     }
 
-    /// The name or file that the scenario came from or was last saved to.
+    /// The name or file that the scenario was opened from or last saved to.
     #[must_use]
     pub fn from(&self) -> &str {
         &self.from

@@ -1,6 +1,6 @@
-//! The selection: which item of the scenario the handles and the inspector show.
+//! The selection: the item of the scenario that the handles and the inspector show.
 
-/// An item of the scenario, or none.
+/// The selected item of the scenario, or nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Selection {
     /// No item; the inspector shows the settings of the scenario.

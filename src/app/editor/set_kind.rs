@@ -1,5 +1,5 @@
-//! Changes of kind: another motion, another start or goal rule, another enclosure, with numbers that fit the scenario.
-//! Whatever the old and the new kind have in common is kept.
+//! Changes of the kind of a motion, a start or goal rule, or the enclosure, with numbers that fit the scenario. Values that
+//! both kinds have are kept.
 
 use bevy::math::{Vec2, vec2};
 
@@ -89,7 +89,7 @@ fn converted_motion(
         MotionKind::RandomWalk => {
             let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);
             let radius_m = (free_m - obstacle.shape.bounding_radius_m()).min(0.5);
-            // The index as the seed, so that no two obstacles walk alike.
+            // The index is the seed, so that no two obstacles have the same walk.
             let seed = u32::try_from(index).unwrap_or_default();
             let radius_m = snap.disabled_if(true).size(radius_m);
             ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S, seed }

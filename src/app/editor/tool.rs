@@ -1,4 +1,4 @@
-//! The tool: what a click in the scenario does.
+//! The tool: the effect of a click on the canvas.
 
 use bevy::math::Vec2;
 

@@ -1,4 +1,4 @@
-//! Undo and redo. Each step keeps the whole scenario before it, shared, so that undo cannot miss a change.
+//! Undo and redo. Each step stores the whole scenario before it (shared in memory), so that undo cannot miss a change.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use super::limits::{MAX_SNAPSHOT_ITEMS, MAX_UNDO_STEPS, item_count};
 use super::selection::Selection;
 use crate::scenario::Scenario;
 
-/// Fewest undo steps, however large the scenario.
+/// Minimum number of undo steps, even for the largest scenario.
 const MIN_UNDO_STEPS: usize = 20;
 
 /// A scenario and its selection.
@@ -24,13 +24,13 @@ pub(super) struct EditSnapshot {
 pub(super) struct Origin {
     /// A name or a file.
     pub from: String,
-    /// The scenario as the file has it; `None` if it was never saved.
+    /// The scenario in the file; `None` if it was never saved.
     pub saved: Option<Arc<Scenario>>,
 }
 
 impl EditSnapshot {
     /// The snapshot, without its origin unless the step to `other` replaces the document. Undoing an ordinary step must
-    /// not forget that the document was saved in between.
+    /// keep the information that the document was saved in between.
     fn for_step_to(mut self, other: &Self) -> Self {
         self.origin = self.origin.filter(|_| other.origin.is_some());
         self

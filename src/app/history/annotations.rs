@@ -1,19 +1,19 @@
 //! Annotations: texts at a position on the x axis, such as "transfer to Scenario II".
 //!
-//! In: a text and its env steps. Out: a bounded number of annotations, however often something happens.
+//! In: a text and its env steps. Out: annotations, whose number is bounded.
 
 /// A text at a position on the x axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Annotation {
     /// Env steps at the first occurrence.
     pub env_steps: u64,
-    /// A few words.
+    /// The text, a few words.
     pub text: String,
     /// Env steps at the last occurrence, if the same text was repeated.
     pub last_env_steps: u64,
 }
 
-/// The most annotations kept.
+/// The maximum number of annotations.
 const MAX_ANNOTATIONS: usize = 60;
 /// A repetition within this share of the axis extends the last annotation.
 const REPEAT_SHARE: f64 = 0.05;

@@ -26,7 +26,7 @@ use crate::run::checkpoint::BestPolicy;
 use crate::run::folder::write_atomic;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 
-/// The most episodes drawn in the PNG; of more, every n-th is drawn.
+/// The maximum number of episodes drawn in the PNG. If there are more, every n-th is drawn.
 const MAX_PNG_EPISODES: u64 = 200_000;
 
 /// The history of a training.
@@ -114,8 +114,8 @@ impl History {
         self.range
     }
 
-    /// The points of the learning curve for export: all episodes (of very many, every n-th) and all
-    /// evaluations, or the points of the downsampled curves if the temporary files failed.
+    /// The points of the learning curve for export: all episodes (or every n-th, if there are very many) and all
+    /// evaluations. If the temporary files failed, the points of the downsampled curves.
     pub fn learning_curve_points(&mut self) -> (Vec<EpisodePoint>, Vec<EvaluationPoint>) {
         (self.episode_points(), self.evaluation_points())
     }
@@ -152,7 +152,7 @@ impl History {
         if all.is_ok() {
             return points;
         }
-        // Their times are unknown; with a NaN cost, none is marked as the best.
+        // The times of these evaluations are unknown. A NaN cost keeps all of them from being marked as the best.
         let point = |point: &egui_plot::PlotPoint| EvaluationPoint {
             env_steps: point.x as u64,
             success_rate: point.y,
@@ -165,7 +165,7 @@ impl History {
     /// Writes a row per episode, with the columns of `episodes.csv`. The file is written atomically.
     ///
     /// # Errors
-    /// If the rows could not be stored, or `to` cannot be written.
+    /// The rows could not be stored, or `to` cannot be written.
     pub fn write_csv(&mut self, to: &Path) -> io::Result<()> {
         write_atomic(to, |file| self.rows.write_csv_to(file))
     }
@@ -173,7 +173,7 @@ impl History {
     /// Writes the learning curve with `title` as a PNG 1280 pixels wide, or in a browser as an SVG.
     ///
     /// # Errors
-    /// If it cannot be drawn, or `to` cannot be written.
+    /// The figure cannot be drawn, or `to` cannot be written.
     pub fn write_png(&mut self, title: &str, to: &Path) -> Result<(), String> {
         let (episodes, evaluations) = self.learning_curve_points();
         let svg = learning_curve_svg(title, &episodes, &evaluations, BestPolicy::COST_TOLERANCE);

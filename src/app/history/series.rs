@@ -1,16 +1,16 @@
 //! Series: curves of any length in a bounded number of points.
 //!
 //! In: one value at a time, with its x. Out: points to draw. A [`DownsampledSeries`] keeps at most
-//! [`MAX_POINTS`] buckets. Each covers the same number of rows (the last one maybe fewer) and stores their
-//! mean, minimum and maximum. When all are full, neighbours are merged in pairs, and from then on a bucket
-//! covers twice as many rows. So the curve keeps its whole length, and a day of training takes no more memory
-//! or drawing time than a minute.
+//! [`MAX_POINTS`] buckets. Each covers the same number of rows (the last one possibly fewer) and stores
+//! their mean, minimum and maximum. When all are full, neighbours are merged in pairs, and a bucket then covers
+//! twice as many rows. The curve keeps its whole length, and a day of training takes no more memory or drawing
+//! time than a minute.
 
 use std::collections::VecDeque;
 
 use egui_plot::PlotPoint;
 
-/// The most points of a series; even, so that full buckets merge in pairs.
+/// The maximum number of points of a series. It is even, so that full buckets merge in pairs.
 pub const MAX_POINTS: usize = 1000;
 /// The window of a moving average, in episodes; shorter at the start of a training.
 pub const MOVING_AVERAGE_EPISODES: usize = 100;
@@ -147,7 +147,7 @@ impl MovingAverage {
             self.rows.pop_front();
         }
         self.rows.push_back((part, whole));
-        // Summed from scratch each time, so that rounding errors do not accumulate.
+        // The sum is computed afresh each time, so that rounding errors do not accumulate.
         let (parts, wholes) = self.rows.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
         self.series.push(x, parts / wholes);
     }

@@ -1,7 +1,7 @@
 //! The spool: all rows of a training, in a temporary file instead of in memory.
 //!
 //! In: rows, one at a time. Out: the same CSV as a headless run writes, or the rows again. The file has no
-//! name, so it disappears with the process, however that ends. In a browser it is in memory.
+//! name, so it disappears when the process exits or crashes. In a browser the rows are in memory.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::fs::File;
@@ -46,7 +46,7 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
     /// Writes all rows as CSV, with a header.
     ///
     /// # Errors
-    /// If a row could not be stored, or `to` cannot be written.
+    /// A row could not be stored, or `to` cannot be written.
     pub fn write_csv_to(&mut self, to: &mut impl Write) -> io::Result<()> {
         self.read(|mut file| io::copy(&mut file, to).map(|_| ()))
     }
@@ -54,7 +54,7 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
     /// Calls `visit` with each row, in order.
     ///
     /// # Errors
-    /// If a row could not be stored, or cannot be read back.
+    /// A row could not be stored, or cannot be read back.
     pub fn for_each(&mut self, mut visit: impl FnMut(Row)) -> io::Result<()> {
         self.read(|file| {
             let mut reader = csv::Reader::from_reader(BufReader::new(file));

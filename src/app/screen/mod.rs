@@ -1,7 +1,7 @@
 //! The screen: draws the whole window, every frame.
 //!
 //! In: the data to draw ([`ScreenInput`]) and the user's view settings ([`ViewState`]). Out: [`Command`]s.
-//! Nothing here can reach the simulation or the learner except by a command, so opening, hovering or clicking
+//! The screen affects the simulation and the learner only through commands, so opening, hovering or clicking
 //! never changes training.
 //!
 //! | file | duty |
@@ -10,7 +10,7 @@
 //! | `editor/` | the scenario editor, in place of the arenas and of the setup panel |
 //! | `plots/` | the right: learning curves |
 //! | `panels/` | the toolbar, the setup panel on the left, notices, help |
-//! | `side_panels.rs`, `bottom_panel.rs` | where the panels are, in wide and in narrow windows |
+//! | `side_panels.rs`, `bottom_panel.rs` | the placement of the panels in wide and in narrow windows |
 //! | `shortcuts.rs`, `key_bindings.rs` | the keyboard, and the table of its shortcuts |
 //! | `widgets/` | icons, buttons and text shared by all of them |
 //! | `theme.rs` | typeface, font sizes, colours |

@@ -40,7 +40,7 @@ pub fn format_value(value: f32) -> String {
     format_decimals(value, decimals_for(value))
 }
 
-/// The number of decimals that gives a number of the size of `value` about three significant digits.
+/// The number of decimals with which `value` has about three significant digits.
 #[must_use]
 pub fn decimals_for(value: f32) -> usize {
     match value.abs() {

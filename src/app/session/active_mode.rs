@@ -1,6 +1,6 @@
-//! The session mode: training, or a demo during which the training is suspended.
+//! The active mode: training, or a demo during which the training is suspended.
 //!
-//! In: the requested [`SessionMode`]. Out: arenas for it (`demo.rs`). A suspended training resumes exactly where it stopped.
+//! In: the requested [`SessionMode`]. Out: the arenas for this mode (`demo.rs`). A suspended training resumes exactly where it stopped.
 
 use std::sync::Arc;
 
@@ -25,13 +25,13 @@ pub enum ActiveMode {
     /// The learner drives in all arenas, and learns.
     #[default]
     Train,
-    /// Something else drives while the training is suspended.
+    /// A demo is shown; the training is suspended.
     Demo(Box<Demo>),
 }
 
 /// A demo: a policy or the user drives, and nothing is learnt.
 pub struct Demo {
-    /// Any mode but [`SessionMode::Train`].
+    /// The mode: any except [`SessionMode::Train`].
     pub(super) mode: SessionMode,
     training: SuspendedTraining,
     pub(super) rounds: Rounds,
@@ -45,7 +45,7 @@ struct SuspendedTraining {
     exploration: Vec<Stream>,
     actions: Actions,
     stats: TrainingStats,
-    /// Changes made to the scenario during the demo, which the training has yet to adopt.
+    /// Changes of the scenario during the demo. The training adopts them when it resumes.
     interventions: Vec<Intervention>,
 }
 
@@ -88,7 +88,7 @@ impl ActiveMode {
         }
     }
 
-    /// Remembers a change of the scenario for the suspended training, if one is suspended. As in the journal, only the last
+    /// Stores a change of the scenario for the suspended training, if there is one. As in the journal, only the last
     /// position of a dragged object counts if the LIDAR is `exact`.
     pub(super) fn record_for_training(&mut self, intervention: &Intervention, exact: bool) {
         let Self::Demo(demo) = self else { return };
@@ -102,7 +102,7 @@ impl ActiveMode {
 /// Switches to `mode`.
 ///
 /// # Errors
-/// There is no second policy, or it cannot drive here. Nothing has changed then.
+/// There is no second policy, or it cannot drive here. The mode is then unchanged.
 pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunError> {
     if mode == world.resource::<ActiveMode>().mode() {
         return Ok(());
@@ -150,10 +150,10 @@ fn resume_training(world: &mut World) {
     world.resource_mut::<Trails>().restart(arenas);
 }
 
-/// Runs `work` while the training is active, then returns to the mode and pace of before.
+/// Runs `work` while the training is active, then restores the previous mode and pace.
 ///
 /// # Errors
-/// Those of `work`; or the mode of before cannot be entered again.
+/// `work` fails, or the previous mode cannot be restored.
 pub(super) fn while_training(
     world: &mut World,
     work: impl FnOnce(&mut World) -> Result<(), RunError>,

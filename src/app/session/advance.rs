@@ -1,7 +1,7 @@
-//! The frame of a session: commands first, then as many control steps as the pacer allows.
+//! The session's work in each frame: it executes commands, then takes as many control steps as the pacer allows.
 //!
-//! In: commands, and the time since the last frame. Out: a world some steps later. A command is never executed in the middle
-//! of a control step.
+//! In: commands, and the time since the last frame. Out: the world after these steps. A command is never executed in the
+//! middle of a control step.
 
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -68,7 +68,7 @@ fn may_step(world: &mut World) -> bool {
 /// Takes one control step.
 ///
 /// # Errors
-/// There is no free space for a start or a goal; or a number is not finite.
+/// There is no free space for a start or a goal, or a number is not finite.
 fn step(world: &mut World) -> Result<(), RunError> {
     let is_training = world.resource::<ActiveMode>().is_training();
     if is_training && evaluations::is_due(world) {

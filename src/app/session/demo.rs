@@ -1,7 +1,7 @@
 //! Demos: a policy or the user drives, and nothing is learnt.
 //!
-//! In: a mode other than training. Out: arenas with their action sources, and one round after another. In each round all
-//! drivers start from the same pose towards the same goal.
+//! In: a mode other than training. Out: arenas with their action sources, and a sequence of rounds. In each round all drivers
+//! have the same start and goal.
 
 use bevy::prelude::*;
 
@@ -17,7 +17,7 @@ use crate::scenario::Motion;
 use crate::sim;
 use crate::task::{Arena, CurrentScenario, Episode, EpisodeEnded, TaskMode};
 
-/// Control steps between the end of a round and the next one, so that the user sees how it ended.
+/// Control steps between two rounds, so that the user sees how a round ended.
 const PAUSE_BETWEEN_ROUNDS: u32 = 4;
 
 /// The rounds of a demo.
@@ -29,7 +29,7 @@ pub(super) struct Rounds {
 }
 
 impl Rounds {
-    /// Counts a control step after which every driver has finished. Returns the next round if it begins now.
+    /// Counts a control step after which every driver has finished. Returns the index of the next round if it begins now.
     fn next(&mut self) -> Option<u64> {
         self.waited += 1;
         if self.waited < PAUSE_BETWEEN_ROUNDS {
@@ -109,7 +109,7 @@ fn begin_round(world: &mut World, round: u64) {
     }
 }
 
-/// `pace`, limited so that one can drive, or watch.
+/// `pace`, limited to a speed at which a user can drive or watch.
 pub(super) fn watchable_pace(pace: Pace, mode: SessionMode) -> Pace {
     let max = if mode == SessionMode::Drive { 1.0 } else { 5.0 };
     match pace {

@@ -1,4 +1,4 @@
-//! Scenario files of the editor: saved, and opened.
+//! Saving and opening of scenario files for the editor.
 //!
 //! In: a scenario and a path. Out: a file, or a scenario to edit; the editor learns the result from an [`EditorReply`].
 
@@ -18,8 +18,8 @@ use crate::run::folder::write_atomic;
 use crate::run::{RunError, shipped};
 use crate::scenario::{MAX_FILE_BYTES, Scenario, path_exists, read_text, to_text};
 
-/// Saves an edited scenario to `path`. The comments are those of `based_on`, the file or shipped scenario that it was made
-/// from, or else those of the file at `path`.
+/// Saves an edited scenario to `path`. The comments are kept from `based_on`, the file or shipped scenario that was edited;
+/// without it, from the file at `path`.
 ///
 /// # Errors
 /// The file cannot be written, or another program has changed it and the user has not confirmed yet.
@@ -59,7 +59,7 @@ pub(super) fn save_scenario(
 /// Opens the scenario at `path`, a file or a shipped scenario's name, in the editor. It need not be valid.
 ///
 /// # Errors
-/// It cannot be read.
+/// The scenario cannot be read.
 pub(super) fn open_in_editor(world: &mut World, path: &Path) -> Result<(), RunError> {
     let from = path.display().to_string();
     let scenario = if path_exists(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;

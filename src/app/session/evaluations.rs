@@ -1,4 +1,4 @@
-//! Evaluation during training: the policies that the background evaluator is given, and the results it returns.
+//! Evaluation during training: submits policies to the background evaluator and records the results.
 //!
 //! In: the policy in training, whenever the preset asks for an evaluation. Out: rows of `evaluations.csv`, the curves, and
 //! the best policy. A result for a scenario that has changed since is discarded.
@@ -23,13 +23,13 @@ use crate::task::CurrentScenario;
 /// The state of the background evaluator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum EvaluatorState {
-    /// Waits for a policy.
+    /// Idle.
     Idle,
-    /// Evaluates a policy.
+    /// Evaluating a policy.
     Running,
-    /// Waits, but for the scenario before the last change: it is replaced before the next evaluation.
+    /// Idle, but built for the scenario before the last change. The evaluator is replaced before the next evaluation.
     Outdated,
-    /// Evaluates a policy in the scenario before the last change: its result is discarded.
+    /// Evaluating a policy in the scenario before the last change. The result will be discarded.
     RunningOutdated,
 }
 
@@ -109,7 +109,7 @@ pub(super) fn is_due(world: &World) -> bool {
     world.resource::<ActiveLearner>().0.env_steps() >= next_evaluation
 }
 
-/// Gives the policy in training to the evaluator, and schedules the next evaluation.
+/// Submits the policy in training to the evaluator, and schedules the next evaluation.
 ///
 /// # Errors
 /// The evaluator's thread has ended.

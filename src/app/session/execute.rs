@@ -1,6 +1,6 @@
 //! The execution of each [`Command`], between two control steps.
 //!
-//! In: a command. Out: its effect, or a notice that says why it failed.
+//! In: a command. Out: the effect, or a notice with the reason for the failure.
 
 use std::path::Path;
 
@@ -133,7 +133,7 @@ fn move_object(world: &mut World, request: &MoveRequest) {
     record(world, &intervention, matches!(request.object, Movable::Obstacle(_)));
 }
 
-/// Records an intervention in the journal. During a demo only a change of the scenario concerns the training.
+/// Records an intervention in the journal. During a demo, only a change of the scenario affects the training.
 fn record(world: &mut World, intervention: &Intervention, changes_scenario: bool) {
     if changes_scenario || world.resource::<ActiveMode>().is_training() {
         let exact = world.resource::<TrainingRun>().config.scenario.lidar.is_exact();

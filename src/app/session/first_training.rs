@@ -1,6 +1,6 @@
 //! The first training of the app.
 //!
-//! In: [`StartOptions`]. Out: the resources of the session, with a notice for each option that cannot be used.
+//! In: [`StartOptions`]. Out: the resources of the session, with a notice for each invalid option.
 
 use std::path::Path;
 
@@ -17,8 +17,8 @@ use super::start_training::{insert_run, prepare_new, scenario_topic};
 use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
 
-/// Starts the first training. The options were checked before; if they cannot be used after all, the default training
-/// starts, with a notice.
+/// Starts the first training. The options were checked before; if one is nevertheless invalid, the default training starts,
+/// with a notice.
 pub(super) fn start_first(world: &mut World, start: &StartOptions) {
     let default = StartOptions::default();
     let requested = prepare_new(&start.scenario, &start.preset, start.seed, &start.extensions);
@@ -44,7 +44,7 @@ pub(super) fn start_first(world: &mut World, start: &StartOptions) {
         notify(world, scenario_topic(&start.scenario, is_broken), Severity::Error, problem);
     }
     if start.edit && world.resource::<TrainingRun>().config.scenario_from != start.scenario {
-        // The scenario is invalid, as the notice says, but perhaps it can be fixed in the editor.
+        // The scenario is invalid and has a notice, but the user may fix it in the editor.
         let _ = editor_files::open_in_editor(world, Path::new(&start.scenario));
     }
     if let Some(path) = &start.open {

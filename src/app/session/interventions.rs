@@ -29,7 +29,7 @@ pub enum Intervention {
         arena: usize,
         /// The object.
         object: Movable,
-        /// Its new position in m; for an obstacle, that at step 0.
+        /// The object's new position in m; for an obstacle, the position at step 0.
         to_m: Vec2,
     },
     /// Another scenario was adopted from the editor or from its file. Every arena began a new episode.
@@ -49,10 +49,10 @@ impl Intervention {
     }
 }
 
-/// The intervention that fulfils `request` in `world` as it is now.
+/// The intervention that carries out `request` in the current state of `world`.
 ///
 /// # Errors
-/// Why the object cannot be moved there.
+/// The reason why the object cannot be moved there.
 pub fn resolve(world: &mut World, request: &MoveRequest) -> Result<Intervention, MoveRejection> {
     let &MoveRequest { arena, object, to_m } = request;
     let scenario = world.resource::<CurrentScenario>().0.clone();

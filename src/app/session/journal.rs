@@ -1,7 +1,7 @@
 //! The journal: every intervention in a training, so that the training can be replayed bit for bit.
 //!
-//! In: each intervention, and the number of control steps before it. Out: `journal.ron` in the folder of a saved run; and the
-//! same training again, without a window ([`Journal::replay`], [`verify`]).
+//! In: each intervention, and the number of control steps before it. Out: `journal.ron` in the folder of a saved run; and a
+//! headless replay of the training ([`Journal::replay`], [`verify`]).
 
 use std::path::Path;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ const MAX_MOVE_M: f32 = 1000.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JournalEntry {
-    /// Control steps of the training before it.
+    /// Control steps of the training before the intervention.
     pub after_steps: u64,
     /// The intervention.
     pub intervention: Intervention,
@@ -57,8 +57,8 @@ impl Journal {
         Self { config, steps: 0, entries: Vec::new() }
     }
 
-    /// The journal of the run in `folder`, whose learner is `learner`. A run trained without a window has no journal file,
-    /// because nobody intervened. A run that continued without a window has one that ends before the run does.
+    /// The journal of the run in `folder`, whose learner is `learner`. A headless run has no journal file, because it
+    /// has no interventions. The journal of a run that was resumed headless ends before the run does.
     ///
     /// # Errors
     /// The file cannot be read, is invalid, or belongs to another run.
@@ -81,7 +81,7 @@ impl Journal {
     /// Checks that the journal can be replayed. It may come from an untrusted source.
     ///
     /// # Errors
-    /// Something in it is invalid.
+    /// A value in the journal is invalid.
     fn check(&self) -> Result<(), String> {
         let RunConfig { scenario, preset, .. } = &self.config;
         let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
@@ -135,7 +135,7 @@ impl Journal {
     /// if any.
     ///
     /// # Errors
-    /// The configuration or the policy cannot be used, or the training fails.
+    /// The configuration or the policy is invalid, or the training fails.
     pub fn replay(&self, policy: Option<&Policy>) -> Result<Simulation, RunError> {
         let learner = training_setup::create_learner(&self.config, policy)?;
         let scenario = Arc::new(self.config.scenario.clone());
@@ -178,7 +178,7 @@ pub struct ReplayResult {
 /// Replays the run saved in the folder at `path`, and compares the learner with that of its checkpoint.
 ///
 /// # Errors
-/// The folder holds no run, or one that cannot be used.
+/// The folder has no run, or an invalid one.
 pub fn verify(path: &Path) -> Result<ReplayResult, RunError> {
     let (folder, config) = RunFolder::open(path)?;
     let learner = checkpoint::load(&folder, &config)?.learner;
@@ -196,7 +196,7 @@ pub fn verify(path: &Path) -> Result<ReplayResult, RunError> {
 /// The policy that the run in `folder` started from, if any.
 ///
 /// # Errors
-/// Its file cannot be read.
+/// The policy's file cannot be read.
 pub fn initial_policy(folder: &RunFolder, config: &RunConfig) -> Result<Option<Policy>, RunError> {
     if config.transfer.is_none() {
         return Ok(None);

@@ -1,6 +1,6 @@
-//! The session: the training behind the screen. It executes commands, advances time and records what happens.
+//! The training session of the app. It executes commands, advances simulated time and records the training.
 //!
-//! In: commands, and the time between frames. Out: control steps of the same plugins that train without a window, and the
+//! In: commands, and the time between frames. Out: control steps of the same plugins that a headless run uses, and the
 //! resources below.
 //!
 //! | file | resource | duty |
@@ -15,13 +15,13 @@
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
 //! | `notices.rs` | [`Notices`] | messages to the user |
-//! | `trails.rs` | [`Trails`] | paths driven |
+//! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
-//! | `execute.rs` | | each command |
+//! | `execute.rs` | | the execution of each command |
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
 //! | `start_training.rs`, `first_training.rs` | | the start of a training |
 //! | `demo.rs` | | a policy or the user drives |
-//! | `save.rs`, `editor_files.rs` | | files written |
+//! | `save.rs`, `editor_files.rs` | | the saving of files |
 //!
 //! What is learnt depends on the configuration, the journal and the number of steps; not on when the steps were taken, nor on
 //! what was displayed.
@@ -72,9 +72,9 @@ pub use training_run::TrainingRun;
 /// Options of the first training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartOptions {
-    /// A shipped scenario's name, or a file.
+    /// The scenario: a file or a shipped name.
     pub scenario: String,
-    /// A shipped preset's name, or a file.
+    /// The preset: a file or a shipped name.
     pub preset: String,
     /// Seed of every random draw.
     pub seed: u64,
@@ -84,16 +84,16 @@ pub struct StartOptions {
     pub paused: bool,
     /// A policy or a run to open at once.
     pub open: Option<PathBuf>,
-    /// Whether to open the scenario in the editor. It may be invalid then.
+    /// Whether to open the scenario in the editor. The scenario may then be invalid.
     pub edit: bool,
-    /// Problems with options, as messages to the user. The options have their defaults instead.
+    /// Messages about invalid options, which are replaced by their defaults.
     pub invalid_options: Vec<String>,
     /// A user's plugins.
     pub extensions: Extensions,
 }
 
 impl Default for StartOptions {
-    /// Scenario I and the default preset at five times real time: the robot can drive within the first minute.
+    /// Scenario I and the default preset at five times real time. The robot learns to drive within the first minute.
     fn default() -> Self {
         Self {
             scenario: "scenario-1".into(),
@@ -113,7 +113,7 @@ impl Default for StartOptions {
 #[derive(Resource)]
 pub struct TrainingHistory(pub History);
 
-/// Runs the session. Adds the plugins of the training itself.
+/// The plugin of the session. It adds the plugins of the training.
 pub struct SessionPlugin {
     /// Options of the first training.
     pub start: StartOptions,

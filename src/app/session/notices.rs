@@ -1,7 +1,7 @@
 //! Notices: messages to the user, one per topic.
 //!
-//! In: what happened. Out: the [`Notice`]s that the screen shows. Confirmations disappear after a while, errors stay until
-//! they are dismissed or their topic has better news.
+//! In: events. Out: the [`Notice`]s that the screen shows. A confirmation disappears after a while. An error stays until it is
+//! dismissed or its topic succeeds.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use bevy::prelude::*;
 
 use crate::app::app_snapshot::{Notice, Severity};
 
-/// At most this many notices are kept; the oldest goes first.
+/// Maximum number of notices; beyond it, the oldest is removed.
 const MAX_NOTICES: usize = 4;
 
 /// Time after which a confirmation disappears.
@@ -19,7 +19,7 @@ const INFO_NOTICE_DURATION: Duration = Duration::from_secs(8);
 /// The subject of a notice. A newer notice replaces the one with the same topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoticeTopic {
-    /// No particular subject: replaces only a notice with the same text.
+    /// No particular subject. The notice replaces only one with the same text.
     General,
     /// A file or folder, by its path.
     File(String),
@@ -68,7 +68,7 @@ impl Notices {
         self.0.retain(|entry| entry.topic != *topic || entry.notice.severity != Severity::Error);
     }
 
-    /// Removes what was reported about a training that is being replaced.
+    /// Removes the notices about a training that is being replaced.
     pub(super) fn remove_training(&mut self) {
         self.remove(&NoticeTopic::TrainingWarning);
         self.remove(&NoticeTopic::TrainingFailure);

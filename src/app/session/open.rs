@@ -1,7 +1,7 @@
 //! Files opened in the app: a run or its checkpoint, a policy, a scenario, a preset.
 //!
-//! In: a path. Out: a training that resumes or starts, or a second policy to compare with; otherwise a notice that says why
-//! the file cannot be used.
+//! In: a path. Out: a training that resumes or starts, or a second policy to compare with; otherwise a notice with the
+//! error.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, shipped};
 use crate::scenario::{Scenario, read_text};
 
-/// What the user has opened. A new training keeps it.
+/// The files that the user has opened. A new training keeps them.
 #[derive(Resource, Default)]
 pub struct OpenedFiles {
     /// A second policy to compare with, and its name.
@@ -29,11 +29,11 @@ pub struct OpenedFiles {
     pub scenarios: Vec<Choice>,
     /// The user's own presets.
     pub presets: Vec<Choice>,
-    /// A path that the user wanted to open once, although an unsaved training would be lost.
+    /// A path that the user has asked once to open, although an unsaved training would be lost.
     pub(super) requested_once: Option<PathBuf>,
 }
 
-/// Opens the file at `path`. Reports the result, or why the file cannot be opened.
+/// Opens the file at `path`, and reports the result or the error.
 pub(super) fn open_or_notify(world: &mut World, path: &Path) {
     let topic = NoticeTopic::File(path.display().to_string());
     match open(world, path) {
@@ -49,7 +49,7 @@ pub(super) fn open_or_notify(world: &mut World, path: &Path) {
     }
 }
 
-/// Checks that opening `path` would lose no unsaved training, or that the user confirms it by asking twice.
+/// Checks that opening `path` loses no unsaved training, or that the user confirms the loss by asking twice.
 ///
 /// # Errors
 /// An unsaved training would be lost, and the user asks for the first time.
@@ -156,7 +156,7 @@ pub(crate) fn expert(config: &RunConfig) -> Option<(String, &'static Policy)> {
 /// Checks that `policy`, called `name`, can drive in the scenario of `config` with the observations of its preset.
 ///
 /// # Errors
-/// The reason why it cannot.
+/// The reason why the policy cannot drive there.
 pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -> Result<(), RunError> {
     let unusable = |why: String| RunError::InvalidInput(format!("{name}: {why}"));
     evaluate::check_compatible(policy, &config.scenario, &config.observation_layout())

@@ -9,22 +9,23 @@ use bevy::prelude::Resource;
 
 use crate::app::commands::Pace;
 
-/// Time that steps may take of a frame. The rest of 1/60 s is for drawing.
+/// Budget of a frame for steps. The rest of 1/60 s is for drawing.
 const STEP_BUDGET: Duration = Duration::from_millis(12);
 
-/// Upper limit of the budget where drawing is slow. If drawing alone takes longer than 1/30 s, steps may take as long as
-/// drawing, up to this; otherwise a slow machine would spend little of its time on learning. Together with a step that has
+/// Maximum of the budget on slow machines. If drawing takes longer than 1/30 s, the budget is as long as the drawing, up to
+/// this maximum; otherwise a slow machine would spend most of its time on drawing. Together with a step that has
 /// already begun, this stays below 50 ms.
 const MAX_STEP_BUDGET: Duration = Duration::from_millis(36);
 
 /// Drawing that takes longer than this raises the budget.
 const SLOW_DRAWING: Duration = Duration::from_millis(33);
 
-/// A frame that took longer than this, in s, is not caught up with: the window was hidden, or the system hung. (A software
+/// Maximum time between two frames, in s, that the simulation catches up with. After a longer one, the window was hidden, or
+/// the system hung. (A software
 /// GPU may need 0.2 s per frame.)
 const MAX_FRAME_S: f64 = 0.25;
 
-/// The state of the simulated time.
+/// The state of simulated time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TimeState {
     /// Time passes at the pace.
@@ -33,7 +34,7 @@ enum TimeState {
     Paused,
     /// Time is paused after one more step.
     SingleStep,
-    /// No step is taken while a screenshot is, though the screen shows running time.
+    /// Time appears to run, but no step is taken, because a screenshot is taken.
     OnHold,
 }
 
@@ -43,13 +44,13 @@ pub struct Pacer {
     /// Requested pace while time runs.
     pub pace: Pace,
     time: TimeState,
-    /// Simulated time in s that has passed on the screen and has not been stepped yet.
+    /// Simulated time in s for which no step has been taken yet.
     pending_s: f64,
     /// Duration of one control step, in s of simulated time.
     period_s: f64,
-    /// Time that steps may take of this frame.
+    /// Budget of this frame for steps.
     budget: Duration,
-    /// Time that steps took of the last frame, or of this one so far.
+    /// Time spent on steps in the last frame, or so far in this one.
     spent: Duration,
 }
 
@@ -105,7 +106,7 @@ impl Pacer {
         }
     }
 
-    /// Whether to take another step in this frame, which has stepped for `spent` already.
+    /// Whether to take another step in this frame, after `spent` on steps.
     pub fn should_step(&mut self, spent: Duration) -> bool {
         self.spent = spent;
         match self.time {
@@ -150,7 +151,7 @@ impl Pacer {
         self.spent
     }
 
-    /// Progress of the picture from the state before the last step (0) to the state after it (1).
+    /// Interpolation parameter of the displayed state: from 0, before the last step, to 1, after it.
     #[must_use]
     pub fn interpolation(&self) -> f32 {
         (self.pending_s / self.period_s).clamp(0.0, 1.0) as f32
@@ -227,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_is_interpolated_between_two_steps() {
+    fn the_displayed_state_is_interpolated_between_two_steps() {
         let mut pacer = Pacer::new(Pace::Times(1.0), false);
         steps_in(&mut pacer, 0.1);
         assert!((pacer.interpolation() - 0.5).abs() < 1e-6);

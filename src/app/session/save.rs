@@ -1,6 +1,6 @@
 //! Files written by the app: the policy, the run, the episodes, the curves, the scenario.
 //!
-//! In: what to save, and where. Out: a file or a folder, complete or not at all.
+//! In: the part to save, and a path. Out: a file or a folder. After a failure, nothing is left behind.
 
 use std::io::Write;
 use std::path::Path;
@@ -15,13 +15,13 @@ use super::evaluations::{self, Evaluations};
 use super::journal::{JOURNAL, Journal};
 use super::training_run::TrainingRun;
 use crate::app::commands::SaveKind;
-use crate::run::folder::{INITIAL_POLICY_FILE, RunFolder, write_atomic};
+use crate::run::folder::{RunFolder, write_atomic};
 use crate::run::metric_rows::EvaluationRow;
 use crate::run::{RunError, checkpoint, metrics};
 use crate::scenario::to_ron;
 
 impl TrainingRun {
-    /// A file name for `what`.
+    /// The suggested name of the file.
     #[must_use]
     pub fn suggested_file_name(&self, what: SaveKind) -> String {
         let config = &self.config;
@@ -74,8 +74,8 @@ fn policy_bytes(world: &World) -> Result<Vec<u8>, RunError> {
     }
 }
 
-/// Saves a folder that `--train --resume` can continue, with `journal.ron` in it. A suspended training is resumed for the
-/// time of saving.
+/// Saves a folder that `--train --resume` can continue, with `journal.ron` in it. A suspended training is resumed while
+/// it is saved.
 fn save_run(world: &mut World, path: &Path) -> Result<(), RunError> {
     if cfg!(target_arch = "wasm32") {
         let why =
@@ -108,7 +108,8 @@ fn write_run_atomically(world: &mut World, path: &Path) -> Result<(), RunError> 
 fn write_run(world: &mut World, path: &Path) -> Result<(), RunError> {
     evaluations::record_finished(world, true)?;
     world.resource_scope(|world, mut run: Mut<TrainingRun>| {
-        let folder = RunFolder::create(Some(path.into()), &run.config)?;
+        let initial_policy = run.initial_policy.as_ref().map(metrics::policy_bytes).transpose()?;
+        let folder = RunFolder::create(Some(path.into()), &run.config, initial_policy.as_deref())?;
         write_rows(world, &mut run, &folder)?;
         run.trainer_state.wall_s = run.wall_s();
         checkpoint::save(&folder, world, &mut run.trainer_state)?;
@@ -139,16 +140,12 @@ fn write_rows(world: &mut World, run: &mut TrainingRun, folder: &RunFolder) -> R
     Ok(())
 }
 
-/// Writes the last policy, the best one, and the one that the run started from.
+/// Writes the last policy and the best one.
 fn write_policies(world: &World, run: &TrainingRun, folder: &RunFolder) -> Result<(), RunError> {
     let bytes = metrics::policy_bytes(&metrics::policy(&run.config, world))?;
     folder.write("policy-last.safetensors", |file| file.write_all(&bytes))?;
     if let Some(best) = &run.trainer_state.best {
         folder.write("policy.safetensors", |file| file.write_all(&best.bytes))?;
-    }
-    if let Some(initial_policy) = &run.initial_policy {
-        let bytes = metrics::policy_bytes(initial_policy)?;
-        folder.write(INITIAL_POLICY_FILE, |file| file.write_all(&bytes))?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
-//! Changes of the scenario under a training: edited in the app, or rewritten in its file.
+//! Changes of the scenario of a training, made in the editor or in the scenario's file.
 //!
-//! In: a scenario. Out: the training continues in it, or restarts there.
+//! In: a scenario. Out: the training, continued or restarted in that scenario.
 
 use bevy::prelude::*;
 
@@ -27,7 +27,7 @@ use crate::task::CurrentScenario;
 /// Continues the training in an edited scenario, or restarts it there.
 ///
 /// # Errors
-/// The scenario is invalid, or the network does not fit it. Nothing has changed then.
+/// The scenario is invalid or does not fit the network. The training is then unchanged.
 pub(super) fn apply_edited(
     world: &mut World,
     scenario: &Scenario,
@@ -52,7 +52,7 @@ pub(super) fn apply_edited(
 /// Continues the training in `scenario`, with a new episode in every arena.
 ///
 /// # Errors
-/// The network does not fit it. Nothing has changed then.
+/// The scenario does not fit the network. The training is then unchanged.
 fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
     check_can_switch(&world.resource::<TrainingRun>().config, scenario)?;
     active_mode::while_training(world, |world| {
@@ -70,7 +70,7 @@ fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunErro
 /// Checks that the training of `config` can continue in `scenario`.
 ///
 /// # Errors
-/// The network was made for other numbers of beams or motions, or the scenario needs too much memory.
+/// The network has other numbers of beams or motions, or the scenario needs too much memory.
 pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Result<(), RunError> {
     let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
     let ((beams, motions), here) = (shape(scenario), shape(&config.scenario));
@@ -104,7 +104,7 @@ pub(super) fn on_scenario_changed(world: &mut World) {
     let scenario = Scenario::clone(&world.resource::<CurrentScenario>().0);
     let mut run = world.resource_mut::<TrainingRun>();
     run.config.scenario = scenario;
-    // The best policy of the previous scenario may be a bad one in this scenario.
+    // The best policy of the previous scenario may fail in this one.
     run.trainer_state.best = None;
     world.resource_mut::<Evaluations>().mark_outdated();
     world.resource_mut::<ScenarioSource>().forget_saved();

@@ -19,7 +19,7 @@ pub struct ScenarioSource {
     pub(super) loaded: Scenario,
     /// A scenario to adopt when the next episode ends.
     pub(super) pending: Option<Scenario>,
-    /// The scenario that was saved last. `None` once the scenario of the training has changed after it.
+    /// The scenario that was saved last; `None` if the training's scenario has changed since.
     pub(super) saved: Option<ScenarioFile>,
     /// The scenario that was opened last in the editor.
     pub(super) opened_in_editor: Option<ScenarioFile>,
@@ -39,7 +39,7 @@ impl ScenarioSource {
         }
     }
 
-    /// Keeps what `old` knows about files when a new training replaces one.
+    /// Copies the known contents of files from `old`, when a new training replaces one.
     pub(super) fn keep_known_files(&mut self, old: Self) {
         self.saved = old.saved;
         self.opened_in_editor = old.opened_in_editor;
@@ -57,14 +57,14 @@ impl ScenarioSource {
         self.saved.as_ref()
     }
 
-    /// Forgets the saved scenario: the scenario of the training is newer.
+    /// Discards the saved scenario, because the training's scenario is newer.
     pub(super) fn forget_saved(&mut self) {
         self.saved = None;
     }
 
-    /// Checks that writing `scenario` to `path` overwrites no changes of another program. It may be written if its content is
-    /// as last read or written here, if it was never read here (the file dialog has asked for confirmation), or if the user
-    /// asks twice.
+    /// Checks that writing `scenario` to `path` overwrites no changes of another program. The file may be written if its
+    /// content is as last read or written by the app, if the app never read it (the file dialog has asked for confirmation), or
+    /// if the user asks twice.
     ///
     /// # Errors
     /// Another program has changed the file, and the user asks for the first time.
@@ -94,7 +94,7 @@ impl ScenarioSource {
     }
 }
 
-/// The current content of `from`, a shipped scenario's name or a file.
+/// The current content of `from`, a file or a shipped name.
 pub(super) fn load_source(from: &str) -> Option<Scenario> {
     shipped::scenario(from).ok()
 }

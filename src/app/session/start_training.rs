@@ -1,7 +1,7 @@
 //! Starting a training in the app: from random weights, from a policy, or from a checkpoint.
 //!
-//! In: names or files. Out: a new [`TrainingRun`] in place of the previous one, its arenas at their first observation. If
-//! something cannot be used, nothing changes.
+//! In: names or files. Out: a new [`TrainingRun`] in place of the previous one, with its arenas reset. After an error,
+//! nothing has changed.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<Prepared
 /// Prepares a training from random weights.
 ///
 /// # Errors
-/// The scenario or the preset cannot be used.
+/// The scenario or the preset is invalid.
 pub(super) fn prepare_new(
     scenario: &str,
     preset: &str,
@@ -107,7 +107,7 @@ pub(super) fn start_or_notify(world: &mut World, scenario: &str, preset: &str, s
 /// Starts a training from random weights.
 ///
 /// # Errors
-/// The scenario or the preset cannot be used.
+/// The scenario or the preset is invalid.
 pub(super) fn start_training(
     world: &mut World,
     scenario: &str,
@@ -140,7 +140,7 @@ pub(super) fn start_in_scenario(world: &mut World, scenario: Scenario, from: Str
 /// Exploration starts at `epsilon`, limited to 0..1.
 ///
 /// # Errors
-/// The policy does not fit.
+/// The policy does not fit the scenario or the preset.
 pub(super) fn start_from_policy(
     world: &mut World,
     scenario: Option<(&str, Scenario)>,
@@ -161,7 +161,7 @@ pub(super) fn start_from_policy(
 /// Resumes the run in the folder at `path`.
 ///
 /// # Errors
-/// The folder holds no run, or one that cannot be used.
+/// The folder has no run, or an invalid one.
 pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
     let (folder, config) = RunFolder::open(path)?;
     let config = config.resume_with_extensions(&world.resource::<TrainingRun>().config.extensions, path)?;

@@ -22,7 +22,7 @@ pub struct ArenaTrails {
     pub finished: VecDeque<Trail>,
     /// Goals reached since the current driver took over.
     pub goals_reached: u32,
-    /// Collisions since then.
+    /// Collisions since the current driver took over.
     pub collisions: u32,
     /// Pose before the last step; `None` if the robot has been moved since, or has a new start.
     pub previous_pose: Option<Pose>,

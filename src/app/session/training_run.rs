@@ -9,7 +9,7 @@ use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;
 
-/// A training with more env steps than this is worth a question before it is discarded.
+/// Maximum number of env steps of a training that may be discarded without a confirmation.
 const MIN_ENV_STEPS_WORTH_KEEPING: u64 = 20_000;
 
 /// The training run.

@@ -39,17 +39,17 @@ impl BackgroundEvaluator {
     /// Submits a candidate.
     ///
     /// # Errors
-    /// None; the threaded evaluator has some.
+    /// Never; the signature is that of the threaded evaluator.
     pub fn submit(&mut self, candidate: Candidate) -> Result<(), RunError> {
         self.pending.push_back(candidate);
         Ok(())
     }
 
-    /// Works for a time slice, or until the result is there if `wait` is set. Returns the next result, or
-    /// `None` if it is not there yet or no candidate is pending.
+    /// Works for one time slice, or until the result is ready if `wait` is set. Returns the next result, or
+    /// `None` if it is not ready or no candidate is pending.
     ///
     /// # Errors
-    /// None; the threaded evaluator has some.
+    /// Never; the signature is that of the threaded evaluator.
     pub fn poll(&mut self, wait: bool) -> Result<Option<EvalResult>, RunError> {
         let Some(candidate) = self.pending.front() else { return Ok(None) };
         let began = Instant::now();

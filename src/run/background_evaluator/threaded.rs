@@ -53,8 +53,8 @@ impl BackgroundEvaluator {
         Ok(())
     }
 
-    /// The next result. Without one, waits for it if `wait` is set, else returns `None`. Also `None` if no
-    /// candidate is pending.
+    /// The next result; `None` if no candidate is pending. If the result is not ready, waits for it if `wait` is
+    /// set, and otherwise returns `None`.
     ///
     /// # Errors
     /// The evaluator thread has panicked.

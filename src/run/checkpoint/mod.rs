@@ -1,4 +1,4 @@
-//! Checkpoints of a run: everything that a resumed run needs to continue bit-identically.
+//! Checkpoints of a run: the complete state from which a run resumes bit-identically.
 //!
 //! In: the learner, the arenas, the random streams, the lengths of the CSV files. Out:
 //! `checkpoint/latest.bin`, written atomically, and the two checkpoints before it. If the newest cannot be
@@ -19,6 +19,7 @@ use bevy::prelude::World;
 use super::RunError;
 use super::folder::{RunConfig, RunFolder};
 use super::limits::MAX_HEAD_BYTES;
+use super::write_points::write_point;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
 use crate::learning::Learner;
 use crate::learning::framing::{HeaderError, HeaderFormat};
@@ -40,12 +41,12 @@ const FORMAT: HeaderFormat =
 /// The checkpoint cannot be written; the previous one is kept.
 pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerState) -> Result<(), RunError> {
     folder.write(NAMES[0], |file| write_to(file, world, trainer_state))?;
-    // From the oldest to the newest: whenever this is interrupted, all files are complete and in order.
+    // The oldest file is renamed first. If this is interrupted at any point, all files are complete and in order.
     for (from, to) in NAMES.iter().zip(&NAMES[1..]).rev() {
         let (from, to) = (folder.path().join(from), folder.path().join(to));
         match std::fs::rename(&from, &to) {
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(RunError::failed(&to, error)),
-            _ => {}
+            _ => write_point("checkpoint: renamed"),
         }
     }
     Ok(())
@@ -61,6 +62,7 @@ pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut Tra
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
     FORMAT.write(&mut file, trainer_state)?;
+    write_point("checkpoint: state written");
     world.resource::<ActiveLearner>().0.save(file).map_err(io::Error::other)
 }
 
@@ -121,7 +123,7 @@ fn read(path: &Path, config: &RunConfig) -> Result<(TrainerState, Learner), RunE
 /// every value is checked.
 ///
 /// # Errors
-/// What is wrong with the file.
+/// The file is invalid. The message describes the problem.
 pub fn read_from(mut file: impl Read, config: &RunConfig) -> Result<(TrainerState, Learner), String> {
     let mut trainer_state: TrainerState = FORMAT.read(&mut file).map_err(header_error)?;
     trainer_state.distribute_extensions()?;

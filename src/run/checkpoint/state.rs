@@ -37,9 +37,9 @@ pub struct TrainerState {
     pub last_success_rate: Option<f64>,
     /// The best policy so far.
     pub best: Option<BestPolicy>,
-    /// When a success rate of 96 % was first reached.
+    /// The first evaluation with a success rate of at least 96 %.
     pub first_96: Option<Milestone>,
-    /// When a success rate of 99 % was first reached.
+    /// The first evaluation with a success rate of at least 99 %.
     pub first_99: Option<Milestone>,
     /// Wall time up to this checkpoint, in s, over all processes of the run.
     pub wall_s: f64,
@@ -69,14 +69,13 @@ impl ArenaExtension {
 /// The best policy so far: the latest one whose mean cost is within [`BestPolicy::COST_TOLERANCE`] of the
 /// minimum.
 ///
-/// The cost of an episode is its simulated time; a failure costs the whole time limit. A smaller difference
-/// over some hundred episodes is noise, and of two equally good policies the one trained longer is the better
-/// bet.
+/// The cost of an episode is its simulated time; a failure costs the whole time limit. Over a few
+/// hundred episodes, a difference within the tolerance is noise; of two such policies, the one trained longer is kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BestPolicy {
     /// Share of episodes that succeeded, 0 to 1.
     pub success_rate: f64,
-    /// Mean simulated time of those, in s.
+    /// Mean simulated time of the successful episodes, in s.
     pub mean_time_s: Option<f64>,
     /// Mean cost of all episodes, in s.
     pub mean_cost_s: f64,
@@ -152,7 +151,7 @@ impl TrainerState {
 }
 
 impl BestPolicy {
-    /// Whether the policy can be read and the numbers are possible results of an evaluation.
+    /// Whether the policy is readable and the numbers are possible results of an evaluation.
     fn is_valid(&self) -> bool {
         let times = [self.mean_cost_s, self.min_cost_s].into_iter().chain(self.mean_time_s);
         (0.0..=1.0).contains(&self.success_rate)

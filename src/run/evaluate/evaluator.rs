@@ -200,7 +200,7 @@ pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
 /// Checks that `policy` fits the observations (`layout`) and actions of `scenario`.
 ///
 /// # Errors
-/// The policy's inputs or actions, and those of the scenario.
+/// The policy's inputs or actions differ from those of the scenario. The message names both.
 pub fn check_compatible(
     policy: &Policy,
     scenario: &Scenario,

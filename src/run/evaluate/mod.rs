@@ -6,8 +6,8 @@
 //!
 //! **Success**: the robot gets closer to the goal than l_a (0.2 m) before a LIDAR range is below l_c (0.13 m)
 //! or its body touches anything, within the scenario's time limit (500 steps, 100 s). An episode has one
-//! start and one goal, drawn from random streams that training never uses, and starts at one moment of the
-//! obstacles' motion.
+//! start and one goal, drawn from random streams that training never uses. The obstacles' clock at the
+//! start is drawn too.
 
 mod evaluator;
 mod optimum;
@@ -23,9 +23,9 @@ pub use optimum::{OptimumComparison, bounds, compare_with_optimum};
 /// The result of one episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EpisodeResult {
-    /// The reason of its end.
+    /// The reason why the episode ended.
     pub end: EpisodeEnd,
-    /// Its length in control steps.
+    /// The length of the episode in control steps.
     pub steps: u32,
     /// The robot's initial pose.
     pub start: Pose,
@@ -56,14 +56,14 @@ pub struct Evaluation {
     pub collision_rate: f64,
     /// Share of episodes that ended at the time limit, 0 to 1.
     pub timeout_rate: f64,
-    /// Mean simulated time of the successful episodes, in s; `None` without any.
+    /// Mean simulated time of the successful episodes, in s; `None` if none succeeded.
     pub mean_time_s: Option<f64>,
     /// Mean cost, in s: the simulated time of an episode, or the whole time limit if it failed. The best
-    /// policy of a run is chosen by it.
+    /// policy of a run is the one with the lowest cost.
     pub mean_cost_s: f64,
     /// Number of episodes.
     pub episodes: usize,
-    /// The seed of their starts and goals.
+    /// The seed of the episodes' starts and goals.
     pub seed: u64,
 }
 

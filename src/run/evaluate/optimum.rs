@@ -56,7 +56,7 @@ pub struct OptimumComparison {
     pub episodes: usize,
     /// Mean time of the planned paths, in s.
     pub optimum_mean_time_s: f64,
-    /// Mean time of the policy divided by that of the planned paths. 1 is optimal if the planned paths are.
+    /// Mean time of the policy divided by that of the planned paths. If these are optimal, so is a ratio of 1.
     pub time_ratio: f64,
     /// Mean time of the policy divided by the mean of the proven lower bounds, 1 or more. The ratio to the
     /// true optimum lies between `time_ratio` and this.
@@ -91,8 +91,7 @@ impl OptimumComparison {
 }
 
 /// Compares the successful episodes with their [`bounds`], computed on all cores. `None` if there is nothing
-/// to compare, or the planner does not model the scenario ([`planner::is_supported`]; it does not model
-/// actuator lag).
+/// to compare, or the planner does not support the scenario ([`planner::is_supported`]).
 #[must_use]
 pub fn compare_with_optimum(scenario: &Scenario, episodes: &[EpisodeResult]) -> Option<OptimumComparison> {
     let succeeded: Vec<EpisodeResult> = episodes.iter().filter(|n| n.succeeded()).copied().collect();

@@ -8,12 +8,13 @@ use serde::de::DeserializeOwned;
 
 use super::RunFolder;
 use crate::run::RunError;
+use crate::run::write_points::write_point;
 
 impl RunFolder {
     /// The rows of the CSV file `name`.
     ///
     /// # Errors
-    /// The file cannot be read, or its rows are not of type `Row`.
+    /// The file cannot be read, or a row cannot be parsed as `Row`.
     pub fn rows<Row: DeserializeOwned>(&self, name: &str) -> Result<Vec<Row>, RunError> {
         let path = self.path.join(name);
         let rows = csv::Reader::from_path(&path).map(|mut reader| reader.deserialize().collect());
@@ -40,6 +41,7 @@ impl RunFolder {
                 ));
             }
             file.set_len(bytes)?;
+            write_point("CSV: truncated");
             file.seek(SeekFrom::End(0))?;
             if bytes == 0 {
                 let header = header::<Row>()?;

@@ -1,4 +1,4 @@
-//! A run folder. Every file in it is written atomically.
+//! A run folder: the files of one training run. Every file is written atomically.
 //!
 //! | file | contents |
 //! |---|---|
@@ -25,6 +25,7 @@ use super::RunError;
 use super::limits::MAX_CONFIG_BYTES;
 #[cfg(not(target_arch = "wasm32"))]
 use super::lock::Lock;
+use super::write_points::write_point;
 use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
 
 use atomic::is_temporary;
@@ -33,28 +34,33 @@ pub use atomic::{Sink, write_atomic};
 pub use config::{RunConfig, Transfer};
 pub use csv_file::header;
 
-/// The name of the file with the policy that training started from.
+/// The name of the initial policy's file.
 pub const INITIAL_POLICY_FILE: &str = "policy-init.safetensors";
 
-/// Extensions of the files that are read and written in a run folder.
+/// The extensions of the files that runs read or write.
 const EXTENSIONS: [&str; 5] = ["ron", "csv", "json", "safetensors", "bin"];
 
 /// A run folder on disk.
 #[derive(Clone, Debug)]
 pub struct RunFolder {
     path: PathBuf,
-    /// The lock that allows writing; `None` if the folder was only opened.
+    /// The lock that allows writing; `None` if the folder is read-only.
     #[cfg(not(target_arch = "wasm32"))]
     _lock: Option<Arc<Lock>>,
 }
 
 impl RunFolder {
-    /// Creates the folder of a new run and writes `config.ron` into it. Without a path the folder is
-    /// `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists.
+    /// Creates the folder of a new run. Writes the file of the initial policy, if there is one, and then `config.ron`: a
+    /// folder with `config.ron` can be resumed. Without a path the folder is `runs/<scenario>-<preset>-<seed>`, with a number
+    /// appended if that exists.
     ///
     /// # Errors
     /// The folder already holds a run or other files, or cannot be written.
-    pub fn create(path: Option<PathBuf>, config: &RunConfig) -> Result<Self, RunError> {
+    pub fn create(
+        path: Option<PathBuf>,
+        config: &RunConfig,
+        initial_policy: Option<&[u8]>,
+    ) -> Result<Self, RunError> {
         let folder = match path {
             Some(path) => Self::new(path),
             None => Self::new(create_default_folder(config)?),
@@ -62,10 +68,15 @@ impl RunFolder {
         folder.check_vacant()?;
         fs::create_dir_all(folder.path.join("checkpoint"))
             .map_err(|error| not_writable(&folder.path, &error))?;
+        write_point("run folder: created");
         let folder = folder.locked()?;
         // Another process may have created a run before the lock was taken.
         folder.check_vacant()?;
-        folder.write_config(config).map_err(|error| match error {
+        let written = match initial_policy {
+            Some(bytes) => folder.write(INITIAL_POLICY_FILE, |file| file.write_all(bytes)),
+            None => Ok(()),
+        };
+        written.and_then(|()| folder.write_config(config)).map_err(|error| match error {
             RunError::Failed(text) | RunError::InvalidInput(text) => RunError::InvalidInput(text),
         })?;
         Ok(folder)
@@ -86,8 +97,13 @@ impl RunFolder {
             let why = "already holds a run; help: continue it with --resume, or give --out another folder";
             return Err(RunError::invalid_input(&self.path, why));
         }
+        let is_started = self.path.join("checkpoint").exists();
         let is_leftover = |entry: io::Result<fs::DirEntry>| {
-            entry.is_ok_and(|entry| entry.file_name() == "checkpoint" || is_temporary(&entry))
+            entry.is_ok_and(|entry| {
+                entry.file_name() == "checkpoint"
+                    || is_temporary(&entry)
+                    || (is_started && entry.file_name() == INITIAL_POLICY_FILE)
+            })
         };
         if fs::read_dir(&self.path).is_ok_and(|mut entries| !entries.all(is_leftover)) {
             let why = "is not empty; help: give --out a new or an empty folder";
@@ -120,7 +136,7 @@ impl RunFolder {
     /// [`locked`](Self::locked).
     ///
     /// # Errors
-    /// The folder does not exist, or its `config.ron` cannot be used.
+    /// The folder does not exist, or its `config.ron` is unreadable or invalid.
     pub fn open(path: &Path) -> Result<(Self, RunConfig), RunError> {
         let folder = Self::new(path.into());
         if !folder.config().exists() {
@@ -140,19 +156,19 @@ impl RunFolder {
             let text = read_text_with_limit(self.config(), MAX_CONFIG_BYTES)?;
             return Err(FileError::from_diagnostics(&self.config(), &text, &diagnostics).into());
         }
-        let fits = config.preset.check_memory(&config.scenario);
-        fits.map_err(|error| RunError::invalid_input(&self.config(), error))
+        let memory = config.preset.check_memory(&config.scenario);
+        memory.map_err(|error| RunError::invalid_input(&self.config(), error))
     }
 
-    /// Checks that the run's files are regular files. With links, a folder from an untrusted source could
-    /// overwrite any file of the user; reading a pipe would block forever.
+    /// Checks that the run's files are regular files. A link in a folder from an untrusted source could make the
+    /// run overwrite any file of the user, and reading a pipe would block forever.
     ///
     /// # Errors
     /// The first file that is a link or a pipe.
     fn check_files_are_regular(&self) -> Result<(), RunError> {
         for folder in [self.path.clone(), self.path.join("checkpoint")] {
             for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
-                // The type of the entry itself: links are not followed.
+                // `file_type` does not follow links.
                 let is_regular = entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_dir());
                 if is_run_file(&entry) && !is_regular {
                     let why = "is a link or a pipe; help: put the file itself into the run folder";
@@ -199,7 +215,7 @@ impl RunFolder {
     }
 }
 
-/// Whether the file is one that runs read or write.
+/// Whether `entry` is a file that runs read or write.
 fn is_run_file(entry: &fs::DirEntry) -> bool {
     let (path, name) = (entry.path(), entry.file_name());
     path.extension().is_some_and(|found| EXTENSIONS.iter().any(|extension| found == *extension))
@@ -207,8 +223,8 @@ fn is_run_file(entry: &fs::DirEntry) -> bool {
         || name.to_string_lossy().starts_with("events.")
 }
 
-/// Creates `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists. Creating the folder at
-/// once reserves the name.
+/// Creates `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists. The folder reserves the
+/// name for this run.
 fn create_default_folder(config: &RunConfig) -> Result<PathBuf, RunError> {
     let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
     let runs = Path::new("runs");

@@ -1,4 +1,4 @@
-//! The progress of a run, on stderr.
+//! The progress display of a run, on stderr.
 //!
 //! In: a [`Progress`] at any rate, and messages. Out: on a terminal, a progress bar that stays at the bottom;
 //! elsewhere (a file, a pipe, a CI log), a plain line every few seconds. Nothing goes to stdout, which is for
@@ -20,10 +20,10 @@ const FIRST_LINE: Duration = Duration::from_millis(500);
 /// Interval between plain lines.
 const NEXT_LINE: Duration = Duration::from_secs(5);
 
-/// The total at which the run ends, including the part before a resume.
+/// The total count at which the run ends, including the part before a resume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgressTotal {
-    /// Number of ended episodes.
+    /// Number of finished episodes.
     Episodes(u64),
     /// Number of env steps over all arenas.
     EnvSteps(u64),
@@ -32,7 +32,7 @@ pub enum ProgressTotal {
 /// The progress of a run. Counts start at the beginning of the run, including the part before a resume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Ended episodes.
+    /// Finished episodes.
     pub episodes: u64,
     /// Env steps over all arenas.
     pub env_steps: u64,

@@ -40,7 +40,7 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// The advance of the run, such as ` 41%  412/1000 episodes  1:23, 1:58 left`.
+    /// The progress of the run, such as ` 41%  412/1000 episodes  1:23, 1:58 left`.
     pub fn advance(&self) -> String {
         let (done, total) = (self.budget.done(self.progress), self.budget.total());
         // Rounded down, so that 100% means the end. A total of zero is complete at once.

@@ -1,4 +1,4 @@
-//! The training loop: step, record, evaluate, keep the best, stop.
+//! The training loop: takes control steps, records metrics, evaluates, and keeps the best policy.
 //!
 //! In: a [`Job`] and a stop flag. Out: a run folder and its [`Summary`]. Wall time decides when a checkpoint
 //! is written and what the progress bar shows, never what is learned.
@@ -43,7 +43,7 @@ pub enum Job {
         folder: PathBuf,
         /// A new budget, counted from the start of the run; `None` to keep the old one.
         budget: Option<Budget>,
-        /// The plugins that it was started with.
+        /// The plugins that the run was started with.
         extensions: Extensions,
     },
 }
@@ -54,7 +54,7 @@ pub enum Job {
 /// `began`, the start of the process. Progress is shown on stderr, or passed to `listener` if there is one.
 ///
 /// # Errors
-/// A file cannot be used or written, or learning diverged. Earlier checkpoints are kept.
+/// A file is invalid or cannot be written, or learning diverged. Earlier checkpoints are kept.
 pub fn train(
     job: Job,
     every: Duration,
@@ -220,8 +220,8 @@ impl Run {
 
     /// Writes the last checkpoint, evaluation and policy, the learning curves and the summary.
     ///
-    /// The last evaluation comes after the checkpoint, because a longer run would not have made it here: a
-    /// resumed run must end exactly like one that was never stopped.
+    /// The last evaluation comes after the checkpoint, because a run with a larger budget would not evaluate at this
+    /// point, and a resumed run must equal an uninterrupted one.
     fn end(&mut self) -> Result<Summary, RunError> {
         self.save()?;
         let finished = remaining(self.config.preset.budget, self.learner()) == 0;
@@ -261,7 +261,7 @@ impl Run {
     }
 }
 
-/// The rest of a budget, in its unit.
+/// The remaining part of a budget, in the budget's unit.
 fn remaining(budget: Budget, learner: &Learner) -> u64 {
     match budget {
         Budget::Episodes(n) => n.saturating_sub(learner.episodes()),

@@ -22,9 +22,9 @@ pub enum Body {
     Region(Region),
     /// Round marks.
     Marks {
-        /// Their centres, in m.
+        /// The marks' centres, in m.
         positions_m: Vec<Vec2>,
-        /// Their radius, in m.
+        /// The marks' radius, in m.
         radius_m: f32,
     },
 }
@@ -62,7 +62,7 @@ impl ListItem {
 pub(in super::super) struct DragTarget {
     /// Position of the handle without snapping, in m.
     pub position_m: Vec2,
-    /// The same position, snapped.
+    /// Position of the handle with snapping, in m.
     pub snapped_m: Vec2,
     /// The snapping of sizes and angles.
     pub snap: Snap,
@@ -70,8 +70,8 @@ pub(in super::super) struct DragTarget {
     pub centre_m: Vec2,
 }
 
-/// What the editor can do with a kind of item. An implementation holds the item's index, not the item; methods that
-/// return `None` leave the scenario unchanged.
+/// The operations of the editor on one kind of item. An implementation stores the item's index, not the item. A method
+/// that returns `None` leaves the scenario unchanged.
 pub(in super::super) trait Editable {
     /// The item's name in the inspector.
     fn title(&self, scenario: &Scenario) -> String;
@@ -81,7 +81,7 @@ pub(in super::super) trait Editable {
         true
     }
 
-    /// Its shape in the plane.
+    /// The item's shape in the plane.
     fn body(&self, scenario: &Scenario) -> Body;
 
     /// Distance from `point_m` to a solid item, in m; negative inside, `None` for an item that is not solid.
@@ -89,7 +89,7 @@ pub(in super::super) trait Editable {
         None
     }
 
-    /// Its handles; later ones are drawn above earlier ones.
+    /// The item's handles; later ones are drawn above earlier ones.
     fn handles(&self, scenario: &Scenario) -> Vec<Handle>;
 
     /// Position of a handle in m, or `None` if the item has no such handle.

@@ -1,4 +1,4 @@
-//! Polygons: filling, growing, and cutting a line with one.
+//! Polygons: filling, growing, and intersection with a line.
 //!
 //! In: corners in order, clockwise or counterclockwise. Out: triangles, corners, spans. A polygon that
 //! crosses itself, such as an unfinished drawing, is filled in some way, but never causes a panic.
@@ -9,7 +9,7 @@ use egui::{Color32, Mesh, Pos2, Shape};
 use super::canvas::Canvas;
 use crate::scenario::polygon;
 
-/// The furthest that a corner moves when a polygon grows, as a multiple of the growth.
+/// The maximum distance that a corner moves when a polygon grows, as a multiple of the growth.
 const MITRE: f32 = 3.0;
 
 /// Twice the signed area of the triangle a, b, c; positive if they are in counterclockwise order.
@@ -22,7 +22,7 @@ fn is_counterclockwise(corners: &[Vec2]) -> bool {
     polygon::area(corners) >= 0.0
 }
 
-/// Whether the polygon is convex and goes round once.
+/// Whether the polygon is convex and winds around once.
 #[must_use]
 pub fn is_convex(corners: &[Vec2]) -> bool {
     let n = corners.len();
@@ -31,7 +31,7 @@ pub fn is_convex(corners: &[Vec2]) -> bool {
         let by = turn(corners[k], corners[(k + 1) % n], corners[(k + 2) % n]);
         if counterclockwise { by >= 0.0 } else { by <= 0.0 }
     });
-    // A star also turns one way only, but goes round twice: it rises and falls more than once.
+    // A star also turns in one direction only, but winds around twice: it rises and falls more than once.
     let extrema = (0..n).filter(|&k| {
         let rises = |k: usize| corners[(k + 1) % n].y > corners[k % n].y;
         rises(k) != rises(k + 1)

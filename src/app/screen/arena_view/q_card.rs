@@ -15,7 +15,7 @@ use crate::app::scene::{ArenaScene, DriverLabel};
 use crate::app::screen::numbers::{decimals_for, format_decimals};
 use crate::scenario::{Motion, Scenario};
 
-/// With more motions than this, only the chosen and the best one are shown.
+/// Maximum number of motions that are all shown. Of more, only the chosen and the best one are shown.
 const MAX_ROWS: usize = 9;
 const ROW: f32 = 16.0;
 const HEAD: f32 = 18.0;
@@ -57,7 +57,7 @@ pub fn draw(canvas: &Canvas, scenario: &Scenario, arena: &ArenaScene, avoid: &[R
         return;
     }
     let rows = rows(motions, q, arena.action);
-    // The learner explores: its card has a line at the bottom that tells exploring from greedy actions.
+    // The learner explores, so its card has a last line that shows whether the action was random.
     let foot = if arena.driver == DriverLabel::Learner { FOOT } else { 0.0 };
     let size = vec2(ARROW + BAR + NUMBER + 2.0 * PAD, HEAD + rows.len() as f32 * ROW + foot + PAD);
     let view = canvas.transform.rect.shrink(8.0);

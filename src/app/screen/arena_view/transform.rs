@@ -78,7 +78,7 @@ impl ViewTransform {
         Self { rect, scale, centre_m: [mx + x, my + y], bounds, margin }
     }
 
-    /// The same view through another camera.
+    /// This view with another camera.
     #[must_use]
     pub fn with_camera(&self, camera: ViewCamera) -> Self {
         Self::new(self.rect, self.margin, camera, self.bounds)

@@ -1,6 +1,6 @@
-//! The bottom of the editor's panel: continue or restart the training in the edited scenario, save it.
+//! The buttons at the bottom of the editor's panel: continue or restart the training in the edited scenario, save it.
 //!
-//! A restart that would discard a training worth keeping asks first.
+//! A restart that would discard a training worth keeping needs a confirmation.
 
 use egui::{Button, Frame, Margin, Response, RichText, Stroke, Ui, Vec2, vec2};
 
@@ -17,7 +17,7 @@ use crate::scenario::Scenario;
 /// Height of the wide buttons, in points.
 const HEIGHT: f32 = 30.0;
 
-/// What the user wants to do with the scenario.
+/// The action that the user has chosen for the scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// Continue the training in the edited scenario.

@@ -8,7 +8,7 @@ use crate::app::screen::theme::{Palette, SMALL};
 use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::scenario::Diagnostic;
 
-/// Most problems listed.
+/// Maximum number of problems listed.
 const MAX_SHOWN: usize = 12;
 
 /// Shows the list.

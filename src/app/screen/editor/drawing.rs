@@ -1,4 +1,4 @@
-//! The edited scenario as it is drawn: floor, grid, solid items, paths, starts and goals, outlines.
+//! The drawing of the edited scenario: floor, grid, solid items, paths, starts and goals, outlines.
 
 use std::sync::Arc;
 

@@ -13,7 +13,7 @@ use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::Scenario;
 
-/// Most entries of a list that are shown.
+/// Maximum number of list entries shown.
 const MAX_SHOWN: usize = 32;
 
 /// The rows of one item.

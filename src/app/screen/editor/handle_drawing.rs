@@ -1,4 +1,4 @@
-//! The handles of the selected item, as they are drawn.
+//! The drawing of the selected item's handles.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 

@@ -8,11 +8,11 @@ use crate::app::screen::arena_view::transform::ViewTransform;
 
 /// Distance from the outline of the item to its rotation handle, in points.
 pub const ROTATION_HANDLE: f32 = 26.0;
-/// Handles nearer to the middle than this are hidden, or small items could not be dragged. In points.
+/// Minimum distance of a visible handle from the item's middle, in points, so that small items can be dragged.
 const MIN_DISTANCE: f32 = 11.0;
-/// Insert handles nearer to another handle than this are hidden. In points.
+/// Minimum distance of a visible insert handle from other handles, in points.
 const MIN_SPACING: f32 = 17.0;
-/// Extra distance of insert handles in a hit test, so that existing points go first. In points.
+/// Extra distance of insert handles in a hit test, in points, so that existing points take precedence.
 const INSERT_PENALTY: f32 = 3.0;
 
 /// A handle on the screen.
@@ -20,12 +20,12 @@ const INSERT_PENALTY: f32 = 3.0;
 pub struct ScreenHandle {
     /// The handle.
     pub handle: Handle,
-    /// Its centre.
+    /// The handle's centre on the screen.
     pub at: Pos2,
 }
 
 impl ScreenHandle {
-    /// The part that it changes.
+    /// The part that the handle changes.
     pub fn kind(&self) -> HandleKind {
         self.handle.kind
     }

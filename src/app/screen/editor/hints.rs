@@ -1,4 +1,5 @@
-//! The hint line at the bottom of the canvas: what the pointer and the keys do now. Truncated where it does not fit.
+//! The hint line at the bottom of the canvas: the current effects of the pointer and the keys. It is truncated where it does
+//! not fit.
 
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{FontId, Rect, vec2};

@@ -12,7 +12,7 @@ use crate::app::screen::arena_view::transform::screen_direction;
 use crate::scenario::{PlacementRule, Region, Scenario};
 use crate::task::Pose;
 
-/// With more positions than this, they are drawn without names.
+/// Maximum number of positions that are drawn with their names.
 const MAX_NAMED: usize = 6;
 
 /// Draws the regions of the rules and the generators.

@@ -1,4 +1,4 @@
-//! A number with its unit: how it is stored, shown and limited.
+//! Numbers with units: conversion between stored and shown values, precision and range.
 
 use egui::{DragValue, Id, Response, Ui, vec2};
 
@@ -57,7 +57,7 @@ impl NumberSpec {
         Self { suffix: " s", factor: 1.0, stored: 3, shown: (1, 3), speed: 0.01, range: (min, max) }
     }
 
-    /// The same with another range of stored values.
+    /// This number format with another range of stored values.
     pub const fn with_range(self, min: f64, max: f64) -> Self {
         Self { range: (min, max), ..self }
     }

@@ -10,10 +10,10 @@ use crate::app::screen::arena_view::transform::ViewTransform;
 
 /// Distance at which a small item is still hit, in points.
 const SLACK: f32 = 5.0;
-/// The same for a finger.
+/// Distance at which a finger still hits a small item, in points.
 const SLACK_TOUCH: f32 = 14.0;
 
-/// Handles the pointer. Returns what is under it or, during a drag, what is dragged.
+/// Handles the pointer. Returns the target under it or, during a drag, the dragged target.
 pub fn update(
     ui: &Ui,
     response: &Response,
@@ -55,7 +55,7 @@ pub fn update(
     editor.dragged().map_or(pressed, PointerHit::Handle)
 }
 
-/// Selects the item at `at`. Returns what was pressed.
+/// Selects the item at `at`. Returns the pressed target.
 fn press(ui: &Ui, transform: &ViewTransform, editor: &mut Editor, at: Pos2) -> Press {
     let hit = hit_at(ui, transform, editor, at);
     if let PointerHit::Body(selection) = hit {
@@ -64,7 +64,7 @@ fn press(ui: &Ui, transform: &ViewTransform, editor: &mut Editor, at: Pos2) -> P
     Press { hit, position_m: transform.to_world(at).into() }
 }
 
-/// What is at `at`; with a drawing tool, always the floor.
+/// The target at `at`; with a drawing tool, always the floor.
 fn hit_at(ui: &Ui, transform: &ViewTransform, editor: &Editor, at: Pos2) -> PointerHit {
     if *editor.tool() != Tool::Select {
         return PointerHit::Nothing;
@@ -81,7 +81,7 @@ fn hit_at(ui: &Ui, transform: &ViewTransform, editor: &Editor, at: Pos2) -> Poin
     }
 }
 
-/// Begins to drag what was pressed. Returns whether it can be dragged.
+/// Begins to drag the pressed target. Returns whether it can be dragged.
 fn begin_drag(ui: &Ui, editor: &mut Editor, Press { hit, position_m }: Press) -> bool {
     match hit {
         PointerHit::Nothing => false,

@@ -10,7 +10,7 @@ use crate::scenario::Motion;
 
 /// A full turn, exactly as in the schema's default.
 const FULL_TURN_RAD: f32 = std::f32::consts::TAU;
-/// Most motions of the robot.
+/// Maximum number of motions of the robot.
 const MAX_MOTIONS: usize = 64;
 
 /// Shows the fields of the robot.

@@ -11,7 +11,7 @@ use crate::app::setup_form::SetupForm;
 /// The width of the Cancel button, in points.
 const CANCEL_WIDTH: f32 = 74.0;
 
-/// Sends `command`, or asks first if it would discard a training worth keeping.
+/// Sends `command`, or first opens the question if the command would discard a training worth keeping.
 pub(super) fn send_or_ask(
     command: Command,
     status: &AppSnapshot,

@@ -6,12 +6,12 @@
 //! | file | duty |
 //! |---|---|
 //! | `toolbar.rs` | the toolbar at the top: layout, run and step buttons, pace, panel buttons |
-//! | `mode_switch.rs` | its choice of mode: Train, Test, Drive, Compare, Edit |
-//! | `readouts.rs` | its numbers: success rate, steps, speed |
+//! | `mode_switch.rs` | the toolbar's choice of mode: Train, Test, Drive, Compare, Edit |
+//! | `readouts.rs` | the toolbar's numbers: success rate, steps, speed |
 //! | `setup.rs` | the setup panel on the left |
-//! | `training.rs` | its first section: scenario, learner, and the buttons that start a training |
+//! | `training.rs` | the setup panel's first section: scenario, learner, and the buttons that start a training |
 //! | `seed.rs`, `discard_question.rs` | the seed field; the question before a training is discarded |
-//! | `overlays.rs` | its switches for the overlays |
+//! | `overlays.rs` | the setup panel's switches for the overlays |
 //! | `notices.rs` | notices over the arena |
 //! | `help.rs` | the help window |
 

@@ -12,8 +12,8 @@ use crate::app::view_state::ViewState;
 const MODES: [SessionMode; 4] =
     [SessionMode::Train, SessionMode::Test, SessionMode::Drive, SessionMode::Compare];
 
-/// Draws the choice of mode, as wide as it needs or `width` points in all. Compare opens a second policy
-/// first if there is none.
+/// Draws the choice of mode at its natural width or `width` points wide. If there is no second policy, Compare
+/// opens one first.
 pub(super) fn mode_switch_ui(
     ui: &mut Ui,
     view: &ScreenInput<'_>,

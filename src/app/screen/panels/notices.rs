@@ -9,7 +9,7 @@ use crate::app::commands::Command;
 use crate::app::screen::theme::{GAP, Palette};
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 
-/// The most notices shown; more would hide the arena.
+/// The maximum number of notices shown. More would hide the arena.
 const MAX_SHOWN: usize = 4;
 const WIDTH: f32 = 520.0;
 const EDGE: f32 = 3.0;

@@ -22,7 +22,7 @@ const FILE_BUTTON_HEIGHT: f32 = 26.0;
 
 const OPEN_HELP: &str = "Open a policy to compare with, a saved run to resume, a scenario or a preset";
 
-/// The same without a disk, where no run can be opened.
+/// The tooltip without a disk, where no run can be opened.
 const OPEN_HELP_WITHOUT_DISK: &str =
     "Open a policy to compare with, a scenario or a preset. The file stays on your machine";
 

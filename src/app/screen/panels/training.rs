@@ -35,7 +35,7 @@ pub fn training_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, comm
     match &status.opened_policy {
         Some(name) => opened_policy_ui(ui, name, status, form, commands),
         None => {
-            // The question is moot without the policy it was about.
+            // Without the policy, the question no longer applies.
             let asked = form.awaiting_confirmation.take();
             form.awaiting_confirmation =
                 asked.filter(|asked| !matches!(asked, Command::TrainFromOpened { .. }));

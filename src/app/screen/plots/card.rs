@@ -1,11 +1,11 @@
-//! The data of a plot card: its title, its lines, its axis, and what all cards share.
+//! The data of a plot card (title, lines and axis), and the state that all cards share.
 
 use egui::Color32;
 
 use super::axis::AxisScale;
 use crate::app::history::{Annotation, DownsampledSeries};
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceStyle {
     /// The main line of the card.
@@ -21,21 +21,21 @@ pub enum TraceStyle {
 /// One line of a card.
 #[derive(Clone, Copy)]
 pub struct Trace<'a> {
-    /// Its name in the legend.
+    /// The line's name in the legend.
     pub name: &'static str,
     /// A shorter name, for narrow cards.
     pub short_name: &'static str,
-    /// Its values.
+    /// The line's values.
     pub series: &'a DownsampledSeries,
-    /// Its colour.
+    /// The line's colour.
     pub color: Color32,
-    /// How it is drawn.
+    /// The line's style.
     pub style: TraceStyle,
 }
 
 /// A plot card.
 pub struct Card<'a> {
-    /// Its title.
+    /// The card's title.
     pub title: &'static str,
     /// The tooltip of the title.
     pub about: &'static str,
@@ -43,9 +43,9 @@ pub struct Card<'a> {
     pub scale: AxisScale,
     /// Decimals of the values that are shown as numbers.
     pub digits: usize,
-    /// Its lines, the first one drawn on top; the value of the first stands next to the title.
+    /// The card's lines. The first one is drawn on top, and its value is next to the title.
     pub traces: Vec<Trace<'a>>,
-    /// All lines are equally important: no value stands next to the title.
+    /// Whether all lines are equally important, so that no value is next to the title.
     pub no_primary_trace: bool,
     /// A dashed horizontal line to compare with, and its name.
     pub reference: Option<(f64, &'static str)>,
@@ -60,11 +60,11 @@ pub struct CardContext<'a> {
     pub range: (f64, f64),
     /// The pointer's position in the last frame, in env steps.
     pub hovered: Option<f64>,
-    /// Only a part of the x axis was shown in the last frame.
+    /// Whether only a part of the x axis was shown in the last frame.
     pub zoomed: bool,
-    /// Vertical lines with a text: what the user changed, and when.
+    /// Vertical lines with a text for each change made by the user.
     pub marks: &'a [Annotation],
-    /// Shows the whole x axis again.
+    /// Whether to show the whole x axis again.
     pub reset: bool,
 }
 
@@ -73,6 +73,6 @@ pub struct CardContext<'a> {
 pub struct CardResponse {
     /// The pointer's position, in env steps.
     pub hovered: Option<f64>,
-    /// Only a part of the x axis is shown.
+    /// Whether only a part of the x axis is shown.
     pub zoomed: bool,
 }

@@ -17,7 +17,7 @@ use crate::app::screen::theme::{Palette, SMALL};
 const HEIGHT: f32 = 112.0;
 /// The width of the y axis, in points; equal on all cards, so that the plots are aligned.
 const AXIS_WIDTH: f32 = 44.0;
-/// The most points of a line that are drawn with a dot each.
+/// The maximum number of points of a line that are drawn with dots.
 const MAX_DOTS: usize = 40;
 
 /// Draws a card; `labelled` adds the texts of the vertical marks.
@@ -139,8 +139,8 @@ fn axis_hints(hints: AxisHints<'static>, palette: Palette) -> AxisHints<'static>
     hints.label_spacing(egui::Rangef::new(0.0, 1.0))
 }
 
-/// Moves the visible part of the x axis back into the range of the data; if it covers all of that, follow new
-/// data again.
+/// Moves the visible part of the x axis back into the range of the data. If it covers the whole range, the plot
+/// follows new data again.
 fn keep_in_range(plot: &mut PlotUi<'_>, (from, to): (f64, f64)) {
     let visible = plot.plot_bounds();
     let (low, width) = (visible.min()[0], visible.width());

@@ -16,11 +16,11 @@ const BEFORE_LEARNING: &str = "Learning starts once enough experience is collect
 /// The state of the session that decides which texts and reference lines are shown.
 #[derive(Clone, Copy, Debug)]
 pub struct PlotContext {
-    /// The scenario is the paper's Scenario I, so the paper's levels apply.
+    /// Whether the scenario is the paper's Scenario I, so that the paper's levels apply.
     pub is_paper_scenario_1: bool,
-    /// The mode is Train. In all other modes training is paused.
+    /// Whether the mode is Train. In all other modes training is paused.
     pub training: bool,
-    /// There is a disk. Without one (in a browser) pictures are saved as SVG.
+    /// Whether there is a disk. Without one (in a browser) figures are saved as SVG.
     pub has_disk: bool,
 }
 

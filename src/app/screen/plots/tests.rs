@@ -74,7 +74,7 @@ fn the_papers_levels_are_shown_in_the_papers_scenario_only() {
 }
 
 #[test]
-fn a_note_tells_when_training_is_paused() {
+fn a_note_shows_that_training_is_paused() {
     let mut harness = plots_of(History::new());
     let paused = "Training is paused in this mode";
     assert!(harness.query_by_label(paused).is_none());

@@ -1,4 +1,4 @@
-//! Icon buttons. The icons are drawn with lines and discs, since the typeface has none.
+//! Icon buttons. The icons are drawn with lines and discs, because the typeface has no icons.
 //!
 //! In: icon, style, size, accessible name, tooltip. Out: the response; screen readers and tests find the
 //! button by its name.
@@ -37,14 +37,14 @@ pub enum Icon {
     Fit,
 }
 
-/// How much a button stands out.
+/// The emphasis of a button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ButtonStyle {
-    /// Only the icon; a frame while hovered.
+    /// The icon only, with a frame while hovered.
     Quiet,
-    /// With a frame, like text buttons.
+    /// A frame, like that of text buttons.
     Framed,
-    /// In the accent colour: the suggested next action.
+    /// The accent colour, for the suggested next action.
     Primary,
 }
 

@@ -27,7 +27,7 @@ impl Segment {
 const HEIGHT: f32 = 28.0;
 /// Padding left and right of each text, in points.
 const SIDE: f32 = 10.0;
-/// The most by which the padding of a segment, left and right together, shrinks where space is short.
+/// The maximum amount by which the padding of a segment, left and right together, shrinks where space is short.
 const MAX_SHRINK: f32 = 6.0;
 
 /// Draws `segments` in a row and returns the index of the clicked one. The row is as wide as the texts need,
