@@ -13,7 +13,7 @@ use super::shared::SharedArgs;
 use crate::learning::Policy;
 use crate::planner::unsupported_reason;
 use crate::run::evaluate::{self, EpisodeResult, Evaluation, Evaluator};
-use crate::run::limits::MAX_EVAL_EPISODES;
+use crate::limits::MAX_EVAL_EPISODES;
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
 use crate::scenario::Scenario;

@@ -12,7 +12,7 @@ use super::signals::stop_on_signal;
 use super::values;
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, Transfer};
-use crate::run::limits::MAX_ARENAS;
+use crate::limits::MAX_ARENAS;
 use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::{Budget, Preset};
 use crate::run::progress::print_stderr;

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::background_evaluator::{Candidate, EvalResult};
 use super::checkpoint::{BestPolicy, TrainerState};
 use super::folder::RunConfig;
-use super::limits::MAX_RECENT_RETURNS;
+use crate::limits::MAX_RECENT_RETURNS;
 use super::metric_rows::{EpisodeRow, EvaluationRow, Milestone};
 use super::{RunError, policy_card};
 use crate::agent::{ActiveLearner, TrainingStats};

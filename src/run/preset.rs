@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
+use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::learning::LearningConfig;
 use crate::scenario::{Diagnostic, FileError, parse_ron, read_text};
 use crate::task::{Encoding, RewardConfig};

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 /// So many files are kept, of which none is longer than [`LONGEST`].
 const MOST: usize = 64;
 /// Of a file that stays, no more bytes are kept: enough to see that it is too long.
-const LONGEST: usize = (1 << 20) + 1;
+const LONGEST: usize = crate::limits::MAX_FILE_BYTES as usize + 1;
 
 /// A file's name and its bytes.
 pub type VirtualFile = (String, Vec<u8>);

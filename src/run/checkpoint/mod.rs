@@ -18,7 +18,7 @@ use bevy::prelude::World;
 
 use super::RunError;
 use super::folder::{RunConfig, RunFolder};
-use super::limits::MAX_HEAD_BYTES;
+use crate::limits::MAX_HEAD_BYTES;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
 use crate::learning::Learner;
 use crate::learning::framing::{HeaderError, HeaderFormat};

@@ -8,7 +8,7 @@ use crate::agent::TrainingStats;
 use crate::learning::Policy;
 use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
-use crate::run::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
+use crate::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
 use crate::run::metric_rows::Milestone;
 use crate::task::ArenaState;
 

@@ -9,7 +9,7 @@ use crate::agent::{ActionSelection, GreedyPolicy};
 use crate::learning::QNetwork;
 use crate::policy::Policy;
 use crate::random;
-use crate::run::limits::MAX_BODIES;
+use crate::limits::MAX_BODIES;
 use crate::run::memory::bodies_per_arena;
 use crate::run::{RunError, policy_card};
 use crate::scenario::Scenario;

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::RunError;
-use super::limits::MAX_CONFIG_BYTES;
+use crate::limits::MAX_CONFIG_BYTES;
 #[cfg(not(target_arch = "wasm32"))]
 use super::lock::Lock;
 use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};

@@ -5,12 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::CheckpointError;
 use super::arrays::is_priority;
 use crate::config::LearningConfig;
+use crate::limits::MAX_COUNT;
 use crate::learner::{Counters, Learner, Trajectory};
 use crate::optimizer::OptimizerState;
 use crate::state_ring::StateId;
-
-/// The maximum of every counter, far enough from overflow for any run.
-const MAX_COUNT: u64 = 1 << 62;
 
 /// The header's content.
 #[derive(Serialize, Deserialize)]
