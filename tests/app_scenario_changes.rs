@@ -42,13 +42,22 @@ fn options(file: &Path) -> StartOptions {
     }
 }
 
+/// The time between two frames. The file watch counts it too: it checks a file every tenth frame.
+const FRAME: Duration = Duration::from_millis(20);
+
 /// Runs frames until `done`, for at most a minute.
 fn wait(app: &mut HeadlessApp, what: &str, done: impl Fn(&HeadlessApp) -> bool) {
     let began = Instant::now();
     while !done(app) {
         assert!(began.elapsed() < Duration::from_secs(60), "{what}: {:?}", app.notices());
-        app.frame(Duration::from_millis(20));
-        std::thread::sleep(Duration::from_millis(2));
+        app.frame(FRAME);
+    }
+}
+
+/// Runs frames until the file watch has checked each file several times.
+fn let_files_be_checked(app: &mut HeadlessApp) {
+    for _ in 0..45 {
+        app.frame(FRAME);
     }
 }
 
@@ -134,7 +143,8 @@ fn a_broken_start_file_is_adopted_once_it_is_fixed() {
     assert_eq!(app.error_notices(), Vec::<String>::new());
     std::fs::remove_file(&other).expect("the file existed");
     let steps = app.steps();
-    wait(&mut app, "training continues without the file", |app| app.steps() > steps + 30);
+    let_files_be_checked(&mut app);
+    assert!(app.steps() > steps + 30, "training continues without the file");
     write(&other, "(name: \"Back\", task: (max_episode_steps: 40))");
     wait(&mut app, "the file exists again", |app| {
         has_notice(app, "the changed scenario runs when the next episode ends")
@@ -252,8 +262,7 @@ fn an_edited_scenario_is_saved_with_its_comments_and_can_be_opened_while_invalid
     assert_eq!(app.shown().1.saved_scenario, Some(saved.clone()));
     assert_eq!(app.editor_replies(), [EditorReply::Saved { file: saved.0, scenario: saved.1 }]);
     // The saved scenario does not run until the user applies it, and its errors are shown in the editor only.
-    let began = Instant::now();
-    wait(&mut app, "the file was checked", |_| began.elapsed() > Duration::from_millis(900));
+    let_files_be_checked(&mut app);
     assert_eq!((x_m(&app), app.error_notices()), (0.6, Vec::new()));
     // Changes made by another program are overwritten only when the user asks twice.
     write(&file, &scenario_text(1.1));

@@ -6,17 +6,22 @@ mod cli_support;
 #[path = "support/requirements.rs"]
 mod requirements;
 
+use std::collections::BTreeSet;
 use std::process::Command;
+use std::sync::Mutex;
 use std::time::Duration;
 
 use cli_support::{
     CommandOutput, SCENARIO_1, Workspace, quick_fast, signal, wait_for_output, wait_until,
     with_short_episodes,
 };
+use wayfield::run::write_points::WRITE_POINTS;
 
 /// The arguments of a run of about half a second that writes checkpoints all the time.
 const RUN: &str = "--train --scenario one.ron --preset fast.ron --seed 9 --steps 6400";
 const OFTEN: &str = "--checkpoint-every 0.01";
+/// The number of runs that are killed by the clock.
+const MOMENTS: u32 = 12;
 
 /// A workspace with the uninterrupted run.
 fn workspace() -> Workspace {
@@ -35,6 +40,101 @@ fn names(workspace: &Workspace, folder: &str) -> Vec<String> {
     names
 }
 
+/// Asserts that no temporary file is left in the run folder `run`.
+fn assert_no_temporary_files(workspace: &Workspace, run: &str) {
+    let mut left = names(workspace, run);
+    left.extend(names(workspace, &format!("{run}/checkpoint")));
+    assert!(!left.iter().any(|name| name.starts_with('.')), "{run}: temporary files are left: {left:?}");
+}
+
+fn copy_folder(workspace: &Workspace, from: &str, to: &str) {
+    let copied = Command::new("cp").arg("-r").args([workspace.path(from), workspace.path(to)]).status();
+    assert!(copied.unwrap().success());
+}
+
+/// The arguments of a run that the test of the write points aborts. It starts from a policy, which is one more file to write.
+const ABORTED: &str = "--train --scenario one.ron --preset fast.ron --init init.safetensors --seed 9";
+/// The env steps after which an aborted run, once resumed, is compared with the uninterrupted one. This is more than
+/// the run had to do before the abort, so that there is something to resume even if it is aborted near its end.
+const ENV_STEPS: u32 = 3200;
+
+/// A training process to abort.
+#[derive(Clone, Copy, Debug)]
+enum Process {
+    /// The first process of a run.
+    First,
+    /// A process that resumes a run with all three checkpoints.
+    Resuming,
+}
+
+/// Aborts `process` at each pass of the write point with the index `point`, resumes the run, and compares the result with
+/// the uninterrupted run. Returns the number of passes.
+fn abort_at_each_pass(workspace: &Workspace, point: usize, process: Process) -> u32 {
+    for pass in 1..100 {
+        let at = format!("{}:{pass}", WRITE_POINTS[point]);
+        let run = format!("{process:?}-{point}-{pass}");
+        let command = match process {
+            Process::First => format!("{ABORTED} --steps 1600 --out {run}"),
+            Process::Resuming => {
+                copy_folder(workspace, "three-checkpoints", &run);
+                format!("--train --resume {run} --steps 2560")
+            }
+        };
+        let aborted = workspace.run_until(&command, &at);
+        if aborted.status == Some(0) {
+            return pass - 1;
+        }
+        assert_eq!(aborted.status, None, "{at}: wayfield {command}\n{}", aborted.stderr);
+        let again = if workspace.path(&format!("{run}/config.ron")).exists() {
+            format!("--train --resume {run} --steps {ENV_STEPS}")
+        } else {
+            format!("{ABORTED} --steps {ENV_STEPS} --out {run}")
+        };
+        let resumed = workspace.run_ok(&again);
+        assert!(!resumed.stderr.contains("warning"), "{at}: wayfield {command}\n{}", resumed.stderr);
+        workspace.assert_same_run("uninterrupted", &run);
+        assert_no_temporary_files(workspace, &run);
+        std::fs::remove_dir_all(workspace.path(&run)).unwrap();
+    }
+    panic!("{}: more than 99 passes", WRITE_POINTS[point]);
+}
+
+#[test]
+fn a_run_aborted_at_any_write_point_resumes_to_the_uninterrupted_result() {
+    let workspace = workspace();
+    std::fs::rename(
+        workspace.path("uninterrupted/policy-last.safetensors"),
+        workspace.path("init.safetensors"),
+    )
+    .unwrap();
+    std::fs::remove_dir_all(workspace.path("uninterrupted")).unwrap();
+    workspace.run_ok(&format!("{ABORTED} --steps {ENV_STEPS} --out uninterrupted"));
+    workspace.run_ok(&format!("{ABORTED} --steps 1600 --out three-checkpoints"));
+    workspace.run_ok("--train --resume three-checkpoints --steps 1920");
+    assert_eq!(
+        names(&workspace, "three-checkpoints/checkpoint"),
+        ["latest.bin", "lock", "older.bin", "previous.bin"]
+    );
+    let jobs = Mutex::new(
+        (0..WRITE_POINTS.len()).flat_map(|point| [(point, Process::First), (point, Process::Resuming)]),
+    );
+    let passed = Mutex::new(BTreeSet::new());
+    let work = || {
+        loop {
+            let Some((point, process)) = jobs.lock().unwrap().next() else { return };
+            if abort_at_each_pass(&workspace, point, process) > 0 {
+                passed.lock().unwrap().insert(WRITE_POINTS[point]);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(2, usize::from) {
+            scope.spawn(work);
+        }
+    });
+    assert_eq!(passed.into_inner().unwrap(), BTreeSet::from(WRITE_POINTS), "every write point is reached");
+}
+
 #[test]
 fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
     let workspace = workspace();
@@ -43,7 +143,7 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
     let duration = began.elapsed();
     workspace.assert_same_run("uninterrupted", "timed");
     let (mut killed_before_start, mut killed) = (0, 0);
-    for moment in 0..50_u32 {
+    for moment in 0..MOMENTS {
         // The golden ratio spreads the moments over the whole run, so that they do not align with any period.
         let part = (f64::from(moment) * 0.618_033_988_749_894_9).fract();
         let run = format!("killed-{moment}");
@@ -51,7 +151,7 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
         std::thread::sleep(Duration::from_secs_f64(duration.as_secs_f64() * part));
         if child.try_wait().unwrap().is_none() {
             signal(&child, "KILL");
-            killed += usize::from(wait_for_output(child).status.is_none());
+            killed += u32::from(wait_for_output(child).status.is_none());
         }
         if !workspace.path(&format!("{run}/config.ron")).exists() {
             // There is nothing to resume; the same command starts again.
@@ -72,15 +172,11 @@ fn a_run_killed_at_any_moment_resumes_to_the_uninterrupted_result() {
             );
         }
         workspace.assert_same_run("uninterrupted", &run);
-        let left: Vec<_> = names(&workspace, &run)
-            .into_iter()
-            .chain(names(&workspace, &format!("{run}/checkpoint")))
-            .collect();
-        assert!(!left.iter().any(|name| name.starts_with('.')), "{run}: temporary files are left: {left:?}");
+        assert_no_temporary_files(&workspace, &run);
     }
     assert!(
-        killed >= 30,
-        "only {killed} of 50 runs were killed, {killed_before_start} of them before they started"
+        killed >= MOMENTS / 2,
+        "only {killed} of {MOMENTS} runs were killed, {killed_before_start} of them before they started"
     );
 }
 
@@ -103,14 +199,7 @@ fn a_damaged_checkpoint_is_replaced_by_the_previous_one() {
         bytes[middle] ^= 1;
         workspace.write(&file, bytes);
         let copy = format!("from-{env_steps}");
-        assert!(
-            Command::new("cp")
-                .arg("-r")
-                .args([workspace.path("run"), workspace.path(&copy)])
-                .status()
-                .unwrap()
-                .success()
-        );
+        copy_folder(&workspace, "run", &copy);
         let done = resume(&copy, 9600);
         let warning = format!("warning: {copy}/checkpoint/latest.bin: the checkpoint is damaged");
         assert!(done.stderr.contains(&warning), "{}", done.stderr);

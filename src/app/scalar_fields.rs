@@ -237,7 +237,7 @@ fn network(source: &ActionSource) -> Option<&QNetwork> {
     }
 }
 
-/// max_a Q(s, a) of each of `n` observations: the value of acting greedily from there.
+/// The state values: max_a Q(s, a) for each of `n` observations.
 fn values(network: &QNetwork, observations: &[f32], n: usize) -> Vec<f32> {
     let mut q_values = Vec::new();
     network.q_values(observations, n, &mut q_values);

@@ -25,7 +25,7 @@ use super::window_input::{draw_less_when_idle, fix_input, take_dropped_files};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
 use crate::run::RunError;
 
-/// Options of the window.
+/// Options of the app's window.
 #[derive(Clone, Debug, Default)]
 pub struct WindowOptions {
     /// Options of the first training.

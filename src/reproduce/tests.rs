@@ -139,7 +139,8 @@ const TWO_STAGES: &str = r#"(
 
 /// Writes the records of a run with the given goals per episode; every episode has 10 steps and a return of 100 per goal.
 fn write_records(folder: &Path, training: &Training, goals: &[u32], results: &[PolicyTestResult]) {
-    let folder = RunFolder::create(Some(folder.join(&training.name)), &training.config).expect("a folder");
+    let folder =
+        RunFolder::create(Some(folder.join(&training.name)), &training.config, None).expect("a folder");
     let mut episodes = folder.csv::<EpisodeRow>("episodes.csv", 0, &[]).expect("a file");
     folder.csv::<EvaluationRow>("evaluations.csv", 0, &[]).expect("a file");
     for (i, &goals) in (1..).zip(goals) {

@@ -2,10 +2,10 @@
 //!
 //! A valid preset and a valid scenario can still need too much memory together.
 
-use crate::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
 use super::preset::Preset;
 use crate::learning::LearningConfig;
 use crate::learning::limits::MAX_STORED_FLOATS;
+use crate::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
 use crate::scenario::Scenario;
 use crate::task::observation;
 

@@ -10,6 +10,7 @@ use super::checkpoint::BestPolicy;
 use super::folder::RunFolder;
 use super::metric_rows::{EpisodeRow, EvaluationRow};
 use super::tensorboard::EventWriter;
+use super::write_points::write_point;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 
 const EPISODES: &str = "episodes.csv";
@@ -97,6 +98,7 @@ impl MetricsWriter {
             writer.flush()?;
             // The rows that a checkpoint refers to must survive a power cut.
             writer.get_ref().sync_data()?;
+            write_point("CSV: flushed");
             Ok(writer.get_ref().metadata()?.len())
         };
         let episodes =

@@ -15,6 +15,7 @@
 //! | `background_evaluator.rs` | evaluation during training |
 //! | `folder/` | run folders: configuration, CSV files, atomic writes |
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
+//! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
 //! | `policy_card.rs` | the metadata in a policy file |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
@@ -48,6 +49,7 @@ pub mod tensorboard;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod train;
 pub mod training_setup;
+pub mod write_points;
 
 /// The reason why a command failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

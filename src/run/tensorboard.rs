@@ -12,6 +12,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
+use super::write_points::write_point;
+
 /// A writer of scalars to one event file. Buffered data reaches the file on [`flush`](Self::flush) or on
 /// drop.
 #[derive(Debug)]
@@ -39,6 +41,7 @@ impl EventWriter {
             }
         }
         .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
+        write_point("events: created");
 
         let mut writer = Self { file: BufWriter::new(file) };
         let mut version = Message::event();

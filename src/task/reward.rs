@@ -139,7 +139,9 @@ impl RewardConfig {
             if !value.is_finite() || value.abs() > MAX_REWARD_PARAMETER {
                 return Err((
                     field,
-                    format!("is {value:e}; help: give a number from -{MAX_REWARD_PARAMETER:e} to {MAX_REWARD_PARAMETER:e}"),
+                    format!(
+                        "is {value:e}; help: give a number from -{MAX_REWARD_PARAMETER:e} to {MAX_REWARD_PARAMETER:e}"
+                    ),
                 ));
             }
         }

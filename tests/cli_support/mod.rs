@@ -65,12 +65,13 @@ impl Workspace {
 
     /// Runs the binary and waits until it exits.
     pub fn run(&self, arguments: &str) -> CommandOutput {
-        let output = self.command(arguments).output().unwrap();
-        CommandOutput {
-            status: output.status.code(),
-            stdout: String::from_utf8(output.stdout).unwrap(),
-            stderr: String::from_utf8(output.stderr).unwrap(),
-        }
+        CommandOutput::new(self.command(arguments).output().unwrap())
+    }
+
+    /// Runs the binary with `WAYFIELD_ABORT_AT` set to `write_point`.
+    pub fn run_until(&self, arguments: &str, write_point: &str) -> CommandOutput {
+        let output = self.command(arguments).env("WAYFIELD_ABORT_AT", write_point).output();
+        CommandOutput::new(output.unwrap())
     }
 
     /// Runs the binary, which must succeed.
@@ -175,6 +176,14 @@ fn remove_wall_time(value: &mut Value) {
 }
 
 impl CommandOutput {
+    fn new(output: std::process::Output) -> Self {
+        Self {
+            status: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
     /// Stdout, which must be one JSON object.
     pub fn json(&self) -> Value {
         let value: Value = serde_json::from_str(&self.stdout)
@@ -186,12 +195,7 @@ impl CommandOutput {
 
 /// Waits until a started command exits.
 pub fn wait_for_output(child: Child) -> CommandOutput {
-    let output = child.wait_with_output().unwrap();
-    CommandOutput {
-        status: output.status.code(),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+    CommandOutput::new(child.wait_with_output().unwrap())
 }
 
 /// Waits until `holds` returns true. Kills the child and panics if this takes more than a minute or the child

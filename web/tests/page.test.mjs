@@ -1,5 +1,5 @@
-// The page in a real browser, as a user meets it. A software GPU draws only about ten frames per second, so each test checks
-// several promises of docs/browser.md at once.
+// End-to-end tests of the page in a real browser. With a software GPU the app draws only about ten frames per second, so each
+// test checks several promises of docs/browser.md.
 
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
@@ -24,7 +24,7 @@ const TALL = { viewport: { width: 1280, height: 900 } };
 
 const assertNoErrors = (page) => assert.deepEqual(page.errors, []);
 
-test('the compressed module has at most 6 MB', async (t) => {
+test('the compressed module is at most 6 MB', async (t) => {
     const module = await readFile(new URL('wayfield_bg.wasm', pathToFileURL(`${process.env.WAYFIELD_PAGE}/`)));
     const compressed = brotliCompressSync(module, { params: { [constants.BROTLI_PARAM_QUALITY]: 9 } }).length;
     t.diagnostic(`${module.length} bytes, ${compressed} with brotli`);
@@ -47,7 +47,7 @@ test('the page works under any path, contacts no other host, and the robot learn
         + `mean ${(best.stepping_ms / best.frames).toFixed(1)} ms per frame; ${best.frames_per_s.toFixed(1)} frames/s; `
         + `${(best.stepping_ms / best.gradient_steps).toFixed(2)} ms of stepping per gradient step`);
     assert.ok(seconds <= 60, `${seconds} s to 99 % success`);
-    await picture(page, 'learnt');
+    await picture(page, 'trained');
     const description = await page.textContent('#status');
     assert.match(description, /Scenario scenario-1, preset fast: \d+ episodes, success rate [\d.]+ %/, 'for screen readers');
     for (const url of page.requests) assert.ok(url.startsWith(host.address) || url === 'data:,', `unexpected request: ${url}`);
@@ -55,19 +55,19 @@ test('the page works under any path, contacts no other host, and the robot learn
     await page.context().close();
 });
 
-test('the page runs no foreign script and can contact no other host', async () => {
+test('the page runs no injected script and can contact no other host', async () => {
     const page = await open(browser, host.address);
     const tried = await page.evaluate(async () => {
         const forbidden = new Set();
         document.addEventListener('securitypolicyviolation', (violation) => forbidden.add(violation.effectiveDirective));
         const add = (kind, given) => document.head.append(Object.assign(document.createElement(kind), given));
         add('script', { textContent: 'globalThis.ran = "inline"' });
-        add('script', { src: 'data:text/javascript,globalThis.ran = "foreign"' });
+        add('script', { src: 'data:text/javascript,globalThis.ran = "injected"' });
         add('style', { textContent: 'body { opacity: 0 }' });
-        const elsewhere = location.origin.replace('127.0.0.1', 'localhost');
-        add('base', { href: elsewhere });
-        new Image().src = `${elsewhere}/picture.png`;
-        const reached = await fetch(elsewhere).then(() => 'reached', () => 'refused');
+        const otherOrigin = location.origin.replace('127.0.0.1', 'localhost');
+        add('base', { href: otherOrigin });
+        new Image().src = `${otherOrigin}/picture.png`;
+        const reached = await fetch(otherOrigin).then(() => 'reached', () => 'refused');
         const evaluate = () => {
             try {
                 return new Function('return "evaluated"')();
@@ -75,7 +75,7 @@ test('the page runs no foreign script and can contact no other host', async () =
                 return 'refused';
             }
         };
-        // Delayed, because code that the debugger evaluates directly is not subject to the page's policy.
+        // Delayed, because code evaluated directly by the debugger is exempt from the Content-Security-Policy.
         const evaluated = await new Promise((later) => setTimeout(() => later(evaluate()), 100));
         await new Promise((later) => setTimeout(later, 500));
         return { reached, evaluated, ran: globalThis.ran ?? 'nothing', forbidden: [...forbidden].sort() };
@@ -97,7 +97,7 @@ test('the address selects scenario, preset, seed and pace', async () => {
     await page.context().close();
 });
 
-test('another scenario is selected with the mouse, for a transfer or a new training, and the address follows', async () => {
+test('a scenario selected with the mouse can continue or restart training, and the address is updated', async () => {
     const page = await open(browser, `${host.address}?seed=5`, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
     await click(page, 'Scenario');
@@ -114,7 +114,7 @@ test('another scenario is selected with the mouse, for a transfer or a new train
     await page.context().close();
 });
 
-test('an expert drives next to the current policy after one click', async () => {
+test('one click compares an expert with the current policy', async () => {
     const page = await open(browser, host.address, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
     await click(page, 'Watch an expert');
@@ -122,7 +122,7 @@ test('an expert drives next to the current policy after one click', async () => 
     assert.match(now.notice, /Expert of Scenario I/);
     await page.waitForTimeout(4000);
     await picture(page, 'expert');
-    assert.equal((await status(page)).env_steps, now.env_steps, 'training is suspended meanwhile');
+    assert.equal((await status(page)).env_steps, now.env_steps, 'training is suspended during the comparison');
     assertNoErrors(page);
     await page.context().close();
 });
@@ -131,7 +131,7 @@ const ownScenario = async (name) => (await readFile(new URL('../../scenarios/sce
     .replace(/name: "[^"]*"/, `name: "${name}"`);
 const file = (name, text) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
 
-test('a broken scenario is reported with line and column and training continues; a valid one starts, and its link can be shared', async () => {
+test('an invalid scenario is reported with line and column; a valid one starts a training that can be shared by link', async () => {
     const page = await open(browser, host.address, { options: TALL });
     const before = await until(page, (now) => now.env_steps > 0);
     const valid = await ownScenario('Mine');
@@ -168,7 +168,7 @@ test('a broken scenario is reported with line and column and training continues;
     await damaged.context().close();
 });
 
-test('a policy is saved and opened again; a dropped file is opened, too', async () => {
+test('a saved policy can be opened again, and a dropped file is opened', async () => {
     const page = await open(browser, host.address, { options: TALL });
     await until(page, (now) => now.gradient_steps > 0);
     const [saved] = await Promise.all([page.waitForEvent('download'), press(page, 'Control', 's')]);
@@ -190,7 +190,7 @@ test('a policy is saved and opened again; a dropped file is opened, too', async 
     await page.context().close();
 });
 
-test('an obstacle is dragged with the mouse, and the modified scenario is saved', async () => {
+test('an obstacle can be dragged with the mouse, and the modified scenario can be saved', async () => {
     const page = await open(browser, `${host.address}?paused`, { options: TALL });
     await until(page, (now) => now.paused);
     const save = async () => {
@@ -218,7 +218,7 @@ test('an obstacle is dragged with the mouse, and the modified scenario is saved'
     await page.context().close();
 });
 
-test('a scenario is edited, saved with its comments, and the training continues in it', async () => {
+test('an edited scenario is saved with its comments, and training continues in it', async () => {
     const page = await open(browser, `${host.address}?scenario=empty&edit`, { options: TALL });
     await until(page, (now) => now.paused);
     const save = async () => {
@@ -240,7 +240,7 @@ test('a scenario is edited, saved with its comments, and the training continues 
     const beforeApplying = await status(page);
     await click(page, 'Continue here');
     const now = await until(page, (now) => now.scenario_modified && !now.paused && now.env_steps > beforeApplying.env_steps);
-    assert.equal(now.scenario, 'empty.ron', 'the saved file');
+    assert.equal(now.scenario, 'empty.ron', 'the scenario has the name of the saved file');
     await picture(page, 'continues-in-edited-scenario');
     assertNoErrors(page);
     await page.context().close();
@@ -293,8 +293,8 @@ test('the page survives being hidden and resized, and accepts touch', async () =
     assert.deepEqual(await status(page), hidden, 'nothing happens while hidden');
     await page.evaluate(() => show());
     const later = await until(page, (now) => now.env_steps > hidden.env_steps);
-    // 8 s would be 3,200 env steps.
-    assert.ok(later.env_steps - hidden.env_steps < 2000, 'hidden time is not caught up with');
+    // In 8 s a visible page takes 3,200 env steps.
+    assert.ok(later.env_steps - hidden.env_steps < 2000, 'the steps of the hidden time are not made up for');
     const canvas = () => page.evaluate(() => {
         const { width, height } = document.querySelector('canvas');
         return [width, height];
@@ -338,7 +338,7 @@ test('invalid options in the address are reported, and the defaults are used', a
     await page.context().close();
 });
 
-test('the app and the browser each keep their keys, and the view is restored after a reload', async () => {
+test('the app takes only its own shortcuts from the browser, and the view is restored after a reload', async () => {
     const page = await open(browser, host.address);
     await until(page, (now) => now.env_steps > 0);
     const isTaken = (options) => page.evaluate((options) => {

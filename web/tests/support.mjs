@@ -1,4 +1,4 @@
-// Shared by the page tests: a host that serves the page, a browser that opens it, and user actions.
+// Helpers for the page tests: a server for the page, a browser that opens it, and user actions.
 // In: the folder made by web/build. Out: pages, and the status that they report (from src/app/browser.rs).
 
 import { createServer } from 'node:http';
@@ -13,7 +13,7 @@ const TYPES = {
     '.wasm': 'application/wasm',
 };
 
-/// Serves the page under a sub-path, like a project page on a shared host. Returns its address.
+/// Serves the page under a sub-path, like a project page on a shared host. Returns its address and a function that stops it.
 export async function serve() {
     const base = '/some/where/';
     const server = createServer(async (request, response) => {
@@ -98,7 +98,7 @@ export async function click(page, name) {
     await page.waitForTimeout(600);
 }
 
-/// Presses a key while holding another one, just as slowly.
+/// Presses a key while another one is held, as slowly as `click`.
 export async function press(page, held, key) {
     await page.keyboard.down(held);
     await page.waitForTimeout(400);

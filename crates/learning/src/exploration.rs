@@ -11,7 +11,7 @@ impl Exploration {
     /// Epsilon, the probability of a random action (0 to 1), after `env_steps` and `episodes`.
     ///
     /// [`Exploration::PerEpisode`] is equation (10) of the paper: max(end, start x decay^episodes). After a knowledge
-    /// transfer, `start` replaces the start of the schedule (section 3.2: 0.5). Epsilon has no state of its own, so a
+    /// transfer, `start` replaces the start of the schedule (section 3.2: 0.5). Epsilon is not accumulated, so a
     /// resumed run continues exactly.
     #[must_use]
     pub fn epsilon(&self, env_steps: u64, episodes: u64, start: Option<f32>) -> f32 {

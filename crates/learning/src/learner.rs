@@ -9,10 +9,10 @@ mod update;
 use std::collections::BTreeMap;
 
 use super::config::{ConfigError, LearningConfig, within};
+use super::limits::{MAX_ENVS, MAX_STORED_FLOATS};
 use super::n_step::{NStepAccumulator, PendingStep, StepEnd};
 use super::network::QNetwork;
 use super::optimizer::OptimizerState;
-use super::limits::{MAX_ENVS, MAX_STORED_FLOATS};
 use super::replay::ReplayBuffer;
 use super::state_ring::StateId;
 use serde::{Deserialize, Serialize};

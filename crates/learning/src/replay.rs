@@ -5,7 +5,7 @@
 //!
 //! Memory for the paper's 1,000,000 transitions of 28 numbers: 126 MB for states (each is stored once), 9 MB for the last
 //! reference to each state, 18 MB for transitions, 17 MB for the sum tree. Together 170 MB when full; an empty buffer
-//! takes almost none.
+//! takes almost no memory.
 
 use super::config::{ReplayConfig, Sampling};
 pub use super::n_step::Transition;

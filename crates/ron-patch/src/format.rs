@@ -65,7 +65,7 @@ impl<'a> Formatter<'a> {
             .collect()
     }
 
-    /// The text `name: value` of a field on a line of its own.
+    /// The text `name: value` of a field that starts a line.
     fn field(&self, name: &str, value: &Value, indent: &str) -> String {
         let column = columns(indent) + name.len() + 2;
         format!("{indent}{name}: {}", self.value(value, Cursor { indent, column }))

@@ -131,7 +131,7 @@ impl Merge<'_> {
         added
     }
 
-    /// The key of `child`; empty if it has none.
+    /// The key of `child`; empty if it has no key.
     fn key(&self, child: &SyntaxNode) -> &str {
         child.key.clone().map_or("", |key| &self.text[key])
     }

@@ -114,8 +114,8 @@ impl BracketContents {
         let front = open..at;
         let mut segments = Vec::new();
         for (k, child) in node.children.iter().enumerate() {
-            let behind = child.comma.map_or(child.value.end, |comma| comma + 1);
-            let end = line_rest_end(text, behind, limit(k + 1));
+            let after_child = child.comma.map_or(child.value.end, |comma| comma + 1);
+            let end = line_rest_end(text, after_child, limit(k + 1));
             segments.push(Segment { head: at..child.start(), after: child.value.end..end });
             at = end;
         }

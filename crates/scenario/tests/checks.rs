@@ -1,4 +1,4 @@
-//! What the checks of a world say, to the letter, where one file each would be too many; and that they take no time.
+//! Tests of the scenario checks: the exact messages for cases that have no fixture, and the time that the checks take.
 
 use std::time::{Duration, Instant};
 
@@ -8,12 +8,12 @@ use wayfield_scenario::{
     Wall, diagnostics,
 };
 
-/// Findings as lines, without a file.
+/// The diagnostics as lines, without a file name.
 fn found(scenario: &Scenario) -> Vec<String> {
     diagnostics(scenario).iter().map(ToString::to_string).collect()
 }
 
-/// What is found in a world with this enclosure.
+/// The diagnostics of a scenario with this enclosure.
 fn enclosed(corners_m: &[Vec2]) -> Vec<String> {
     let enclosure = Enclosure::Polygon { corners_m: corners_m.into() };
     found(&Scenario { enclosure, ..Scenario::default() })
@@ -37,7 +37,7 @@ fn a_polygonal_enclosure_must_be_an_outline() {
         enclosed(&[vec2(0.0, 0.0), vec2(3.0, 3.0), vec2(3.0, 3.0), vec2(0.0, 3.0)]),
         ["`enclosure.corners_m[2]` repeats the corner before it: remove one of them"]
     );
-    // An hourglass; sides that only touch; a side that goes back along the one before it.
+    // An hourglass, sides that touch, and a side that runs back along the previous one.
     let meet = |second: usize, sides: &str, first: &str| {
         [format!(
             "`enclosure.corners_m[{second}]` starts a side ({sides}) that touches the side from {first}: move a corner, \
@@ -56,7 +56,7 @@ fn a_polygonal_enclosure_must_be_an_outline() {
         enclosed(&[vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 3.0)]),
         meet(1, "corners_m[1] to corners_m[2]", "corners_m[0] to corners_m[1]")
     );
-    // Either way round, and with a corner that points inwards, it is fine.
+    // Both orders of the corners are valid, and so is a corner that points inwards.
     let mut l = vec![
         vec2(-2.0, -2.0),
         vec2(2.0, -2.0),
@@ -71,7 +71,7 @@ fn a_polygonal_enclosure_must_be_an_outline() {
 }
 
 #[test]
-fn too_many_walls_and_generators_are_refused() {
+fn too_many_walls_and_generators_are_rejected() {
     let wall = |corners| Wall { corners_m: vec![vec2(0.0, 0.0); corners], thickness_m: 0.1 };
     let generator = |count| Generator {
         count,
@@ -131,7 +131,7 @@ fn named_positions_must_be_far_enough_apart() {
         with(within(vec2(-1.0, -1.0), vec2(-0.5, 1.0)), within(vec2(0.5, -1.0), vec2(1.0, 1.0))),
         [""; 0]
     );
-    // Of a square of 1 m, what is 0.5 m from its middle is 1 - pi/4 of it, 21 %; of one of 1.04 m, 27 %.
+    // In a square with sides of 1 m, 1 - pi/4 = 21 % of the area is at least 0.5 m from the middle; with 1.04 m, 27 %.
     assert_eq!(with(within(vec2(-0.52, -0.52), vec2(0.52, 0.52)), fixed(0.0, None)), [""; 0]);
     assert_eq!(
         with(within(vec2(-0.5, -0.5), vec2(0.5, 0.5)), fixed(0.0, None)),
@@ -182,7 +182,7 @@ fn generators_that_may_fill_the_arena_are_reported() {
     let far = PlacementRule::Random { clearance_m: 0.6 };
     assert_eq!(found(&Scenario { goals: far.clone(), ..crowd.clone() }), messages("for a goal"));
     assert_eq!(found(&Scenario { starts: far, ..crowd }), messages("for a start"));
-    // They fill a hall but for its left end.
+    // The obstacles fill the arena except for its left end.
     let right = Region { min_m: vec2(-1.0, -0.75), max_m: vec2(3.0, 0.75) };
     let mut hall = Scenario {
         enclosure: Enclosure::Rectangle { width_m: 6.0, height_m: 1.5 },
@@ -198,7 +198,7 @@ fn generators_that_may_fill_the_arena_are_reported() {
 #[test]
 fn unreachable_goals_are_reported_with_two_points() {
     let wall = |corners: &[Vec2]| Wall { corners_m: corners.into(), thickness_m: 0.1 };
-    // A closet in the upper right corner, 1 m x 1 m inside.
+    // A closed area in the upper right corner, 1 m x 1 m inside.
     let closet = wall(&[vec2(0.95, 2.0), vec2(0.95, 0.95), vec2(2.0, 0.95)]);
     let needs = "the robot needs a gap of more than 0.26 m, twice the collision range; widen a gap";
     let mut scenario = Scenario { walls: vec![closet], ..Scenario::default() };
@@ -211,7 +211,7 @@ fn unreachable_goals_are_reported_with_two_points() {
         messages[0].ends_with(&format!(": {needs}, block that area, or exclude it from the rule")),
         "{messages:?}"
     );
-    // Goals elsewhere: the starts are what is left.
+    // The goals are elsewhere, so the starts must be reported.
     let elsewhere =
         PlacementRule::Within { min_m: vec2(-2.0, -2.0), max_m: vec2(2.0, 0.9), clearance_m: 0.35 };
     scenario.goals = elsewhere.clone();
@@ -221,7 +221,7 @@ fn unreachable_goals_are_reported_with_two_points() {
     assert!(messages[0].contains(", from which the robot can't reach ("), "{messages:?}");
     scenario.starts = elsewhere;
     assert_eq!(found(&scenario), [""; 0]);
-    // A fixed start in the closet is what is wrong, wherever goals may be.
+    // A fixed start in the closed area is reported, wherever the goals are.
     scenario.starts = PlacementRule::Fixed { position_m: vec2(1.25, 1.25), heading_rad: None };
     scenario.goals = PlacementRule::default();
     assert!(
@@ -241,8 +241,8 @@ fn unreachable_goals_are_reported_with_two_points() {
 }
 
 #[test]
-fn a_gap_of_twice_the_collision_range_is_the_least() {
-    // The robot needs 2 x 0.13 m; what moves stands in nobody's way for ever.
+fn a_gap_must_be_at_least_twice_the_collision_range() {
+    // The robot needs 2 x 0.13 m. Moving obstacles do not block a path permanently.
     let wall = |from, to| Wall { corners_m: vec![from, to], thickness_m: 0.02 };
     for (gap_m, turned, passes) in
         [(0.25, false, false), (0.25, true, false), (0.262, false, true), (0.262, true, true)]
@@ -275,7 +275,7 @@ fn a_gap_of_twice_the_collision_range_is_the_least() {
     }
 }
 
-/// Asserts that a text is messages of within 20 s, and that what is messages of it has `needle`.
+/// Asserts that the check of `text` takes at most 20 s, and that its messages contain `needle`.
 fn assert_reported_quickly(what: &str, text: &str, needle: &str) {
     assert!(text.len() <= 1 << 20, "{what}: {} bytes are no file", text.len());
     let start = Instant::now();
@@ -290,7 +290,7 @@ fn assert_reported_quickly(what: &str, text: &str, needle: &str) {
 
 #[test]
 fn hostile_files_are_reported_quickly() {
-    // As many obstacles as fit, all moving, none of them blocking but the last, which blocks everything.
+    // The maximum number of obstacles. All move, and only the last one blocks the goal.
     let mut text = String::from("(name: \"a\", obstacles: [");
     for _ in 0..9_999 {
         text.push_str("(shape: Rectangle(width_m: 1, height_m: 1), position_m: (0, 0), rotation_rad: 1,");
@@ -309,7 +309,7 @@ fn hostile_files_are_reported_quickly() {
 
 #[test]
 fn hostile_outlines_are_reported_quickly() {
-    // Slivers of 32 corners right across a world as large as is looked at, and a wall that parts it.
+    // Thin polygons of 32 corners across a scenario of the maximum size, and a wall that divides it.
     let mut sliver = String::from("(shape:Polygon(corners_m:[");
     for k in 0..31 {
         sliver.push_str(&format!("({},{:.3}),", 20 - k, 20.001 - f64::from(k)));
@@ -321,8 +321,8 @@ fn hostile_outlines_are_reported_quickly() {
          obstacles:[{slivers}],benchmark_route:(start_m:(-20,0),goal_m:(0,-20)))"
     );
     assert_reported_quickly("slivers", &text, "`goals` includes");
-    // As many pieces of walls as there may be, up and down over the whole, none of which leaves a way; and patrols that
-    // go so through an enclosure of 64 corners.
+    // The maximum number of wall segments, up and down across the scenario, without a gap; and patrols along similar paths in
+    // an enclosure of 64 corners.
     let zigzag: String =
         (0..250).map(|k| format!("({}.{},{}),", k % 20, k, if k % 2 == 0 { -25 } else { 25 })).collect();
     let walls = format!("(corners_m:[{zigzag}]),").repeat(40);

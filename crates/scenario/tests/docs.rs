@@ -1,6 +1,6 @@
-//! The page on the scenario format, docs/scenario-format.md, is what the schema's own comments and defaults say.
+//! The page docs/scenario-format.md, generated from the comments and defaults of the scenario schema.
 //!
-//! `cargo xtask docs` writes it anew.
+//! The test fails if the page is out of date; `cargo xtask docs` renews it.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -18,18 +18,18 @@ const RENEW: &str = "cargo xtask docs";
 
 const HEAD: &str = r#"# The scenario format
 
-A scenario is a world and the rules of the task in it, as a text file in [RON](https://github.com/ron-rs/ron). The
-shipped ones are in [`scenarios/`](../scenarios). This is a whole file:
+A scenario describes an arena, the robot and the task, as a text file in [RON](https://github.com/ron-rs/ron). The
+shipped scenarios are in [`scenarios/`](../scenarios). This is a complete file:
 
 ```ron
 (name: "Mine")
 ```
 
-Every other field has a default, mostly the paper's number: the above is an empty room of 4 m x 4 m. Write only what
-differs. Here are two obstacles in that room, and one of them moves:
+Every other field has a default, usually the paper's value: the file above is an empty arena of 4 m x 4 m. Write only the
+fields that differ. This file adds two obstacles, one of which moves:
 
 ```ron
-// Whatever follows two slashes is a comment.
+// Text after two slashes is a comment.
 (
     name: "Two obstacles",
     obstacles: [
@@ -43,22 +43,22 @@ differs. Here are two obstacles in that room, and one of them moves:
 )
 ```
 
-**Units.** {units} Every name ends in its unit: a `radius_m` is in metres, a `speed_rad_s` in radians a second.
+**Units.** {units} Names end in the unit: a `radius_m` is in metres, a `speed_rad_s` in radians per second.
 
-**How to read the tables.** What has fields is written in parentheses, `(field: value, ...)`, in any order. Where there
-are several forms, such as of a shape, one is named: `Circle(radius_m: 0.15)`. A list is written `[..., ...]`. A field
-without a default must be given. The whole file is a [scenario](#scenario).
+**How to read the tables.** A value with fields is written in parentheses, `(field: value, ...)`, in any order. If
+there are several forms, such as for a shape, the value names one: `Circle(radius_m: 0.15)`. A list is written `[..., ...]`.
+A field without a default is required. The whole file is a [scenario](#scenario).
 
-**Check a file** with `wayfield --check mine.ron`, or all files of a folder with `wayfield --check scenarios/`. What is
-wrong is said with line, column, field and mend:
+**Check a file** with `wayfield --check mine.ron`, or all files in a folder with `wayfield --check scenarios/`. Each
+problem is printed with line, column, field and fix:
 
 ```text
 {mistake}
 ```
 
-**Try it out:** `wayfield --scenario mine.ron` opens it in the window. Save the file in any editor, and the window goes
-on in the changed world when the episode ends; if the file is broken, it shows the message and stays in the last good
-one. The window also has an editor of its own: it saves such files too, and leaves your comments where they are.
+**Try it out:** `wayfield --scenario mine.ron` opens it in the app. Save the file in any text editor, and the app
+adopts the changed scenario when the next episode ends. If the file is invalid, the app shows the message and continues with
+the last valid scenario. The app also has a scenario editor, which saves the same format and keeps your comments.
 
 ## Contents
 
@@ -69,7 +69,7 @@ struct Entry<'a> {
     name: String,
     kind: &'a Type,
     about: String,
-    /// Whether a file can do without it.
+    /// Whether the field may be left out.
     optional: bool,
 }
 
@@ -80,11 +80,11 @@ struct Group<'a> {
     entries: Vec<Entry<'a>>,
 }
 
-/// A type of the schema. A struct is one group without a name.
+/// A type of the schema. A struct has a single group without a name.
 struct Section<'a> {
     name: String,
     about: Vec<String>,
-    /// What is said of its default.
+    /// The description of the type's default.
     default: Vec<String>,
     groups: Vec<Group<'a>>,
 }
@@ -110,7 +110,7 @@ fn docs(attributes: &[Attribute]) -> Vec<String> {
     paragraphs
 }
 
-/// Whether serde fills in what is left out.
+/// Whether serde has a default for the field.
 fn has_default(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| match &attribute.meta {
         Meta::List(list) => list.path.is_ident("serde") && list.tokens.to_string().contains("default"),
@@ -128,7 +128,7 @@ fn entries<'a>(fields: &'a Fields, all_optional: bool) -> Vec<Entry<'a>> {
     fields.iter().map(entry).collect()
 }
 
-/// The schema's types in its order.
+/// The schema's types, in the order of the schema.
 fn sections(file: &syn::File) -> Vec<Section<'_>> {
     let mut sections: Vec<Section> = Vec::new();
     for item in &file.items {
@@ -208,7 +208,7 @@ fn link(name: &str) -> String {
     format!("[{label}](#{})", label.replace(' ', "-"))
 }
 
-/// How a value of the type is written. Points are `Vec2`, ranges are pairs.
+/// The notation of a value of the type. Points are `Vec2`, ranges are pairs.
 fn written(kind: &Type) -> String {
     match (name(kind).as_str(), inner(kind)) {
         ("", _) => "`(lowest, highest)`".into(),
@@ -223,7 +223,7 @@ fn written(kind: &Type) -> String {
     }
 }
 
-/// Some value of the type, as RON.
+/// An example value of the type, as RON.
 fn sample(kind: &Type, sections: &[Section<'_>]) -> String {
     match name(kind).as_str() {
         "" | "Vec2" => "(1.0, 1.0)".into(),
@@ -238,7 +238,7 @@ fn sample(kind: &Type, sections: &[Section<'_>]) -> String {
     }
 }
 
-/// The shortest text for a struct or variant: only what has no default.
+/// The shortest text for a struct or variant: only the fields without a default.
 fn shortest(group: &Group<'_>, sections: &[Section<'_>]) -> String {
     let required = group.entries.iter().filter(|entry| !entry.optional);
     let fields: Vec<_> =
@@ -248,11 +248,11 @@ fn shortest(group: &Group<'_>, sections: &[Section<'_>]) -> String {
 
 fn read<T: Serialize + DeserializeOwned>(text: &str) -> Value {
     let value: T = parse_ron(text, text).unwrap_or_else(|error| panic!("{error}"));
-    // Through text, where an f32 has no more digits than it needs.
+    // The detour through text gives an f32 its shortest decimal form.
     serde_json::from_str(&serde_json::to_string(&value).expect("JSON")).expect("JSON")
 }
 
-/// The fields of what `text` is read as, which is a `kind`: its defaults are those of the program.
+/// The fields of `text`, parsed as a `kind`, so that defaults come from the program.
 fn filled_in(kind: &str, text: &str) -> Value {
     macro_rules! one_of {
         ($($kind:ident),*) => {
@@ -281,7 +281,7 @@ fn filled_in(kind: &str, text: &str) -> Value {
     )
 }
 
-/// `value` as RON, its fields in the order that the schema first names them in.
+/// `value` as RON, with the fields in the order of the schema.
 fn ron(value: &Value, sections: &[Section<'_>]) -> String {
     let ron = |value: &Value| ron(value, sections);
     let entries = || sections.iter().flat_map(|section| &section.groups).flat_map(|group| &group.entries);
@@ -307,7 +307,7 @@ fn ron(value: &Value, sections: &[Section<'_>]) -> String {
     }
 }
 
-/// What the default column says of `entry`, whose default is `value`; and, if it is too long for a table, that.
+/// The text of the default column for `entry` with the default `value`; and the default itself, if it is too long for a table.
 fn default(entry: &Entry<'_>, value: &Value, sections: &[Section<'_>]) -> (String, Option<String>) {
     let kind = name(entry.kind);
     let is_struct = sections.iter().any(|section| section.name == kind && section.groups[0].name.is_empty());
@@ -408,7 +408,7 @@ fn text(path: &str) -> String {
 }
 
 #[test]
-fn the_page_is_what_the_schema_says() {
+fn the_page_matches_the_schema() {
     let page = page(&text("crates/scenario/src/schema.rs"), &text("scenarios/empty.ron"));
     if std::env::var_os("WAYFIELD_RENEW").is_some() {
         std::fs::write(at("docs/scenario-format.md"), &page).expect("the page can be written");
@@ -420,7 +420,7 @@ fn the_page_is_what_the_schema_says() {
 }
 
 #[test]
-fn the_page_says_what_was_worked_out_by_hand() {
+fn a_small_schema_gives_the_page_written_by_hand() {
     let source = "//! What.\n//!\n//! Metres.\n/// A robot.\n/// Ours.\n#[serde(default)]\npub struct Robot {\n\
         /// Its radius | half\n/// across.\npub radius_m: f32,\n}\n\
         impl Default for Robot {\n/// By rule.\nfn default() -> Self { todo!() }\n}\n\
@@ -457,12 +457,12 @@ fn the_page_says_what_was_worked_out_by_hand() {
 }
 
 #[test]
-fn empty_ron_spells_every_field_that_has_a_default() {
+fn empty_ron_contains_every_field_with_a_default() {
     let source = text("crates/scenario/src/schema.rs");
     let file = syn::parse_file(&source).expect("the schema is Rust");
     let example = text("scenarios/empty.ron");
     let mut named = 0;
-    // Types whose values need nothing: the scenario itself and the parts of it that are there in every world.
+    // Types whose fields all have defaults: the parts that every scenario has.
     for section in sections(&file).iter().filter(|section| section.groups[0].name.is_empty()) {
         let entries = &section.groups[0].entries;
         if section.name == "Scenario" || entries.iter().all(|entry| entry.optional) {
@@ -483,7 +483,7 @@ fn empty_ron_spells_every_field_that_has_a_default() {
 }
 
 #[test]
-fn the_examples_on_the_page_are_worlds() {
+fn the_examples_on_the_page_are_valid_scenarios() {
     let page = text("docs/scenario-format.md");
     let blocks = page.split("```ron\n").skip(1).filter_map(|rest| Some(rest.split_once("```")?.0));
     let whole: Vec<_> = blocks.filter(|block| block.starts_with(['(', '/'])).collect();

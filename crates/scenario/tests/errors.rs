@@ -65,20 +65,20 @@ fn a_missing_file_names_its_neighbours() {
 }
 
 #[test]
-fn a_file_over_a_mebibyte_is_refused() {
+fn a_file_over_a_mebibyte_is_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("large.ron");
-    std::fs::write(&path, " ".repeat((1 << 20) + 1)).expect("it can be written");
-    let told = load_error(path.to_str().expect("a plain path"));
-    assert_eq!(told, format!("{}: larger than 1 MiB, the limit for this kind of file", path.display()));
+    std::fs::write(&path, " ".repeat((1 << 20) + 1)).expect("the scenario can be written");
+    let message = load_error(path.to_str().expect("a plain path"));
+    assert_eq!(message, format!("{}: larger than 1 MiB, the limit for this kind of file", path.display()));
 }
 
 #[test]
-fn mistakes_of_form_are_explained_where_they_are() {
+fn syntax_errors_have_a_position_and_a_fix() {
     let fields = "`name`, `about`, `enclosure`, `walls`, `obstacles`, `generators`, `robot`, `lidar`, `task`, \
          `starts`, `goals`, `benchmark_route`";
     let root = format!("1:13: unknown field `zzz` in the file: the fields are {fields}");
-    for (text, told) in [
+    for (text, message) in [
         (r#"(name: "a", zzz: 1)"#, root.as_str()),
         (
             r#"(name: "a", lidar: (beems: 3))"#,
@@ -172,31 +172,31 @@ fn mistakes_of_form_are_explained_where_they_are() {
         ("(name: \"abc", "1:8: this text has no closing quote: add one"),
         (r#"(name: "a\q")"#, "1:12: this is not RON: Unknown escape character"),
     ] {
-        assert_eq!(parse_error(text), format!("w.ron:{told}"), "for {text}");
+        assert_eq!(parse_error(text), format!("w.ron:{message}"), "for {text}");
     }
 }
 
 #[test]
-fn other_files_of_the_project_are_explained_alike() {
-    fn told<T: serde::de::DeserializeOwned + std::fmt::Debug>(text: &str) -> String {
+fn other_ron_files_have_messages_of_the_same_form() {
+    fn message<T: serde::de::DeserializeOwned + std::fmt::Debug>(text: &str) -> String {
         parse_ron::<T>(text, "p.ron").expect_err(text).to_string()
     }
-    assert_eq!(told::<bool>("1"), "p.ron:1:1: the file must be true or false");
-    assert_eq!(told::<Vec<u8>>("[1, 2"), "p.ron:1:6: a comma or a closing bracket is missing before this");
+    assert_eq!(message::<bool>("1"), "p.ron:1:1: the file must be true or false");
+    assert_eq!(message::<Vec<u8>>("[1, 2"), "p.ron:1:6: a comma or a closing bracket is missing before this");
     assert_eq!(
-        told::<std::num::NonZeroU8>("0"),
+        message::<std::num::NonZeroU8>("0"),
         "p.ron:1:2: the file must be a nonzero u8, not the unsigned integer `0`"
     );
     let deep = "[".repeat(1 << 20);
     assert_eq!(
-        told::<ron::Value>(&deep),
+        message::<ron::Value>(&deep),
         "p.ron:1:34: brackets are nested too deeply here: no value in this kind of file needs that many"
     );
     assert_eq!(parse_ron::<Option<u8>>("7", "p.ron"), Ok(Some(7)), "Some(...) need not be written");
 }
 
 #[test]
-fn texts_too_long_and_crowds_too_large_are_refused() {
+fn long_texts_and_large_lists_are_rejected() {
     let circle = Obstacle {
         shape: Shape::Circle { radius_m: -1.0 },
         position_m: vec2(0.0, 0.0),
@@ -219,18 +219,18 @@ fn texts_too_long_and_crowds_too_large_are_refused() {
             "`obstacles[0].shape.radius_m` is -1: write a number from 0.001 to 1000 (metres)",
         ]
     );
-    let crowd = Scenario { obstacles: scenario.obstacles[..150].to_vec(), ..Scenario::default() };
-    let text = to_ron(&crowd).expect("it can be written");
-    let told = parse_error(&text);
-    assert_eq!(told.lines().count(), 101);
-    assert!(told.ends_with("w.ron: and 50 more problems: fix some and check again"), "{told}");
+    let many_obstacles = Scenario { obstacles: scenario.obstacles[..150].to_vec(), ..Scenario::default() };
+    let text = to_ron(&many_obstacles).expect("the scenario can be written");
+    let message = parse_error(&text);
+    assert_eq!(message.lines().count(), 101);
+    assert!(message.ends_with("w.ron: and 50 more problems: fix some and check again"), "{message}");
 }
 
 #[test]
-fn no_number_of_a_file_may_be_nan_or_infinite() {
+fn non_finite_numbers_are_rejected_everywhere() {
     for (name, expected) in [("everything.ron", 98), ("everything-else.ron", 6)] {
         let text = std::fs::read_to_string(Path::new(FIXTURES).join(name)).expect("the fixture is there");
-        Scenario::parse(&text, name).expect("as it is, it is fine");
+        Scenario::parse(&text, name).expect("the unmodified file is valid");
         let mut numbers = 0;
         let mut at = 0;
         while let Some(start) = text[at..].find(|c: char| c.is_ascii_digit() || c == '-').map(|k| at + k) {

@@ -1,4 +1,4 @@
-//! The shipped scenarios load, say what the paper says, and survive a round trip through RON.
+//! Tests of the shipped scenarios: they load, have the paper's values, and survive a round trip through RON.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ fn load(name: &str) -> Scenario {
 
 #[test]
 fn every_shipped_scenario_loads() {
-    let entries = std::fs::read_dir(shipped("")).expect("the folder is there");
+    let entries = std::fs::read_dir(shipped("")).expect("the folder exists");
     let files: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
     assert!(files.len() >= 3);
     for file in files {
@@ -37,7 +37,7 @@ fn the_defaults_are_the_papers_numbers() {
     let motions: Vec<_> = scenario.robot.motions.iter().map(|m| (m.v_m_s, m.w_rad_s)).collect();
     let (v0, w0) = (0.15, 0.75);
     assert_eq!(motions, [(v0, 2.0 * w0), (v0, w0), (v0, 0.0), (v0, -w0), (v0, -2.0 * w0)], "equation (9)");
-    assert_eq!(scenario.robot.actuator_lag_s, 0.0, "the paper's robot does at once what it is told");
+    assert_eq!(scenario.robot.actuator_lag_s, 0.0, "the paper's robot has no actuator lag");
     assert_eq!(scenario.lidar.beams, 24, "equation (8)");
     assert_eq!(
         (scenario.lidar.max_range_m, scenario.lidar.noise_std_m, scenario.lidar.dropout),
@@ -56,7 +56,7 @@ fn the_defaults_are_the_papers_numbers() {
 }
 
 #[test]
-fn the_file_with_every_field_spells_the_defaults() {
+fn the_file_with_every_field_contains_the_defaults() {
     let empty = load("empty.ron");
     assert_eq!(empty, Scenario { about: empty.about.clone(), ..Scenario::default() });
 }
@@ -69,14 +69,14 @@ fn scenario_2_is_scenario_1_turning() {
     assert!(one.obstacles.iter().all(|o| o.shape == Shape::Circle { radius_m: 0.15 }));
     let corners: Vec<_> = one.obstacles.iter().map(|o| o.position_m).collect();
     assert_eq!(corners, [vec2(0.6, 0.6), vec2(-0.6, 0.6), vec2(-0.6, -0.6), vec2(0.6, -0.6)]);
-    // pi/2 at 0.15 rad/s takes 10.472 s, 52.36 steps: after 52 the first is just short of where the second
-    // was.
+    // A turn of pi/2 at 0.15 rad/s takes 10.472 s, or 52.36 steps. After 52 steps the first obstacle is just short of the
+    // second one's initial position.
     let (x, y, _) = pose_at(&two.obstacles[0], 52, two.task.control_period_s);
     assert!((x + 0.593).abs() < 2e-3 && (y - 0.6065).abs() < 2e-3, "({x}, {y})");
 }
 
 #[test]
-fn a_scenario_survives_being_written_and_read() {
+fn a_written_scenario_is_read_back_unchanged() {
     for name in ["empty.ron", "scenario-1.ron", "scenario-2.ron"] {
         let scenario = load(name);
         let text = to_ron(&scenario).expect("it can be written");

@@ -1,4 +1,5 @@
-//! Starts and goals keep their clearance in any sound scenario, and no text or number makes the room panic.
+//! Property tests of placement: starts and goals keep their clearance in any valid scenario, and no text or number causes a
+//! panic.
 
 use glam::{Vec2, vec2};
 use proptest::prelude::*;
@@ -31,7 +32,7 @@ fn motion() -> impl Strategy<Value = ObstacleMotion> {
     ]
 }
 
-/// A scenario whose obstacles may lie anywhere, even across the walls: placement must cope.
+/// A scenario whose obstacles may be anywhere, even across the walls.
 fn scenario() -> impl Strategy<Value = Scenario> {
     let obstacle = (shape(), point(2.5), -6.0_f32..6.0, motion()).prop_map(
         |(shape, position_m, rotation_rad, motion)| Obstacle { shape, position_m, rotation_rad, motion },
@@ -49,7 +50,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
 
 proptest! {
     #[test]
-    fn what_is_drawn_is_clear_and_far_and_the_same_again(
+    fn drawn_starts_and_goals_are_clear_distant_and_reproducible(
         scenario in scenario(), seed: u64, step in 0_u64..1_000_000_000,
     ) {
         let draw = || {
@@ -77,10 +78,10 @@ proptest! {
     }
 
     #[test]
-    fn a_sound_scenario_has_room_at_the_start(scenario in scenario(), seed: u64) {
+    fn a_valid_scenario_has_free_space_at_the_start(scenario in scenario(), seed: u64) {
         let found = diagnostics(&scenario);
         prop_assume!(found.iter().all(|f| f.path.starts_with("obstacles") || f.path.starts_with("benchmark_route")));
-        // (Room is looked for when the numbers are sound: not with an obstacle that moves too fast.)
+        // Free space is checked only if all numbers are valid; an obstacle that moves too fast is not.
         prop_assume!(!found.iter().any(|f| f.path.contains(".motion")));
         let mut s = stream(seed, "places", 0);
         let start = draw_start(&scenario, 0, &mut s);
@@ -90,19 +91,19 @@ proptest! {
     }
 
     #[test]
-    fn writing_and_reading_lose_nothing(scenario in scenario()) {
+    fn a_written_scenario_is_read_back_unchanged(scenario in scenario()) {
         let text = to_ron(&scenario).expect("it can be written");
         let read: Scenario = wayfield_scenario::parse_ron(&text, "w.ron").expect("and read");
         prop_assert_eq!(read, scenario);
     }
 
     #[test]
-    fn no_text_makes_it_panic(text in "[ -~\n\u{e9}]{0,200}") {
+    fn arbitrary_text_causes_no_panic(text in "[ -~\n\u{e9}]{0,200}") {
         let _ = Scenario::parse(&text, "w.ron").map_err(|error| error.to_string());
     }
 
     #[test]
-    fn no_damage_to_a_good_text_makes_it_panic(at in 0_usize..1_200, cut in 0_usize..12, put in "[\\[\\](){},:\"'/*#r.0-9é-]{0,4}") {
+    fn damaged_valid_text_causes_no_panic(at in 0_usize..1_200, cut in 0_usize..12, put in "[\\[\\](){},:\"'/*#r.0-9é-]{0,4}") {
         let good = include_str!("fixtures/everything.ron");
         let from = good.floor_char_boundary(at);
         let to = good.floor_char_boundary(from + cut);
@@ -111,7 +112,7 @@ proptest! {
     }
 
     #[test]
-    fn no_number_makes_a_pose_panic(
+    fn arbitrary_numbers_cause_no_panic_in_poses(
         position in any::<(f32, f32)>(), rotation_rad: f32, centre in any::<(f32, f32)>(), speed: f32,
         waypoints: Vec<(f32, f32)>,
         step: u64, period: f32,

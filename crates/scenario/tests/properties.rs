@@ -1,5 +1,5 @@
-//! Random worlds over the whole schema: what is written is read back, nothing makes the checks panic, and a world that
-//! passes them can be run.
+//! Property tests with random scenarios over the whole schema: a written scenario is read back, the checks never panic, and a
+//! scenario that passes them can be run.
 
 mod scenario_strategies;
 
@@ -15,7 +15,7 @@ use wayfield_scenario::{
     draw_start_and_goal, enclosure_distance, parse_ron, pose_at, shape_distance, to_ron,
 };
 
-/// The outline of a shape at a pose: corners, and how far it reaches beyond them.
+/// The outline of a shape at a pose: its corners, and the radius around them.
 fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Vec2>, f32) {
     let (points, radius) = match shape {
         Shape::Circle { radius_m } => (vec![Vec2::ZERO], *radius_m),
@@ -43,7 +43,7 @@ fn outline(shape: &Shape, (x, y, rotation): (f32, f32, f32)) -> (Vec<Vec2>, f32)
     )
 }
 
-/// Whether a way leads from one point to another over a coarse grid whose points are all `clear` m from what stands.
+/// Whether a path connects two points on a coarse grid, at least `clear` m from all static objects.
 fn has_way(scenario: &Scenario, from: Vec2, to: Vec2, clear: f32) -> bool {
     const CELL_M: f32 = 0.05;
     let (low, high) = scenario.enclosure.bounds_m();
@@ -76,7 +76,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn what_is_written_is_read_back(scenario in ValueRange::Finite.scenario()) {
+    fn a_written_scenario_is_read_back(scenario in ValueRange::Finite.scenario()) {
         let text = to_ron(&scenario).expect("it can be written");
         let read: Scenario = parse_ron(&text, "w.ron").expect("and read");
         prop_assert_eq!(&read, &scenario);
@@ -84,7 +84,7 @@ proptest! {
     }
 
     #[test]
-    fn no_numbers_make_the_checks_panic(scenario in ValueRange::Any.scenario(), step: u64) {
+    fn arbitrary_numbers_cause_no_panic_in_the_checks(scenario in ValueRange::Any.scenario(), step: u64) {
         let found = diagnostics(&scenario);
         prop_assert!(found.iter().all(|finding| !finding.path.is_empty() && !finding.message.is_empty()));
         let _ = clearance(&scenario, scenario.benchmark_route.start_m, step);
@@ -95,7 +95,7 @@ proptest! {
     }
 
     #[test]
-    fn no_damage_to_a_text_makes_anything_panic(
+    fn damaged_text_causes_no_panic(
         which in 0_usize..4,
         wounds in vec(
             (0.0_f32..1.0, 0_usize..30, "[\\[\\](){},:\"'/*#r.0-9é-]{0,4}", 0.0_f32..1.0, 0_usize..60), 1..4,
@@ -109,7 +109,7 @@ proptest! {
         ][which];
         let mut text = good.to_owned();
         for (at, cut, put, from, length) in wounds {
-            // Something is cut out, something else put there, and a piece from elsewhere.
+            // A part is cut out, and replaced by a token and a piece of the text from elsewhere.
             let piece = |share: f32, length: usize| {
                 let start = text.floor_char_boundary((share * text.len() as f32) as usize);
                 start..text.floor_char_boundary(start + length)
@@ -121,10 +121,10 @@ proptest! {
     }
 
     #[test]
-    fn in_a_sound_world_starts_and_targets_are_found(scenario in valid_scenario(), seed: u64, later in 0_u64..100_000) {
+    fn a_valid_scenario_has_starts_and_goals(scenario in valid_scenario(), seed: u64, later in 0_u64..100_000) {
         let task = &scenario.task;
         let without_moving_obstacles = without_moving_obstacles(&scenario);
-        // A place by a rule: as clear as the rule says, or where the robot does not collide with what stands.
+        // A position from a rule has the rule's clearance; a named one only does not collide with static objects.
         let keeps = |rule: &PlacementRule, place: Vec2, step: u64| match rule {
             PlacementRule::Random { clearance_m } => clearance(&scenario, place, step) >= *clearance_m,
             PlacementRule::Within { min_m, max_m, clearance_m } => {
@@ -160,20 +160,20 @@ proptest! {
     }
 
     #[test]
-    fn a_sound_world_stays_sound_when_it_is_furnished(scenario in valid_scenario(), layout: u64) {
+    fn a_valid_scenario_stays_valid_with_generated_obstacles(scenario in valid_scenario(), layout: u64) {
         let generated = scenario.with_generated_obstacles(layout);
         prop_assert!(generated.generators.is_empty());
         prop_assert!(generated.obstacles.len() <= scenario.max_obstacles());
         prop_assert_eq!(&generated, &scenario.with_generated_obstacles(layout), "the same layout is the same world");
         for finding in diagnostics(&generated) {
-            // A crowded layout may leave no room for a rule: that is found out when a place is drawn.
+            // A crowded layout may leave no free space for a rule. That is detected only when a position is drawn.
             let room = ["finds no free space", "the free space for goals is less", "too near the starts"];
             prop_assert!(room.iter().any(|it| finding.message.contains(it)), "{finding} in {generated:?}");
         }
     }
 
     #[test]
-    fn in_a_sound_world_nothing_leaves_the_enclosure_or_leaps(scenario in valid_scenario()) {
+    fn in_a_valid_scenario_no_obstacle_leaves_the_enclosure_or_jumps(scenario in valid_scenario()) {
         let period = scenario.task.control_period_s;
         let corners = scenario.enclosure.corners_m();
         for obstacle in &scenario.with_generated_obstacles(0).obstacles {
@@ -196,10 +196,10 @@ proptest! {
     }
 
     #[test]
-    fn a_wall_is_found_fault_with_only_where_it_parts_start_from_target(
+    fn a_wall_is_reported_only_if_it_separates_start_and_goal(
         mut scenario in valid_scenario(), across in 0.2_f32..0.8, gap_m in 0.0_f32..0.6,
     ) {
-        // From the lowest to the highest point of the enclosure, but for a gap.
+        // The wall extends from the lowest to the highest point of the enclosure, except for a gap.
         let (low, high) = scenario.enclosure.bounds_m();
         let x = low.x + across * (high.x - low.x);
         let mut top = low.y + 0.001;

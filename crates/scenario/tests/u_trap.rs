@@ -1,5 +1,5 @@
-//! A potential field alone is caught in the U-trap, whatever its weights, and gets through Scenario I: what u-trap.ron and
-//! docs/worlds.md say.
+//! A test of the claim in u-trap.ron and docs/worlds.md: a potential field alone gets stuck in the U-trap with any weights,
+//! but succeeds in Scenario I.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ fn shipped(name: &str) -> Scenario {
     Scenario::load(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// How a drive ended.
+/// The end of a drive.
 #[derive(Debug, PartialEq)]
 enum End {
     Reached,
@@ -19,14 +19,14 @@ enum End {
     TimedOut,
 }
 
-/// Khatib's field: a pull to the goal, and a push within a distance of every surface.
+/// Khatib's potential field: attraction to the goal, and repulsion within a distance from every surface.
 struct Field {
     push: f32,
     within_m: f32,
 }
 
 impl Field {
-    /// What the robot rolls down: one for each metre to the goal, and push / 2 (1 / d - 1 / within)^2.
+    /// The potential: 1 per metre to the goal, plus push / 2 (1 / d - 1 / within)^2.
     fn height(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
         let goal = scenario.benchmark_route.goal_m;
         let nearest = clearance(scenario, vec2(x, y), 0).max(0.01);
@@ -34,7 +34,7 @@ impl Field {
         (x - goal.x).hypot(y - goal.y) + self.push / 2.0 * pushed * pushed
     }
 
-    /// The direction in which it falls, in rad.
+    /// The direction of steepest descent, in rad.
     fn downhill(&self, scenario: &Scenario, Vec2 { x, y }: Vec2) -> f32 {
         let by = 0.01;
         let slope = |dx, dy| {
@@ -44,7 +44,7 @@ impl Field {
         slope(0.0, by).atan2(slope(by, 0.0))
     }
 
-    /// The benchmark route: at each step the motion that turns the robot downhill best.
+    /// A drive on the benchmark route. Each step takes the motion that best turns the robot downhill.
     fn drives(&self, scenario: &Scenario) -> End {
         let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
         let (Vec2 { mut x, mut y }, mut heading) = (benchmark_route.start_m, benchmark_route.heading_rad);
@@ -72,7 +72,7 @@ impl Field {
 }
 
 #[test]
-fn a_potential_field_alone_is_caught_in_the_u() {
+fn a_potential_field_alone_gets_stuck_in_the_u() {
     let (open, trap) = (shipped("scenario-1.ron"), shipped("u-trap.ron"));
     for push in [0.05, 0.1, 0.2, 0.4] {
         for within_m in [0.4, 0.5, 0.6, 0.7, 0.8] {

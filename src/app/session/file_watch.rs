@@ -1,13 +1,12 @@
 //! File watches: the scenario follows its file while the user edits it in another program.
 //!
-//! In: the file, checked a few times a second. Out: a scenario that the training adopts when the next episode ends, or a
-//! notice about the errors in the file while the training continues in the last valid scenario. Adopted scenarios are recorded in
-//! the journal.
+//! In: the file, checked a few times a second of Bevy's real time. Out: a scenario that the training adopts when the next
+//! episode ends, or a notice about the errors in the file while the training continues in the last valid scenario. Adopted
+//! scenarios are recorded in the journal.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
 use super::notices::{NoticeTopic, Notices, notify};
@@ -62,7 +61,8 @@ pub(super) enum RetryAction {
 /// A watched file.
 struct FileWatch {
     path: PathBuf,
-    checked: Instant,
+    /// Time of the last check; `None` before the first poll.
+    checked: Option<Duration>,
     /// Stamp at the last check; `None` while the file does not exist.
     stamp: Option<Stamp>,
     /// Stamp when the file was read last.
@@ -75,16 +75,16 @@ impl FileWatch {
         let path = PathBuf::from(from);
         let stamp = stamp(&path);
         let is_file = stamp.is_some() || !shipped::is_scenario(from);
-        is_file.then(|| Self { path, checked: Instant::now(), stamp, read: None })
+        is_file.then_some(Self { path, checked: None, stamp, read: None })
     }
 
-    /// The file's path, if the file should be read now: it has changed since it was read last, but not between the last two
-    /// checks, so that no program is still writing it.
-    fn changed(&mut self) -> Option<PathBuf> {
-        if self.checked.elapsed() < CHECK_INTERVAL {
+    /// The file's path, if the file should be read at time `now`: it has changed since it was read last, but not between the
+    /// last two checks, so that no program is still writing it.
+    fn changed(&mut self, now: Duration) -> Option<PathBuf> {
+        if now - *self.checked.get_or_insert(now) < CHECK_INTERVAL {
             return None;
         }
-        self.checked = Instant::now();
+        self.checked = Some(now);
         let before = std::mem::replace(&mut self.stamp, stamp(&self.path));
         let is_settled = self.stamp.is_some() && self.stamp == before;
         if !is_settled || self.stamp == self.read {
@@ -102,12 +102,14 @@ fn stamp(path: &Path) -> Option<Stamp> {
 
 /// Checks the watched files.
 pub(super) fn poll(world: &mut World) {
-    let changed = world.resource_mut::<FileWatches>().scenario.as_mut().and_then(FileWatch::changed);
+    let now = world.resource::<Time<Real>>().elapsed();
+    let scenario = &mut world.resource_mut::<FileWatches>().scenario;
+    let changed = scenario.as_mut().and_then(|watch| watch.changed(now));
     if let Some(path) = changed {
         read_scenario(world, &path);
     }
     let mut watches = world.resource_mut::<FileWatches>();
-    let fixed = watches.waiting.as_mut().and_then(|(watch, _)| watch.changed());
+    let fixed = watches.waiting.as_mut().and_then(|(watch, _)| watch.changed(now));
     if let Some(path) = fixed {
         retry(world, &path);
     }
@@ -189,5 +191,34 @@ fn check_usable(path: &Path) -> Result<(), FileError> {
     match Scenario::load(path) {
         Err(_) if Preset::load(path).is_ok() => Ok(()),
         found => found.map(drop),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_once_it_has_not_changed_between_two_checks() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let file = folder.path().join("mine.ron");
+        let write = |text: &str| std::fs::write(&file, text).expect("the file can be written");
+        write("1");
+        let mut watch = FileWatch::new(&file.display().to_string()).expect("a file");
+        let mut changed = |at_ms: u64| watch.changed(Duration::from_millis(at_ms)).is_some();
+        // The first poll starts the clock. The contents are read at the first check.
+        assert_eq!([1000, 1199, 1200, 1201, 1400].map(&mut changed), [false, false, true, false, false]);
+        // A program that is still writing.
+        write("12");
+        assert!(!changed(1600));
+        write("123");
+        assert!(!changed(1800));
+        assert!(!changed(1999), "the next check is not due");
+        assert!(changed(2000));
+        // A file that is deleted and written again.
+        std::fs::remove_file(&file).expect("the file exists");
+        assert_eq!([2200, 2400].map(&mut changed), [false, false]);
+        write("1234");
+        assert_eq!([2600, 2800, 3000].map(&mut changed), [false, true, false]);
     }
 }

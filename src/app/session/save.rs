@@ -15,7 +15,7 @@ use super::evaluations::{self, Evaluations};
 use super::journal::{JOURNAL, Journal};
 use super::training_run::TrainingRun;
 use crate::app::commands::SaveKind;
-use crate::run::folder::{INITIAL_POLICY_FILE, RunFolder, write_atomic};
+use crate::run::folder::{RunFolder, write_atomic};
 use crate::run::metric_rows::EvaluationRow;
 use crate::run::{RunError, checkpoint, metrics};
 use crate::scenario::to_ron;
@@ -108,7 +108,8 @@ fn write_run_atomically(world: &mut World, path: &Path) -> Result<(), RunError> 
 fn write_run(world: &mut World, path: &Path) -> Result<(), RunError> {
     evaluations::record_finished(world, true)?;
     world.resource_scope(|world, mut run: Mut<TrainingRun>| {
-        let folder = RunFolder::create(Some(path.into()), &run.config)?;
+        let initial_policy = run.initial_policy.as_ref().map(metrics::policy_bytes).transpose()?;
+        let folder = RunFolder::create(Some(path.into()), &run.config, initial_policy.as_deref())?;
         write_rows(world, &mut run, &folder)?;
         run.trainer_state.wall_s = run.wall_s();
         checkpoint::save(&folder, world, &mut run.trainer_state)?;
@@ -139,16 +140,12 @@ fn write_rows(world: &mut World, run: &mut TrainingRun, folder: &RunFolder) -> R
     Ok(())
 }
 
-/// Writes the last policy, the best one, and the one that the run started from.
+/// Writes the last policy and the best one.
 fn write_policies(world: &World, run: &TrainingRun, folder: &RunFolder) -> Result<(), RunError> {
     let bytes = metrics::policy_bytes(&metrics::policy(&run.config, world))?;
     folder.write("policy-last.safetensors", |file| file.write_all(&bytes))?;
     if let Some(best) = &run.trainer_state.best {
         folder.write("policy.safetensors", |file| file.write_all(&best.bytes))?;
-    }
-    if let Some(initial_policy) = &run.initial_policy {
-        let bytes = metrics::policy_bytes(initial_policy)?;
-        folder.write(INITIAL_POLICY_FILE, |file| file.write_all(&bytes))?;
     }
     Ok(())
 }

@@ -18,10 +18,11 @@ use bevy::prelude::World;
 
 use super::RunError;
 use super::folder::{RunConfig, RunFolder};
-use crate::limits::MAX_HEAD_BYTES;
+use super::write_points::write_point;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
 use crate::learning::Learner;
 use crate::learning::framing::{HeaderError, HeaderFormat};
+use crate::limits::MAX_HEAD_BYTES;
 use crate::sim;
 
 pub use state::{ArenaExtension, BestPolicy, TrainerState};
@@ -45,7 +46,7 @@ pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerSt
         let (from, to) = (folder.path().join(from), folder.path().join(to));
         match std::fs::rename(&from, &to) {
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(RunError::failed(&to, error)),
-            _ => {}
+            _ => write_point("checkpoint: renamed"),
         }
     }
     Ok(())
@@ -61,6 +62,7 @@ pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut Tra
     trainer_state.exploration = world.resource::<Decisions>().streams.clone();
     trainer_state.stats = *world.resource::<TrainingStats>();
     FORMAT.write(&mut file, trainer_state)?;
+    write_point("checkpoint: state written");
     world.resource::<ActiveLearner>().0.save(file).map_err(io::Error::other)
 }
 

@@ -8,6 +8,9 @@ use std::io;
 use std::io::Write;
 use std::path::Path;
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::run::write_points::write_point;
+
 /// The prefix of temporary files. [`RunFolder::locked`](super::RunFolder::locked) deletes those that a killed
 /// process left.
 const TEMPORARY: &str = ".writing-";
@@ -27,13 +30,16 @@ pub type Sink = Vec<u8>;
 pub fn write_atomic(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
     let in_folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut temporary = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(in_folder)?;
+    write_point("file: temporary created");
     let mut writer = io::BufWriter::new(temporary.as_file_mut());
     write(&mut writer)?;
     writer.flush()?;
     drop(writer);
+    write_point("file: contents written");
     make_readable(temporary.path())?;
     temporary.as_file().sync_all()?;
     temporary.persist(path).map_err(|error| error.error)?;
+    write_point("file: replaced");
     // Syncing the folder makes the rename survive a power cut, on file systems that support it.
     if let Ok(folder) = File::open(in_folder) {
         let _ = folder.sync_all();

@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 
 use super::RunFolder;
 use crate::run::RunError;
+use crate::run::write_points::write_point;
 
 impl RunFolder {
     /// The rows of the CSV file `name`.
@@ -40,6 +41,7 @@ impl RunFolder {
                 ));
             }
             file.set_len(bytes)?;
+            write_point("CSV: truncated");
             file.seek(SeekFrom::End(0))?;
             if bytes == 0 {
                 let header = header::<Row>()?;

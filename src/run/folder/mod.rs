@@ -22,9 +22,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::RunError;
-use crate::limits::MAX_CONFIG_BYTES;
 #[cfg(not(target_arch = "wasm32"))]
 use super::lock::Lock;
+use super::write_points::write_point;
+use crate::limits::MAX_CONFIG_BYTES;
 use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
 
 use atomic::is_temporary;
@@ -49,12 +50,17 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Creates the folder of a new run and writes `config.ron` into it. Without a path the folder is
-    /// `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists.
+    /// Creates the folder of a new run. Writes the file of the initial policy, if there is one, and then `config.ron`: a
+    /// folder with `config.ron` can be resumed. Without a path the folder is `runs/<scenario>-<preset>-<seed>`, with a number
+    /// appended if that exists.
     ///
     /// # Errors
     /// The folder already holds a run or other files, or cannot be written.
-    pub fn create(path: Option<PathBuf>, config: &RunConfig) -> Result<Self, RunError> {
+    pub fn create(
+        path: Option<PathBuf>,
+        config: &RunConfig,
+        initial_policy: Option<&[u8]>,
+    ) -> Result<Self, RunError> {
         let folder = match path {
             Some(path) => Self::new(path),
             None => Self::new(create_default_folder(config)?),
@@ -62,10 +68,15 @@ impl RunFolder {
         folder.check_vacant()?;
         fs::create_dir_all(folder.path.join("checkpoint"))
             .map_err(|error| not_writable(&folder.path, &error))?;
+        write_point("run folder: created");
         let folder = folder.locked()?;
         // Another process may have created a run before the lock was taken.
         folder.check_vacant()?;
-        folder.write_config(config).map_err(|error| match error {
+        let written = match initial_policy {
+            Some(bytes) => folder.write(INITIAL_POLICY_FILE, |file| file.write_all(bytes)),
+            None => Ok(()),
+        };
+        written.and_then(|()| folder.write_config(config)).map_err(|error| match error {
             RunError::Failed(text) | RunError::InvalidInput(text) => RunError::InvalidInput(text),
         })?;
         Ok(folder)
@@ -86,8 +97,13 @@ impl RunFolder {
             let why = "already holds a run; help: continue it with --resume, or give --out another folder";
             return Err(RunError::invalid_input(&self.path, why));
         }
+        let is_started = self.path.join("checkpoint").exists();
         let is_leftover = |entry: io::Result<fs::DirEntry>| {
-            entry.is_ok_and(|entry| entry.file_name() == "checkpoint" || is_temporary(&entry))
+            entry.is_ok_and(|entry| {
+                entry.file_name() == "checkpoint"
+                    || is_temporary(&entry)
+                    || (is_started && entry.file_name() == INITIAL_POLICY_FILE)
+            })
         };
         if fs::read_dir(&self.path).is_ok_and(|mut entries| !entries.all(is_leftover)) {
             let why = "is not empty; help: give --out a new or an empty folder";

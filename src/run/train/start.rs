@@ -28,13 +28,13 @@ impl Run {
     ) -> Result<Self, RunError> {
         // This check comes before the folder is created, so that invalid input leaves no empty folder.
         let learner = create_learner(&config, policy.as_ref())?;
-        let folder = RunFolder::create(out, &config)?;
-        Self::from_scratch(config, policy, folder, learner, began, listener)
+        let initial_policy = policy.as_ref().map(metrics::policy_bytes).transpose()?;
+        let folder = RunFolder::create(out, &config, initial_policy.as_deref())?;
+        Self::from_scratch(config, folder, learner, began, listener)
     }
 
     fn from_scratch(
         config: RunConfig,
-        policy: Option<Policy>,
         folder: RunFolder,
         learner: Learner,
         began: Instant,
@@ -44,10 +44,6 @@ impl Run {
             next_evaluation: config.preset.evaluation.every_env_steps,
             ..TrainerState::default()
         };
-        if let Some(policy) = &policy {
-            let bytes = metrics::policy_bytes(policy)?;
-            folder.write(INITIAL_POLICY_FILE, |file| std::io::Write::write_all(file, &bytes))?;
-        }
         let mut run = Self::open(config, folder, learner, trainer_state, began, listener)?;
         run.save()?;
         Ok(run)
@@ -73,7 +69,7 @@ impl Run {
                 .transpose()?;
             let learner = create_learner(&config, policy.as_ref())?;
             folder.write_config(&config)?;
-            return Self::from_scratch(config, policy, folder, learner, began, listener);
+            return Self::from_scratch(config, folder, learner, began, listener);
         }
         let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
         let budget = budget.unwrap_or(config.preset.budget);

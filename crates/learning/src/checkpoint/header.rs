@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::CheckpointError;
 use super::arrays::is_priority;
 use crate::config::LearningConfig;
-use crate::limits::MAX_COUNT;
 use crate::learner::{Counters, Learner, Trajectory};
+use crate::limits::MAX_COUNT;
 use crate::optimizer::OptimizerState;
 use crate::state_ring::StateId;
 

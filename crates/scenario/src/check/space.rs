@@ -168,12 +168,14 @@ fn check_free_space(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// The free space of a scenario at one moment, as the placement rules see it. Rules that name positions are not checked
-/// here.
+/// The free space of a scenario at one moment, for starts and for goals. Rules with named positions are not checked here.
 struct FreeSpace {
+    /// Whether a start is free.
     starts: bool,
+    /// Whether a goal is free.
     goals: bool,
-    /// Whether random goals are too_narrow so widely that one is far enough from any position.
+    /// Whether the free positions of random goals extend over twice the minimum goal distance, so that one of them is far
+    /// enough from any position. True for other goal rules.
     wide: bool,
 }
 
