@@ -133,7 +133,7 @@ fn without_a_display_the_error_names_the_way_out() {
         let output = wayfield(display, home.path(), &[]);
         let stderr = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{stderr}");
-        assert_eq!(stderr.lines().count(), 2, "one line for the error, one for the help: {stderr}");
+        assert_eq!(stderr.lines().count(), 1, "one line with the error and the help: {stderr}");
         assert!(stderr.contains("no display") && stderr.contains("wayfield --train"), "{stderr}");
     }
 }

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `arena.rs` | arenas: spawned from a scenario, reset, saved, restored, edited |
 //! | `physics.rs` | the interface to bevy_rapier: plugin, bodies, physics step |
+//! | `colliders.rs` | the rapier colliders of shapes and of the enclosure |
 //! | `robot.rs` | the differential drive and its actuator lag |
 //! | `contact.rs` | the moment in a step at which the robot first touches something |
 //! | `obstacles.rs` | moving obstacles as a function of the clock, and generated obstacles |
@@ -14,6 +15,7 @@
 //! | `probe.rs` | scans from arbitrary poses, for displays |
 
 mod arena;
+mod colliders;
 mod contact;
 pub mod lidar;
 mod obstacles;

@@ -8,7 +8,8 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::*;
 use bevy_rapier2d::rapier::math::{Pose as BodyPose, Rotation, Vector};
 
-use super::physics::{self, Bodies};
+use super::colliders::shared_shape;
+use super::physics::Bodies;
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
 use crate::task::{ArenaLayout, Clock, CurrentScenario, Episode, PendingReset};
 
@@ -70,7 +71,7 @@ pub(super) fn place_generated_obstacles(
         let obstacle = obstacles.next();
         collider.set_enabled(obstacle.is_some());
         if let Some(obstacle) = obstacle {
-            collider.set_shape(physics::shared_shape(&obstacle.shape));
+            collider.set_shape(shared_shape(&obstacle.shape));
             collider.set_position(body_pose(&layout.scenario, obstacle, Clock(0)));
             bodies.solids.push(handle);
         }

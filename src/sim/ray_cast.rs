@@ -1,8 +1,8 @@
 //! Ray casts: the distance along each LIDAR beam to the nearest collider.
 //!
 //! In: rapier's colliders, the robot's pose and the beam directions. Out: one range per beam, in m. Beams are cast against
-//! the few colliders of one arena, in each shape's own frame. Most casts are skipped, because the shape lies outside the
-//! beam ([`BeamRange`]).
+//! the few colliders of one arena, in each shape's own frame. Most casts are skipped, because the beam cannot hit the shape
+//! ([`BeamRange`]).
 
 use bevy::prelude::*;
 use bevy_rapier2d::rapier::geometry::{
