@@ -64,6 +64,7 @@
 //!
 //! | module | contents |
 //! |---|---|
+//! | [`limits`] | the limits of files and of the numbers in them |
 //! | [`control_step`] | the schedule of a control step, and its sets |
 //! | [`task`] | the Markov decision process: observation, reward, termination, starts and goals |
 //! | [`sim`] | arenas, physics, robot, obstacles and LIDAR in the ECS |
@@ -109,6 +110,9 @@ pub mod app;
 pub mod cli;
 pub mod control_step;
 pub mod env;
+#[cfg(test)]
+mod generated_section;
+pub mod limits;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod reproduce;
 pub mod run;

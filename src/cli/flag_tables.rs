@@ -1,6 +1,4 @@
 //! The flag tables of docs/command-line.md, generated from the clap definitions.
-//!
-//! The test fails if the tables are out of date. With `WAYFIELD_RENEW` set, it rewrites them instead.
 
 use std::fmt::Write as _;
 
@@ -8,22 +6,9 @@ use clap::{Arg, CommandFactory};
 
 use super::Arguments;
 
-const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md");
-const RENEW_COMMAND: &str = "cargo xtask docs";
-const END: &str = "<!-- end generated -->";
-
 #[test]
 fn the_flag_tables_in_the_docs_match_the_command_line() {
-    let begin = format!("<!-- generated: {RENEW_COMMAND} -->");
-    let page = std::fs::read_to_string(PAGE).expect("docs/command-line.md exists");
-    let (before, rest) = page.split_once(&begin).expect("the page marks where the tables begin");
-    let (_, after) = rest.split_once(END).expect("the page marks where the tables end");
-    let renewed = format!("{before}{begin}\n{}\n{END}{after}", tables());
-    if std::env::var_os("WAYFIELD_RENEW").is_some() {
-        std::fs::write(PAGE, renewed).expect("the page can be written");
-    } else {
-        assert!(page == renewed, "docs/command-line.md is out of date; help: run `{RENEW_COMMAND}`");
-    }
+    crate::generated_section::check("docs/command-line.md", &tables());
 }
 
 /// The Markdown tables, one per help heading.

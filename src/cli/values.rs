@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::run::limits::MAX_STEPS;
+use crate::limits::MAX_STEPS;
 
 /// Parses a number of episodes or env steps.
 pub fn budget(text: &str) -> Result<u64, String> {

@@ -2,9 +2,10 @@
 //!
 //! A valid preset and a valid scenario can still need too much memory together.
 
-use super::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
 use super::preset::Preset;
-use crate::learning::{LearningConfig, MAX_STORED_FLOATS};
+use crate::learning::LearningConfig;
+use crate::learning::limits::MAX_STORED_FLOATS;
+use crate::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
 use crate::scenario::Scenario;
 use crate::task::observation;
 
@@ -71,7 +72,7 @@ impl Preset {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::limits::MAX_ARENAS;
+    use crate::limits::MAX_ARENAS;
     use crate::run::shipped;
 
     fn fast() -> Preset {

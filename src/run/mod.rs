@@ -5,7 +5,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
-//! | `limits.rs`, `memory.rs` | limits of input values and of a run's memory |
+//! | `memory.rs` | the memory that a run needs |
 //! | `check_files.rs` | checks of scenario and preset files |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
@@ -30,7 +30,6 @@ pub mod checkpoint;
 pub mod evaluate;
 pub mod fingerprint;
 pub mod folder;
-pub mod limits;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
 pub mod memory;

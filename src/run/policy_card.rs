@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::RunError;
 use super::folder::RunConfig;
-use super::limits::MAX_POLICY_BYTES;
+use crate::limits::MAX_POLICY_BYTES;
 use crate::policy::Policy;
 use crate::policy::observation::{DISTANCE_SCALE_M, Encoding, RANGE_SCALE_M};
 use crate::scenario::{Lidar, Scenario, read_bytes};

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::learning::LearningConfig;
+use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::scenario::{Diagnostic, FileError, parse_ron, read_text};
 use crate::task::{Encoding, RewardConfig};
 

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::{Clock, Episode, Goal, ObservationLayout, PendingReset, Pose, Scan, Streams, Twist};
 use crate::random;
 use crate::scenario::Scenario;
+use crate::scenario::limits::{
+    COORDINATE_M, EPISODE_STEPS, LIDAR_RANGE_M, MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S,
+};
 
 /// The state of an arena that a checkpoint stores, so that a resumed run continues to the bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,15 +34,15 @@ pub struct ArenaState {
 }
 
 /// The largest coordinate of a robot or goal, in m: twice that of any wall.
-const MAX_COORDINATE_M: f32 = 1_000.0;
+const MAX_COORDINATE_M: f32 = 2.0 * *COORDINATE_M.end();
 /// The largest heading, in rad. The heading of a benchmark route may be a full turn.
 const MAX_HEADING_RAD: f32 = 7.0;
 /// The largest speeds, in m/s and rad/s: the limits of a scenario, with a margin for rounding.
-const MAX_TWIST: (f32, f32) = (5.01, 20.01);
+const MAX_TWIST: (f32, f32) = (MAX_SPEED_M_S + 0.01, MAX_ANGULAR_SPEED_RAD_S + 0.01);
 /// The most control steps of an episode that any scenario allows. The app may have changed this scenario's own limit.
-const MAX_EPISODE_STEPS: u32 = 1_000_000;
+const MAX_EPISODE_STEPS: u32 = *EPISODE_STEPS.end();
 /// The longest range that any scenario allows, in m. The app may have changed this scenario's own limit.
-const MAX_RANGE_M: f32 = 1_000.0;
+const MAX_RANGE_M: f32 = *LIDAR_RANGE_M.end();
 
 impl ArenaState {
     /// Checks that an arena of `scenario` can have this state during training.

@@ -6,6 +6,8 @@
 use bevy::prelude::Resource;
 use serde::{Deserialize, Serialize};
 
+use crate::limits::MAX_REWARD_PARAMETER;
+
 /// The reward of a step in which the robot neither reaches the goal nor collides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RewardKind {
@@ -14,9 +16,6 @@ pub enum RewardKind {
     /// Eq. (7): the decrease of the potential, U_{t-1} - U_t.
     Optimized,
 }
-
-/// The largest absolute value of a parameter. With it, potentials over a kilometre and sums of rewards are finite.
-const MAX_PARAMETER: f32 = 1e9;
 
 /// The parameters of the reward (Table 1).
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -137,10 +136,12 @@ impl RewardConfig {
         let finite = [("reached", self.reached), ("collided", self.collided)];
         let gains = [("mu", self.mu), ("sigma", self.sigma)];
         for (field, value) in finite.into_iter().chain(gains) {
-            if !value.is_finite() || value.abs() > MAX_PARAMETER {
+            if !value.is_finite() || value.abs() > MAX_REWARD_PARAMETER {
                 return Err((
                     field,
-                    format!("is {value:e}; help: give a number from -{MAX_PARAMETER:e} to {MAX_PARAMETER:e}"),
+                    format!(
+                        "is {value:e}; help: give a number from -{MAX_REWARD_PARAMETER:e} to {MAX_REWARD_PARAMETER:e}"
+                    ),
                 ));
             }
         }

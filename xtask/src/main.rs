@@ -8,7 +8,8 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "\
 usage: cargo xtask <command>
 
-  docs        renew docs/scenario-format.md (from the schema) and the flags in docs/command-line.md (from clap)
+  docs        renew docs/scenario-format.md (from the schema), the flags in docs/command-line.md (from clap) and
+              the limits in docs/trust.md (from the constants)
   messages    renew the command line's error messages in tests/snapshots/messages/
   snapshots   renew the app's screenshots in tests/snapshots/; look at each before you commit it
   pictures    redraw the shipped scenarios in docs/worlds/
@@ -51,7 +52,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     Some(match command {
         "docs" => vec![
             cargo("test --release -p wayfield-scenario --test docs the_page_is_what_the_schema_says", RENEW),
-            cargo("test --release -p wayfield --lib flag_tables", RENEW),
+            cargo("test --release -p wayfield --lib -- flag_tables limits::table", RENEW),
         ],
         "messages" => vec![cargo("test --release -p wayfield --test cli_errors", RENEW)],
         "snapshots" => vec![cargo("test --release -p wayfield --test app_snapshots", UPDATE)],

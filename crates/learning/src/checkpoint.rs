@@ -21,10 +21,11 @@ use self::header::Header;
 use super::config::{ConfigError, LearningConfig};
 use super::framing::{HeaderError, HeaderFormat, read_array};
 use super::learner::Learner;
+use super::limits::MAX_HEADER_BYTES;
 
 /// The header of the file. A network has at most 2^24 parameters, and the header has four arrays of that length.
 const FORMAT: HeaderFormat =
-    HeaderFormat { magic: b"wayfield", version: 1, max_bytes: 1 << 29, checksum: false };
+    HeaderFormat { magic: b"wayfield", version: 1, max_bytes: MAX_HEADER_BYTES, checksum: false };
 
 /// An error when a checkpoint is written or read.
 #[derive(Debug, thiserror::Error)]

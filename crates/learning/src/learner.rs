@@ -9,6 +9,7 @@ mod update;
 use std::collections::BTreeMap;
 
 use super::config::{ConfigError, LearningConfig, within};
+use super::limits::{MAX_ENVS, MAX_STORED_FLOATS};
 use super::n_step::{NStepAccumulator, PendingStep, StepEnd};
 use super::network::QNetwork;
 use super::optimizer::OptimizerState;
@@ -20,12 +21,6 @@ use wayfield_random::{Stream, stream};
 
 use self::update::Scratch;
 pub use self::update::UpdateStats;
-
-/// The maximum number of f32 values in all observations of a replay buffer: 8 GB, or 1 GB on 32-bit systems.
-pub const MAX_STORED_FLOATS: usize = if usize::BITS > 32 { 1 << 31 } else { 1 << 28 };
-
-/// The maximum number of parallel environments.
-const MAX_ENVS: usize = 1 << 16;
 
 /// One env step of one environment.
 #[derive(Debug, Clone, Copy)]

@@ -104,6 +104,7 @@ mod exploration;
 #[doc(hidden)]
 pub mod framing;
 mod learner;
+pub mod limits;
 #[cfg(any(test, target_arch = "wasm32"))]
 mod matmul;
 mod n_step;
@@ -121,7 +122,7 @@ pub use config::{
 };
 pub use divergence::{DivergenceError, Overestimate};
 pub use exploration::epsilon_greedy;
-pub use learner::{Experience, Learner, LoadWeightsError, MAX_STORED_FLOATS, UpdateStats};
+pub use learner::{Experience, Learner, LoadWeightsError, UpdateStats};
 pub use network::QNetwork;
 pub use wayfield_policy::{NetworkShape, ParameterView, Policy, PolicyError, greedy};
 pub use wayfield_random::{Stream, stream};

@@ -30,6 +30,7 @@
 //! ```
 
 pub mod file;
+pub mod limits;
 pub mod network;
 pub mod observation;
 

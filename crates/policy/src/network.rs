@@ -8,14 +8,7 @@ use std::ops::{Range, RangeInclusive};
 
 use serde::{Deserialize, Serialize};
 
-/// The maximum number of parameters of a network: 64 MB of f32.
-pub const MAX_PARAMETERS: usize = 1 << 24;
-/// The maximum number of units of a layer, and of inputs.
-const MAX_UNITS: usize = 4096;
-/// The maximum number of hidden layers.
-const MAX_LAYERS: usize = 8;
-/// The maximum number of actions. Replay buffers store an action in one byte.
-const MAX_ACTIONS: usize = 255;
+use crate::limits::{MAX_ACTIONS, MAX_LAYERS, MAX_PARAMETERS, MAX_UNITS};
 
 /// The sizes of a Q-network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -107,3 +107,15 @@ pub const CONTROL_PERIOD_S: RangeInclusive<f32> = 0.001..=10.0;
 pub const GOAL_DISTANCE_M: RangeInclusive<f32> = 0.001..=1000.0;
 /// Number of positions of a `OneOf` rule.
 pub const POSITIONS: RangeInclusive<usize> = 1..=256;
+
+// Work of the checks.
+
+/// Approximate maximum number of grid cells in the reachability check.
+pub const MAX_CELLS: u32 = 1 << 20;
+/// Maximum number of sides of obstacles that are tested per position, over all moments. A scenario with more sides is
+/// checked at fewer moments.
+pub const MAX_EDGE_CHECKS: usize = 80_000;
+/// Maximum number of obstacles to place times sides to test; above it, no layout is generated for the check.
+pub const MAX_GENERATION_WORK: usize = 400_000;
+/// Maximum number of points on paths that are tested against the enclosure.
+pub const MAX_SAMPLED_POINTS: u32 = 100_000;

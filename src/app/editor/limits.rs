@@ -1,22 +1,16 @@
 //! Limits and default values of the editor.
 
-use std::ops::RangeInclusive;
-
 use crate::scenario::Scenario;
+pub(super) use crate::scenario::limits::{ENCLOSURE_CORNERS, MAX_SPEED_M_S, POLYGON_CORNERS, WALL_CORNERS};
+use crate::scenario::limits::{ENCLOSURE_SIDE_M, WAYPOINTS};
 
-/// Number of corners of a polygonal obstacle.
-pub(super) const POLYGON_CORNERS: RangeInclusive<usize> = 3..=32;
-/// Number of corners of a wall.
-pub(super) const WALL_CORNERS: RangeInclusive<usize> = 2..=256;
-/// Number of corners of a polygonal enclosure.
-pub(super) const ENCLOSURE_CORNERS: RangeInclusive<usize> = 3..=64;
 /// Maximum number of points of a path, and of positions of a start or goal rule.
-pub(super) const MAX_POINTS: usize = 256;
+pub(super) const MAX_POINTS: usize = *WAYPOINTS.end();
 
 /// Smallest size that a drag leaves, in m.
 pub(super) const MIN_SIZE_M: f32 = 0.01;
 /// Smallest width and height of an enclosure, in m.
-pub(super) const MIN_ENCLOSURE_M: f32 = 0.5;
+pub(super) const MIN_ENCLOSURE_M: f32 = *ENCLOSURE_SIDE_M.start();
 
 /// Thickness of a new wall, in m.
 pub(super) const NEW_WALL_THICKNESS_M: f32 = 0.1;
@@ -24,8 +18,6 @@ pub(super) const NEW_WALL_THICKNESS_M: f32 = 0.1;
 pub(super) const NEW_SPEED_M_S: f32 = 0.1;
 /// Angular velocity of a new orbit, in rad/s; about that of the paper's Scenario II.
 pub(super) const NEW_ORBIT_SPEED_RAD_S: f32 = 0.15;
-/// Largest speed of an obstacle that the schema accepts, in m/s.
-pub(super) const MAX_SPEED_M_S: f32 = 5.0;
 /// Clearance of a new start or goal rule, in m; the schema's default.
 pub(super) const NEW_CLEARANCE_M: f32 = 0.35;
 

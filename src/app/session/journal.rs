@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::interventions::{self, Intervention};
 use crate::agent::ActiveLearner;
 use crate::learning::Learner;
+use crate::limits::MAX_JOURNAL_BYTES;
 use crate::policy::Policy;
 use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder};
 use crate::run::{RunError, checkpoint, policy_card, training_setup};
@@ -21,9 +22,6 @@ use crate::task::{Fault, TaskFault};
 
 /// Name of the journal in a run folder.
 pub const JOURNAL: &str = "journal.ron";
-
-/// Maximum size of a journal. It holds every adopted scenario, so it may be large.
-const MAX_JOURNAL_BYTES: u64 = 256 << 20;
 
 /// Largest coordinate of a moved object, in m. It exceeds the largest scenario.
 const MAX_MOVE_M: f32 = 1000.0;

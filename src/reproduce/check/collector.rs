@@ -2,10 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::limits::experiment::MAX_VALUE;
 use crate::scenario::Diagnostic;
-
-/// Largest value in a figure or table, positive or negative.
-const MAX_VALUE: f64 = 1e9;
 
 /// The diagnostics found so far.
 #[derive(Default)]

@@ -11,14 +11,14 @@ mod collector;
 mod sizes;
 
 use collector::Collector;
-use sizes::MAX_SEEDS;
 
 use super::claim::Claim;
 use super::experiment::{Arm, Experiment, TestedPolicy};
 use super::figure_spec::FigureKind;
 use super::measure::Measure;
 use super::table_spec::TableKind;
-use crate::run::limits::MAX_STEPS;
+use crate::limits::experiment::{MAX_ROUNDS, MAX_SEEDS, MAX_SMOOTHING, MAX_TEST_EPISODES};
+use crate::limits::{MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::run::preset::Budget;
 use crate::scenario::{Diagnostic, closest_name};
 
@@ -49,11 +49,11 @@ impl Check<'_> {
             found.add("title", "is empty; help: write what the experiment is about");
         }
         found.range("seeds", experiment.seeds, 1, MAX_SEEDS);
-        found.range("test.rounds", experiment.test.rounds as u64, 1, 1000);
-        found.range("test.episodes", experiment.test.episodes as u64, 1, 10_000);
+        found.range("test.rounds", experiment.test.rounds as u64, 1, MAX_ROUNDS as u64);
+        found.range("test.episodes", experiment.test.episodes as u64, 1, MAX_TEST_EPISODES);
         if let Some(rule) = &experiment.evaluation {
             found.range("evaluation.every_env_steps", rule.every_env_steps, 1, u64::MAX);
-            found.range("evaluation.episodes", rule.episodes as u64, 1, 100_000);
+            found.range("evaluation.episodes", rule.episodes as u64, 1, MAX_EVALUATION_EPISODES as u64);
         }
         if experiment.figures.is_empty() && experiment.tables.is_empty() {
             found.add("tables", "is empty, and so is figures; help: give at least one figure or table");
@@ -101,7 +101,7 @@ impl Check<'_> {
                     if series.is_empty() {
                         self.found.add(&format!("{at}.draw.series"), "is empty; help: give [Return]");
                     }
-                    self.found.range(&format!("{at}.draw.smoothing"), *smoothing as u64, 1, 10_000);
+                    self.found.range(&format!("{at}.draw.smoothing"), *smoothing as u64, 1, MAX_SMOOTHING);
                 }
                 FigureKind::DotPlot { measures, after } => {
                     self.measures(&format!("{at}.draw.measures"), measures);

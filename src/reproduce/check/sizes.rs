@@ -1,31 +1,11 @@
-//! Limits on the size of an experiment's file: numbers of entries, lengths of texts, and the number of trainings.
+//! The size checks of an experiment: numbers of entries, lengths of texts, and the number of trainings.
 
 use super::collector::Collector;
+use crate::limits::experiment::*;
 use crate::reproduce::claim::Claim;
 use crate::reproduce::experiment::{Arm, Experiment};
 use crate::reproduce::figure_spec::{FigureKind, FigureSpec};
 use crate::reproduce::table_spec::{TableKind, TableSpec};
-
-/// Most seeds of an experiment.
-pub(super) const MAX_SEEDS: u64 = 1000;
-/// Most arms, conditions, figures, tables or claims, and most numbers or names in one of their lists.
-const MAX_ENTRIES: usize = 200;
-/// Most panels of a figure.
-const MAX_SERIES: usize = 10;
-/// Most columns of a figure or table.
-const MAX_MEASURES: usize = 20;
-/// Most rounds of the paper in a table.
-const MAX_ROUNDS: usize = 1000;
-/// Most stages of an arm.
-const MAX_STAGES: usize = 20;
-/// Most trainings of an experiment. A larger plan takes long to make, and would not finish.
-const MAX_TRAININGS: u64 = 10_000;
-/// Most characters of a name or heading.
-const MAX_NAME_CHARS: usize = 200;
-/// Most characters of a path.
-const MAX_PATH_CHARS: usize = 4096;
-/// Most characters of a text.
-const MAX_TEXT_CHARS: usize = 20_000;
 
 /// Adds a diagnostic for everything in `experiment` that is too large.
 pub(super) fn check(found: &mut Collector, experiment: &Experiment) {

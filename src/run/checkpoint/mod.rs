@@ -18,11 +18,11 @@ use bevy::prelude::World;
 
 use super::RunError;
 use super::folder::{RunConfig, RunFolder};
-use super::limits::MAX_HEAD_BYTES;
 use super::write_points::write_point;
 use crate::agent::{ActiveLearner, Decisions, TrainingStats};
 use crate::learning::Learner;
 use crate::learning::framing::{HeaderError, HeaderFormat};
+use crate::limits::MAX_HEAD_BYTES;
 use crate::sim;
 
 pub use state::{ArenaExtension, BestPolicy, TrainerState};

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::TrainingStats;
 use crate::learning::Policy;
+use crate::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
 use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
-use crate::run::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
 use crate::run::metric_rows::Milestone;
 use crate::task::ArenaState;
 

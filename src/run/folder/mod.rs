@@ -22,10 +22,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::RunError;
-use super::limits::MAX_CONFIG_BYTES;
 #[cfg(not(target_arch = "wasm32"))]
 use super::lock::Lock;
 use super::write_points::write_point;
+use crate::limits::MAX_CONFIG_BYTES;
 use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
 
 use atomic::is_temporary;

@@ -6,11 +6,9 @@ use super::CheckpointError;
 use super::arrays::is_priority;
 use crate::config::LearningConfig;
 use crate::learner::{Counters, Learner, Trajectory};
+use crate::limits::MAX_COUNT;
 use crate::optimizer::OptimizerState;
 use crate::state_ring::StateId;
-
-/// The maximum of every counter, far enough from overflow for any run.
-const MAX_COUNT: u64 = 1 << 62;
 
 /// The header's content.
 #[derive(Serialize, Deserialize)]

@@ -6,10 +6,8 @@ use std::ops::RangeInclusive;
 use super::{
     ConfigError, Exploration, LearningConfig, Loss, Optimizer, ReplayConfig, Sampling, Schedule, TargetUpdate,
 };
+use crate::limits::*;
 use wayfield_policy::NetworkShape;
-
-/// The maximum `reward_scale`, small enough that scaled rewards and their sums stay finite.
-const MAX_REWARD_SCALE: f32 = 1e20;
 
 impl LearningConfig {
     /// Checks that every value is in range.
@@ -19,7 +17,7 @@ impl LearningConfig {
     pub fn check(&self) -> Result<(), ConfigError> {
         NetworkShape::check_hidden(&self.network.hidden)?;
         within("gamma", self.gamma, 0.0..=1.0)?;
-        within("n_step", self.n_step, 1..=100)?;
+        within("n_step", self.n_step, 1..=MAX_N_STEP)?;
         above_zero("reward_scale", self.reward_scale)?;
         within("reward_scale", self.reward_scale, 0.0..=MAX_REWARD_SCALE)?;
         if let Loss::Huber { delta } = self.loss {
@@ -36,11 +34,11 @@ impl LearningConfig {
                 above_zero("optimizer.epsilon", epsilon)?;
             }
         }
-        self.learning_rate.check("learning_rate", 0.0..=10.0)?;
-        within("batch_size", self.batch_size, 1..=65536)?;
+        self.learning_rate.check("learning_rate", 0.0..=MAX_LEARNING_RATE)?;
+        within("batch_size", self.batch_size, 1..=MAX_BATCH_SIZE)?;
         self.replay.check(self.batch_size)?;
         within("train_freq", self.train_freq, 1..=u64::MAX)?;
-        within("gradient_steps", self.gradient_steps, 1..=10_000)?;
+        within("gradient_steps", self.gradient_steps, 1..=MAX_GRADIENT_STEPS)?;
         match self.target_update {
             TargetUpdate::Hard { every } => within("target_update.every", every, 1..=u64::MAX)?,
             TargetUpdate::Soft { tau } => {
@@ -54,7 +52,7 @@ impl LearningConfig {
 
 impl ReplayConfig {
     fn check(&self, batch_size: usize) -> Result<(), ConfigError> {
-        within("replay.capacity", self.capacity, 1..=1 << 24)?;
+        within("replay.capacity", self.capacity, 1..=MAX_REPLAY_CAPACITY)?;
         if self.capacity < batch_size {
             return Err(ConfigError {
                 field: "replay.capacity".into(),

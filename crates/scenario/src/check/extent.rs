@@ -7,6 +7,7 @@
 use std::cell::Cell;
 
 use crate::geometry::{enclosure_distance, length};
+use crate::limits::MAX_SAMPLED_POINTS;
 use crate::schema::*;
 use glam::{Vec2, vec2};
 
@@ -14,8 +15,6 @@ use glam::{Vec2, vec2};
 pub(super) const TOLERANCE_M: f32 = 1e-4;
 /// Resolution, in m, at which a concave corner of the enclosure is found.
 const FINE_M: f32 = 0.01;
-/// Most points between corners that are tested in one scenario, so that a hostile file takes no long time.
-const MAX_SAMPLED_POINTS: u32 = 100_000;
 
 /// The enclosure, and the number of points that may still be tested.
 pub(super) struct EnclosureExtent<'a> {

@@ -6,10 +6,9 @@
 
 use glam::{DVec2, Vec2Swizzles, dvec2};
 
+use crate::limits::MAX_CELLS;
 use crate::polygon::sides;
 
-/// Approximate largest number of cells.
-const MAX_CELLS: f64 = 1_048_576.0;
 /// Smallest side of a cell as a fraction of the robot's collision range.
 const MIN_CELL_FRACTION: f64 = 1.0 / 32.0;
 /// Largest side of a cell as a fraction of the collision range. In larger cells a passable gap could get lost.
@@ -31,7 +30,7 @@ impl CellGrid {
     /// box is so large that the cells would be too coarse.
     pub(super) fn over(low: DVec2, high: DVec2, room_m: f64) -> Option<Self> {
         let (width, height) = (high.x - low.x, high.y - low.y);
-        let cell_m = (room_m * MIN_CELL_FRACTION).max((width * height / MAX_CELLS).sqrt());
+        let cell_m = (room_m * MIN_CELL_FRACTION).max((width * height / f64::from(MAX_CELLS)).sqrt());
         let transposed = height > width;
         let count = |extent: f64| ((extent / cell_m).ceil() as usize).max(1);
         let (columns, rows) =

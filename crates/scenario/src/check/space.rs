@@ -5,6 +5,7 @@
 use super::Diagnostics;
 use super::extent::{EnclosureExtent, TOLERANCE_M};
 use crate::geometry::{clearance, length};
+use crate::limits::{MAX_EDGE_CHECKS, MAX_GENERATION_WORK};
 use crate::motion::pose_at;
 use crate::placement::free_points;
 use crate::schema::*;
@@ -12,16 +13,11 @@ use glam::{Vec2, vec2};
 
 /// Number of moments of an episode at which free space is checked if obstacles move.
 const SAMPLED_STEPS: u64 = 4;
-/// Most sides of obstacles that are tested per position, over all moments. A scenario with more sides is checked at fewer
-/// moments.
-const MAX_EDGE_CHECKS: usize = 80_000;
 /// Most generated layouts that are checked.
 const MAX_SAMPLED_LAYOUTS: usize = 4;
 /// Work (obstacles to place times sides to test) spent on generating layouts; fewer are checked if one takes more. The
 /// editor runs this check during a drag, so it must be quick.
 const GENERATION_WORK_BUDGET: usize = 20_000;
-/// Work above which no layout is generated.
-const MAX_GENERATION_WORK: usize = 400_000;
 /// One in this many random starts must have a goal that is far enough away.
 const FAR_START_DIVISOR: usize = 4;
 

@@ -12,9 +12,7 @@ use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::SMALL;
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::text::weak_text;
-
-/// Longest name of a scenario, in characters.
-const MAX_NAME: usize = 100;
+use crate::scenario::limits::MAX_NAME_CHARS;
 
 /// Shows the name, the file, undo, redo and close.
 pub fn header_ui(ui: &mut Ui, editor: &mut Editor) -> Option<Action> {
@@ -66,7 +64,7 @@ fn file_ui(ui: &mut Ui, editor: &Editor) {
 
 fn name_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut name = editor.scenario().name.clone();
-    let field = TextEdit::singleline(&mut name).char_limit(MAX_NAME).hint_text("Name");
+    let field = TextEdit::singleline(&mut name).char_limit(MAX_NAME_CHARS).hint_text("Name");
     let size = vec2(ui.available_width(), 26.0);
     let response = ui.add_sized(size, field.vertical_align(Align::Center));
     set_accessible_name(&response, "Scenario name");

@@ -7,11 +7,10 @@ use super::fields::FieldRows;
 use super::number::NumberSpec;
 use crate::app::editor::Editor;
 use crate::scenario::Motion;
+use crate::scenario::limits::{BEAMS, EPISODE_STEPS, LIDAR_LATENCY_STEPS, MOTIONS};
 
 /// A full turn, exactly as in the schema's default.
 const FULL_TURN_RAD: f32 = std::f32::consts::TAU;
-/// Maximum number of motions of the robot.
-const MAX_MOTIONS: usize = 64;
 
 /// Shows the fields of the robot.
 pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
@@ -24,7 +23,7 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     rows.list("Motion", &mut robot.motions, 1, "edit them in the file", units, |motion| {
         [("speed", &mut motion.v_m_s), ("turn rate", &mut motion.w_rad_s)]
     });
-    if robot.motions.len() < MAX_MOTIONS
+    if robot.motions.len() < *MOTIONS.end()
         && button_row_ui(rows.ui, &[("Add motion", "Add an action that the policy can choose", true)])
             == Some(0)
     {
@@ -38,7 +37,7 @@ pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
 pub fn lidar_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut lidar = editor.scenario().lidar.clone();
     let mut rows = FieldRows::new(ui);
-    rows.count("Beams", "Evenly distributed over the field of view", &mut lidar.beams, 1..=4096);
+    rows.count("Beams", "Evenly distributed over the field of view", &mut lidar.beams, BEAMS);
     let view = NumberSpec::ANGLE.with_range(0.01, f64::from(FULL_TURN_RAD));
     rows.number("Field of view", "Centred on the heading", &mut lidar.field_of_view_rad, view);
     if lidar.is_all_around() {
@@ -51,7 +50,7 @@ pub fn lidar_ui(ui: &mut Ui, editor: &mut Editor) {
     let tip = "Probability that a beam is lost and reports the largest range";
     rows.number("Dropout", tip, &mut lidar.dropout, NumberSpec::FRACTION);
     let tip = "Age of a scan when the policy sees it";
-    rows.count("Latency in steps", tip, &mut lidar.latency_steps, 0..=50);
+    rows.count("Latency in steps", tip, &mut lidar.latency_steps, LIDAR_LATENCY_STEPS);
     rows.commit(editor, "lidar", |scenario| scenario.lidar = lidar);
 }
 
@@ -67,7 +66,7 @@ pub fn task_ui(ui: &mut Ui, editor: &mut Editor) {
     let distance = NumberSpec::length(0.001, 1000.0);
     rows.number("Min. goal distance", tip, &mut task.min_goal_distance_m, distance);
     let tip = "Longest episode";
-    rows.count("Time limit in steps", tip, &mut task.max_episode_steps, 1..=1_000_000);
+    rows.count("Time limit in steps", tip, &mut task.max_episode_steps, EPISODE_STEPS);
     let tip = "Simulated time of one step";
     rows.number("Control period", tip, &mut task.control_period_s, NumberSpec::seconds(0.001, 10.0));
     rows.commit(editor, "task", |scenario| scenario.task = task);

@@ -11,9 +11,7 @@ use crate::app::editor::{Editor, EditorInteraction, EnclosureKind, PlacementRole
 use crate::app::screen::theme::BODY;
 use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::Enclosure;
-
-/// Longest description of a scenario, in characters.
-const MAX_ABOUT: usize = 2_000;
+use crate::scenario::limits::MAX_ABOUT_CHARS;
 
 type Contents = fn(&mut Ui, &mut Editor);
 
@@ -55,7 +53,7 @@ pub fn scenario_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorInt
 fn about_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut text = editor.scenario().about.clone();
     let field = TextEdit::multiline(&mut text).desired_width(f32::INFINITY).desired_rows(3);
-    let field = field.char_limit(MAX_ABOUT).hint_text("Purpose of the scenario");
+    let field = field.char_limit(MAX_ABOUT_CHARS).hint_text("Purpose of the scenario");
     let response = ui.add(field);
     set_accessible_name(&response, "Description");
     if response.changed() {

@@ -1,8 +1,20 @@
-//! The limits of presets, run folders, checkpoints and evaluations.
+//! The limits of presets, experiments, run folders and checkpoints.
 //!
-//! Every number in a user's file or on the command line is checked against these limits before it is used, so
-//! that no input can exhaust the memory or overflow a sum. (A scenario's limits are in `crates/scenario`, a
-//! network's and a replay buffer's in `crates/learning`.)
+//! Every number in a user's file or on the command line is checked against its limit before it is used, so that no input
+//! can exhaust the memory or overflow a sum. Each limit is defined once, in the lowest crate that checks it:
+//!
+//! | file | limits of |
+//! |---|---|
+//! | `crates/scenario/src/limits.rs` | RON files, scenarios |
+//! | `crates/policy/src/limits.rs` | networks |
+//! | `crates/learning/src/limits.rs` | learning configurations, replay buffers, learner checkpoints |
+//! | this one | presets, run folders, policy files, checkpoints |
+//! | `limits/experiment.rs` | experiments |
+//! | `limits/table.rs` | all of these: the tables in `docs/trust.md`, and a test that none is missing |
+
+pub mod experiment;
+#[cfg(test)]
+mod table;
 
 /// Maximum number of parallel arenas.
 pub const MAX_ARENAS: usize = 4096;
@@ -41,3 +53,9 @@ pub const MAX_RECENT_RETURNS: usize = 100;
 
 /// Maximum time in a checkpoint in s, about 30,000 years.
 pub const MAX_TIME_S: f64 = 1e12;
+
+/// Maximum size in bytes of the journal of interventions. It contains every scenario adopted during the training.
+pub const MAX_JOURNAL_BYTES: u64 = 1 << 28;
+
+/// Maximum absolute value of a reward parameter. With it, potentials over a kilometre and sums of rewards are finite.
+pub const MAX_REWARD_PARAMETER: f32 = 1e9;

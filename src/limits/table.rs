@@ -1,0 +1,353 @@
+//! The tables of limits in `docs/trust.md`, with the values of the constants.
+
+use std::fmt::{Display, LowerExp, Write as _};
+use std::ops::RangeInclusive;
+
+use super::{
+    MAX_ABOUT_CHARS, MAX_ARENAS, MAX_BODIES, MAX_CONFIG_BYTES, MAX_EVAL_EPISODES, MAX_EVALUATION_EPISODES,
+    MAX_HEAD_BYTES, MAX_JOURNAL_BYTES, MAX_OBSERVED_FLOATS, MAX_POLICY_BYTES, MAX_RECENT_RETURNS,
+    MAX_REWARD_PARAMETER, MAX_STEPS, MAX_TIME_S, experiment,
+};
+use crate::learning::limits as learning;
+use crate::policy::limits as policy;
+use crate::scenario::limits as scenario;
+
+/// A table: the limits of one kind of file.
+struct Table {
+    title: &'static str,
+    limits: &'static [Limit],
+}
+
+/// A row: what is limited, the limit, its unit ("" for a count), and the reason.
+struct Limit(&'static str, Value, &'static str, &'static str);
+
+/// A limit: a maximum, or a range that includes both ends.
+enum Value {
+    Max(u64),
+    Bytes(u64),
+    Range(u64, u64),
+    MaxReal(f64),
+    MaxReal32(f32),
+    Min(f64),
+    RealRange(f32, f32),
+}
+
+use Value::{Bytes, Max, MaxReal, MaxReal32, Min};
+
+const fn count(value: usize) -> Value {
+    Max(value as u64)
+}
+
+const fn counts(range: &RangeInclusive<usize>) -> Value {
+    Value::Range(*range.start() as u64, *range.end() as u64)
+}
+
+const fn counts32(range: &RangeInclusive<u32>) -> Value {
+    Value::Range(*range.start() as u64, *range.end() as u64)
+}
+
+const fn reals(range: &RangeInclusive<f32>) -> Value {
+    Value::RealRange(*range.start(), *range.end())
+}
+
+const TABLES: &[Table] = &[
+    Table { title: "RON files", limits: RON_FILES },
+    Table { title: "Scenarios", limits: SCENARIOS },
+    Table { title: "Presets", limits: PRESETS },
+    Table { title: "Preset and scenario together", limits: TRAINING },
+    Table { title: "Experiments", limits: EXPERIMENTS },
+    Table { title: "Policies", limits: POLICIES },
+    Table { title: "Checkpoints", limits: CHECKPOINTS },
+    Table { title: "Command line", limits: COMMAND_LINE },
+];
+
+const RON_FILES: &[Limit] = &[
+    Limit("size of a scenario, preset or experiment", Bytes(scenario::MAX_FILE_BYTES), "", "memory"),
+    Limit(
+        "size of a run's `config.ron`",
+        Bytes(MAX_CONFIG_BYTES),
+        "",
+        "a scenario grows when all its defaults are written out",
+    ),
+    Limit(
+        "size of a run's `journal.ron`",
+        Bytes(MAX_JOURNAL_BYTES),
+        "",
+        "it contains every scenario adopted in the run",
+    ),
+    Limit("nesting of brackets", count(scenario::MAX_NESTING), "levels", "the parser is recursive"),
+    Limit(
+        "problems reported",
+        count(scenario::MAX_PROBLEMS),
+        "",
+        "the message stays readable; the rest are counted",
+    ),
+];
+
+const SCENARIOS: &[Limit] = &[
+    Limit("name", count(scenario::MAX_NAME_CHARS), "characters", "one line in the app"),
+    Limit("`about`", count(scenario::MAX_ABOUT_CHARS), "characters", "memory"),
+    Limit("coordinates", reals(&scenario::COORDINATE_M), "m", "rounding"),
+    Limit("width and height of the enclosure", reals(&scenario::ENCLOSURE_SIDE_M), "m", "rounding"),
+    Limit("corners of a polygonal enclosure", counts(&scenario::ENCLOSURE_CORNERS), "", "time of the checks"),
+    Limit("inner walls", count(scenario::MAX_WALLS), "", "memory, time of the checks"),
+    Limit("corners of an inner wall", counts(&scenario::WALL_CORNERS), "", "memory, time of the checks"),
+    Limit(
+        "segments of all inner walls",
+        count(scenario::MAX_WALL_SEGMENTS),
+        "",
+        "memory, time of the checks",
+    ),
+    Limit("thickness of an inner wall", reals(&scenario::WALL_THICKNESS_M), "m", "mistyped values"),
+    Limit("obstacles", count(scenario::MAX_OBSTACLES), "", "memory, time of the checks"),
+    Limit("sizes of shapes", reals(&scenario::SHAPE_SIZE_M), "m", "rounding"),
+    Limit("corners of a polygonal obstacle", counts(&scenario::POLYGON_CORNERS), "", "time of a step"),
+    Limit(
+        "its corners' coordinates in its own frame",
+        reals(&scenario::POLYGON_COORDINATE_M),
+        "m",
+        "rounding",
+    ),
+    Limit(
+        "area of a polygonal obstacle",
+        Min(scenario::MIN_POLYGON_AREA_M2),
+        "m²",
+        "that of the smallest square",
+    ),
+    Limit(
+        "rotations and headings",
+        reals(&scenario::ANGLE_RAD),
+        "rad",
+        "a full turn, with room for rounding",
+    ),
+    Limit("speeds", MaxReal32(scenario::MAX_SPEED_M_S), "m/s", "mistyped values"),
+    Limit("angular speeds", MaxReal32(scenario::MAX_ANGULAR_SPEED_RAD_S), "rad/s", "mistyped values"),
+    Limit(
+        "distance per control step",
+        MaxReal32(scenario::MAX_STEP_M),
+        "m",
+        "no robot or obstacle jumps over another",
+    ),
+    Limit("waypoints of a patrol", counts(&scenario::WAYPOINTS), "", "memory, time of a step"),
+    Limit("radius of a random walk", reals(&scenario::WALK_RADIUS_M), "m", "rounding"),
+    Limit("generators", count(scenario::MAX_GENERATORS), "", "time of a reset"),
+    Limit("obstacles of a generator", counts32(&scenario::GENERATOR_COUNT), "", "time of a reset"),
+    Limit("obstacles of all generators", Max(scenario::MAX_GENERATED_OBSTACLES), "", "time of a reset"),
+    Limit("clearances and gaps", reals(&scenario::CLEARANCE_M), "m", "mistyped values"),
+    Limit("positions of a `OneOf` rule", counts(&scenario::POSITIONS), "", "time of the checks"),
+    Limit("radius of the robot", reals(&scenario::ROBOT_RADIUS_M), "m", "mistyped values"),
+    Limit("motions of the robot", counts(&scenario::MOTIONS), "", "size of the network's output"),
+    Limit("actuator lag", reals(&scenario::ACTUATOR_LAG_S), "s", "mistyped values"),
+    Limit("LIDAR beams", counts(&scenario::BEAMS), "", "memory, time of a step"),
+    Limit("field of view", reals(&scenario::FIELD_OF_VIEW_RAD), "rad", "a full turn"),
+    Limit("LIDAR range", reals(&scenario::LIDAR_RANGE_M), "m", "rounding"),
+    Limit("standard deviation of LIDAR noise", reals(&scenario::LIDAR_NOISE_M), "m", "mistyped values"),
+    Limit("LIDAR latency", counts32(&scenario::LIDAR_LATENCY_STEPS), "steps", "memory"),
+    Limit("goal radius", reals(&scenario::GOAL_RADIUS_M), "m", "mistyped values"),
+    Limit("collision range", reals(&scenario::COLLISION_RANGE_M), "m", "mistyped values"),
+    Limit("distance of a new goal", reals(&scenario::GOAL_DISTANCE_M), "m", "mistyped values"),
+    Limit("episode length", counts32(&scenario::EPISODE_STEPS), "steps", "time of an evaluation"),
+    Limit("control period", reals(&scenario::CONTROL_PERIOD_S), "s", "mistyped values"),
+    Limit("cells in the check of reachability", Max(scenario::MAX_CELLS as u64), "", "time of the checks"),
+    Limit(
+        "edges tested per position, over all moments",
+        count(scenario::MAX_EDGE_CHECKS),
+        "",
+        "time of the checks; larger scenarios are checked at fewer moments",
+    ),
+    Limit("obstacles to place times edges", count(scenario::MAX_GENERATION_WORK), "", "time of the checks"),
+    Limit("points tested on paths", Max(scenario::MAX_SAMPLED_POINTS as u64), "", "time of the checks"),
+];
+
+const PRESETS: &[Limit] = &[
+    Limit("`about`", count(MAX_ABOUT_CHARS), "characters", "memory"),
+    Limit("arenas", count(MAX_ARENAS), "", "memory"),
+    Limit("budget, evaluation interval", Max(MAX_STEPS), "steps or episodes", "sums do not overflow"),
+    Limit(
+        "episodes of an evaluation during training",
+        count(MAX_EVALUATION_EPISODES),
+        "",
+        "time of an evaluation",
+    ),
+    Limit(
+        "parameters of the reward",
+        MaxReal32(MAX_REWARD_PARAMETER),
+        "in magnitude",
+        "rewards and their sums stay finite",
+    ),
+    Limit(
+        "`reward_scale`",
+        MaxReal32(learning::MAX_REWARD_SCALE),
+        "",
+        "scaled rewards and their sums stay finite",
+    ),
+    Limit("learning rate", MaxReal32(learning::MAX_LEARNING_RATE), "", "mistyped values"),
+    Limit("batch size", count(learning::MAX_BATCH_SIZE), "", "memory, time of a gradient step"),
+    Limit(
+        "gradient steps per update",
+        Max(learning::MAX_GRADIENT_STEPS as u64),
+        "",
+        "time of a control step",
+    ),
+    Limit("n of n-step returns", count(learning::MAX_N_STEP), "", "memory"),
+    Limit("transitions in the replay buffer", count(learning::MAX_REPLAY_CAPACITY), "", "memory"),
+    Limit("hidden layers", count(policy::MAX_LAYERS), "", "memory"),
+    Limit("units of a layer", count(policy::MAX_UNITS), "", "memory"),
+    Limit("parameters of the network", count(policy::MAX_PARAMETERS), "", "64 MiB per copy"),
+];
+
+const TRAINING: &[Limit] = &[
+    Limit("bodies in all arenas", count(MAX_BODIES), "", "about 2 GB"),
+    Limit("numbers in the scans and observations of all arenas", count(MAX_OBSERVED_FLOATS), "", "1 GiB"),
+    Limit(
+        "numbers in the replay buffer's observations",
+        count(learning::MAX_STORED_FLOATS),
+        "",
+        "8 GiB; 2^28, 1 GiB, on 32-bit systems",
+    ),
+    Limit("environments of a learner", count(learning::MAX_ENVS), "", "memory"),
+];
+
+const COMMAND_LINE: &[Limit] =
+    &[Limit("episodes of one `--eval`, over all rounds", Max(MAX_EVAL_EPISODES), "", "memory")];
+
+const EXPERIMENTS: &[Limit] = &[
+    Limit("training runs", Max(experiment::MAX_TRAININGS), "", "a larger plan would not finish"),
+    Limit("seeds", Max(experiment::MAX_SEEDS), "", "time of the plan"),
+    Limit(
+        "arms, conditions, figures, tables, claims; entries of their lists",
+        count(experiment::MAX_ENTRIES),
+        "each",
+        "time of the plan",
+    ),
+    Limit("stages of an arm", count(experiment::MAX_STAGES), "", "time of the plan"),
+    Limit("rounds of a test, and of the paper's values", count(experiment::MAX_ROUNDS), "", "time of a test"),
+    Limit("episodes per round of a test", Max(experiment::MAX_TEST_EPISODES), "", "time of a test"),
+    Limit("panels of a figure", count(experiment::MAX_SERIES), "", "size of the picture"),
+    Limit("columns of a figure or table", count(experiment::MAX_MEASURES), "", "size of the picture"),
+    Limit("moving average in a figure", Max(experiment::MAX_SMOOTHING), "episodes", "mistyped values"),
+    Limit("a number in a figure or table", MaxReal(experiment::MAX_VALUE), "in magnitude", "width of a cell"),
+    Limit("a name or heading", count(experiment::MAX_NAME_CHARS), "characters", "width of the report"),
+    Limit("a path", count(experiment::MAX_PATH_CHARS), "characters", "Linux's own limit"),
+    Limit("a text", count(experiment::MAX_TEXT_CHARS), "characters", "memory"),
+];
+
+const POLICIES: &[Limit] = &[
+    Limit("size of the file", Bytes(MAX_POLICY_BYTES), "", "the parameters and a header"),
+    Limit("inputs", count(policy::MAX_UNITS), "", "memory"),
+    Limit("actions", count(policy::MAX_ACTIONS), "", "replay buffers store an action in one byte"),
+    Limit("parameters", count(policy::MAX_PARAMETERS), "", "64 MiB"),
+];
+
+const CHECKPOINTS: &[Limit] = &[
+    Limit(
+        "size of the run's header",
+        Bytes(MAX_HEAD_BYTES),
+        "and never more than the file contains",
+        "all scans and observations, and a policy",
+    ),
+    Limit(
+        "size of the learner's header",
+        Bytes(learning::MAX_HEADER_BYTES),
+        "and never more than the file contains",
+        "four arrays of the network's parameters",
+    ),
+    Limit("counters of the learner", Max(learning::MAX_COUNT), "", "sums do not overflow"),
+    Limit("recent returns", count(MAX_RECENT_RETURNS), "", "memory"),
+    Limit("times", MaxReal(MAX_TIME_S), "s", "about 30,000 years"),
+];
+
+impl Value {
+    /// The limit with its unit, such as "at most 4,096" or "0.001 to 10 s".
+    fn with_unit(&self, unit: &str) -> String {
+        let value = match *self {
+            Self::Max(max) => whole(max),
+            Self::Bytes(max) => mebibytes(max),
+            Self::Range(min, max) => format!("{} to {}", whole(min), whole(max)),
+            Self::MaxReal(max) => real(max),
+            Self::MaxReal32(max) => real(max),
+            Self::Min(min) => format!("at least {}", real(min)),
+            Self::RealRange(min, max) => format!("{} to {}", real(min), real(max)),
+        };
+        match unit {
+            "" => value,
+            unit if unit.starts_with("and") => format!("{value}, {unit}"),
+            unit => format!("{value} {unit}"),
+        }
+    }
+}
+
+/// A whole number: a large power of two or ten as such, else with separators.
+fn whole(value: u64) -> String {
+    let digits = value.to_string();
+    if value >= 1 << 24 && value.is_power_of_two() {
+        return format!("2^{}", value.ilog2());
+    }
+    if value >= 1 << 24 && digits.trim_end_matches('0') == "1" {
+        return format!("10^{}", digits.len() - 1);
+    }
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn mebibytes(bytes: u64) -> String {
+    format!("{} MiB", whole(bytes >> 20))
+}
+
+/// A real number, very large or small ones in scientific notation: 0.001, 1,000, 1e9.
+fn real<T: Display + LowerExp + Into<f64> + Copy>(value: T) -> String {
+    let size = value.into().abs();
+    if size != 0.0 && !(1e-4..1e6).contains(&size) {
+        format!("{value:e}")
+    } else if size >= 1e3 {
+        format!("{}{}", if value.into() < 0.0 { "-" } else { "" }, whole(size as u64))
+    } else {
+        value.to_string()
+    }
+}
+
+/// The Markdown tables, one per kind of file.
+fn tables() -> String {
+    let mut text = String::new();
+    for Table { title, limits } in TABLES {
+        let _ = write!(text, "\n### {title}\n\n| what | limit | reason |\n|---|---|---|\n");
+        for Limit(what, value, unit, reason) in *limits {
+            let _ = writeln!(text, "| {what} | {} | {reason} |", value.with_unit(unit));
+        }
+    }
+    text
+}
+
+#[test]
+fn the_limits_in_the_docs_are_those_of_the_code() {
+    crate::generated_section::check("docs/trust.md", &tables());
+}
+
+#[test]
+fn every_limit_is_in_a_table() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |file: &str| std::fs::read_to_string(root.join(file)).expect("the file exists");
+    let table = read("src/limits/table.rs");
+    let rows = table.split_once("const RON_FILES").expect("the rows come after the imports").1;
+    for (file, module) in [
+        ("crates/scenario/src/limits.rs", "scenario::"),
+        ("crates/policy/src/limits.rs", "policy::"),
+        ("crates/learning/src/limits.rs", "learning::"),
+        ("src/limits.rs", "("),
+        ("src/limits/experiment.rs", "experiment::"),
+    ] {
+        let text = read(file);
+        let names = text.lines().filter_map(|line| line.strip_prefix("pub const ")?.split(':').next());
+        for name in names {
+            let name = name.trim();
+            let is_there = [")", " as u64)"].iter().any(|end| rows.contains(&format!("{module}{name}{end}")));
+            assert!(is_there, "{name} of {file} is in no table; help: add it to src/limits/table.rs");
+        }
+    }
+}
