@@ -27,7 +27,8 @@ fn tables() -> String {
 
 /// The flag with its value, as in `--seed <N>`.
 fn flag(arg: &Arg) -> String {
-    let value = arg.get_value_names().unwrap_or_default().first().map(|name| format!(" <{name}>"));
+    let names = arg.get_value_names().filter(|_| arg.get_action().takes_values());
+    let value = names.unwrap_or_default().first().map(|name| format!(" <{name}>"));
     let ellipsis = if arg.get_num_args().is_some_and(|count| count.max_values() > 1) { "..." } else { "" };
     format!("--{}{}{ellipsis}", arg.get_long().unwrap_or_default(), value.unwrap_or_default())
 }
@@ -35,7 +36,7 @@ fn flag(arg: &Arg) -> String {
 /// The help text with its default, escaped for a Markdown table.
 fn meaning(arg: &Arg) -> String {
     let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
-    let default = arg.get_default_values().first().filter(|_| arg.get_value_names().is_some());
+    let default = arg.get_default_values().first().filter(|_| arg.get_action().takes_values());
     let default = default.map(|value| format!(" [default: {}]", value.to_string_lossy()));
     (help + &default.unwrap_or_default()).replace('<', "\\<").replace('|', "\\|")
 }
