@@ -83,7 +83,7 @@
 //!   [`add_reward_term`](task::SimulationAppExt::add_reward_term).
 //! - Any other Bevy system can run in the sets of a [`ControlStep`](control_step::ControlStep).
 //! - [`Extensions`](simulation::Extensions) passes such plugins to training, evaluation and environments.
-//! - [`cli::main`] runs the command line from another binary.
+//! - [`cli::main`] runs the whole command line with such plugins, from a binary of three lines.
 //!
 //! # Features
 //!
