@@ -33,7 +33,7 @@ impl TrainingWarning {
     }
 }
 
-/// Sums over the gradient steps since the last call of [`take_means`](Self::take_means).
+/// Sums over the gradient steps since the last call of `take_means`.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrainingStats {
     /// The number of gradient steps in the sums.

@@ -3,8 +3,8 @@
 //! In: the process's arguments. Out: results on stdout, logs and progress on stderr, and an exit status: 0 on
 //! success, 1 when a run failed, 2 for invalid arguments or files.
 //!
-//! One file per mode contains the mode's options and its `run` function. [`modes`] rejects options of other modes;
-//! [`shared`] contains the options that several modes take.
+//! One file per mode contains the mode's options and its `run` function. `modes` rejects options of other modes;
+//! `shared` contains the options that several modes take.
 
 mod check;
 mod draw;

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | [`observation`] | the network's inputs, from a LIDAR scan and a goal |
 //! | [`network`] | the shape of a Q-network, and its forward pass |
-//! | [`file`] | the policy file: safetensors with metadata |
+//! | [`file`](mod@file) | the policy file: safetensors with metadata |
 //!
 //! # Example
 //!

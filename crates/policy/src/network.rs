@@ -39,7 +39,7 @@ pub struct ParameterView {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{field}` {problem}")]
 pub struct ShapeError {
-    /// The name of the size, such as "network.hidden[1]".
+    /// The name of the size, such as `network.hidden[1]`.
     pub field: String,
     /// The problem and the allowed range, as the rest of a sentence that begins with `field`.
     pub problem: String,
