@@ -8,6 +8,7 @@ use bevy::ecs::schedule::{IntoScheduleConfigs, ScheduleConfigs};
 use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 
+use super::fault::detect_faults;
 use super::{Arena, Episode, ObservationLayout, SensorSlice, StepOutcomes};
 use crate::control_step::{ControlStep, Reset, ResetSet, RewardSet, SenseSet};
 
@@ -102,18 +103,17 @@ impl SimulationAppExt for App {
         S: IntoScheduleConfigs<ScheduleSystem, M>,
     {
         let handle = self.world_mut().resource_mut::<ExtraRewards>().add(name);
+        if handle == RewardTerm(0) {
+            // Only now: a step without plugins does not pay for their sum.
+            self.add_systems(ControlStep, add_extra_rewards.in_set(RewardSet::Sum).before(detect_faults));
+        }
         let system = term(handle).into_configs();
         self.add_systems(ControlStep, system.in_set(RewardSet::Terms).ambiguous_with(RewardSet::Terms))
     }
 }
 
-/// Whether a plugin has added a reward term.
-pub(super) fn any_extra_rewards(extra: Res<ExtraRewards>) -> bool {
-    !extra.names.is_empty()
-}
-
 /// `Reward`: adds the plugins' terms to the outcomes and to the episodes' sums, and sets them to 0 for the next step.
-pub(super) fn add_extra_rewards(
+fn add_extra_rewards(
     mut extra: ResMut<ExtraRewards>,
     mut outcomes: ResMut<StepOutcomes>,
     mut arenas: Query<(&Arena, &mut Episode)>,

@@ -93,9 +93,7 @@ impl Plugin for TaskPlugin {
                 (
                     observation::observe_next.in_set(SenseSet::Observe),
                     outcome::compute_outcomes.in_set(RewardSet::Outcome),
-                    (extension::add_extra_rewards.run_if(extension::any_extra_rewards), fault::detect_faults)
-                        .chain()
-                        .in_set(RewardSet::Sum),
+                    fault::detect_faults.in_set(RewardSet::Sum),
                     (outcome::close_episodes.run_if(step_is_finite), observation::advance, reset::run_reset)
                         .chain()
                         .in_set(ControlSet::Reset),
