@@ -241,7 +241,7 @@ mod window {
 #[cfg(not(feature = "gui"))]
 mod window {
     pub fn soak(_: u64) -> Result<bool, Box<dyn super::Error>> {
-        Err("this build has no window; help: run without --no-default-features".into())
+        Err("this build has no app; help: run without --no-default-features".into())
     }
 }
 

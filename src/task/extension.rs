@@ -104,7 +104,7 @@ impl SimulationAppExt for App {
     {
         let handle = self.world_mut().resource_mut::<ExtraRewards>().add(name);
         if handle == RewardTerm(0) {
-            // Only now: a step without plugins does not pay for their sum.
+            // Added with the first term, so that a step without reward plugins does not pay for the sum.
             self.add_systems(ControlStep, add_extra_rewards.in_set(RewardSet::Sum).before(detect_faults));
         }
         let system = term(handle).into_configs();
