@@ -124,17 +124,13 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         first(&summary.first_96),
         first(&summary.first_99),
         folder.display(),
-        eval_command(folder, summary),
+        eval_command(folder),
     )
 }
 
-/// The command that tests the run's best policy in the run's scenario.
-fn eval_command(folder: &Path, summary: &Summary) -> String {
+/// The command that tests the run's best policy, in the run's scenario.
+fn eval_command(folder: &Path) -> String {
     let quoted = |text: &str| if text.contains(' ') { format!("'{text}'") } else { text.to_owned() };
     let program = std::env::args().next().unwrap_or_else(|| "wayfield".into());
-    let policy = quoted(&folder.join("policy.safetensors").display().to_string());
-    match summary.scenario_from.as_str() {
-        "scenario-1" => format!("{program} --eval {policy}"),
-        other => format!("{program} --eval {policy} --scenario {}", quoted(other)),
-    }
+    format!("{program} --eval {}", quoted(&folder.join("policy.safetensors").display().to_string()))
 }

@@ -20,7 +20,7 @@ mod shape;
 pub mod virtual_files;
 mod write;
 
-pub use check::diagnostics;
+pub use check::{diagnostics, value_diagnostics};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 
 use super::demo::{self, Rounds};
 use super::interventions::{self, Intervention};
+use super::open;
 use super::pacer::Pacer;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
@@ -108,10 +109,12 @@ pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunEr
         return Ok(());
     }
     if mode == SessionMode::Train {
+        open::warn_in_comparison(world, mode);
         resume_training(world);
         return Ok(());
     }
     let sources = demo::action_sources(world, mode)?;
+    open::warn_in_comparison(world, mode);
     let training = match std::mem::take(&mut *world.resource_mut::<ActiveMode>()) {
         ActiveMode::Train => SuspendedTraining::capture(world),
         ActiveMode::Demo(demo) => demo.training,

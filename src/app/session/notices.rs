@@ -25,6 +25,8 @@ pub enum NoticeTopic {
     File(String),
     /// An object that the user tried to move.
     Move,
+    /// A warning about the second policy of a comparison.
+    Comparison,
     /// A warning about the current training. A new training removes it.
     TrainingWarning,
     /// The error that stopped the current training. A new training removes it.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 
 use super::active_mode::{ActiveMode, set_mode};
-use super::notices::{NoticeTopic, notify};
+use super::notices::{NoticeTopic, Notices, notify};
 use super::start_training;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
@@ -149,7 +149,7 @@ pub(crate) fn expert(config: &RunConfig) -> Option<(String, &'static Policy)> {
     let of_this_scenario = all.iter().filter(|(name, _)| *name == config.scenario_from);
     let (name, policy) =
         of_this_scenario.chain(all).find(|(name, policy)| check_can_drive(config, name, policy).is_ok())?;
-    let scenario = policy.metadata.get("scenario").map_or(*name, String::as_str);
+    let scenario = policy_card::scenario_name(policy).unwrap_or_else(|| (*name).into());
     Some((format!("Expert of {scenario}"), policy))
 }
 
@@ -167,6 +167,21 @@ pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -
         ));
     }
     Ok(())
+}
+
+/// Warns if the second policy of a comparison was trained with other settings than those of the current scenario. In any
+/// other `mode`, removes the warning.
+pub(super) fn warn_in_comparison(world: &mut World, mode: SessionMode) {
+    world.resource_mut::<Notices>().remove(&NoticeTopic::Comparison);
+    let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else { return };
+    if mode != SessionMode::Compare {
+        return;
+    }
+    let warning = policy_card::warning(policy, &world.resource::<TrainingRun>().config.scenario);
+    if let Some(text) = warning.unwrap_or_else(|error| Some(error.to_string())) {
+        let text = format!("{name}: {text}");
+        notify(world, NoticeTopic::Comparison, Severity::Error, text);
+    }
 }
 
 /// Lets `policy` drive next to the current policy.

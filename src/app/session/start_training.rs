@@ -26,7 +26,7 @@ use crate::policy::Policy;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 use crate::run::folder::{RunConfig, RunFolder, Transfer};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
-use crate::run::{RunError, training_setup};
+use crate::run::{RunError, policy_card, training_setup};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 
@@ -152,9 +152,13 @@ pub(super) fn start_from_policy(
         config.scenario_from = from.into();
         config.scenario = scenario;
     }
+    let warning = policy_card::warning(&policy, &config.scenario)?.map(|text| format!("{name}: {text}"));
     config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
     let prepared = prepare(config, Some(policy))?;
     replace(world, prepared);
+    if let Some(text) = warning {
+        notify(world, NoticeTopic::TrainingWarning, Severity::Error, text);
+    }
     Ok(())
 }
 
