@@ -62,7 +62,8 @@ impl ControlsFile {
 #[cfg(not(target_arch = "wasm32"))]
 pub fn write_controls(mut file: ResMut<ControlsFile>, contexts: Query<(&mut EguiContext, &mut EguiOutput)>) {
     let Some(tree) = take_tree(contexts) else { return };
-    let line = |(name, [x, y, width, height]): (&str, [f64; 4])| format!("{x}\t{y}\t{width}\t{height}\t{name}\n");
+    let line =
+        |(name, [x, y, width, height]): (&str, [f64; 4])| format!("{x}\t{y}\t{width}\t{height}\t{name}\n");
     let text: String = named_controls(&tree).into_iter().map(line).collect();
     if text == file.written {
         return;

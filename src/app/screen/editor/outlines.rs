@@ -5,8 +5,8 @@ use egui::{Color32, Id, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2};
 
 use crate::app::editor::{Body, Editor, Selection};
 use crate::app::screen::arena_view::canvas::Canvas;
-use crate::app::screen::arena_view::single_arena::name_object;
 use crate::app::screen::arena_view::silhouette::{self, Silhouette};
+use crate::app::screen::arena_view::single_arena::name_object;
 use crate::scenario::{Obstacle, Scenario, Wall};
 
 /// Width of the line along the enclosure, in points.
@@ -90,7 +90,8 @@ fn draw_solid(canvas: &Canvas, obstacle: &Obstacle, by: f32, fill: Color32, stro
 
 /// Adds the obstacles and inner walls to the accessibility tree, if egui builds one.
 pub fn name_solids(ui: &Ui, canvas: &Canvas, scenario: &Scenario) {
-    let obstacles = (0..scenario.obstacles.len()).map(|k| (Selection::Obstacle(k), format!("Obstacle {}", k + 1)));
+    let obstacles =
+        (0..scenario.obstacles.len()).map(|k| (Selection::Obstacle(k), format!("Obstacle {}", k + 1)));
     let walls = (0..scenario.walls.len()).map(|k| (Selection::Wall(k), format!("Wall {}", k + 1)));
     for (selection, name) in obstacles.chain(walls) {
         if let Some(rect) = screen_rect(canvas, scenario, selection) {
