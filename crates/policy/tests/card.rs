@@ -56,14 +56,12 @@ fn a_card_is_read_as_it_was_written_and_gives_encoding_and_sensors() {
 
 #[test]
 fn the_json_of_a_card_lists_every_input_with_unit_divisor_and_angle() {
-    let header: Value =
-        serde_json::from_str(&policy(Encoding::Scaled).header().expect("a card")).expect("JSON");
+    let text = policy(Encoding::Scaled).header().expect("a card");
+    let header: Value = serde_json::from_str(&text).expect("JSON");
     let inputs = header["card"]["inputs"].as_array().expect("a list");
     assert_eq!(inputs[0], json!({"quantity": "range", "unit": "m", "divisor": 3.5, "angle_rad": -0.7}));
-    assert_eq!(
-        inputs[3],
-        json!({"quantity": "goal_bearing", "unit": "rad", "divisor": std::f32::consts::PI})
-    );
+    let bearing = r#"{"quantity":"goal_bearing","unit":"rad","divisor":3.1415927}"#;
+    assert!(text.contains(bearing), "the shortest number that is pi in f32: {text}");
     assert_eq!(inputs[4], json!({"quantity": "goal_distance", "unit": "m", "divisor": 4.0}));
     assert_eq!(inputs[5], json!({"quantity": "smallest_range", "unit": "m", "divisor": 3.5}));
     assert_eq!(inputs[6], json!({"quantity": "nearest_beam", "unit": "", "divisor": 3.0}));
