@@ -276,7 +276,7 @@ fn text_on_a_card_reaches_no_terminal_as_an_escape_sequence() {
     assert_eq!(printed["card"]["training"]["preset"], escape, "JSON keeps it, escaped");
     let error = rejection(workspace, "--eval sensor.safetensors");
     assert!(
-        error.contains("trained with `?]0;taken??[31m?2K:1`, but this simulation has no sensor plugin"),
+        error.contains("trained with `\\u{1b}]0;taken\\u{7}\\u{1b}[31m\\u{9b}2K:1`, but this simulation has no sensor plugin"),
         "{error}"
     );
 }

@@ -179,17 +179,26 @@ fn sensor(slice: &ObservationSlice) -> (&str, usize) {
     (&slice.name, slice.width)
 }
 
+/// The sensors with a width as text. One of width 0 adds nothing to the observation.
 fn describe_sensors<'a>(sensors: impl IntoIterator<Item = (&'a str, usize)>) -> String {
-    let parts: Vec<String> = sensors.into_iter().map(|(name, width)| format!("{name}:{width}")).collect();
+    let sensors = sensors.into_iter().filter(|(_, width)| *width > 0);
+    let parts: Vec<String> = sensors.map(|(name, width)| format!("{name}:{width}")).collect();
     parts.join(", ")
 }
 
-/// `text` from a file, without characters that a terminal would interpret, and at most 200 characters long.
+/// At most 200 characters of `text` from a file, with `\u{1b}` in place of characters that a terminal would interpret.
 #[must_use]
 pub fn printable(text: &str) -> String {
-    let mut printable: String =
-        text.chars().take(200).map(|c| if is_harmless(c) { c } else { '?' }).collect();
-    if text.chars().nth(200).is_some() {
+    const MAX_CHARS: usize = 200;
+    let mut printable = String::new();
+    for c in text.chars().take(MAX_CHARS) {
+        if is_harmless(c) {
+            printable.push(c);
+        } else {
+            printable.extend(c.escape_unicode());
+        }
+    }
+    if text.chars().nth(MAX_CHARS).is_some() {
         printable.push('…');
     }
     printable
