@@ -13,16 +13,23 @@ use egui::{FontData, FontFamily, FontId, Shape};
 use crate::report::fonts::{SystemFont, system_font_with};
 
 /// The characters that were looked for, and the search in progress.
-#[derive(Default)]
+#[derive(Resource, Default)]
 pub struct FallbackFonts {
     searched: HashSet<char>,
     search: Option<Task<Vec<SystemFont>>>,
 }
 
+impl FallbackFonts {
+    /// Whether text is displayed whose font is still being looked for.
+    pub fn is_searching(&self) -> bool {
+        self.search.is_some()
+    }
+}
+
 /// Looks for fonts with the characters that were drawn as the sign for a missing glyph. The search runs in the background.
 pub fn add_fallback_fonts(
     mut contexts: Query<(&mut EguiContext, &EguiFullOutput)>,
-    mut fallback: Local<FallbackFonts>,
+    mut fallback: ResMut<FallbackFonts>,
 ) {
     for (mut context, output) in &mut contexts {
         let Some(output) = &output.0 else { continue };

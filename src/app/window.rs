@@ -113,7 +113,7 @@ impl Plugin for WindowedPlugin {
             )
             .add_systems(Update, draw_less_when_idle);
         #[cfg(not(target_arch = "wasm32"))]
-        app.add_systems(
+        app.init_resource::<super::fallback_fonts::FallbackFonts>().add_systems(
             PostUpdate,
             super::fallback_fonts::add_fallback_fonts
                 .after(EguiPostUpdateSet::EndPass)
