@@ -21,7 +21,7 @@ use super::screen::{self, ScreenInput, theme};
 use super::screenshot::{ScreenshotRequest, take_screenshot};
 use super::session::{StartOptions, TrainingHistory, TrainingRun};
 use super::view_state::{EditorSource, Overlays, ThemeChoice};
-use super::window_input::{draw_less_when_idle, fix_input, take_dropped_files};
+use super::window_input::{draw_less_when_idle, fit_to_monitor, fix_input, take_dropped_files};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
 use crate::run::RunError;
 
@@ -123,6 +123,9 @@ impl Plugin for WindowedPlugin {
         if let Some(request) = &options.screenshot {
             app.insert_resource(request.clone()).add_systems(Last, take_screenshot);
             return;
+        }
+        if options.size.is_none() {
+            app.add_systems(Update, fit_to_monitor);
         }
         app.insert_resource(preferences).add_systems(Last, preferences::store);
         #[cfg(not(target_arch = "wasm32"))]
