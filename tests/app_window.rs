@@ -264,7 +264,8 @@ fn a_stored_size_that_no_screen_has_is_made_to_fit() {
     let home = tempfile::tempdir().expect("temporary folder");
     let folder = home.path().join("wayfield");
     std::fs::create_dir(&folder).expect("the folder can be made");
-    std::fs::write(folder.join("preferences.ron"), "(size: (5000.0, 4000.0))").expect("the file can be written");
+    std::fs::write(folder.join("preferences.ron"), "(size: (5000.0, 4000.0))")
+        .expect("the file can be written");
     let controls = Controls(home.path().join("controls"));
     let mut app = command(Some(&display.name), home.path(), &["--theme", "light"])
         .env("WAYFIELD_CONTROLS", &controls.0)

@@ -121,7 +121,8 @@ impl Plugin for WindowedPlugin {
         );
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(request) = &options.screenshot {
-            app.insert_resource(request.clone()).add_systems(Last, take_screenshot.run_if(any_with_component::<PrimaryWindow>));
+            app.insert_resource(request.clone())
+                .add_systems(Last, take_screenshot.run_if(any_with_component::<PrimaryWindow>));
             return;
         }
         if options.size.is_none() {

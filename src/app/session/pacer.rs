@@ -57,10 +57,10 @@ impl StepCost {
         self.steps = self.steps * COST_DECAY + f64::from(steps);
     }
 
-    /// How many steps fit into `budget`, at least 1.
-    fn steps_within(self, budget: Duration) -> u32 {
+    /// How many steps fit into `budget`, at least 1; `None` if no step has been timed yet.
+    fn steps_within(self, budget: Duration) -> Option<u32> {
         let steps = budget.as_secs_f64() * self.steps / self.seconds;
-        if steps.is_finite() { steps.max(1.0) as u32 } else { u32::MAX }
+        steps.is_finite().then_some(steps.max(1.0) as u32)
     }
 }
 
@@ -170,10 +170,9 @@ impl Pacer {
     }
 
     fn is_budget_spent(&self) -> bool {
-        if self.is_clock_coarse() {
-            self.steps >= self.cost.steps_within(self.budget) || self.spent > self.tick
-        } else {
-            self.spent >= self.budget
+        match self.cost.steps_within(self.budget) {
+            Some(steps) if self.is_clock_coarse() => self.steps >= steps || self.spent > self.tick,
+            _ => self.spent >= self.budget,
         }
     }
 
@@ -258,7 +257,8 @@ mod tests {
 
     /// Frames and steps in 20 s at full pace, of steps of 0.7 ms and drawing of 5 ms, by a clock that rounds down to `tick`.
     fn at_full_pace(tick: Duration) -> (usize, usize) {
-        let (mut pacer, mut now, mut last_frame) = (Pacer::new(Pace::Full, false), Duration::ZERO, Duration::ZERO);
+        let (mut pacer, mut now, mut last_frame) =
+            (Pacer::new(Pace::Full, false), Duration::ZERO, Duration::ZERO);
         let rounded = |now: Duration| tick * (now.as_micros() / tick.as_micros()) as u32;
         let (mut frames, mut steps) = (0, 0);
         while now < Duration::from_secs(20) {
