@@ -228,7 +228,8 @@ fn tensorboards_curves_never_go_back_after_kills_and_resumes() {
     let run = workspace.path("run");
     let mut command = format!("{RUN} --checkpoint-every 0.2 --out run").replace("6400", "50000000");
     for kill in 1..=3_u32 {
-        let checkpoint = || std::fs::metadata(run.join("checkpoint/older.bin")).and_then(|file| file.modified()).ok();
+        let checkpoint =
+            || std::fs::metadata(run.join("checkpoint/older.bin")).and_then(|file| file.modified()).ok();
         let before = checkpoint();
         let mut child = workspace.start(&command);
         wait_until(&mut child, "three checkpoints of this process", || checkpoint() != before);
