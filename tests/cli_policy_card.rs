@@ -233,7 +233,7 @@ fn a_scenario_that_only_a_hand_could_make_is_refused_without_a_file_but_tested_w
     let workspace = workspace();
     // In the app an obstacle can be dragged onto the route's goal.
     let policy = with_scenario(policy(), |scenario| {
-        scenario.obstacles[0].position_m = scenario.benchmark_route.goal_m
+        scenario.obstacles[0].position_m = scenario.benchmark_route.goal_m;
     });
     workspace.write("dragged.safetensors", policy.to_bytes().expect("a consistent file"));
     let error = rejection(workspace, "--eval dragged.safetensors");

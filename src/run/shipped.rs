@@ -181,18 +181,7 @@ mod tests {
     /// `policy` with the card that this version writes. The training and its program stay.
     fn with_present_card(policy: &Policy) -> Policy {
         let mut policy = policy.clone();
-        let card = policy.card.take().unwrap_or_else(|| {
-            let m = &policy.metadata;
-            let n = |k: &str| m[k].parse::<u64>().expect("number");
-            let mut c = policy.clone();
-            let from = if m["scenario"] == "Scenario I" { "scenario-1" } else { "scenario-2" };
-            let config = RunConfig::resolve(from, &m["preset"], n("seed")).expect("shipped");
-            policy_card::attach(&mut c, &config, (n("env_steps"), n("gradient_steps")), Some(1.0));
-            let mut card = c.card.expect("card");
-            card.program.version = m["wayfield"].clone();
-            card.program.commit = None;
-            card
-        });
+        let card = policy.card.take().expect("a card");
         let training = &card.training;
         let config = RunConfig::resolve(&training.scenario_from, &training.preset, training.seed);
         let steps = (training.env_steps, training.gradient_steps);
