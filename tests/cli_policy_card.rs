@@ -21,15 +21,19 @@ use wayfield::task::ObservationSlice;
 
 const PYTHON: Requirement = Requirement { commands: &["python3"], packages: "python3" };
 
-/// A workspace, shared by all tests, with a policy of Scenario I in `run`.
-fn workspace() -> &'static Workspace {
-    static WORKSPACE: OnceLock<Workspace> = OnceLock::new();
-    WORKSPACE.get_or_init(|| {
+/// A workspace with a quick preset and a policy that has been trained with it in Scenario I.
+fn workspace() -> Workspace {
+    static POLICY: OnceLock<Vec<u8>> = OnceLock::new();
+    let workspace = Workspace::new();
+    workspace.write("quick.ron", quick_fast());
+    let policy = POLICY.get_or_init(|| {
         let workspace = Workspace::new();
         workspace.write("quick.ron", quick_fast());
         workspace.run_ok("--train --preset quick.ron --steps 64 --out run");
-        workspace
-    })
+        workspace.read("run/policy.safetensors")
+    });
+    workspace.write("policy.safetensors", policy);
+    workspace
 }
 
 /// Scenario I with `fields`.
@@ -43,12 +47,12 @@ fn turning(rates_rad_s: [f32; 5]) -> String {
     with(&format!("robot: (motions: [{}])", motions.join(", ")))
 }
 
-const TEST: &str = "--eval run/policy.safetensors --rounds 1 --episodes 2 --scenario";
-const TRANSFER: &str = "--train --preset quick.ron --init run/policy.safetensors --steps 16";
+const TEST: &str = "--eval policy.safetensors --rounds 1 --episodes 2 --scenario";
+const TRANSFER: &str = "--train --preset quick.ron --init policy.safetensors --steps 16";
 
-/// The policy of `run`.
+/// The policy of [`workspace`].
 fn policy() -> Policy {
-    Policy::from_bytes(&workspace().read("run/policy.safetensors")).expect("a valid policy")
+    Policy::from_bytes(&workspace().read("policy.safetensors")).expect("a valid policy")
 }
 
 #[test]
@@ -66,8 +70,8 @@ fn reversed_or_reordered_actions_are_refused_with_both_meanings() {
     ] {
         workspace.write(name, scenario);
         messages.case(comment);
-        messages.line(workspace, &format!("{TEST} {name}"));
-        messages.line(workspace, &format!("{TRANSFER} --scenario {name} --out new"));
+        messages.line(&workspace, &format!("{TEST} {name}"));
+        messages.line(&workspace, &format!("{TRANSFER} --scenario {name} --out new"));
     }
     messages.check();
 }
@@ -95,7 +99,7 @@ fn every_setting_that_differs_from_the_card_is_listed_with_both_values() {
         let done = workspace.run_ok(&format!("{TEST} differs.ron"));
         let lines: Vec<&str> = done.stderr.lines().collect();
         let head =
-            "warning: run/policy.safetensors: \"Scenario I\" differs from what this policy was trained with:";
+            "warning: policy.safetensors: \"Scenario I\" differs from what this policy was trained with:";
         assert_eq!(lines[..2], [head, &format!("  {expected}")], "{fields}");
         assert_eq!(
             lines[2..],
@@ -133,7 +137,7 @@ fn without_a_scenario_a_policy_is_tested_in_its_own() {
         "--eval narrow/policy.safetensors --rounds 1 --episodes 20 --course --json --scenario narrow.ron",
     );
     assert_eq!((own.stdout, own.stderr.as_str()), (named.stdout, ""));
-    let error = rejection(workspace, "--eval narrow/policy.safetensors --scenario scenario-1");
+    let error = rejection(&workspace, "--eval narrow/policy.safetensors --scenario scenario-1");
     assert!(error.contains("takes 16 numbers") && error.contains("gives 28 numbers"), "{error}");
 }
 
@@ -148,7 +152,7 @@ fn a_policy_without_a_card_is_used_with_a_warning() {
     assert!(done.stdout.starts_with("old.safetensors in Scenario I, 2 episodes"), "{}", done.stdout);
     assert!(done.stderr.starts_with("warning: old.safetensors: this policy has no card"), "{}", done.stderr);
     assert!(done.stderr.contains("note: this policy was trained in Scenario II"), "{}", done.stderr);
-    let error = rejection(workspace, "--card old.safetensors");
+    let error = rejection(&workspace, "--card old.safetensors");
     assert!(error.contains("has no card") && error.contains("help: train the policy again"), "{error}");
 }
 
@@ -215,7 +219,7 @@ fn a_card_that_contradicts_its_scenario_is_refused() {
             "--card changed.safetensors",
             "--train --preset quick.ron --init changed.safetensors --out new",
         ] {
-            let error = rejection(workspace, arguments);
+            let error = rejection(&workspace, arguments);
             assert!(error.contains(expected) && error.contains("help: "), "{arguments}: {error}");
         }
     }
@@ -224,7 +228,7 @@ fn a_card_that_contradicts_its_scenario_is_refused() {
     card.scenario = RawJson::new("{\"name\": \"x\", \"colour\": 1}".into()).expect("JSON");
     card.scenario_crc32c = card.scenario.crc32c();
     workspace.write("changed.safetensors", policy.to_bytes().expect("a consistent file"));
-    let error = rejection(workspace, "--eval changed.safetensors");
+    let error = rejection(&workspace, "--eval changed.safetensors");
     assert!(error.contains("unreadable scenario: unknown field `colour`"), "{error}");
 }
 
@@ -236,7 +240,7 @@ fn a_scenario_that_only_a_hand_could_make_is_refused_without_a_file_but_tested_w
         scenario.obstacles[0].position_m = scenario.benchmark_route.goal_m;
     });
     workspace.write("dragged.safetensors", policy.to_bytes().expect("a consistent file"));
-    let error = rejection(workspace, "--eval dragged.safetensors");
+    let error = rejection(&workspace, "--eval dragged.safetensors");
     assert!(
         error.contains("the scenario on the policy's card is invalid") && error.contains("--scenario"),
         "{error}"
@@ -248,7 +252,7 @@ fn a_scenario_that_only_a_hand_could_make_is_refused_without_a_file_but_tested_w
 fn text_on_a_card_reaches_no_terminal_as_an_escape_sequence() {
     let workspace = workspace();
     let (escape, mark) = ("\u{1b}]0;taken\u{7}\u{1b}[31m\u{9b}2K", "\u{202e}live");
-    let mut policy = with_scenario(policy(), |scenario| scenario.name = mark.into());
+    let mut policy = policy();
     let training = &mut policy.card.as_mut().expect("a card").training;
     (training.preset, training.scenario_from, training.init) =
         (escape.into(), mark.into(), Some(escape.into()));
@@ -274,7 +278,7 @@ fn text_on_a_card_reaches_no_terminal_as_an_escape_sequence() {
     }
     let printed = workspace.run_ok("--card hostile.safetensors").json();
     assert_eq!(printed["card"]["training"]["preset"], escape, "JSON keeps it, escaped");
-    let error = rejection(workspace, "--eval sensor.safetensors");
+    let error = rejection(&workspace, "--eval sensor.safetensors");
     assert!(
         error.contains("trained with `\\u{1b}]0;taken\\u{7}\\u{1b}[31m\\u{9b}2K:1`, but this simulation has no sensor plugin"),
         "{error}"
@@ -321,7 +325,7 @@ fn the_python_program_refuses_a_card_whose_example_it_computes_differently() {
     }
     let workspace = workspace();
     workspace.write("drive.py", program());
-    let mut bytes = workspace.read("run/policy.safetensors");
+    let mut bytes = workspace.read("policy.safetensors");
     let end = bytes.len();
     bytes[end - 64..].fill(0);
     workspace.write("damaged.safetensors", &bytes);
@@ -331,6 +335,6 @@ fn the_python_program_refuses_a_card_whose_example_it_computes_differently() {
         .output()
         .expect("python3 starts");
     assert!(String::from_utf8_lossy(&run.stderr).contains("AssertionError: the Q-values"), "{run:?}");
-    let error = rejection(workspace, "--eval damaged.safetensors");
+    let error = rejection(&workspace, "--eval damaged.safetensors");
     assert!(error.contains("an example with other Q-values than the network"), "{error}");
 }

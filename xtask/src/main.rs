@@ -58,7 +58,10 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
         "policies" => {
             vec![cargo("test --release -p wayfield --lib -- the_cards_of_the_shipped_policies", RENEW)]
         }
-        "messages" => vec![cargo("test --release -p wayfield --test cli_errors", RENEW)],
+        "messages" => vec![
+            cargo("test --release -p wayfield --test cli_errors", RENEW),
+            cargo("test --release -p wayfield --test cli_policy_card reversed_or_reordered", RENEW),
+        ],
         "snapshots" => vec![cargo("test --release -p wayfield --test app_snapshots", UPDATE)],
         "pictures" => pictures(),
         "ci" => vec![Step { program: "bash", arguments: vec![".ci/run".into()], variables: &[] }],

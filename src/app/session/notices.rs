@@ -70,8 +70,9 @@ impl Notices {
         self.0.retain(|entry| entry.topic != *topic || entry.notice.severity != Severity::Error);
     }
 
-    /// Removes the notices about a training that is being replaced.
+    /// Removes the notices about a training that is being replaced, and about a comparison with it.
     pub(super) fn remove_training(&mut self) {
+        self.remove(&NoticeTopic::Comparison);
         self.remove(&NoticeTopic::TrainingWarning);
         self.remove(&NoticeTopic::TrainingFailure);
     }
