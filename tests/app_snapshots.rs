@@ -133,7 +133,7 @@ fn confirmation_before_a_training_is_discarded() {
     window.run_steps(4);
     window.get_by_label("Scenario II").click();
     window.run_steps(4);
-    window.get_by_label("Restart training").click();
+    window.get_by_label("Train from scratch in Scenario II").click();
     window.run_steps(10);
     window.get_by_label("More").click();
     window.run_steps(20);

@@ -40,6 +40,15 @@ pub struct Notice {
     pub text: String,
 }
 
+/// The best policy so far, by evaluation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BestSoFar {
+    /// Success rate in its evaluation, 0 to 1.
+    pub success_rate: f64,
+    /// Env steps of the training when it was evaluated.
+    pub env_steps: u64,
+}
+
 /// The state of the session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AppSnapshot {
@@ -77,8 +86,8 @@ pub struct AppSnapshot {
     pub epsilon: f32,
     /// Success rate of the greedy policy in the last evaluation, 0 to 1.
     pub success_rate: Option<f64>,
-    /// Success rate of the best policy so far, 0 to 1.
-    pub best_success_rate: Option<f64>,
+    /// The best policy so far.
+    pub best: Option<BestSoFar>,
     /// Env steps per second of wall time, over about the last second.
     pub env_steps_per_s: f64,
     /// Speed of the simulation as a multiple of real time, for one arena.

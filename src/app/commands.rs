@@ -50,6 +50,18 @@ pub enum SessionMode {
     Compare,
 }
 
+/// A policy of the session.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PolicySource {
+    /// The policy in training.
+    #[default]
+    Current,
+    /// The best policy of the training so far, by evaluation.
+    Best,
+    /// The policy that the user has opened.
+    Opened,
+}
+
 /// A command of the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
@@ -70,16 +82,17 @@ pub enum Command {
         /// Seed of every random draw.
         seed: u64,
     },
-    /// Starts a training in another scenario from the current weights: knowledge transfer.
+    /// Starts a training from the weights of a policy: knowledge transfer.
     Transfer {
-        /// A shipped scenario's name, or a file.
+        /// The policy.
+        policy: PolicySource,
+        /// A shipped scenario's name, or a file. That of the running training continues as it is, with the user's changes.
         scenario: String,
+        /// A shipped preset's name, or a file. That of the running training continues as it is.
+        preset: String,
+        /// Seed of every random draw.
+        seed: u64,
         /// Initial epsilon of that training, 0 to 1 (the paper: 0.5).
-        epsilon: f32,
-    },
-    /// Starts a training from the opened policy, with the current scenario and preset.
-    TrainFromOpened {
-        /// Initial epsilon of that training, 0 to 1.
         epsilon: f32,
     },
     /// Moves an object.
@@ -120,6 +133,15 @@ pub enum Command {
     DismissNotice(usize),
 }
 
+/// The file format of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FigureFormat {
+    /// Pixels. Not in a browser.
+    Png,
+    /// Vectors.
+    Svg,
+}
+
 /// The part of a training to save.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveKind {
@@ -129,8 +151,8 @@ pub enum SaveKind {
     Run,
     /// The episodes, as CSV.
     Csv,
-    /// The learning curves, as PNG (in a browser, as SVG).
-    Png,
+    /// The learning curves, as a picture.
+    Figure(FigureFormat),
     /// The current scenario, as RON.
     Scenario,
 }

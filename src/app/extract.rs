@@ -6,13 +6,13 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::CurrentViewState;
-use super::app_snapshot::{AppSnapshot, Choice};
+use super::app_snapshot::{AppSnapshot, BestSoFar, Choice};
 use super::commands::SessionMode;
 use super::scalar_fields::ScalarFields;
 use super::scene::{ArenaScene, DriverLabel, Scene};
 use super::session::trails::ArenaTrails;
 use super::session::{
-    ActiveMode, Journal, Notices, OpenedFiles, Pacer, ScenarioSource, Throughput, Trails, TrainingRun, open,
+    ActiveMode, Evaluations, Journal, Notices, OpenedFiles, Pacer, ScenarioSource, Throughput, Trails, TrainingRun, open,
 };
 use crate::agent::{ActiveLearner, Decisions};
 use crate::run::preset::Budget;
@@ -56,6 +56,7 @@ pub(super) struct SessionView<'w> {
     opened: Res<'w, OpenedFiles>,
     source: Res<'w, ScenarioSource>,
     notices: Res<'w, Notices>,
+    evaluations: Res<'w, Evaluations>,
     learner: Res<'w, ActiveLearner>,
 }
 
@@ -205,7 +206,10 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         },
         epsilon: learner.epsilon(),
         success_rate: trainer_state.last_success_rate,
-        best_success_rate: trainer_state.best.as_ref().map(|best| best.success_rate),
+        best: session.evaluations.best(trainer_state).map(|row| BestSoFar {
+            success_rate: row.success_rate,
+            env_steps: row.env_steps,
+        }),
         env_steps_per_s: rates.env_steps_per_s,
         real_time_factor: rates.control_steps_per_s * period_s,
         simulated_s: session.journal.steps as f64 * period_s,

@@ -12,7 +12,7 @@ use bevy::tasks::{IoTaskPool, Task, block_on, poll_once};
 use rfd::AsyncFileDialog;
 
 use super::app_snapshot::Severity;
-use super::commands::{Command, SaveKind};
+use super::commands::{Command, FigureFormat, SaveKind};
 use super::session::notices::NoticeTopic;
 use super::session::{Notices, TrainingRun};
 use crate::scenario::Scenario;
@@ -139,7 +139,8 @@ fn save_dialog(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
         SaveKind::Policy => ("Save the policy", "Policy", &["safetensors"]),
         SaveKind::Run => ("Save the run as a folder", "Folder", &[]),
         SaveKind::Csv => ("Save the episodes", "CSV table", &["csv"]),
-        SaveKind::Png => ("Save the curves", "Image", &["png"]),
+        SaveKind::Figure(FigureFormat::Png) => ("Save the curves", "PNG image", &["png"]),
+        SaveKind::Figure(FigureFormat::Svg) => ("Save the curves", "SVG image", &["svg"]),
         SaveKind::Scenario => ("Save the scenario", "Scenario", &["ron"]),
     };
     let mut dialog = AsyncFileDialog::new().set_title(title).set_file_name(name);

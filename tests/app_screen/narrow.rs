@@ -73,7 +73,7 @@ fn the_plots_header_drops_its_unit_in_a_narrow_panel() {
         screen_fixture.view_state.plots_width = Some(plots_width);
         let window = window_with_size(screen_fixture, [800.0, 844.0]);
         assert_eq!(window.query_by_label("by env steps").is_none(), dropped, "{plots_width}");
-        let [title, button] = ["Learning", "CSV…"].map(|label| window.get_by_label(label).rect());
+        let [title, button] = ["Learning", "Export"].map(|label| window.get_by_label(label).rect());
         assert!(!title.intersects(button), "{title} and {button}");
     }
 }

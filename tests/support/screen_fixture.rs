@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use bevy::math::{Vec2, vec2};
-use wayfield::app::app_snapshot::{AppSnapshot, Choice, Notice, Severity};
+use wayfield::app::app_snapshot::{AppSnapshot, BestSoFar, Choice, Notice, Severity};
 use wayfield::app::commands::{Command, Pace, SessionMode};
 use wayfield::app::history::History;
 use wayfield::app::scene::{ArenaScene, DriverLabel, ScalarField, Scene, Trail, TrailEnd};
@@ -72,7 +72,7 @@ impl ScreenFixture {
         let mut screen_fixture = Self { history: History::new(), ..Self::default() };
         let s = &mut screen_fixture.status;
         (s.paused, s.episodes, s.env_steps, s.gradient_steps, s.epsilon) = (true, 0, 0, 0, 1.0);
-        (s.success_rate, s.best_success_rate, s.simulated_s) = (None, None, 0.0);
+        (s.success_rate, s.best, s.simulated_s) = (None, None, 0.0);
         for arena in &mut screen_fixture.scene.arenas {
             (arena.goals_reached, arena.collisions) = (0, 0);
             (arena.path_m, arena.trails, arena.q_values) = (Vec::new(), Vec::new(), Vec::new());
@@ -305,7 +305,7 @@ fn status() -> AppSnapshot {
         budget_env_steps: Some(400_000),
         epsilon: 0.12,
         success_rate: Some(0.946_5),
-        best_success_rate: Some(0.96),
+        best: Some(BestSoFar { success_rate: 0.96, env_steps: 252_720 }),
         env_steps_per_s: 1_600.0,
         real_time_factor: 20.0,
         simulated_s: 7_812.0,

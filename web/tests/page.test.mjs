@@ -103,7 +103,7 @@ test('a scenario selected with the mouse can continue or restart training, and t
     await click(page, 'Scenario');
     await click(page, 'Empty');
     await picture(page, 'selected');
-    await click(page, 'Continue here with this policy');
+    await click(page, 'Continue training in Empty');
     await until(page, (now) => now.scenario === 'empty' && now.env_steps > 0);
     await page.waitForFunction(() => location.search === '', null, { timeout: 20_000 });
     await click(page, 'Restart training');

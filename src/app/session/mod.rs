@@ -21,6 +21,7 @@
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
 //! | `start_training.rs`, `first_training.rs` | | the start of a training |
 //! | `demo.rs` | | a policy or the user drives |
+//! | `session_policy.rs` | | the policies that can be tested, saved or transferred |
 //! | `save.rs`, `editor_files.rs` | | the saving of files |
 //!
 //! What is learnt depends on the configuration, the journal and the number of steps; not on when the steps were taken, nor on
@@ -43,6 +44,7 @@ pub mod pacer;
 mod save;
 mod scenario_changes;
 pub mod scenario_source;
+mod session_policy;
 mod start_training;
 pub mod throughput;
 pub mod trails;

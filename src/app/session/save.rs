@@ -14,10 +14,12 @@ use super::editor_files;
 use super::evaluations::{self, Evaluations};
 use super::journal::{JOURNAL, Journal};
 use super::training_run::TrainingRun;
-use crate::app::commands::SaveKind;
+use crate::app::commands::{FigureFormat, SaveKind};
+use crate::app::history::write_figure;
+use crate::report::run_figure::RunFigure;
 use crate::run::folder::{RunFolder, write_atomic};
 use crate::run::metric_rows::EvaluationRow;
-use crate::run::{RunError, checkpoint, metrics};
+use crate::run::{RunError, checkpoint, metrics, shipped};
 use crate::scenario::to_ron;
 
 impl TrainingRun {
@@ -30,8 +32,8 @@ impl TrainingRun {
             SaveKind::Policy => format!("{name}.safetensors"),
             SaveKind::Run => name,
             SaveKind::Csv => format!("{name}-episodes.csv"),
-            SaveKind::Png if cfg!(target_arch = "wasm32") => format!("{name}-curves.svg"),
-            SaveKind::Png => format!("{name}-curves.png"),
+            SaveKind::Figure(FigureFormat::Png) => format!("{name}-curves.png"),
+            SaveKind::Figure(FigureFormat::Svg) => format!("{name}-curves.svg"),
             SaveKind::Scenario => "my-scenario.ron".into(),
         }
     }
@@ -57,12 +59,18 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
             let curves = &mut world.resource_mut::<TrainingHistory>().0;
             curves.write_csv(path).map_err(|error| failed(error.to_string()))
         }
-        SaveKind::Png => {
-            let title = world.resource::<TrainingRun>().config.description();
-            world.resource_mut::<TrainingHistory>().0.write_png(&title, path).map_err(failed)
-        }
+        SaveKind::Figure(format) => write_figure(&figure(world), format, path).map_err(failed),
         SaveKind::Run => save_run(world, path),
     }
+}
+
+/// The figure of the learning curves, with what the screen shows.
+fn figure(world: &mut World) -> RunFigure {
+    let run = world.resource::<TrainingRun>();
+    let best = world.resource::<Evaluations>().best(&run.trainer_state).map(EvaluationRow::point);
+    let is_paper_scenario_1 = shipped::is_paper_scenario_1(&run.config.scenario);
+    let title = run.config.description();
+    world.resource_mut::<TrainingHistory>().0.figure(title, best, is_paper_scenario_1)
 }
 
 /// The current policy as a file; after a failure of the training, its best policy.

@@ -24,6 +24,9 @@ use crate::run::folder::RunConfig;
 use crate::scenario::{Scenario, diagnostics};
 use crate::task::CurrentScenario;
 
+/// The mark in the curves where the scenario changed.
+pub(super) const SCENARIO_CHANGED: &str = "scenario changed";
+
 /// Continues the training in an edited scenario, or restarts it there.
 ///
 /// # Errors
@@ -109,5 +112,5 @@ pub(super) fn on_scenario_changed(world: &mut World) {
     world.resource_mut::<Evaluations>().mark_outdated();
     world.resource_mut::<ScenarioSource>().forget_saved();
     let env_steps = world.resource::<ActiveLearner>().0.env_steps();
-    world.resource_mut::<TrainingHistory>().0.annotate(env_steps, "scenario changed".into());
+    world.resource_mut::<TrainingHistory>().0.annotate(env_steps, SCENARIO_CHANGED.into());
 }

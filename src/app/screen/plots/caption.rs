@@ -37,7 +37,12 @@ pub(super) fn legend_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext
             };
             (text, trace.color)
         });
-        traces.chain(card.reference.map(|(_, name)| (format!("– –  {name}"), palette.weak_text))).collect()
+        let best = card.ring.map(|(_, value)| {
+            let name = if short { "best" } else { "best so far" };
+            (format!("{name} {}", card.scale.format_value(value, card.digits)), palette.success)
+        });
+        let reference = card.reference.map(|(_, name)| (format!("– –  {name}"), palette.weak_text));
+        traces.chain(best).chain(reference).collect()
     };
     let width = |entries: &[(String, Color32)]| -> f32 {
         let font = FontId::proportional(SMALL);

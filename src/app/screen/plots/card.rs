@@ -49,6 +49,8 @@ pub struct Card<'a> {
     pub no_primary_trace: bool,
     /// A dashed horizontal line to compare with, and its name.
     pub reference: Option<(f64, &'static str)>,
+    /// A ring around the best point, as (x, y).
+    pub ring: Option<(f64, f64)>,
     /// The text shown while there is no data.
     pub empty_text: &'static str,
 }
