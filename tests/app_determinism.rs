@@ -343,7 +343,8 @@ fn a_file_that_cannot_be_opened_is_reported_and_training_continues() {
     for (name, content, expected) in [
         ("world.ron", "(name: \"A\", radius_cm: 1)", "world.ron:1:13"),
         ("policy.safetensors", "nonsense", "not a safetensors file"),
-        ("notes.txt", "", "not a policy"),
+        ("notes.txt", "", "notes.txt: cannot be opened"),
+        ("what.bin", "", "what.bin: not part of a run"),
     ] {
         let file = folder.path().join(name);
         std::fs::write(&file, content).expect("the file can be written");

@@ -13,7 +13,7 @@ use egui_kittest::{Harness, SnapshotOptions};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use screen_fixture::ScreenFixture;
 use software_renderer::SoftwareRenderer;
-use wayfield::app::commands::SessionMode;
+use wayfield::app::commands::{PolicySource, SessionMode};
 use wayfield::app::scene::DriverLabel;
 use wayfield::app::view_state::ThemeChoice;
 
@@ -109,10 +109,14 @@ fn two_policies_side_by_side() {
     screen_fixture.scene.arenas =
         vec![screen_fixture.scene.arenas[0].clone(), screen_fixture.scene.arenas[6].clone()];
     (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) =
-        (DriverLabel::Policy("Current policy".into()), DriverLabel::Policy("best.safetensors".into()));
+        (policy("Current policy", "after 312,480 env steps"), policy("Scenario II expert", "Trained in Scenario II, new to Scenario I"));
     (screen_fixture.status.mode, screen_fixture.status.opened_policy) =
-        (SessionMode::Compare, Some("best.safetensors".into()));
+        (SessionMode::Compare, Some("Scenario II expert".into()));
     compare("compare_light", [1000.0, 600.0], ThemeChoice::Light, without_panels(screen_fixture));
+}
+
+fn policy(name: &str, origin: &str) -> DriverLabel {
+    DriverLabel::Policy { name: name.into(), origin: origin.into() }
 }
 
 #[test]
@@ -120,7 +124,8 @@ fn one_policy_with_its_value_overlay() {
     let mut screen_fixture = ScreenFixture::default().with_single_policy();
     screen_fixture.view_state.overlays.value = true;
     screen_fixture.scene.value = Some(screen_fixture::field(1, 1.0));
-    screen_fixture.view_state.setup_open = false;
+    screen_fixture.view_state.plots_open = false;
+    screen_fixture.status.tested = PolicySource::Best;
     compare("test_dark", [1000.0, 600.0], ThemeChoice::Dark, screen_fixture);
 }
 

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::commands::{Pace, SessionMode};
+use super::commands::{Pace, PolicySource, SessionMode};
 use crate::scenario::Scenario;
 
 /// The path of a scenario's file, and the scenario.
@@ -47,6 +47,15 @@ pub struct BestSoFar {
     pub success_rate: f64,
     /// Env steps of the training when it was evaluated.
     pub env_steps: u64,
+}
+
+/// A shipped policy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExpertChoice {
+    /// Its name, such as "Scenario I expert".
+    pub name: String,
+    /// Whether it was trained in another scenario.
+    pub is_new_here: bool,
 }
 
 /// The state of the session.
@@ -102,8 +111,10 @@ pub struct AppSnapshot {
     pub notices: Vec<Notice>,
     /// Whether a new training would discard an unsaved one that is worth keeping.
     pub restart_loses_training: bool,
-    /// Name of a shipped policy that can drive here, with the observations of the preset.
-    pub expert: Option<String>,
+    /// A shipped policy that can drive here, with the observations of the preset.
+    pub expert: Option<ExpertChoice>,
+    /// The policy that Test, Drive and Compare use: the current or the best one.
+    pub tested: PolicySource,
     /// The scenario that was saved last, and its file; `None` if the training's scenario has changed since.
     pub saved_scenario: Option<ScenarioFile>,
     /// Whether files can be written to disk. In a browser folders cannot be saved, and pictures are SVGs.

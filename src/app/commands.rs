@@ -42,11 +42,11 @@ pub enum SessionMode {
     /// The learner drives in all arenas, explores and learns.
     #[default]
     Train,
-    /// The current policy drives greedily in one arena; nothing is learnt.
+    /// The current or the best policy drives greedily in one arena; nothing is learnt.
     Test,
-    /// The user drives in one arena, and the current policy in another, to the same goals.
+    /// The user drives in one arena, and the current or the best policy in another, to the same goals.
     Drive,
-    /// The current policy and the opened one drive side by side, to the same goals.
+    /// The current or the best policy and the opened one drive side by side, to the same goals.
     Compare,
 }
 
@@ -73,6 +73,8 @@ pub enum Command {
     SetPace(Pace),
     /// Sets the mode.
     SetMode(SessionMode),
+    /// Sets the policy that Test, Drive and Compare use: the current or the best one.
+    SetTested(PolicySource),
     /// Starts a training from random weights.
     StartTraining {
         /// A shipped scenario's name, or a file.
@@ -103,6 +105,8 @@ pub enum Command {
     OpenDialog,
     /// Opens a shipped policy that can drive here, to compare with.
     OpenExpert,
+    /// Opens the best policy of the training so far, to compare with.
+    OpenBest,
     /// Opens a policy file, a run folder, a checkpoint, a scenario or a preset.
     Open(PathBuf),
     /// Opens a dialog for the file to save to.
@@ -147,6 +151,8 @@ pub enum FigureFormat {
 pub enum SaveKind {
     /// The current policy, as safetensors.
     Policy,
+    /// The best policy so far, as safetensors.
+    BestPolicy,
     /// The whole run, as a folder that `wayfield --train --resume` can continue.
     Run,
     /// The episodes, as CSV.

@@ -19,6 +19,8 @@ pub struct SetupForm {
     pub seed: u64,
     /// The problem of the text that was typed last as a seed, if it was refused.
     pub seed_problem: Option<String>,
+    /// The policy of a transfer: the current or the best one.
+    pub transfer_from: PolicySource,
     /// Epsilon at the start of a transfer, 0 to 1.
     pub epsilon: f32,
     /// The command that waits for the user to confirm that the current training may be discarded.
@@ -39,6 +41,7 @@ impl SetupForm {
                 preset,
                 seed,
                 seed_problem: None,
+                transfer_from: PolicySource::Current,
                 epsilon: EPSILON,
                 awaiting_confirmation: None,
                 running,

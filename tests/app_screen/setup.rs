@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use wayfield::app::commands::{Command, FigureFormat, PolicySource, SaveKind};
+use wayfield::app::commands::{Command, FigureFormat, PolicySource, SaveKind, SessionMode};
 
 use super::{Window, click, press, release_event, sent_commands, settle, window};
 use crate::screen_fixture::ScreenFixture;
@@ -29,6 +29,9 @@ fn choices_take_effect_when_a_button_is_clicked() {
         epsilon: 0.5,
     };
     assert_eq!(click(&mut window, "Continue training in Scenario II"), [transfer]);
+    click(&mut window, "Continue with the best policy");
+    let sent = click(&mut window, "Continue training in Scenario II");
+    assert!(matches!(sent[..], [Command::Transfer { policy: PolicySource::Best, seed: 42_000, .. }]), "{sent:?}");
     let restart = Command::StartTraining { scenario, preset, seed };
     assert_eq!(click(&mut window, "Train from scratch in Scenario II"), [restart]);
     // The chosen training runs now: nothing is left to start.
@@ -197,12 +200,22 @@ fn buttons_and_keys_open_the_file_dialogs() {
     let mut window = window(ScreenFixture::default());
     assert_eq!(click(&mut window, "Open…"), [Command::OpenDialog]);
     for (label, saved) in [
-        ("Save policy…", SaveKind::Policy),
         ("Save run…", SaveKind::Run),
         ("Save scenario…", SaveKind::Scenario),
     ] {
         assert_eq!(click(&mut window, label), [Command::SaveDialog(saved)]);
     }
+    // There is a choice as soon as there is a best policy.
+    for (label, saved) in [
+        ("Best so far, 96.0% at 252,720 steps…", SaveKind::BestPolicy),
+        ("Current, at 312,480 steps…", SaveKind::Policy),
+    ] {
+        assert_eq!(click(&mut window, "Save policy…"), []);
+        assert_eq!(click(&mut window, label), [Command::SaveDialog(saved)]);
+    }
+    window.state_mut().status.best = None;
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Save policy…"), [Command::SaveDialog(SaveKind::Policy)]);
     window.key_press_modifiers(Modifiers::COMMAND, Key::S);
     assert_eq!(sent_commands(&mut window), [Command::SaveDialog(SaveKind::Policy)]);
     window.key_press_modifiers(Modifiers::COMMAND, Key::O);
@@ -214,10 +227,32 @@ fn an_expert_can_be_opened_by_its_button_and_by_compare() {
     let mut window = window(ScreenFixture::default());
     assert_eq!(click(&mut window, "Watch an expert"), [Command::OpenExpert]);
     assert_eq!(click(&mut window, "Compare"), [Command::OpenExpert]);
+    // An expert of another scenario says so.
+    window.state_mut().status.expert.as_mut().expect("there is one").is_new_here = true;
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Watch the Scenario I expert"), [Command::OpenExpert]);
+    assert!(window.query_by_label("Watch an expert").is_none());
     window.state_mut().status.expert = None;
     settle(&mut window);
-    assert!(window.query_by_label("Watch an expert").is_none());
+    assert!(window.query_by_label_contains("expert").is_none());
     assert_eq!(click(&mut window, "Compare"), [Command::OpenDialog]);
+}
+
+#[test]
+fn the_best_policy_can_be_tested_and_compared() {
+    let mut window = window(ScreenFixture::default());
+    assert!(window.query_by_label("Best policy").is_none(), "not while training");
+    window.state_mut().status.mode = SessionMode::Test;
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Best policy"), [Command::SetTested(PolicySource::Best)]);
+    assert_eq!(click(&mut window, "Current policy"), [Command::SetTested(PolicySource::Current)]);
+    assert!(window.query_by_label("Compare both").is_none());
+    window.state_mut().status.mode = SessionMode::Compare;
+    settle(&mut window);
+    assert_eq!(click(&mut window, "Compare both"), [Command::OpenBest]);
+    window.state_mut().status.best = None;
+    settle(&mut window);
+    assert!(window.query_by_label("Best policy").is_none(), "before the first evaluation");
 }
 
 #[test]

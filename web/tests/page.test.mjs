@@ -119,7 +119,7 @@ test('one click compares an expert with the current policy', async () => {
     await until(page, (now) => now.env_steps > 0);
     await click(page, 'Watch an expert');
     const now = await until(page, (now) => now.mode === 'Compare');
-    assert.match(now.notice, /Expert of Scenario I/);
+    assert.match(now.notice, /Scenario I expert/);
     await page.waitForTimeout(4000);
     await picture(page, 'expert');
     assert.equal((await status(page)).env_steps, now.env_steps, 'training is suspended during the comparison');

@@ -7,6 +7,7 @@ use std::path::Path;
 use bevy::prelude::*;
 
 use super::active_mode::{self, ActiveMode};
+use super::comparison;
 use super::editor_files;
 use super::interventions::{self, Intervention};
 use super::journal::Journal;
@@ -48,6 +49,7 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         Command::Step => world.resource_mut::<Pacer>().step_once(),
         Command::SetPace(pace) => world.resource_mut::<Pacer>().pace = pace,
         Command::SetMode(mode) => active_mode::set_mode(world, mode)?,
+        Command::SetTested(source) => active_mode::set_tested(world, source)?,
         Command::StartTraining { scenario, preset, seed } => {
             start_training::start_or_notify(world, &scenario, &preset, seed);
         }
@@ -57,7 +59,8 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         }
         Command::Move(request) => move_object(world, &request),
         Command::Steer(motion) => steer(world, motion),
-        Command::OpenExpert => open::open_expert(world)?,
+        Command::OpenExpert => comparison::open_expert(world)?,
+        Command::OpenBest => comparison::open_best(world)?,
         Command::Open(path) => open::open_or_notify(world, &path),
         Command::Save(what, path) => save_to(world, what, &path)?,
         Command::ApplyScenario { scenario, from, restart } => {
@@ -86,7 +89,7 @@ fn steer(world: &mut World, motion: usize) {
 
 fn save_to(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunError> {
     save::save(world, what, path)?;
-    if matches!(what, SaveKind::Policy | SaveKind::Run) {
+    if matches!(what, SaveKind::Policy | SaveKind::BestPolicy | SaveKind::Run) {
         let env_steps = world.resource::<ActiveLearner>().0.env_steps();
         world.resource_mut::<TrainingRun>().saved_at = Some(env_steps);
     }
@@ -96,9 +99,10 @@ fn save_to(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunErro
 
 /// Confirms that `path` was written.
 pub(super) fn notify_saved(world: &mut World, path: &Path) {
-    let path = path.display().to_string();
-    let text = format!("Saved to {path}");
-    notify(world, NoticeTopic::File(path), Severity::Info, text);
+    // Absolute, so that the user finds it. In a browser there are no folders.
+    let shown = std::path::absolute(path).unwrap_or_else(|_| path.into());
+    let text = format!("Saved as {}", shown.display());
+    notify(world, NoticeTopic::File(path.display().to_string()), Severity::Info, text);
 }
 
 /// Moves an object that the user drags, if it may go there.

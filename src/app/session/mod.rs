@@ -14,6 +14,7 @@
 //! | `scenario_source.rs` | [`ScenarioSource`] | the scenario's file |
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
+//! | `comparison.rs` | | the second policy, to compare with |
 //! | `notices.rs` | [`Notices`] | messages to the user |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
@@ -29,6 +30,7 @@
 
 pub mod active_mode;
 mod advance;
+pub(crate) mod comparison;
 mod demo;
 mod editor_files;
 pub mod evaluations;

@@ -19,6 +19,7 @@ use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
+use crate::app::commands::PolicySource;
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::scenario::{Scenario, diagnostics};
@@ -109,6 +110,7 @@ pub(super) fn on_scenario_changed(world: &mut World) {
     run.config.scenario = scenario;
     // The best policy of the previous scenario may fail in this one.
     run.trainer_state.best = None;
+    run.tested = PolicySource::Current;
     world.resource_mut::<Evaluations>().mark_outdated();
     world.resource_mut::<ScenarioSource>().forget_saved();
     let env_steps = world.resource::<ActiveLearner>().0.env_steps();

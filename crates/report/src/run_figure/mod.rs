@@ -97,7 +97,7 @@ impl RunFigure {
             include_x: vec![0.0, steps.max().filter(|&steps| steps > 0).map_or(1.0, thousands)],
             mean_label: format!("mean of {MEAN_EPISODES} episodes"),
             band_label: "lowest to highest episode".into(),
-            raw_label: if single { "one evaluation or episode" } else { "one evaluation" }.into(),
+            raw_label: if single { "one evaluation or episode".into() } else { String::new() },
             panels: vec![self.success_panel(), self.return_panel(), self.goal_panel()],
             markers: self.markers(),
         };

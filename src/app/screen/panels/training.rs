@@ -7,6 +7,7 @@ use egui::{Label, Slider, Ui, vec2};
 
 use super::choices::{choice_in_words, choices_ui};
 use super::discard_question::{discard_question_ui, send_or_ask};
+use super::tested_policy::policy_choice_ui;
 use crate::app::app_snapshot::AppSnapshot;
 use crate::app::commands::{Command, PolicySource};
 use crate::app::screen::theme::{BODY, GAP};
@@ -43,8 +44,16 @@ fn start_buttons_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, com
     restart_ui(ui, status, form, commands);
     if form.scenario != status.scenario_from {
         let text = format!("Continue training{}", choice_in_words(status, form));
-        let about = "Continue training in the chosen scenario with the current policy (knowledge transfer)";
-        transfer_button_ui(ui, &text, about, PolicySource::Current, status, form, commands);
+        let about = "Continue training in the chosen scenario with this policy (knowledge transfer)";
+        match status.best {
+            Some(best) => {
+                let names = ["Continue with the current policy", "Continue with the best policy"];
+                let clicked = policy_choice_ui(ui, names, status, best, form.transfer_from);
+                form.transfer_from = clicked.unwrap_or(form.transfer_from);
+            }
+            None => form.transfer_from = PolicySource::Current,
+        }
+        transfer_button_ui(ui, &text, about, form.transfer_from, status, form, commands);
     }
     if form.differs_from_running() && wide_button_ui(ui, "Undo choice", TALL).clicked() {
         form.undo(status);

@@ -12,6 +12,8 @@ pub enum TraceStyle {
     Main,
     /// A secondary line.
     Faint,
+    /// A line in the background, from an earlier training.
+    Earlier,
     /// A line with a dot at each point, as long as there are few points.
     Dots,
     /// A dot for each episode, or the area from minimum to maximum when there are too many.

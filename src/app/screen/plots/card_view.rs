@@ -173,7 +173,7 @@ fn draw<'a>(plot: &mut PlotUi<'a>, trace: &Trace<'a>) {
             plot.points(dots.radius(1.2).color(trace.color.gamma_multiply(0.5)));
         }
         TraceStyle::Spread => plot.add(Band::new(trace.series, trace.color.gamma_multiply(0.3))),
-        TraceStyle::Faint => plot.line(line(1.2, trace.color)),
+        TraceStyle::Faint | TraceStyle::Earlier => plot.line(line(1.2, trace.color)),
         TraceStyle::Main => plot.line(line(1.8, trace.color)),
         TraceStyle::Dots => {
             plot.line(line(1.8, trace.color));

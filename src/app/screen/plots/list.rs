@@ -32,7 +32,7 @@ pub fn main_cards(history: &History, palette: Palette, context: PlotContext) -> 
     if let Some(earlier) = history.earlier() {
         let behind = [&earlier.evaluated, &earlier.return_mean, &earlier.goal_mean];
         for (card, series) in cards.iter_mut().zip(behind) {
-            let (color, style) = (palette.accent.gamma_multiply(EARLIER_OPACITY), TraceStyle::Faint);
+            let (color, style) = (palette.accent.gamma_multiply(EARLIER_OPACITY), TraceStyle::Earlier);
             card.traces.push(Trace { name: "before transfer", short_name: "before", series, color, style });
         }
     }
