@@ -8,13 +8,13 @@ use std::path::Path;
 use egui_plot::PlotPoint;
 
 use super::History;
-use crate::app::commands::FigureFormat;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::report::raster::png;
 use crate::report::run_figure::{EarlierCurves, EpisodePoint, EvaluationPoint, RunFigure, RunMark};
+use crate::run::RunError;
 use crate::run::folder::write_atomic;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::run::image_file::ImageFormat;
 
-/// Pixels of the PNG per pixel of the SVG: 2560 pixels across, for print.
+/// Pixels of the PNG per pixel of the SVG: large enough for print.
 #[cfg(not(target_arch = "wasm32"))]
 const PNG_SCALE: f32 = 4.0;
 
@@ -84,21 +84,18 @@ impl History {
     }
 }
 
-/// Writes `figure` to `to`. If the name ends with `.svg` or `.png`, that decides the format. In a browser it is always SVG.
+/// Writes `figure` to `to`, as SVG or as a PNG 2560 pixels wide, by the file's extension. In a browser it is always SVG.
 ///
 /// # Errors
 /// The figure cannot be drawn, or `to` cannot be written.
-pub fn write_figure(figure: &RunFigure, format: FigureFormat, to: &Path) -> Result<(), String> {
-    let svg = figure.svg().map_err(|error| error.to_string())?;
-    let format = match to.extension().and_then(|extension| extension.to_str()) {
-        Some("svg") => FigureFormat::Svg,
-        Some("png") => FigureFormat::Png,
-        _ => format,
-    };
-    let bytes = match format {
-        #[cfg(not(target_arch = "wasm32"))]
-        FigureFormat::Png => png(&svg, PNG_SCALE).map_err(|error| error.to_string())?,
-        _ => svg.into_bytes(),
-    };
-    write_atomic(to, |file| file.write_all(&bytes)).map_err(|error| error.to_string())
+pub fn write_figure(figure: &RunFigure, to: &Path) -> Result<(), RunError> {
+    #[cfg(not(target_arch = "wasm32"))]
+    let format = ImageFormat::of(to)?;
+    let svg = figure.svg();
+    #[cfg(not(target_arch = "wasm32"))]
+    let bytes = svg.and_then(|svg| format.encode(svg, PNG_SCALE));
+    #[cfg(target_arch = "wasm32")]
+    let bytes = svg.map(String::into_bytes);
+    let bytes = bytes.map_err(|error| RunError::failed(to, error))?;
+    write_atomic(to, |file| file.write_all(&bytes)).map_err(|error| RunError::failed(to, error))
 }

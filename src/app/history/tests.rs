@@ -3,7 +3,6 @@
 use std::io::ErrorKind;
 
 use super::*;
-use crate::app::commands::FigureFormat;
 use crate::report::run_figure::EpisodePoint;
 
 /// Pseudo-random numbers from -1 to 1, the same each time.
@@ -190,10 +189,10 @@ fn the_csv_equals_that_of_a_headless_run() {
 #[test]
 fn the_figure_is_drawn_with_and_without_rows() {
     let folder = tempfile::tempdir().expect("creates a folder");
-    let path = folder.path().join("curve");
+    let path = folder.path().join("curve.png");
     let mut history = History::new();
     let empty = history.figure("Nothing yet".into(), None, false);
-    write_figure(&empty, FigureFormat::Png, &path).expect("draws the PNG");
+    write_figure(&empty, &path).expect("draws the PNG");
     for episode in 1..=3000 {
         history.push_episode(&row(episode, 1));
     }
@@ -202,17 +201,18 @@ fn the_figure_is_drawn_with_and_without_rows() {
     let figure = history.figure("A run".into(), None, true);
     assert_eq!((figure.episodes.len(), figure.evaluations.len(), figure.marks.len()), (3000, 1, 1));
     assert_eq!(figure.episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 });
-    write_figure(&figure, FigureFormat::Png, &path).expect("draws the PNG");
+    write_figure(&figure, &path).expect("draws the PNG");
     let picture = std::fs::read(&path).expect("reads the file");
     assert!(picture.starts_with(b"\x89PNG"));
     assert_eq!(picture[16..20], 2560_u32.to_be_bytes(), "wide enough for print");
-    // The ending of the name decides.
     let svg = path.with_extension("svg");
-    write_figure(&figure, FigureFormat::Png, &svg).expect("draws the SVG");
+    write_figure(&figure, &svg).expect("draws the SVG");
     let text = std::fs::read_to_string(&svg).expect("reads the file");
     assert!(text.starts_with("<svg") && text.contains("scenario changed") && text.contains("paper 96%"));
+    let error = write_figure(&figure, &folder.path().join("curve.jpg")).expect_err("not a format");
+    assert!(error.to_string().ends_with("give a file name that ends in .svg or .png"), "{error}");
     let nowhere = folder.path().join("no/such/folder.png");
-    assert!(write_figure(&figure, FigureFormat::Png, &nowhere).is_err());
+    assert!(write_figure(&figure, &nowhere).is_err());
     assert_eq!(
         history.write_csv(&nowhere).expect_err("the folder does not exist").kind(),
         ErrorKind::NotFound

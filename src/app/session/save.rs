@@ -61,7 +61,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
             let curves = &mut world.resource_mut::<TrainingHistory>().0;
             curves.write_csv(path).map_err(|error| failed(error.to_string()))
         }
-        SaveKind::Figure(format) => write_figure(&figure(world), format, path).map_err(failed),
+        SaveKind::Figure(_) => write_figure(&figure(world), path),
         SaveKind::Run => save_run(world, path),
     }
 }
