@@ -30,7 +30,8 @@ fn driver(app: &HeadlessApp, arena: usize) -> (String, String) {
 
 /// The app after its first evaluations, paused.
 fn evaluated() -> HeadlessApp {
-    let start = StartOptions { scenario: "empty".into(), seed: 3, pace: Pace::Full, ..StartOptions::default() };
+    let start =
+        StartOptions { scenario: "empty".into(), seed: 3, pace: Pace::Full, ..StartOptions::default() };
     let mut app = HeadlessApp::new(start);
     let began = Instant::now();
     app.frame(Duration::from_millis(20));
@@ -84,7 +85,8 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
     let policy = Policy::from_bytes(&read(&best)).expect("a policy");
     let learner = &app.world().resource::<ActiveLearner>().0;
     assert!(learner.network().parameters() == policy.parameters(), "the weights of the best policy");
-    let from = format!("Empty, {} steps, seed 3", wayfield::report::format::number(shown.env_steps as f64, 0));
+    let from =
+        format!("Empty, {} steps, seed 3", wayfield::report::format::number(shown.env_steps as f64, 0));
     assert_eq!(app.shown().1.transfer_from, Some(from));
     assert_eq!((app.run().config.seed, app.shown().1.tested), (12, PolicySource::Current));
 }

@@ -108,8 +108,10 @@ fn two_policies_side_by_side() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.scene.arenas =
         vec![screen_fixture.scene.arenas[0].clone(), screen_fixture.scene.arenas[6].clone()];
-    (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) =
-        (policy("Current policy", "after 312,480 env steps"), policy("Scenario II expert", "Trained in Scenario II, new to Scenario I"));
+    (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) = (
+        policy("Current policy", "after 312,480 env steps"),
+        policy("Scenario II expert", "Trained in Scenario II, new to Scenario I"),
+    );
     (screen_fixture.status.mode, screen_fixture.status.opened_policy) =
         (SessionMode::Compare, Some("Scenario II expert".into()));
     compare("compare_light", [1000.0, 600.0], ThemeChoice::Light, without_panels(screen_fixture));

@@ -12,7 +12,8 @@ use super::scalar_fields::ScalarFields;
 use super::scene::{ArenaScene, Scene};
 use super::session::trails::ArenaTrails;
 use super::session::{
-    ActiveMode, Evaluations, Journal, Notices, OpenedFiles, Pacer, ScenarioSource, Throughput, Trails, TrainingRun, comparison,
+    ActiveMode, Evaluations, Journal, Notices, OpenedFiles, Pacer, ScenarioSource, Throughput, Trails,
+    TrainingRun, comparison,
 };
 use crate::agent::{ActiveLearner, Decisions};
 use crate::run::preset::Budget;
@@ -195,10 +196,10 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         },
         epsilon: learner.epsilon(),
         success_rate: trainer_state.last_success_rate,
-        best: session.evaluations.best(trainer_state).map(|row| BestSoFar {
-            success_rate: row.success_rate,
-            env_steps: row.env_steps,
-        }),
+        best: session
+            .evaluations
+            .best(trainer_state)
+            .map(|row| BestSoFar { success_rate: row.success_rate, env_steps: row.env_steps }),
         env_steps_per_s: rates.env_steps_per_s,
         real_time_factor: rates.control_steps_per_s * period_s,
         simulated_s: session.journal.steps as f64 * period_s,

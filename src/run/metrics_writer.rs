@@ -159,7 +159,9 @@ impl MetricsWriter {
             is_paper_scenario_1: shipped::is_paper_scenario_1(&config.scenario),
             ..RunFigure::default()
         };
-        let svg = figure.svg().map_err(|error| RunError::failed(&self.folder.path().join("learning-curve.svg"), error))?;
+        let svg = figure
+            .svg()
+            .map_err(|error| RunError::failed(&self.folder.path().join("learning-curve.svg"), error))?;
         self.folder.write("learning-curve.svg", |file| file.write_all(svg.as_bytes()))
     }
 

@@ -31,7 +31,10 @@ fn choices_take_effect_when_a_button_is_clicked() {
     assert_eq!(click(&mut window, "Continue training in Scenario II"), [transfer]);
     click(&mut window, "Continue with the best policy");
     let sent = click(&mut window, "Continue training in Scenario II");
-    assert!(matches!(sent[..], [Command::Transfer { policy: PolicySource::Best, seed: 42_000, .. }]), "{sent:?}");
+    assert!(
+        matches!(sent[..], [Command::Transfer { policy: PolicySource::Best, seed: 42_000, .. }]),
+        "{sent:?}"
+    );
     let restart = Command::StartTraining { scenario, preset, seed };
     assert_eq!(click(&mut window, "Train from scratch in Scenario II"), [restart]);
     // The chosen training runs now: nothing is left to start.
@@ -53,7 +56,9 @@ fn a_choice_can_be_undone_and_says_what_its_button_starts() {
         click(&mut window, choice);
         assert!(window.query_by_label(button).is_some());
         assert_eq!(click(&mut window, "Undo choice"), []);
-        assert!(window.query_by_label(button).is_none() && window.query_by_label("Restart training").is_some());
+        assert!(
+            window.query_by_label(button).is_none() && window.query_by_label("Restart training").is_some()
+        );
     }
     type_seed(&mut window, "5");
     let restart = Command::StartTraining { scenario: "scenario-1".into(), preset: "fast".into(), seed: 5 };
@@ -128,10 +133,7 @@ fn training_can_start_from_an_opened_policy() {
     window.state_mut().status.opened_policy = Some("best.safetensors".into());
     settle(&mut window);
     assert!(window.query_by_label("best.safetensors").is_some());
-    assert_eq!(
-        click(&mut window, "Continue training this policy"),
-        [from_opened("scenario-1")]
-    );
+    assert_eq!(click(&mut window, "Continue training this policy"), [from_opened("scenario-1")]);
     window.state_mut().status.restart_loses_training = true;
     assert_eq!(click(&mut window, "Continue training this policy"), []);
     let right = window.get_by_label("Cancel").rect().max.x;
@@ -199,10 +201,7 @@ fn type_seed(window: &mut Window, text: &str) {
 fn buttons_and_keys_open_the_file_dialogs() {
     let mut window = window(ScreenFixture::default());
     assert_eq!(click(&mut window, "Open…"), [Command::OpenDialog]);
-    for (label, saved) in [
-        ("Save run…", SaveKind::Run),
-        ("Save scenario…", SaveKind::Scenario),
-    ] {
+    for (label, saved) in [("Save run…", SaveKind::Run), ("Save scenario…", SaveKind::Scenario)] {
         assert_eq!(click(&mut window, label), [Command::SaveDialog(saved)]);
     }
     // There is a choice as soon as there is a best policy.

@@ -131,7 +131,8 @@ impl History {
     /// training before a transfer, too. `None` without rows.
     #[must_use]
     pub fn range(&self) -> Option<(u64, u64)> {
-        let earlier = self.earlier.as_ref().map(|earlier| (0, earlier.env_steps)).filter(|(_, last)| *last > 0);
+        let earlier =
+            self.earlier.as_ref().map(|earlier| (0, earlier.env_steps)).filter(|(_, last)| *last > 0);
         match (self.range, earlier) {
             (Some((first, last)), Some((_, earlier))) => Some((first, last.max(earlier))),
             (own, earlier) => own.or(earlier),

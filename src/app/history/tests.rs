@@ -135,7 +135,10 @@ fn the_curves_before_a_transfer_stay_in_the_background() {
     let shown = history.earlier().expect("set before");
     assert_eq!((&shown.evaluated, &shown.return_mean), (&curves.evaluated, curves.return_mean.series()));
     let figure = history.figure("A run".into(), None, false);
-    assert_eq!((figure.earlier.success_rate.as_slice(), figure.earlier.goal_mean.len()), (&[(3000.0, 0.5)][..], 300));
+    assert_eq!(
+        (figure.earlier.success_rate.as_slice(), figure.earlier.goal_mean.len()),
+        (&[(3000.0, 0.5)][..], 300)
+    );
 }
 
 #[test]
@@ -200,7 +203,10 @@ fn the_figure_is_drawn_with_and_without_rows() {
     history.annotate(20_000, "scenario changed".into());
     let figure = history.figure("A run".into(), None, true);
     assert_eq!((figure.episodes.len(), figure.evaluations.len(), figure.marks.len()), (3000, 1, 1));
-    assert_eq!(figure.episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 });
+    assert_eq!(
+        figure.episodes[2999],
+        EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 }
+    );
     write_figure(&figure, &path).expect("draws the PNG");
     let picture = std::fs::read(&path).expect("reads the file");
     assert!(picture.starts_with(b"\x89PNG"));

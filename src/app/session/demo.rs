@@ -6,8 +6,8 @@
 use bevy::prelude::*;
 
 use super::active_mode::ActiveMode;
-use super::evaluations::Evaluations;
 use super::comparison::origin;
+use super::evaluations::Evaluations;
 use super::open::{OpenedFiles, check_can_drive};
 use super::session_policy;
 use super::trails::Trails;

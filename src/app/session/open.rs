@@ -81,9 +81,10 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("bin") => {
             let folder = path.parent().and_then(Path::parent);
-            let folder = folder.filter(|folder| path_exists(&folder.join("config.ron"))).ok_or_else(|| {
-                RunError::invalid_input(path, format!("not part of a run\nhelp: open {OPENABLE}"))
-            })?;
+            let folder =
+                folder.filter(|folder| path_exists(&folder.join("config.ron"))).ok_or_else(|| {
+                    RunError::invalid_input(path, format!("not part of a run\nhelp: open {OPENABLE}"))
+                })?;
             resume(world, path, folder)
         }
         Some("safetensors") => {

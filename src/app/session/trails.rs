@@ -132,7 +132,10 @@ mod tests {
         assert_eq!(paths.path_m, [[0.2, 0.0], [0.3, 0.0]]);
         drive(&mut trails, 0.3, 0.4, StepOutcome { timed_out: true, ..StepOutcome::default() });
         let score = trails.0[0].score;
-        assert_eq!((score.attempts(), score.success_rate(), score.mean_time_s(0.25)), (2, Some(0.5), Some(0.5)));
+        assert_eq!(
+            (score.attempts(), score.success_rate(), score.mean_time_s(0.25)),
+            (2, Some(0.5), Some(0.5))
+        );
     }
 
     #[test]

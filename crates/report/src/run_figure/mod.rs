@@ -89,7 +89,8 @@ impl RunFigure {
     /// # Errors
     /// The drawing library failed. No input is known to cause this.
     pub fn svg(&self) -> Result<String, DrawError> {
-        let steps = self.episodes.iter().map(|e| e.env_steps).chain(self.evaluations.iter().map(|e| e.env_steps));
+        let steps =
+            self.episodes.iter().map(|e| e.env_steps).chain(self.evaluations.iter().map(|e| e.env_steps));
         let single = self.episodes.len() <= MAX_SINGLE_EPISODES;
         let chart = CurveChart {
             title: self.title.clone(),

@@ -82,7 +82,8 @@ fn episode_panel(
     let means = smoothed(&raw);
     let name = means.last().map_or(String::new(), |&(_, last)| number(last, decimals));
     let mut include_y = include_y.to_vec();
-    let mut each = CurveLine { colour: BACKGROUND, faint: true, raw_style: RawStyle::Dots, ..CurveLine::default() };
+    let mut each =
+        CurveLine { colour: BACKGROUND, faint: true, raw_style: RawStyle::Dots, ..CurveLine::default() };
     if raw.len() <= MAX_SINGLE_EPISODES {
         each.raw = raw;
     } else {

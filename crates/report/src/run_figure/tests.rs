@@ -42,11 +42,7 @@ fn every_run_has_a_figure_that_holds_all_its_points() {
         ("one of each", episodes(1), vec![evaluation(37, 0.5)]),
         ("all at step 0", vec![EpisodePoint { env_steps: 0, total_return: 0.0, goals: 0 }], vec![]),
         ("constant", vec![odd(-7.5); 80], vec![evaluation(10, 1.0), evaluation(20, 1.0)]),
-        (
-            "not finite",
-            vec![odd(f64::NAN), odd(f64::INFINITY), odd(1e300)],
-            vec![evaluation(1, f64::NAN)],
-        ),
+        ("not finite", vec![odd(f64::NAN), odd(f64::INFINITY), odd(1e300)], vec![evaluation(1, f64::NAN)]),
         ("huge values", vec![odd(9e11), odd(-9e11)], vec![evaluation(u64::MAX, 7.0)]),
     ];
     for (name, episodes, evaluations) in cases {
@@ -95,8 +91,7 @@ fn the_figure_shows_the_latest_values_and_the_paper_only_where_it_applies() {
 #[test]
 fn marks_and_the_curves_before_a_transfer_are_shown() {
     let curve: Vec<_> = (0..500).map(|i| (f64::from(i) * 400.0, f64::from(i) / 500.0)).collect();
-    let earlier =
-        EarlierCurves { success_rate: curve.clone(), return_mean: curve.clone(), goal_mean: curve };
+    let earlier = EarlierCurves { success_rate: curve.clone(), return_mean: curve.clone(), goal_mean: curve };
     let marks = vec![RunMark { env_steps: 3000, text: "scenario changed".into() }];
     let plain = figure(&episodes(130), &[]);
     let svg = RunFigure { earlier, marks, ..plain.clone() }.svg().expect("the figure is drawn");
@@ -117,6 +112,7 @@ fn many_episodes_are_drawn_as_a_band() {
 
 #[test]
 fn markup_in_the_title_is_escaped() {
-    let svg = RunFigure { title: "a < b & c".into(), ..RunFigure::default() }.svg().expect("the figure is drawn");
+    let svg =
+        RunFigure { title: "a < b & c".into(), ..RunFigure::default() }.svg().expect("the figure is drawn");
     assert!(svg.contains("a &lt; b &amp; c"));
 }

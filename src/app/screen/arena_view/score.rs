@@ -34,7 +34,8 @@ pub fn draw(ui: &Ui, id: Id, header: Rect, width: f32, arena: &ArenaScene) {
     let columns = columns(arena, Palette::from_ui(ui));
     let left = draw_columns(ui, header, &columns);
     draw_driver(ui, header.with_max_x(left), name, origin);
-    let spoken: Vec<_> = columns.iter().map(|column| format!("{} {}", column.value, column.caption)).collect();
+    let spoken: Vec<_> =
+        columns.iter().map(|column| format!("{} {}", column.value, column.caption)).collect();
     let words = format!("{name}: {}", spoken.join(", "));
     let response = ui.interact(header, id, Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &words));

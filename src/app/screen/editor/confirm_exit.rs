@@ -82,7 +82,8 @@ pub fn confirm_exit_ui(
             let size = vec2(ui.available_width(), 28.0);
             if primary_button_ui(ui, "Save and leave", BODY, size).clicked() {
                 commands.extend(view_state.editor.as_deref_mut().map(|editor| save_command(editor, status)));
-                view_state.interaction.editor.exit_request = Some(ExitRequest { once_saved: true, ..request });
+                view_state.interaction.editor.exit_request =
+                    Some(ExitRequest { once_saved: true, ..request });
                 return;
             }
             ui.horizontal(|ui| {

@@ -48,7 +48,8 @@ pub(super) fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Com
 fn expert_button_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
     let Some(expert) = &status.expert else { return };
     let (text, about) = if expert.is_new_here {
-        let about = format!("Compare the current policy with the {}, which was not trained here", expert.name);
+        let about =
+            format!("Compare the current policy with the {}, which was not trained here", expert.name);
         (format!("Watch the {}", expert.name), about)
     } else {
         ("Watch an expert".into(), format!("Compare the current policy with a shipped one: {}", expert.name))

@@ -40,7 +40,10 @@ pub(super) fn policy_choice_ui(
     let steps = format_count(best.env_steps);
     let texts = [
         ("Current".to_owned(), format!("The policy after {} env steps", format_count(status.env_steps))),
-        (format!("Best {rate}"), format!("The best policy so far: {rate} in the evaluation at {steps} env steps")),
+        (
+            format!("Best {rate}"),
+            format!("The best policy so far: {rate} in the evaluation at {steps} env steps"),
+        ),
     ];
     let segment = |(name, (text, tip)): (&str, (String, String))| Segment { text, name: name.into(), tip };
     let segments: Vec<Segment> = names.into_iter().zip(texts).map(segment).collect();

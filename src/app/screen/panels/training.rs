@@ -92,7 +92,8 @@ fn transfer_button_ui(
     form: &mut SetupForm,
     commands: &mut Vec<Command>,
 ) {
-    if matches!(&form.awaiting_confirmation, Some(Command::Transfer { policy: asked, .. }) if *asked == policy) {
+    if matches!(&form.awaiting_confirmation, Some(Command::Transfer { policy: asked, .. }) if *asked == policy)
+    {
         discard_question_ui(ui, status, form, commands);
     } else if wide_button_ui(ui, text, TALL).on_hover_text(about).clicked() {
         send_or_ask(form.transfer(policy), status, form, commands);

@@ -35,10 +35,11 @@ pub(super) fn legend_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext
         let traces = card.traces.iter().enumerate().map(|(index, trace)| {
             let value = value_at(card, trace, shared.hovered).filter(|_| card.no_primary_trace || index > 0);
             let name = if short { trace.short_name } else { trace.name };
-            let text = match value.filter(|_| !matches!(trace.style, TraceStyle::Spread | TraceStyle::Earlier)) {
-                Some(value) => format!("{name} {value}"),
-                None => name.to_owned(),
-            };
+            let text =
+                match value.filter(|_| !matches!(trace.style, TraceStyle::Spread | TraceStyle::Earlier)) {
+                    Some(value) => format!("{name} {value}"),
+                    None => name.to_owned(),
+                };
             (text, trace.color)
         });
         let reference = card.reference.map(|(_, name)| (format!("– –  {name}"), palette.weak_text));

@@ -28,7 +28,8 @@ pub struct PlotContext {
 #[must_use]
 pub fn main_cards(history: &History, palette: Palette, context: PlotContext) -> [Card<'_>; 3] {
     let curves = history.curves();
-    let mut cards = [success(curves, palette, context), returns(curves, palette, context), goals(curves, palette)];
+    let mut cards =
+        [success(curves, palette, context), returns(curves, palette, context), goals(curves, palette)];
     if let Some(earlier) = history.earlier() {
         let behind = [&earlier.evaluated, &earlier.return_mean, &earlier.goal_mean];
         for (card, series) in cards.iter_mut().zip(behind) {

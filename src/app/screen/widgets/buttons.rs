@@ -18,7 +18,10 @@ pub fn primary_button_ui(ui: &mut Ui, text: &str, font_size: f32, size: Vec2) ->
             visuals.weak_bg_fill = fill;
             visuals.bg_stroke = Stroke::NONE;
         }
-        ui.add_sized(size, Button::new(RichText::new(text).size(font_size).color(palette.on_accent)).truncate())
+        ui.add_sized(
+            size,
+            Button::new(RichText::new(text).size(font_size).color(palette.on_accent)).truncate(),
+        )
     });
     let response = shown.inner;
     if response.has_focus() {

@@ -145,8 +145,12 @@ impl ChartPanel {
 
 impl CurveLine {
     fn drawable(&self) -> Self {
-        let mut points: Vec<BandPoint> =
-            self.points.iter().filter(|p| is_drawable(p.x) && (p.has_mean() || p.has_band())).copied().collect();
+        let mut points: Vec<BandPoint> = self
+            .points
+            .iter()
+            .filter(|p| is_drawable(p.x) && (p.has_mean() || p.has_band()))
+            .copied()
+            .collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         let mut raw: Vec<(f64, f64)> =
             self.raw.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)).copied().collect();

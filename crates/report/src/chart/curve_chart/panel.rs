@@ -121,9 +121,12 @@ impl<'a> PanelDrawing<'a> {
         let curves = &self.panel.lines;
         let paths: Vec<Vec<Pixel>> = curves
             .iter()
-            .map(|curve| curve.points.iter().filter(|p| p.has_mean()).map(|p| self.pixel(p.x, p.mean)).collect())
+            .map(|curve| {
+                curve.points.iter().filter(|p| p.has_mean()).map(|p| self.pixel(p.x, p.mean)).collect()
+            })
             .collect();
-        let in_drawing_order = |faint| curves.iter().zip(&paths).filter(move |(curve, _)| curve.faint == faint);
+        let in_drawing_order =
+            |faint| curves.iter().zip(&paths).filter(move |(curve, _)| curve.faint == faint);
         for (curve, path) in in_drawing_order(true) {
             line(root, path.clone(), colour(curve.colour).mix(FAINT).stroke_width(HAIRLINE))?;
         }
