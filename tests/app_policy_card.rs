@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use headless_app::HeadlessApp;
-use wayfield::app::commands::{Command, Pace, SessionMode};
+use wayfield::app::commands::{Command, Pace, PolicySource, SessionMode};
 use wayfield::app::session::StartOptions;
 
 /// The policy of Scenario I that is shipped.
@@ -39,6 +39,13 @@ fn execute(app: &mut HeadlessApp, command: Command) {
     frames(app);
 }
 
+/// Starts a training from the opened policy in the current scenario.
+fn train_from_opened(app: &mut HeadlessApp) {
+    let config = &app.run().config;
+    let (scenario, preset) = (config.scenario_from.clone(), config.preset_from.clone());
+    execute(app, Command::Transfer { policy: PolicySource::Opened, scenario, preset, seed: 1, epsilon: 0.5 });
+}
+
 /// The error notices with `words`.
 fn notices(app: &HeadlessApp, words: &str) -> Vec<String> {
     app.error_notices().into_iter().filter(|text| text.contains(words)).collect()
@@ -60,7 +67,7 @@ fn a_comparison_with_a_policy_of_another_lidar_lists_both_values() {
     assert_eq!(notices(&app, RANGE).len(), 1, "and comes back with it");
 
     // The same policy as the start of a training.
-    execute(&mut app, Command::TrainFromOpened { epsilon: 0.5 });
+    train_from_opened(&mut app);
     assert!(app.run().initial_policy.is_some(), "{:?}", app.error_notices());
     assert_eq!(notices(&app, RANGE).len(), 1, "{:?}", app.error_notices());
 }
@@ -71,7 +78,7 @@ fn an_expert_of_another_field_of_view_comes_with_a_warning() {
     let mut app = app(folder.path(), "lidar: (field_of_view_rad: 4.712)");
     execute(&mut app, Command::OpenExpert);
     let warnings = notices(&app, "LIDAR field of view: 6.2831855 rad on its card, 4.712 rad here");
-    assert!(warnings.len() == 1 && warnings[0].starts_with("Expert of Scenario I: "), "{warnings:?}");
+    assert!(warnings.len() == 1 && warnings[0].starts_with("Scenario I expert: "), "{warnings:?}");
 }
 
 #[test]
@@ -93,6 +100,6 @@ fn a_policy_of_the_same_robot_and_lidar_gives_no_warning() {
     let mut app = app(folder.path(), "walls: [(corners_m: [(1.0, 1.0), (1.0, 1.5)])]");
     execute(&mut app, Command::Open(policy()));
     assert_eq!(app.error_notices(), [""; 0]);
-    execute(&mut app, Command::TrainFromOpened { epsilon: 0.5 });
+    train_from_opened(&mut app);
     assert_eq!(app.error_notices(), [""; 0]);
 }
