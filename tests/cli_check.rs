@@ -35,10 +35,7 @@ fn a_folders_files_are_checked_in_alphabetical_order() {
     let done = workspace.run_ok("--check files");
     assert_eq!(
         (done.stdout.as_str(), done.stderr.as_str()),
-        (
-            "files/a.ron: ok (preset)\nfiles/b/scenario.ron: ok (scenario)\nfiles/c.ron: ok (scenario)\n",
-            ""
-        )
+        ("files/a.ron: ok (preset)\nfiles/b/scenario.ron: ok (scenario)\nfiles/c.ron: ok (scenario)\n", "")
     );
     assert_eq!(workspace.run_ok("--check files/").stdout, done.stdout, "a trailing slash changes nothing");
     let done = workspace.run_ok("--check files/c.ron files/b files/a.ron");
@@ -114,7 +111,10 @@ fn paths_without_scenarios_or_presets_are_reported() {
 fn json_lists_the_files_and_the_problems() {
     let workspace = workspace();
     let paths = ["files/a.ron", "files/b/scenario.ron", "files/c.ron"];
-    assert_eq!(workspace.run_ok("--check files --json").json(), json!({ "files": paths, "kinds": ["preset", "scenario", "scenario"], "problems": [] }));
+    assert_eq!(
+        workspace.run_ok("--check files --json").json(),
+        json!({ "files": paths, "kinds": ["preset", "scenario", "scenario"], "problems": [] })
+    );
     let beyond_the_enclosure =
         [("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)")];
     workspace.write("files/c.ron", edited(SCENARIO_1, &beyond_the_enclosure));
@@ -168,8 +168,16 @@ fn the_content_decides_what_kind_a_file_is() {
     for (name, text, problem) in [
         ("experiment.ron", experiment, "experiment"),
         ("preset.ron", edited(FAST, &[("arenas: 16", "arenas: 0")]), "preset"),
-        ("scenario.ron", "(name: \"arenas\", // budget: learning is fun\n obstacles: [(shap: 1)])".into(), "scenario"),
-        ("run/config.ron", edited(&workspace.text("run/config.ron"), &[("seed: 0", "seed: -1")]), "run configuration"),
+        (
+            "scenario.ron",
+            "(name: \"arenas\", // budget: learning is fun\n obstacles: [(shap: 1)])".into(),
+            "scenario",
+        ),
+        (
+            "run/config.ron",
+            edited(&workspace.text("run/config.ron"), &[("seed: 0", "seed: -1")]),
+            "run configuration",
+        ),
         ("run/policy.safetensors", "not a policy".into(), "policy"),
     ] {
         workspace.write(name, text);
@@ -191,7 +199,7 @@ fn all_problems_of_a_file_are_listed_at_once() {
     let lines: Vec<&str> = done.stderr.lines().collect();
     let starts = [
         "many.ron:2:13: `arenas` must be a whole number, without quotes",
-        "many.ron:3:13: `budget` must be one of the choices `Episodes`, `EnvSteps`, without quotes: write `Episodes(600000)`",
+        "many.ron:3:13: `budget` must be one of the choices `Episodes`, `EnvSteps`: write `Episodes(600000)`",
         "many.ron:4:27: `evaluation.episodes` is 0; help: give 1 to ",
         "many.ron:5:5: unknown field `colour` in the file: the fields are `about`, `arenas`, ",
         "many.ron:6:15: `learning` lacks the fields `network`, `double`, ",
@@ -201,7 +209,10 @@ fn all_problems_of_a_file_are_listed_at_once() {
     for (line, start) in lines.iter().zip(starts) {
         assert!(line.starts_with(start), "{line}\ndoes not start with\n{start}\nin\n{}", done.stderr);
     }
-    assert_eq!(lines[starts.len()..], ["many.ron: 7 problems in this preset", "error: 1 of 1 checked files are invalid"]);
+    assert_eq!(
+        lines[starts.len()..],
+        ["many.ron: 7 problems in this preset", "error: 1 of 1 checked files are invalid"]
+    );
 }
 
 #[test]

@@ -33,10 +33,18 @@ fn standard_input_is_read_once_and_may_be_a_pipe() {
     workspace.write("quick.ron", quick_fast());
     for name in if cfg!(unix) { ["-", "/dev/stdin"] } else { ["-", "-"] } {
         let done = workspace.run_with_stdin(&format!("--check {name}"), MINE);
-        assert_eq!((done.stdout, done.status), (format!("{name}: ok (scenario)\n"), Some(0)), "{}", done.stderr);
+        assert_eq!(
+            (done.stdout, done.status),
+            (format!("{name}: ok (scenario)\n"), Some(0)),
+            "{}",
+            done.stderr
+        );
         let done = workspace.run_with_stdin(&format!("--check {name} {name}"), FAST);
         assert_eq!(done.stdout, format!("{name}: ok (preset)\n").repeat(2), "{}", done.stderr);
-        assert_refused(&workspace.run_with_stdin(&format!("--check {name}"), "(name: 3)"), ":1:8: `name` must be text");
+        assert_refused(
+            &workspace.run_with_stdin(&format!("--check {name}"), "(name: 3)"),
+            ":1:8: `name` must be text",
+        );
         let out = format!("run{}", name.len());
         let train = format!("--train --preset quick.ron --scenario {name} --steps 16 --out {out}");
         assert_eq!(workspace.run_with_stdin(&train, MINE).status, Some(0));
@@ -74,11 +82,16 @@ mod unix {
             assert!(began.elapsed() < Duration::from_secs(10), "{arguments}: {:?}", began.elapsed());
         };
         let message = "it is a named pipe that no program writes to";
-        for command in ["--check", "--eval", PICTURE, "--train --scenario", "--train --preset", "--train --init"] {
+        for command in
+            ["--check", "--eval", PICTURE, "--train --scenario", "--train --preset", "--train --init"]
+        {
             refused_in_time(&format!("{command} d/a.ron"), message);
         }
         refused_in_time("--reproduce --experiment d/a.ron", message);
-        refused_in_time("--check d", "d/a.ron: this is a pipe, a socket or a device, not a file; help: remove it");
+        refused_in_time(
+            "--check d",
+            "d/a.ron: this is a pipe, a socket or a device, not a file; help: remove it",
+        );
         assert!(!workspace.path("runs").exists() && !workspace.path("map.svg").exists());
     }
 
@@ -125,7 +138,10 @@ mod unix {
         assert_eq!(workspace.run_ok("--check link.ron").stdout, "link.ron: ok (scenario)\n");
         if cfg!(target_os = "linux") {
             // Its length is 0, but it has a content.
-            assert_refused(&workspace.run("--check /proc/version"), "/proc/version:1:1: expected `Scenario(...)`");
+            assert_refused(
+                &workspace.run("--check /proc/version"),
+                "/proc/version:1:1: expected `Scenario(...)`",
+            );
         }
     }
 
@@ -134,14 +150,16 @@ mod unix {
         let workspace = Workspace::new();
         let file = OsString::from_vec(b"w\xff.ron".to_vec());
         fs::write(workspace.path("").join(&file), MINE).unwrap();
-        let run = |words: &[&str], last: &OsStr| {
-            workspace.run_words(words.iter().map(OsStr::new).chain([last]))
-        };
+        let run =
+            |words: &[&str], last: &OsStr| workspace.run_words(words.iter().map(OsStr::new).chain([last]));
         let done = run(&["--check"], &file);
         assert_eq!((done.stdout.as_str(), done.status), ("w\u{fffd}.ron: ok (scenario)\n", Some(0)));
         for flag in ["--scenario", "--preset"] {
             let done = run(&["--train", "--steps", "16", flag], &file);
-            assert_refused(&done, &format!("the value 'w\u{fffd}.ron' for '{flag} <FILE>' is not valid UTF-8"));
+            assert_refused(
+                &done,
+                &format!("the value 'w\u{fffd}.ron' for '{flag} <FILE>' is not valid UTF-8"),
+            );
         }
         let done = run(&["--train", "--seed"], &file);
         assert_refused(&done, "for '--seed <N>' is not valid UTF-8");
@@ -153,7 +171,10 @@ mod unix {
 
     /// The command in the last line of a training's summary, which has a program of another name in it.
     fn printed_command(summary: &str) -> String {
-        let line = summary.lines().find_map(|line| line.strip_prefix("test it")).expect("the summary names a command");
+        let line = summary
+            .lines()
+            .find_map(|line| line.strip_prefix("test it"))
+            .expect("the summary names a command");
         format!("{} --rounds 1 --episodes 1", line.trim())
     }
 
@@ -171,14 +192,21 @@ mod unix {
                 .current_dir(workspace.path(""))
                 .output()
                 .unwrap();
-            let (stdout, stderr) = (String::from_utf8(train.stdout).unwrap(), String::from_utf8_lossy(&train.stderr));
+            let (stdout, stderr) =
+                (String::from_utf8(train.stdout).unwrap(), String::from_utf8_lossy(&train.stderr));
             assert_eq!(train.status.code(), Some(0), "{out}: {stderr}");
             let command = printed_command(&stdout);
-            let Ok(pasted) = Command::new("bash").args(["-c", &command]).current_dir(workspace.path("")).output()
+            let Ok(pasted) =
+                Command::new("bash").args(["-c", &command]).current_dir(workspace.path("")).output()
             else {
                 return println!("skipped: there is no bash");
             };
-            assert_eq!(pasted.status.code(), Some(0), "{command}\n{}", String::from_utf8_lossy(&pasted.stderr));
+            assert_eq!(
+                pasted.status.code(),
+                Some(0),
+                "{command}\n{}",
+                String::from_utf8_lossy(&pasted.stderr)
+            );
         }
         assert!(!workspace.path("gone").exists());
     }
@@ -205,7 +233,8 @@ mod unix {
     fn a_presets_name_cannot_spoil_pictures_and_folders() {
         let workspace = Workspace::new();
         workspace.write("q\x08\x1b.ron", quick_fast());
-        let done = workspace.run_words(["--train", "--steps", "16", "--preset", "q\x08\x1b.ron"].map(OsStr::new));
+        let done =
+            workspace.run_words(["--train", "--steps", "16", "--preset", "q\x08\x1b.ron"].map(OsStr::new));
         assert_eq!(done.status, Some(0), "{}", done.stderr);
         assert_harmless(&done);
         let svg = workspace.text("runs/scenario-1-q__-0/learning-curve.svg");
@@ -236,7 +265,10 @@ fn characters_that_cannot_be_printed_are_refused_in_names() {
     let workspace = Workspace::new();
     workspace.write("ff.ron", "(name: \"A\\u{ffff}B\", about: \"\\u{7}\")");
     let done = workspace.run("--check ff.ron");
-    assert_refused(&done, "ff.ron:1:8: `name` contains the character U+FFFF, which can't be printed: remove it");
+    assert_refused(
+        &done,
+        "ff.ron:1:8: `name` contains the character U+FFFF, which can't be printed: remove it",
+    );
     assert_refused(&done, "`about` contains the character U+0007");
 }
 
@@ -249,10 +281,16 @@ fn files_in_other_encodings_are_named() {
     workspace.write("marked.ron", utf16(&format!("\u{feff}{MINE}")));
     workspace.write("plain.ron", utf16(MINE));
     for name in ["marked.ron", "plain.ron"] {
-        assert_refused(&workspace.run(&format!("--check {name}")), "is encoded as UTF-16: save the file as UTF-8");
+        assert_refused(
+            &workspace.run(&format!("--check {name}")),
+            "is encoded as UTF-16: save the file as UTF-8",
+        );
     }
     workspace.write("nul.ron", "(name: \"Mi\0ne\")");
-    assert_refused(&workspace.run("--check nul.ron"), "nul.ron: this is not a text file: it contains zero bytes");
+    assert_refused(
+        &workspace.run("--check nul.ron"),
+        "nul.ron: this is not a text file: it contains zero bytes",
+    );
     workspace.write("crlf.ron", "\u{feff}(name: \"Mine\",\r\n\trobott: 3)\r\n");
     assert_refused(&workspace.run("--check crlf.ron"), "crlf.ron:2:2: unknown field `robott`");
 }

@@ -97,7 +97,8 @@ fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
         let named = command.get_arguments().find(|arg| arg.get_long() == name && name.is_some());
         flag = named.or(flag);
         if let (None, Some(flag)) = (word.to_str(), flag.filter(|flag| takes_text(flag))) {
-            message = Some(format!("the value '{text}' for '{flag}' is not valid UTF-8; help: rename the file"));
+            message =
+                Some(format!("the value '{text}' for '{flag}' is not valid UTF-8; help: rename the file"));
             break;
         }
     }

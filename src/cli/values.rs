@@ -15,7 +15,12 @@ pub fn whole<N: TryFrom<u64>>(
         value.ok_or_else(|| {
             let ungrouped = whole_number(&text.replace([',', ' ', '\'', '’', '\u{a0}', '\u{202f}'], ""));
             let fix = ungrouped.filter(|n| whole_number(text) != Some(*n)).map(|n| format!("; write {n}"));
-            format!("give a whole number from {} to {}{}", range.start(), range.end(), fix.unwrap_or_default())
+            format!(
+                "give a whole number from {} to {}{}",
+                range.start(),
+                range.end(),
+                fix.unwrap_or_default()
+            )
         })
     }
 }

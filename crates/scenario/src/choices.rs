@@ -33,7 +33,8 @@ pub(super) fn choice_problem(
     let names: Vec<_> = choices.iter().map(|choice| format!("`{choice}`")).collect();
     let word = text[value.clone()].trim_matches(['"', '\'']);
     let with_value = choices.iter().map(|choice| format!("{choice}({word})"));
-    let same_name = choices.iter().filter(|choice| choice.eq_ignore_ascii_case(word)).map(ToString::to_string);
+    let same_name =
+        choices.iter().filter(|choice| choice.eq_ignore_ascii_case(word)).map(ToString::to_string);
     let fits = |candidate: &String| is_read(text, value, candidate, parse);
     let hint = same_name.chain(with_value).find(fits).map_or(String::new(), |fix| format!(": write `{fix}`"));
     let quotes = if word.len() < value.len() { ", without quotes" } else { "" };
@@ -48,8 +49,10 @@ pub(super) fn is_read(
     parse: &dyn Fn(&str) -> Option<SpannedError>,
 ) -> bool {
     let changed = replaced(text, value, candidate);
-    let end = value.start + candidate.len();
-    parse(&changed).is_none_or(|error| offset(&changed, error.span.end) >= end && !is_about(&error, &changed, value))
+    let value = value.start..value.start + candidate.len();
+    parse(&changed).is_none_or(|error| {
+        offset(&changed, error.span.end) >= value.end && !is_about(&error, &changed, &value)
+    })
 }
 
 /// Whether ron reads `brackets`, such as `Circle()`, in place of the `value` in `text`, but misses fields in them.
@@ -62,22 +65,23 @@ pub(super) fn lacks_fields(
     let changed = replaced(text, value, brackets);
     let inside = value.start + 1..value.start + brackets.len();
     parse(&changed).is_some_and(|error| {
-        matches!(error.code, Error::MissingStructField { .. }) && inside.contains(&offset(&changed, error.span.end))
+        matches!(error.code, Error::MissingStructField { .. })
+            && inside.contains(&offset(&changed, error.span.end))
     })
 }
 
-/// Whether `error` is about the value that starts with `value`, although ron's cursor is behind it.
+/// Whether `error` is about the `value` in `text`, although ron's cursor is behind it.
 fn is_about(error: &SpannedError, text: &str, value: &Range<usize>) -> bool {
     use Error as E;
-    let of_value = matches!(
-        error.code,
+    match error.code {
+        // The brackets of a choice are missing.
+        E::ExpectedStructLike => text[value.end..offset(text, error.span.end)].trim().is_empty(),
         E::InvalidValueForType { .. }
-            | E::IntegerOutOfBounds
-            | E::NoSuchEnumVariant { .. }
-            | E::ExpectedStructLike
-            | E::ExpectedDifferentStructName { .. }
-    );
-    of_value && offset(text, error.span.start) <= value.start
+        | E::IntegerOutOfBounds
+        | E::NoSuchEnumVariant { .. }
+        | E::ExpectedDifferentStructName { .. } => offset(text, error.span.start) <= value.start,
+        _ => false,
+    }
 }
 
 /// `text` with `new` in the range `old`.

@@ -61,10 +61,8 @@ impl FileError {
     /// The error for several problems at byte offsets of the text.
     #[must_use]
     pub(super) fn at_offsets(path: &Path, text: &str, problems: Vec<(usize, String)>) -> Self {
-        let located = |(offset, message)| LocatedDiagnostic {
-            line_column: Some(line_column(text, offset)),
-            message,
-        };
+        let located =
+            |(offset, message)| LocatedDiagnostic { line_column: Some(line_column(text, offset)), message };
         Self { path: path.into(), problems: problems.into_iter().map(located).collect() }
     }
 

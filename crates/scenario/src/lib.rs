@@ -31,11 +31,12 @@ pub use check::diagnostics;
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, utf8};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
-pub use limits::MAX_FILE_BYTES;
 #[cfg(not(target_arch = "wasm32"))]
 pub use input::{is_special_file, path_exists, read_bytes};
+pub use limits::MAX_FILE_BYTES;
 pub use load::{
-    parse_checked, parse_ron, read_ron, read_ron_with_limit, read_text, read_text_with_limit, resemblance, to_ron,
+    parse_checked, parse_ron, read_ron, read_ron_with_limit, read_text, read_text_with_limit, resemblance,
+    to_ron,
 };
 pub use motion::pose_at;
 pub use number_text::whole_number;
@@ -43,7 +44,7 @@ pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use ron_message::closest_name;
 pub use schema::*;
 pub use shape::RoundedBox;
+pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
 #[cfg(target_arch = "wasm32")]
 pub use virtual_files::{contains as path_exists, read as read_bytes};
-pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
 pub use write::to_text;

@@ -16,8 +16,8 @@ use wayfield_ron_patch::SourceMap;
 
 use super::check::{diagnostics, value_diagnostics};
 use super::file_error::{Diagnostic, FileError};
-use super::read_bytes;
 use super::limits::{MAX_FILE_BYTES, MAX_NESTING};
+use super::read_bytes;
 use super::recover::{Recovered, recover};
 use super::ron_message::closest_name;
 use super::schema::Scenario;
@@ -95,17 +95,23 @@ fn parse_any<T: DeserializeOwned>(
         Ok(value) => {
             let diagnostics = check(&value);
             let is_valid = diagnostics.is_empty();
-            return if is_valid { Ok(value) } else { Err(FileError::from_diagnostics(path, text, &diagnostics)) };
+            return if is_valid {
+                Ok(value)
+            } else {
+                Err(FileError::from_diagnostics(path, text, &diagnostics))
+            };
         }
         Err(error) => error,
     };
     let Recovered { mut problems, value, ignored } = recover(text, error, read);
-    let map = SourceMap::new(text);
-    for found in value.as_ref().map(check_values).unwrap_or_default() {
-        let at = map.offset_of(&found.path).filter(|&at| map.path_at(at) == found.path);
-        if let Some(at) = at.filter(|at| !ignored.iter().any(|range| range.contains(at))) {
-            problems.push((at, found.to_string()));
-        }
+    if let Some(value) = value {
+        let map = SourceMap::new(text);
+        let is_ignored = |at: &usize| ignored.iter().any(|range| range.contains(at));
+        problems.extend(check_values(&value).iter().filter_map(|found| {
+            let at =
+                map.offset_of(&found.path).filter(|at| map.path_at(*at) == found.path && !is_ignored(at))?;
+            Some((at, found.to_string()))
+        }));
     }
     problems.sort_by_key(|(at, _)| *at);
     Err(FileError::at_offsets(path, text, problems))
@@ -201,11 +207,17 @@ pub fn read_text_with_limit(path: impl AsRef<Path>, max_bytes: u64) -> Result<St
 /// The text in the `bytes` of the file at `path`.
 fn decoded(bytes: Vec<u8>, path: &Path) -> Result<String, FileError> {
     const UTF_16: &str = "the text is encoded as UTF-16: save the file as UTF-8";
-    if matches!(bytes.as_slice(), [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1..=255, ..] | [1..=255, 0, 1..=255, 0, ..]) {
+    if matches!(
+        bytes.as_slice(),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1..=255, ..] | [1..=255, 0, 1..=255, 0, ..]
+    ) {
         return Err(FileError::for_file(path, UTF_16));
     }
     if bytes.contains(&0) {
-        return Err(FileError::for_file(path, "this is not a text file: it contains zero bytes; give a RON file"));
+        return Err(FileError::for_file(
+            path,
+            "this is not a text file: it contains zero bytes; give a RON file",
+        ));
     }
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();

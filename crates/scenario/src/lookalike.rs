@@ -32,7 +32,8 @@ pub(super) fn lookalike(text: &str, offset: usize) -> Option<(char, String, &'st
 
 /// The ASCII character that the full-width character `c` stands for.
 fn ascii_of_full_width(c: char) -> &'static str {
-    const ASCII: &str = "!\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_`abcdefghijklmnopqrstuvwxyz{|}~";
+    const ASCII: &str =
+        "!\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_`abcdefghijklmnopqrstuvwxyz{|}~";
     let index = (u32::from(c) - 0xff01) as usize;
     ASCII.get(index..=index).unwrap_or_default()
 }

@@ -8,7 +8,8 @@ pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
     let before = text[..offset].len() - text[..offset].trim_end_matches(is_word).len();
     let after = text[offset..].find(|c| !is_word(c)).unwrap_or(text.len() - offset);
     let word = offset - before..offset + after;
-    let is_number = text[word.clone()].trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit());
+    let is_number =
+        text[word.clone()].trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit());
     (before > 0 && after > 0 && is_number).then_some(word)
 }
 
@@ -55,7 +56,7 @@ pub(super) fn with_unit(number: &str, unit: &str) -> String {
 
 /// `value` as a whole number, if it is one and f64 represents it exactly.
 fn whole(value: f64) -> Option<u64> {
-    (value >= 0.0 && value <= 9e15 && value.fract() == 0.0).then_some(value as u64)
+    ((0.0..=9e15).contains(&value) && value.fract() == 0.0).then_some(value as u64)
 }
 
 /// The problem of a number with commas that ends or starts at `offset`, where ron expected a field or a closing bracket: a
@@ -71,11 +72,14 @@ pub(super) fn comma_problem(text: &str, offset: usize) -> Option<(Range<usize>, 
     }
     let range = start..start + number.len();
     let (joined, decimal) = (groups.concat(), number.replacen(',', ".", 1));
-    let are_thousands = groups[1..].iter().all(|group| group.split('.').next().is_some_and(|digits| digits.len() == 3))
-        && !groups[0].starts_with('0');
+    let are_thousands =
+        groups[1..].iter().all(|group| group.split('.').next().is_some_and(|digits| digits.len() == 3))
+            && !groups[0].starts_with('0');
     let message = match groups.len() {
         2 if !are_thousands => format!("a decimal comma: write {decimal}"),
-        2 if joined.contains('.') || groups[0].len() > 1 => format!("a comma inside a number: write {joined}"),
+        2 if joined.contains('.') || groups[0].len() > 1 => {
+            format!("a comma inside a number: write {joined}")
+        }
         2 => format!("a comma inside a number: write {joined} or {decimal}"),
         _ if are_thousands => format!("commas inside a number: write {joined}"),
         _ => return None,

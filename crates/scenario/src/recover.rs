@@ -11,7 +11,7 @@ use super::ron_message::{Problem, Repair, explain, missing_fields};
 /// The longest text, in bytes, that is read again to find further problems; of a longer one, only the first is reported.
 const MAX_BYTES: usize = 1 << 15;
 /// The number of repairs after which reading stops.
-const MAX_REPAIRS: usize = 24;
+const MAX_REPAIRS: usize = 64;
 /// Values of every type that can be written without knowing the type. Choices are found by trial.
 const VALUES: [&str; 6] = ["0", "0.0", "\"\"", "true", "[]", "(0, 0)"];
 
@@ -39,13 +39,20 @@ pub(super) fn recover<T: DeserializeOwned>(
         // Problems inside a repair are not the user's.
         if let Some(at) = draft.origin(offset) {
             match (&repair, found.problems.last_mut()) {
-                (Some(Repair::Add { owner, field, .. }), Some(last)) if last.0 == at && !missing.is_empty() => {
+                (Some(Repair::Add { owner, field, .. }), Some(last))
+                    if last.0 == at && !missing.is_empty() =>
+                {
                     missing.push(field);
                     last.1 = missing_fields(owner, &missing);
                 }
+                (_, Some(last)) if *last == (at, message.clone()) => break,
                 _ => {
                     missing.clear();
-                    missing.extend(if let Some(Repair::Add { field, .. }) = &repair { Some(*field) } else { None });
+                    missing.extend(if let Some(Repair::Add { field, .. }) = &repair {
+                        Some(*field)
+                    } else {
+                        None
+                    });
                     found.problems.push((at, message));
                 }
             }
@@ -125,13 +132,19 @@ impl Draft {
         let name = format!("{field}: ");
         let with_name = replaced(&self.text, &(open..open), &(name.clone() + ", "));
         let value = open + name.len()..open + name.len();
-        let Some(value) = (Draft { text: with_name, edits: Vec::new() }).any_value(&value, parse) else { return false };
+        let Some(value) = (Draft { text: with_name, edits: Vec::new() }).any_value(&value, parse) else {
+            return false;
+        };
         self.replace(open..open, &format!("{name}{value}, "));
         true
     }
 
     /// A value that ron reads in place of `range`; for a struct, brackets whose fields are still missing.
-    fn any_value(&self, range: &Range<usize>, parse: &dyn Fn(&str) -> Option<SpannedError>) -> Option<String> {
+    fn any_value(
+        &self,
+        range: &Range<usize>,
+        parse: &dyn Fn(&str) -> Option<SpannedError>,
+    ) -> Option<String> {
         let fits = |candidate: &String| is_read(&self.text, range, candidate, parse);
         let simple = VALUES.iter().map(ToString::to_string).find(fits);
         simple.or_else(|| {

@@ -108,13 +108,21 @@ impl Place<'_> {
                 Problem { offset: here, message: "fields are separated by commas, not by `;`".into(), repair }
             }
             _ if here <= root && self.text[root..].starts_with('{') => self.problem(root, JSON),
-            Error::ExpectedDifferentStructName { .. } if is_key(self.rest()) => self.problem(root, NO_PARENTHESES),
-            Error::ExpectedIdentifier if self.rest().starts_with('"') && is_key(after_string(self.rest())) => {
+            Error::ExpectedDifferentStructName { .. } if is_key(self.rest()) => {
+                self.problem(root, NO_PARENTHESES)
+            }
+            Error::ExpectedIdentifier
+                if self.rest().starts_with('"') && is_key(after_string(self.rest())) =>
+            {
                 self.problem(here, "a field's name has no quotes: write `name: value`")
             }
             Error::ExpectedMapColon if self.rest().starts_with('=') => {
                 let repair = Some(Repair::Replace(here..here + 1, ":"));
-                Problem { offset: here, message: "write `:` between a field's name and its value, not `=`".into(), repair }
+                Problem {
+                    offset: here,
+                    message: "write `:` between a field's name and its value, not `=`".into(),
+                    repair,
+                }
             }
             _ => return None,
         })
@@ -125,10 +133,14 @@ impl Place<'_> {
         use Error as E;
         let is_cut = matches!(
             code,
-            E::InvalidIntegerDigit { .. } | E::ExpectedComma | E::ExpectedStructLikeEnd | E::TrailingCharacters
+            E::InvalidIntegerDigit { .. }
+                | E::ExpectedComma
+                | E::ExpectedStructLikeEnd
+                | E::TrailingCharacters
         );
         if is_cut && let Some(word) = cut_number(self.text, self.end) {
-            let message = format!("{} {}", self.field(word.start), cut_number_problem(&self.text[word.clone()]));
+            let message =
+                format!("{} {}", self.field(word.start), cut_number_problem(&self.text[word.clone()]));
             return Some(Problem { offset: word.start, message, repair: Some(Repair::Value(word)) });
         }
         let (range, message) = match code {
@@ -167,12 +179,15 @@ impl Place<'_> {
             Error::NoSuchStructField { expected, found, .. } => {
                 let fields = choice(found, expected, "the fields are");
                 let message = format!("unknown field `{found}` in {}: {fields}", self.parent(start));
-                Problem { offset: start, message, repair: Some(self.removal()) }
+                let repair = self.renaming(found, expected).unwrap_or_else(|| self.removal());
+                Problem { offset: start, message, repair: Some(repair) }
             }
             Error::NoSuchEnumVariant { expected, found, .. } => {
                 let choices = choice(found, expected, "the choices are");
                 let message = format!("unknown choice `{found}` for {}: {choices}", self.field(start));
-                Problem { offset: start, message, repair: Some(Repair::Value(self.map.value_at(start))) }
+                let repair = self.renaming(found, expected);
+                let repair = repair.unwrap_or_else(|| Repair::Value(self.map.value_at(start)));
+                Problem { offset: start, message, repair: Some(repair) }
             }
             Error::DuplicateStructField { field, .. } => {
                 let message = format!("`{field}` appears twice in {}: remove one", self.parent(start));
@@ -186,6 +201,13 @@ impl Place<'_> {
             }
             _ => return None,
         })
+    }
+
+    /// The change of the name `found` at `start` to the closest of the `expected` names, if one is close.
+    fn renaming(&self, found: &str, expected: &'static [&'static str]) -> Option<Repair> {
+        let near = closest_name(found, expected.iter().copied())?;
+        let is_there = self.text[self.start..].starts_with(found);
+        is_there.then(|| Repair::Replace(self.start..self.start + found.len(), near))
     }
 
     /// The removal of the field at `start`, with the comma after it.
@@ -212,10 +234,13 @@ impl Place<'_> {
         // If there is a bracket or comma instead of a value, the message is about the value before it.
         let at_value = if self.rest().starts_with(value_start) { end } else { last_of(&text[..end]) };
         let must = |what: &str| {
-            let repair = Some(Repair::Value(self.map.value_at(at_value)));
+            // A text that is wrong as a whole has no other problems.
+            let is_part = !self.map.path_at(at_value).is_empty();
+            let repair = is_part.then(|| Repair::Value(self.map.value_at(at_value)));
             Problem { offset: end, message: format!("{} must be {what}", self.field(at_value)), repair }
         };
-        let here = |what: &str| Problem { message: format!("{} must be {what}", self.field(end)), ..must(what) };
+        let here =
+            |what: &str| Problem { message: format!("{} must be {what}", self.field(end)), ..must(what) };
         Some(match code {
             Error::ExpectedInteger if self.rest().starts_with('"') => must("a whole number, without quotes"),
             Error::ExpectedInteger => must("a whole number"),
@@ -225,7 +250,9 @@ impl Place<'_> {
             Error::ExpectedString => must("text in double quotes: \"...\""),
             Error::ExpectedArray => must("a list in square brackets: [...]"),
             Error::ExpectedStructLike => must("written with parentheses: (...)"),
-            Error::ExpectedDifferentLength { expected, .. } if expected.ends_with("2 f32 values") => here(POINT),
+            Error::ExpectedDifferentLength { expected, .. } if expected.ends_with("2 f32 values") => {
+                here(POINT)
+            }
             Error::ExpectedDifferentLength { expected, .. } => here(expected),
             Error::InvalidValueForType { expected, found } => must(&format!("{expected}, not {found}")),
             Error::IntegerOutOfBounds => {
@@ -248,19 +275,30 @@ impl Place<'_> {
         use Error as E;
         let Self { start, end, .. } = *self;
         match code {
-            E::ExpectedComma if self.rest().starts_with('(') && self.text[..end].ends_with(char::is_alphanumeric) => {
+            E::ExpectedComma
+                if self.rest().starts_with('(') && self.text[..end].ends_with(char::is_alphanumeric) =>
+            {
                 let repair = Some(Repair::Value(self.map.value_at(end)));
                 let message = format!("{} must be written without parentheses", self.field(end));
                 Problem { offset: end, message, repair }
             }
             E::ExpectedComma => {
-                let repair = self.rest().starts_with(|c: char| c.is_alphabetic() || c == '_');
-                let repair = repair.then(|| Repair::Replace(end..end, ","));
-                Problem { offset: end, message: "a comma or a closing bracket is missing before this".into(), repair }
+                let after_word = self.rest().trim_start_matches(|c: char| c.is_alphanumeric() || c == '_');
+                let is_field =
+                    after_word.len() < self.rest().len() && after_word.trim_start().starts_with(':');
+                let repair = is_field.then_some(Repair::Replace(end..end, ","));
+                Problem {
+                    offset: end,
+                    message: "a comma or a closing bracket is missing before this".into(),
+                    repair,
+                }
             }
             E::ExpectedStructLikeEnd => self.problem(
                 end,
-                format!("{} must end before this: a `)` is missing, or it has too many parts", self.parent(end)),
+                format!(
+                    "{} must end before this: a `)` is missing, or it has too many parts",
+                    self.parent(end)
+                ),
             ),
             E::ExpectedMapColon => {
                 self.problem(end, "a `:` between a field's name and its value is missing before this")
@@ -278,7 +316,9 @@ impl Place<'_> {
                 self.problem(end, format!("`{word}` is no field's name: write `name: value`"))
             }
             E::ExpectedIdentifier => self.problem(end, "a field's name is missing here: write `name: value`"),
-            E::TrailingCharacters => self.problem(end, "the file's value ends before this: remove what follows"),
+            E::TrailingCharacters => {
+                self.problem(end, "the file's value ends before this: remove what follows")
+            }
             E::UnclosedBlockComment => self.problem(start, "this comment has no end: close it with `*/`"),
             E::ExpectedStringEnd if self.text[start..].contains(['“', '”']) => {
                 let curly = self.text[start..].find(['“', '”']).map_or(start, |at| start + at);
@@ -307,7 +347,8 @@ const UNITS: [&str; 14] =
     ["m", "cm", "mm", "s", "ms", "rad", "deg", "m/s", "rad/s", "Hz", "%", "°", "px", "steps"];
 const POINT: &str = "a point: (x, y)";
 const HASH: &str = "a comment starts with `//`, not with `#`";
-const JSON: &str = "this looks like JSON: RON has parentheses for braces, and field names without quotes: (name: ...)";
+const JSON: &str =
+    "this looks like JSON: RON has parentheses for braces, and field names without quotes: (name: ...)";
 const NO_PARENTHESES: &str = "the file must be written in parentheses: (name: ..., ...)";
 
 /// The message about the `fields` that `owner` lacks.

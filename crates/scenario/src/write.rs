@@ -5,11 +5,11 @@ use serde::de::DeserializeOwned;
 use wayfield_ron_patch::{Style, patch};
 
 use super::load::{parse_ron, to_ron};
-use super::text::without_mark;
 use super::schema::{
     BenchmarkRoute, Generator, Lidar, Obstacle, ObstacleMotion, PlacementRule, Robot, Scenario, TaskRules,
     Wall,
 };
+use super::text::without_mark;
 
 /// `scenario` as the text of a RON file, which [`Scenario::load`] reads back to the same numbers, to the bit.
 ///

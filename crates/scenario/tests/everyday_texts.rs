@@ -50,94 +50,216 @@ fn preset_error(text: &str) -> String {
     parse_ron::<Preset>(text, "p.ron").expect_err(text).to_string()
 }
 
-fn show(cases: &[(&str, &str)], message: fn(&str) -> String, file: &str) {
-    for (text, _) in cases {
-        println!("{text:?}\n    {}", message(text).replace(file, ""));
+/// Asserts that each text gives exactly its message.
+fn check(file: &str, message: fn(&str) -> String, cases: &[(&str, &str)]) {
+    for (text, expected) in cases {
+        assert_eq!(message(text), format!("{file}:{expected}"), "for {text}");
     }
 }
 
 #[test]
-fn explore() {
-    show(
+fn characters_that_look_like_those_of_ron_are_named() {
+    check(
+        "w.ron",
+        scenario_error,
         &[
-            ("(name: \"Mine\",\u{a0}robot: (radius_m: 0.1))", ""),
-            ("(name: “Mine”)", ""),
-            ("(name: \"Mine”)", ""),
-            ("(name: 'Mine')", ""),
-            ("(name: «Mine»)", ""),
-            ("(name: \"Mine\", robot: (radius_m: 0,1))", ""),
-            ("(name: \"Mine\", robot: (radius_m: −0.1))", ""),
-            ("(name: \"Mine\", robot: (radius_m: ０.1))", ""),
-            ("(name: \"Mine\", robot: (radius_m: 0.１))", ""),
-            ("(name: \"Mine\"， robot: (radius_m: 0.1))", ""),
-            ("(name: \"Mine\", ro\u{200b}bot: (radius_m: 0.1))", ""),
-            ("(name: \"Mine\",\u{3000}robot: (radius_m: 0.1))", ""),
-            ("(name: \"Mine\", robot: (radius_m: 0.1 m))", ""),
-            ("(name: \"Mine\", robot: (radius_m: 10cm))", ""),
-            ("(name: \"Mine\", robot: (radius_m: \"0.1\"))", ""),
-            ("(name: \"Mine\", robot: (radius_m: 1/2))", ""),
-            ("(name: \"Mine\", lidar: (field_of_view_rad: 270°))", ""),
-            ("(name: \"Mine\", lidar: (beams: 2e1))", ""),
-            ("(name: \"Mine\", lidar: (beams: 24.0))", ""),
-            ("(name: \"Mine\", benchmark_route: (start_m: (0,6, 0,6)))", ""),
-            ("(name: \"Mine\", benchmark_route: (start_m: (0.6, 0.6, 0.6)))", ""),
-            ("(name: \"Mine\", benchmark_route: (start_m: (100,200,300)))", ""),
-            ("{\"name\": \"Mine\"}", ""),
-            ("(\"name\": \"Mine\")", ""),
-            ("name: Mine\nrobot:\n  radius_m: 0.1\n", ""),
-            ("name = \"Mine\"\n[robot]\nradius_m = 0.1\n", ""),
-            ("[robot]\nradius_m = 0.1\n", ""),
-            ("# my world\n(name: \"Mine\")", ""),
-            ("(name: \"Mine\", # my world\n)", ""),
-            ("(\n# my world\nname: \"Mine\")", ""),
-            ("(name: \"Mine\"; robot: (radius_m: 0.1))", ""),
-            ("(name: \"Mine\", robot: (radius_m: 0.1;))", ""),
-            ("(name = \"Mine\")", ""),
-            ("(name: \"C:\\worlds\")", ""),
-            ("(name: \"Mine\", lidar: (beams: 24, beems: 3, max_range_m: far), gaols: 3, task: (goal_radius_m: -1))", ""),
-            ("(obstacles: [(shape: Circl(radius_m: 0.1)), (shape: Circle(radius_m: big), position_m: 3)], robot: (radius_m: 99))", ""),
-            ("\u{feff}(name: \"Mine\", zzz: 1)", ""),
-            ("\r(name: \"Mine\",\r\n\tzzz: 1)", ""),
-            ("(name: \"Mine\") // end;\n", ""),
+            (
+                "(name: \"Mine\",\u{a0}robot: (radius_m: 0.1))",
+                "1:15: a no-break space (U+00A0): write an ordinary space",
+            ),
+            (
+                "(name: \"Mine\",\u{3000}robot: (radius_m: 0.1))",
+                "1:15: a special space (U+3000): write an ordinary space",
+            ),
+            ("(name: “Mine”)", "1:8: curly quotes: write \"...\""),
+            ("(name: \"Mine”)", "1:13: curly quotes: write \"...\""),
+            ("(name: «Mine»)", "1:8: curly quotes: write \"...\""),
+            ("(name: 'Mine')", "1:8: `name` must be text in double quotes: \"...\""),
+            ("(name: \"Mine\", robot: (radius_m: −0.1))", "1:34: a dash or minus sign (U+2212): write `-`"),
+            ("(name: \"Mine\", robot: (radius_m: 0.１))", "1:36: a full-width character (U+FF11): write `1`"),
+            ("(name: \"Mine\"， robot: (radius_m: 0.1))", "1:14: a full-width character (U+FF0C): write `,`"),
+            (
+                "(name: \"Mine\", ro\u{200b}bot: (radius_m: 0.1))",
+                "1:18: an invisible character (U+200B): delete it",
+            ),
+            ("(name: \"Mine\"\u{7}, robot: ())", "1:14: an invisible character (U+0007): delete it"),
         ],
-        scenario_error_or_ok,
-        "w.ron:",
     );
-    show(
-        &[
-            ("(arenas: 16, budget: EnvSteps(6e5))", ""),
-            ("(arenas: 16, budget: EnvSteps(6.5e5))", ""),
-            ("(arenas: 16, budget: EnvSteps(600k))", ""),
-            ("(arenas: 16, budget: EnvSteps(0.6M))", ""),
-            ("(arenas: 16, budget: EnvSteps(600,000))", ""),
-            ("(arenas: 16, budget: EnvSteps(1,000,000))", ""),
-            ("(arenas: 1,024, budget: EnvSteps(1))", ""),
-            ("(arenas: 16, budget: 600000)", ""),
-            ("(arenas: 16, budget: \"EnvSteps\")", ""),
-            ("(arenas: 16, budget: envsteps(6))", ""),
-            ("(arenas: 16, budget: EnvSteps)", ""),
-            ("(arenas: 16, budget: EnvSteps(\"6\"))", ""),
-            ("(arenas: 16, budget: Steps(6))", ""),
-            ("(arenas: \"16\", budget: Episodes(-6))", ""),
-            ("()", ""),
-            ("(learning: (double: True, gamma: 0,99, loss: \"huber\", learning_rate: 3e-4))", ""),
-            ("(arenas: 1, budget: Episodes(1), learning: (double: yes, gamma: .99, loss: 1.0, learning_rate: (0.1, 0.2)))", ""),
-            ("(arenas: 1, budget: Episodes(1), learning: (double: 1, gamma: 1., loss: Mse(), learning_rate: Constant(0,001)))", ""),
-            ("(arenas: 1, budget: Episodes(1), learning: (gamma: +0.5, loss: mse, learning_rate: Linear(to: 0.1)))", ""),
-            ("(arenas: 1 budget: Episodes(1) learning: ())", ""),
-            ("(arenas: null, budget: None)", ""),
-            ("(arenas: 1.000.000, budget: Episodes(1))", ""),
-            ("(arenas: 1, budget: Episodes(1_000), learning: (double: true, gamma: 1,000.5, loss: Mse, learning_rate: Constant(0.1)))", ""),
-        ],
-        preset_error,
-        "p.ron:",
-    );
-    let _ = (to_text, scenario_error as fn(&str) -> String);
 }
 
-fn scenario_error_or_ok(text: &str) -> String {
-    match Scenario::parse(text, "w.ron") {
-        Ok(_) => "OK".into(),
-        Err(error) => error.to_string(),
-    }
+#[test]
+fn numbers_as_people_write_them_get_the_number_to_write() {
+    check(
+        "w.ron",
+        scenario_error,
+        &[
+            ("(name: \"Mine\", robot: (radius_m: 0,1))", "1:34: a decimal comma: write 0.1"),
+            (
+                "(name: \"Mine\", robot: (radius_m: 0.1 m))",
+                "1:34: `robot.radius_m` must be a number only: write 0.1, without `m`",
+            ),
+            (
+                "(name: \"Mine\", robot: (radius_m: 10cm))",
+                "1:34: `robot.radius_m` must be a number only: write 10, without `cm`",
+            ),
+            (
+                "(name: \"Mine\", lidar: (field_of_view_rad: 270°))",
+                "1:43: `lidar.field_of_view_rad` must be a number only: write 270, without `°`",
+            ),
+            (
+                "(name: \"Mine\", robot: (radius_m: \"0.1\"))",
+                "1:34: `robot.radius_m` must be a number, without quotes",
+            ),
+            (
+                "(name: \"Mine\", robot: (radius_m: 1/2))",
+                "1:37: this starts no comment: write `//` or `/* */`, or the result of a division as one number",
+            ),
+            ("(name: \"Mine\", lidar: (beams: 2e1))", "1:31: `lidar.beams` must be a whole number: write 20"),
+            (
+                "(name: \"Mine\", lidar: (beams: 24.0))",
+                "1:31: `lidar.beams` must be a whole number: write 24",
+            ),
+            (
+                "(name: \"Mine\", benchmark_route: (start_m: (0,6, 0,6)))",
+                "1:43: decimal commas: write (0.6, 0.6)",
+            ),
+            (
+                "(name: \"Mine\", benchmark_route: (start_m: (100,200,300)))",
+                "1:52: `benchmark_route.start_m` must end before this: a `)` is missing, or it has too many parts",
+            ),
+        ],
+    );
+    check(
+        "p.ron",
+        preset_error,
+        &[
+            ("(arenas: 1, budget: EnvSteps(6e5))", "1:30: `budget` must be a whole number: write 600000"),
+            (
+                "(arenas: 1, budget: EnvSteps(600k))",
+                "1:30: `budget` must be a number in digits: write 600000",
+            ),
+            (
+                "(arenas: 1, budget: EnvSteps(0.6M))",
+                "1:30: `budget` must be a number in digits: write 600000",
+            ),
+            ("(arenas: 1, budget: EnvSteps(600,000))", "1:30: a comma inside a number: write 600000"),
+            ("(arenas: 1, budget: EnvSteps(1,000,000))", "1:30: commas inside a number: write 1000000"),
+            ("(arenas: 1,024, budget: EnvSteps(1))", "1:10: a comma inside a number: write 1024 or 1.024"),
+            ("(arenas: 1, budget: EnvSteps(\"6\"))", "1:30: `budget` must be a whole number, without quotes"),
+        ],
+    );
+    let text = "(arenas: 1, budget: Episodes(1_000), learning: (double: true, gamma: +.5, loss: Mse, learning_rate: Constant(1.)))";
+    let read: Preset = parse_ron(text, "p.ron").expect("RON's own ways to write numbers are read");
+    assert_eq!(read.budget, Budget::Episodes(1000));
+}
+
+#[test]
+fn other_formats_and_their_signs_are_named() {
+    let parentheses = "1:1: the file must be written in parentheses: (name: ..., ...)";
+    check(
+        "w.ron",
+        scenario_error,
+        &[
+            (
+                "{\"name\": \"Mine\"}",
+                "1:1: this looks like JSON: RON has parentheses for braces, and field names without quotes: (name: ...)",
+            ),
+            ("(\"name\": \"Mine\")", "1:2: a field's name has no quotes: write `name: value`"),
+            ("name: Mine\nrobot:\n  radius_m: 0.1\n", parentheses),
+            ("name = \"Mine\"\n[robot]\nradius_m = 0.1\n", parentheses),
+            ("[robot]\nradius_m = 0.1\n", "1:1: the file must be written in parentheses: (...)"),
+            ("# my world\n(name: \"Mine\")", "1:1: a comment starts with `//`, not with `#`"),
+            ("(name: \"Mine\", # my world\n)", "1:16: a comment starts with `//`, not with `#`"),
+            ("(name: \"Mine\"; robot: ())", "1:14: fields are separated by commas, not by `;`"),
+            ("(name = \"Mine\")", "1:7: write `:` between a field's name and its value, not `=`"),
+            (
+                "(name: \"C:\\worlds\")",
+                "1:12: a backslash begins an escape: for the backslash itself, write two of them",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn a_value_where_a_choice_is_wanted_gets_the_choices() {
+    let choices = "`budget` must be one of the choices `Episodes`, `EnvSteps`";
+    check(
+        "p.ron",
+        preset_error,
+        &[
+            ("(arenas: 1, budget: 600000)", &format!("1:21: {choices}: write `Episodes(600000)`")),
+            ("(arenas: 1, budget: 6e5)", &format!("1:21: {choices}")),
+            ("(arenas: 1, budget: (1, 2))", &format!("1:21: {choices}")),
+            ("(arenas: 1, budget: \"EnvSteps\")", &format!("1:21: {choices}, without quotes")),
+            (
+                "(arenas: 1, budget: envsteps(6))",
+                "1:21: unknown choice `envsteps` for `budget`: did you mean `EnvSteps`? the choices are `Episodes`, `EnvSteps`",
+            ),
+            ("(arenas: 1, budget: EnvSteps)", "1:29: `budget` must be written with parentheses: (...)"),
+        ],
+    );
+}
+
+#[test]
+fn all_problems_of_a_text_are_listed() {
+    let loss = "the choices `Mse`, `Huber`";
+    let rate = "the choices `Constant`, `Linear`";
+    check(
+        "p.ron",
+        preset_error,
+        &[
+            ("()", "1:1: the file lacks the fields `arenas`, `budget`: add `arenas: ...`, `budget: ...`"),
+            (
+                "(learning: (double: True, gamma: 0,99, loss: 'mse', learning_rate: 3e-4), colour: 1)",
+                &format!(
+                    "1:1: the file lacks the fields `arenas`, `budget`: add `arenas: ...`, `budget: ...`\n\
+                     p.ron:1:21: `learning.double` must be true or false\n\
+                     p.ron:1:34: a decimal comma: write 0.99\n\
+                     p.ron:1:46: `learning.loss` must be one of {loss}, without quotes: write `Mse`\n\
+                     p.ron:1:68: `learning.learning_rate` must be one of {rate}: write `Constant(3e-4)`\n\
+                     p.ron:1:75: unknown field `colour` in the file: the fields are `arenas`, `budget`, `learning`"
+                ),
+            ),
+            (
+                "(arenas: 1 budget: Episodes(1) learning: (gamma: 1, loss: Mse(), learning_rate: Linear(to: 0.1)))",
+                "1:12: a comma or a closing bracket is missing before this\n\
+                 p.ron:1:32: a comma or a closing bracket is missing before this\n\
+                 p.ron:1:42: `learning` lacks the field `double`: add `double: ...`\n\
+                 p.ron:1:62: `learning.loss` must be written without parentheses\n\
+                 p.ron:1:81: `learning.learning_rate` lacks the field `from`: add `from: ...`",
+            ),
+        ],
+    );
+    check(
+        "w.ron",
+        scenario_error,
+        &[(
+            "(obstacles: [(shape: Circl(radius_m: 0.1)), (shape: Circle(radius_m: big), position_m: 3)], robot: (radius_m: 99))",
+            "",
+        )],
+    );
+}
+
+#[test]
+fn a_long_text_still_gets_its_first_problem_quickly() {
+    let text = format!("(name: 3, about: \"{}\", colour: 1)", "x".repeat(1 << 19));
+    let began = std::time::Instant::now();
+    assert_eq!(scenario_error(&text), "w.ron:1:8: `name` must be text in double quotes: \"...\"");
+    assert!(began.elapsed().as_secs() < 5);
+}
+
+#[test]
+fn a_byte_order_mark_is_read_and_kept() {
+    let text = "\u{feff}(name: \"Mine\", robot: (radius_m: 0.1))\n";
+    let mut scenario = Scenario::parse(text, "w.ron").expect("the mark is skipped");
+    assert_eq!(to_text(&scenario, Some(text)), text);
+    scenario.robot.radius_m = 0.11;
+    assert_eq!(to_text(&scenario, Some(text)), text.replace("0.1)", "0.11)"));
+    let message = scenario_error("\u{feff}(name: \"Mine\", robot: (radius_m: 99))");
+    assert!(
+        message.starts_with("w.ron:1:34: `robot.radius_m` is 99"),
+        "columns do not count the mark: {message}"
+    );
+    let message = scenario_error("\u{feff}(name: \"Mine\", robt: 1)");
+    assert!(message.starts_with("w.ron:1:16: unknown field `robt`"), "{message}");
 }

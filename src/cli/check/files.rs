@@ -67,7 +67,10 @@ fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
         } else if path.extension().is_some_and(|ending| ending == "ron") {
             // A pipe that happens to lie in a folder may wait for ever; one that the user names is read.
             checked.push(if is_special_file(&path) {
-                CheckedFile::unreadable(path, "this is a pipe, a socket or a device, not a file; help: remove it")
+                CheckedFile::unreadable(
+                    path,
+                    "this is a pipe, a socket or a device, not a file; help: remove it",
+                )
             } else {
                 CheckedFile::new(path)
             });

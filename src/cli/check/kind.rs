@@ -53,7 +53,10 @@ impl FileKind {
 /// The kind of the file at `path`, if it can be read, and its problems.
 pub fn check(path: &Path) -> (Option<FileKind>, Option<FileError>) {
     if path.extension().is_some_and(|extension| extension == "safetensors") {
-        return (Some(FileKind::Policy), policy_card::read(path).err().map(|error| policy_error(path, &error)));
+        return (
+            Some(FileKind::Policy),
+            policy_card::read(path).err().map(|error| policy_error(path, &error)),
+        );
     }
     let text = match read_text(path) {
         Ok(text) => text,

@@ -7,8 +7,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::claim::{ClaimResult, tally};
 use crate::page::{Item, Page, Section, Setting};
-use crate::style::is_xml;
 use crate::page_text::{CLAIMS, PROVENANCE, SETTINGS, percent_encoded};
+use crate::style::is_xml;
 use parts::{claim_list, files, outcome, paragraphs_html, unbroken};
 use table::table_block;
 
