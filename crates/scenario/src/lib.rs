@@ -5,7 +5,7 @@
 //! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
 
 mod check;
-mod choices;
+mod explain;
 mod file_error;
 mod generate;
 mod geometry;
@@ -13,13 +13,9 @@ mod geometry;
 mod input;
 pub mod limits;
 mod load;
-mod lookalike;
 mod motion;
-mod number_text;
 mod placement;
 pub mod polygon;
-mod recover;
-mod ron_message;
 mod schema;
 mod shape;
 mod text;
@@ -28,6 +24,7 @@ pub mod virtual_files;
 mod write;
 
 pub use check::diagnostics;
+pub use explain::{closest_name, whole_number};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, utf8};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
@@ -39,9 +36,7 @@ pub use load::{
     to_ron,
 };
 pub use motion::pose_at;
-pub use number_text::whole_number;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
-pub use ron_message::closest_name;
 pub use schema::*;
 pub use shape::RoundedBox;
 pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};

@@ -15,11 +15,10 @@ use serde::de::DeserializeOwned;
 use wayfield_ron_patch::SourceMap;
 
 use super::check::{diagnostics, value_diagnostics};
+use super::explain::{Recovered, closest_name, recover};
 use super::file_error::{Diagnostic, FileError};
 use super::limits::{MAX_FILE_BYTES, MAX_NESTING};
 use super::read_bytes;
-use super::recover::{Recovered, recover};
-use super::ron_message::closest_name;
 use super::schema::Scenario;
 use super::text::{printable_path, without_mark};
 

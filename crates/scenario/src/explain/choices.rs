@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ron::error::{Error, SpannedError};
 
-use super::ron_message::offset;
+use super::offset;
 
 /// A word that no enum of the project has as a choice.
 const UNKNOWN: &str = "UnknownChoice";

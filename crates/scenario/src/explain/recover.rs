@@ -6,7 +6,8 @@ use ron::error::SpannedError;
 use serde::de::DeserializeOwned;
 
 use super::choices::{choices, is_read, lacks_fields, replaced};
-use super::ron_message::{Problem, Repair, explain, missing_fields};
+use super::names::missing_fields;
+use super::{Problem, Repair, explain};
 
 /// The longest text, in bytes, that is read again to find further problems; of a longer one, only the first is reported.
 const MAX_BYTES: usize = 1 << 15;
@@ -16,7 +17,7 @@ const MAX_REPAIRS: usize = 64;
 const VALUES: [&str; 6] = ["0", "0.0", "\"\"", "true", "[]", "(0, 0)"];
 
 /// The problems of a text, by byte offset, and what could be read without them.
-pub(super) struct Recovered<T> {
+pub struct Recovered<T> {
     pub problems: Vec<(usize, String)>,
     pub value: Option<T>,
     /// The ranges of the text that were ignored.
@@ -24,7 +25,7 @@ pub(super) struct Recovered<T> {
 }
 
 /// The problems of `text`, of which ron has found `error`. `read` is ron.
-pub(super) fn recover<T: DeserializeOwned>(
+pub fn recover<T: DeserializeOwned>(
     text: &str,
     mut error: SpannedError,
     read: impl Fn(&str) -> Result<T, SpannedError>,

@@ -1,7 +1,7 @@
 //! Characters that look like those of RON but are others: what word processors, phones and web pages make of quotes,
 //! spaces and signs.
 
-use super::text::{code_point, is_unprintable};
+use crate::text::{code_point, is_unprintable};
 
 /// The problem with the character at `offset` of `text`, which ron did not expect there, and the text to write instead.
 /// `None` for a character that RON uses.
