@@ -52,9 +52,14 @@ fn preset_error(text: &str) -> String {
 
 /// Asserts that each text gives exactly its message.
 fn check(file: &str, message: fn(&str) -> String, cases: &[(&str, &str)]) {
+    let mut wrong = String::new();
     for (text, expected) in cases {
-        assert_eq!(message(text), format!("{file}:{expected}"), "for {text}");
+        let (found, expected) = (message(text), format!("{file}:{expected}"));
+        if found != expected {
+            wrong += &format!("for {text}\nfound    {found}\nexpected {expected}\n");
+        }
     }
+    assert!(wrong.is_empty(), "{wrong}");
 }
 
 #[test]
@@ -174,7 +179,7 @@ fn other_formats_and_their_signs_are_named() {
             ("(name = \"Mine\")", "1:7: write `:` between a field's name and its value, not `=`"),
             (
                 "(name: \"C:\\worlds\")",
-                "1:12: a backslash begins an escape: for the backslash itself, write two of them",
+                "1:11: a backslash begins an escape: for the backslash itself, write two of them",
             ),
         ],
     );
@@ -235,7 +240,13 @@ fn all_problems_of_a_text_are_listed() {
         scenario_error,
         &[(
             "(obstacles: [(shape: Circl(radius_m: 0.1)), (shape: Circle(radius_m: big), position_m: 3)], robot: (radius_m: 99))",
-            "",
+            "1:1: the file lacks the field `name`: add `name: ...`\n\
+             w.ron:1:14: `obstacles[0]` lacks the field `position_m`: add `position_m: ...`\n\
+             w.ron:1:22: unknown choice `Circl` for `obstacles[0].shape`: did you mean `Circle`? the choices are \
+             `Circle`, `Rectangle`, `Polygon`, `Capsule`\n\
+             w.ron:1:70: `obstacles[1].shape.radius_m` must be a number\n\
+             w.ron:1:88: `obstacles[1].position_m` must be a point: (x, y)\n\
+             w.ron:1:111: `robot.radius_m` is 99: write a number from 0.01 to 10 (metres)",
         )],
     );
 }

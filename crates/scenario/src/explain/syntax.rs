@@ -61,7 +61,11 @@ impl Place<'_> {
             }
             E::ExpectedStringEnd => self.problem(start, "this text has no closing quote: add one"),
             E::InvalidEscape(_) => {
-                self.problem(end, "a backslash begins an escape: for the backslash itself, write two of them")
+                let backslash = self.text[..end].rfind('\\').unwrap_or(end);
+                self.problem(
+                    backslash,
+                    "a backslash begins an escape: for the backslash itself, write two of them",
+                )
             }
             E::UnexpectedChar(_) => self.problem(
                 end,
