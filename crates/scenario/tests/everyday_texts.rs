@@ -213,11 +213,11 @@ fn all_problems_of_a_text_are_listed() {
         "p.ron",
         preset_error,
         &[
-            ("()", "1:1: the file lacks the fields `arenas`, `budget`: add `arenas: ...`, `budget: ...`"),
+            ("()", "1:1: the file lacks the fields `arenas`, `budget`: add all 2"),
             (
                 "(learning: (double: True, gamma: 0,99, loss: 'mse', learning_rate: 3e-4), colour: 1)",
                 &format!(
-                    "1:1: the file lacks the fields `arenas`, `budget`: add `arenas: ...`, `budget: ...`\n\
+                    "1:1: the file lacks the fields `arenas`, `budget`: add all 2\n\
                      p.ron:1:21: `learning.double` must be true or false\n\
                      p.ron:1:34: a decimal comma: write 0.99\n\
                      p.ron:1:46: `learning.loss` must be one of {loss}, without quotes: write `Mse`\n\

@@ -54,9 +54,10 @@ impl Place<'_> {
 /// The message about the `fields` that `owner` lacks.
 pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
     let names: Vec<_> = fields.iter().map(|name| format!("`{name}`")).collect();
-    let lines: Vec<_> = fields.iter().map(|name| format!("`{name}: ...`")).collect();
-    let plural = if fields.len() > 1 { "s" } else { "" };
-    format!("{owner} lacks the field{plural} {}: add {}", names.join(", "), lines.join(", "))
+    match fields {
+        [field] => format!("{owner} lacks the field `{field}`: add `{field}: ...`"),
+        fields => format!("{owner} lacks the fields {}: add all {}", names.join(", "), fields.len()),
+    }
 }
 
 /// The text "did you mean `x`? the fields are `x`, `y`": the closest of `known` to `word`, if one is close, then all.
