@@ -188,6 +188,25 @@ fn the_content_decides_what_kind_a_file_is() {
 }
 
 #[test]
+fn a_value_that_was_not_read_is_not_reported_twice() {
+    let workspace = workspace();
+    workspace.write(
+        "e5.ron",
+        edited(FAST, &[("EnvSteps(600000)", "EnvSteps(6e5)"), ("gamma: 0.95", "gamma: 95")]),
+    );
+    let done = workspace.run("--check e5.ron");
+    let lines: Vec<&str> = done.stderr.lines().collect();
+    assert_eq!(
+        lines[..3],
+        [
+            "e5.ron:5:22: `budget` must be a whole number: write 600000",
+            "e5.ron:18:16: `learning.gamma` is 95; help: give 0 to 1",
+            "e5.ron: 2 problems in this preset",
+        ]
+    );
+}
+
+#[test]
 fn all_problems_of_a_file_are_listed_at_once() {
     let workspace = workspace();
     workspace.write(

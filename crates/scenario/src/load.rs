@@ -105,7 +105,10 @@ fn parse_any<T: DeserializeOwned>(
     let Recovered { mut problems, value, ignored } = recover(text, error, read);
     if let Some(value) = value {
         let map = SourceMap::new(text);
-        let is_ignored = |at: &usize| ignored.iter().any(|range| range.contains(at));
+        let is_ignored = |at: &usize| {
+            let value = map.value_at(*at);
+            ignored.iter().any(|range| range.start < value.end && value.start <= range.end)
+        };
         problems.extend(check_values(&value).iter().filter_map(|found| {
             let at =
                 map.offset_of(&found.path).filter(|at| map.path_at(*at) == found.path && !is_ignored(at))?;

@@ -213,6 +213,13 @@ fn all_problems_of_a_text_are_listed() {
         "p.ron",
         preset_error,
         &[
+            (
+                "(arenas: 1, budget: EnvSteps(6e5), # a comment\n # another\n colour: 1)",
+                "1:30: `budget` must be a whole number: write 600000\n\
+                 p.ron:1:36: a comment starts with `//`, not with `#`\n\
+                 p.ron:2:2: a comment starts with `//`, not with `#`\n\
+                 p.ron:3:2: unknown field `colour` in the file: the fields are `arenas`, `budget`, `learning`",
+            ),
             ("()", "1:1: the file lacks the fields `arenas`, `budget`: add all 2"),
             (
                 "(learning: (double: True, gamma: 0,99, loss: 'mse', learning_rate: 3e-4), colour: 1)",

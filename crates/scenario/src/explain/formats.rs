@@ -22,9 +22,11 @@ impl Place<'_> {
         let before = self.text[..self.end].trim_end();
         let is_key = |rest: &str| rest.trim_start().starts_with([':', '=']);
         let here = self.end;
+        let hash =
+            |at: usize| Problem { repair: Some(Repair::Replace(at..at + 1, "//")), ..self.problem(at, HASH) };
         Some(match code {
-            Error::ExpectedAttribute => self.problem(last_of(before), HASH),
-            _ if self.rest().starts_with('#') => self.problem(here, HASH),
+            Error::ExpectedAttribute => hash(last_of(before)),
+            _ if self.rest().starts_with('#') => hash(here),
             _ if self.rest().starts_with(';') => {
                 let repair = Some(Repair::Replace(here..here + 1, ","));
                 Problem { offset: here, message: "fields are separated by commas, not by `;`".into(), repair }
