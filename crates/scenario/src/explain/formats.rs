@@ -3,7 +3,7 @@
 use ron::error::Error;
 
 use super::lookalike::lookalike;
-use super::{Place, Problem, Repair, last_of};
+use super::{Place, Problem, Repair};
 
 impl Place<'_> {
     /// A character that only looks like one of RON.
@@ -19,13 +19,13 @@ impl Place<'_> {
     /// Another file format than RON, or its signs.
     pub(super) fn other_format(&self, code: &Error) -> Option<Problem> {
         let root = self.map.start().unwrap_or(0);
-        let before = self.text[..self.end].trim_end();
+        let before = &self.text[..self.end];
         let is_key = |rest: &str| rest.trim_start().starts_with([':', '=']);
         let here = self.end;
         let hash =
             |at: usize| Problem { repair: Some(Repair::Replace(at..at + 1, "//")), ..self.problem(at, HASH) };
         Some(match code {
-            Error::ExpectedAttribute => hash(last_of(before)),
+            Error::ExpectedAttribute => hash(before.rfind('#')?),
             _ if self.rest().starts_with('#') => hash(here),
             _ if self.rest().starts_with(';') => {
                 let repair = Some(Repair::Replace(here..here + 1, ","));
