@@ -74,7 +74,7 @@ pub fn screen_ui(
     if view_state.editor.is_none() {
         arena_view::welcome::welcome_ui(ui, middle, view, commands);
     }
-    editor::confirm_exit::confirm_exit_ui(ui, middle, view_state, commands);
+    editor::confirm_exit::confirm_exit_ui(ui, middle, view.status, view_state, commands);
     notices::notices_ui(ui, middle, &view.status.notices, commands);
     help::help_ui(ui, view_state);
 }

@@ -14,6 +14,7 @@
 //! | `scenario_source.rs` | [`ScenarioSource`] | the scenario's file |
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
+//! | `comparison.rs` | | the second policy, to compare with |
 //! | `notices.rs` | [`Notices`] | messages to the user |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
@@ -21,6 +22,7 @@
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
 //! | `start_training.rs`, `first_training.rs` | | the start of a training |
 //! | `demo.rs` | | a policy or the user drives |
+//! | `session_policy.rs` | | the policies that can be tested, saved or transferred |
 //! | `save.rs`, `editor_files.rs` | | the saving of files |
 //!
 //! What is learnt depends on the configuration, the journal and the number of steps; not on when the steps were taken, nor on
@@ -28,6 +30,7 @@
 
 pub mod active_mode;
 mod advance;
+pub(crate) mod comparison;
 mod demo;
 mod editor_files;
 pub mod evaluations;
@@ -43,6 +46,7 @@ pub mod pacer;
 mod save;
 mod scenario_changes;
 pub mod scenario_source;
+mod session_policy;
 mod start_training;
 pub mod throughput;
 pub mod trails;

@@ -5,6 +5,7 @@
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use crate::app::commands::PolicySource;
 use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;
@@ -23,6 +24,8 @@ pub struct TrainingRun {
     pub initial_policy: Option<Policy>,
     /// Whether the training met non-finite numbers and cannot continue.
     pub has_failed: bool,
+    /// The policy that Test, Drive and Compare use: the current or the best one.
+    pub tested: PolicySource,
     /// Env steps at the last save of the policy or the run.
     pub saved_at: Option<u64>,
     started: Instant,
@@ -44,6 +47,7 @@ impl TrainingRun {
             trainer_state,
             initial_policy,
             has_failed: false,
+            tested: PolicySource::Current,
             saved_at: None,
             started,
             previous_wall_s,

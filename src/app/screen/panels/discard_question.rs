@@ -3,7 +3,7 @@
 use egui::{Button, Frame, Margin, RichText, Stroke, Ui, vec2};
 
 use crate::app::app_snapshot::AppSnapshot;
-use crate::app::commands::Command;
+use crate::app::commands::{Command, PolicySource};
 use crate::app::screen::numbers;
 use crate::app::screen::theme::Palette;
 use crate::app::setup_form::SetupForm;
@@ -40,13 +40,11 @@ pub(super) fn discard_question_ui(
         .inner_margin(Margin::same(8));
     frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let episodes = if status.episodes == 1 { "episode" } else { "episodes" };
-        let count = numbers::format_count(status.episodes);
-        let text = format!("Discard this training ({count} {episodes})?");
+        let (text, answer) = question(status, form.awaiting_confirmation.as_ref());
         ui.label(RichText::new(text).color(palette.text));
         ui.horizontal(|ui| {
             let width = ui.available_width() - ui.spacing().item_spacing.x - CANCEL_WIDTH;
-            let discard = ui.add_sized(vec2(width, 26.0), Button::new("Discard")).clicked();
+            let discard = ui.add_sized(vec2(width, 26.0), Button::new(answer)).clicked();
             let cancel = ui.add_sized(vec2(CANCEL_WIDTH, 26.0), Button::new("Cancel")).clicked();
             if discard {
                 let asked = form.awaiting_confirmation.take();
@@ -62,6 +60,19 @@ pub(super) fn discard_question_ui(
 fn with_current_choices(asked: &Command, form: &SetupForm) -> Command {
     match asked {
         Command::StartTraining { .. } => form.start_training(),
-        _ => Command::TrainFromOpened { epsilon: form.epsilon },
+        Command::Transfer { policy, .. } => form.transfer(*policy),
+        other => other.clone(),
+    }
+}
+
+/// The question before `asked`, and the text of the button that confirms it.
+fn question(status: &AppSnapshot, asked: Option<&Command>) -> (String, &'static str) {
+    let episodes = if status.episodes == 1 { "episode" } else { "episodes" };
+    let count = numbers::format_count(status.episodes);
+    match asked {
+        Some(Command::Transfer { policy: PolicySource::Current | PolicySource::Best, .. }) => {
+            (format!("End this training ({count} {episodes})? Its policy continues."), "Continue")
+        }
+        _ => (format!("Discard this training ({count} {episodes})?"), "Discard"),
     }
 }
