@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::output::print_stdout;
 use crate::run::{RunError, policy_card};
+use crate::scenario::is_unprintable;
 
 /// Prints the network and the card of the policy in the file at `path`, as one line of JSON: what the file itself contains.
 ///
@@ -22,7 +23,7 @@ pub fn run(path: &Path) -> Result<(), RunError> {
 /// `json` on one line, with escape sequences of JSON for all characters that a terminal might interpret.
 fn escaped(json: &str) -> String {
     let escape = |c: char| match c {
-        c if policy_card::is_harmless(c) => c.to_string(),
+        c if !is_unprintable(c) => c.to_string(),
         // Between tokens only: in strings JSON itself escapes them.
         '\n' | '\r' | '\t' => " ".into(),
         c => c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect(),

@@ -10,13 +10,14 @@ use serde::Serialize;
 use super::output::{print_json, print_stdout};
 use super::policy;
 use super::shared::SharedArgs;
+use super::values;
 use crate::learning::Policy;
 use crate::limits::MAX_EVAL_EPISODES;
 use crate::planner::unsupported_reason;
 use crate::run::evaluate::{self, EpisodeResult, Evaluation, Evaluator};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, policy_card, shipped};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, printable};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
@@ -30,7 +31,7 @@ const ROUTE_EPISODES_PER_ROUND: usize = 5;
 #[command(next_help_heading = "Options of --eval")]
 pub struct EvalArgs {
     /// Rounds of episodes
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
     rounds: u32,
 
     /// Also drive the paper's benchmark route, 5 rounds of 5 episodes: from (0, 0) to (1.2, 1.2)
@@ -172,7 +173,7 @@ impl EvaluationReport {
              timeout         {:.1} %\n\
              mean time       {}\n",
             self.policy,
-            policy_card::printable(&self.scenario),
+            printable(&self.scenario),
             e.episodes,
             e.seed,
             100.0 * e.success_rate,

@@ -162,8 +162,7 @@ impl RunFolder {
     }
 
     fn check_config(&self, config: &RunConfig) -> Result<(), RunError> {
-        let mut diagnostics = config.preset.diagnostics();
-        diagnostics.extend(crate::scenario::diagnostics(&config.scenario));
+        let diagnostics = config.diagnostics();
         if !diagnostics.is_empty() {
             let text = read_text_with_limit(self.config(), MAX_CONFIG_BYTES)?;
             return Err(FileError::from_diagnostics(&self.config(), &text, &diagnostics).into());

@@ -186,28 +186,10 @@ fn describe_sensors<'a>(sensors: impl IntoIterator<Item = (&'a str, usize)>) -> 
     parts.join(", ")
 }
 
-/// At most 200 characters of `text` from a file, with `\u{1b}` in place of characters that a terminal would interpret.
-#[must_use]
-pub fn printable(text: &str) -> String {
+/// At most 200 characters of `text` from a card, made safe to print.
+fn printable(text: &str) -> String {
     const MAX_CHARS: usize = 200;
-    let mut printable = String::new();
-    for c in text.chars().take(MAX_CHARS) {
-        if is_harmless(c) {
-            printable.push(c);
-        } else {
-            printable.extend(c.escape_unicode());
-        }
-    }
-    if text.chars().nth(MAX_CHARS).is_some() {
-        printable.push('…');
-    }
-    printable
-}
-
-/// Whether a terminal shows `c` and does nothing else: neither a control character nor one that changes the direction of
-/// text.
-#[must_use]
-pub fn is_harmless(c: char) -> bool {
-    !c.is_control()
-        && !matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    let end = text.char_indices().nth(MAX_CHARS).map(|(at, _)| at);
+    let short = crate::scenario::printable(&text[..end.unwrap_or(text.len())]).into_owned();
+    if end.is_some() { short + "…" } else { short }
 }
