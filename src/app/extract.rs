@@ -12,7 +12,7 @@ use super::scalar_fields::ScalarFields;
 use super::scene::{ArenaScene, DriverLabel, Scene};
 use super::session::trails::ArenaTrails;
 use super::session::{
-    ActiveMode, Journal, Notices, OpenedFiles, Pacer, ScenarioSource, Throughput, Trails, TrainingRun, open,
+    ActiveMode, Autosave, Journal, Notices, OpenedFiles, Pacer, QuitQuestion, ScenarioSource, Throughput, Trails, TrainingRun, open,
 };
 use crate::agent::{ActiveLearner, Decisions};
 use crate::run::preset::Budget;
@@ -56,6 +56,8 @@ pub(super) struct SessionView<'w> {
     opened: Res<'w, OpenedFiles>,
     source: Res<'w, ScenarioSource>,
     notices: Res<'w, Notices>,
+    autosave: Res<'w, Autosave>,
+    quit_question: Res<'w, QuitQuestion>,
     learner: Res<'w, ActiveLearner>,
 }
 
@@ -213,6 +215,8 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         opened_policy: session.opened.policy.as_ref().map(|(name, _)| name.clone()),
         notices: session.notices.list(),
         restart_loses_training: session.run.would_lose_training(learner.env_steps()),
+        last_session: session.autosave.last_session(),
+        quit_question: session.quit_question.0,
         expert: open::expert(config).map(|(name, _)| name),
         saved_scenario: session.source.saved().cloned(),
         has_disk: cfg!(not(target_arch = "wasm32")),

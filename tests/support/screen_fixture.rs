@@ -313,6 +313,8 @@ fn status() -> AppSnapshot {
         opened_policy: None,
         notices: Vec::new(),
         restart_loses_training: false,
+        last_session: None,
+        quit_question: false,
         expert: Some("Expert of Scenario I".into()),
         has_disk: true,
         saved_scenario: None,

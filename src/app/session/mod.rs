@@ -21,13 +21,16 @@
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
 //! | `start_training.rs`, `first_training.rs` | | the start of a training |
 //! | `demo.rs` | | a policy or the user drives |
-//! | `save.rs`, `editor_files.rs` | | the saving of files |
+//! | `save.rs`, `run_snapshot.rs`, `editor_files.rs` | | the saving of files |
+//! | `autosave/` | [`Autosave`] | a copy of the training for the next session |
+//! | `quit.rs` | [`QuitQuestion`] | the end of the app |
 //!
 //! What is learnt depends on the configuration, the journal and the number of steps; not on when the steps were taken, nor on
 //! what was displayed.
 
 pub mod active_mode;
 mod advance;
+pub mod autosave;
 mod demo;
 mod editor_files;
 pub mod evaluations;
@@ -40,6 +43,8 @@ pub mod journal;
 pub mod notices;
 pub mod open;
 pub mod pacer;
+pub mod quit;
+mod run_snapshot;
 mod save;
 mod scenario_changes;
 pub mod scenario_source;
@@ -59,14 +64,18 @@ use crate::agent::ActionSources;
 use crate::simulation::{Extensions, SimulationBuilder};
 
 pub use active_mode::ActiveMode;
+pub use autosave::{Autosave, AutosaveOptions};
 pub use evaluations::Evaluations;
 pub use journal::Journal;
 pub use notices::Notices;
 pub use open::OpenedFiles;
 pub use pacer::Pacer;
+pub use quit::QuitQuestion;
 pub use scenario_source::ScenarioSource;
 pub use throughput::Throughput;
 pub use trails::Trails;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use save::unused_path;
 pub use training_run::TrainingRun;
 
 /// Options of the first training.
@@ -88,6 +97,8 @@ pub struct StartOptions {
     pub edit: bool,
     /// Messages about invalid options, which are replaced by their defaults.
     pub invalid_options: Vec<String>,
+    /// Where to save the training regularly; `None` does not.
+    pub autosave: Option<AutosaveOptions>,
     /// A user's plugins.
     pub extensions: Extensions,
 }
@@ -104,6 +115,7 @@ impl Default for StartOptions {
             open: None,
             edit: false,
             invalid_options: Vec::new(),
+            autosave: None,
             extensions: Extensions::default(),
         }
     }
@@ -130,6 +142,8 @@ impl Plugin for SessionPlugin {
             .init_resource::<ActionSources>()
             .init_resource::<Notices>()
             .init_resource::<OpenedFiles>()
+            .init_resource::<Autosave>()
+            .init_resource::<QuitQuestion>()
             .init_resource::<Throughput>()
             .insert_resource(TrainingHistory(History::new()))
             .add_systems(PreStartup, move |world: &mut World| first_training::start_first(world, &start))
@@ -139,6 +153,7 @@ impl Plugin for SessionPlugin {
                     advance::execute_commands,
                     #[cfg(not(target_arch = "wasm32"))]
                     file_watch::poll,
+                    autosave::run,
                     advance::take_steps,
                     notices::expire,
                     throughput::record_frame,

@@ -10,6 +10,7 @@ use bevy::prelude::*;
 
 use super::TrainingHistory;
 use super::active_mode::ActiveMode;
+use super::autosave;
 use super::evaluations::Evaluations;
 #[cfg(not(target_arch = "wasm32"))]
 use super::file_watch::{self, FileWatches, RetryAction};
@@ -20,6 +21,7 @@ use super::pacer::Pacer;
 use super::scenario_source::ScenarioSource;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
+use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
 use crate::learning::Learner;
 use crate::policy::Policy;
@@ -84,6 +86,9 @@ fn replace(world: &mut World, prepared: PreparedTraining) {
     if let Some(pace) = world.resource::<ActiveMode>().suspended_pace() {
         world.resource_mut::<Pacer>().pace = pace;
     }
+    let env_steps = world.resource::<ActiveLearner>().0.env_steps();
+    let keep = world.resource::<TrainingRun>().would_lose_training(env_steps);
+    autosave::end_training(world, keep);
     let old = world.remove_resource::<ScenarioSource>();
     insert_run(world, prepared);
     if let Some(old) = old {
@@ -175,7 +180,7 @@ pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
     replace(world, PreparedTraining { config, initial_policy, learner, trainer_state });
     world.insert_resource(journal);
     world.resource_scope(|world, mut run: Mut<TrainingRun>| {
-        run.saved_at = Some(env_steps);
+        run.mark_saved(env_steps);
         checkpoint::restore(world, &run.trainer_state);
     });
     let curves = &mut world.resource_mut::<TrainingHistory>().0;

@@ -13,13 +13,17 @@
 //! | `seed.rs`, `discard_question.rs` | the seed field; the question before a training is discarded |
 //! | `overlays.rs` | the setup panel's switches for the overlays |
 //! | `notices.rs` | notices over the arena |
+//! | `last_session.rs` | the offer to continue the last session |
+//! | `quit_question.rs` | the question before quitting |
 //! | `help.rs` | the help window |
 
 mod discard_question;
 pub mod help;
+pub mod last_session;
 mod mode_switch;
 pub mod notices;
 mod overlays;
+pub mod quit_question;
 mod readouts;
 mod seed;
 pub mod setup;
