@@ -21,14 +21,13 @@
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
 //! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
-//! | `controls.rs` | the positions of named controls, for the page tests |
+//! | `controls.rs` | the positions of named controls, for tests of the window and the page |
 
 pub mod app_snapshot;
 mod blending;
 #[cfg(target_arch = "wasm32")]
 pub mod browser;
 pub mod commands;
-#[cfg(target_arch = "wasm32")]
 mod controls;
 pub mod editor;
 mod extract;

@@ -118,6 +118,10 @@ impl Plugin for WindowedPlugin {
             return;
         }
         app.insert_resource(preferences).add_systems(Last, preferences::store);
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(file) = super::controls::ControlsFile::from_env() {
+            app.insert_resource(file).add_systems(Last, super::controls::write_controls);
+        }
         #[cfg(target_arch = "wasm32")]
         app.add_systems(
             Last,
