@@ -18,6 +18,7 @@
 //! | `editor/` | the scenario editor: the document, its operations, undo and redo |
 //! | `view_state.rs` | what the user has chosen to see; `preferences.rs` stores it |
 //! | `window.rs`, `window_input.rs`, `blending.rs` | the window, its input and its colours |
+//! | `shutdown.rs` | ends that the user does not ask for: signals, a lost display or GPU, a panic |
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
 //! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
@@ -46,6 +47,8 @@ pub mod screen;
 pub mod screenshot;
 pub mod session;
 pub mod setup_form;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod shutdown;
 pub mod view_state;
 pub mod window;
 mod window_input;
