@@ -12,7 +12,8 @@ use super::scalar_fields::ScalarFields;
 use super::scene::{ArenaScene, DriverLabel, Scene};
 use super::session::trails::ArenaTrails;
 use super::session::{
-    ActiveMode, Autosave, Journal, Notices, OpenedFiles, Pacer, QuitQuestion, ScenarioSource, Throughput, Trails, TrainingRun, open,
+    ActiveMode, Autosave, Journal, Notices, OpenedFiles, Pacer, QuitQuestion, ScenarioSource, Throughput,
+    Trails, TrainingRun, open,
 };
 use crate::agent::{ActiveLearner, Decisions};
 use crate::run::preset::Budget;

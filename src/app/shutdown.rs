@@ -22,7 +22,8 @@ impl Plugin for ShutdownPlugin {
     fn build(&self, app: &mut App) {
         signals::stop_on_signal(ANNOUNCEMENT);
         report_autosave_after_panic();
-        app.insert_resource(RenderErrorHandler(save_after_render_error)).add_systems(PreUpdate, save_after_signal);
+        app.insert_resource(RenderErrorHandler(save_after_render_error))
+            .add_systems(PreUpdate, save_after_signal);
     }
 }
 

@@ -19,9 +19,9 @@ use super::preferences::{self, Preferences};
 use super::screen::{self, ScreenInput, theme};
 #[cfg(not(target_arch = "wasm32"))]
 use super::screenshot::{ScreenshotRequest, take_screenshot};
+use super::session::{StartOptions, TrainingHistory, TrainingRun};
 #[cfg(not(target_arch = "wasm32"))]
 use super::shutdown;
-use super::session::{StartOptions, TrainingHistory, TrainingRun};
 use super::view_state::{EditorSource, Overlays, ThemeChoice};
 use super::window_input::{draw_less_when_idle, fix_input, take_dropped_files};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};

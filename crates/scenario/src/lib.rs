@@ -26,8 +26,8 @@ pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_dis
 pub use glam::{Vec2, vec2};
 pub use limits::MAX_FILE_BYTES;
 pub use load::{
-    parse_ron, path_exists, read_bytes, read_ron, read_ron_with_limit, read_text, read_text_with_limit,
-    to_ron,
+    parse_ron, parse_ron_with_limit, path_exists, read_bytes, read_ron, read_ron_with_limit, read_text,
+    read_text_with_limit, to_ron,
 };
 pub use motion::pose_at;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};

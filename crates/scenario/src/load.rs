@@ -98,8 +98,20 @@ pub fn read_ron_with_limit<T: DeserializeOwned>(
 /// # Errors
 /// [`FileError`] if `text` is not RON for a `T`.
 pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T, FileError> {
-    if text.len() as u64 > MAX_FILE_BYTES {
-        return Err(too_large(path.as_ref(), MAX_FILE_BYTES));
+    parse_ron_with_limit(text, path, MAX_FILE_BYTES)
+}
+
+/// A `T` from RON text of up to `max_bytes`, for files that the program itself wrote. Errors name `path`.
+///
+/// # Errors
+/// [`FileError`] if `text` is not RON for a `T`.
+pub fn parse_ron_with_limit<T: DeserializeOwned>(
+    text: &str,
+    path: impl AsRef<Path>,
+    max_bytes: u64,
+) -> Result<T, FileError> {
+    if text.len() as u64 > max_bytes {
+        return Err(too_large(path.as_ref(), max_bytes));
     }
     parse_any(text, path.as_ref())
 }

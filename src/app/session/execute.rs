@@ -6,6 +6,7 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
+use super::QuitQuestion;
 use super::active_mode::{self, ActiveMode};
 use super::autosave::{self, Autosave};
 use super::editor_files;
@@ -14,7 +15,8 @@ use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
-use super::quit::{self, QuitQuestion};
+#[cfg(not(target_arch = "wasm32"))]
+use super::quit;
 use super::save;
 use super::scenario_changes;
 use super::start_training;
@@ -73,8 +75,12 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         }
         Command::ContinueLastSession => autosave::continue_last_session(world)?,
         Command::DismissLastSession => world.resource_mut::<Autosave>().dismiss_last_session(),
+        #[cfg(not(target_arch = "wasm32"))]
         Command::Close => quit::request(world),
+        #[cfg(not(target_arch = "wasm32"))]
         Command::Quit { save } => quit::answer(world, save),
+        #[cfg(target_arch = "wasm32")]
+        Command::Close | Command::Quit { .. } => {}
         Command::KeepOpen => world.resource_mut::<QuitQuestion>().0 = false,
         Command::DismissNotice(index) => world.resource_mut::<Notices>().dismiss(index),
         // The file dialogs answer these with a command that has a path.

@@ -19,7 +19,7 @@
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | the execution of each command |
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
-//! | `start_training.rs`, `first_training.rs` | | the start of a training |
+//! | `start_training.rs`, `saved_run.rs`, `first_training.rs` | | the start of a training |
 //! | `demo.rs` | | a policy or the user drives |
 //! | `save.rs`, `run_snapshot.rs`, `editor_files.rs` | | the saving of files |
 //! | `autosave/` | [`Autosave`] | a copy of the training for the next session |
@@ -43,9 +43,11 @@ pub mod journal;
 pub mod notices;
 pub mod open;
 pub mod pacer;
-pub mod quit;
+#[cfg(not(target_arch = "wasm32"))]
+mod quit;
 mod run_snapshot;
 mod save;
+mod saved_run;
 mod scenario_changes;
 pub mod scenario_source;
 mod start_training;
@@ -70,12 +72,11 @@ pub use journal::Journal;
 pub use notices::Notices;
 pub use open::OpenedFiles;
 pub use pacer::Pacer;
-pub use quit::QuitQuestion;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use save::unused_path;
 pub use scenario_source::ScenarioSource;
 pub use throughput::Throughput;
 pub use trails::Trails;
-#[cfg(not(target_arch = "wasm32"))]
-pub(crate) use save::unused_path;
 pub use training_run::TrainingRun;
 
 /// Options of the first training.
@@ -120,6 +121,10 @@ impl Default for StartOptions {
         }
     }
 }
+
+/// Whether the question before quitting is open. (A page cannot keep its tab open, so it never is there.)
+#[derive(Resource, Default)]
+pub struct QuitQuestion(pub bool);
 
 /// The learning curves.
 #[derive(Resource)]

@@ -4,6 +4,7 @@
 
 use bevy::prelude::*;
 
+use super::QuitQuestion;
 use super::autosave;
 use super::notices::{NoticeTopic, notify};
 use super::save;
@@ -12,10 +13,6 @@ use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::SaveKind;
 use crate::run::progress::print_stderr;
-
-/// Whether the question before quitting is open.
-#[derive(Resource, Default)]
-pub struct QuitQuestion(pub bool);
 
 /// Quits, or opens the question if an unsaved training would be lost.
 pub(super) fn request(world: &mut World) {

@@ -33,7 +33,7 @@ pub(super) struct RunSnapshot {
     trainer_state: TrainerState,
     learner: Learner,
     journal: Journal,
-    initial_policy: Option<Vec<u8>>,
+    pub(super) initial_policy: Option<Vec<u8>>,
     last_policy: Vec<u8>,
     /// `episodes.csv`, after its first bytes if they are known.
     episodes: Vec<u8>,

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::limits::MAX_CONFIG_BYTES;
 use crate::run::RunError;
 use crate::run::preset::Preset;
 use crate::run::shipped;
-use crate::scenario::{FileError, Scenario};
+use crate::scenario::{FileError, Scenario, parse_ron_with_limit};
 use crate::simulation::Extensions;
 use crate::task::{ObservationLayout, ObservationSlice};
 
@@ -65,6 +66,22 @@ impl RunConfig {
             scenario: shipped::scenario(scenario_from)?,
             preset: shipped::preset(preset_from)?,
         })
+    }
+
+    /// The configuration in `text`, the contents of the `config.ron` at `path`.
+    ///
+    /// # Errors
+    /// The text is invalid, or a value is out of range.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, RunError> {
+        let config: Self = parse_ron_with_limit(text, path, MAX_CONFIG_BYTES)?;
+        let mut diagnostics = config.preset.diagnostics();
+        diagnostics.extend(crate::scenario::diagnostics(&config.scenario));
+        if !diagnostics.is_empty() {
+            return Err(FileError::from_diagnostics(path, text, &diagnostics).into());
+        }
+        let memory = config.preset.check_memory(&config.scenario);
+        memory.map_err(|error| RunError::invalid_input(path, error))?;
+        Ok(config)
     }
 
     /// This configuration with the user's plugins; their sensors and reward terms are recorded.

@@ -44,12 +44,15 @@ pub(super) fn discard_question_ui(
         ui.horizontal(|ui| {
             ui.spacing_mut().button_padding.x = 2.0;
             let size = vec2((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0, 26.0);
-            let save_first = ui.add_sized(size, Button::new("Save first")).on_hover_text(save_help(status)).clicked();
+            let save_first =
+                ui.add_sized(size, Button::new("Save first")).on_hover_text(save_help(status)).clicked();
             let discard = ui.add_sized(size, Button::new("Discard")).clicked();
             let cancel = ui.add_sized(size, Button::new("Cancel")).clicked();
             if save_first || discard {
                 let asked = form.awaiting_confirmation.take().map(|asked| with_current_choices(&asked, form));
-                commands.extend(asked.map(|asked| if save_first { Command::SaveFirst(Box::new(asked)) } else { asked }));
+                commands.extend(
+                    asked.map(|asked| if save_first { Command::SaveFirst(Box::new(asked)) } else { asked }),
+                );
             } else if cancel {
                 form.awaiting_confirmation = None;
             }

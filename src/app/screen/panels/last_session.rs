@@ -34,7 +34,7 @@ pub fn last_session_ui(ui: &Ui, arena: Rect, status: &AppSnapshot, commands: &mu
                 if primary_button_ui(ui, "Continue", BODY, size).clicked() {
                     commands.push(Command::ContinueLastSession);
                 }
-                if ui.add_sized(size, Button::new("Dismiss")).clicked() {
+                if ui.add_sized(size, Button::new("Not now")).clicked() {
                     commands.push(Command::DismissLastSession);
                 }
             });

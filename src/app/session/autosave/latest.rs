@@ -25,5 +25,7 @@ pub fn describe() -> Option<String> {
         seconds => format!(", as it was {seconds} s ago"),
     };
     let path = path.display();
-    Some(format!("the training is in {path}{age}; help: start wayfield again, or continue it with `wayfield --resume '{path}'`"))
+    Some(format!(
+        "the training is in {path}{age}; help: start wayfield again, or continue it with `wayfield --resume '{path}'`"
+    ))
 }

@@ -7,31 +7,39 @@
 //!
 //! | file | duty |
 //! |---|---|
+//! | `background.rs` | an autosave that is being written |
 //! | `slot.rs` | the folder of one training's autosave |
 //! | `sessions.rs` | autosaves of earlier sessions: which to offer, which to delete |
 //! | `latest.rs` | the current autosave, in words, for a process that ends unexpectedly |
+//! | `browser_*.rs` | the same in a browser, where the page stores the files |
 
+#[cfg_attr(target_arch = "wasm32", path = "browser_background.rs")]
+mod background;
 pub mod latest;
+#[cfg_attr(target_arch = "wasm32", path = "browser_sessions.rs")]
 mod sessions;
+#[cfg_attr(target_arch = "wasm32", path = "browser_slot.rs")]
 mod slot;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use bevy::tasks::{IoTaskPool, Task, block_on, poll_once};
 
 use super::active_mode::ActiveMode;
 use super::evaluations::Evaluations;
 use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
 use super::run_snapshot::RunSnapshot;
+#[cfg(not(target_arch = "wasm32"))]
+use super::save;
+use super::saved_run::SavedRun;
 use super::training_run::TrainingRun;
-use super::{save, start_training};
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::{LastSession, Severity};
 use crate::run::RunError;
+use background::Writing;
 use sessions::FoundSession;
 use slot::Slot;
 
@@ -40,6 +48,16 @@ pub const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(25);
 
 /// If an evaluation has delayed an autosave for this long, no more control steps are taken until the evaluation ends.
 const MAX_DELAY: Duration = Duration::from_secs(3);
+
+/// The interval between autosaves while the user seems to leave the page.
+const SOON: Duration = Duration::from_secs(3);
+
+/// What the user can do if autosaves fail.
+const SAVE_YOURSELF: &str = if cfg!(target_arch = "wasm32") {
+    "save the policy before you close the page"
+} else {
+    "make room there, or save the run elsewhere"
+};
 
 /// Where and when to save.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,6 +68,7 @@ pub struct AutosaveOptions {
     pub every: Duration,
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 impl AutosaveOptions {
     /// Autosaves in the user's data folder; without one, under `runs/` in the working directory.
     #[must_use]
@@ -71,11 +90,13 @@ pub struct Autosave {
     options: Option<AutosaveOptions>,
     /// The autosave of this training; `None` while it is being written.
     slot: Option<Slot>,
-    writing: Option<Task<(Slot, Result<(), RunError>)>>,
+    writing: Option<Writing>,
     /// The training at the last autosave; `None` before the first and after a failure.
     saved: Option<Progress>,
     /// Time of the last autosave, successful or not, or the start of the training.
     since: Instant,
+    /// Whether to save as soon as possible.
+    soon: bool,
     /// The last failure that was reported.
     reported: Option<String>,
     /// The session to offer.
@@ -90,6 +111,7 @@ impl Default for Autosave {
             writing: None,
             saved: None,
             since: Instant::now(),
+            soon: false,
             reported: None,
             last_session: None,
         }
@@ -130,6 +152,8 @@ impl Autosave {
 
 /// Saves when it is time.
 pub(super) fn run(world: &mut World) {
+    #[cfg(target_arch = "wasm32")]
+    take_reports(world);
     finish_writing(world, false);
     if delay(world).is_some() && !world.resource::<Evaluations>().is_running() {
         start(world);
@@ -145,6 +169,7 @@ pub(super) fn holds_steps(world: &World) -> bool {
 fn delay(world: &World) -> Option<Duration> {
     let autosave = world.resource::<Autosave>();
     let every = autosave.options.as_ref()?.every;
+    let every = if autosave.soon { every.min(SOON) } else { every };
     let is_possible = autosave.slot.is_some() && !world.resource::<ActiveMode>().has_pending_changes();
     autosave.since.elapsed().checked_sub(every).filter(|_| is_possible && has_changed(world))
 }
@@ -164,29 +189,23 @@ fn progress(world: &World) -> Progress {
 /// Copies the training, and writes the copy in the background.
 fn start(world: &mut World) {
     let progress = progress(world);
-    let Some(mut slot) = world.resource_mut::<Autosave>().slot.take() else { return };
+    let Some(slot) = world.resource_mut::<Autosave>().slot.take() else { return };
     let snapshot = RunSnapshot::capture(world, slot.known_bytes());
     let mut autosave = world.resource_mut::<Autosave>();
-    (autosave.saved, autosave.since) = (Some(progress), Instant::now());
-    autosave.writing = Some(IoTaskPool::get().spawn(async move {
-        let written = snapshot.and_then(|snapshot| slot.replace(&snapshot));
-        (slot, written)
-    }));
+    (autosave.saved, autosave.since, autosave.soon) = (Some(progress), Instant::now(), false);
+    match snapshot {
+        Ok(snapshot) => autosave.writing = Some(Writing::start(slot, snapshot)),
+        Err(error) => finish(world, slot, Err(error)),
+    }
 }
 
 /// Takes note of an autosave that has been written; with `wait`, waits for it.
 fn finish_writing(world: &mut World, wait: bool) {
     let mut autosave = world.resource_mut::<Autosave>();
-    let Some(mut task) = autosave.writing.take() else { return };
-    let done = if wait { Some(block_on(task)) } else {
-        let done = block_on(poll_once(&mut task));
-        if done.is_none() {
-            autosave.writing = Some(task);
-        }
-        done
-    };
-    if let Some((slot, written)) = done {
-        finish(world, slot, written);
+    let Some(writing) = autosave.writing.take() else { return };
+    match writing.poll(wait) {
+        Ok((slot, written)) => finish(world, slot, written),
+        Err(writing) => autosave.writing = Some(writing),
     }
 }
 
@@ -207,7 +226,7 @@ fn finish(world: &mut World, slot: Slot, written: Result<(), RunError>) {
         None => world.resource_mut::<Notices>().remove(&NoticeTopic::Autosave),
         Some(error) => {
             let cause = error.split("; help:").next().unwrap_or(&error);
-            let text = format!("Autosave failed: {cause}\nhelp: make room there, or save the run elsewhere. Training continues");
+            let text = format!("Autosave failed: {cause}\nhelp: {SAVE_YOURSELF}. Training continues");
             notify(world, NoticeTopic::Autosave, Severity::Error, text);
         }
     }
@@ -217,6 +236,7 @@ fn finish(world: &mut World, slot: Slot, written: Result<(), RunError>) {
 ///
 /// # Errors
 /// The training cannot be copied, or the files cannot be written. The earlier autosave is kept.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn save_now(world: &mut World) -> Result<(), RunError> {
     finish_writing(world, true);
     if !has_changed(world) {
@@ -246,21 +266,51 @@ pub(super) fn end_training(world: &mut World, keep: bool) {
 ///
 /// # Errors
 /// Another process continues it already, or its files are invalid.
+#[cfg(not(target_arch = "wasm32"))]
 pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
     let Some(found) = world.resource_mut::<Autosave>().last_session.take() else { return Ok(()) };
     let slot = Slot::of_existing(&found.path)?;
-    if world.resource::<TrainingRun>().would_lose_training(world.resource::<ActiveLearner>().0.env_steps()) {
+    let run = world.resource::<TrainingRun>();
+    let saved = SavedRun::from_folder(&found.path, &run.config.extensions)?;
+    let would_lose = run.would_lose_training(world.resource::<ActiveLearner>().0.env_steps());
+    if would_lose {
         save_now(world)?;
     }
-    start_training::resume(world, &found.path)?;
-    let saved = progress(world);
-    world.resource_mut::<Autosave>().begin(Some(slot), Some(saved));
-    notify(world, NoticeTopic::General, Severity::Info, "The last session continues");
+    start_saved(world, saved, slot);
     Ok(())
 }
 
-/// A name in `folder` that is not used yet, made from `name` and if necessary a number.
-fn unused_name(folder: &Path, name: &str) -> PathBuf {
-    let numbered = (2..).map(|number| folder.join(format!("{name}-{number}")));
-    std::iter::once(folder.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
+/// Requests the files of the session that was offered. They arrive in a later frame.
+///
+/// # Errors
+/// None.
+#[cfg(target_arch = "wasm32")]
+pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
+    if world.resource_mut::<Autosave>().last_session.take().is_some() {
+        crate::app::page::load_session();
+    }
+    Ok(())
+}
+
+/// Continues the run `saved` from the autosave in `slot`.
+fn start_saved(world: &mut World, saved: SavedRun, slot: Slot) {
+    saved.start(world);
+    let progress = progress(world);
+    world.resource_mut::<Autosave>().begin(Some(slot), Some(progress));
+    notify(world, NoticeTopic::General, Severity::Info, "The last session continues");
+}
+
+/// Takes note of what the page has reported since the last frame.
+#[cfg(target_arch = "wasm32")]
+fn take_reports(world: &mut World) {
+    world.resource_mut::<Autosave>().soon |= sessions::take_save_soon();
+    let Some(received) = sessions::take_session() else { return };
+    let extensions = world.resource::<TrainingRun>().config.extensions.clone();
+    match received.and_then(|files| SavedRun::from_files(&files, &extensions)) {
+        Ok(saved) => {
+            finish_writing(world, true);
+            start_saved(world, saved, Slot::of_last_session());
+        }
+        Err(error) => notify(world, NoticeTopic::General, Severity::Error, error.to_string()),
+    }
 }

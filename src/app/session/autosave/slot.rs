@@ -8,7 +8,6 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::sessions::{NOTE, SessionNote, TEMPORARY};
-use super::unused_name;
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
 use crate::run::folder::{RunFolder, write_atomic};
@@ -62,17 +61,15 @@ impl Slot {
     fn try_replace(&mut self, snapshot: &RunSnapshot) -> Result<(), RunError> {
         let failed = |error: io::Error| RunError::failed(&self.root, error);
         fs::create_dir_all(&self.root).map_err(failed)?;
-        let temporary =
-            tempfile::Builder::new().prefix(TEMPORARY).tempdir_in(&self.root).map_err(failed)?;
+        let temporary = tempfile::Builder::new().prefix(TEMPORARY).tempdir_in(&self.root).map_err(failed)?;
         let written = temporary.path().join("run");
         let earlier = self.path().filter(|_| self.known_bytes > 0).map(Path::to_path_buf);
         snapshot.write(&written, earlier)?;
         let note = to_ron(&SessionNote::new(snapshot)).map_err(|error| RunError::failed(&written, error))?;
         write_atomic(&written.join(NOTE), |file| file.write_all(note.as_bytes())).map_err(failed)?;
-        let path = self.path().map_or_else(
-            || unused_name(&self.root, &snapshot.config.run_name()),
-            Path::to_path_buf,
-        );
+        let path = self
+            .path()
+            .map_or_else(|| unused_path(&self.root, &snapshot.config.run_name()), Path::to_path_buf);
         // Unlocks the earlier one: some systems do not rename a folder with open files.
         self.folder = None;
         self.folder = Some(swap(&written, &path)?);
@@ -104,4 +101,10 @@ fn swap(written: &Path, path: &Path) -> Result<RunFolder, RunError> {
     // If it cannot be deleted, a later session does it.
     let _ = fs::remove_dir_all(&previous);
     RunFolder::open(path)?.0.locked()
+}
+
+/// A path in `folder` that is not used yet, made from `name` and if necessary a number.
+fn unused_path(folder: &Path, name: &str) -> PathBuf {
+    let numbered = (2..).map(|number| folder.join(format!("{name}-{number}")));
+    std::iter::once(folder.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
 }
