@@ -59,7 +59,23 @@ fn wait(app: &mut HeadlessApp, what: &str, mut done: impl FnMut(&mut HeadlessApp
 /// Trains until `steps` and waits until that is saved.
 fn train_to(app: &mut HeadlessApp, folder: &Path, steps: u64) {
     app.step_to(steps);
-    wait(app, "the autosave", |_| autosaves(folder).iter().any(|path| saved_steps(path) == Some(steps)));
+    let is_saved = |path: &PathBuf| saved_steps(path) == Some(steps) && is_locked(path);
+    wait(app, "the autosave", |_| autosaves(folder).iter().any(is_saved));
+}
+
+/// Whether an app holds the lock of the autosave at `path`.
+fn is_locked(path: &Path) -> bool {
+    let lock = fs::File::options().write(true).open(path.join("checkpoint/lock"));
+    lock.is_ok_and(|lock| lock.try_lock().is_err())
+}
+
+/// Ends `app` as if its process were killed, after its last autosave.
+fn kill(app: HeadlessApp, folder: &Path) {
+    drop(app);
+    let started = Instant::now();
+    while autosaves(folder).iter().any(|path| is_locked(path)) && started.elapsed().as_secs() < 60 {
+        std::thread::sleep(FRAME);
+    }
 }
 
 /// Control steps of the autosave at `path`.
@@ -112,7 +128,7 @@ fn an_autosave_is_a_run_folder_that_the_next_session_and_the_command_line_contin
         std::slice::from_ref(&copy),
         "the autosave of the session is replaced"
     );
-    drop(next);
+    kill(next, killed.path());
 
     let budget = Some(Budget::EnvSteps(16 * 1_100));
     let job = Job::Resume { folder: copy.clone(), budget, extensions: Extensions::default() };
@@ -193,7 +209,7 @@ fn a_damaged_autosave_is_reported_and_the_new_training_goes_on() {
     let folder = temporary();
     let mut first = app(folder.path(), 3);
     train_to(&mut first, folder.path(), 50);
-    drop(first);
+    kill(first, folder.path());
     let saved = &autosaves(folder.path())[0];
     fs::write(saved.join("checkpoint/latest.bin"), "damaged").expect("the file can be written");
     let mut next = app(folder.path(), 1);
@@ -218,8 +234,9 @@ fn a_short_training_leaves_nothing_behind_and_old_autosaves_are_deleted() {
     assert_eq!(autosaves(folder.path()), Vec::<PathBuf>::new());
     drop(short);
     for seed in 1..=5 {
-        let mut killed = app(folder.path(), seed);
-        train_to(&mut killed, folder.path(), 10);
+        let mut app = app(folder.path(), seed);
+        train_to(&mut app, folder.path(), 10);
+        kill(app, folder.path());
     }
     drop(app(folder.path(), 0));
     assert_eq!(autosaves(folder.path()).len(), 3, "the newest three are kept");

@@ -8,6 +8,7 @@ use crate::app::screen::numbers;
 use crate::app::screen::theme::{BODY, GAP, Palette};
 use crate::app::screen::widgets::buttons::{primary_button_ui, wide_button_ui};
 use crate::app::screen::widgets::question::question_ui;
+use crate::app::screen::widgets::text::weak_text;
 
 const WIDTH: f32 = 248.0;
 const BUTTON_HEIGHT: f32 = 30.0;
@@ -23,9 +24,9 @@ pub fn quit_question_ui(ui: &Ui, canvas: Rect, status: &AppSnapshot, commands: &
         let text =
             format!("This training ({} {episodes}) is not saved.", numbers::format_count(status.episodes));
         ui.label(RichText::new(text).size(BODY).color(palette.text));
+        ui.label(weak_text("The run can be saved in the folder runs."));
         ui.add_space(GAP);
-        let save = primary_button_ui(ui, "Save run and quit", BODY, vec2(WIDTH, BUTTON_HEIGHT));
-        if save.on_hover_text("Save the run in the folder runs").clicked() {
+        if primary_button_ui(ui, "Save run and quit", BODY, vec2(WIDTH, BUTTON_HEIGHT)).clicked() {
             commands.push(Command::Quit { save: true });
         }
         if wide_button_ui(ui, "Quit without saving", BUTTON_HEIGHT).clicked() {
