@@ -58,7 +58,7 @@ mod frames {
     #[divan::bench(sample_count = 20, sample_size = 1)]
     fn one_arena_with_an_autosave(bencher: Bencher) {
         let folder = tempfile::tempdir().expect("temporary folder");
-        let autosave = AutosaveOptions { folder: folder.path().into(), every: Duration::ZERO };
+        let autosave = AutosaveOptions { folder: folder.path().into(), every: Duration::from_secs(1) };
         let start = StartOptions { autosave: Some(autosave), ..StartOptions::default() };
         let app = std::cell::RefCell::new(trained(25_000, start));
         let step = || {

@@ -71,6 +71,25 @@ fn the_grid_shows_all_arenas_in_the_dark_theme() {
 }
 
 #[test]
+fn a_name_in_japanese_is_shown_with_a_font_of_the_system() {
+    if !requirements::japanese_font_is_installed() {
+        return;
+    }
+    let Some(display) = Display::new() else { return };
+    let home = tempfile::tempdir().expect("temporary folder");
+    let picture = |name: &str| {
+        let file = home.path().join("named.ron");
+        std::fs::write(&file, format!("(name: \"{name}\")")).expect("the file can be written");
+        let file = file.to_str().expect("the path is UTF-8");
+        // The editor is at rest, so that pictures differ in the name alone.
+        screenshot(&display, &["--scenario", file, "--edit", "--screenshot-after", "0", "--theme", "light"])
+    };
+    let maze = picture("迷路");
+    assert_eq!(maze, picture("迷路"), "the picture is reproducible");
+    assert_ne!(maze, picture("路迷"), "missing glyphs would all look the same");
+}
+
+#[test]
 fn without_a_display_the_error_names_the_way_out() {
     let home = tempfile::tempdir().expect("temporary folder");
     for display in [None, Some(":54321")] {
