@@ -161,6 +161,26 @@ fn an_obstacle_dragged_in_the_editor_is_saved_to_its_file() {
 }
 
 #[test]
+fn a_stored_size_that_no_screen_has_is_made_to_fit() {
+    let Some(display) = Display::new() else { return };
+    let home = tempfile::tempdir().expect("temporary folder");
+    let folder = home.path().join("wayfield");
+    std::fs::create_dir(&folder).expect("the folder can be made");
+    std::fs::write(folder.join("preferences.ron"), "(size: (5000.0, 4000.0))")
+        .expect("the file can be written");
+    let controls = Controls(home.path().join("controls"));
+    let mut app = command(Some(&display.name), home.path(), &["--theme", "light"])
+        .env("WAYFIELD_CONTROLS", &controls.0)
+        .spawn()
+        .expect("the binary starts");
+    // The button at the right end of the toolbar.
+    let fits = wait_until(60, || controls.rect("Help").is_some_and(|[x, _, width, _]| x + width <= 1280.0));
+    let _ = app.kill();
+    let _ = app.wait();
+    assert!(fits, "the window is as wide as the screen: {:?}", std::fs::read_to_string(&controls.0));
+}
+
+#[test]
 fn the_view_is_stored_in_the_preferences() {
     let Some(display) = Display::new() else { return };
     let home = tempfile::tempdir().expect("temporary folder");

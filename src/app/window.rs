@@ -6,7 +6,9 @@
 use bevy::asset::AssetEventSystems;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
-use bevy::window::{ExitCondition, PresentMode, WindowCloseRequested, WindowResolution};
+use bevy::window::{
+    ExitCondition, PresentMode, PrimaryWindow, WindowCloseRequested, WindowResolution,
+};
 use bevy::winit::WinitSettings;
 use bevy_egui::{EguiContexts, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
@@ -23,7 +25,7 @@ use super::session::{StartOptions, TrainingHistory, TrainingRun};
 #[cfg(not(target_arch = "wasm32"))]
 use super::shutdown;
 use super::view_state::{EditorSource, Overlays, ThemeChoice};
-use super::window_input::{draw_less_when_idle, fix_input, take_dropped_files};
+use super::window_input::{draw_less_when_idle, fit_to_monitor, fix_input, take_dropped_files};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
 use crate::run::RunError;
 
@@ -122,8 +124,12 @@ impl Plugin for WindowedPlugin {
         );
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(request) = &options.screenshot {
-            app.insert_resource(request.clone()).add_systems(Last, take_screenshot);
+            app.insert_resource(request.clone())
+                .add_systems(Last, take_screenshot.run_if(any_with_component::<PrimaryWindow>));
             return;
+        }
+        if options.size.is_none() {
+            app.add_systems(Update, fit_to_monitor);
         }
         app.insert_resource(preferences).add_systems(Last, preferences::store);
         #[cfg(not(target_arch = "wasm32"))]

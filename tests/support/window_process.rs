@@ -87,7 +87,8 @@ impl Controls {
         panic!("no control `{name}` at rest; last: {:?}", std::fs::read_to_string(&self.0));
     }
 
-    fn rect(&self, name: &str) -> Option<[f64; 4]> {
+    /// Left, top, width and height of the control, in points.
+    pub fn rect(&self, name: &str) -> Option<[f64; 4]> {
         let text = std::fs::read_to_string(&self.0).ok()?;
         let line = text.lines().find(|line| line.split('\t').nth(4) == Some(name))?;
         let mut numbers = line.split('\t').map(|number| number.parse().expect("a number"));
