@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Output;
 
 use image::RgbImage;
-use window_process::{Controls, Display, command, text, wait_until, xdotool};
+use window_process::{Controls, Display, command, requirements, text, wait_until, xdotool};
 
 fn wayfield(display: Option<&str>, home: &Path, arguments: &[&str]) -> Output {
     command(display, home, arguments).output().expect("the binary starts")

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file uses part of this module")]
 
 #[path = "requirements.rs"]
-mod requirements;
+pub mod requirements;
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
