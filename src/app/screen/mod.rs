@@ -77,7 +77,7 @@ pub fn screen_ui(
     if view_state.editor.is_none() {
         last_session::last_session_ui(ui, middle, view.status, commands);
     }
-    editor::confirm_exit::confirm_exit_ui(ui, middle, view_state, commands);
+    editor::confirm_exit::confirm_exit_ui(ui, middle, view.status, view_state, commands);
     quit_question::quit_question_ui(ui, middle, view.status, commands);
     notices::notices_ui(ui, middle, &view.status.notices, commands);
     help::help_ui(ui, view_state);

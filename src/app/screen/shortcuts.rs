@@ -84,7 +84,7 @@ fn execute(
     match shortcut {
         Shortcut::Pause => commands.push(Command::Pause(!view.status.paused)),
         Shortcut::Step => commands.push(Command::Step),
-        Shortcut::Pace | Shortcut::Steer => {}
+        Shortcut::Pace | Shortcut::Steer | Shortcut::Scale => {}
         Shortcut::Grid => view_state.grid = !view_state.grid,
         Shortcut::Next => view_state.followed = (view_state.followed + 1) % view.scene.arenas.len().max(1),
         Shortcut::Fit => view_state.camera = ViewCamera::default(),

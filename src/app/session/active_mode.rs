@@ -12,7 +12,8 @@ use super::pacer::Pacer;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::{ActionSelection, Decisions, TrainingStats};
-use crate::app::commands::{Pace, SessionMode};
+use crate::app::commands::{Pace, PolicySource, SessionMode};
+use crate::app::scene::DriverLabel;
 use crate::random::Stream;
 use crate::run::RunError;
 use crate::run::checkpoint::TrainerState;
@@ -34,6 +35,8 @@ pub enum ActiveMode {
 pub struct Demo {
     /// The mode: any except [`SessionMode::Train`].
     pub(super) mode: SessionMode,
+    /// The driver of each arena.
+    drivers: Vec<DriverLabel>,
     training: SuspendedTraining,
     pub(super) rounds: Rounds,
 }
@@ -73,6 +76,13 @@ impl ActiveMode {
             Self::Train => SessionMode::Train,
             Self::Demo(demo) => demo.mode,
         }
+    }
+
+    /// The driver of `arena`.
+    #[must_use]
+    pub fn driver(&self, arena: usize) -> DriverLabel {
+        let Self::Demo(demo) = self else { return DriverLabel::Learner };
+        demo.drivers.get(arena).cloned().unwrap_or(DriverLabel::Learner)
     }
 
     /// Whether the training runs.
@@ -128,13 +138,38 @@ pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunEr
         resume_training(world);
         return Ok(());
     }
-    let sources = demo::action_sources(world, mode)?;
+    enter_demo(world, mode)
+}
+
+/// Sets the policy that Test, Drive and Compare use.
+///
+/// # Errors
+/// There is no such policy. A demo that is shown then continues with its policy.
+pub(super) fn set_tested(world: &mut World, source: PolicySource) -> Result<(), RunError> {
+    world.resource_mut::<TrainingRun>().tested = source;
+    restart_demo(world)
+}
+
+/// Starts the demo that is shown, if any, from its first round: its policies have changed.
+///
+/// # Errors
+/// A policy is missing, or cannot drive here.
+pub(super) fn restart_demo(world: &mut World) -> Result<(), RunError> {
+    match world.resource::<ActiveMode>().mode() {
+        SessionMode::Train => Ok(()),
+        mode => enter_demo(world, mode),
+    }
+}
+
+/// Starts a demo in `mode`.
+fn enter_demo(world: &mut World, mode: SessionMode) -> Result<(), RunError> {
+    let (drivers, sources) = demo::drivers(world, mode)?.into_iter().unzip();
     let training = match std::mem::take(&mut *world.resource_mut::<ActiveMode>()) {
         ActiveMode::Train => SuspendedTraining::capture(world),
         ActiveMode::Demo(demo) => demo.training,
     };
     *world.resource_mut::<ActiveMode>() =
-        ActiveMode::Demo(Box::new(Demo { mode, training, rounds: Rounds::default() }));
+        ActiveMode::Demo(Box::new(Demo { mode, drivers, training, rounds: Rounds::default() }));
     let mut pacer = world.resource_mut::<Pacer>();
     pacer.pace = demo::watchable_pace(pacer.pace, mode);
     demo::spawn_arenas(world, mode, sources);

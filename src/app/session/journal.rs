@@ -143,6 +143,13 @@ impl Journal {
         self.entries.push(JournalEntry { after_steps: self.steps, intervention });
     }
 
+    /// Env steps of the training at each change of its scenario, in order.
+    pub(super) fn scenario_changes(&self) -> impl Iterator<Item = u64> {
+        let arenas = self.config.preset.arenas as u64;
+        let changes = self.entries.iter().filter(|entry| entry.intervention.changes_scenario());
+        changes.map(move |entry| entry.after_steps * arenas)
+    }
+
     /// Replays the training from its start to the end of the journal. `policy` is the policy that the training started from,
     /// if any.
     ///

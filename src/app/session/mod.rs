@@ -14,6 +14,7 @@
 //! | `scenario_source.rs` | [`ScenarioSource`] | the scenario's file |
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
+//! | `comparison.rs` | | the second policy, to compare with |
 //! | `notices.rs` | [`Notices`] | messages to the user |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
@@ -24,6 +25,7 @@
 //! | `save.rs`, `run_snapshot.rs`, `editor_files.rs` | | the saving of files |
 //! | `autosave/` | [`Autosave`] | a copy of the training for the next session |
 //! | `quit.rs` | [`QuitQuestion`] | the end of the app |
+//! | `session_policy.rs` | | the policies that can be tested, saved or transferred |
 //!
 //! What is learnt depends on the configuration, the journal and the number of steps; not on when the steps were taken, nor on
 //! what was displayed.
@@ -31,6 +33,7 @@
 pub mod active_mode;
 mod advance;
 pub mod autosave;
+pub(crate) mod comparison;
 mod demo;
 mod editor_files;
 pub mod evaluations;
@@ -50,6 +53,7 @@ mod save;
 mod saved_run;
 mod scenario_changes;
 pub mod scenario_source;
+mod session_policy;
 mod start_training;
 pub mod throughput;
 pub mod trails;

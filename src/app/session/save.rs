@@ -14,12 +14,17 @@ use super::active_mode::while_training;
 use super::editor_files;
 #[cfg(not(target_arch = "wasm32"))]
 use super::evaluations;
+use super::evaluations::Evaluations;
 #[cfg(not(target_arch = "wasm32"))]
 use super::run_snapshot::RunSnapshot;
+use super::session_policy;
 use super::training_run::TrainingRun;
-use crate::app::commands::SaveKind;
+use crate::app::commands::{FigureFormat, PolicySource, SaveKind};
+use crate::app::history::write_figure;
+use crate::report::run_figure::RunFigure;
 use crate::run::folder::write_atomic;
-use crate::run::{RunError, metrics};
+use crate::run::metric_rows::EvaluationRow;
+use crate::run::{RunError, metrics, shipped};
 
 impl TrainingRun {
     /// The suggested name of the file.
@@ -29,10 +34,11 @@ impl TrainingRun {
         let name = config.run_name();
         match what {
             SaveKind::Policy => format!("{name}.safetensors"),
+            SaveKind::BestPolicy => format!("{name}-best.safetensors"),
             SaveKind::Run => name,
             SaveKind::Csv => format!("{name}-episodes.csv"),
-            SaveKind::Png if cfg!(target_arch = "wasm32") => format!("{name}-curves.svg"),
-            SaveKind::Png => format!("{name}-curves.png"),
+            SaveKind::Figure(FigureFormat::Png) => format!("{name}-curves.png"),
+            SaveKind::Figure(FigureFormat::Svg) => format!("{name}-curves.svg"),
             SaveKind::Scenario => "my-scenario.ron".into(),
         }
     }
@@ -45,8 +51,8 @@ impl TrainingRun {
 pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunError> {
     let failed = |error: String| RunError::failed(path, error);
     match what {
-        SaveKind::Policy => {
-            let bytes = policy_bytes(world)?;
+        SaveKind::Policy | SaveKind::BestPolicy => {
+            let bytes = policy_bytes(world, what)?;
             write_atomic(path, |file| file.write_all(&bytes)).map_err(|error| failed(error.to_string()))
         }
         SaveKind::Scenario => {
@@ -58,21 +64,27 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
             let curves = &mut world.resource_mut::<TrainingHistory>().0;
             curves.write_csv(path).map_err(|error| failed(error.to_string()))
         }
-        SaveKind::Png => {
-            let title = world.resource::<TrainingRun>().config.description();
-            world.resource_mut::<TrainingHistory>().0.write_figure(&title, path)
-        }
+        SaveKind::Figure(_) => write_figure(&figure(world), path),
         SaveKind::Run => save_run(world, path),
     }
 }
 
-/// The current policy as a file; after a failure of the training, its best policy.
-fn policy_bytes(world: &World) -> Result<Vec<u8>, RunError> {
+/// The figure of the learning curves, with what the screen shows.
+fn figure(world: &mut World) -> RunFigure {
     let run = world.resource::<TrainingRun>();
-    match &run.trainer_state.best {
-        Some(best) if run.has_failed => Ok(best.bytes.clone()),
-        _ => metrics::policy_bytes(&metrics::policy(&run.config, world)),
-    }
+    let best = world.resource::<Evaluations>().best(&run.trainer_state).map(EvaluationRow::point);
+    let is_paper_scenario_1 = shipped::is_paper_scenario_1(&run.config.scenario);
+    let title = run.config.description();
+    world.resource_mut::<TrainingHistory>().0.figure(title, best, is_paper_scenario_1)
+}
+
+/// The current policy or the best one as a file; after a failure of the training, the best one.
+fn policy_bytes(world: &World, what: SaveKind) -> Result<Vec<u8>, RunError> {
+    let run = world.resource::<TrainingRun>();
+    let is_best = what == SaveKind::BestPolicy || (run.has_failed && run.trainer_state.best.is_some());
+    let source = if is_best { PolicySource::Best } else { PolicySource::Current };
+    let (_, policy) = session_policy::policy(world, source)?;
+    metrics::policy_bytes(&policy)
 }
 
 /// Saves a folder that `--train --resume` can continue, with `journal.ron` in it. A suspended training is resumed while

@@ -17,6 +17,7 @@ use super::evaluations::Evaluations;
 use super::journal::JOURNAL;
 use super::journal::{self, Journal};
 use super::notices::{NoticeTopic, notify};
+use super::scenario_changes::SCENARIO_CHANGED;
 use super::start_training::{PreparedTraining, replace};
 use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
@@ -124,6 +125,10 @@ impl SavedRun {
         evaluations.retain(|row| row.env_steps <= env_steps);
         evaluations.iter().for_each(|row| curves.push_evaluation(row));
         world.resource_mut::<Evaluations>().rows = evaluations;
+        world.resource_scope(|world, journal: Mut<Journal>| {
+            let curves = &mut world.resource_mut::<TrainingHistory>().0;
+            journal.scenario_changes().for_each(|env_steps| curves.annotate(env_steps, SCENARIO_CHANGED.into()));
+        });
         for (_, error) in skipped {
             let text = format!("{error}\nThe checkpoint before it was used instead");
             notify(world, NoticeTopic::General, Severity::Error, text);

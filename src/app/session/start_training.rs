@@ -20,15 +20,17 @@ use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
 use super::saved_run::SavedRun;
 use super::scenario_source::ScenarioSource;
+use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
+use crate::app::commands::PolicySource;
 use crate::learning::Learner;
 use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::{RunConfig, Transfer};
-use crate::run::{RunError, training_setup};
+use crate::run::{RunError, shipped, training_setup};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 
@@ -141,25 +143,49 @@ pub(super) fn start_in_scenario(world: &mut World, scenario: Scenario, from: Str
     Ok(())
 }
 
-/// Starts a training from `policy`, called `name`, with the current preset and seed, in the current scenario or another.
-/// Exploration starts at `epsilon`, limited to 0..1.
+/// The configuration of the running training with another scenario, preset and seed. What is the same stays as it is now,
+/// with the user's changes.
 ///
 /// # Errors
-/// The policy does not fit the scenario or the preset.
+/// The scenario or the preset is invalid.
+pub(super) fn transfer_config(
+    world: &World,
+    scenario: &str,
+    preset: &str,
+    seed: u64,
+) -> Result<RunConfig, RunError> {
+    let mut config = world.resource::<TrainingRun>().config.clone();
+    if scenario != config.scenario_from {
+        config.scenario = shipped::scenario(scenario)?;
+        config.scenario_from = scenario.into();
+    }
+    if preset != config.preset_from {
+        config.preset = shipped::preset(preset)?;
+        config.preset_from = preset.into();
+    }
+    config.seed = seed;
+    Ok(config)
+}
+
+/// Starts the training of `config` from a policy. Exploration starts at `epsilon`, limited to 0..1. The curves of the
+/// training that this policy comes from stay in the background.
+///
+/// # Errors
+/// There is no such policy, or it does not fit the scenario or the preset.
 pub(super) fn start_from_policy(
     world: &mut World,
-    scenario: Option<(&str, Scenario)>,
-    (name, policy): (String, Policy),
+    mut config: RunConfig,
+    source: PolicySource,
     epsilon: f32,
 ) -> Result<(), RunError> {
-    let mut config = world.resource::<TrainingRun>().config.clone();
-    if let Some((from, scenario)) = scenario {
-        config.scenario_from = from.into();
-        config.scenario = scenario;
-    }
+    let (name, policy) = session_policy::policy(world, source)?;
     config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
     let prepared = prepare(config, Some(policy))?;
+    let earlier = world.resource::<TrainingHistory>().0.to_earlier();
     replace(world, prepared);
+    if source != PolicySource::Opened {
+        world.resource_mut::<TrainingHistory>().0.set_earlier(earlier);
+    }
     Ok(())
 }
 

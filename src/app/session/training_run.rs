@@ -5,6 +5,7 @@
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use crate::app::commands::PolicySource;
 use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;
@@ -36,6 +37,8 @@ pub struct TrainingRun {
     pub has_failed: bool,
     /// When the policy or the run was saved last.
     saved_at: Option<SavedAt>,
+    /// The policy that Test, Drive and Compare use: the current or the best one.
+    pub tested: PolicySource,
     started: Instant,
     /// Wall time in s spent before `started`, if the run was resumed.
     previous_wall_s: f64,
@@ -55,6 +58,7 @@ impl TrainingRun {
             trainer_state,
             initial_policy,
             has_failed: false,
+            tested: PolicySource::Current,
             saved_at: None,
             started,
             previous_wall_s,

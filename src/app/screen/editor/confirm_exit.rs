@@ -4,10 +4,13 @@
 
 use egui::{Button, Rect, RichText, Ui, vec2};
 
+use super::actions::save_command;
+use crate::app::app_snapshot::AppSnapshot;
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, EditorInteraction, ExitRequest};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::{BODY, Palette};
+use crate::app::screen::widgets::buttons::primary_button_ui;
 use crate::app::screen::widgets::question::question_ui;
 use crate::app::view_state::ViewState;
 
@@ -33,7 +36,7 @@ pub fn enter_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands
 /// Leaves the editor and sends `then`. With unsaved changes, asks first.
 pub fn request_exit(view_state: &mut ViewState, then: Option<Command>, commands: &mut Vec<Command>) {
     if view_state.editor.as_ref().is_some_and(|editor| editor.is_modified()) {
-        view_state.interaction.editor.exit_request = Some(ExitRequest { then });
+        view_state.interaction.editor.exit_request = Some(ExitRequest { then, once_saved: false });
     } else {
         exit_editor(view_state, then, commands);
     }
@@ -50,14 +53,29 @@ pub fn exit_editor(view_state: &mut ViewState, then: Option<Command>, commands: 
 }
 
 /// The question about unsaved changes, in the middle of `canvas`, if it is open.
-pub fn confirm_exit_ui(ui: &Ui, canvas: Rect, view_state: &mut ViewState, commands: &mut Vec<Command>) {
+pub fn confirm_exit_ui(
+    ui: &Ui,
+    canvas: Rect,
+    status: &AppSnapshot,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
     let request = view_state.interaction.editor.exit_request.clone();
     let Some((request, editor)) = request.zip(view_state.editor.as_deref()) else { return };
+    if request.once_saved && !editor.is_modified() {
+        return exit_editor(view_state, request.then, commands);
+    }
     let text = editor.unfinished_drawing().map_or("Unsaved changes will be lost.".into(), |drawing| {
         format!("The unfinished {drawing} and all unsaved changes will be lost.")
     });
     question_ui(ui, canvas, "leave the editor", 248.0, |ui| {
         ui.label(RichText::new(text).size(BODY).color(Palette::from_ui(ui).text));
+        let size = vec2(ui.available_width(), 28.0);
+        if primary_button_ui(ui, "Save and leave", BODY, size).clicked() {
+            commands.extend(view_state.editor.as_deref_mut().map(|editor| save_command(editor, status)));
+            view_state.interaction.editor.exit_request = Some(ExitRequest { once_saved: true, ..request });
+            return;
+        }
         ui.horizontal(|ui| {
             let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
             let size = vec2(width, 28.0);

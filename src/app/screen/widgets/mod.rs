@@ -6,7 +6,7 @@
 //! | `buttons.rs` | the primary button and the full-width button |
 //! | `question.rs` | a question in the middle of the window |
 //! | `segments.rs` | a segmented control: one choice out of a few |
-//! | `text.rs` | section titles, secondary text, separators, key caps |
+//! | `text.rs` | section titles, secondary text, notes, separators, key caps |
 
 pub mod buttons;
 pub mod icons;
