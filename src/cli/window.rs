@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::Args;
 
 use super::shared::SharedArgs;
+use super::values;
 use crate::app::{
     commands::Pace,
     screenshot::ScreenshotRequest,
@@ -13,6 +14,7 @@ use crate::app::{
     view_state::{Overlays, ThemeChoice},
     window::{self, WindowOptions},
 };
+use crate::limits::MAX_STEPS;
 use crate::run::output_file::check_writable;
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
@@ -50,7 +52,8 @@ pub struct WindowArgs {
     screenshot: Option<PathBuf>,
 
     /// Take the screenshot after N control steps
-    #[arg(long, value_name = "N", requires = "screenshot", default_value_t = 0)]
+    #[arg(long, value_name = "N", requires = "screenshot", default_value_t = 0,
+        value_parser = values::whole::<u64>(0..=MAX_STEPS), allow_negative_numbers = true)]
     screenshot_after: u64,
 }
 

@@ -22,6 +22,8 @@ use super::start_training::{PreparedTraining, replace};
 use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
 use crate::learning::Learner;
+#[cfg(target_arch = "wasm32")]
+use crate::limits::MAX_CONFIG_BYTES;
 use crate::policy::Policy;
 use crate::run::RunError;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
@@ -29,6 +31,8 @@ use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 use crate::run::folder::INITIAL_POLICY_FILE;
 use crate::run::folder::{RunConfig, RunFolder};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
+#[cfg(target_arch = "wasm32")]
+use crate::scenario::parse_ron_with_limit;
 use crate::simulation::Extensions;
 
 /// A saved run.
@@ -83,7 +87,10 @@ impl SavedRun {
         let text = |name: &str| {
             str::from_utf8(bytes(name)?).map_err(|error| RunError::invalid_input(Path::new(name), error))
         };
-        let config = RunConfig::parse(text(CONFIG)?, Path::new(CONFIG))?;
+        let config: RunConfig = parse_ron_with_limit(text(CONFIG)?, CONFIG, MAX_CONFIG_BYTES)?;
+        let problem = config.diagnostics().first().map(ToString::to_string);
+        let problem = problem.map_or_else(|| config.preset.check_memory(&config.scenario), Err);
+        problem.map_err(|why| RunError::invalid_input(Path::new(CONFIG), why))?;
         let config = config.resume_with_extensions(extensions, Path::new(CONFIG))?;
         let (trainer_state, learner) = checkpoint::read_from(&bytes(checkpoint::LATEST)?[..], &config)
             .map_err(|why| RunError::invalid_input(Path::new(checkpoint::LATEST), why))?;
