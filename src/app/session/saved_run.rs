@@ -134,7 +134,9 @@ impl SavedRun {
         world.resource_mut::<Evaluations>().rows = evaluations;
         world.resource_scope(|world, journal: Mut<Journal>| {
             let curves = &mut world.resource_mut::<TrainingHistory>().0;
-            journal.scenario_changes().for_each(|env_steps| curves.annotate(env_steps, SCENARIO_CHANGED.into()));
+            journal
+                .scenario_changes()
+                .for_each(|env_steps| curves.annotate(env_steps, SCENARIO_CHANGED.into()));
         });
         for (_, error) in skipped {
             let text = format!("{error}\nThe checkpoint before it was used instead");
