@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use super::output::print_stdout;
+use super::output::print_json_text;
 use crate::run::{RunError, policy_card};
-use crate::scenario::is_unprintable;
 
 /// Prints the network and the card of the policy in the file at `path`, as one line of JSON: what the file itself contains.
 ///
@@ -17,16 +16,5 @@ pub fn run(path: &Path) -> Result<(), RunError> {
         return Err(RunError::invalid_input(path, why));
     }
     let header = policy.header().map_err(|error| RunError::invalid_input(path, error))?;
-    print_stdout(&format!("{}\n", escaped(&header)))
-}
-
-/// `json` on one line, with escape sequences of JSON for all characters that a terminal might interpret.
-fn escaped(json: &str) -> String {
-    let escape = |c: char| match c {
-        c if !is_unprintable(c) => c.to_string(),
-        // Between tokens only: in strings JSON itself escapes them.
-        '\n' | '\r' | '\t' => " ".into(),
-        c => c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect(),
-    };
-    json.chars().map(escape).collect()
+    print_json_text(&header)
 }

@@ -165,7 +165,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         #[cfg(feature = "gui")]
         return match mode.replay {
             Some(folder) => replay::run(&folder),
-            None => window::run(arguments.window, shared),
+            None => window::run(arguments.window, shared, arguments.train.checkpoint_every),
         };
         #[cfg(not(feature = "gui"))]
         Err(RunError::InvalidInput(

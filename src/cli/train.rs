@@ -46,9 +46,10 @@ pub struct TrainArgs {
         conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
     pub resume: Option<PathBuf>,
 
-    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]
+    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]. In the app:
+    /// save the training automatically every S seconds [default: 25]
     #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
-    checkpoint_every: Option<Duration>,
+    pub checkpoint_every: Option<Duration>,
 }
 
 /// What the first signal prints.

@@ -1,6 +1,7 @@
 //! The app, which opens if no mode is given.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
 
@@ -9,7 +10,7 @@ use super::values;
 use crate::app::{
     commands::Pace,
     screenshot::ScreenshotRequest,
-    session::StartOptions,
+    session::{AutosaveOptions, StartOptions, autosave::AUTOSAVE_INTERVAL},
     view_state::{Overlays, ThemeChoice},
     window::{self, WindowOptions},
 };
@@ -74,12 +75,13 @@ enum OverlayArg {
     None,
 }
 
-/// Opens the app and returns when its window is closed.
+/// Opens the app and returns when its window is closed. The training is saved at the interval `save_every`.
 ///
 /// # Errors
-/// The scenario or preset is invalid, or the window cannot be opened.
-pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
+/// The scenario or preset is invalid, the window cannot be opened, or a signal or a failure has closed it.
+pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -> Result<(), RunError> {
     let defaults = StartOptions::default();
+    let autosave = AutosaveOptions::in_data_folder(save_every.unwrap_or(AUTOSAVE_INTERVAL));
     let start = StartOptions {
         scenario: shared.scenario.unwrap_or(defaults.scenario),
         preset: shared.preset.unwrap_or(defaults.preset),
@@ -87,6 +89,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
         pace: args.pace.unwrap_or(defaults.pace),
         open: args.open.clone(),
         edit: args.edit,
+        autosave: args.screenshot.is_none().then_some(autosave),
         extensions: shared.extensions,
         ..defaults
     };

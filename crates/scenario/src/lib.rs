@@ -32,8 +32,8 @@ pub use glam::{Vec2, vec2};
 pub use input::{is_special_file, path_exists, read_bytes};
 pub use limits::MAX_FILE_BYTES;
 pub use load::{
-    parse_checked, parse_ron, read_ron, read_ron_with_limit, read_text, read_text_with_limit, resemblance,
-    to_ron,
+    parse_checked, parse_ron, parse_ron_with_limit, read_ron, read_ron_with_limit, read_text,
+    read_text_with_limit, resemblance, to_ron,
 };
 pub use motion::pose_at;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};

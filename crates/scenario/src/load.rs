@@ -148,6 +148,22 @@ pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Res
     parse_checked(text, path, unchecked, unchecked)
 }
 
+/// A `T` from RON text of up to `max_bytes`, for files that the program itself wrote. Errors name `path`.
+///
+/// # Errors
+/// [`FileError`] if `text` is not RON for a `T`.
+pub fn parse_ron_with_limit<T: DeserializeOwned>(
+    text: &str,
+    path: impl AsRef<Path>,
+    max_bytes: u64,
+) -> Result<T, FileError> {
+    let path = path.as_ref();
+    if text.len() as u64 > max_bytes {
+        return Err(too_large(path, max_bytes));
+    }
+    parse_any(text, path, unchecked, unchecked)
+}
+
 fn unchecked<T>(_: &T) -> Vec<Diagnostic> {
     Vec::new()
 }

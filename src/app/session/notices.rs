@@ -34,6 +34,8 @@ pub enum NoticeTopic {
     TrainingFailure,
     /// Evaluation during training.
     Evaluation,
+    /// The autosave of the training.
+    Autosave,
 }
 
 struct Entry {

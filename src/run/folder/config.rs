@@ -128,6 +128,12 @@ impl RunConfig {
         )
     }
 
+    /// A name for the run's folder: `<scenario>-<preset>-<seed>`.
+    #[must_use]
+    pub fn run_name(&self) -> String {
+        format!("{}-{}-{}", self.scenario_name(), self.preset_name(), self.seed)
+    }
+
     /// The scenario's file name without folder and extension.
     #[must_use]
     pub fn scenario_name(&self) -> String {

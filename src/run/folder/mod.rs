@@ -239,7 +239,7 @@ fn is_run_file(entry: &fs::DirEntry) -> bool {
 /// Creates `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists. The folder reserves the
 /// name for this run.
 fn create_default_folder(config: &RunConfig) -> Result<PathBuf, RunError> {
-    let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
+    let name = config.run_name();
     let runs = Path::new("runs");
     let mut path = runs.join(&name);
     let mut number = 2;
