@@ -6,7 +6,7 @@
 use bevy::asset::AssetEventSystems;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
-use bevy::window::{ExitCondition, PresentMode, PrimaryWindow, WindowCloseRequested, WindowResolution};
+use bevy::window::{ExitCondition, PresentMode, WindowCloseRequested, WindowResolution};
 use bevy::winit::WinitSettings;
 use bevy_egui::{EguiContexts, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
@@ -123,7 +123,7 @@ impl Plugin for WindowedPlugin {
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(request) = &options.screenshot {
             app.insert_resource(request.clone())
-                .add_systems(Last, take_screenshot.run_if(any_with_component::<PrimaryWindow>));
+                .add_systems(Last, take_screenshot.run_if(any_with_component::<bevy::window::PrimaryWindow>));
             return;
         }
         if options.size.is_none() {
