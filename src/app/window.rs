@@ -6,7 +6,9 @@
 use bevy::asset::AssetEventSystems;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
-use bevy::window::{ExitCondition, PresentMode, PrimaryWindow, WindowCloseRequested, WindowResolution};
+#[cfg(not(target_arch = "wasm32"))]
+use bevy::window::PrimaryWindow;
+use bevy::window::{ExitCondition, PresentMode, WindowCloseRequested, WindowResolution};
 use bevy::winit::WinitSettings;
 use bevy_egui::{EguiContexts, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
