@@ -5,22 +5,29 @@
 //! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
 
 mod check;
+mod fields;
 mod file_error;
 mod generate;
 mod geometry;
 pub mod limits;
 mod load;
 mod motion;
+mod motion_fields;
+mod outline;
 mod placement;
+mod placement_rule;
 pub mod polygon;
 mod ron_message;
 mod schema;
 mod shape;
+mod shape_fields;
+mod track;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
 mod write;
 
 pub use check::diagnostics;
+pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
@@ -30,8 +37,12 @@ pub use load::{
     to_ron,
 };
 pub use motion::pose_at;
+pub use motion_fields::MotionKind;
+pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use ron_message::closest_name;
 pub use schema::*;
 pub use shape::RoundedBox;
+pub use shape_fields::Sizes;
+pub use track::{MotionSpeed, Track};
 pub use write::to_text;
