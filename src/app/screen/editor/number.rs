@@ -39,22 +39,14 @@ impl NumberSpec {
     pub const ANGLE: Self =
         Self { suffix: "°", factor: DEGREES, stored: 4, shown: (0, 1), speed: 0.017, range: (-TAU, TAU) };
     /// A linear velocity, in m/s.
-    pub const VELOCITY: Self = Self {
-        suffix: " m/s",
-        factor: 1.0,
-        stored: 3,
-        shown: (2, 3),
-        speed: 0.005,
-        range: (-MAX_SPEED_M_S, MAX_SPEED_M_S),
-    };
+    pub const VELOCITY: Self =
+        Self { suffix: " m/s", speed: 0.005, ..Self::length(-MAX_SPEED_M_S..=MAX_SPEED_M_S) };
     /// An angular velocity, stored in rad/s and shown in degrees per second.
     pub const ANGULAR_VELOCITY: Self = Self {
         suffix: " °/s",
-        factor: DEGREES,
-        stored: 4,
-        shown: (0, 1),
         speed: 0.01,
         range: (-MAX_ANGULAR_SPEED_RAD_S, MAX_ANGULAR_SPEED_RAD_S),
+        ..Self::ANGLE
     };
     /// A fraction, shown in percent.
     pub const FRACTION: Self =
@@ -68,8 +60,7 @@ impl NumberSpec {
 
     /// A time, in s.
     pub const fn seconds(range: RangeInclusive<f32>) -> Self {
-        let range = (*range.start(), *range.end());
-        Self { suffix: " s", factor: 1.0, stored: 3, shown: (1, 3), speed: 0.01, range }
+        Self { suffix: " s", shown: (1, 3), ..Self::length(range) }
     }
 
     /// A number of a shape or a motion.
