@@ -32,7 +32,6 @@ mod write;
 pub use check::diagnostics;
 pub use explain::{closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
-pub use file_error::{Diagnostic, FileError, LocatedDiagnostic};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, utf8};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
