@@ -29,7 +29,7 @@ mod track;
 pub mod virtual_files;
 mod write;
 
-pub use check::diagnostics;
+pub use check::{diagnostics, value_diagnostics};
 pub use explain::{closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, utf8};
