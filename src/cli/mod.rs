@@ -31,7 +31,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, signals};
-use crate::simulation::Extensions;
+use crate::simulation::{Extensions, use_no_task_threads};
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -106,6 +106,9 @@ pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
 
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
+    if mode.train || arguments.train.resume.is_some() || mode.eval.is_some() || mode.reproduce {
+        use_no_task_threads();
+    }
     if mode.train || arguments.train.resume.is_some() {
         train::run(arguments.train, shared, began)
     } else if let Some(policy) = mode.eval {

@@ -6,6 +6,7 @@
 mod builder;
 mod extensions;
 
+use bevy::app::{TaskPoolOptions, TaskPoolThreadAssignmentPolicy};
 use bevy::prelude::*;
 
 pub use builder::SimulationBuilder;
@@ -15,6 +16,21 @@ use crate::agent::{ActionSelection, ActiveLearner, TrainingFault};
 use crate::control_step::ControlStep;
 use crate::learning::DivergenceError;
 use crate::task::{Fault, TaskFault};
+
+/// Gives Bevy's task pools no threads: a headless simulation uses none, and none might be available. Call it before the first
+/// simulation is built, in a process that opens no window.
+pub fn use_no_task_threads() {
+    let none = || TaskPoolThreadAssignmentPolicy {
+        min_threads: 0,
+        max_threads: 0,
+        percent: 0.0,
+        on_thread_spawn: None,
+        on_thread_destroy: None,
+    };
+    let options =
+        TaskPoolOptions { io: none(), async_compute: none(), compute: none(), ..TaskPoolOptions::default() };
+    options.create_default_pools();
+}
 
 /// A headless simulation.
 pub struct Simulation {

@@ -59,6 +59,11 @@ impl Evaluations {
         matches!(self.state, EvaluatorState::Running | EvaluatorState::RunningOutdated)
     }
 
+    /// Whether a policy is being evaluated on the thread that polls for the result.
+    pub(super) fn runs_on_caller_thread(&mut self) -> bool {
+        self.is_running() && self.evaluator.get().runs_on_caller_thread()
+    }
+
     /// Marks the evaluator as outdated: the scenario of the training has changed.
     pub(super) fn mark_outdated(&mut self) {
         self.state =
