@@ -113,6 +113,13 @@ impl Plugin for WindowedPlugin {
             )
             .add_systems(Update, draw_less_when_idle);
         #[cfg(not(target_arch = "wasm32"))]
+        app.init_resource::<super::fallback_fonts::FallbackFonts>().add_systems(
+            PostUpdate,
+            super::fallback_fonts::add_fallback_fonts
+                .after(EguiPostUpdateSet::EndPass)
+                .before(EguiPostUpdateSet::ProcessOutput),
+        );
+        #[cfg(not(target_arch = "wasm32"))]
         if let Some(request) = &options.screenshot {
             app.insert_resource(request.clone()).add_systems(Last, take_screenshot);
             return;

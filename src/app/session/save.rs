@@ -59,7 +59,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
         }
         SaveKind::Png => {
             let title = world.resource::<TrainingRun>().config.description();
-            world.resource_mut::<TrainingHistory>().0.write_png(&title, path).map_err(failed)
+            world.resource_mut::<TrainingHistory>().0.write_figure(&title, path)
         }
         SaveKind::Run => save_run(world, path),
     }
