@@ -19,6 +19,7 @@
 //! | `view_state.rs` | what the user has chosen to see; `preferences.rs` stores it |
 //! | `window.rs`, `window_input.rs`, `blending.rs` | the window, its input and its colours |
 //! | `fallback_fonts.rs` | fonts for characters that the app's typeface lacks |
+//! | `window_failure.rs` | a missing display, driver or library, as a sentence |
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
 //! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
@@ -51,6 +52,8 @@ pub mod session;
 pub mod setup_form;
 pub mod view_state;
 pub mod window;
+#[cfg(not(target_arch = "wasm32"))]
+mod window_failure;
 mod window_input;
 
 use bevy::prelude::*;

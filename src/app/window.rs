@@ -46,10 +46,10 @@ pub struct WindowOptions {
 /// Opens the window and runs the app until it is closed.
 ///
 /// # Errors
-/// There is no display, or the screenshot could not be written.
+/// There is no display or no graphics driver, a library is missing, or the screenshot could not be written.
 pub fn run(options: WindowOptions) -> Result<(), RunError> {
-    let _connection = connect_to_display()?;
-    match app(options).run() {
+    let _connection = window_failure::connect_to_display()?;
+    match window_failure::catch(|| app(options).run())? {
         AppExit::Success => Ok(()),
         AppExit::Error(_) => Err(RunError::Failed("the window closed unexpectedly (see above)".into())),
     }
@@ -63,26 +63,6 @@ pub fn app(options: WindowOptions) -> App {
     let mut app = App::new();
     app.add_plugins(WindowedPlugin(options));
     app
-}
-
-/// Connects to the X display: without one, winit would panic. Keep the connection until the window is open, because a
-/// display such as Xvfb restarts when its last client disconnects, and is not available meanwhile.
-///
-/// # Errors
-/// There is no display.
-#[cfg(all(unix, not(target_os = "macos")))]
-fn connect_to_display() -> Result<impl Sized, RunError> {
-    x11rb::connect(None).map_err(|error| {
-        RunError::InvalidInput(format!(
-            "no display for the window ({error}); help: train without a window with `wayfield --train`, or set DISPLAY"
-        ))
-    })
-}
-
-/// Other systems always have a display.
-#[cfg(not(all(unix, not(target_os = "macos"))))]
-fn connect_to_display() -> Result<impl Sized, RunError> {
-    Ok(())
 }
 
 struct WindowedPlugin(WindowOptions);

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-use signal_hook::consts::signal::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
+use signal_hook::consts::signal::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 use signal_hook::flag;
 use signal_hook::iterator::SignalsInfo;
 use signal_hook::iterator::exfiltrator::origin::WithOrigin;
@@ -22,6 +22,8 @@ const STOP_SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUS
 /// The time after the first signal from which on a Ctrl-C in the terminal ends the process at once.
 const SECOND_CTRL_C: Duration = Duration::from_millis(500);
 
+/// The condition of handlers that always act.
+static ALWAYS: AtomicBool = AtomicBool::new(true);
 /// The number of the last signal; 0 before the first.
 static LAST: AtomicUsize = AtomicUsize::new(0);
 
@@ -37,11 +39,16 @@ pub fn survive_file_size_limit() {
 /// Makes the first signal end the process with its [exit status](super::StopSignal::exit_status), for work that leaves nothing
 /// to save. (Without a handler, the first process of a container would not notice the signal.)
 pub fn exit_on_signal() {
-    static ALWAYS: AtomicBool = AtomicBool::new(true);
     for signal in stop_signals() {
         // Without the handler, the signal kills the process.
         let _ = flag::register_conditional_shutdown(signal, 128 + signal, &ALWAYS);
     }
+}
+
+/// Makes an abort end the process with exit status 1. A failed allocation aborts, after a message of the standard library.
+pub fn fail_on_abort() {
+    // Without the handler, the process ends by SIGABRT.
+    let _ = flag::register_conditional_shutdown(SIGABRT, 1, &ALWAYS);
 }
 
 /// The signals in [`STOP_SIGNALS`] that are not ignored.
