@@ -21,6 +21,8 @@ use super::screen::{self, ScreenInput, theme};
 use super::screenshot::{ScreenshotRequest, take_screenshot};
 use super::session::{StartOptions, TrainingHistory, TrainingRun};
 use super::view_state::{EditorSource, Overlays, ThemeChoice};
+#[cfg(not(target_arch = "wasm32"))]
+use super::window_failure;
 use super::window_input::{draw_less_when_idle, fix_input, take_dropped_files};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
 use crate::run::RunError;
@@ -48,8 +50,14 @@ pub struct WindowOptions {
 /// # Errors
 /// There is no display or no graphics driver, a library is missing, or the screenshot could not be written.
 pub fn run(options: WindowOptions) -> Result<(), RunError> {
-    let _connection = window_failure::connect_to_display()?;
-    match window_failure::catch(|| app(options).run())? {
+    #[cfg(not(target_arch = "wasm32"))]
+    let exit = {
+        let _connection = window_failure::connect_to_display()?;
+        window_failure::catch(|| app(options).run())?
+    };
+    #[cfg(target_arch = "wasm32")]
+    let exit = app(options).run();
+    match exit {
         AppExit::Success => Ok(()),
         AppExit::Error(_) => Err(RunError::Failed("the window closed unexpectedly (see above)".into())),
     }
