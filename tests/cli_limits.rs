@@ -118,7 +118,7 @@ fn too_little_memory_is_an_error_before_the_run_folder_is_made() {
         let workspace = workspace();
         // The preset's replay buffer alone takes more than 50 MB.
         let done =
-            workspace.shell(&format!("ulimit {flag} 100000; exec $WAYFIELD --train --steps 16 --out run"));
+            workspace.shell(&format!("ulimit {flag} 150000; exec $WAYFIELD --train --steps 16 --out run"));
         assert_failed(&done, &format!("(`ulimit {flag}`)"));
         assert!(!workspace.path("run").exists(), "no folder is left");
     }
@@ -129,7 +129,7 @@ fn the_memory_that_the_error_asks_for_suffices() {
     for flag in ["-v", "-d"] {
         let workspace = workspace();
         let done =
-            workspace.shell(&format!("ulimit {flag} 100000; exec $WAYFIELD --train --steps 12000 --out run"));
+            workspace.shell(&format!("ulimit {flag} 150000; exec $WAYFIELD --train --steps 12000 --out run"));
         let needed = done.stderr.split("about ").nth(1).and_then(|text| text.split(' ').next());
         let megabytes: u64 = needed.expect("a number of MB").parse().unwrap();
         let kilobytes = megabytes * 1000 * 1000 / 1024 + 1000;

@@ -91,7 +91,7 @@ impl Arguments {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
-    signals::survive_file_size_limit();
+    signals::survive_limits();
     let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
     arguments.shared.extensions = extensions;
     match run(arguments, began) {

@@ -1,14 +1,13 @@
 //! The check of a training against the limits of the process's memory (`ulimit -v`, `ulimit -d`), as batch systems set them.
 //!
 //! At such a limit an allocation fails, and a failed allocation ends a Rust program on the spot. So the check comes first, with
-//! an estimate. Should an allocation fail in spite of it, the process still ends with exit status 1.
+//! an estimate. Should an allocation fail in spite of it, the process still ends with exit status 1 (`signals/unix.rs`).
 
 use rustix::process::{Resource, getrlimit};
 
 use super::RunError;
 use super::folder::RunConfig;
 use super::memory::bodies_per_arena;
-use super::signals::fail_on_abort;
 use crate::policy::NetworkShape;
 use crate::task::observation;
 
@@ -32,7 +31,6 @@ pub fn check(config: &RunConfig) -> Result<(), RunError> {
         [(Resource::As, "-v", "VmSize:", BASE_ADDRESS_SPACE), (Resource::Data, "-d", "VmData:", BASE_DATA)]
     {
         let Some(limit) = getrlimit(resource).current else { continue };
-        fail_on_abort();
         let needed = bytes_in_use(in_use) + base + variable;
         if limit < needed {
             return Err(RunError::Failed(format!(

@@ -27,12 +27,16 @@ static ALWAYS: AtomicBool = AtomicBool::new(true);
 /// The number of the last signal; 0 before the first.
 static LAST: AtomicUsize = AtomicUsize::new(0);
 
-/// Makes writes beyond the limit of file sizes (`ulimit -f`) fail with an error. By default, SIGXFSZ kills the process.
-pub fn survive_file_size_limit() {
+/// Makes the limits of the process end in errors instead of signals: a write beyond the limit of file sizes (`ulimit -f`) fails,
+/// and an abort after a failed allocation, at a limit of memory (`ulimit -v`, `ulimit -d`), becomes exit status 1.
+pub fn survive_limits() {
     static SEEN: AtomicBool = AtomicBool::new(false);
+    // Without these handlers, the limits kill the process: no reason to stop now.
     if !is_ignored(SIGXFSZ) {
-        // Without this handler, a file that is too large kills the process: no reason to stop now.
         let _ = flag::register(SIGXFSZ, &SEEN);
+    }
+    if [Resource::As, Resource::Data].into_iter().any(|memory| getrlimit(memory).current.is_some()) {
+        let _ = flag::register_conditional_shutdown(SIGABRT, 1, &ALWAYS);
     }
 }
 
@@ -43,12 +47,6 @@ pub fn exit_on_signal() {
         // Without the handler, the signal kills the process.
         let _ = flag::register_conditional_shutdown(signal, 128 + signal, &ALWAYS);
     }
-}
-
-/// Makes an abort end the process with exit status 1. A failed allocation aborts, after a message of the standard library.
-pub fn fail_on_abort() {
-    // Without the handler, the process ends by SIGABRT.
-    let _ = flag::register_conditional_shutdown(SIGABRT, 1, &ALWAYS);
 }
 
 /// The signals in [`STOP_SIGNALS`] that are not ignored.
