@@ -98,9 +98,23 @@ pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let label = if matches!(error, RunError::Stopped(_)) { "" } else { "error: " };
-            print_stderr(&format!("{label}{error}"));
+            print_stderr(&format!("{label}{error}{}", limit_help(&error.to_string())));
             ExitCode::from(error.exit_status())
         }
+    }
+}
+
+/// The fix for an error at a limit of the process, which can occur wherever files are opened or written.
+fn limit_help(error: &str) -> &'static str {
+    let is_system_error = |number: u32| cfg!(unix) && error.contains(&format!("(os error {number})"));
+    if error.contains("help:") {
+        ""
+    } else if is_system_error(24) {
+        "; help: raise the limit of open files (`ulimit -n`)"
+    } else if is_system_error(27) {
+        "; help: raise the limit of file sizes (`ulimit -f`)"
+    } else {
+        ""
     }
 }
 
