@@ -142,3 +142,28 @@ fn an_evaluation_ends_with_the_status_of_its_signal() {
         assert_eq!((done.status, done.stdout.as_str()), (Some(status), ""), "{name}: {}", done.stderr);
     }
 }
+
+#[test]
+fn the_first_process_of_a_container_stops_too() {
+    let inside = "unshare --map-root-user --pid --fork --kill-child";
+    let tried = Command::new("sh").args(["-c", &format!("{inside} true")]).output();
+    if !tried.is_ok_and(|output| output.status.success()) {
+        requirements::report_skip(
+            "`unshare --pid` is not permitted; help: run as root, or allow user namespaces",
+        );
+        return;
+    }
+    let workspace = workspace();
+    workspace.run_ok("--train --preset fast.ron --steps 1600 --out run");
+    let eval = "--eval run/policy.safetensors --rounds 1000 --episodes 1000";
+    let mut child = workspace.start_shell(&format!("exec {inside} $WAYFIELD {eval}"));
+    let children = format!("/proc/{0}/task/{0}/children", child.id());
+    let first = || std::fs::read_to_string(&children).ok()?.trim().parse::<u32>().ok();
+    wait_until(&mut child, "the container has a process", || first().is_some());
+    // The kernel drops signals that the first process has no handler for, so this waits for the handlers.
+    sleep(Duration::from_millis(700));
+    let sent = Command::new("kill").args(["-TERM", &first().unwrap().to_string()]).status();
+    assert!(sent.unwrap().success());
+    let done = wait_for_output(child);
+    assert_eq!(done.status, Some(143), "{}", done.stderr);
+}
