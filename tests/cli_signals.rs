@@ -32,6 +32,13 @@ fn wait_for_progress(workspace: &Workspace, child: &mut Child) {
     wait_until(child, "more rows in episodes.csv", || size(workspace, "run/episodes.csv") > before);
 }
 
+/// Whether the process has a handler of SIGTERM.
+fn handles_sigterm(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    caught.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() >> 14 & 1 == 1)
+}
+
 /// Asserts that the stopped run in `run` is complete, and that it resumes.
 fn assert_saved(workspace: &Workspace) {
     let summary = workspace.json("run/summary.json");
@@ -134,9 +141,9 @@ fn an_evaluation_ends_with_the_status_of_its_signal() {
     let workspace = workspace();
     workspace.run_ok("--train --preset fast.ron --steps 1600 --out run");
     for (name, status) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
-        let child = workspace.start("--eval run/policy.safetensors --rounds 1000 --episodes 1000");
-        // Before its handlers are installed, a signal would kill the process.
-        sleep(Duration::from_millis(700));
+        let mut child = workspace.start("--eval run/policy.safetensors --rounds 1000 --episodes 1000");
+        let id = child.id();
+        wait_until(&mut child, "the handlers are installed", || handles_sigterm(id));
         signal(&child, name);
         let done = wait_for_output(child);
         assert_eq!((done.status, done.stdout.as_str()), (Some(status), ""), "{name}: {}", done.stderr);
@@ -159,9 +166,8 @@ fn the_first_process_of_a_container_stops_too() {
     let mut child = workspace.start_shell(&format!("exec {inside} $WAYFIELD {eval}"));
     let children = format!("/proc/{0}/task/{0}/children", child.id());
     let first = || std::fs::read_to_string(&children).ok()?.trim().parse::<u32>().ok();
-    wait_until(&mut child, "the container has a process", || first().is_some());
-    // The kernel drops signals that the first process has no handler for, so this waits for the handlers.
-    sleep(Duration::from_millis(700));
+    // The kernel drops signals that the first process has no handler for.
+    wait_until(&mut child, "its handlers are installed", || first().is_some_and(handles_sigterm));
     let sent = Command::new("kill").args(["-TERM", &first().unwrap().to_string()]).status();
     assert!(sent.unwrap().success());
     let done = wait_for_output(child);
