@@ -31,7 +31,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, signals};
-use crate::simulation::{Extensions, use_no_task_threads};
+use crate::simulation::{Extensions, use_one_task_thread};
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -121,7 +121,13 @@ fn limit_help(error: &str) -> &'static str {
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
     if mode.train || arguments.train.resume.is_some() || mode.eval.is_some() || mode.reproduce {
-        use_no_task_threads();
+        if !use_one_task_thread() {
+            return Err(RunError::Failed(
+                "no thread can be started; help: raise `ulimit -u` or the container's limit of processes, or use a build \
+                 without the app (`--no-default-features`), which needs none"
+                    .into(),
+            ));
+        }
     }
     if mode.train || arguments.train.resume.is_some() {
         train::run(arguments.train, shared, began)

@@ -11,11 +11,12 @@ use super::memory::bodies_per_arena;
 use crate::policy::NetworkShape;
 use crate::task::observation;
 
-/// Address space, in bytes, that a training takes apart from its learner and its bodies. The allocator reserves 32 MiB or more
-/// at a time for each thread, most of which is never used.
-const BASE_ADDRESS_SPACE: u64 = 320 << 20;
-/// The part of it that is data.
-const BASE_DATA: u64 = 64 << 20;
+/// Address space of a thread, in bytes. The allocator reserves 32 MiB or more at a time, most of which is never used.
+const THREAD_ADDRESS_SPACE: u64 = 64 << 20;
+/// Threads, apart from one per core.
+const THREADS: u64 = 4;
+/// Memory that a training takes apart from its learner, its bodies and its threads, in bytes.
+const BASE: u64 = 128 << 20;
 /// Memory of a body in the simulation, in bytes.
 const BODY: u64 = 2048;
 /// Copies of the network's parameters: tensors, target network, gradient, moments, policies, a checkpoint in progress.
@@ -26,12 +27,14 @@ const PARAMETER_COPIES: u64 = 12;
 /// # Errors
 /// It does not fit. The message names the limit, the memory needed, and how to raise or reduce them.
 pub fn check(config: &RunConfig) -> Result<(), RunError> {
-    let variable = training_bytes(config);
-    for (resource, flag, in_use, base) in
-        [(Resource::As, "-v", "VmSize:", BASE_ADDRESS_SPACE), (Resource::Data, "-d", "VmData:", BASE_DATA)]
+    let variable = BASE + training_bytes(config);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from) as u64;
+    let threads = (THREADS + cores) * THREAD_ADDRESS_SPACE;
+    for (resource, flag, in_use, threads) in
+        [(Resource::As, "-v", "VmSize:", threads), (Resource::Data, "-d", "VmData:", 0)]
     {
         let Some(limit) = getrlimit(resource).current else { continue };
-        let needed = bytes_in_use(in_use) + base + variable;
+        let needed = bytes_in_use(in_use) + threads + variable;
         if limit < needed {
             return Err(RunError::Failed(format!(
                 "the memory of this process is limited to {} MB (`ulimit {flag}`), and this training needs about {} MB; help: \

@@ -6,6 +6,8 @@
 mod builder;
 mod extensions;
 
+use std::panic;
+
 use bevy::app::{TaskPoolOptions, TaskPoolThreadAssignmentPolicy};
 use bevy::prelude::*;
 
@@ -17,19 +19,30 @@ use crate::control_step::ControlStep;
 use crate::learning::DivergenceError;
 use crate::task::{Fault, TaskFault};
 
-/// Gives Bevy's task pools no threads: a headless simulation uses none, and none might be available. Call it before the first
-/// simulation is built, in a process that opens no window.
-pub fn use_no_task_threads() {
-    let none = || TaskPoolThreadAssignmentPolicy {
-        min_threads: 0,
-        max_threads: 0,
-        percent: 0.0,
+/// Gives Bevy's task pools one thread in all, which is enough for headless simulations. Call it before the first simulation is
+/// built, in a process that opens no window. Returns whether the thread could be started. (Builds without the app need none.)
+#[must_use]
+pub fn use_one_task_thread() -> bool {
+    let threads = |count| TaskPoolThreadAssignmentPolicy {
+        min_threads: count,
+        max_threads: count,
+        percent: 1.0,
         on_thread_spawn: None,
         on_thread_destroy: None,
     };
-    let options =
-        TaskPoolOptions { io: none(), async_compute: none(), compute: none(), ..TaskPoolOptions::default() };
-    options.create_default_pools();
+    let options = TaskPoolOptions {
+        io: threads(0),
+        async_compute: threads(0),
+        // Bevy's transform systems do not end on a pool without threads.
+        compute: threads(1),
+        ..TaskPoolOptions::default()
+    };
+    // A pool panics if it cannot start its threads.
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let made = panic::catch_unwind(|| options.create_default_pools());
+    panic::set_hook(hook);
+    made.is_ok()
 }
 
 /// A headless simulation.
