@@ -143,8 +143,9 @@ fn the_memory_that_the_error_asks_for_suffices() {
         let needed = done.stderr.split("about ").nth(1).and_then(|text| text.split(' ').next());
         let megabytes: u64 = needed.expect("a number of MB").parse().unwrap();
         let kilobytes = megabytes * 1000 * 1000 / 1024 + 1000;
-        let done = workspace
-            .shell(&format!("ulimit {flag} {kilobytes}; exec $WAYFIELD --train --steps 12000 --out run"));
+        let done = workspace.shell(&format!(
+            "unset RUST_BACKTRACE; ulimit {flag} {kilobytes}; exec $WAYFIELD --train --steps 12000 --out run"
+        ));
         assert_eq!(done.status, Some(0), "{flag} {megabytes} MB: {}", done.stderr);
     }
 }

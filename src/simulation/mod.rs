@@ -6,7 +6,7 @@
 mod builder;
 mod extensions;
 
-use std::panic;
+use std::panic::{self, AssertUnwindSafe};
 
 use bevy::app::{TaskPoolOptions, TaskPoolThreadAssignmentPolicy};
 use bevy::prelude::*;
@@ -40,7 +40,7 @@ pub fn use_one_task_thread() -> bool {
     // A pool panics if it cannot start its threads.
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));
-    let made = panic::catch_unwind(|| options.create_default_pools());
+    let made = panic::catch_unwind(AssertUnwindSafe(|| options.create_default_pools()));
     panic::set_hook(hook);
     made.is_ok()
 }
