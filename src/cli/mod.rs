@@ -120,14 +120,13 @@ fn limit_help(error: &str) -> &'static str {
 
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
-    if mode.train || arguments.train.resume.is_some() || mode.eval.is_some() || mode.reproduce {
-        if !use_one_task_thread() {
-            return Err(RunError::Failed(
-                "no thread can be started; help: raise `ulimit -u` or the container's limit of processes, or use a build \
-                 without the app (`--no-default-features`), which needs none"
-                    .into(),
-            ));
-        }
+    let is_headless = mode.train || arguments.train.resume.is_some() || mode.eval.is_some() || mode.reproduce;
+    if is_headless && !use_one_task_thread() {
+        return Err(RunError::Failed(
+            "no thread can be started; help: raise `ulimit -u` or the container's limit of processes, or use a build \
+             without the app (`--no-default-features`), which needs none"
+                .into(),
+        ));
     }
     if mode.train || arguments.train.resume.is_some() {
         train::run(arguments.train, shared, began)
