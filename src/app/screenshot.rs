@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use bevy::image::ImageFormat;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::window::PrimaryWindow;
 
 use super::fallback_fonts::FallbackFonts;
 use super::session::{Journal, Pacer};
@@ -29,19 +28,18 @@ pub struct ScreenshotRequest {
     pub after_steps: u64,
 }
 
-/// Takes the screenshot after the requested number of steps, and exits when it is written.
+/// Takes the screenshot of the open window after the requested number of steps, and exits when it is written.
 pub(super) fn take_screenshot(
     mut commands: Commands,
     request: Res<ScreenshotRequest>,
     journal: Option<Res<Journal>>,
     pacer: Option<ResMut<Pacer>>,
     fonts: Res<FallbackFonts>,
-    windows: Query<Entity, With<PrimaryWindow>>,
     under_way: Query<(), With<Screenshot>>,
     mut frames: Local<u32>,
 ) {
     let (Some(journal), Some(mut pacer)) = (journal, pacer) else { return };
-    if !under_way.is_empty() || journal.steps < request.after_steps || windows.is_empty() {
+    if !under_way.is_empty() || journal.steps < request.after_steps {
         return;
     }
     pacer.hold();

@@ -15,9 +15,9 @@ use crate::run::RunError;
 /// # Errors
 /// There is no display.
 #[cfg(all(unix, not(target_os = "macos")))]
-pub fn connect_to_display() -> Result<impl Sized, RunError> {
+pub fn connect_to_display() -> Result<x11rb::rust_connection::RustConnection, RunError> {
     let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    x11rb::connect(None).map_err(|error| {
+    x11rb::connect(None).map(|(connection, _)| connection).map_err(|error| {
         RunError::InvalidInput(if is_set("WAYLAND_DISPLAY") && !is_set("DISPLAY") {
             "no X11 display for the window, and Wayland alone is not supported; help: install XWayland (Debian, Ubuntu: \
              xwayland), or train without a window with `wayfield --train`"
@@ -28,12 +28,6 @@ pub fn connect_to_display() -> Result<impl Sized, RunError> {
             )
         })
     })
-}
-
-/// Other systems always have a display.
-#[cfg(not(all(unix, not(target_os = "macos"))))]
-pub fn connect_to_display() -> Result<impl Sized, RunError> {
-    Ok(())
 }
 
 /// Runs `app`, and turns a panic that [`explanation`] knows into an error.
