@@ -75,7 +75,7 @@ pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
     let here = config.scenario.name.as_str();
     match trained_in(policy) {
         Some(there) if there == here => format!("Trained in {there}"),
-        Some(there) => format!("Trained in {there}, new to {here}"),
+        Some(there) => format!("Trained in {there}, new here"),
         None => String::new(),
     }
 }
