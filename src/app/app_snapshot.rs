@@ -22,6 +22,21 @@ pub struct Choice {
     pub about: String,
 }
 
+/// The last session, which can be continued.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LastSession {
+    /// The scenario's name.
+    pub scenario: String,
+    /// The preset's name.
+    pub preset: String,
+    /// The seed.
+    pub seed: u64,
+    /// Env steps of the training.
+    pub env_steps: u64,
+    /// Time since it was saved, in s.
+    pub age_s: u64,
+}
+
 /// Severity of a notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
@@ -111,6 +126,10 @@ pub struct AppSnapshot {
     pub notices: Vec<Notice>,
     /// Whether a new training would discard an unsaved one that is worth keeping.
     pub restart_loses_training: bool,
+    /// The last session, if the user has not decided yet whether to continue it.
+    pub last_session: Option<LastSession>,
+    /// Whether the question before quitting is open.
+    pub quit_question: bool,
     /// A shipped policy that can drive here, with the observations of the preset.
     pub expert: Option<ExpertChoice>,
     /// The policy that Test, Drive and Compare use: the current or the best one.

@@ -113,6 +113,21 @@ pub enum Command {
     SaveDialog(SaveKind),
     /// Saves to a file or folder.
     Save(SaveKind, PathBuf),
+    /// Saves the run under `runs/`, in a browser the policy; then executes the command, which would discard the training.
+    SaveFirst(Box<Command>),
+    /// Continues the last session from its autosave.
+    ContinueLastSession,
+    /// Withdraws the offer to continue the last session.
+    DismissLastSession,
+    /// Closes the app; asks first if an unsaved training would be lost.
+    Close,
+    /// Closes the app after that question.
+    Quit {
+        /// Whether to save the run first.
+        save: bool,
+    },
+    /// Does not close the app after that question.
+    KeepOpen,
     /// Applies an edited scenario to the training.
     ApplyScenario {
         /// The scenario.

@@ -12,8 +12,8 @@ use super::scalar_fields::ScalarFields;
 use super::scene::{ArenaScene, Scene};
 use super::session::trails::ArenaTrails;
 use super::session::{
-    ActiveMode, Evaluations, Journal, Notices, OpenedFiles, Pacer, ScenarioSource, Throughput, Trails,
-    TrainingRun, comparison,
+    ActiveMode, Autosave, Evaluations, Journal, Notices, OpenedFiles, Pacer, QuitQuestion, ScenarioSource,
+    Throughput, Trails, TrainingRun, comparison,
 };
 use crate::agent::{ActiveLearner, Decisions};
 use crate::run::preset::Budget;
@@ -57,6 +57,8 @@ pub(super) struct SessionView<'w> {
     opened: Res<'w, OpenedFiles>,
     source: Res<'w, ScenarioSource>,
     notices: Res<'w, Notices>,
+    autosave: Res<'w, Autosave>,
+    quit_question: Res<'w, QuitQuestion>,
     evaluations: Res<'w, Evaluations>,
     learner: Res<'w, ActiveLearner>,
 }
@@ -207,6 +209,8 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         opened_policy: session.opened.policy.as_ref().map(|(name, _)| name.clone()),
         notices: session.notices.list(),
         restart_loses_training: session.run.would_lose_training(learner.env_steps()),
+        last_session: session.autosave.last_session(),
+        quit_question: session.quit_question.0,
         expert: comparison::expert(config).map(|expert| ExpertChoice {
             is_new_here: expert.trained_in != config.scenario.name,
             name: expert.name,

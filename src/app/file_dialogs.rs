@@ -2,7 +2,7 @@
 //!
 //! In: commands that need a dialog. Out: commands with the chosen path. A dialog runs in the background; nothing waits for it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use rfd::AsyncFileDialog;
 use super::app_snapshot::Severity;
 use super::commands::{Command, FigureFormat, SaveKind};
 use super::session::notices::NoticeTopic;
-use super::session::{Notices, TrainingRun};
+use super::session::{Notices, TrainingRun, unused_path};
 use crate::scenario::Scenario;
 
 /// A dialog that closes sooner than this has not appeared, because no user is that fast.
@@ -154,15 +154,4 @@ fn save_dialog(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
     }
     let answer = dialog.save_file();
     IoTaskPool::get().spawn(async move { answer.await.map(|file| file.path().into()) })
-}
-
-/// An unused path for `name` under `runs/`.
-fn unused_path(name: &str) -> PathBuf {
-    let runs = Path::new("runs");
-    // If the folder cannot be created, saving reports the error.
-    let _ = std::fs::create_dir_all(runs);
-    let (stem, extension) =
-        name.rsplit_once('.').map_or((name, String::new()), |(a, b)| (a, format!(".{b}")));
-    let numbered = (2..).map(|number| runs.join(format!("{stem}-{number}{extension}")));
-    std::iter::once(runs.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
 }

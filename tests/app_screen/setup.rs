@@ -2,7 +2,9 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
+use wayfield::app::app_snapshot::LastSession;
 use wayfield::app::commands::{Command, FigureFormat, PolicySource, SaveKind, SessionMode};
+use wayfield::app::screen;
 
 use super::{Window, click, press, release_event, sent_commands, settle, window};
 use crate::screen_fixture::ScreenFixture;
@@ -100,6 +102,9 @@ fn a_training_worth_keeping_is_discarded_only_after_a_confirmation() {
     let restart = Command::StartTraining { scenario: "scenario-1".into(), preset: "fast".into(), seed: 7 };
     assert_eq!(click(&mut window, "Discard"), [restart]);
     assert!(window.query_by_label("Cancel").is_none(), "the question is gone");
+    click(&mut window, "Restart training");
+    let restart = Command::StartTraining { scenario: "scenario-1".into(), preset: "fast".into(), seed: 7 };
+    assert_eq!(click(&mut window, "Save first"), [Command::SaveFirst(Box::new(restart))]);
     // A double click does not answer the question.
     let position = window.get_by_label("Restart training").rect().center();
     for _ in 0..2 {
@@ -265,4 +270,46 @@ fn without_a_disk_no_run_can_be_saved_and_the_curves_are_an_svg() {
     assert!(window.query_by_label("Figure as PNG…").is_none());
     let svg = SaveKind::Figure(FigureFormat::Svg);
     assert_eq!(click(&mut window, "Figure as SVG…"), [Command::SaveDialog(svg)]);
+}
+
+#[test]
+fn the_last_session_is_offered_with_what_it_is() {
+    let mut window = window(ScreenFixture::default());
+    assert!(window.query_by_label("Continue where you left off?").is_none());
+    window.state_mut().status.last_session = Some(LastSession {
+        scenario: "Maze".into(),
+        preset: "fast".into(),
+        seed: 4,
+        env_steps: 123_456,
+        age_s: 200,
+    });
+    settle(&mut window);
+    assert!(window.query_by_label("Maze, fast, seed 4 · 123,456 steps · 3 min ago").is_some());
+    assert_eq!(click(&mut window, "Continue"), [Command::ContinueLastSession]);
+    assert_eq!(click(&mut window, "Not now"), [Command::DismissLastSession]);
+}
+
+#[test]
+fn closing_the_window_asks_about_edits_and_then_about_the_training() {
+    let mut window = window(ScreenFixture::default());
+    window.state_mut().status.quit_question = true;
+    settle(&mut window);
+    assert!(window.query_by_label("This training (1,284 episodes) is not saved.").is_some());
+    assert_eq!(click(&mut window, "Save run and quit"), [Command::Quit { save: true }]);
+    assert_eq!(click(&mut window, "Quit without saving"), [Command::Quit { save: false }]);
+    assert_eq!(click(&mut window, "Cancel"), [Command::KeepOpen]);
+    assert_eq!(press(&mut window, Key::Escape), [Command::KeepOpen]);
+    window.state_mut().status.quit_question = false;
+
+    let request = |window: &mut Window| {
+        let ScreenFixture { view_state, commands, .. } = window.state_mut();
+        screen::request_close(view_state, commands);
+        settle(window);
+        sent_commands(window)
+    };
+    assert_eq!(request(&mut window), [Command::Close]);
+    press(&mut window, Key::E);
+    click(&mut window, "Add a circle");
+    assert_eq!(request(&mut window), [], "the editor asks first");
+    assert_eq!(click(&mut window, "Discard changes").first(), Some(&Command::Close));
 }

@@ -313,6 +313,8 @@ fn status() -> AppSnapshot {
         opened_policy: None,
         notices: Vec::new(),
         restart_loses_training: false,
+        last_session: None,
+        quit_question: false,
         expert: Some(ExpertChoice { name: "Scenario I expert".into(), is_new_here: false }),
         tested: PolicySource::Current,
         has_disk: true,

@@ -139,6 +139,14 @@ impl History {
         }
     }
 
+    /// The rows of all episodes as CSV, with the columns of `episodes.csv`, after its first `offset` bytes.
+    ///
+    /// # Errors
+    /// The rows could not be stored.
+    pub fn episodes_csv_from(&mut self, offset: u64) -> io::Result<Vec<u8>> {
+        self.rows.csv_from(offset)
+    }
+
     /// Writes a row per episode, with the columns of `episodes.csv`. The file is written atomically.
     ///
     /// # Errors

@@ -18,7 +18,7 @@ pub fn handle(ui: &Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, comma
     if ctx.text_edit_focused() {
         return;
     }
-    let dialog_open = view_state.help_open || confirm_exit::is_open(view_state);
+    let dialog_open = view_state.help_open || view.status.quit_question || confirm_exit::is_open(view_state);
     if let Some(editor) = view_state.editor.as_mut().filter(|_| !dialog_open) {
         editor::shortcuts::handle(ui, editor, view.status, commands);
     }

@@ -16,6 +16,7 @@ use crate::app::commands::{Pace, PolicySource, SessionMode};
 use crate::app::scene::DriverLabel;
 use crate::random::Stream;
 use crate::run::RunError;
+use crate::run::checkpoint::TrainerState;
 use crate::scenario::Scenario;
 use crate::sim;
 use crate::task::{Actions, ArenaState, CurrentScenario, EpisodeEnded, TaskMode};
@@ -96,6 +97,22 @@ impl ActiveMode {
             Self::Train => None,
             Self::Demo(demo) => Some(demo.training.pace),
         }
+    }
+
+    /// Copies the state of the training's arenas to `state`, also while the training is suspended.
+    pub(super) fn update_trainer_state(&self, world: &mut World, state: &mut TrainerState) {
+        match self {
+            Self::Train => state.update(world),
+            Self::Demo(demo) => {
+                let training = &demo.training;
+                state.update_with(training.arenas.clone(), training.exploration.clone(), training.stats);
+            }
+        }
+    }
+
+    /// Whether the scenario has been changed during a demo, which the suspended training has not adopted yet.
+    pub(super) fn has_pending_changes(&self) -> bool {
+        matches!(self, Self::Demo(demo) if !demo.training.interventions.is_empty())
     }
 
     /// Stores a change of the scenario for the suspended training, if there is one. As in the journal, only the last

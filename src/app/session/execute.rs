@@ -6,7 +6,9 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
+use super::QuitQuestion;
 use super::active_mode::{self, ActiveMode};
+use super::autosave::{self, Autosave};
 use super::comparison;
 use super::editor_files;
 use super::interventions::{self, Intervention};
@@ -14,6 +16,8 @@ use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
 use super::open;
 use super::pacer::Pacer;
+#[cfg(not(target_arch = "wasm32"))]
+use super::quit;
 use super::save;
 use super::scenario_changes;
 use super::start_training;
@@ -70,6 +74,19 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
             editor_files::save_scenario(world, &scenario, &based_on, &path)?;
         }
         Command::OpenInEditor(Some(path)) => editor_files::open_in_editor(world, &path)?,
+        Command::SaveFirst(then) => {
+            save_before_discarding(world)?;
+            try_execute(world, *then)?;
+        }
+        Command::ContinueLastSession => autosave::continue_last_session(world)?,
+        Command::DismissLastSession => world.resource_mut::<Autosave>().dismiss_last_session(),
+        #[cfg(not(target_arch = "wasm32"))]
+        Command::Close => quit::request(world),
+        #[cfg(not(target_arch = "wasm32"))]
+        Command::Quit { save } => quit::answer(world, save),
+        #[cfg(target_arch = "wasm32")]
+        Command::Close | Command::Quit { .. } => {}
+        Command::KeepOpen => world.resource_mut::<QuitQuestion>().0 = false,
         Command::DismissNotice(index) => world.resource_mut::<Notices>().dismiss(index),
         // The file dialogs answer these with a command that has a path.
         Command::OpenDialog
@@ -91,10 +108,17 @@ fn save_to(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunErro
     save::save(world, what, path)?;
     if matches!(what, SaveKind::Policy | SaveKind::BestPolicy | SaveKind::Run) {
         let env_steps = world.resource::<ActiveLearner>().0.env_steps();
-        world.resource_mut::<TrainingRun>().saved_at = Some(env_steps);
+        world.resource_mut::<TrainingRun>().mark_saved(env_steps);
     }
     notify_saved(world, path);
     Ok(())
+}
+
+/// Saves the run under `runs/`; in a browser, which has no folders, the policy.
+fn save_before_discarding(world: &mut World) -> Result<(), RunError> {
+    let what = if cfg!(target_arch = "wasm32") { SaveKind::Policy } else { SaveKind::Run };
+    let path = save::unused_path(&world.resource::<TrainingRun>().suggested_file_name(what));
+    save_to(world, what, &path)
 }
 
 /// Confirms that `path` was written.

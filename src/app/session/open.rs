@@ -17,7 +17,7 @@ use crate::policy::Policy;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, shipped};
-use crate::scenario::{Scenario, path_exists, read_text};
+use crate::scenario::{Scenario, path_exists, read_text, resemblance, utf8};
 
 /// The kinds of files that can be opened.
 const OPENABLE: &str = "a policy (.safetensors), a scenario or preset (.ron), or a run folder";
@@ -100,6 +100,11 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     }
 }
 
+/// Whether the text of a file that is not a valid scenario is meant as a preset.
+pub(super) fn is_preset(text: &str) -> bool {
+    resemblance::<Preset>(text, "Preset") > resemblance::<Scenario>(text, "Scenario")
+}
+
 /// Resumes the run in `folder`, which the user opened by `path`.
 fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunError> {
     confirm_by_repeating(world, path)?;
@@ -110,7 +115,7 @@ fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunEr
 
 /// Opens a scenario or a preset, and starts a training with it.
 fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
-    let from = path.display().to_string();
+    let from = utf8(path)?.to_owned();
     let text = read_text(path)?;
     let RunConfig { scenario_from, preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
     let (scenario_from, preset_from, seed) = (scenario_from.clone(), preset_from.clone(), *seed);
@@ -120,9 +125,9 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
             start_training::start_training(world, &from, &preset_from, seed)?;
             Ok(format!("Training started in {}", scenario.name))
         }
-        // Text that is not a valid preset either is reported as a broken scenario.
         Err(error) => {
-            Preset::parse(&text, path).map_err(|_| error)?;
+            let is_preset = is_preset(&text);
+            Preset::parse(&text, path).map_err(|as_preset| if is_preset { as_preset } else { error })?;
             confirm_by_repeating(world, path)?;
             start_training::start_training(world, &scenario_from, &from, seed)?;
             let preset = world.resource::<TrainingRun>().config.preset_name();

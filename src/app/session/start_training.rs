@@ -10,35 +10,36 @@ use bevy::prelude::*;
 
 use super::TrainingHistory;
 use super::active_mode::ActiveMode;
+use super::autosave;
 use super::evaluations::Evaluations;
 #[cfg(not(target_arch = "wasm32"))]
 use super::file_watch::{self, FileWatches, RetryAction};
-use super::journal::{self, Journal};
+use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
-use super::scenario_changes::SCENARIO_CHANGED;
+use super::saved_run::SavedRun;
 use super::scenario_source::ScenarioSource;
 use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
+use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::PolicySource;
 use crate::learning::Learner;
 use crate::policy::Policy;
-use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
-use crate::run::folder::{RunConfig, RunFolder, Transfer};
-use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
+use crate::run::checkpoint::TrainerState;
+use crate::run::folder::{RunConfig, Transfer};
 use crate::run::{RunError, shipped, training_setup};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 
 /// A training that is ready to start.
 pub(super) struct PreparedTraining {
-    config: RunConfig,
-    initial_policy: Option<Policy>,
-    learner: Learner,
-    trainer_state: TrainerState,
+    pub(super) config: RunConfig,
+    pub(super) initial_policy: Option<Policy>,
+    pub(super) learner: Learner,
+    pub(super) trainer_state: TrainerState,
 }
 
 /// The topic of a problem with a new training in `scenario`, whose file `is_broken` or not.
@@ -83,10 +84,13 @@ pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
 }
 
 /// Replaces the current training. What the user has opened or saved, and notices about anything else, stay.
-fn replace(world: &mut World, prepared: PreparedTraining) {
+pub(super) fn replace(world: &mut World, prepared: PreparedTraining) {
     if let Some(pace) = world.resource::<ActiveMode>().suspended_pace() {
         world.resource_mut::<Pacer>().pace = pace;
     }
+    let env_steps = world.resource::<ActiveLearner>().0.env_steps();
+    let keep = world.resource::<TrainingRun>().would_lose_training(env_steps);
+    autosave::end_training(world, keep);
     let old = world.remove_resource::<ScenarioSource>();
     insert_run(world, prepared);
     if let Some(old) = old {
@@ -190,33 +194,7 @@ pub(super) fn start_from_policy(
 /// # Errors
 /// The folder has no run, or an invalid one.
 pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
-    let (folder, config) = RunFolder::open(path)?;
-    let config = config.resume_with_extensions(&world.resource::<TrainingRun>().config.extensions, path)?;
-    let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
-    let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
-    let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
-    let (episodes, env_steps) = (learner.episodes(), learner.env_steps());
-    let journal = Journal::load(&folder, &config, &learner)?;
-    // A missing initial policy prevents a replay, not resuming.
-    let initial_policy = journal::initial_policy(&folder, &journal.config).ok().flatten();
-    replace(world, PreparedTraining { config, initial_policy, learner, trainer_state });
-    world.insert_resource(journal);
-    world.resource_scope(|world, mut run: Mut<TrainingRun>| {
-        run.saved_at = Some(env_steps);
-        checkpoint::restore(world, &run.trainer_state);
-    });
-    let curves = &mut world.resource_mut::<TrainingHistory>().0;
-    rows.iter().filter(|row| row.episode <= episodes).for_each(|row| curves.push_episode(row));
-    evaluations.retain(|row| row.env_steps <= env_steps);
-    evaluations.iter().for_each(|row| curves.push_evaluation(row));
-    world.resource_mut::<Evaluations>().rows = evaluations;
-    world.resource_scope(|world, journal: Mut<Journal>| {
-        let curves = &mut world.resource_mut::<TrainingHistory>().0;
-        journal.scenario_changes().for_each(|env_steps| curves.annotate(env_steps, SCENARIO_CHANGED.into()));
-    });
-    for (_, error) in skipped {
-        let text = format!("{error}\nThe checkpoint before it was used instead");
-        notify(world, NoticeTopic::General, Severity::Error, text);
-    }
+    let extensions = world.resource::<TrainingRun>().config.extensions.clone();
+    SavedRun::from_folder(path, &extensions)?.start(world);
     Ok(())
 }

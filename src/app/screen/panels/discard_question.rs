@@ -8,9 +8,6 @@ use crate::app::screen::numbers;
 use crate::app::screen::theme::Palette;
 use crate::app::setup_form::SetupForm;
 
-/// The width of the Cancel button, in points.
-const CANCEL_WIDTH: f32 = 74.0;
-
 /// Sends `command`, or first opens the question if the command would discard a training worth keeping.
 pub(super) fn send_or_ask(
     command: Command,
@@ -43,17 +40,30 @@ pub(super) fn discard_question_ui(
         let (text, answer) = question(status, form.awaiting_confirmation.as_ref());
         ui.label(RichText::new(text).color(palette.text));
         ui.horizontal(|ui| {
-            let width = ui.available_width() - ui.spacing().item_spacing.x - CANCEL_WIDTH;
-            let discard = ui.add_sized(vec2(width, 26.0), Button::new(answer)).clicked();
-            let cancel = ui.add_sized(vec2(CANCEL_WIDTH, 26.0), Button::new("Cancel")).clicked();
-            if discard {
-                let asked = form.awaiting_confirmation.take();
-                commands.extend(asked.map(|asked| with_current_choices(&asked, form)));
+            ui.spacing_mut().button_padding.x = 2.0;
+            let size = vec2((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0, 26.0);
+            let save_first =
+                ui.add_sized(size, Button::new("Save first")).on_hover_text(save_help(status)).clicked();
+            let discard = ui.add_sized(size, Button::new(answer)).clicked();
+            let cancel = ui.add_sized(size, Button::new("Cancel")).clicked();
+            if save_first || discard {
+                let asked = form.awaiting_confirmation.take().map(|asked| with_current_choices(&asked, form));
+                commands.extend(
+                    asked.map(|asked| if save_first { Command::SaveFirst(Box::new(asked)) } else { asked }),
+                );
             } else if cancel {
                 form.awaiting_confirmation = None;
             }
         });
     });
+}
+
+fn save_help(status: &AppSnapshot) -> &'static str {
+    if status.has_disk {
+        "Save the run in the folder runs, then go on"
+    } else {
+        "Save the policy, then go on"
+    }
 }
 
 /// The command that was asked about, with the choices as they are now: the user may have changed them since.

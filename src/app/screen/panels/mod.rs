@@ -16,15 +16,19 @@
 //! | `files.rs` | the setup panel's buttons that open and save files |
 //! | `overlays.rs` | the setup panel's switches for the overlays |
 //! | `notices.rs` | notices over the arena |
+//! | `last_session.rs` | the offer to continue the last session |
+//! | `quit_question.rs` | the question before quitting |
 //! | `help.rs` | the help window |
 
 mod choices;
 mod discard_question;
 mod files;
 pub mod help;
+pub mod last_session;
 mod mode_switch;
 pub mod notices;
 mod overlays;
+pub mod quit_question;
 mod readouts;
 mod seed;
 pub mod setup;
