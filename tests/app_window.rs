@@ -2,74 +2,17 @@
 //! screenshot, which must show the expected colours. Also: error messages when no window can open.
 #![cfg(all(feature = "gui", target_os = "linux"))]
 
-#[path = "support/requirements.rs"]
-mod requirements;
+#[path = "support/window_process.rs"]
+mod window_process;
 
-use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::time::Duration;
+use std::path::Path;
+use std::process::{Command, Output};
 
 use image::RgbImage;
-
-/// A virtual display, which ends with the test.
-struct Display {
-    server: Child,
-    name: String,
-}
-
-impl Display {
-    /// None if the tools for it are missing; then the test is skipped.
-    fn new() -> Option<Self> {
-        if !requirements::DISPLAY.is_met() {
-            return None;
-        }
-        let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("Xvfb starts");
-        let mut number = String::new();
-        let from = server.stdout.take().expect("stdout is piped");
-        BufReader::new(from).read_line(&mut number).expect("Xvfb prints the number of its display");
-        assert!(!number.trim().is_empty(), "Xvfb found no free display number");
-        Some(Self { server, name: format!(":{}", number.trim()) })
-    }
-}
-
-impl Drop for Display {
-    fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
-    }
-}
-
-fn command(display: Option<&str>, home: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_wayfield"));
-    command.args(arguments).current_dir(home).env("XDG_CONFIG_HOME", home).env("XDG_RUNTIME_DIR", home);
-    command.env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
-    if let Some(display) = display {
-        command.env("DISPLAY", display);
-    }
-    command
-}
+use window_process::{Controls, Display, command, requirements, text, wait_until, xdotool};
 
 fn wayfield(display: Option<&str>, home: &Path, arguments: &[&str]) -> Output {
     command(display, home, arguments).output().expect("the binary starts")
-}
-
-/// Waits until `done`, for at most `seconds`. Returns whether it is done.
-fn wait_until(seconds: u64, done: impl Fn() -> bool) -> bool {
-    let started = std::time::Instant::now();
-    while !done() && started.elapsed().as_secs() < seconds {
-        std::thread::sleep(std::time::Duration::from_millis(100));
-    }
-    done()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 fn screenshot(display: &Display, arguments: &[&str]) -> RgbImage {
@@ -184,43 +127,6 @@ fn unusable_options_are_reported_before_the_window_opens() {
     }
 }
 
-/// The named controls of a running app, which it writes to a file.
-struct Controls(PathBuf);
-
-impl Controls {
-    /// The centre of the control or item with this accessible name, in points. Waits until it is displayed and at rest.
-    fn centre(&self, name: &str) -> (f64, f64) {
-        let found = || self.rect(name).map(|[x, y, width, height]| (x + width / 2.0, y + height / 2.0));
-        let mut last = None;
-        for _ in 0..100 {
-            let now = found();
-            match now {
-                Some(at) if now == last => return at,
-                _ => last = now,
-            }
-            std::thread::sleep(PAUSE);
-        }
-        panic!("no control `{name}` at rest; last: {:?}", std::fs::read_to_string(&self.0));
-    }
-
-    fn rect(&self, name: &str) -> Option<[f64; 4]> {
-        let text = std::fs::read_to_string(&self.0).ok()?;
-        let line = text.lines().find(|line| line.split('\t').nth(4) == Some(name))?;
-        let mut numbers = line.split('\t').map(|number| number.parse().expect("a number"));
-        Some(std::array::from_fn(|_| numbers.next().expect("four numbers")))
-    }
-}
-
-/// Simulates mouse input with `xdotool`.
-fn xdotool(display: &Display, action: &str) {
-    let done = Command::new("xdotool").args(action.split(' ')).env("DISPLAY", &display.name).status();
-    assert!(done.expect("xdotool starts").success(), "{action}");
-    std::thread::sleep(PAUSE);
-}
-
-/// A software GPU draws about ten frames per second; each action should be seen by one.
-const PAUSE: Duration = Duration::from_millis(400);
-
 #[test]
 fn an_obstacle_dragged_in_the_editor_is_saved_to_its_file() {
     let Some(display) = Display::new() else { return };
@@ -287,4 +193,65 @@ fn the_view_is_stored_in_the_preferences() {
     let preferences = std::fs::read_to_string(&file).expect("written within a minute");
     assert!(preferences.contains("theme: Dark") && preferences.contains("grid: true"), "{preferences}");
     assert!(preferences.contains("size: (900.0, 600.0)"), "{preferences}");
+}
+
+/// Asserts that the app ended with status 2 and one error, which contains all `needles` and the way out.
+fn assert_no_window(output: &Output, needles: &[&str]) {
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    let error = stderr.lines().find(|line| line.starts_with("error: ")).unwrap_or_default();
+    for needle in needles.iter().chain(&["wayfield --train"]) {
+        assert!(error.contains(needle), "`{needle}`: {stderr}");
+    }
+    assert!(!stderr.contains("panicked") && !stderr.contains("backtrace"), "{stderr}");
+}
+
+#[test]
+fn without_a_graphics_driver_the_error_names_the_package() {
+    let Some(display) = Display::new() else { return };
+    let home = tempfile::tempdir().expect("temporary folder");
+    let mut command = command(Some(&display.name), home.path(), &[]);
+    for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES", "__EGL_VENDOR_LIBRARY_FILENAMES"] {
+        command.env(variable, "/dev/null");
+    }
+    assert_no_window(
+        &command.output().expect("the binary starts"),
+        &["graphics driver", "mesa-vulkan-drivers"],
+    );
+}
+
+#[test]
+fn without_a_library_that_the_window_loads_the_error_names_its_package() {
+    let Some(display) = Display::new() else { return };
+    let tried = Command::new("unshare").args(["--mount", "--map-root-user", "true"]).output();
+    if !tried.is_ok_and(|output| output.status.success()) {
+        requirements::report_skip(
+            "`unshare --mount` is not permitted; help: run as root, or allow user namespaces",
+        );
+        return;
+    }
+    let home = tempfile::tempdir().expect("temporary folder");
+    let cache = Command::new("ldconfig").arg("-p").output().expect("ldconfig starts");
+    for (library, package) in
+        [("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"), ("libXcursor.so.1", "libxcursor1")]
+    {
+        let cache = text(&cache.stdout);
+        let path = cache
+            .lines()
+            .filter(|line| line.trim().starts_with(library))
+            .find_map(|line| line.split(" => ").nth(1));
+        let path = path.expect("the library is installed, as the other tests need it");
+        let script = format!("mount --bind /dev/null {path} && exec \"$0\"");
+        let mut command = Command::new("unshare");
+        command.args(["--mount", "--map-root-user", "sh", "-c", &script, env!("CARGO_BIN_EXE_wayfield")]);
+        command.current_dir(home.path()).env("XDG_CONFIG_HOME", home.path()).env("DISPLAY", &display.name);
+        assert_no_window(&command.output().expect("unshare starts"), &[package]);
+    }
+}
+
+#[test]
+fn wayland_without_x11_is_reported_as_such() {
+    let home = tempfile::tempdir().expect("temporary folder");
+    let output = command(None, home.path(), &[]).env("WAYLAND_DISPLAY", "wayland-0").output();
+    assert_no_window(&output.expect("the binary starts"), &["no X11 display", "xwayland"]);
 }

@@ -62,13 +62,7 @@ fn invalid_presets_are_rejected() {
         workspace.write(name, edited(FAST, &[edit]));
         messages.line(&workspace, &format!("--train --preset {name} --out new"));
     }
-    for arguments in [
-        "--train --preset nothing.ron",
-        "--train --preset per_d3qm",
-        "--train --preset zebra",
-        "--train --arenas 0",
-        "--train --arenas 5000",
-    ] {
+    for arguments in ["--train --preset nothing.ron", "--train --preset per_d3qm", "--train --preset zebra"] {
         messages.line(&workspace, arguments);
     }
     messages.check();
@@ -103,8 +97,8 @@ fn invalid_policies_are_rejected() {
         "run",
         "twelve/policy.safetensors",
     ] {
-        messages.line(&workspace, &format!("--eval {name}"));
-        messages.line(&workspace, &format!("--eval {name} --json"));
+        messages.line(&workspace, &format!("--eval {name} --scenario scenario-1"));
+        messages.line(&workspace, &format!("--eval {name} --scenario scenario-1 --json"));
         messages.line(&workspace, &format!("--train --preset quick.ron --init {name} --out new"));
     }
     // A policy for another number of beams, and one with a network of another size.
@@ -124,6 +118,7 @@ fn a_run_cannot_start_from_a_policy_with_another_encoding() {
     workspace.run_ok("--train --preset raw.ron --init raw/policy.safetensors --steps 1 --out transferred");
 
     let mut newer = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
+    newer.card = None;
     newer.metadata.insert("encoding".into(), "logarithmic".into());
     workspace.write("newer.safetensors", newer.to_bytes().unwrap());
     messages.line(&workspace, "--eval newer.safetensors");
@@ -183,6 +178,11 @@ fn invalid_arguments_are_rejected() {
         "--train --steps 0",
         "--train --episodes 5 --steps 5",
         "--train --arenas two",
+        "--train --arenas 0",
+        "--train --arenas 5000",
+        "--train --steps 600,000",
+        "--train --seed 1e30",
+        "--train --init run/policy.safetensors --epsilon 0,5",
         "--train --init run/policy.safetensors --epsilon 2",
         "--train --init run/policy.safetensors --epsilon NaN",
         "--train --init run/policy.safetensors --epsilon=-0.1",

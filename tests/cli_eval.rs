@@ -150,10 +150,11 @@ fn with_actuator_lag_no_optimal_time_is_reported() {
         (&Value::Null, &Value::Null),
         "{report}"
     );
+    let note = with_lag.stderr.lines().last().unwrap();
     for needle in ["note: ", "actuator lag", "Scenario I", "actuator_lag_s is 0.3"] {
-        assert!(with_lag.stderr.contains(needle), "`{needle}` is not in {}", with_lag.stderr);
+        assert!(note.contains(needle), "`{needle}` is not in {}", with_lag.stderr);
     }
-    assert_eq!(with_lag.stderr.lines().count(), 1, "{}", with_lag.stderr);
+    assert_eq!(with_lag.stderr.matches("no optimal times").count(), 1, "{}", with_lag.stderr);
 }
 
 #[test]
@@ -175,19 +176,15 @@ fn a_policy_trained_on_raw_observations_is_evaluated_on_raw_observations() {
     assert!(rate >= 0.9, "{rate}");
 
     let mut policy = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
-    assert_eq!(policy.metadata["encoding"], "raw");
-    let observation = policy.metadata["observation"].clone();
-    assert!(observation.starts_with("24 LIDAR ranges in m (") && !observation.contains('/'), "{observation}");
+    let divisors = |policy: &Policy| -> Vec<f32> {
+        policy.card.as_ref().unwrap().inputs[23..].iter().map(|input| input.divisor).collect()
+    };
+    assert_eq!(divisors(&policy), [1.0; 5]);
     let scaled = Policy::from_bytes(&trained().read("trained/policy.safetensors")).unwrap();
-    assert_eq!(scaled.metadata["encoding"], "scaled");
-    let observation = &scaled.metadata["observation"];
-    assert!(
-        observation.starts_with("24 LIDAR ranges / 3.5 m (") && observation.contains("/ pi rad"),
-        "{observation}"
-    );
+    assert_eq!(divisors(&scaled), [3.5, std::f32::consts::PI, 4.0, 3.5, 24.0]);
 
-    // The same weights with another encoding in the card, or with none (as in old policies, which are
-    // scaled).
+    // The same weights in a file without a card, with another encoding in its metadata or with none, which means scaled.
+    policy.card = None;
     policy.metadata.insert("encoding".into(), "scaled".into());
     workspace.write("relabelled.safetensors", policy.to_bytes().unwrap());
     policy.metadata.remove("encoding");
@@ -195,7 +192,7 @@ fn a_policy_trained_on_raw_observations_is_evaluated_on_raw_observations() {
     let (relabelled, old) = (success("relabelled.safetensors"), success("old.safetensors"));
     assert!(
         relabelled < 0.5 && relabelled == old,
-        "{relabelled}, {old}: the card sets the encoding, and scaled is the default"
+        "{relabelled}, {old}: the file sets the encoding, and scaled is the default"
     );
 }
 
@@ -286,12 +283,15 @@ fn a_closed_or_full_stdout_causes_no_panic() {
 }
 
 #[test]
-fn the_printed_eval_command_names_the_scenario_of_the_run() {
+fn the_printed_eval_command_tests_the_policy_in_the_scenario_of_the_run() {
     let workspace = Workspace::new();
     workspace.write("fast.ron", quick_fast());
     let done = workspace.run_ok("--train --scenario scenario-2 --preset fast.ron --steps 64 --out run");
-    assert!(done.stdout.contains("--eval run/policy.safetensors --scenario scenario-2"), "{}", done.stdout);
+    assert!(done.stdout.contains("--eval run/policy.safetensors\n"), "{}", done.stdout);
     assert!(done.stderr.contains("warning: nothing will be learned"), "{}", done.stderr);
-    let elsewhere = workspace.run("--eval run/policy.safetensors --rounds 1 --episodes 2");
+    let own = workspace.run_ok("--eval run/policy.safetensors --rounds 1 --episodes 2");
+    assert!(own.stdout.starts_with("run/policy.safetensors in Scenario II, 2 episodes"), "{}", own.stdout);
+    let elsewhere =
+        workspace.run("--eval run/policy.safetensors --rounds 1 --episodes 2 --scenario scenario-1");
     assert!(elsewhere.stderr.contains("trained in Scenario II"), "{}", elsewhere.stderr);
 }

@@ -10,13 +10,14 @@ use serde::Serialize;
 use super::output::{print_json, print_stdout};
 use super::policy;
 use super::shared::SharedArgs;
+use super::values;
 use crate::learning::Policy;
 use crate::limits::MAX_EVAL_EPISODES;
 use crate::planner::unsupported_reason;
 use crate::run::evaluate::{self, EpisodeResult, Evaluation, Evaluator};
 use crate::run::progress::print_stderr;
-use crate::run::{RunError, shipped};
-use crate::scenario::Scenario;
+use crate::run::{RunError, policy_card, shipped};
+use crate::scenario::{Scenario, printable};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
@@ -30,7 +31,7 @@ const ROUTE_EPISODES_PER_ROUND: usize = 5;
 #[command(next_help_heading = "Options of --eval")]
 pub struct EvalArgs {
     /// Rounds of episodes
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
     rounds: u32,
 
     /// Also drive the paper's benchmark route, 5 rounds of 5 episodes: from (0, 0) to (1.2, 1.2)
@@ -76,9 +77,12 @@ struct OptimumReport {
 /// # Errors
 /// The scenario, the policy or an option is invalid.
 pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
-    let scenario = Arc::new(shipped::scenario(shared.scenario())?);
-    let policy = policy::read(path, &scenario, &shared.extensions)?;
-    print_scenario_note(&policy, &scenario);
+    let policy = policy_card::read(path)?;
+    let scenario = Arc::new(scenario_for(path, &policy, shared)?);
+    policy::check(path, &policy, &scenario, &shared.extensions)?;
+    if let Some(note) = policy_card::note(&policy, &scenario) {
+        print_stderr(&format!("note: {note}"));
+    }
     let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
     let seed = shared.seed();
     let episodes = Evaluator::with_extensions(&scenario, count, &shared.extensions).run(
@@ -101,11 +105,15 @@ pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunE
     if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
 }
 
-/// Prints a note on stderr if the policy was trained in another scenario.
-fn print_scenario_note(policy: &Policy, scenario: &Scenario) {
-    if let Some(other) = policy.metadata.get("scenario").filter(|name| **name != scenario.name) {
-        print_stderr(&format!("note: this policy was trained in {other} and is tested in {}", scenario.name));
+/// The scenario of the test: the one that the user names, or else the policy's own, or else Scenario I.
+fn scenario_for(path: &Path, policy: &Policy, shared: &SharedArgs) -> Result<Scenario, RunError> {
+    if shared.scenario.is_none() {
+        let own = policy_card::own_scenario(policy).map_err(|error| RunError::invalid_input(path, error))?;
+        if let Some(own) = own {
+            return Ok(own);
+        }
     }
+    Ok(shipped::scenario(shared.scenario())?)
 }
 
 /// The total number of episodes, and the number per round.
@@ -165,7 +173,7 @@ impl EvaluationReport {
              timeout         {:.1} %\n\
              mean time       {}\n",
             self.policy,
-            self.scenario,
+            printable(&self.scenario),
             e.episodes,
             e.seed,
             100.0 * e.success_rate,

@@ -6,6 +6,7 @@
 //! One file per mode contains the mode's options and its `run` function. `modes` rejects options of other modes;
 //! `shared` contains the options that several modes take.
 
+mod card;
 mod check;
 mod draw;
 mod eval;
@@ -23,15 +24,19 @@ mod values;
 #[cfg(feature = "gui")]
 mod window;
 
+use std::any::TypeId;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::{CommandFactory, FromArgMatches, Parser};
+use clap::error::ErrorKind;
+use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser};
 
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, signals};
-use crate::simulation::Extensions;
+use crate::scenario::is_unprintable;
+use crate::simulation::{Extensions, use_one_task_thread};
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -43,6 +48,7 @@ Examples:
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        check every scenario in a folder
 
+A file may be `-`, standard input. Whole numbers may be written 600000, 600_000, 6e5 or 600k.
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
 2 invalid arguments or files, 128 + N a run stopped by signal N: Ctrl-C (130), SIGTERM (143) and
 SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
@@ -69,11 +75,36 @@ struct Arguments {
 impl Arguments {
     /// The arguments parsed from `words`; the first word is the program's name.
     fn parse_words(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let words: Vec<OsString> = words.into_iter().collect();
         let mut command = Self::command();
-        let matches = command.try_get_matches_from_mut(words)?;
+        let matches = match command.try_get_matches_from_mut(&words) {
+            Err(error) if error.kind() == ErrorKind::InvalidUtf8 => {
+                return Err(not_utf8(&mut command, &words).unwrap_or(error));
+            }
+            matches => matches?,
+        };
         modes::check(&mut command, &matches)?;
         Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
     }
+}
+
+/// The error for the first word that must be text but is not UTF-8, with the name of its flag.
+fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
+    let takes_text = |arg: &Arg| arg.get_value_parser().type_id() != TypeId::of::<PathBuf>();
+    let mut flag = None;
+    let mut message = None;
+    for word in words.iter().skip(1) {
+        let text = word.to_string_lossy();
+        let name = text.strip_prefix("--").and_then(|rest| rest.split('=').next());
+        let named = command.get_arguments().find(|arg| arg.get_long() == name && name.is_some());
+        flag = named.or(flag);
+        if let (None, Some(flag)) = (word.to_str(), flag.filter(|flag| takes_text(flag))) {
+            message =
+                Some(format!("the value '{text}' for '{flag}' is not valid UTF-8; help: rename the file"));
+            break;
+        }
+    }
+    message.map(|message| command.error(ErrorKind::InvalidUtf8, message))
 }
 
 /// Runs the command line of this process and returns the exit status. `began` is the start of the process, from which wall
@@ -91,26 +122,61 @@ impl Arguments {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
-    signals::survive_file_size_limit();
-    let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    signals::survive_limits();
+    let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| exit(&error));
     arguments.shared.extensions = extensions;
     match run(arguments, began) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let label = if matches!(error, RunError::Stopped(_)) { "" } else { "error: " };
-            print_stderr(&format!("{label}{error}"));
+            print_stderr(&format!("{label}{error}{}", limit_help(&error.to_string())));
             ExitCode::from(error.exit_status())
         }
     }
 }
 
+/// The fix for an error at a limit of the process, which can occur wherever files are opened or written.
+fn limit_help(error: &str) -> &'static str {
+    let is_system_error = |number: u32| cfg!(unix) && error.contains(&format!("(os error {number})"));
+    if error.contains("help:") {
+        ""
+    } else if is_system_error(24) {
+        "; help: raise the limit of open files (`ulimit -n`)"
+    } else if is_system_error(27) {
+        "; help: raise the limit of file sizes (`ulimit -f`)"
+    } else {
+        ""
+    }
+}
+
+/// Prints clap's message and exits. A message with an argument that a terminal would act on is printed without colours, so
+/// that it can be escaped.
+fn exit(error: &clap::Error) -> ! {
+    let text = error.to_string();
+    if text.contains(|c| is_unprintable(c) && c != '\n' && c != '\t') {
+        print_stderr(text.trim_end());
+        std::process::exit(error.exit_code());
+    }
+    error.exit()
+}
+
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
+    let is_headless = mode.train || arguments.train.resume.is_some() || mode.eval.is_some() || mode.reproduce;
+    if is_headless && !use_one_task_thread() {
+        return Err(RunError::Failed(
+            "no thread can be started; help: raise `ulimit -u` or the container's limit of processes, or use a build \
+             without the app (`--no-default-features`), which needs none"
+                .into(),
+        ));
+    }
     if mode.train || arguments.train.resume.is_some() {
         train::run(arguments.train, shared, began)
     } else if let Some(policy) = mode.eval {
         signals::exit_on_signal();
         eval::run(&policy, &arguments.eval, &shared)
+    } else if let Some(policy) = mode.card {
+        card::run(&policy)
     } else if mode.reproduce {
         reproduce::run(arguments.reproduce, shared, began)
     } else if !mode.check.is_empty() {
@@ -121,7 +187,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         #[cfg(feature = "gui")]
         return match mode.replay {
             Some(folder) => replay::run(&folder),
-            None => window::run(arguments.window, shared),
+            None => window::run(arguments.window, shared, arguments.train.checkpoint_every),
         };
         #[cfg(not(feature = "gui"))]
         Err(RunError::InvalidInput(

@@ -5,8 +5,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
-//! | `memory.rs` | the memory that a run needs |
-//! | `check_files.rs` | checks of scenario and preset files |
+//! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limit of the process |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
 //! | `train/` | the training loop |
@@ -19,7 +18,7 @@
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
 //! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
-//! | `policy_card.rs` | the metadata in a policy file |
+//! | `policy_card/` | the card in a policy file, and its comparison with a scenario |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
@@ -27,8 +26,6 @@
 //! | `signals.rs` | the signals that ask the program to stop |
 
 pub mod background_evaluator;
-#[cfg(not(target_arch = "wasm32"))]
-pub mod check_files;
 pub mod checkpoint;
 pub mod evaluate;
 pub mod fingerprint;
@@ -38,6 +35,8 @@ pub mod image_file;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
 pub mod memory;
+#[cfg(unix)]
+mod memory_limit;
 pub mod metric_rows;
 pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
@@ -88,12 +87,12 @@ impl RunError {
 
     /// The error for an invalid file.
     pub(crate) fn invalid_input(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
-        Self::InvalidInput(format!("{}: {why}", path.display()))
+        Self::InvalidInput(format!("{}: {why}", crate::scenario::printable_path(path)))
     }
 
     /// The error for a file that failed during the work.
     pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
-        Self::Failed(format!("{}: {why}", path.display()))
+        Self::Failed(format!("{}: {why}", crate::scenario::printable_path(path)))
     }
 }
 

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy::time::Real;
 
 use super::active_mode::ActiveMode;
+use super::autosave;
 use super::evaluations::{self, Evaluations};
 use super::journal::Journal;
 use super::notices::{NoticeTopic, notify};
@@ -19,7 +20,6 @@ use super::{TrainingHistory, demo, execute, scenario_changes};
 use crate::agent::TrainingWarning;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::Command;
-use crate::run::background_evaluator::RUNS_ON_CALLER_THREAD;
 use crate::run::{RunError, metrics};
 use crate::simulation;
 use crate::task::{CurrentScenario, EpisodeEnded, Fault, StepOutcomes, TaskFault};
@@ -45,23 +45,23 @@ pub(super) fn take_steps(world: &mut World) {
             break;
         }
     }
-    // In a browser the evaluator works on this thread: it gets the rest of the frame's budget.
-    while RUNS_ON_CALLER_THREAD
-        && world.resource::<Evaluations>().is_running()
+    // An evaluator that works on this thread (in a browser) gets the rest of the frame's budget.
+    while world.resource_mut::<Evaluations>().runs_on_caller_thread()
         && world.resource_mut::<Pacer>().has_budget(began.elapsed())
     {
         evaluations::record_finished_or_restart(world);
     }
 }
 
-/// Whether a control step may be taken now. In training, none is taken after a failure, nor while the next evaluation is due
-/// and the last one still runs.
+/// Whether a control step may be taken now. In training, none is taken after a failure, nor while an evaluation still runs
+/// and the next one or an autosave is due.
 fn may_step(world: &mut World) -> bool {
     evaluations::record_finished_or_restart(world);
     if !world.resource::<ActiveMode>().is_training() {
         return true;
     }
-    let waits = world.resource::<Evaluations>().is_running() && evaluations::is_due(world);
+    let waits = world.resource::<Evaluations>().is_running() && evaluations::is_due(world)
+        || autosave::holds_steps(world);
     !(world.resource::<TrainingRun>().has_failed || waits)
 }
 

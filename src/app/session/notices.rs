@@ -9,6 +9,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
 use crate::app::app_snapshot::{Notice, Severity};
+use crate::scenario::printable_lines;
 
 /// Maximum number of notices; beyond it, the oldest is removed.
 const MAX_NOTICES: usize = 4;
@@ -25,12 +26,16 @@ pub enum NoticeTopic {
     File(String),
     /// An object that the user tried to move.
     Move,
+    /// A warning about the second policy of a comparison.
+    Comparison,
     /// A warning about the current training. A new training removes it.
     TrainingWarning,
     /// The error that stopped the current training. A new training removes it.
     TrainingFailure,
     /// Evaluation during training.
     Evaluation,
+    /// The autosave of the training.
+    Autosave,
 }
 
 struct Entry {
@@ -44,9 +49,9 @@ struct Entry {
 pub struct Notices(Vec<Entry>);
 
 impl Notices {
-    /// Adds a notice, in place of an earlier one with the same topic.
+    /// Adds a notice, in place of an earlier one with the same topic. Text from files is made printable.
     pub fn add(&mut self, topic: NoticeTopic, severity: Severity, text: impl Into<String>) {
-        let text = text.into();
+        let text = printable_lines(&text.into()).into_owned();
         match topic {
             NoticeTopic::General => self.0.retain(|entry| entry.notice.text != text),
             _ => self.remove(&topic),
@@ -68,8 +73,9 @@ impl Notices {
         self.0.retain(|entry| entry.topic != *topic || entry.notice.severity != Severity::Error);
     }
 
-    /// Removes the notices about a training that is being replaced.
+    /// Removes the notices about a training that is being replaced, and about a comparison with it.
     pub(super) fn remove_training(&mut self) {
+        self.remove(&NoticeTopic::Comparison);
         self.remove(&NoticeTopic::TrainingWarning);
         self.remove(&NoticeTopic::TrainingFailure);
     }

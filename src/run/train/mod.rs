@@ -255,7 +255,7 @@ impl Run {
             first_99: self.trainer_state.first_99,
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
-        self.metrics_writer.draw(&self.config.description())?;
+        self.metrics_writer.draw(&self.config)?;
         // The summary comes last: if it exists, the run folder is complete.
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
         let how = if finished { "done" } else { "stopped" };
