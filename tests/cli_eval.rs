@@ -291,7 +291,13 @@ fn the_printed_eval_command_names_the_scenario_of_the_run() {
     workspace.write("fast.ron", quick_fast());
     let done = workspace.run_ok("--train --scenario scenario-2 --preset fast.ron --steps 64 --out run");
     assert!(done.stdout.contains("--eval run/policy.safetensors --scenario scenario-2"), "{}", done.stdout);
-    assert!(done.stderr.contains("warning: nothing will be learned"), "{}", done.stderr);
+    assert!(
+        done.stderr.contains(
+            "warning: fast.ron: `learning.replay.learning_starts` is 500, so nothing will be learned"
+        ),
+        "{}",
+        done.stderr
+    );
     let elsewhere = workspace.run("--eval run/policy.safetensors --rounds 1 --episodes 2");
     assert!(elsewhere.stderr.contains("trained in Scenario II"), "{}", elsewhere.stderr);
 }

@@ -27,6 +27,8 @@ pub struct Choice {
 pub enum Severity {
     /// A confirmation, or a hint.
     Info,
+    /// A doubtful setting.
+    Warning,
     /// Something failed; everything else continues.
     Error,
 }

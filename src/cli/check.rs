@@ -1,6 +1,6 @@
-//! The mode `--check`: prints every problem of scenarios, presets and experiments.
+//! The mode `--check`: prints every problem of scenarios, presets and experiments, and what is doubtful about them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
@@ -9,6 +9,7 @@ use crate::reproduce::Experiment;
 use crate::run::RunError;
 use crate::run::check_files::{self, CheckedFile};
 use crate::run::progress::print_stderr;
+use crate::scenario::LocatedDiagnostic;
 
 /// The JSON object that `--check --json` prints.
 #[derive(Serialize)]
@@ -16,6 +17,8 @@ struct CheckReport {
     /// The paths of all checked files.
     files: Vec<String>,
     problems: Vec<ProblemReport>,
+    /// The doubtful settings of valid files.
+    notes: Vec<NoteReport>,
 }
 
 #[derive(Serialize)]
@@ -26,7 +29,15 @@ struct ProblemReport {
     message: String,
 }
 
-/// Checks the files and folders in `paths`, and prints one line per valid file and per problem.
+#[derive(Serialize)]
+struct NoteReport {
+    /// "note" or "warning".
+    level: String,
+    #[serde(flatten)]
+    problem: ProblemReport,
+}
+
+/// Checks the files and folders in `paths`, and prints one line per valid file, per problem and per note.
 ///
 /// # Errors
 /// A file is invalid.
@@ -62,6 +73,10 @@ fn print_lines(checked: &[CheckedFile]) -> Result<(), RunError> {
             None => print_stdout(&format!("{}: ok\n", file.path.display()))?,
             Some(error) => print_stderr(&error.to_string()),
         }
+        for (level, note) in &file.notes {
+            let place = note.line_column.map_or(String::new(), |(line, column)| format!("{line}:{column}:"));
+            print_stderr(&format!("{}:{place} {level}: {}", file.path.display(), note.message));
+        }
     }
     Ok(())
 }
@@ -70,16 +85,29 @@ impl CheckReport {
     fn new(checked: &[CheckedFile]) -> Self {
         let errors = checked.iter().filter_map(|file| file.error.as_ref());
         let problems = errors.flat_map(|error| {
-            error.problems().iter().map(|problem| ProblemReport {
-                path: error.path().display().to_string(),
-                line: problem.line_column.map(|(line, _)| line),
-                column: problem.line_column.map(|(_, column)| column),
-                message: problem.message.clone(),
+            error.problems().iter().map(|problem| ProblemReport::new(error.path(), problem))
+        });
+        let notes = checked.iter().flat_map(|file| {
+            file.notes.iter().map(|(level, note)| NoteReport {
+                level: level.to_string(),
+                problem: ProblemReport::new(&file.path, note),
             })
         });
         Self {
             files: checked.iter().map(|file| file.path.display().to_string()).collect(),
             problems: problems.collect(),
+            notes: notes.collect(),
+        }
+    }
+}
+
+impl ProblemReport {
+    fn new(path: &Path, problem: &LocatedDiagnostic) -> Self {
+        Self {
+            path: path.display().to_string(),
+            line: problem.line_column.map(|(line, _)| line),
+            column: problem.line_column.map(|(_, column)| column),
+            message: problem.message.clone(),
         }
     }
 }

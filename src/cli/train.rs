@@ -14,8 +14,7 @@ use crate::limits::MAX_ARENAS;
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
-use crate::run::preset::{Budget, Preset};
-use crate::run::progress::print_stderr;
+use crate::run::preset::Budget;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 
 /// The options of `--train`.
@@ -81,7 +80,6 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
     if let Some(epsilon) = args.epsilon.filter(|x| !(0.0..=1.0).contains(x)) {
         return Err(RunError::InvalidInput(format!("--epsilon is {epsilon}; help: give 0 to 1")));
     }
-    warn_if_nothing_is_learned(preset);
     let policy = args
         .init
         .as_deref()
@@ -90,16 +88,6 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
     config.transfer =
         args.init.map(|init| Transfer { policy: init.display().to_string(), epsilon: args.epsilon });
     Ok(Job::New { config: Box::new(config), policy, out: shared.out })
-}
-
-fn warn_if_nothing_is_learned(preset: &Preset) {
-    let learning_starts = preset.learning.replay.learning_starts;
-    if matches!(preset.budget, Budget::EnvSteps(n) if n <= learning_starts) {
-        print_stderr(&format!(
-            "warning: nothing will be learned: the budget ends before learning_starts ({learning_starts} env steps in this \
-             preset); help: give a larger budget"
-        ));
-    }
 }
 
 fn summary_text(folder: &Path, summary: &Summary) -> String {

@@ -1,12 +1,13 @@
 //! The check of scenario and preset files behind `wayfield --check`.
 //!
-//! In: paths of files and folders. Out: every file in them, with its problems.
+//! In: paths of files and folders. Out: every file in them, with its problems, or its notes.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::notes::preset_notes;
 use super::preset::Preset;
-use crate::scenario::{FileError, Scenario, read_text};
+use crate::scenario::{FileError, LocatedDiagnostic, NoteLevel, Scenario, locate, notes, read_text};
 
 /// Names of fields that only presets have.
 const PRESET_FIELDS: [&str; 3] = ["arenas", "budget", "learning"];
@@ -18,6 +19,22 @@ pub struct CheckedFile {
     pub path: PathBuf,
     /// All problems; `None` for a valid file.
     pub error: Option<FileError>,
+    /// The doubtful settings of a valid file, with their locations.
+    pub notes: Vec<(NoteLevel, LocatedDiagnostic)>,
+}
+
+impl CheckedFile {
+    /// The result for the scenario or preset at `path`.
+    fn read(path: &Path) -> Self {
+        match notes_of(path) {
+            Ok(notes) => Self { path: path.into(), error: None, notes },
+            Err(error) => Self::failed(path, error),
+        }
+    }
+
+    fn failed(path: &Path, error: FileError) -> Self {
+        Self { path: path.into(), error: Some(error), notes: Vec::new() }
+    }
 }
 
 /// Checks the files in `paths`, in this order. In a folder, all files named `*.ron` are checked, sorted by
@@ -27,7 +44,7 @@ pub fn check(paths: &[PathBuf]) -> Vec<CheckedFile> {
     let mut checked = Vec::new();
     for path in paths {
         if !path.is_dir() {
-            checked.push(CheckedFile { path: path.clone(), error: problems(path) });
+            checked.push(CheckedFile::read(path));
             continue;
         }
         let before = checked.len();
@@ -35,8 +52,7 @@ pub fn check(paths: &[PathBuf]) -> Vec<CheckedFile> {
         if checked.len() == before {
             let message =
                 "this folder has no .ron file; help: give a scenario or preset file, or a folder of them";
-            let error = Some(FileError::for_file(path, message));
-            checked.push(CheckedFile { path: path.clone(), error });
+            checked.push(CheckedFile::failed(path, FileError::for_file(path, message)));
         }
     }
     checked
@@ -46,8 +62,8 @@ fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
     let entries = match entries(folder) {
         Ok(entries) => entries,
         Err(error) => {
-            let error = Some(FileError::for_file(folder, format!("this folder can't be read: {error}")));
-            checked.push(CheckedFile { path: folder.into(), error });
+            let error = FileError::for_file(folder, format!("this folder can't be read: {error}"));
+            checked.push(CheckedFile::failed(folder, error));
             return;
         }
     };
@@ -55,8 +71,7 @@ fn check_folder(folder: &Path, checked: &mut Vec<CheckedFile>) {
         if is_folder {
             check_folder(&path, checked);
         } else if path.extension().is_some_and(|ending| ending == "ron") {
-            let error = problems(&path);
-            checked.push(CheckedFile { path, error });
+            checked.push(CheckedFile::read(&path));
         }
     }
 }
@@ -76,15 +91,17 @@ fn entries(folder: &Path) -> io::Result<Vec<(PathBuf, bool)>> {
     Ok(entries)
 }
 
-/// The problems of the scenario or preset at `path`; `None` if it is valid.
-fn problems(path: &Path) -> Option<FileError> {
-    let text = match read_text(path) {
-        Ok(text) => text,
-        Err(error) => return Some(error),
+/// The notes on the scenario or preset at `path`, or its problems.
+fn notes_of(path: &Path) -> Result<Vec<(NoteLevel, LocatedDiagnostic)>, FileError> {
+    let text = read_text(path)?;
+    let found = match (Scenario::parse(&text, path), Preset::parse(&text, path)) {
+        (Ok(scenario), _) => notes(&scenario),
+        (_, Ok(preset)) => preset_notes(&preset, None, false),
+        (_, Err(as_preset)) if looks_like_preset(&text) => return Err(as_preset),
+        (Err(as_scenario), _) => return Err(as_scenario),
     };
-    let as_scenario = Scenario::parse(&text, path).err()?;
-    let as_preset = Preset::parse(&text, path).err()?;
-    Some(if looks_like_preset(&text) { as_preset } else { as_scenario })
+    let located = locate(&text, found.iter().map(|note| &note.diagnostic));
+    Ok(found.iter().map(|note| note.level).zip(located).collect())
 }
 
 /// Whether the text has a field that only presets have.

@@ -109,11 +109,11 @@ impl MetricsWriter {
     }
 
     /// Draws `learning-curve.svg` with the title `title`, from the rows on disk, which include those before a
-    /// resume.
+    /// resume. `compare_with_paper` adds the paper's success rate in Scenario I.
     ///
     /// # Errors
     /// The rows cannot be read, or the SVG file cannot be written.
-    pub fn draw(&self, title: &str) -> Result<(), RunError> {
+    pub fn draw(&self, title: &str, compare_with_paper: bool) -> Result<(), RunError> {
         let episodes: Vec<EpisodePoint> = self.rows(EPISODES, |row: EpisodeRow| EpisodePoint {
             env_steps: row.env_steps,
             total_return: row.total_return,
@@ -126,7 +126,8 @@ impl MetricsWriter {
                 mean_time_s: row.mean_time_s,
                 mean_cost_s: row.mean_cost_s,
             })?;
-        let svg = learning_curve_svg(title, &episodes, &evaluations, BestPolicy::COST_TOLERANCE)
+        let tolerance = BestPolicy::COST_TOLERANCE;
+        let svg = learning_curve_svg(title, &episodes, &evaluations, tolerance, compare_with_paper)
             .map_err(|error| self.failed("learning-curve.svg", error))?;
         self.folder.write("learning-curve.svg", |file| file.write_all(svg.as_bytes()))
     }

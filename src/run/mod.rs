@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `preset.rs` | training presets |
 //! | `memory.rs` | the memory that a run needs |
+//! | `notes/` | doubtful settings of a run |
 //! | `check_files.rs` | checks of scenario and preset files |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
@@ -37,6 +38,7 @@ pub mod metric_rows;
 pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod metrics_writer;
+pub mod notes;
 pub mod policy_card;
 pub mod preset;
 #[cfg(not(target_arch = "wasm32"))]

@@ -30,7 +30,7 @@ pub struct EvaluationPoint {
     pub mean_cost_s: f64,
 }
 
-/// The success rate that the paper reports, in percent.
+/// The success rate that the paper reports in its Scenario I, in percent.
 const PAPER_PERCENT: f64 = 96.0;
 /// The number of episodes in the moving mean.
 const WINDOW: usize = 50;
@@ -39,6 +39,7 @@ const WINDOW: usize = 50;
 ///
 /// Points may be in any order. Non-finite values are left out; without points, the figure is empty. The
 /// evaluation marked as the best is the latest whose cost is at most `cost_tolerance` (1 or more) times the lowest.
+/// `compare_with_paper` adds the paper's success rate, which applies in its Scenario I only.
 ///
 /// # Errors
 /// The drawing library failed. No input is known to cause this.
@@ -47,6 +48,7 @@ pub fn learning_curve_svg(
     episodes: &[EpisodePoint],
     evaluations: &[EvaluationPoint],
     cost_tolerance: f64,
+    compare_with_paper: bool,
 ) -> Result<String, DrawError> {
     let last = episodes.iter().map(|e| e.env_steps).chain(evaluations.iter().map(|e| e.env_steps)).max();
     let success = in_order(evaluations.iter().map(|e| (e.env_steps, percent(e.success_rate))));
@@ -60,7 +62,7 @@ pub fn learning_curve_svg(
         mean_label: format!("mean of {WINDOW} episodes"),
         raw_label: "one evaluation or episode".into(),
         panels: vec![
-            success_panel(success),
+            success_panel(success, compare_with_paper),
             episode_panel("Return per episode", 0, returns, &[0.0]),
             episode_panel("Goals reached per episode", 1, goals, &[0.0, 1.0]),
         ],
@@ -72,7 +74,8 @@ pub fn learning_curve_svg(
 /// (x, y) values: thousands of environment steps, and the value measured there.
 type Series = Vec<(f64, f64)>;
 
-fn success_panel(success: Series) -> ChartPanel {
+fn success_panel(success: Series, compare_with_paper: bool) -> ChartPanel {
+    let paper = ReferenceLine { value: PAPER_PERCENT, label: format!("paper: {PAPER_PERCENT}%") };
     ChartPanel {
         heading: "Success rate of the greedy policy, by evaluation".into(),
         y_unit: "%".into(),
@@ -83,10 +86,7 @@ fn success_panel(success: Series) -> ChartPanel {
             raw: success,
             raw_style: RawStyle::Dots,
         }],
-        reference_lines: vec![ReferenceLine {
-            value: PAPER_PERCENT,
-            label: format!("paper: {PAPER_PERCENT}%"),
-        }],
+        reference_lines: compare_with_paper.then_some(paper).into_iter().collect(),
         include_y: vec![0.0, 100.0],
     }
 }
@@ -164,7 +164,7 @@ mod tests {
     }
 
     fn svg(episodes: &[EpisodePoint], evaluations: &[EvaluationPoint]) -> String {
-        learning_curve_svg("A run", episodes, evaluations, 1.01).expect("the figure is drawn")
+        learning_curve_svg("A run", episodes, evaluations, 1.01, true).expect("the figure is drawn")
     }
 
     #[test]
@@ -215,11 +215,13 @@ mod tests {
         for text in ["paper: 96%", "87.5%", of_50, "one evaluation or episode", &number(goals, 1)] {
             assert!(svg.contains(text), "{text} is missing");
         }
+        let elsewhere = learning_curve_svg("A run", &[], &[evaluation(1000, 0.5)], 1.01, false);
+        assert!(!elsewhere.expect("the figure is drawn").contains("paper"), "the paper has no result there");
     }
 
     #[test]
     fn markup_in_the_title_is_escaped() {
-        let svg = learning_curve_svg("a < b & c", &[], &[], 1.01).expect("the figure is drawn");
+        let svg = learning_curve_svg("a < b & c", &[], &[], 1.01, true).expect("the figure is drawn");
         assert!(svg.contains("a &lt; b &amp; c"));
     }
 }

@@ -58,22 +58,10 @@ impl FileError {
         Self { path: path.into(), problems: vec![LocatedDiagnostic { line_column, message: message.into() }] }
     }
 
-    /// The error for the problems that a check found. Each is located at its field, or at the start of the value if the
-    /// text omits the field. Only the first [`MAX_PROBLEMS`] are kept.
+    /// The error for the problems that a check found, as [`locate`] locates them. Only the first [`MAX_PROBLEMS`] are kept.
     #[must_use]
     pub fn from_diagnostics(path: &Path, text: &str, diagnostics: &[Diagnostic]) -> Self {
-        let source_map = SourceMap::new(text);
-        let mut problems: Vec<_> = diagnostics
-            .iter()
-            .take(MAX_PROBLEMS)
-            .map(|found| LocatedDiagnostic {
-                line_column: source_map
-                    .offset_of(&found.path)
-                    .or_else(|| source_map.start())
-                    .map(|offset| line_column(text, offset)),
-                message: found.to_string(),
-            })
-            .collect();
+        let mut problems = locate(text, diagnostics.iter().take(MAX_PROBLEMS));
         if let Some(more @ 1..) = diagnostics.len().checked_sub(MAX_PROBLEMS) {
             let message = format!("and {more} more problems: fix some and check again");
             problems.push(LocatedDiagnostic { line_column: None, message });
@@ -110,6 +98,20 @@ impl fmt::Display for FileError {
         }
         Ok(())
     }
+}
+
+/// The locations of `diagnostics` in the text of their file: at the field, or at the start of the value if the text omits
+/// the field.
+pub fn locate<'d>(text: &str, diagnostics: impl Iterator<Item = &'d Diagnostic>) -> Vec<LocatedDiagnostic> {
+    let source_map = SourceMap::new(text);
+    let located = |found: &Diagnostic| LocatedDiagnostic {
+        line_column: source_map
+            .offset_of(&found.path)
+            .or_else(|| source_map.start())
+            .map(|offset| line_column(text, offset)),
+        message: found.to_string(),
+    };
+    diagnostics.map(located).collect()
 }
 
 /// Line and column, counted from 1, of the character at a byte offset.

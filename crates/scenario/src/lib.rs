@@ -11,6 +11,7 @@ mod geometry;
 pub mod limits;
 mod load;
 mod motion;
+mod note;
 mod placement;
 pub mod polygon;
 mod ron_message;
@@ -20,8 +21,8 @@ mod shape;
 pub mod virtual_files;
 mod write;
 
-pub use check::diagnostics;
-pub use file_error::{Diagnostic, FileError, LocatedDiagnostic};
+pub use check::{diagnostics, notes};
+pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
 pub use limits::MAX_FILE_BYTES;
@@ -30,6 +31,7 @@ pub use load::{
     to_ron,
 };
 pub use motion::pose_at;
+pub use note::{Note, NoteLevel};
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use ron_message::closest_name;
 pub use schema::*;

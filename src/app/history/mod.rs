@@ -170,13 +170,15 @@ impl History {
         write_atomic(to, |file| self.rows.write_csv_to(file))
     }
 
-    /// Writes the learning curve with `title` as a PNG 1280 pixels wide, or in a browser as an SVG.
+    /// Writes the learning curve with `title` as a PNG 1280 pixels wide, or in a browser as an SVG. `compare_with_paper`
+    /// adds the paper's success rate in Scenario I.
     ///
     /// # Errors
     /// The figure cannot be drawn, or `to` cannot be written.
-    pub fn write_png(&mut self, title: &str, to: &Path) -> Result<(), String> {
+    pub fn write_png(&mut self, title: &str, compare_with_paper: bool, to: &Path) -> Result<(), String> {
         let (episodes, evaluations) = self.learning_curve_points();
-        let svg = learning_curve_svg(title, &episodes, &evaluations, BestPolicy::COST_TOLERANCE);
+        let tolerance = BestPolicy::COST_TOLERANCE;
+        let svg = learning_curve_svg(title, &episodes, &evaluations, tolerance, compare_with_paper);
         #[cfg(not(target_arch = "wasm32"))]
         let bytes = svg.and_then(|svg| png(&svg, 2.0)).map_err(|error| error.to_string())?;
         #[cfg(target_arch = "wasm32")]

@@ -170,7 +170,7 @@ fn the_png_is_drawn_with_and_without_rows() {
     let folder = tempfile::tempdir().expect("creates a folder");
     let path = folder.path().join("curve.png");
     let mut history = History::new();
-    history.write_png("Nothing yet", &path).expect("draws the PNG");
+    history.write_png("Nothing yet", true, &path).expect("draws the PNG");
     for episode in 1..=3000 {
         history.push_episode(&row(episode, 1));
     }
@@ -178,10 +178,10 @@ fn the_png_is_drawn_with_and_without_rows() {
     let (episodes, evaluations) = history.learning_curve_points();
     assert_eq!((episodes.len(), evaluations.len()), (3000, 1));
     assert_eq!(episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 });
-    history.write_png("A run", &path).expect("draws the PNG");
+    history.write_png("A run", true, &path).expect("draws the PNG");
     assert!(std::fs::read(&path).expect("reads the file").starts_with(b"\x89PNG"));
     let nowhere = folder.path().join("no/such/folder.png");
-    assert!(history.write_png("A run", &nowhere).is_err());
+    assert!(history.write_png("A run", true, &nowhere).is_err());
     assert_eq!(
         history.write_csv(&nowhere).expect_err("the folder does not exist").kind(),
         ErrorKind::NotFound

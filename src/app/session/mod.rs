@@ -14,7 +14,7 @@
 //! | `scenario_source.rs` | [`ScenarioSource`] | the scenario's file |
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
-//! | `notices.rs` | [`Notices`] | messages to the user |
+//! | `notices.rs`, `run_notices.rs` | [`Notices`] | messages to the user; the one about doubtful settings |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | the execution of each command |
@@ -40,6 +40,7 @@ pub mod journal;
 pub mod notices;
 pub mod open;
 pub mod pacer;
+mod run_notices;
 mod save;
 mod scenario_changes;
 pub mod scenario_source;

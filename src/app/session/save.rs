@@ -17,7 +17,7 @@ use super::training_run::TrainingRun;
 use crate::app::commands::SaveKind;
 use crate::run::folder::{RunFolder, write_atomic};
 use crate::run::metric_rows::EvaluationRow;
-use crate::run::{RunError, checkpoint, metrics};
+use crate::run::{RunError, checkpoint, metrics, shipped};
 use crate::scenario::to_ron;
 
 impl TrainingRun {
@@ -58,8 +58,11 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
             curves.write_csv(path).map_err(|error| failed(error.to_string()))
         }
         SaveKind::Png => {
-            let title = world.resource::<TrainingRun>().config.description();
-            world.resource_mut::<TrainingHistory>().0.write_png(&title, path).map_err(failed)
+            let config = &world.resource::<TrainingRun>().config;
+            let (title, in_paper_scenario) =
+                (config.description(), shipped::is_paper_scenario_1(&config.scenario));
+            let curves = &mut world.resource_mut::<TrainingHistory>().0;
+            curves.write_png(&title, in_paper_scenario, path).map_err(failed)
         }
         SaveKind::Run => save_run(world, path),
     }

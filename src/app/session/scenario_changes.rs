@@ -13,6 +13,7 @@ use super::interventions::{self, Intervention};
 use super::journal::Journal;
 use super::notices::{NoticeTopic, notify};
 use super::open;
+use super::run_notices;
 use super::scenario_source::{ScenarioSource, load_source};
 use super::start_training;
 use super::trails::Trails;
@@ -60,6 +61,7 @@ fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunErro
         interventions::apply(world, &intervention);
         world.resource_mut::<Journal>().record(intervention, false);
         on_scenario_changed(world);
+        run_notices::show_notes(world);
         let arenas = world.resource::<TrainingRun>().config.preset.arenas;
         world.resource_mut::<Trails>().restart(arenas);
         world.resource_mut::<ScenarioSource>().pending = None;

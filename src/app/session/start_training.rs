@@ -17,6 +17,7 @@ use super::journal::{self, Journal};
 use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
+use super::run_notices;
 use super::scenario_source::ScenarioSource;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
@@ -91,6 +92,7 @@ fn replace(world: &mut World, prepared: PreparedTraining) {
     }
     world.resource_mut::<OpenedFiles>().requested_once = None;
     world.resource_mut::<Notices>().remove_training();
+    run_notices::show_notes(world);
     open::list_user_files(world);
 }
 

@@ -259,11 +259,7 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
     let least = scenario.task.min_goal_distance_m;
     let frozen = frozen(scenario, 0);
-    let points = |rule: &PlacementRule| -> Vec<Vec2> {
-        let named: Vec<_> = named_positions(rule).into_iter().map(|(_, place)| place).collect();
-        if named.is_empty() { free_points(&frozen, rule, 0).collect() } else { named }
-    };
-    let goals = points(&scenario.goals);
+    let goals = possible_positions(&frozen, &scenario.goals);
     let leaves = |start: Vec2| goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least);
     if let (PlacementRule::Fixed { position_m: start, .. }, PlacementRule::Fixed { position_m: goal, .. }) =
         (&scenario.starts, &scenario.goals)
@@ -288,7 +284,7 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         }
     }
     if named.is_empty() {
-        let starts = points(&scenario.starts);
+        let starts = possible_positions(&frozen, &scenario.starts);
         let far = starts.iter().filter(|&&start| leaves(start)).count();
         if far * FAR_START_DIVISOR < starts.len() {
             let message = format!(
@@ -300,14 +296,20 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
 }
 
+/// The positions that `rule` names, or else those on a grid that it allows at step 0.
+pub(super) fn possible_positions(scenario: &Scenario, rule: &PlacementRule) -> Vec<Vec2> {
+    let named: Vec<_> = named_positions(rule).into_iter().map(|(_, place)| place).collect();
+    if named.is_empty() { free_points(scenario, rule, 0).collect() } else { named }
+}
+
 /// Number of sides of all obstacles and inner walls.
-fn sides(scenario: &Scenario) -> usize {
+pub(super) fn sides(scenario: &Scenario) -> usize {
     scenario.obstacles.iter().map(|obstacle| obstacle.shape.side_count()).sum::<usize>()
         + scenario.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>()
 }
 
 /// The scenario without its moving obstacles.
-fn without_moving_obstacles(scenario: &Scenario) -> Scenario {
+pub(super) fn without_moving_obstacles(scenario: &Scenario) -> Scenario {
     let mut still = scenario.clone();
     still.obstacles.retain(|obstacle| !obstacle.motion.is_moving());
     still

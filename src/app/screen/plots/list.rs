@@ -63,7 +63,11 @@ fn success(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
 fn returns(curves: &LearningCurves, palette: Palette, context: PlotContext) -> Card<'_> {
     Card {
         title: "Return per episode",
-        about: "Sum of the rewards of an episode. The paper's robot settles at 2,500 in Scenario I",
+        about: if context.is_paper_scenario_1 {
+            "Sum of the rewards of an episode. The paper's robot settles at 2,500 here"
+        } else {
+            "Sum of the rewards of an episode"
+        },
         scale: AxisScale::Linear,
         digits: 0,
         traces: mean_and_spread(&curves.return_mean, &curves.returns, palette),
