@@ -16,7 +16,7 @@ use crate::planner::unsupported_reason;
 use crate::run::evaluate::{self, EpisodeResult, Evaluation, Evaluator};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, benchmark_route_problem};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
@@ -81,6 +81,9 @@ struct OptimumReport {
 /// The scenario, the policy or an option is invalid.
 pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let scenario = Arc::new(shipped::scenario(shared.scenario())?);
+    if args.course {
+        check_benchmark_route(&scenario, shared)?;
+    }
     let policy = policy::read(path, &scenario, &shared.extensions)?;
     print_scenario_note(&policy, &scenario);
     let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
@@ -103,6 +106,15 @@ pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunE
         optimum,
     };
     if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
+}
+
+/// Checks that the benchmark route can be driven. A scenario without one of its own has the paper's, unchecked.
+fn check_benchmark_route(scenario: &Scenario, shared: &SharedArgs) -> Result<(), RunError> {
+    let Some(found) = benchmark_route_problem(scenario) else { return Ok(()) };
+    Err(RunError::InvalidInput(format!(
+        "{}: {found}; help: this is the paper's route: write a `benchmark_route` into the scenario, or leave out --course",
+        shared.scenario()
+    )))
 }
 
 /// Prints a note on stderr if the policy was trained in another scenario.

@@ -8,7 +8,8 @@ use std::collections::{BTreeMap, HashMap};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 
-use crate::network::{NetworkShape, Scratch, ShapeError, forward, greedy};
+use crate::network::{NetworkShape, Scratch, forward, greedy};
+use crate::range::ConfigError;
 
 /// The version of the file format. It is raised when older readers would misread newer files.
 const VERSION: u32 = 1;
@@ -54,7 +55,7 @@ pub enum PolicyError {
     },
     /// The network's sizes are out of range.
     #[error("the policy's network is invalid: {0}")]
-    InvalidShape(#[from] ShapeError),
+    InvalidShape(#[from] ConfigError),
     /// A tensor is missing.
     #[error("the policy lacks the tensor `{name}` (f32, {expected:?})")]
     MissingTensor {
@@ -101,7 +102,7 @@ impl Policy {
         let expected = shape.parameter_count();
         if parameters.len() != expected {
             let problem = format!("has {} elements; help: give {expected} for {shape}", parameters.len());
-            return Err(ShapeError { field: "network.parameters".into(), problem }.into());
+            return Err(ConfigError { field: "network.parameters".into(), problem }.into());
         }
         Ok(Self { shape, parameters, metadata })
     }

@@ -8,6 +8,7 @@
 //! | [`observation`] | the network's inputs, from a LIDAR scan and a goal |
 //! | [`network`] | the shape of a Q-network, and its forward pass |
 //! | [`file`](mod@file) | the policy file: safetensors with metadata |
+//! | [`range`] | range checks of numbers |
 //!
 //! # Example
 //!
@@ -33,7 +34,9 @@ pub mod file;
 pub mod limits;
 pub mod network;
 pub mod observation;
+pub mod range;
 
 pub use file::{Policy, PolicyError};
-pub use network::{NetworkShape, ParameterView, Scratch, ShapeError, greedy};
+pub use network::{NetworkShape, ParameterView, Scratch, greedy};
 pub use observation::Encoding;
+pub use range::ConfigError;

@@ -21,7 +21,7 @@ mod shape;
 pub mod virtual_files;
 mod write;
 
-pub use check::{diagnostics, notes};
+pub use check::{benchmark_route_problem, diagnostics, notes};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};

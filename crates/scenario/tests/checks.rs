@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use glam::{Vec2, Vec2Swizzles, vec2};
 use wayfield_scenario::{
     Enclosure, Generator, Motion, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Robot,
-    Scenario, Shape, TaskRules, Wall, diagnostics, notes,
+    Scenario, Shape, TaskRules, Wall, benchmark_route_problem, diagnostics, notes,
 };
 
 /// The diagnostics as lines, without a file name.
@@ -490,6 +490,23 @@ fn notes_on_large_scenarios_are_found_quickly() {
         assert!((1..=103).contains(&count), "{count} notes");
         assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
     }
+}
+
+#[test]
+fn a_route_that_the_scenario_does_not_name_needs_no_free_space() {
+    // An office with a pillar at (0, 0), where the paper's route starts.
+    let pillar = obstacle(Shape::Circle { radius_m: 0.3 }, vec2(0.0, 0.0), ObstacleMotion::Static);
+    let mut office = Scenario { obstacles: vec![pillar], ..Scenario::default() };
+    assert_eq!(found(&office), [""; 0]);
+    let blocked = "`benchmark_route.start_m` is 0.300 m inside an obstacle or wall: keep it at least 0.13 m away from \
+                   everything";
+    assert_eq!(benchmark_route_problem(&office).expect("blocked").to_string(), blocked);
+    // One that it names does.
+    office.benchmark_route.goal_m = vec2(1.0, 1.0);
+    assert_eq!(found(&office), [blocked]);
+    office.benchmark_route.start_m = vec2(-1.0, 1.0);
+    assert_eq!(found(&office), [""; 0]);
+    assert_eq!(benchmark_route_problem(&office), None);
 }
 
 /// Asserts that the check of `text` takes at most 20 s, and that its messages contain `needle`.

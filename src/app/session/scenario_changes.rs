@@ -77,7 +77,7 @@ pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Resul
     let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
     let ((beams, motions), here) = (shape(scenario), shape(&config.scenario));
     if (beams, motions) == here {
-        let fits = config.preset.check_memory(scenario);
+        let fits = config.preset.check_memory(scenario, &config.observation_layout());
         return fits.map_err(|error| RunError::InvalidInput(format!("{}: {error}", scenario.name)));
     }
     Err(RunError::InvalidInput(format!(

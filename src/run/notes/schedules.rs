@@ -33,6 +33,17 @@ pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
         );
         add("learning.learning_rate", message);
     }
+    let starts = preset.learning.replay.learning_starts;
+    if let Exploration::Linear { start, end, env_steps } = preset.learning.exploration
+        && start > end
+        && env_steps <= starts
+    {
+        let message = format!(
+            "ends at env step {env_steps}, but learning starts at {starts}, so the robot drives by an untrained network in \
+             between; help: end it later, or give a smaller `replay.learning_starts`"
+        );
+        add("learning.exploration", message);
+    }
     if let Some(message) = exploration(&preset.learning.exploration, preset.budget) {
         add("learning.exploration", message);
     }

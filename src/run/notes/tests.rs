@@ -146,6 +146,8 @@ fn doubtful_exploration_is_noted() {
     let field = "note: `learning.exploration` ";
     let none = Exploration::Linear { start: 0.0, end: 0.0, env_steps: 1 };
     assert_noted(exploration(none), field, "no random actions");
+    let early = Exploration::Linear { start: 1.0, end: 0.05, env_steps: 500 };
+    assert_noted(exploration(early), field, "ends at env step 500, but learning starts at 500, ");
     assert_noted(per_episode(1.0, 0.99, 1.0), field, "random actions only");
     assert_noted(per_episode(1.0, 1.0, 0.05), field, "never decays");
     // 0.999^100 = 0.905.

@@ -40,7 +40,9 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
     check_regions(scenario, diagnostics);
     check_named_positions(scenario, diagnostics);
-    check_benchmark_route(scenario, diagnostics);
+    if !scenario.benchmark_route.is_default() {
+        check_benchmark_route(scenario, diagnostics);
+    }
     check_free_space(scenario, diagnostics);
 }
 
@@ -109,7 +111,7 @@ fn check_named_positions(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 }
 
 /// Checks that the robot does not collide at either end of the benchmark route, and that the ends are apart.
-fn check_benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+pub(super) fn check_benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
     for (name, point) in [("start_m", benchmark_route.start_m), ("goal_m", benchmark_route.goal_m)] {
         let clear = clearance(scenario, point, 0);
