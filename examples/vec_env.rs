@@ -1,4 +1,4 @@
-//! A vectorised environment: 64 robots that turn towards their goals and ignore the obstacles.
+//! A vectorized environment: 64 robots that turn towards their goals and ignore the obstacles.
 //!
 //! `cargo run --release --no-default-features --example vec_env`
 

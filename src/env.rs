@@ -1,4 +1,4 @@
-//! A vectorised environment with Gymnasium's interface: many robots, stepped together by the caller's actions.
+//! A vectorized environment with Gymnasium's interface: many robots, stepped together by the caller's actions.
 //!
 //! ```
 //! use wayfield::env::{VecEnv, VecEnvConfig};

@@ -70,7 +70,7 @@
 //! | [`sim`] | arenas, physics, robot, obstacles and LIDAR in the ECS |
 //! | [`agent`] | the choice of actions, and training |
 //! | [`simulation`] | [`SimulationBuilder`](simulation::SimulationBuilder): a simulation from a scenario, a seed and plugins |
-//! | [`env`](mod@env) | [`VecEnv`](env::VecEnv): a vectorised environment with Gymnasium's interface |
+//! | [`env`](mod@env) | [`VecEnv`](env::VecEnv): a vectorized environment with Gymnasium's interface |
 //! | [`run`] | training, evaluation, run folders and checkpoints |
 //! | [`reproduce`] | the paper's figures and tables |
 //! | `app` | the app (feature `gui`) |

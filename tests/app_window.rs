@@ -6,8 +6,9 @@
 mod requirements;
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
 
 use image::RgbImage;
 
@@ -127,6 +128,25 @@ fn the_grid_shows_all_arenas_in_the_dark_theme() {
 }
 
 #[test]
+fn a_name_in_japanese_is_shown_with_a_font_of_the_system() {
+    if !requirements::japanese_font_is_installed() {
+        return;
+    }
+    let Some(display) = Display::new() else { return };
+    let home = tempfile::tempdir().expect("temporary folder");
+    let picture = |name: &str| {
+        let file = home.path().join("named.ron");
+        std::fs::write(&file, format!("(name: \"{name}\")")).expect("the file can be written");
+        let file = file.to_str().expect("the path is UTF-8");
+        // The editor is at rest, so that pictures differ in the name alone.
+        screenshot(&display, &["--scenario", file, "--edit", "--screenshot-after", "0", "--theme", "light"])
+    };
+    let maze = picture("迷路");
+    assert_eq!(maze, picture("迷路"), "the picture is reproducible");
+    assert_ne!(maze, picture("路迷"), "missing glyphs would all look the same");
+}
+
+#[test]
 fn without_a_display_the_error_names_the_way_out() {
     let home = tempfile::tempdir().expect("temporary folder");
     for display in [None, Some(":54321")] {
@@ -168,15 +188,42 @@ fn a_screenshot_that_cannot_be_written_is_a_failure() {
     assert!(text(&output.stderr).contains("nowhere/screenshot.png"));
 }
 
-/// Simulates mouse input with `xdotool`.
-fn xdotool(display: &Display, actions: &[&str]) {
-    for action in actions {
-        let done = Command::new("xdotool").args(action.split(' ')).env("DISPLAY", &display.name).status();
-        assert!(done.expect("xdotool starts").success(), "{action}");
-        // A software GPU draws about ten frames per second; each action should be seen by one.
-        std::thread::sleep(std::time::Duration::from_millis(400));
+/// The named controls of a running app, which it writes to a file.
+struct Controls(PathBuf);
+
+impl Controls {
+    /// The centre of the control or item with this accessible name, in points. Waits until it is displayed and at rest.
+    fn centre(&self, name: &str) -> (f64, f64) {
+        let found = || self.rect(name).map(|[x, y, width, height]| (x + width / 2.0, y + height / 2.0));
+        let mut last = None;
+        for _ in 0..100 {
+            let now = found();
+            match now {
+                Some(at) if now == last => return at,
+                _ => last = now,
+            }
+            std::thread::sleep(PAUSE);
+        }
+        panic!("no control `{name}` at rest; last: {:?}", std::fs::read_to_string(&self.0));
+    }
+
+    fn rect(&self, name: &str) -> Option<[f64; 4]> {
+        let text = std::fs::read_to_string(&self.0).ok()?;
+        let line = text.lines().find(|line| line.split('\t').nth(4) == Some(name))?;
+        let mut numbers = line.split('\t').map(|number| number.parse().expect("a number"));
+        Some(std::array::from_fn(|_| numbers.next().expect("four numbers")))
     }
 }
+
+/// Simulates mouse input with `xdotool`.
+fn xdotool(display: &Display, action: &str) {
+    let done = Command::new("xdotool").args(action.split(' ')).env("DISPLAY", &display.name).status();
+    assert!(done.expect("xdotool starts").success(), "{action}");
+    std::thread::sleep(PAUSE);
+}
+
+/// A software GPU draws about ten frames per second; each action should be seen by one.
+const PAUSE: Duration = Duration::from_millis(400);
 
 #[test]
 fn an_obstacle_dragged_in_the_editor_is_saved_to_its_file() {
@@ -184,25 +231,30 @@ fn an_obstacle_dragged_in_the_editor_is_saved_to_its_file() {
     let home = tempfile::tempdir().expect("temporary folder");
     let file = home.path().join("mine.ron");
     let before = "// My own.\n(\n    name: \"Mine\",\n    obstacles: [\n        \
-                  (shape: Circle(radius_m: 0.3), position_m: (0.0, 0.6)), // here\n    ],\n)\n";
+                  (shape: Circle(radius_m: 0.3), position_m: (0.0, 0.6)), // here\n        \
+                  (shape: Circle(radius_m: 0.1), position_m: (0.6, -1.0)),\n    ],\n)\n";
     std::fs::write(&file, before).expect("the file can be written");
+    let controls = Controls(home.path().join("controls"));
     let arguments = ["--scenario", "mine.ron", "--edit", "--theme", "light", "--size", "1280x800"];
-    let mut app = command(Some(&display.name), home.path(), &arguments).spawn().expect("the binary starts");
-    // The window stores its preferences as soon as it is open.
-    assert!(wait_until(20, || home.path().join("wayfield/preferences.ron").exists()), "the window is open");
-    // Screen positions: the obstacle, 0.6 m above the middle of a 4 m enclosure; "Save" at the bottom of the panel.
-    let (obstacle, save) = ((588, 335), (67, 775));
-    let at = |(x, y): (i32, i32)| format!("mousemove {x} {y}");
-    xdotool(&display, &[&at(obstacle), "mousedown 1"]);
-    for x in [20, 60, 93] {
-        xdotool(&display, &[&at((obstacle.0 + x, obstacle.1))]);
+    let mut app = command(Some(&display.name), home.path(), &arguments)
+        .env("WAYFIELD_CONTROLS", &controls.0)
+        .spawn()
+        .expect("the binary starts");
+    // To where the second obstacle is, to the right.
+    let ((from, y), (to, _)) = (controls.centre("Obstacle 1"), controls.centre("Obstacle 2"));
+    xdotool(&display, &format!("mousemove {from} {y}"));
+    xdotool(&display, "mousedown 1");
+    for part in [0.2, 0.6, 1.0] {
+        xdotool(&display, &format!("mousemove {} {y}", from + part * (to - from)));
     }
-    xdotool(&display, &["mouseup 1", &at(save), "click 1"]);
+    xdotool(&display, "mouseup 1");
+    let (x, y) = controls.centre("Save");
+    xdotool(&display, &format!("mousemove {x} {y}"));
+    xdotool(&display, "click 1");
     let written = || std::fs::read_to_string(&file).unwrap_or_default();
     wait_until(20, || written() != before);
     let _ = app.kill();
     let _ = app.wait();
-    // 93 points at about 156 points per metre, snapped to 5 cm.
     assert_eq!(written(), before.replace("(0.0, 0.6)", "(0.6, 0.6)"), "only one number has changed");
 }
 

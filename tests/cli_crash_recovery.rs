@@ -243,7 +243,7 @@ fn two_processes_cannot_write_in_one_run_folder() {
         assert!(rejected.stderr.contains(why), "{}", rejected.stderr);
     }
     signal(&child, "TERM");
-    assert_eq!(wait_for_output(child).status, Some(0));
+    assert_eq!(wait_for_output(child).status, Some(143));
     workspace.run_ok("--train --resume run --steps 3000001 --checkpoint-every 1000000 --json").json();
 }
 

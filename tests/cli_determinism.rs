@@ -125,25 +125,25 @@ fn has_rows(workspace: &Workspace, run: &str, more_than: u64) -> bool {
 
 #[cfg(unix)]
 #[test]
-fn a_run_stopped_by_ctrl_c_resumes_to_the_uninterrupted_result() {
+fn a_run_stopped_by_a_signal_resumes_to_the_uninterrupted_result() {
     let workspace = workspace();
     let what = "--train --scenario two.ron --preset per.ron --seed 6 --episodes 400";
     workspace.run_ok(&format!("{what} --out uninterrupted"));
 
-    for name in ["INT", "TERM"] {
+    for (name, status) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         let mut child = workspace.start(&format!("{what} --out {name}"));
         wait_until(&mut child, "rows in episodes.csv", || has_rows(&workspace, name, HEADER));
         signal(&child, name);
         let stopped = wait_for_output(child);
-        assert_eq!(stopped.status, Some(0), "{}", stopped.stderr);
-        assert!(stopped.stderr.contains("stopping: saving a checkpoint"), "{}", stopped.stderr);
-        assert!(stopped.stderr.contains("continue with --resume"), "{}", stopped.stderr);
+        assert_eq!(stopped.status, Some(status), "{}", stopped.stderr);
+        assert!(stopped.stderr.contains(&format!("SIG{name}: saving a checkpoint")), "{}", stopped.stderr);
+        assert!(stopped.stderr.ends_with(&format!("--resume {name}` continues\n")), "{}", stopped.stderr);
         assert!(stopped.stdout.contains("last policy"), "a stopped run has a summary: {}", stopped.stdout);
         let summary = workspace.json(&format!("{name}/summary.json"));
         assert_eq!(summary["finished"], false, "the run was stopped in the middle");
 
         // Without a new budget, the run resumes to its original one.
-        let done = workspace.run_ok(&format!("--train --resume {name} --json"));
+        let done = workspace.run_ok(&format!("--resume {name} --json"));
         assert_eq!(done.json()["finished"], true);
         workspace.assert_same_run("uninterrupted", name);
     }

@@ -182,7 +182,7 @@ fn stopped_work_continues_where_it_stopped() {
     });
     signal(&child, "TERM");
     let done = wait_for_output(child);
-    assert_eq!(done.status, Some(1), "{}", done.stderr);
+    assert_eq!(done.status, Some(143), "{}", done.stderr);
     assert!(
         done.stderr.contains("of 6 runs; help: the same command continues from there"),
         "{}",

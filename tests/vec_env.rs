@@ -1,4 +1,4 @@
-//! The vectorised environment follows Gymnasium's conventions, and plugins extend observation and reward.
+//! The vectorized environment follows Gymnasium's conventions, and plugins extend observation and reward.
 
 use std::sync::Arc;
 

@@ -1,41 +1,98 @@
-//! The accessibility tree of the last frame, in which the page tests find controls by name.
+//! The accessibility tree of the last frame, in which tests find controls by name.
 //!
-//! In: egui's output. Out: the rectangle of a named control. egui builds no tree before the first request.
+//! In: egui's output. Out: the rectangles of named controls. In the browser the page asks for one ([`find`]); a native app
+//! writes them all to the file that the environment variable `WAYFIELD_CONTROLS` names ([`ControlsFile`]). egui builds no
+//! tree before the first request.
 
+#[cfg(not(target_arch = "wasm32"))]
+use std::path::PathBuf;
+#[cfg(target_arch = "wasm32")]
 use std::sync::atomic::{AtomicBool, Ordering};
+#[cfg(target_arch = "wasm32")]
 use std::sync::{Mutex, PoisonError};
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiOutput};
 use egui::accesskit::{Action, Node, Role, TreeUpdate};
 
+#[cfg(target_arch = "wasm32")]
 static REQUESTED: AtomicBool = AtomicBool::new(false);
+#[cfg(target_arch = "wasm32")]
 static TREE: Mutex<Option<TreeUpdate>> = Mutex::new(None);
 
 /// Keeps the tree of this frame and requests the next one, once somebody has asked for a control.
-pub fn keep_tree(mut contexts: Query<(&mut EguiContext, &mut EguiOutput)>) {
+#[cfg(target_arch = "wasm32")]
+pub fn keep_tree(contexts: Query<(&mut EguiContext, &mut EguiOutput)>) {
     if !REQUESTED.load(Ordering::Relaxed) {
         return;
     }
-    for (mut context, mut output) in &mut contexts {
-        context.get_mut().enable_accesskit();
-        if let Some(tree) = output.platform_output.accesskit_update.take() {
-            *TREE.lock().unwrap_or_else(PoisonError::into_inner) = Some(tree);
-        }
+    if let Some(tree) = take_tree(contexts) {
+        *TREE.lock().unwrap_or_else(PoisonError::into_inner) = Some(tree);
     }
 }
 
 /// Left, top, width and height, in points, of the enabled control or arena object with this accessible name. Of several,
 /// the topmost, then the leftmost. `None` if there is none, and always before the next frame after the first call.
+#[cfg(target_arch = "wasm32")]
 pub fn find(name: &str) -> Option<[f64; 4]> {
     REQUESTED.store(true, Ordering::Relaxed);
     let tree = TREE.lock().unwrap_or_else(PoisonError::into_inner);
-    let tree = tree.as_ref()?;
-    let named =
-        tree.nodes.iter().filter(|(_, node)| is_usable(node) && accessible_name(tree, node) == Some(name));
-    let rects = named.filter_map(|(_, node)| node.bounds());
-    let first = rects.min_by(|a, b| a.y0.total_cmp(&b.y0).then(a.x0.total_cmp(&b.x0)))?;
-    Some([first.x0, first.y0, first.width(), first.height()])
+    named_controls(tree.as_ref()?).into_iter().find(|(other, _)| *other == name).map(|(_, rect)| rect)
+}
+
+/// Where a native app writes the rectangles of its named controls, one per line, in the order of [`find`]: left, top, width,
+/// height, name, separated by tabs. The file is replaced whole when they have changed.
+#[cfg(not(target_arch = "wasm32"))]
+#[derive(Resource)]
+pub struct ControlsFile {
+    path: PathBuf,
+    written: String,
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl ControlsFile {
+    /// `None` unless the environment variable `WAYFIELD_CONTROLS` is set.
+    pub fn from_env() -> Option<Self> {
+        let path = std::env::var_os("WAYFIELD_CONTROLS")?;
+        Some(Self { path: path.into(), written: String::new() })
+    }
+}
+
+/// Writes the controls of this frame, if they differ from those of the last one.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn write_controls(mut file: ResMut<ControlsFile>, contexts: Query<(&mut EguiContext, &mut EguiOutput)>) {
+    let Some(tree) = take_tree(contexts) else { return };
+    let line =
+        |(name, [x, y, width, height]): (&str, [f64; 4])| format!("{x}\t{y}\t{width}\t{height}\t{name}\n");
+    let text: String = named_controls(&tree).into_iter().map(line).collect();
+    if text == file.written {
+        return;
+    }
+    let beside = file.path.with_extension("new");
+    match std::fs::write(&beside, &text).and_then(|()| std::fs::rename(&beside, &file.path)) {
+        Ok(()) => file.written = text,
+        Err(error) => warn_once!("{}: {error}", file.path.display()),
+    }
+}
+
+/// The tree of the frame that has just been drawn. Requests one for the next frame.
+fn take_tree(mut contexts: Query<(&mut EguiContext, &mut EguiOutput)>) -> Option<TreeUpdate> {
+    let mut tree = None;
+    for (mut context, mut output) in &mut contexts {
+        context.get_mut().enable_accesskit();
+        tree = output.platform_output.accesskit_update.take().or(tree);
+    }
+    tree
+}
+
+/// The names and rectangles, in points, of all enabled controls and arena objects, from top to bottom and left to right.
+fn named_controls(tree: &TreeUpdate) -> Vec<(&str, [f64; 4])> {
+    let usable = tree.nodes.iter().map(|(_, node)| node).filter(|node| is_usable(node));
+    let named = usable.filter_map(|node| Some((accessible_name(tree, node)?, node.bounds()?)));
+    let mut controls: Vec<_> =
+        named.map(|(name, rect)| (name, [rect.x0, rect.y0, rect.width(), rect.height()])).collect();
+    controls.sort_by(|(_, a), (_, b)| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+    controls
 }
 
 fn is_usable(node: &Node) -> bool {

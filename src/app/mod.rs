@@ -18,20 +18,22 @@
 //! | `editor/` | the scenario editor: the document, its operations, undo and redo |
 //! | `view_state.rs` | what the user has chosen to see; `preferences.rs` stores it |
 //! | `window.rs`, `window_input.rs`, `blending.rs` | the window, its input and its colours |
+//! | `fallback_fonts.rs` | fonts for characters that the app's typeface lacks |
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
 //! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
-//! | `controls.rs` | the positions of named controls, for the page tests |
+//! | `controls.rs` | the positions of named controls, for tests of the window and the page |
 
 pub mod app_snapshot;
 mod blending;
 #[cfg(target_arch = "wasm32")]
 pub mod browser;
 pub mod commands;
-#[cfg(target_arch = "wasm32")]
 mod controls;
 pub mod editor;
 mod extract;
+#[cfg(not(target_arch = "wasm32"))]
+mod fallback_fonts;
 #[cfg(not(target_arch = "wasm32"))]
 mod file_dialogs;
 pub mod history;

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::window::PrimaryWindow;
 
+use super::fallback_fonts::FallbackFonts;
 use super::session::{Journal, Pacer};
 
 /// Frames until the layout has settled, and glyphs and colours have reached the GPU.
@@ -31,6 +32,7 @@ pub(super) fn take_screenshot(
     request: Res<ScreenshotRequest>,
     journal: Option<Res<Journal>>,
     pacer: Option<ResMut<Pacer>>,
+    fonts: Res<FallbackFonts>,
     windows: Query<Entity, With<PrimaryWindow>>,
     under_way: Query<(), With<Screenshot>>,
     mut frames: Local<u32>,
@@ -40,6 +42,9 @@ pub(super) fn take_screenshot(
         return;
     }
     pacer.hold();
+    if fonts.is_searching() {
+        *frames = 0;
+    }
     *frames += 1;
     if *frames < SETTLING_FRAMES {
         return;

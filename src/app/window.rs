@@ -113,11 +113,22 @@ impl Plugin for WindowedPlugin {
             )
             .add_systems(Update, draw_less_when_idle);
         #[cfg(not(target_arch = "wasm32"))]
+        app.init_resource::<super::fallback_fonts::FallbackFonts>().add_systems(
+            PostUpdate,
+            super::fallback_fonts::add_fallback_fonts
+                .after(EguiPostUpdateSet::EndPass)
+                .before(EguiPostUpdateSet::ProcessOutput),
+        );
+        #[cfg(not(target_arch = "wasm32"))]
         if let Some(request) = &options.screenshot {
             app.insert_resource(request.clone()).add_systems(Last, take_screenshot);
             return;
         }
         app.insert_resource(preferences).add_systems(Last, preferences::store);
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(file) = super::controls::ControlsFile::from_env() {
+            app.insert_resource(file).add_systems(Last, super::controls::write_controls);
+        }
         #[cfg(target_arch = "wasm32")]
         app.add_systems(
             Last,

@@ -1,7 +1,7 @@
 //! The command line.
 //!
 //! In: the process's arguments. Out: results on stdout, logs and progress on stderr, and an exit status: 0 on
-//! success, 1 when a run failed, 2 for invalid arguments or files.
+//! success, 1 when a run failed, 2 for invalid arguments or files, 128 plus the number of the signal that stopped it.
 //!
 //! One file per mode contains the mode's options and its `run` function. `modes` rejects options of other modes;
 //! `shared` contains the options that several modes take.
@@ -18,7 +18,6 @@ mod policy;
 mod replay;
 mod reproduce;
 mod shared;
-mod signals;
 mod train;
 mod values;
 #[cfg(feature = "gui")]
@@ -30,8 +29,8 @@ use std::time::Instant;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 
-use crate::run::RunError;
 use crate::run::progress::print_stderr;
+use crate::run::{RunError, signals};
 use crate::simulation::Extensions;
 
 const AFTER_HELP: &str = "\
@@ -40,12 +39,13 @@ Examples:
   wayfield --train                                   train in Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
-  wayfield --train --resume runs/scenario-1-fast-0 --steps 900000
+  wayfield --resume runs/scenario-1-fast-0 --steps 900000
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        check every scenario in a folder
 
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
-2 invalid arguments or files. Ctrl-C saves a checkpoint and stops the run.";
+2 invalid arguments or files, 128 + N a run stopped by signal N: Ctrl-C (130), SIGTERM (143) and
+SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
 
 /// Trains a LIDAR robot to navigate, in seconds, with prioritized-replay double dueling DQN
 #[derive(Parser, Debug)]
@@ -91,12 +91,14 @@ impl Arguments {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
+    signals::survive_file_size_limit();
     let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
     arguments.shared.extensions = extensions;
     match run(arguments, began) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            print_stderr(&format!("error: {error}"));
+            let label = if matches!(error, RunError::Stopped(_)) { "" } else { "error: " };
+            print_stderr(&format!("{label}{error}"));
             ExitCode::from(error.exit_status())
         }
     }
@@ -104,9 +106,10 @@ pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
 
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
-    if mode.train {
+    if mode.train || arguments.train.resume.is_some() {
         train::run(arguments.train, shared, began)
     } else if let Some(policy) = mode.eval {
+        signals::exit_on_signal();
         eval::run(&policy, &arguments.eval, &shared)
     } else if mode.reproduce {
         reproduce::run(arguments.reproduce, shared, began)

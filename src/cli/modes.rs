@@ -61,7 +61,12 @@ const APP: &[&str] = &[];
 /// An option belongs to another mode. The message names the option, the chosen mode, and the modes that take it.
 pub fn check(command: &mut Command, matches: &ArgMatches) -> Result<(), clap::Error> {
     let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
-    let mode = MODES.iter().find(|(flag, _)| is_given(flag));
+    // Only a training can be resumed, so `--resume` needs no `--train`.
+    let implied = |flag: &str| flag == "train" && is_given("resume");
+    let mode = MODES
+        .iter()
+        .find(|(flag, _)| is_given(flag))
+        .or_else(|| MODES.iter().find(|(flag, _)| implied(flag)));
     let options = mode.map_or(APP, |(_, options)| options);
     let misplaced = command.get_arguments().find(|arg| {
         let id = arg.get_id().as_str();
@@ -141,12 +146,28 @@ mod tests {
                  '--reproduce'\n",
             ),
             (
-                "--resume run",
-                "error: the argument '--resume <DIR>' cannot be used on its own; help: use it with '--train'\n",
+                "--epsilon 0.5 --init policy",
+                "error: the argument '--init <POLICY>' cannot be used on its own; help: use it with '--train'\n",
+            ),
+            (
+                "--resume run --edit",
+                "error: the argument '--edit' cannot be used with '--train'; help: use it with the app (no mode)\n",
+            ),
+            (
+                "--resume run --eval policy",
+                "error: the argument '--resume <DIR>' cannot be used with '--eval <POLICY>'; help: use it with '--train'\n",
             ),
         ] {
             let message = message(words);
             assert!(message.starts_with(expected), "{words}: {message}");
+        }
+    }
+
+    #[test]
+    fn resume_alone_selects_the_training_mode() {
+        for words in ["wayfield --resume run --steps 900", "wayfield --train --resume run --json"] {
+            let arguments = Arguments::parse_words(words.split(' ').map(OsString::from)).expect("accepted");
+            assert!(arguments.train.resume.is_some(), "{words}");
         }
     }
 }

@@ -9,9 +9,10 @@ use serde::Serialize;
 
 use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
-use super::signals::stop_on_signal;
+use super::train::SAVING;
 use crate::reproduce::{ReproduceOptions, Reproduction, reproduce};
 use crate::run::RunError;
+use crate::run::signals::stop_on_signal;
 
 /// The options of `--reproduce`.
 #[derive(Args, Debug)]
@@ -58,7 +59,7 @@ struct ClaimReport {
 /// Runs the selected experiments, and prints the claim results and the report's path.
 ///
 /// # Errors
-/// An option or a file is invalid, or a run failed.
+/// An option or a file is invalid, a run failed, or a signal stopped it.
 pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
     let options = ReproduceOptions {
         experiments: args.experiment,
@@ -68,7 +69,7 @@ pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<()
         out: shared.out,
         jobs: args.jobs.map(usize::from),
     };
-    let report = ReproductionReport::new(reproduce(&options, stop_on_signal(), began)?);
+    let report = ReproductionReport::new(reproduce(&options, stop_on_signal(SAVING), began)?);
     if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
 }
 

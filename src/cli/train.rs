@@ -8,13 +8,13 @@ use clap::Args;
 use super::output::{print_json, print_stdout};
 use super::policy;
 use super::shared::SharedArgs;
-use super::signals::stop_on_signal;
 use super::values;
 use crate::limits::MAX_ARENAS;
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::Budget;
+use crate::run::signals::stop_on_signal;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 
 /// The options of `--train`.
@@ -38,21 +38,24 @@ pub struct TrainArgs {
     #[arg(long, value_name = "X", requires = "init")]
     epsilon: Option<f32>,
 
-    /// Continue the run in DIR exactly where it stopped; --episodes or --steps set a larger budget, counted
-    /// from the start of the run
+    /// Continue the run in DIR exactly where it stopped (--train may be left out); --episodes or --steps set a
+    /// larger budget, counted from the start of the run
     #[arg(long, value_name = "DIR",
         conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
-    resume: Option<PathBuf>,
+    pub resume: Option<PathBuf>,
 
     /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]
     #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
     checkpoint_every: Option<Duration>,
 }
 
+/// What the first signal prints.
+pub const SAVING: &str = "saving a checkpoint, then stopping (a second Ctrl-C quits without saving)";
+
 /// Trains, and prints the run's summary.
 ///
 /// # Errors
-/// An option or a file is invalid, or the run failed.
+/// An option or a file is invalid, the run failed, or a signal stopped it.
 pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
     let json = shared.json;
     let checkpoint_interval = args.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
@@ -61,8 +64,13 @@ pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), Ru
         Some(folder) => Job::Resume { folder, budget, extensions: shared.extensions },
         None => new_run(args, shared, budget)?,
     };
-    let (folder, summary) = train(job, checkpoint_interval, stop_on_signal(), began, None)?;
-    if json { print_json(&summary) } else { print_stdout(&summary_text(&folder, &summary)) }
+    let (folder, summary) = train(job, checkpoint_interval, stop_on_signal(SAVING), began, None)?;
+    if json { print_json(&summary) } else { print_stdout(&summary_text(&folder, &summary)) }?;
+    if summary.finished {
+        return Ok(());
+    }
+    let folder = quoted(&folder.display().to_string());
+    Err(RunError::Stopped(format!("stopped; help: `{} --resume {folder}` continues", program())))
 }
 
 fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Result<Job, RunError> {
@@ -118,11 +126,19 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
 
 /// The command that tests the run's best policy in the run's scenario.
 fn eval_command(folder: &Path, summary: &Summary) -> String {
-    let quoted = |text: &str| if text.contains(' ') { format!("'{text}'") } else { text.to_owned() };
-    let program = std::env::args().next().unwrap_or_else(|| "wayfield".into());
+    let program = program();
     let policy = quoted(&folder.join("policy.safetensors").display().to_string());
     match summary.scenario_from.as_str() {
         "scenario-1" => format!("{program} --eval {policy}"),
         other => format!("{program} --eval {policy} --scenario {}", quoted(other)),
     }
+}
+
+/// The name by which the program was started.
+fn program() -> String {
+    std::env::args().next().unwrap_or_else(|| "wayfield".into())
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains(' ') { format!("'{text}'") } else { text.to_owned() }
 }

@@ -52,7 +52,7 @@ pub fn execute(
     progress.finish();
     let (done, all) = (queue.into_result()?, plan.trainings.len());
     if done < all {
-        return Err(RunError::Failed(format!(
+        return Err(RunError::Stopped(format!(
             "stopped after {done} of {all} runs; help: the same command continues from there"
         )));
     }

@@ -23,6 +23,7 @@
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
 //! | `tensorboard.rs`, `progress/` | TensorBoard events; progress on stderr |
+//! | `signals.rs` | the signals that ask the program to stop |
 
 pub mod background_evaluator;
 #[cfg(not(target_arch = "wasm32"))]
@@ -47,6 +48,8 @@ pub mod progress;
 pub mod scenario_image;
 pub mod shipped;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod signals;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod tensorboard;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod train;
@@ -62,15 +65,21 @@ pub enum RunError {
     /// A failure during the work. Exit status 1.
     #[error("{0}")]
     Failed(String),
+    /// The work was stopped on request and can be continued. Exit status 128 plus the number of the
+    /// [first signal](signals::received).
+    #[error("{0}")]
+    Stopped(String),
 }
 
 impl RunError {
     /// The exit status of the process.
+    #[cfg(not(target_arch = "wasm32"))]
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::InvalidInput(_) => 2,
             Self::Failed(_) => 1,
+            Self::Stopped(_) => signals::received().map_or(1, signals::StopSignal::exit_status),
         }
     }
 

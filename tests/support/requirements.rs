@@ -31,6 +31,15 @@ impl Requirement {
     }
 }
 
+/// Whether a font with Japanese characters is installed. If not, prints why the test is skipped, or fails in CI.
+pub fn japanese_font_is_installed() -> bool {
+    let installed = wayfield::report::fonts::system_font_with('迷').is_some();
+    if !installed {
+        report_skip("no font with Japanese characters; help: apt-get install fonts-droid-fallback");
+    }
+    installed
+}
+
 /// Prints that a test is skipped and why; fails in CI, where no test may be skipped.
 pub fn report_skip(why: &str) {
     let test = std::thread::current().name().unwrap_or("test").to_string();

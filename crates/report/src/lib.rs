@@ -1,13 +1,15 @@
 //! Figures, tables, statistics and report pages, made from plain numbers.
 //!
 //! All functions return text (SVG, HTML, Markdown, CSV) or PNG bytes; the caller writes the files. The same numbers give
-//! the same bytes on every machine, because no clock, random number or installed font is used.
+//! the same bytes on every machine, because no clock or random number is used, and an installed font only for characters that
+//! the embedded one lacks.
 //!
 //! | module | contents |
 //! |---|---|
 //! | [`chart`] | figures as SVG: [curves with 95 % bands](chart::CurveChart), [dot plots](chart::DotPlot), [scenario maps](chart::ScenarioMap) |
 //! | [`run_figure`] | the figure of a single training run |
 //! | [`raster`] | the conversion of SVG to PNG |
+//! | [`fonts`] | the system's fonts, for characters that the embedded one lacks |
 //! | [`statistics`] | means over seeds with 95 % confidence intervals |
 //! | [`smoothing`] | the moving mean |
 //! | [`table`] | tables, as CSV and Markdown |
@@ -58,6 +60,8 @@ pub mod chart;
 pub mod claim;
 #[cfg(not(target_arch = "wasm32"))]
 mod csv_table;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod fonts;
 pub mod format;
 #[cfg(not(target_arch = "wasm32"))]
 mod html;

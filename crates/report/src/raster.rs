@@ -1,35 +1,27 @@
 //! Conversion of SVG figures to PNG.
 //!
-//! Only the embedded font is used, so a figure has the same bytes on every machine.
+//! A figure whose text the embedded font covers has the same bytes on every machine. Other characters, say of a scenario's
+//! name in Japanese, are drawn with a font of the system, if it has one.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 use resvg::tiny_skia::{Color, Pixmap, Transform};
-use resvg::usvg::{Options, Tree, fontdb};
+use resvg::usvg::{Options, Tree};
 
+use crate::fonts;
 use crate::style::DrawError;
-
-/// Latin, Greek and mathematical characters with Arial's metrics; `assets/fonts/OFL.txt` is the licence.
-const FONT: &[u8] = include_bytes!("../../../assets/fonts/wayfield-sans.ttf");
-const FAMILY: &str = "Wayfield Sans";
-
-/// The font database: the embedded font stands in for every font family that a figure names.
-static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
-    let mut fonts = fontdb::Database::new();
-    fonts.load_font_data(FONT.to_vec());
-    fonts.set_sans_serif_family(FAMILY);
-    fonts.set_serif_family(FAMILY);
-    fonts.set_monospace_family(FAMILY);
-    Arc::new(fonts)
-});
 
 /// The PNG file of an SVG figure on a white background, with `scale` pixels per SVG pixel.
 ///
 /// # Errors
 /// `svg` is not valid SVG, or the image would have no pixels or be too large for memory.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, DrawError> {
-    let options =
-        Options { font_family: FAMILY.to_owned(), fontdb: Arc::clone(&FONTS), ..Options::default() };
+    let options = Options {
+        font_family: fonts::FAMILY.to_owned(),
+        fontdb: Arc::clone(&fonts::FONTS),
+        font_resolver: fonts::resolver(),
+        ..Options::default()
+    };
     let tree = Tree::from_str(svg, &options).map_err(DrawError::new)?;
     let size = tree.size();
     let pixels = |length: f32| (length * scale).round() as u32;
@@ -62,10 +54,21 @@ mod tests {
     fn the_font_has_every_character_that_figures_use() {
         let png_of =
             |c: char| png(&FIGURE.replace("−±εαβ≥", &c.to_string()), 1.0).expect("the figure is drawn");
-        let missing_glyph = png_of('\u{4e00}');
+        // A private-use character, which no font has.
+        let missing_glyph = png_of('\u{10fffd}');
         for c in "−±εαβγσµμΔ·≥≤≈°%–—…→×²₁‘’“”".chars() {
             assert_ne!(png_of(c), missing_glyph, "{c} is missing");
         }
+    }
+
+    #[test]
+    fn a_character_that_only_the_system_has_is_drawn_with_its_font() {
+        if fonts::system_font_with('迷').is_none() {
+            return; // Nothing to draw it with.
+        }
+        let png_of = |text: &str| png(&FIGURE.replace("−±εαβ≥", text), 1.0).expect("the figure is drawn");
+        assert_ne!(png_of("迷"), png_of("路"), "two characters look different");
+        assert_ne!(png_of("迷"), png_of("\u{10fffd}"), "it is not the sign for a missing glyph");
     }
 
     #[test]

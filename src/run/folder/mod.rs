@@ -76,9 +76,9 @@ impl RunFolder {
             Some(bytes) => folder.write(INITIAL_POLICY_FILE, |file| file.write_all(bytes)),
             None => Ok(()),
         };
-        written.and_then(|()| folder.write_config(config)).map_err(|error| match error {
-            RunError::Failed(text) | RunError::InvalidInput(text) => RunError::InvalidInput(text),
-        })?;
+        written
+            .and_then(|()| folder.write_config(config))
+            .map_err(|error| RunError::InvalidInput(error.to_string()))?;
         Ok(folder)
     }
 

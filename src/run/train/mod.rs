@@ -278,7 +278,7 @@ impl Run {
         self.metrics_writer.draw(&self.config.description(), in_paper_scenario)?;
         // The summary comes last: if it exists, the run folder is complete.
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
-        let how = if finished { "done" } else { "stopped (continue with --resume)" };
+        let how = if finished { "done" } else { "stopped" };
         self.progress.finish(&format!("{how}: {}", self.folder.path().display()));
         Ok(summary)
     }

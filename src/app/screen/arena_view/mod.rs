@@ -42,7 +42,7 @@ mod q_card;
 mod q_card_position;
 mod score;
 pub mod silhouette;
-mod single_arena;
+pub mod single_arena;
 pub mod steer;
 mod trajectories;
 pub mod transform;

@@ -166,20 +166,24 @@ fn draw_drag_feedback(
 fn name_objects(ui: &Ui, view: Id, canvas: &Canvas, scene: &Scene, arena: &ArenaScene) {
     let obstacles = (0..scene.scenario.obstacles.len()).map(Movable::Obstacle);
     for object in [Movable::Robot, Movable::Goal].into_iter().chain(obstacles) {
-        let id = view.with(object);
-        ui.ctx().accesskit_node_builder(id, |node| {
-            let Some(outline) = drag_target::silhouette(arena, object, None) else { return };
-            let rect = outline.screen_rect(canvas);
-            node.set_role(Role::GraphicsObject);
-            node.set_label(object.to_string());
-            node.set_bounds(AccessRect::new(
-                rect.min.x.into(),
-                rect.min.y.into(),
-                rect.max.x.into(),
-                rect.max.y.into(),
-            ));
-        });
+        if let Some(outline) = drag_target::silhouette(arena, object, None) {
+            name_object(ui, view.with(object), &object.to_string(), outline.screen_rect(canvas));
+        }
     }
+}
+
+/// Adds an object that can be dragged to the accessibility tree, if egui builds one.
+pub fn name_object(ui: &Ui, id: Id, name: &str, rect: Rect) {
+    ui.ctx().accesskit_node_builder(id, |node| {
+        node.set_role(Role::GraphicsObject);
+        node.set_label(name);
+        node.set_bounds(AccessRect::new(
+            rect.min.x.into(),
+            rect.min.y.into(),
+            rect.max.x.into(),
+            rect.max.y.into(),
+        ));
+    });
 }
 
 /// Names the view of an arena for screen readers and tests.

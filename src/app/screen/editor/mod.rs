@@ -84,6 +84,7 @@ pub fn editor_ui(ui: &mut Ui, view_state: &mut ViewState) {
     cursor::set_icon(ui, &response, &transform, editor, hit);
     let canvas = Canvas { painter: ui.painter_at(rect), transform, palette, compact: false };
     drawing::draw(ui, &canvas, id, editor, hit);
+    outlines::name_solids(ui, &canvas, editor.scenario());
     let tip = response.hover_pos().filter(|_| response.contains_pointer() || response.dragged());
     draft::draw(ui, &canvas, editor, tip);
     handle_drawing::draw(&canvas, editor, hit);

@@ -1,11 +1,12 @@
 //! Outlines of items: around the selected item, the one under the pointer, and those with a problem.
 
 use bevy::math;
-use egui::{Align2, Color32, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
+use egui::{Align2, Color32, Id, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2};
 
 use crate::app::editor::{Body, Editor, Selection};
 use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::arena_view::silhouette::{self, Silhouette};
+use crate::app::screen::arena_view::single_arena::name_object;
 use crate::scenario::{Obstacle, Scenario, Wall};
 
 /// Width of the line along the enclosure, in points.
@@ -97,6 +98,18 @@ fn draw_solid(canvas: &Canvas, obstacle: &Obstacle, by: f32, fill: Color32, stro
     let shape = Silhouette::from_obstacle(obstacle);
     let shape = if by > 0.0 { shape.inflated(by / canvas.transform.scale) } else { shape };
     silhouette::draw(canvas, &shape, fill, stroke);
+}
+
+/// Adds the obstacles and inner walls to the accessibility tree, if egui builds one.
+pub fn name_solids(ui: &Ui, canvas: &Canvas, scenario: &Scenario) {
+    let obstacles =
+        (0..scenario.obstacles.len()).map(|k| (Selection::Obstacle(k), format!("Obstacle {}", k + 1)));
+    let walls = (0..scenario.walls.len()).map(|k| (Selection::Wall(k), format!("Wall {}", k + 1)));
+    for (selection, name) in obstacles.chain(walls) {
+        if let Some(rect) = screen_rect(canvas, scenario, selection) {
+            name_object(ui, Id::new(&name), &name, rect);
+        }
+    }
 }
 
 /// The bounding box of an item on the screen; of a rule with several positions, that of the first. `None` for the

@@ -1,0 +1,107 @@
+//! Fonts: the embedded one, and the system's for characters that it lacks.
+
+use std::sync::{Arc, LazyLock};
+
+use resvg::usvg::fontdb::{Database, FaceInfo, ID, Source, Style};
+use resvg::usvg::{FallbackSelectionFn, FontResolver};
+use skrifa::{FontRef, MetadataProvider};
+
+/// Latin, Greek and mathematical characters with Arial's metrics; `assets/fonts/OFL.txt` is the licence.
+const EMBEDDED: &[u8] = include_bytes!("../../../assets/fonts/wayfield-sans.ttf");
+/// The family of the embedded font.
+pub(crate) const FAMILY: &str = "Wayfield Sans";
+
+/// The embedded font, which stands in for every font family that a figure names.
+pub(crate) static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
+    let mut fonts = Database::new();
+    fonts.load_font_data(EMBEDDED.to_vec());
+    fonts.set_sans_serif_family(FAMILY);
+    fonts.set_serif_family(FAMILY);
+    fonts.set_monospace_family(FAMILY);
+    Arc::new(fonts)
+});
+
+/// The fonts of the system. They are searched only for a character that the embedded font lacks.
+static SYSTEM: LazyLock<Database> = LazyLock::new(|| {
+    let mut fonts = Database::new();
+    fonts.load_system_fonts();
+    fonts
+});
+
+/// A font of the system.
+#[derive(Clone, Debug)]
+pub struct SystemFont {
+    /// The name that identifies the face among those of the system.
+    pub name: String,
+    /// The contents of the font file.
+    pub data: Vec<u8>,
+    /// The index of the face in the file.
+    pub index: u32,
+}
+
+/// A font of the system with an outline of `character`, as upright, regular and sans-serif as there is one. The first call
+/// reads the names of all fonts, which takes a fraction of a second.
+#[must_use]
+pub fn system_font_with(character: char) -> Option<SystemFont> {
+    let face = system_face_with(character)?;
+    let (data, index) = SYSTEM.with_face_data(face.id, |data, index| (data.to_vec(), index))?;
+    Some(SystemFont { name: face.post_script_name.clone(), data, index })
+}
+
+fn system_face_with(character: char) -> Option<&'static FaceInfo> {
+    let mut faces: Vec<&FaceInfo> = SYSTEM.faces().collect();
+    faces.sort_by_cached_key(|face| plainness(face));
+    faces.into_iter().find(|face| {
+        SYSTEM.with_face_data(face.id, |data, index| has_outline(data, index, character)) == Some(true)
+    })
+}
+
+/// Sorts upright before slanted faces, then regular before other weights, sans-serif before other families; then by name,
+/// so that the order in which the system lists its fonts does not matter.
+fn plainness(face: &FaceInfo) -> (bool, u16, bool, bool, String) {
+    (
+        face.style != Style::Normal,
+        face.weight.0.abs_diff(400),
+        face.monospaced,
+        !face.families.iter().any(|(family, _)| family.contains("Sans")),
+        face.post_script_name.clone(),
+    )
+}
+
+fn has_outline(data: &[u8], index: u32, character: char) -> bool {
+    FontRef::from_index(data, index).is_ok_and(|font| {
+        let glyph = font.charmap().map(character);
+        glyph.is_some_and(|glyph| font.outline_glyphs().get(glyph).is_some())
+    })
+}
+
+/// Selects a font for text that is not covered by the embedded one.
+pub(crate) fn resolver() -> FontResolver<'static> {
+    let select_loaded = FontResolver::default_fallback_selector();
+    let select_fallback: FallbackSelectionFn<'static> = Box::new(move |character, excluded, fonts| {
+        select_loaded(character, excluded, fonts).or_else(|| load_system_face(character, fonts))
+    });
+    FontResolver { select_fallback, ..FontResolver::default() }
+}
+
+fn load_system_face(character: char, fonts: &mut Arc<Database>) -> Option<ID> {
+    let face = system_face_with(character)?;
+    let source: Source = face.source.clone();
+    let loaded = Arc::make_mut(fonts).load_font_source(source);
+    loaded.into_iter().find(|&id| fonts.face(id).is_some_and(|loaded| loaded.index == face.index))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_system_font_that_is_returned_has_the_character() {
+        for character in ['A', 'я', '迷', '\u{f8ff}'] {
+            if let Some(font) = system_font_with(character) {
+                assert!(has_outline(&font.data, font.index, character), "{character}: {}", font.name);
+            }
+        }
+        assert!(has_outline(EMBEDDED, 0, 'A') && !has_outline(EMBEDDED, 0, '迷'));
+    }
+}

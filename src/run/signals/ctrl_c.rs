@@ -1,0 +1,38 @@
+//! The handler of Ctrl-C, and of a closed console, on Windows.
+
+use std::io;
+use std::sync::atomic::Ordering;
+
+use super::{FIRST, STOP};
+use crate::run::progress::print_stderr;
+
+/// SIGINT, the signal whose exit status stands for a Ctrl-C.
+const SIGINT: usize = 2;
+
+/// Only Unix has such a limit.
+pub fn survive_file_size_limit() {}
+
+/// A Ctrl-C ends the process as it is.
+pub fn exit_on_signal() {}
+
+/// Installs the handler. A second Ctrl-C ends the process at once.
+pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
+    let handler = move || {
+        if STOP.swap(true, Ordering::SeqCst) {
+            std::process::exit(128 + SIGINT as i32);
+        }
+        FIRST.store(SIGINT, Ordering::SeqCst);
+        print_stderr(announcement);
+    };
+    ctrlc::set_handler(handler).map_err(io::Error::other)
+}
+
+/// The name of the only signal.
+pub fn name(_: u8) -> &'static str {
+    "Ctrl-C"
+}
+
+/// The handler records the first signal itself.
+pub fn last_signal() -> usize {
+    FIRST.load(Ordering::SeqCst)
+}

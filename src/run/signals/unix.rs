@@ -1,0 +1,118 @@
+//! Signal handlers on Unix.
+
+use std::io;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use signal_hook::consts::signal::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
+use signal_hook::flag;
+use signal_hook::iterator::SignalsInfo;
+use signal_hook::iterator::exfiltrator::origin::WithOrigin;
+use signal_hook::low_level::siginfo::Origin;
+use signal_hook::low_level::signal_name;
+
+use super::{FIRST, STOP, StopSignal};
+use crate::run::progress::print_stderr;
+
+/// The signals that ask the program to stop. SLURM and Grid Engine can be told to send SIGUSR1 or SIGUSR2 before they kill a
+/// job; the kernel sends SIGXCPU at the soft limit of CPU time (`ulimit -S -t`).
+const STOP_SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
+/// The time after the first signal from which on a Ctrl-C in the terminal ends the process at once.
+const SECOND_CTRL_C: Duration = Duration::from_millis(500);
+
+/// The number of the last signal; 0 before the first.
+static LAST: AtomicUsize = AtomicUsize::new(0);
+
+/// Makes writes beyond the limit of file sizes (`ulimit -f`) fail with an error. By default, SIGXFSZ kills the process.
+pub fn survive_file_size_limit() {
+    static SEEN: AtomicBool = AtomicBool::new(false);
+    if !is_ignored(SIGXFSZ) {
+        // Without this handler, a file that is too large kills the process: no reason to stop now.
+        let _ = flag::register(SIGXFSZ, &SEEN);
+    }
+}
+
+/// Makes the first signal end the process with its [exit status](super::StopSignal::exit_status), for work that leaves nothing
+/// to save. (Without a handler, the first process of a container would not notice the signal.)
+pub fn exit_on_signal() {
+    static ALWAYS: AtomicBool = AtomicBool::new(true);
+    for signal in stop_signals() {
+        // Without the handler, the signal kills the process.
+        let _ = flag::register_conditional_shutdown(signal, 128 + signal, &ALWAYS);
+    }
+}
+
+/// The signals in [`STOP_SIGNALS`] that are not ignored.
+fn stop_signals() -> Vec<i32> {
+    STOP_SIGNALS.into_iter().filter(|signal| !is_ignored(*signal)).collect()
+}
+
+/// Installs the handlers of [`stop_signals`].
+pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
+    let signals = stop_signals();
+    for &signal in &signals {
+        flag::register_usize(signal, &LAST, signal as usize)?;
+        flag::register(signal, &STOP)?;
+    }
+    let signals = SignalsInfo::<WithOrigin>::new(&signals)?;
+    // Without a thread there is no announcement and no quitting at once, but the run still stops and saves.
+    let _ = thread::Builder::new().name("signals".into()).spawn(move || watch(signals, announcement));
+    Ok(())
+}
+
+/// The name of a signal, such as `SIGTERM`.
+pub fn name(signal: u8) -> &'static str {
+    match i32::from(signal) {
+        SIGXCPU => "SIGXCPU (the limit of CPU time)",
+        signal => signal_name(signal).unwrap_or("a signal"),
+    }
+}
+
+/// The number of the last signal; 0 before the first.
+pub fn last_signal() -> usize {
+    LAST.load(Ordering::SeqCst)
+}
+
+/// Records and announces the first signal; ends the process at a later Ctrl-C in the terminal.
+fn watch(mut signals: SignalsInfo<WithOrigin>, announcement: &str) {
+    let mut first_at: Option<Instant> = None;
+    loop {
+        let received: Vec<Origin> = signals.wait().collect();
+        if received.is_empty() {
+            continue;
+        }
+        match first_at {
+            None => {
+                first_at = Some(Instant::now());
+                let first = first_of(&received, last_signal());
+                FIRST.store(first, Ordering::SeqCst);
+                print_stderr(&format!("{}: {announcement}", StopSignal(first as u8).name()));
+            }
+            Some(at) if at.elapsed() >= SECOND_CTRL_C && received.iter().any(is_from_terminal) => {
+                std::process::exit(128 + FIRST.load(Ordering::SeqCst) as i32);
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// The number of the signal that came first. Of signals that arrived together, it is not the `last` one.
+fn first_of(received: &[Origin], last: usize) -> usize {
+    let mut numbers = received.iter().map(|origin| origin.signal as usize);
+    numbers.find(|number| *number != last).unwrap_or(last)
+}
+
+/// Whether the signal is a Ctrl-C. A terminal's signal comes from the kernel, so it has no sender.
+fn is_from_terminal(origin: &Origin) -> bool {
+    origin.signal == SIGINT && origin.process.is_none()
+}
+
+/// Whether `signal` is ignored, which a process inherits from the program that started it. `false` if this is unknown,
+/// because the system has no `/proc`.
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    mask >> (signal - 1) & 1 == 1
+}
