@@ -300,3 +300,25 @@ fn an_edited_scenario_is_saved_with_its_comments_and_can_be_opened_while_invalid
     assert!(matches!(&replies[..], [EditorReply::Opened { from, .. }] if from == "doorway"), "{replies:?}");
     assert_eq!(app.error_notices(), Vec::<String>::new());
 }
+
+#[cfg(unix)]
+#[test]
+fn saving_through_a_link_keeps_the_link_and_the_permissions_of_the_file_behind_it() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let (file, behind) = (folder.path().join("mine.ron"), folder.path().join("repository.ron"));
+    write(&behind, &scenario_text(0.6));
+    std::fs::set_permissions(&behind, PermissionsExt::from_mode(0o640)).expect("permissions can be set");
+    symlink("repository.ron", &file).expect("a link can be made");
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..options(&file) });
+    app.frame(Duration::from_millis(10));
+    let mut edited = Scenario::clone(&app.shown().0.scenario);
+    edited.obstacles[0].position_m = vec2(0.9, 0.6);
+    let based_on = file.display().to_string();
+    app.command(Command::SaveScenario { scenario: Arc::new(edited), based_on, path: Some(file.clone()) });
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+    assert!(file.symlink_metadata().expect("the link").is_symlink());
+    assert_eq!(std::fs::read_to_string(&behind).expect("the file exists"), scenario_text(0.9));
+    assert_eq!(behind.metadata().expect("the file exists").permissions().mode() & 0o777, 0o640);
+}

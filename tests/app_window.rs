@@ -170,6 +170,11 @@ fn unusable_options_are_reported_before_the_window_opens() {
         (vec!["--size", "10x10"], "800x500"),
         (vec!["--theme", "red"], "light"),
         (vec!["--screenshot-after", "5"], "--screenshot"),
+        (vec!["--screenshot", "a.jpg"], "a.jpg: screenshots are PNG files; help: give a file name"),
+        (
+            vec!["--screenshot", "nowhere/a.png"],
+            "nowhere/a.png: can't be written: the folder nowhere does not",
+        ),
         (vec!["--train", "--screenshot", "a.png"], "cannot be used with"),
     ] {
         let output = wayfield(None, home.path(), &arguments);
@@ -177,15 +182,6 @@ fn unusable_options_are_reported_before_the_window_opens() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
         assert!(stderr.contains(expected), "{arguments:?}: {stderr}");
     }
-}
-
-#[test]
-fn a_screenshot_that_cannot_be_written_is_a_failure() {
-    let Some(display) = Display::new() else { return };
-    let home = tempfile::tempdir().expect("temporary folder");
-    let output = wayfield(Some(&display.name), home.path(), &["--screenshot", "nowhere/screenshot.png"]);
-    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("nowhere/screenshot.png"));
 }
 
 /// The named controls of a running app, which it writes to a file.
@@ -256,6 +252,26 @@ fn an_obstacle_dragged_in_the_editor_is_saved_to_its_file() {
     let _ = app.kill();
     let _ = app.wait();
     assert_eq!(written(), before.replace("(0.0, 0.6)", "(0.6, 0.6)"), "only one number has changed");
+}
+
+#[test]
+fn a_stored_size_that_no_screen_has_is_made_to_fit() {
+    let Some(display) = Display::new() else { return };
+    let home = tempfile::tempdir().expect("temporary folder");
+    let folder = home.path().join("wayfield");
+    std::fs::create_dir(&folder).expect("the folder can be made");
+    std::fs::write(folder.join("preferences.ron"), "(size: (5000.0, 4000.0))")
+        .expect("the file can be written");
+    let controls = Controls(home.path().join("controls"));
+    let mut app = command(Some(&display.name), home.path(), &["--theme", "light"])
+        .env("WAYFIELD_CONTROLS", &controls.0)
+        .spawn()
+        .expect("the binary starts");
+    // The button at the right end of the toolbar.
+    let fits = wait_until(60, || controls.rect("Help").is_some_and(|[x, _, width, _]| x + width <= 1280.0));
+    let _ = app.kill();
+    let _ = app.wait();
+    assert!(fits, "the window is as wide as the screen: {:?}", std::fs::read_to_string(&controls.0));
 }
 
 #[test]

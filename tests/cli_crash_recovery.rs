@@ -5,16 +5,19 @@
 mod cli_support;
 #[path = "support/requirements.rs"]
 mod requirements;
+#[path = "support/small_disk.rs"]
+mod small_disk;
 
 use std::collections::BTreeSet;
 use std::process::Command;
 use std::sync::Mutex;
 use std::time::Duration;
 
+use cli_support::event_files::{assert_curves_never_go_back, curves, event_files};
 use cli_support::{
-    CommandOutput, SCENARIO_1, Workspace, quick_fast, signal, wait_for_output, wait_until,
-    with_short_episodes,
+    SCENARIO_1, Workspace, quick_fast, signal, wait_for_output, wait_until, with_short_episodes,
 };
+use small_disk::{can_mount, with_small_disk};
 use wayfield::run::write_points::WRITE_POINTS;
 
 /// The arguments of a run of about half a second that writes checkpoints all the time.
@@ -218,6 +221,46 @@ fn a_damaged_checkpoint_is_replaced_by_the_previous_one() {
     }
 }
 
+/// TensorBoard shows the points of each curve in the order in which it reads them, and the files in the order of their names.
+#[test]
+fn tensorboards_curves_never_go_back_after_kills_and_resumes() {
+    let workspace = workspace();
+    let run = workspace.path("run");
+    let mut command = format!("{RUN} --checkpoint-every 0.2 --out run").replace("6400", "50000000");
+    for kill in 1..=3_u32 {
+        let checkpoint =
+            || std::fs::metadata(run.join("checkpoint/older.bin")).and_then(|file| file.modified()).ok();
+        let before = checkpoint();
+        let mut child = workspace.start(&command);
+        wait_until(&mut child, "three checkpoints of this process", || checkpoint() != before);
+        wait_until(&mut child, "points after a checkpoint", || {
+            let newest = event_files(&run).pop().and_then(|newest| newest.metadata().ok());
+            newest.is_some_and(|file| file.len() > 20_000)
+        });
+        signal(&child, "KILL");
+        wait_for_output(child);
+        // As if the clock had been a hundred years ahead, and was set back afterwards.
+        let newest = event_files(&run).pop().unwrap();
+        let renamed = run.join(format!("events.out.tfevents.{}.wayfield", 4_000_000_000 + 1000 * kill));
+        std::fs::rename(newest, renamed).unwrap();
+        command = "--train --resume run --checkpoint-every 0.2".into();
+    }
+    let mut child = workspace.start("--train --resume run");
+    wait_until(&mut child, "a fourth event file", || event_files(&run).len() == 4);
+    signal(&child, "INT");
+    wait_for_output(child);
+    assert_curves_never_go_back(&run);
+
+    // Every point is there once, and no point is missing.
+    let rows = workspace.rows("run/episodes.csv");
+    let expected: Vec<u64> = rows.iter().map(|row| row["env_steps"].parse().unwrap()).collect();
+    let steps = |tag: &str| -> Vec<u64> { curves(&run)[tag].iter().map(|point| point.0).collect() };
+    assert_eq!(steps("episode/return"), expected);
+    let rows = workspace.rows("run/evaluations.csv");
+    let expected: Vec<u64> = rows.iter().map(|row| row["env_steps"].parse().unwrap()).collect();
+    assert_eq!(steps("evaluation/success_rate"), expected);
+}
+
 #[test]
 fn two_processes_cannot_write_in_one_run_folder() {
     if !can_mount() {
@@ -245,32 +288,6 @@ fn two_processes_cannot_write_in_one_run_folder() {
     signal(&child, "TERM");
     assert_eq!(wait_for_output(child).status, Some(143));
     workspace.run_ok("--train --resume run --steps 3000001 --checkpoint-every 1000000 --json").json();
-}
-
-/// Whether this test may mount a file system, as root or in a user namespace. If not, the test is skipped.
-fn can_mount() -> bool {
-    let tried = Command::new("unshare").args(["--mount", "--map-root-user", "true"]).output();
-    let works = tried.is_ok_and(|output| output.status.success());
-    if !works {
-        requirements::report_skip(
-            "`unshare --mount` is not permitted; help: run as root, or allow user namespaces",
-        );
-    }
-    works
-}
-
-/// Runs `script` with a small temporary file system mounted at `small` in the workspace.
-fn with_small_disk(workspace: &Workspace, options: &str, script: &str) -> CommandOutput {
-    std::fs::create_dir_all(workspace.path("small")).unwrap();
-    let script = format!("mount -t tmpfs -o {options} tmpfs small && {script}");
-    let output = Command::new("unshare")
-        .args(["--mount", "--map-root-user", "sh", "-euc", &script])
-        .env("WAYFIELD", env!("CARGO_BIN_EXE_wayfield"))
-        .current_dir(workspace.path(""))
-        .output()
-        .expect("unshare (util-linux) starts");
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    CommandOutput { status: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
 #[test]

@@ -146,6 +146,31 @@ fn output_folders_that_cannot_be_written_are_rejected() {
     messages.check();
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn output_files_that_cannot_be_written_are_rejected() {
+    let workspace = workspace();
+    let mut messages = Messages::new("output_files");
+    std::fs::create_dir(workspace.path("folder.svg")).unwrap();
+    workspace.write("read-only.svg", "");
+    let mut permissions = std::fs::metadata(workspace.path("read-only.svg")).unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(workspace.path("read-only.svg"), permissions).unwrap();
+    for file in [
+        "map.gif",
+        "map",
+        "folder.svg",
+        "folder.svg/",
+        "absent/map.svg",
+        "quick.ron/map.svg",
+        "/proc/map.svg",
+        "read-only.svg",
+    ] {
+        messages.line(&workspace, &format!("--draw {file}"));
+    }
+    messages.check();
+}
+
 #[test]
 fn invalid_arguments_are_rejected() {
     let workspace = workspace();

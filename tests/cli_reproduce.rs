@@ -2,6 +2,12 @@
 //! results for any number of parallel runs and after interruptions.
 
 mod cli_support;
+#[cfg(target_os = "linux")]
+#[path = "support/requirements.rs"]
+mod requirements;
+#[cfg(target_os = "linux")]
+#[path = "support/small_disk.rs"]
+mod small_disk;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -65,6 +71,15 @@ fn workspace() -> Workspace {
     workspace.write("mine/own.ron", OWN);
     workspace.write("mine/per.ron", quick_per());
     workspace
+}
+
+/// All files of the report in `folder`, with their contents.
+fn whole_report(workspace: &Workspace, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut files = report(workspace, folder);
+    for page in ["README.md", "report.html"] {
+        files.insert(page.into(), workspace.read(&format!("{folder}/{page}")));
+    }
+    files
 }
 
 /// The figure and table files of the report in `folder`, with their contents.
@@ -207,6 +222,141 @@ fn stopped_work_continues_where_it_stopped() {
         report(&workspace, "stopped") == report(&workspace, "straight"),
         "the report is the same as without interruptions"
     );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_the_last_report_as_it_was() {
+    if !small_disk::can_mount() {
+        return;
+    }
+    let workspace = workspace();
+    let command = "--reproduce --experiment mine/own.ron --jobs 1 --seeds 1";
+    workspace.run_ok(&format!("{command} --out before"));
+    let reproduce = format!("$WAYFIELD {command} --only dots,times --out small/report 2>&1");
+    let done = small_disk::with_small_disk(
+        &workspace,
+        "size=64m",
+        &format!(
+            "cp -r before small/report; {}; s=0; {reproduce} || s=$?; echo $s; cp -r small/report after; \
+             rm small/fill; {reproduce}; cp -r small/report again",
+            small_disk::fill_disk(12),
+        ),
+    );
+    assert_eq!(done.status, Some(0), "{}{}", done.stdout, done.stderr);
+    assert!(
+        done.stdout.contains("can't be written: No space left on device (os error 28)\n1\n"),
+        "{}",
+        done.stdout
+    );
+    assert!(
+        whole_report(&workspace, "after") == whole_report(&workspace, "before"),
+        "the report has changed"
+    );
+    let names: Vec<String> =
+        report(&workspace, "again").keys().map(|path| path.display().to_string()).collect();
+    assert_eq!(names, ["figures/dots.png", "figures/dots.svg", "tables/times.csv", "tables/times.md"]);
+}
+
+/// The test aborts the process as often as it replaces a file.
+#[test]
+fn a_report_that_is_killed_while_it_is_written_consists_of_whole_files() {
+    let workspace = workspace();
+    let command = "--reproduce --experiment mine/own.ron --jobs 1 --seeds 1 --out report";
+    workspace.run_ok(command);
+    let first = report(&workspace, "report");
+    let other = format!("{command} --only dots,times");
+    workspace.run_ok(&other.replace("--out report", "--out other"));
+    let second = report(&workspace, "other");
+    let mut aborted = 0;
+    for point in ["file: contents written", "file: replaced"] {
+        for pass in 1.. {
+            let done = workspace.run_until(&other, &format!("{point}:{pass}"));
+            if done.status == Some(0) {
+                break;
+            }
+            assert_eq!(done.status, None, "{}", done.stderr);
+            aborted += 1;
+            for (path, bytes) in report(&workspace, "report") {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let is_whole = [&first, &second].iter().any(|report| report.get(&path) == Some(&bytes));
+                assert!(is_whole || name.starts_with('.'), "{point}:{pass}: {} is not whole", path.display());
+            }
+            assert!(workspace.text("report/report.html").trim_end().ends_with("</html>"), "{point}:{pass}");
+            workspace.run_ok(command);
+            assert!(
+                report(&workspace, "report") == first,
+                "{point}:{pass}: the report is not complete again"
+            );
+        }
+    }
+    assert!(aborted > 12, "only {aborted} aborts");
+}
+
+#[test]
+fn of_two_processes_started_at_once_one_is_refused() {
+    let workspace = workspace();
+    workspace.write("mine/own.ron", OWN.replace("Episodes(24)", "Episodes(5000)"));
+    let command = "--reproduce --experiment mine/own.ron --jobs 1 --out report";
+    let mut both = [workspace.start(command), workspace.start(command)];
+    let began = std::time::Instant::now();
+    let refused = loop {
+        assert!(began.elapsed().as_secs() < 60, "no process is refused");
+        if let Some(index) = both.iter_mut().position(|child| child.try_wait().unwrap().is_some()) {
+            break index;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    };
+    let [first, second] = both;
+    let (refused, mut other) = if refused == 0 { (first, second) } else { (second, first) };
+    let refused = wait_for_output(refused);
+    assert_eq!((refused.status, refused.stdout.as_str()), (Some(2), ""), "{}", refused.stderr);
+    assert!(
+        refused.stderr.starts_with("error: report: another wayfield process is writing in it; help: "),
+        "{}",
+        refused.stderr
+    );
+    wait_until(&mut other, "the other process works", || workspace.path("report/runs").exists());
+    signal(&other, "TERM");
+    let other = wait_for_output(other);
+    assert!(other.stderr.contains("the same command continues from there"), "{}", other.stderr);
+    assert!(workspace.json("report/spent.json")["wall_s"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn a_report_that_cannot_be_replaced_is_reported_before_the_runs() {
+    let workspace = workspace();
+    let command = "--reproduce --experiment mine/own.ron --jobs 1 --seeds 1 --only times --out report";
+    workspace.run_ok(command);
+    let more = command.replace("--seeds 1", "--seeds 2");
+    let runs = || fs::read_dir(workspace.path("report/runs")).unwrap().count();
+    let before = runs();
+    let rejected = |expected: &str| {
+        let done = workspace.run(&more);
+        assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+        assert!(done.stderr.starts_with(&format!("error: report/{expected}")), "{}", done.stderr);
+        assert_eq!(runs(), before, "a run was started");
+    };
+    for name in ["report.html", "README.md", "tables/times.csv"] {
+        let set_readonly = |readonly: bool| {
+            let mut permissions =
+                fs::metadata(workspace.path(&format!("report/{name}"))).unwrap().permissions();
+            permissions.set_readonly(readonly);
+            fs::set_permissions(workspace.path(&format!("report/{name}")), permissions).unwrap();
+        };
+        set_readonly(true);
+        rejected(&format!("{name}: can't be written: the file is read-only; help: "));
+        set_readonly(false);
+    }
+    fs::remove_file(workspace.path("report/report.html")).unwrap();
+    fs::create_dir(workspace.path("report/report.html")).unwrap();
+    rejected("report.html: can't be written: this is a folder");
+    fs::remove_dir(workspace.path("report/report.html")).unwrap();
+    fs::remove_dir_all(workspace.path("report/figures")).unwrap();
+    workspace.write("report/figures", "");
+    rejected("figures: is not a folder");
+    fs::remove_file(workspace.path("report/figures")).unwrap();
+    workspace.run_ok(&more);
 }
 
 #[test]

@@ -4,7 +4,11 @@ mod cli_support;
 
 use std::collections::BTreeMap;
 
-use cli_support::{SCENARIO_1, Workspace, quick_fast, with_short_episodes};
+use cli_support::event_files::curves;
+use cli_support::{
+    PER_D3QN, SCENARIO_1, Workspace, edited, quick_fast, signal, wait_for_output, wait_until,
+    with_short_episodes,
+};
 use serde_json::Value;
 use wayfield::run::folder::RunConfig;
 use wayfield::scenario::read_ron;
@@ -62,6 +66,37 @@ fn a_run_folder_has_all_files() {
     assert!(done.stderr.starts_with("run: Scenario I, preset quick, seed 8, 16 arenas\n"), "{}", done.stderr);
     assert!(done.stderr.ends_with("done: run\n"), "{}", done.stderr);
     assert!(!done.stderr.contains(['\u{1b}', '\r']), "plain lines, because stderr is not a terminal");
+}
+
+/// Who watches a run must not wait for the next checkpoint or for a full buffer, which holds at least forty rows.
+#[test]
+fn rows_are_in_the_files_while_the_run_goes_on() {
+    let workspace = workspace();
+    // Slow, with an evaluation every other second or so.
+    let slow = edited(
+        PER_D3QN,
+        &[
+            ("every_env_steps: 20000, episodes: 200", "every_env_steps: 200, episodes: 1"),
+            ("hidden: [64, 64]", "hidden: [256, 256]"),
+        ],
+    );
+    workspace.write("slow.ron", slow);
+    let mut child = workspace
+        .start("--train --scenario short.ron --preset slow.ron --checkpoint-every 1000000 --out run --steps 50000000");
+    for name in ["run/episodes.csv", "run/evaluations.csv"] {
+        let rows = || {
+            let text = std::fs::read_to_string(workspace.path(name)).unwrap_or_default();
+            text.matches('\n').count().saturating_sub(1)
+        };
+        wait_until(&mut child, "a row", || rows() > 0);
+        assert!(rows() < 30, "{name}: {} rows at once", rows());
+    }
+    wait_until(&mut child, "a point of both kinds", || {
+        let curves = curves(&workspace.path("run"));
+        ["episode/return", "evaluation/success_rate"].iter().all(|tag| curves.contains_key(*tag))
+    });
+    signal(&child, "KILL");
+    wait_for_output(child);
 }
 
 #[test]

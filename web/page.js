@@ -175,14 +175,28 @@ async function fetchWithProgress(url, total) {
     return new Response(counted, { headers: { 'Content-Type': 'application/wasm' } });
 }
 
+/// Makes the stage so small that the canvas in it has at most `maxSide` device pixels per side, and scales it up to the
+/// size of the page. A larger canvas cannot be drawn: it is one texture of the GPU.
+function fitStage(maxSide) {
+    const scale = Math.max(1, ...[innerWidth, innerHeight].map((side) => Math.ceil(side * devicePixelRatio) / maxSide));
+    const style = byId('stage').style;
+    style.width = style.height = `${100 / scale}%`;
+    style.transform = scale > 1 ? `scale(${scale})` : '';
+}
+
 async function start() {
     if (typeof WebAssembly !== 'object') {
         return stop('This browser does not support WebAssembly. Please use a recent version of any major browser.');
     }
-    if (!document.createElement('canvas').getContext('webgl2')) {
+    const gl = document.createElement('canvas').getContext('webgl2');
+    if (!gl) {
         return stop('This browser does not provide WebGL 2, which the app needs to draw. It may be disabled in the settings or'
             + ' blocked because of the graphics driver. Please try another browser.');
     }
+    const maxSide = gl.getParameter(gl.MAX_TEXTURE_SIZE);
+    gl.getExtension('WEBGL_lose_context')?.loseContext();
+    fitStage(maxSide);
+    addEventListener('resize', () => fitStage(maxSide));
     const encoded = new URLSearchParams(location.hash.slice(1)).get('scenario');
     if (encoded !== null) embeddedScenario = await decompress(encoded).catch(() => 'not a scenario: the address is damaged');
     try {

@@ -139,7 +139,7 @@ fn save_dialog(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
         SaveKind::Policy => ("Save the policy", "Policy", &["safetensors"]),
         SaveKind::Run => ("Save the run as a folder", "Folder", &[]),
         SaveKind::Csv => ("Save the episodes", "CSV table", &["csv"]),
-        SaveKind::Png => ("Save the curves", "Image", &["png"]),
+        SaveKind::Png => ("Save the curves", "Image", &["png", "svg"]),
         SaveKind::Scenario => ("Save the scenario", "Scenario", &["ron"]),
     };
     let mut dialog = AsyncFileDialog::new().set_title(title).set_file_name(name);

@@ -2,14 +2,16 @@
 //!
 //! In: a [`ScreenshotRequest`]. Out: a PNG file, after which the app exits.
 
-use std::path::PathBuf;
+use std::io::{Cursor, Write};
+use std::path::{Path, PathBuf};
 
+use bevy::image::ImageFormat;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::window::PrimaryWindow;
 
 use super::fallback_fonts::FallbackFonts;
 use super::session::{Journal, Pacer};
+use crate::run::folder::write_atomic;
 
 /// Frames until the layout has settled, and glyphs and colours have reached the GPU.
 const SETTLING_FRAMES: u32 = 8;
@@ -26,19 +28,18 @@ pub struct ScreenshotRequest {
     pub after_steps: u64,
 }
 
-/// Takes the screenshot after the requested number of steps, and exits when it is written.
+/// Takes the screenshot of the open window after the requested number of steps, and exits when it is written.
 pub(super) fn take_screenshot(
     mut commands: Commands,
     request: Res<ScreenshotRequest>,
     journal: Option<Res<Journal>>,
     pacer: Option<ResMut<Pacer>>,
     fonts: Res<FallbackFonts>,
-    windows: Query<Entity, With<PrimaryWindow>>,
     under_way: Query<(), With<Screenshot>>,
     mut frames: Local<u32>,
 ) {
     let (Some(journal), Some(mut pacer)) = (journal, pacer) else { return };
-    if !under_way.is_empty() || journal.steps < request.after_steps || windows.is_empty() {
+    if !under_way.is_empty() || journal.steps < request.after_steps {
         return;
     }
     pacer.hold();
@@ -59,7 +60,10 @@ pub(super) fn take_screenshot(
                     }
                     Err("the window stayed empty".to_owned())
                 }
-                Ok(image) => image.save(&file).map_err(|error| error.to_string()),
+                Ok(image) => write_encoded(&file, |bytes| {
+                    let format = ImageFormat::Png.as_image_crate_format().ok_or("there is no PNG encoder")?;
+                    image.write_to(bytes, format).map_err(|error| error.to_string())
+                }),
                 Err(error) => Err(error.to_string()),
             };
             exit.write(match written {
@@ -71,4 +75,14 @@ pub(super) fn take_screenshot(
             });
         },
     );
+}
+
+/// Writes what `encode` encodes to `file`.
+fn write_encoded(
+    file: &Path,
+    encode: impl FnOnce(&mut Cursor<Vec<u8>>) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut bytes = Cursor::new(Vec::new());
+    encode(&mut bytes)?;
+    write_atomic(file, |file| file.write_all(bytes.get_ref())).map_err(|error| error.to_string())
 }

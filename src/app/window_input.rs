@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
-use bevy::window::{FileDragAndDrop, PrimaryWindow, WindowTheme};
+use bevy::window::{FileDragAndDrop, Monitor, PrimaryWindow, WindowTheme};
 use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_egui::EguiInput;
 
@@ -44,6 +44,28 @@ pub(super) fn draw_less_when_idle(
     if settings.focused_mode != mode {
         settings.focused_mode = mode;
         settings.unfocused_mode = mode;
+    }
+}
+
+/// Shrinks a window that was stored larger than every monitor, once the monitors are known.
+pub(super) fn fit_to_monitor(
+    mut windows: Query<&mut Window, With<PrimaryWindow>>,
+    monitors: Query<&Monitor>,
+    mut is_done: Local<bool>,
+) {
+    if *is_done || monitors.is_empty() {
+        return;
+    }
+    *is_done = true;
+    let (width, height) = monitors.iter().fold((0, 0), |(width, height), monitor| {
+        (width.max(monitor.physical_width), height.max(monitor.physical_height))
+    });
+    for mut window in &mut windows {
+        let now = window.physical_size();
+        let fitting = UVec2::new(now.x.min(width), now.y.min(height));
+        if width > 0 && height > 0 && fitting != now {
+            window.resolution.set_physical_resolution(fitting.x, fitting.y);
+        }
     }
 }
 

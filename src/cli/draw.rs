@@ -4,14 +4,21 @@ use std::path::Path;
 
 use super::output::print_stdout;
 use super::shared::SharedArgs;
+use crate::run::image_file::ImageFormat;
+use crate::run::output_file::{check_writable, is_stream};
 use crate::run::{RunError, scenario_image, shipped};
 
-/// Draws the scenario into `file` and prints the path.
+/// Draws the scenario into `file` and prints the path, unless the figure itself goes to a device or a pipe.
 ///
 /// # Errors
 /// The scenario is invalid, or the file cannot be written.
 pub fn run(file: &Path, shared: &SharedArgs) -> Result<(), RunError> {
+    ImageFormat::of(file)?;
+    check_writable(file)?;
     let scenario = shipped::scenario(shared.scenario())?;
     scenario_image::draw(&scenario, file)?;
+    if is_stream(file) {
+        return Ok(());
+    }
     print_stdout(&format!("{}\n", file.display()))
 }

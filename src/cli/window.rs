@@ -12,6 +12,7 @@ use crate::app::{
     view_state::{Overlays, ThemeChoice},
     window::{self, WindowOptions},
 };
+use crate::run::output_file::check_writable;
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
 
@@ -86,6 +87,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
         extensions: shared.extensions,
         ..defaults
     };
+    args.screenshot.as_deref().map_or(Ok(()), check_screenshot_file)?;
     check_start_files(&start, args.screenshot.is_some())?;
     window::run(WindowOptions {
         start,
@@ -110,6 +112,15 @@ fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunEr
     }
     shipped::preset(&start.preset)?;
     Ok(())
+}
+
+/// Checks the file of the screenshot before the training that may take hours.
+fn check_screenshot_file(path: &Path) -> Result<(), RunError> {
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        let why = "screenshots are PNG files; help: give a file name that ends in .png";
+        return Err(RunError::invalid_input(path, why));
+    }
+    check_writable(path)
 }
 
 impl WindowArgs {

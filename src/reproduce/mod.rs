@@ -13,7 +13,7 @@
 //! | measure | `results.rs`, `records.rs`, `measured_value.rs`, `optimal_times.rs` | numbers from the run folders |
 //! | compare | `claim_result.rs` | whether a claim held |
 //! | present | `rows.rs`, `figures.rs`, `tables/`, `compose.rs`, `provenance.rs` | figures, tables and the page |
-//! | write | `report_folder.rs` | the files of the report |
+//! | write | `report_folder.rs`, `report_files.rs` | the folder and the files of the report |
 
 mod check;
 pub mod claim;
@@ -36,6 +36,7 @@ mod provenance;
 mod queue;
 mod quick;
 mod records;
+mod report_files;
 mod report_folder;
 mod results;
 mod rows;
@@ -53,7 +54,6 @@ use std::time::Instant;
 
 use crate::report::claim::ClaimResult;
 use crate::run::RunError;
-use crate::run::lock::Lock;
 use crate::run::progress::print_stderr;
 
 pub use experiment::Experiment;
@@ -87,21 +87,20 @@ pub fn reproduce(
     let folder = options.out.clone().unwrap_or_else(|| {
         Path::new("runs").join(if options.quick { "reproduce-quick" } else { "reproduce" })
     });
-    let before = report_folder::open(&folder)?;
-    let _lock = Lock::acquire(&folder, &folder.join("lock"))?;
-    let runs = folder.join("runs");
+    let report = report_folder::ReportFolder::open(&folder)?;
+    let runs = report.join("runs");
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = options.jobs.unwrap_or_else(cores);
 
     let done = execute::execute(&plan, &runs, jobs, stop);
-    let wall_s = report_folder::record_time(&folder, before, began)?;
+    let wall_s = report.record_time(began);
     done?;
 
     print_stderr("computing optimal times and drawing the report");
-    let optimal_times = optimal_times::OptimalTimesCache::new(folder.join("optimum"));
+    let optimal_times = optimal_times::OptimalTimesCache::new(report.join("optimum"));
     let results = results::Results::read(&plan, &selected, &runs, optimal_times)?;
-    let page = compose::page(&results, &selected, &plan, options, jobs, wall_s)?;
-    report_folder::write(&folder, &page)?;
-    let wall_s = report_folder::record_time(&folder, before, began)?;
+    let page = compose::page(&results, &selected, &plan, options, jobs, wall_s?)?;
+    report.write(&page)?;
+    let wall_s = report.record_time(began)?;
     Ok(Reproduction { folder, claims: page.claims, runs: plan.trainings.len(), wall_s })
 }

@@ -5,6 +5,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -15,6 +16,7 @@ use super::policy_test;
 use crate::planner::StepBounds;
 use crate::run::RunError;
 use crate::run::evaluate::{EpisodeResult, bounds};
+use crate::run::output_file::replace;
 use crate::scenario::{Scenario, to_ron};
 
 /// The optimal times in one scenario, in the order of the test's episodes.
@@ -70,10 +72,10 @@ impl OptimalTimesCache {
     }
 
     fn store(&self, path: &Path, times: &OptimalTimes) -> Result<(), RunError> {
-        let failed = |error: std::io::Error| RunError::failed(path, error);
         let text = serde_json::to_string(times).map_err(|error| RunError::Failed(error.to_string()))?;
-        std::fs::create_dir_all(&self.folder).map_err(failed)?;
-        std::fs::write(path, text).map_err(failed)
+        std::fs::create_dir_all(&self.folder)
+            .and_then(|()| replace(path, |file| file.write_all(text.as_bytes())))
+            .map_err(|error| RunError::failed(path, format!("can't be written: {error}")))
     }
 }
 

@@ -1,20 +1,30 @@
-//! The report's folder: opening it, the files of the report, and the time spent on it.
+//! The report's folder: opening it, what must be true before any work is done in it, and the time spent on it.
 
 use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::page::{Item, Page};
-use crate::report::raster;
+use super::report_files;
+use crate::report::page::Page;
 use crate::run::RunError;
-
-/// PNG pixels per SVG pixel.
-const PNG_SCALE: f32 = 2.0;
+use crate::run::lock::Lock;
+use crate::run::output_file::{check_entry, is_temporary, replace};
 
 /// The file with the wall time spent. It also marks the folder as a report folder.
 const SPENT: &str = "spent.json";
+/// The file that a process locks.
+const LOCK: &str = "lock";
+
+/// The folder of a report, locked by this process.
+pub struct ReportFolder {
+    path: PathBuf,
+    /// Wall time that earlier processes spent on the report, in s.
+    earlier_s: f64,
+    _lock: Lock,
+}
 
 /// The time spent on a report so far, as stored in `spent.json`.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -23,71 +33,67 @@ struct Spent {
     wall_s: f64,
 }
 
-/// Creates the folder, or continues one that an earlier reproduction created. Returns the wall time spent on it
-/// before, in s.
-pub fn open(folder: &Path) -> Result<f64, RunError> {
-    let file = folder.join(SPENT);
-    let foreign = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) && !file.exists();
-    if foreign {
+impl ReportFolder {
+    /// Creates the folder, or continues one that an earlier reproduction created. Checks that the report can be written to it.
+    ///
+    /// # Errors
+    /// Another process uses the folder, it holds something else, or it cannot be written.
+    pub fn open(path: &Path) -> Result<Self, RunError> {
+        check_own(path)?;
+        let unwritable = |error: io::Error| {
+            let why = format!("cannot be written ({error}); help: choose another folder with --out");
+            RunError::invalid_input(path, why)
+        };
+        fs::create_dir_all(path).map_err(unwritable)?;
+        let lock = Lock::acquire(path, &path.join(LOCK))?;
+        report_files::prepare(path)?;
+        fs::create_dir_all(path.join("runs")).map_err(unwritable)?;
+        let text = fs::read_to_string(path.join(SPENT)).unwrap_or_default();
+        let spent: Spent = serde_json::from_str(&text).unwrap_or_default();
+        let folder = Self { path: path.into(), earlier_s: spent.wall_s, _lock: lock };
+        folder.write_spent(spent).map_err(unwritable)?;
+        Ok(folder)
+    }
+
+    /// The path of `name` in this folder.
+    pub fn join(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Writes the wall time that all processes have spent, of which this one `began` then. Returns it, in s.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn record_time(&self, began: Instant) -> Result<f64, RunError> {
+        let wall_s = self.earlier_s + began.elapsed().as_secs_f64();
+        self.write_spent(Spent { wall_s }).map_err(|error| RunError::failed(&self.join(SPENT), error))?;
+        Ok(wall_s)
+    }
+
+    /// Writes the report.
+    ///
+    /// # Errors
+    /// A figure cannot be drawn, or a file cannot be written. An earlier report then is as it was.
+    pub fn write(&self, page: &Page) -> Result<(), RunError> {
+        report_files::write(&self.path, page)
+    }
+
+    fn write_spent(&self, spent: Spent) -> io::Result<()> {
+        let text = serde_json::to_string(&spent)?;
+        let path = self.join(SPENT);
+        check_entry(&path)?;
+        replace(&path, |file| file.write_all(text.as_bytes()))
+    }
+}
+
+/// Checks that `folder` is missing or empty, or holds a reproduction. (One that was killed before it wrote its first file has
+/// left a lock, perhaps with a temporary file.)
+fn check_own(folder: &Path) -> Result<(), RunError> {
+    let mut entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_foreign = entries.any(|entry| entry.file_name() != LOCK && !is_temporary(&entry));
+    if is_foreign && !folder.join(SPENT).exists() {
         let why = "is not empty and holds no reproduction; help: choose another folder with --out";
         return Err(RunError::invalid_input(folder, why));
     }
-    let unwritable = |error: std::io::Error| {
-        let why = format!("cannot be written ({error}); help: choose another folder with --out");
-        RunError::invalid_input(folder, why)
-    };
-    fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
-    let text = fs::read_to_string(&file).unwrap_or_default();
-    let spent: Spent = serde_json::from_str(&text).unwrap_or_default();
-    fs::write(&file, json(spent)?).map_err(unwritable)?;
-    Ok(spent.wall_s)
-}
-
-/// Writes the wall time spent: `before` this process, and since it `began`. Returns the sum, in s.
-pub fn record_time(folder: &Path, before_s: f64, began: Instant) -> Result<f64, RunError> {
-    let wall_s = before_s + began.elapsed().as_secs_f64();
-    write_file(&folder.join(SPENT), json(Spent { wall_s })?.as_bytes())?;
-    Ok(wall_s)
-}
-
-/// Writes the report: the page, and a file for each figure and table in each format.
-pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
-    let (figures, tables) = (folder.join("figures"), folder.join("tables"));
-    for sub in [&figures, &tables] {
-        // Figures and tables of an earlier report would be misleading.
-        let _ = fs::remove_dir_all(sub);
-        fs::create_dir_all(sub).map_err(|error| RunError::failed(sub, error))?;
-    }
-    for item in page.sections.iter().flat_map(|section| &section.items) {
-        write_item(item, &figures, &tables)?;
-    }
-    write_file(&folder.join("README.md"), page.to_markdown().as_bytes())?;
-    write_file(&folder.join("report.html"), page.to_html().as_bytes())
-}
-
-fn write_item(item: &Item, figures: &Path, tables: &Path) -> Result<(), RunError> {
-    let named = |folder: &Path, name: &str, extension: &str| -> PathBuf {
-        folder.join(format!("{name}.{extension}"))
-    };
-    match item {
-        Item::Figure { name, svg, .. } => {
-            let png = raster::png(svg, PNG_SCALE)
-                .map_err(|error| RunError::Failed(format!("figure {name}: {error}")))?;
-            write_file(&named(figures, name, "svg"), svg.as_bytes())?;
-            write_file(&named(figures, name, "png"), &png)
-        }
-        Item::Table { table, .. } => {
-            write_file(&named(tables, &table.name, "csv"), table.to_csv().as_bytes())?;
-            write_file(&named(tables, &table.name, "md"), table.to_markdown().as_bytes())
-        }
-        Item::Text(_) => Ok(()),
-    }
-}
-
-fn write_file(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
-    fs::write(path, bytes).map_err(|error| RunError::failed(path, error))
-}
-
-fn json(spent: Spent) -> Result<String, RunError> {
-    serde_json::to_string(&spent).map_err(|error| RunError::Failed(error.to_string()))
+    Ok(())
 }

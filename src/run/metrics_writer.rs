@@ -4,17 +4,24 @@
 
 use std::fs::File;
 use std::io::Write;
+use std::time::{Duration, Instant};
 
 use super::RunError;
-use super::checkpoint::BestPolicy;
+use super::checkpoint::{BestPolicy, TrainerState};
 use super::folder::RunFolder;
 use super::metric_rows::{EpisodeRow, EvaluationRow};
-use super::tensorboard::EventWriter;
+use super::tensorboard::{EventWriter, cut_back};
 use super::write_points::write_point;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
 
 const EPISODES: &str = "episodes.csv";
 const EVALUATIONS: &str = "evaluations.csv";
+
+/// The tags of an evaluation's scalars start with this.
+const EVALUATION_TAGS: &str = "evaluation/";
+
+/// The interval at which other programs see new rows.
+const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
 
 /// The open metrics files of a run.
 pub struct MetricsWriter {
@@ -24,27 +31,36 @@ pub struct MetricsWriter {
     events: EventWriter,
     /// The names of the columns for plugin reward terms.
     extra_columns: Vec<String>,
+    flushed: Instant,
 }
 
 impl MetricsWriter {
-    /// Opens the files, after truncating each CSV file to the length in the checkpoint (`*_bytes`, in bytes).
+    /// Opens the files, after cutting them back to the checkpoint: each CSV file to its length there, and the TensorBoard
+    /// events to the `env_steps` and the last evaluation there.
     ///
     /// # Errors
     /// A file cannot be opened, or is shorter than its length in the checkpoint.
     pub fn open(
         folder: &RunFolder,
-        episodes_bytes: u64,
-        evaluations_bytes: u64,
+        trainer_state: &TrainerState,
+        env_steps: u64,
         reward_terms: &[String],
     ) -> Result<Self, RunError> {
         let extra_columns: Vec<String> = reward_terms.iter().map(|name| column(name)).collect();
+        let is_kept = |tag: &str, step: u64| {
+            let latest =
+                if tag.starts_with(EVALUATION_TAGS) { trainer_state.evaluated_at } else { Some(env_steps) };
+            latest.is_some_and(|latest| step <= latest)
+        };
         Ok(Self {
-            episodes: folder.csv::<EpisodeRow>(EPISODES, episodes_bytes, &extra_columns)?,
-            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, evaluations_bytes, &[])?,
-            events: EventWriter::create(folder.path(), "")
-                .map_err(|error| RunError::invalid_input(folder.path(), error))?,
+            episodes: folder.csv::<EpisodeRow>(EPISODES, trainer_state.episodes_bytes, &extra_columns)?,
+            evaluations: folder.csv::<EvaluationRow>(EVALUATIONS, trainer_state.evaluations_bytes, &[])?,
+            events: cut_back(folder.path(), is_kept)
+                .and_then(|latest_s| EventWriter::create(folder.path(), latest_s))
+                .map_err(|error| RunError::InvalidInput(error.to_string()))?,
             folder: folder.clone(),
             extra_columns,
+            flushed: Instant::now(),
         })
     }
 
@@ -72,7 +88,7 @@ impl MetricsWriter {
         )
     }
 
-    /// Writes the row of an evaluation.
+    /// Writes the row of an evaluation. Other programs see it at once.
     ///
     /// # Errors
     /// The row cannot be written.
@@ -85,26 +101,46 @@ impl MetricsWriter {
                 ("evaluation/mean_time_s", row.mean_time_s),
                 ("evaluation/mean_cost_s", Some(row.mean_cost_s)),
             ],
-        )
+        )?;
+        self.flush()
     }
 
-    /// Flushes every row to disk. Returns the lengths of `episodes.csv` and `evaluations.csv`, in bytes.
+    /// Does what [`flush`](Self::flush) does, if it is due.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn flush(&mut self) -> Result<(u64, u64), RunError> {
-        self.events.flush().map_err(|error| self.failed("events", error))?;
-        let length = |writer: &mut csv::Writer<File>| {
-            writer.flush()?;
-            // The rows that a checkpoint refers to must survive a power cut.
+    pub fn flush_if_due(&mut self) -> Result<(), RunError> {
+        if self.flushed.elapsed() < FLUSH_INTERVAL { Ok(()) } else { self.flush() }
+    }
+
+    /// Writes all rows to the files, where other programs see them.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn flush(&mut self) -> Result<(), RunError> {
+        self.flushed = Instant::now();
+        self.episodes.flush().map_err(|error| self.failed(EPISODES, error))?;
+        self.evaluations.flush().map_err(|error| self.failed(EVALUATIONS, error))?;
+        self.events.flush().map_err(|error| self.failed("events", error))
+    }
+
+    /// Like [`flush`](Self::flush); the rows then survive a power cut, because a checkpoint will refer to them. Returns the
+    /// lengths of `episodes.csv` and `evaluations.csv`, in bytes.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn sync(&mut self) -> Result<(u64, u64), RunError> {
+        self.flush()?;
+        self.events.sync().map_err(|error| self.failed("events", error))?;
+        let length = |writer: &csv::Writer<File>| {
             writer.get_ref().sync_data()?;
             write_point("CSV: flushed");
             Ok(writer.get_ref().metadata()?.len())
         };
         let episodes =
-            length(&mut self.episodes).map_err(|error: std::io::Error| self.failed(EPISODES, error))?;
+            length(&self.episodes).map_err(|error: std::io::Error| self.failed(EPISODES, error))?;
         let evaluations =
-            length(&mut self.evaluations).map_err(|error: std::io::Error| self.failed(EVALUATIONS, error))?;
+            length(&self.evaluations).map_err(|error: std::io::Error| self.failed(EVALUATIONS, error))?;
         Ok((episodes, evaluations))
     }
 
@@ -128,7 +164,7 @@ impl MetricsWriter {
             })?;
         let tolerance = BestPolicy::COST_TOLERANCE;
         let svg = learning_curve_svg(title, &episodes, &evaluations, tolerance, compare_with_paper)
-            .map_err(|error| self.failed("learning-curve.svg", error))?;
+            .map_err(|error| RunError::failed(&self.folder.path().join("learning-curve.svg"), error))?;
         self.folder.write("learning-curve.svg", |file| file.write_all(svg.as_bytes()))
     }
 
@@ -152,7 +188,7 @@ impl MetricsWriter {
     }
 
     fn failed(&self, name: &str, error: impl std::fmt::Display) -> RunError {
-        RunError::failed(&self.folder.path().join(name), error)
+        RunError::failed(&self.folder.path().join(name), format!("can't be written: {error}"))
     }
 }
 

@@ -14,7 +14,9 @@
 //! | `metrics.rs` | metrics of episodes and evaluations, and the best policy |
 //! | `evaluate/` | success over rounds of episodes and on the benchmark route; comparison with optimal times |
 //! | `background_evaluator.rs` | evaluation during training |
-//! | `folder/` | run folders: configuration, CSV files, atomic writes |
+//! | `folder/` | run folders: configuration, CSV files |
+//! | `output_file/` | output files, written whole or not at all |
+//! | `image_file.rs` | the format of an image file |
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
 //! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
@@ -22,7 +24,7 @@
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
-//! | `tensorboard.rs`, `progress/` | TensorBoard events; progress on stderr |
+//! | `tensorboard/`, `progress/` | TensorBoard events; progress on stderr |
 //! | `signals.rs` | the signals that ask the program to stop |
 
 pub mod background_evaluator;
@@ -33,6 +35,8 @@ pub mod evaluate;
 pub mod fingerprint;
 pub mod folder;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod image_file;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
 pub mod memory;
 pub mod metric_rows;
@@ -40,6 +44,7 @@ pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod metrics_writer;
 pub mod notes;
+pub mod output_file;
 pub mod policy_card;
 pub mod preset;
 #[cfg(not(target_arch = "wasm32"))]

@@ -10,8 +10,9 @@ use bevy::math::{Vec2, vec2};
 
 use super::RunError;
 use super::folder::write_atomic;
+use super::image_file::ImageFormat;
+use crate::report::DrawError;
 use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, ScenarioMap};
-use crate::report::{DrawError, raster};
 use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
 
 /// The layout seed of the generated obstacles in thumbnails.
@@ -56,19 +57,10 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
 /// # Errors
 /// The extension is neither `svg` nor `png`, drawing fails, or the file cannot be written.
 pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
-    let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+    let format = ImageFormat::of(path)?;
     let failed = |error: DrawError| RunError::failed(path, error);
-    let svg = || map(scenario, LAYOUT_SEED, 0).thumbnail_svg().map_err(failed);
-    let bytes = match extension.as_ref().and_then(|extension| extension.to_str()) {
-        Some("svg") => svg()?.into_bytes(),
-        Some("png") => raster::png(&svg()?, 1.0).map_err(failed)?,
-        _ => {
-            return Err(RunError::invalid_input(
-                path,
-                "unknown image format; help: give a file name that ends in .svg or .png",
-            ));
-        }
-    };
+    let svg = map(scenario, LAYOUT_SEED, 0).thumbnail_svg().map_err(failed)?;
+    let bytes = format.encode(svg, 1.0).map_err(failed)?;
     write_atomic(path, |file| file.write_all(&bytes))
         .map_err(|error| RunError::failed(path, format!("can't be written: {error}")))
 }

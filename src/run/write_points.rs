@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The names of all write points.
-pub const WRITE_POINTS: [&str; 9] = [
+pub const WRITE_POINTS: [&str; 10] = [
     "run folder: created",
     "file: temporary created",
     "file: contents written",
@@ -17,6 +17,7 @@ pub const WRITE_POINTS: [&str; 9] = [
     "checkpoint: renamed",
     "CSV: truncated",
     "CSV: flushed",
+    "events: cut back",
     "events: created",
 ];
 

@@ -5,6 +5,7 @@
 // Each test binary compiles its own copy and uses only a part.
 #![allow(dead_code)]
 
+pub mod event_files;
 pub mod messages;
 
 use std::collections::BTreeMap;
@@ -74,6 +75,19 @@ impl Workspace {
         CommandOutput::new(output.unwrap())
     }
 
+    /// Runs `command` in the workspace, with the path of the binary in `WAYFIELD`, and waits until it exits.
+    pub fn finish(&self, mut command: Command) -> CommandOutput {
+        command.env("WAYFIELD", env!("CARGO_BIN_EXE_wayfield")).current_dir(self.folder.path());
+        CommandOutput::new(command.stdin(Stdio::null()).output().unwrap())
+    }
+
+    /// Runs a shell script in the workspace, with the path of the binary in `WAYFIELD`.
+    pub fn shell(&self, script: &str) -> CommandOutput {
+        let mut command = Command::new("sh");
+        command.args(["-euc", script]);
+        self.finish(command)
+    }
+
     /// Runs the binary, which must succeed.
     pub fn run_ok(&self, arguments: &str) -> CommandOutput {
         let done = self.run(arguments);
@@ -134,6 +148,7 @@ impl Workspace {
             episodes: self.lines_without_wall_time(&format!("{run}/episodes.csv")),
             evaluations: self.lines_without_wall_time(&format!("{run}/evaluations.csv")),
             config: self.text(&format!("{run}/config.ron")),
+            curves: event_files::curves(&self.path(run)),
             summary,
         }
     }
@@ -150,6 +165,14 @@ impl Workspace {
             }
             assert_eq!(a.len(), b.len(), "{name} of {one} and {other} differ in length");
         }
+        for (tag, points) in &a.curves {
+            assert_eq!(
+                Some(points),
+                b.curves.get(tag),
+                "TensorBoard's curves {tag} of {one} and {other} differ"
+            );
+        }
+        assert_eq!(a.curves.len(), b.curves.len(), "{other} has more curves than {one}");
         assert_eq!(a.config, b.config, "config.ron of {one} and {other} differ");
         assert_eq!(a.summary, b.summary, "summary.json of {one} and {other} differ");
         assert!(a.last == b.last, "policy-last.safetensors of {one} and {other} differ");
@@ -165,6 +188,7 @@ pub struct RunContents {
     pub episodes: Vec<String>,
     pub evaluations: Vec<String>,
     pub config: String,
+    pub curves: event_files::Curves,
     pub summary: Value,
 }
 

@@ -55,6 +55,39 @@ test('the page works under any path, contacts no other host, and the robot learn
     await page.context().close();
 });
 
+test('the page draws on a screen with more pixels than the largest texture of the GPU', async () => {
+    const options = { viewport: { width: 1500, height: 300 }, deviceScaleFactor: 6 };
+    const page = await open(browser, host.address, { options });
+    await until(page, (now) => now.frames > 20, 120);
+    const { width, drawn, shown } = await page.evaluate(() => {
+        const canvas = document.querySelector('canvas');
+        const gl = document.createElement('canvas').getContext('webgl2');
+        return { width: canvas.width, drawn: gl.getParameter(gl.MAX_TEXTURE_SIZE), shown: canvas.getBoundingClientRect().width };
+    });
+    assert.ok(width <= drawn && width > 0.98 * drawn, `${width} pixels, at most ${drawn}`);
+    assert.ok(Math.abs(shown - 1500) < 2, `${shown} of 1500 points`);
+    assertNoErrors(page);
+    await page.context().close();
+});
+
+test('a clock that the browser rounds to 100 ms costs no frames', async () => {
+    const round = () => {
+        const now = performance.now.bind(performance);
+        performance.now = () => Math.floor(now() / 100) * 100;
+    };
+    const framesIn = async (prepare) => {
+        const page = await open(browser, `${host.address}?pace=full`, { prepare });
+        const { frames } = await until(page, (now) => now.env_steps > 20_000, 120);
+        await page.waitForTimeout(10_000);
+        const later = await status(page);
+        await page.context().close();
+        return later.frames - frames;
+    };
+    const fine = await framesIn(async () => {});
+    const coarse = await framesIn((page) => page.addInitScript(round));
+    assert.ok(coarse >= fine * 2 / 3, `${coarse} frames in 10 s, ${fine} with a fine clock`);
+});
+
 test('the page runs no injected script and can contact no other host', async () => {
     const page = await open(browser, host.address);
     const tried = await page.evaluate(async () => {

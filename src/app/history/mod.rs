@@ -19,11 +19,12 @@ pub use self::annotations::Annotation;
 pub use self::curves::LearningCurves;
 pub use self::series::{DownsampledSeries, MAX_POINTS, MOVING_AVERAGE_EPISODES, MovingAverage};
 use self::spool::Spool;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::report::raster::png;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
+use crate::run::RunError;
 use crate::run::checkpoint::BestPolicy;
 use crate::run::folder::write_atomic;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::run::image_file::ImageFormat;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 
 /// The maximum number of episodes drawn in the PNG. If there are more, every n-th is drawn.
@@ -170,19 +171,22 @@ impl History {
         write_atomic(to, |file| self.rows.write_csv_to(file))
     }
 
-    /// Writes the learning curve with `title` as a PNG 1280 pixels wide, or in a browser as an SVG. `compare_with_paper`
-    /// adds the paper's success rate in Scenario I.
+    /// Writes the learning curve with `title` as an SVG file or a PNG file 1280 pixels wide, by the file's extension. In a
+    /// browser it is always SVG. `compare_with_paper` adds the paper's success rate in Scenario I.
     ///
     /// # Errors
     /// The figure cannot be drawn, or `to` cannot be written.
-    pub fn write_png(&mut self, title: &str, compare_with_paper: bool, to: &Path) -> Result<(), String> {
+    pub fn write_figure(&mut self, title: &str, compare_with_paper: bool, to: &Path) -> Result<(), RunError> {
+        #[cfg(not(target_arch = "wasm32"))]
+        let format = ImageFormat::of(to)?;
         let (episodes, evaluations) = self.learning_curve_points();
         let tolerance = BestPolicy::COST_TOLERANCE;
         let svg = learning_curve_svg(title, &episodes, &evaluations, tolerance, compare_with_paper);
         #[cfg(not(target_arch = "wasm32"))]
-        let bytes = svg.and_then(|svg| png(&svg, 2.0)).map_err(|error| error.to_string())?;
+        let bytes = svg.and_then(|svg| format.encode(svg, 2.0));
         #[cfg(target_arch = "wasm32")]
-        let bytes = svg.map_err(|error| error.to_string())?.into_bytes();
-        write_atomic(to, |file| file.write_all(&bytes)).map_err(|error| error.to_string())
+        let bytes = svg.map(String::into_bytes);
+        let bytes = bytes.map_err(|error| RunError::failed(to, error))?;
+        write_atomic(to, |file| file.write_all(&bytes)).map_err(|error| RunError::failed(to, error))
     }
 }

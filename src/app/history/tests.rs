@@ -166,11 +166,11 @@ fn the_csv_equals_that_of_a_headless_run() {
 }
 
 #[test]
-fn the_png_is_drawn_with_and_without_rows() {
+fn the_figure_is_drawn_with_and_without_rows() {
     let folder = tempfile::tempdir().expect("creates a folder");
     let path = folder.path().join("curve.png");
     let mut history = History::new();
-    history.write_png("Nothing yet", true, &path).expect("draws the PNG");
+    history.write_figure("Nothing yet", true, &path).expect("draws the PNG");
     for episode in 1..=3000 {
         history.push_episode(&row(episode, 1));
     }
@@ -178,10 +178,13 @@ fn the_png_is_drawn_with_and_without_rows() {
     let (episodes, evaluations) = history.learning_curve_points();
     assert_eq!((episodes.len(), evaluations.len()), (3000, 1));
     assert_eq!(episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 });
-    history.write_png("A run", true, &path).expect("draws the PNG");
+    history.write_figure("A run", true, &path).expect("draws the PNG");
     assert!(std::fs::read(&path).expect("reads the file").starts_with(b"\x89PNG"));
+    let error =
+        history.write_figure("A run", true, &folder.path().join("curve.jpg")).expect_err("not a format");
+    assert!(error.to_string().ends_with("give a file name that ends in .svg or .png"), "{error}");
     let nowhere = folder.path().join("no/such/folder.png");
-    assert!(history.write_png("A run", true, &nowhere).is_err());
+    assert!(history.write_figure("A run", true, &nowhere).is_err());
     assert_eq!(
         history.write_csv(&nowhere).expect_err("the folder does not exist").kind(),
         ErrorKind::NotFound

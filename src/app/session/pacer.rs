@@ -20,9 +20,15 @@ const MAX_STEP_BUDGET: Duration = Duration::from_millis(36);
 /// Drawing that takes longer than this raises the budget.
 const SLOW_DRAWING: Duration = Duration::from_millis(33);
 
+/// A clock whose smallest step is longer cannot time a frame: a browser that hides fingerprints rounds to 100 ms. Steps are
+/// then counted, and timed over many frames.
+const COARSE_TICK: Duration = Duration::from_millis(4);
+
+/// How much of the earlier sums of [`StepCost`] remains after a frame.
+const COST_DECAY: f64 = 0.99;
+
 /// Maximum time between two frames, in s, that the simulation catches up with. After a longer one, the window was hidden, or
-/// the system hung. (A software
-/// GPU may need 0.2 s per frame.)
+/// the system hung. (A software GPU may need 0.2 s per frame.)
 const MAX_FRAME_S: f64 = 0.25;
 
 /// The state of simulated time.
@@ -36,6 +42,26 @@ enum TimeState {
     SingleStep,
     /// Time appears to run, but no step is taken, because a screenshot is taken.
     OnHold,
+}
+
+/// The time that steps take, as sums over frames that fade.
+#[derive(Clone, Copy, Debug, Default)]
+struct StepCost {
+    seconds: f64,
+    steps: f64,
+}
+
+impl StepCost {
+    fn add(&mut self, spent: Duration, steps: u32) {
+        self.seconds = self.seconds * COST_DECAY + spent.as_secs_f64();
+        self.steps = self.steps * COST_DECAY + f64::from(steps);
+    }
+
+    /// How many steps fit into `budget`, at least 1; `None` if no step has been timed yet.
+    fn steps_within(self, budget: Duration) -> Option<u32> {
+        let steps = budget.as_secs_f64() * self.steps / self.seconds;
+        steps.is_finite().then_some(steps.max(1.0) as u32)
+    }
 }
 
 /// Decides when to take control steps.
@@ -52,6 +78,11 @@ pub struct Pacer {
     budget: Duration,
     /// Time spent on steps in the last frame, or so far in this one.
     spent: Duration,
+    /// Steps in this frame.
+    steps: u32,
+    cost: StepCost,
+    /// The smallest step of the clock that was seen so far.
+    tick: Duration,
 }
 
 impl Pacer {
@@ -65,6 +96,9 @@ impl Pacer {
             period_s: 0.2,
             budget: STEP_BUDGET,
             spent: Duration::ZERO,
+            steps: 0,
+            cost: StepCost::default(),
+            tick: Duration::MAX,
         }
     }
 
@@ -98,9 +132,11 @@ impl Pacer {
     /// Begins a frame `real_s` seconds after the last one; a control step lasts `period_s`.
     pub fn begin_frame(&mut self, real_s: f64, period_s: f64) {
         self.period_s = period_s;
+        self.cost.add(self.spent, self.steps);
         let drawing = Duration::from_secs_f64(real_s.clamp(0.0, 1.0)).saturating_sub(self.spent);
-        self.budget = if drawing > SLOW_DRAWING { drawing.min(MAX_STEP_BUDGET) } else { STEP_BUDGET };
-        self.spent = Duration::ZERO;
+        let is_slow = drawing > SLOW_DRAWING && !self.is_clock_coarse();
+        self.budget = if is_slow { drawing.min(MAX_STEP_BUDGET) } else { STEP_BUDGET };
+        (self.spent, self.steps) = (Duration::ZERO, 0);
         if let (false, Pace::Times(times)) = (self.is_paused(), self.pace) {
             self.pending_s += real_s.clamp(0.0, MAX_FRAME_S) * f64::from(times.max(0.0));
         }
@@ -108,8 +144,8 @@ impl Pacer {
 
     /// Whether to take another step in this frame, after `spent` on steps.
     pub fn should_step(&mut self, spent: Duration) -> bool {
-        self.spent = spent;
-        match self.time {
+        self.note_spent(spent);
+        let should_step = match self.time {
             TimeState::SingleStep => {
                 self.time = TimeState::Paused;
                 self.pending_s = self.period_s;
@@ -117,6 +153,26 @@ impl Pacer {
             }
             TimeState::Paused | TimeState::OnHold => false,
             TimeState::Running => self.should_step_at_pace(),
+        };
+        self.steps += u32::from(should_step);
+        should_step
+    }
+
+    fn note_spent(&mut self, spent: Duration) {
+        if spent > self.spent {
+            self.tick = self.tick.min(spent - self.spent);
+        }
+        self.spent = spent;
+    }
+
+    fn is_clock_coarse(&self) -> bool {
+        self.tick > COARSE_TICK && self.tick < Duration::MAX
+    }
+
+    fn is_budget_spent(&self) -> bool {
+        match self.cost.steps_within(self.budget) {
+            Some(steps) if self.is_clock_coarse() => self.steps >= steps || self.spent > self.tick,
+            _ => self.spent >= self.budget,
         }
     }
 
@@ -124,10 +180,10 @@ impl Pacer {
         match self.pace {
             Pace::Full => {
                 self.pending_s = self.period_s;
-                self.spent < self.budget
+                !self.is_budget_spent()
             }
             Pace::Times(_) if self.pending_s < self.period_s => false,
-            Pace::Times(_) if self.spent >= self.budget => {
+            Pace::Times(_) if self.is_budget_spent() => {
                 // This machine is too slow for the pace: the remaining steps are dropped.
                 self.pending_s = self.pending_s.min(self.period_s);
                 false
@@ -141,8 +197,8 @@ impl Pacer {
 
     /// Whether a frame that has worked for `spent` already has time left for work other than steps.
     pub fn has_budget(&mut self, spent: Duration) -> bool {
-        self.spent = spent;
-        spent < self.budget
+        self.note_spent(spent);
+        !self.is_budget_spent()
     }
 
     /// Time that the steps of the last frame took.
@@ -197,6 +253,35 @@ mod tests {
         let mut full = Pacer::new(Pace::Full, false);
         full.begin_frame(0.016, 0.2);
         assert!(full.should_step(Duration::ZERO) && !full.should_step(STEP_BUDGET));
+    }
+
+    /// Frames and steps in 20 s at full pace, of steps of 0.7 ms and drawing of 5 ms, by a clock that rounds down to `tick`.
+    fn at_full_pace(tick: Duration) -> (usize, usize) {
+        let (mut pacer, mut now, mut last_frame) =
+            (Pacer::new(Pace::Full, false), Duration::ZERO, Duration::ZERO);
+        let rounded = |now: Duration| tick * (now.as_micros() / tick.as_micros()) as u32;
+        let (mut frames, mut steps) = (0, 0);
+        while now < Duration::from_secs(20) {
+            let began = rounded(now);
+            pacer.begin_frame((began - last_frame).as_secs_f64(), 0.2);
+            last_frame = began;
+            while pacer.should_step(rounded(now) - began) {
+                now += Duration::from_micros(700);
+                steps += 1;
+            }
+            now += Duration::from_millis(5);
+            frames += 1;
+        }
+        (frames, steps)
+    }
+
+    #[test]
+    fn a_clock_that_rounds_to_100_ms_gives_as_many_frames_and_steps_as_a_fine_one() {
+        let (fine, coarse) =
+            (at_full_pace(Duration::from_micros(5)), at_full_pace(Duration::from_millis(100)));
+        let ratio = |coarse: usize, fine: usize| coarse as f64 / fine as f64;
+        assert!(ratio(coarse.0, fine.0) > 0.9, "frames: {coarse:?}, with a fine clock {fine:?}");
+        assert!(ratio(coarse.1, fine.1) > 0.8, "steps: {coarse:?}, with a fine clock {fine:?}");
     }
 
     #[test]

@@ -62,7 +62,7 @@ pub(super) fn save(world: &mut World, what: SaveKind, path: &Path) -> Result<(),
             let (title, in_paper_scenario) =
                 (config.description(), shipped::is_paper_scenario_1(&config.scenario));
             let curves = &mut world.resource_mut::<TrainingHistory>().0;
-            curves.write_png(&title, in_paper_scenario, path).map_err(failed)
+            curves.write_figure(&title, in_paper_scenario, path)
         }
         SaveKind::Run => save_run(world, path),
     }

@@ -11,7 +11,6 @@
 //! | `checkpoint/` | the last three checkpoints ([`checkpoint`](super::checkpoint)) and a lock |
 //! | `summary.json`, `learning-curve.svg` | the summary, and the learning curves |
 
-mod atomic;
 mod config;
 mod csv_file;
 
@@ -24,13 +23,14 @@ use std::sync::Arc;
 use super::RunError;
 #[cfg(not(target_arch = "wasm32"))]
 use super::lock::Lock;
+#[cfg(not(target_arch = "wasm32"))]
+use super::output_file::{check_entry, remove_temporary_files};
+use super::output_file::{is_temporary, replace};
 use super::write_points::write_point;
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
 
-use atomic::is_temporary;
-
-pub use atomic::{Sink, write_atomic};
+pub use super::output_file::{Sink, write_atomic};
 pub use config::{RunConfig, Transfer};
 pub use csv_file::header;
 
@@ -38,7 +38,19 @@ pub use csv_file::header;
 pub const INITIAL_POLICY_FILE: &str = "policy-init.safetensors";
 
 /// The extensions of the files that runs read or write.
-const EXTENSIONS: [&str; 5] = ["ron", "csv", "json", "safetensors", "bin"];
+const EXTENSIONS: [&str; 6] = ["ron", "csv", "json", "safetensors", "bin", "svg"];
+
+/// The files that a resumed run replaces or continues.
+#[cfg(not(target_arch = "wasm32"))]
+const REPLACED: [&str; 7] = [
+    "config.ron",
+    "episodes.csv",
+    "evaluations.csv",
+    "policy.safetensors",
+    "policy-last.safetensors",
+    "summary.json",
+    "learning-curve.svg",
+];
 
 /// A run folder on disk.
 #[derive(Clone, Debug)]
@@ -115,17 +127,17 @@ impl RunFolder {
     /// This folder, locked for writing. Temporary files that a killed process left are deleted.
     ///
     /// # Errors
-    /// Another process has the lock, or the folder cannot be written.
+    /// Another process has the lock, or the folder or one of the run's files cannot be written.
     pub fn locked(self) -> Result<Self, RunError> {
         #[cfg(not(target_arch = "wasm32"))]
         {
             let lock = Arc::new(Lock::acquire(&self.path, &self.path.join("checkpoint/lock"))?);
-            for folder in [self.path.clone(), self.path.join("checkpoint")] {
-                for entry in fs::read_dir(folder).into_iter().flatten().flatten().filter(is_temporary) {
-                    // A file that cannot be deleted does no harm.
-                    let _ = fs::remove_file(entry.path());
-                }
+            for path in REPLACED.iter().map(|name| self.path.join(name)) {
+                check_entry(&path)
+                    .map_err(|error| RunError::invalid_input(&path, format!("can't be written: {error}")))?;
             }
+            remove_temporary_files(&self.path);
+            remove_temporary_files(&self.path.join("checkpoint"));
             Ok(Self { _lock: Some(lock), ..self })
         }
         #[cfg(target_arch = "wasm32")]
@@ -166,17 +178,20 @@ impl RunFolder {
     /// # Errors
     /// The first file that is a link or a pipe.
     fn check_files_are_regular(&self) -> Result<(), RunError> {
-        for folder in [self.path.clone(), self.path.join("checkpoint")] {
-            for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
-                // `file_type` does not follow links.
-                let is_regular = entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_dir());
-                if is_run_file(&entry) && !is_regular {
-                    let why = "is a link or a pipe; help: put the file itself into the run folder";
-                    return Err(RunError::invalid_input(&entry.path(), why));
-                }
+        for entry in self.entries().filter(is_run_file) {
+            // `file_type` does not follow links.
+            if !entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_dir()) {
+                let why = "is a link or a pipe; help: put the file itself into the run folder";
+                return Err(RunError::invalid_input(&entry.path(), why));
             }
         }
         Ok(())
+    }
+
+    /// The entries of this folder and of its folder `checkpoint`.
+    fn entries(&self) -> impl Iterator<Item = fs::DirEntry> {
+        let folders = [self.path.clone(), self.path.join("checkpoint")];
+        folders.into_iter().flat_map(|folder| fs::read_dir(folder).into_iter().flatten().flatten())
     }
 
     /// Writes `config.ron`, replacing the old one.
@@ -188,14 +203,13 @@ impl RunFolder {
         self.write("config.ron", |file| file.write_all(text.as_bytes()))
     }
 
-    /// Writes the file `name` with `write`, as [`write_atomic`] does.
+    /// Writes the file `name` atomically with `write`.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, name: &str, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> Result<(), RunError> {
         let path = self.path.join(name);
-        write_atomic(&path, write)
-            .map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
+        replace(&path, write).map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
     }
 
     /// The name of the file with the policy after `episodes` episodes.

@@ -154,6 +154,7 @@ impl Run {
                 self.save()?;
             }
             self.show_progress();
+            self.metrics_writer.flush_if_due()?;
         }
         Ok(())
     }
@@ -201,6 +202,8 @@ impl Run {
     }
 
     fn await_evaluations(&mut self) -> Result<(), RunError> {
+        // The rows so far must be visible during the wait.
+        self.metrics_writer.flush()?;
         while let Some(eval_result) = self.evaluator.poll(true)? {
             self.record_evaluation(eval_result)?;
         }
@@ -233,7 +236,7 @@ impl Run {
     fn save(&mut self) -> Result<(), RunError> {
         self.await_evaluations()?;
         (self.trainer_state.episodes_bytes, self.trainer_state.evaluations_bytes) =
-            self.metrics_writer.flush()?;
+            self.metrics_writer.sync()?;
         self.trainer_state.wall_s = self.wall_s();
         checkpoint::save(&self.folder, self.simulation.world_mut(), &mut self.trainer_state)?;
         self.saved = Instant::now();
@@ -251,7 +254,7 @@ impl Run {
             self.submit()?;
             self.await_evaluations()?;
         }
-        self.metrics_writer.flush()?;
+        self.metrics_writer.sync()?;
         self.write_policy("policy-last.safetensors", &metrics::policy_bytes(&self.policy())?)?;
 
         let best = self.trainer_state.best.as_ref();

@@ -114,6 +114,7 @@ impl Run {
     ) -> Result<Self, RunError> {
         let scenario = Arc::new(config.scenario.clone());
         let preset = &config.preset;
+        let env_steps = learner.env_steps();
         let budget = match preset.budget {
             Budget::Episodes(n) => ProgressTotal::Episodes(n),
             Budget::EnvSteps(n) => ProgressTotal::EnvSteps(n),
@@ -126,12 +127,7 @@ impl Run {
                 metrics::evaluation_seed(config.seed),
                 &config.extensions,
             ),
-            metrics_writer: MetricsWriter::open(
-                &folder,
-                trainer_state.episodes_bytes,
-                trainer_state.evaluations_bytes,
-                &config.reward_terms,
-            )?,
+            metrics_writer: MetricsWriter::open(&folder, &trainer_state, env_steps, &config.reward_terms)?,
             progress: listener
                 .map_or_else(|| ProgressReporter::new(budget, false), ProgressReporter::with_listener),
             earlier_s: trainer_state.wall_s,

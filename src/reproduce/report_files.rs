@@ -1,0 +1,109 @@
+//! The files of a report: a page in two formats, and each figure and table in two formats.
+//!
+//! An earlier report is replaced only when all files of the new one are complete.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use crate::report::page::{Item, Page};
+use crate::report::raster;
+use crate::run::RunError;
+use crate::run::output_file::{StagedFile, check_entry, remove_temporary_files};
+
+/// PNG pixels per SVG pixel.
+const PNG_SCALE: f32 = 2.0;
+
+/// The files of the page.
+const PAGES: [&str; 2] = ["README.md", "report.html"];
+/// The folder of the figures, and that of the tables.
+const FIGURES: &str = "figures";
+const TABLES: &str = "tables";
+/// The extensions of figures and tables.
+const EXTENSIONS: [&str; 4] = ["svg", "png", "csv", "md"];
+
+/// Checks that [`write`] can replace the report in `folder`, and deletes the temporary files of a killed process.
+///
+/// # Errors
+/// A file of the report is read-only, or something else has its name.
+pub fn prepare(folder: &Path) -> Result<(), RunError> {
+    remove_temporary_files(folder);
+    for sub in [folder.join(FIGURES), folder.join(TABLES)] {
+        remove_temporary_files(&sub);
+        // A link is refused, because outdated files in this folder will be deleted.
+        if fs::symlink_metadata(&sub).is_ok_and(|found| !found.is_dir()) {
+            let why =
+                "is not a folder, but part of the report; help: move it, or choose another folder with --out";
+            return Err(RunError::invalid_input(&sub, why));
+        }
+    }
+    for path in PAGES.iter().map(|name| folder.join(name)).chain(figures_and_tables(folder)) {
+        check_entry(&path)
+            .map_err(|error| RunError::invalid_input(&path, format!("can't be written: {error}")))?;
+    }
+    Ok(())
+}
+
+/// Writes the report `page` to `folder`, and deletes the figures and tables of an earlier report that are not part of it.
+///
+/// # Errors
+/// A figure cannot be drawn, or a file cannot be written. An earlier report then is as it was.
+pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
+    for sub in [folder.join(FIGURES), folder.join(TABLES)] {
+        fs::create_dir_all(&sub).map_err(|error| unwritten(&sub, &error))?;
+    }
+    let mut files = Vec::new();
+    for item in page.sections.iter().flat_map(|section| &section.items) {
+        stage_item(folder, item, &mut files)?;
+    }
+    let [markdown, html] = PAGES.map(|name| folder.join(name));
+    stage(markdown, page.to_markdown().as_bytes(), &mut files)?;
+    stage(html, page.to_html().as_bytes(), &mut files)?;
+    let mut written = Vec::new();
+    for (path, file) in files {
+        file.persist().map_err(|error| unwritten(&path, &error))?;
+        written.push(path);
+    }
+    for outdated in figures_and_tables(folder).filter(|path| !written.contains(path)) {
+        // A file that cannot be deleted is not part of the page.
+        let _ = fs::remove_file(outdated);
+    }
+    Ok(())
+}
+
+fn stage_item(folder: &Path, item: &Item, files: &mut Vec<(PathBuf, StagedFile)>) -> Result<(), RunError> {
+    let path = |sub: &str, name: &str, extension: &str| folder.join(sub).join(format!("{name}.{extension}"));
+    match item {
+        Item::Figure { name, svg, .. } => {
+            let png = raster::png(svg, PNG_SCALE)
+                .map_err(|error| RunError::Failed(format!("figure {name}: {error}")))?;
+            stage(path(FIGURES, name, "svg"), svg.as_bytes(), files)?;
+            stage(path(FIGURES, name, "png"), &png, files)
+        }
+        Item::Table { table, .. } => {
+            stage(path(TABLES, &table.name, "csv"), table.to_csv().as_bytes(), files)?;
+            stage(path(TABLES, &table.name, "md"), table.to_markdown().as_bytes(), files)
+        }
+        Item::Text(_) => Ok(()),
+    }
+}
+
+/// Writes a file that is to replace `path`, and adds it to `files`.
+fn stage(path: PathBuf, bytes: &[u8], files: &mut Vec<(PathBuf, StagedFile)>) -> Result<(), RunError> {
+    let file = StagedFile::write(&path, |file| file.write_all(bytes));
+    let file = file.map_err(|error| unwritten(&path, &error))?;
+    files.push((path, file));
+    Ok(())
+}
+
+/// The figures and tables in the folder of a report.
+fn figures_and_tables(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let folders = [folder.join(FIGURES), folder.join(TABLES)];
+    let entries = folders.into_iter().flat_map(|folder| fs::read_dir(folder).into_iter().flatten().flatten());
+    let paths = entries.map(|entry| entry.path());
+    paths.filter(|path| path.extension().is_some_and(|found| EXTENSIONS.iter().any(|known| found == *known)))
+}
+
+fn unwritten(path: &Path, error: &io::Error) -> RunError {
+    RunError::failed(path, format!("can't be written: {error}"))
+}

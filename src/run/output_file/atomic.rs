@@ -1,0 +1,117 @@
+//! Atomic writes: after a crash, a file has either its old or its new contents, never a part of them.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{NamedTempFile, TempPath};
+
+use super::access;
+use super::target::{OutputTarget, folder_of};
+use super::temporary::PREFIX;
+use crate::run::RunError;
+use crate::run::write_points::write_point;
+
+/// The writer that [`write_atomic`] passes on.
+pub type Sink<'a> = BufWriter<&'a mut File>;
+
+/// Writes the file `path`, which the user chose, with `write`. An old file is replaced only when the new one is complete.
+///
+/// The new file has the permissions of the old one and, where the system permits it, its owner and group. Links are followed
+/// and stay links; a hard link to the old file keeps the old contents. A device or a pipe is written directly.
+///
+/// # Errors
+/// `write` fails, or the file cannot be written: it is read-only, or a folder, for example.
+pub fn write_atomic(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
+    match OutputTarget::of(path)? {
+        OutputTarget::File(target) => replace(&target, write),
+        OutputTarget::Stream => write_directly(path, write),
+    }
+}
+
+/// Like [`write_atomic`], for the entry `path` of a folder that belongs to the program. A link is replaced, not followed: in a
+/// folder from an untrusted source, it could lead to any file of the user.
+///
+/// # Errors
+/// `write` fails, or the file cannot be written.
+pub fn replace(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
+    StagedFile::write(path, write)?.persist()
+}
+
+/// Checks that `path` can be written with [`write_atomic`], before work that would be lost otherwise. Changes nothing.
+///
+/// # Errors
+/// It cannot be written. The message names a fix.
+pub fn check_writable(path: &Path) -> Result<(), RunError> {
+    let check = || match OutputTarget::of(path)? {
+        OutputTarget::File(target) => temporary_file(&target, None).map(drop),
+        OutputTarget::Stream => Ok(()),
+    };
+    check().map_err(|error| {
+        let help = if error.raw_os_error().is_some() { "; help: choose another file" } else { "" };
+        RunError::invalid_input(path, format!("can't be written: {error}{help}"))
+    })
+}
+
+/// Writes to a device or a pipe.
+fn write_directly(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
+    // Standard output may lead to a file that already has contents.
+    let mut file = File::options().append(true).open(path)?;
+    let mut writer = BufWriter::new(&mut file);
+    let written = write(&mut writer).and_then(|()| writer.flush());
+    // What could not be written must not be tried again on drop.
+    let _ = writer.into_parts();
+    match written {
+        // A reader that closes the pipe early (`| head`) has read enough.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => written,
+    }
+}
+
+/// A new file in the folder of `target`, which it is to replace. Dropped, it is deleted.
+fn temporary_file(target: &Path, replaced: Option<&fs::Metadata>) -> io::Result<NamedTempFile> {
+    tempfile::Builder::new().prefix(PREFIX).make_in(folder_of(target), |path| access::create(path, replaced))
+}
+
+/// A complete file that has yet to replace another one. Dropped, it is deleted.
+#[derive(Debug)]
+pub struct StagedFile {
+    temporary: TempPath,
+    target: PathBuf,
+}
+
+impl StagedFile {
+    /// Writes with `write` what is to replace the file `target`, which remains as it is. A link is replaced, not followed.
+    ///
+    /// # Errors
+    /// `write` fails, or the file cannot be written.
+    pub fn write(target: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<Self> {
+        let replaced = fs::symlink_metadata(target).ok().filter(fs::Metadata::is_file);
+        let mut file = temporary_file(target, replaced.as_ref())?;
+        write_point("file: temporary created");
+        let mut writer = BufWriter::new(file.as_file_mut());
+        write(&mut writer)?;
+        writer.flush()?;
+        drop(writer);
+        write_point("file: contents written");
+        if let Some(replaced) = replaced {
+            access::copy(&replaced, file.as_file())?;
+        }
+        file.as_file().sync_all()?;
+        Ok(Self { temporary: file.into_temp_path(), target: target.into() })
+    }
+
+    /// Replaces the target.
+    ///
+    /// # Errors
+    /// The target cannot be replaced.
+    pub fn persist(self) -> io::Result<()> {
+        self.temporary.persist(&self.target).map_err(|error| error.error)?;
+        write_point("file: replaced");
+        // Syncing the folder makes the rename survive a power cut, on file systems that support it.
+        if let Ok(folder) = File::open(folder_of(&self.target)) {
+            let _ = folder.sync_all();
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,92 @@
+//! The target of an output: the file behind a path that the user chose.
+
+use std::fs::{self, File};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// Maximum number of links to follow, as in Linux.
+const MAX_LINKS: usize = 40;
+
+/// The target of an output.
+pub enum OutputTarget {
+    /// A regular file that can be replaced, or a free name.
+    File(PathBuf),
+    /// A device or a pipe, such as `/dev/stdout`, or an open file of this process.
+    Stream,
+}
+
+impl OutputTarget {
+    /// The target behind `path`. Links are followed, also to a file that does not exist yet.
+    ///
+    /// # Errors
+    /// The path is a folder, read-only or invalid, or its folder does not exist.
+    pub fn of(path: &Path) -> io::Result<Self> {
+        match fs::metadata(path) {
+            Ok(found) if !found.is_file() && !found.is_dir() => return Ok(Self::Stream),
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let mut target = path.to_owned();
+        for _ in 0..MAX_LINKS {
+            let folder = folder_of(&target);
+            if holds_descriptors(folder) {
+                return Ok(Self::Stream);
+            }
+            match fs::read_link(&target) {
+                Ok(destination) => target = folder.join(destination),
+                Err(_) => return Self::file(target),
+            }
+        }
+        Err(io::Error::other("the link leads to too many other links"))
+    }
+
+    fn file(target: PathBuf) -> io::Result<Self> {
+        let folder = folder_of(&target);
+        if !folder.is_dir() {
+            let why = format!("the folder {} does not exist; help: create it first", folder.display());
+            return Err(io::Error::new(ErrorKind::NotFound, why));
+        }
+        check_entry(&target)?;
+        if target.exists() {
+            // Replacing a file takes permissions of its folder only; writing to it takes permissions of its own.
+            File::options().write(true).open(&target)?;
+        }
+        Ok(Self::File(target))
+    }
+}
+
+/// Whether `path` is a device or a pipe.
+#[must_use]
+pub fn is_stream(path: &Path) -> bool {
+    matches!(OutputTarget::of(path), Ok(OutputTarget::Stream))
+}
+
+/// Checks that the entry `path` of a folder is a file that may be replaced, or free.
+///
+/// # Errors
+/// It is a folder, or read-only (for root, too).
+pub fn check_entry(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_dir() => {
+            Err(io::Error::new(ErrorKind::IsADirectory, "this is a folder; help: give the name of a file"))
+        }
+        Ok(found) if found.is_file() && found.permissions().readonly() => {
+            let why = "the file is read-only; help: make it writable (chmod u+w) or write elsewhere";
+            Err(io::Error::new(ErrorKind::PermissionDenied, why))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The folder that contains `path`.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether `folder` holds the open files of a process. They look like links, but lead to what was opened, even if that has no
+/// name any more.
+fn holds_descriptors(folder: &Path) -> bool {
+    folder.canonicalize().is_ok_and(|folder| {
+        folder == Path::new("/dev/fd") || (folder.starts_with("/proc") && folder.ends_with("fd"))
+    })
+}
