@@ -15,7 +15,7 @@ mod frames {
 
     use divan::Bencher;
     use wayfield::app::commands::{Command, Pace};
-    use wayfield::app::session::StartOptions;
+    use wayfield::app::session::{AutosaveOptions, StartOptions};
     use wayfield::app::view_state::Overlays;
 
     use super::headless_app::HeadlessApp;
@@ -52,6 +52,23 @@ mod frames {
         let mut app = trained(2_000, StartOptions::default());
         app.view_state().grid = true;
         bencher.bench_local(|| app.frame(Duration::from_millis(16)));
+    }
+
+    /// Copies a training of 400,000 env steps, which fills the replay buffer, for an autosave.
+    #[divan::bench(sample_count = 20, sample_size = 1)]
+    fn one_arena_with_an_autosave(bencher: Bencher) {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let autosave = AutosaveOptions { folder: folder.path().into(), every: Duration::from_secs(1) };
+        let start = StartOptions { autosave: Some(autosave), ..StartOptions::default() };
+        let app = std::cell::RefCell::new(trained(25_000, start));
+        let step = || {
+            // Time to write the one before.
+            std::thread::sleep(Duration::from_secs(2));
+            let mut app = app.borrow_mut();
+            app.command(Command::Step);
+            app.frame(Duration::from_millis(16));
+        };
+        bencher.with_inputs(step).bench_local_values(|()| app.borrow_mut().frame(Duration::from_millis(16)));
     }
 
     /// At full pace: includes 12 ms of control steps, or one step more.

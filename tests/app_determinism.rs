@@ -11,10 +11,10 @@ use std::time::Duration;
 
 use bevy::math::vec2;
 use wayfield::agent::ActiveLearner;
-use wayfield::app::commands::{Command, Pace, SaveKind, SessionMode};
+use wayfield::app::commands::{Command, FigureFormat, Pace, PolicySource, SaveKind, SessionMode};
 use wayfield::app::moves::{Movable, MoveRequest};
-use wayfield::app::session::StartOptions;
 use wayfield::app::session::journal::{ReplayResult, verify};
+use wayfield::app::session::{StartOptions, TrainingHistory};
 use wayfield::app::view_state::Overlays;
 use wayfield::learning::Learner;
 use wayfield::run::preset::Budget;
@@ -267,6 +267,20 @@ fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
     assert_eq!(other.error_notices(), Vec::<String>::new());
     assert_eq!(verify(&second_run), Ok(ReplayResult { steps: 260, interventions: 2, bit_identical: true }));
 
+    // Its curves have the marks of all changes again, on the screen and in a picture.
+    let mut third = HeadlessApp::new(options(1));
+    third.command(Command::Pause(true));
+    third.command(Command::Open(second_run.clone()));
+    let picture = folder.path().join("curves.svg");
+    third.command(Command::Save(SaveKind::Figure(FigureFormat::Svg), picture.clone()));
+    third.frame(Duration::from_millis(10));
+    assert_eq!(third.error_notices(), Vec::<String>::new());
+    let marks = |app: &mut HeadlessApp| app.world().resource::<TrainingHistory>().0.annotations().to_vec();
+    assert_eq!(marks(&mut third), marks(&mut other));
+    assert_eq!(marks(&mut third).iter().map(|mark| mark.env_steps).collect::<Vec<_>>(), [200 * 16]);
+    let text = std::fs::read_to_string(&picture).expect("the picture was saved");
+    assert!(text.contains("scenario changed") && !text.contains("paper"), "{text}");
+
     // Continued without a window: the journal ends before the run does, and the whole run is replayed.
     let job = Job::Resume {
         folder: second_run.clone(),
@@ -286,6 +300,10 @@ fn a_saved_run_can_be_replayed_even_if_it_was_reopened_in_between() {
     assert_eq!(verify(&second_run).map(|replayed| replayed.bit_identical), Ok(false));
 }
 
+fn transfer(policy: PolicySource, seed: u64) -> Command {
+    Command::Transfer { policy, scenario: "scenario-2".into(), preset: "fast".into(), seed, epsilon: 0.5 }
+}
+
 #[test]
 fn transfer_keeps_the_weights_and_can_be_replayed() {
     let folder = tempfile::tempdir().expect("temporary folder");
@@ -296,13 +314,18 @@ fn transfer_keeps_the_weights_and_can_be_replayed() {
     let weights =
         |app: &mut HeadlessApp| app.world().resource::<ActiveLearner>().0.network().parameters().to_vec();
     let before = weights(&mut app);
-    app.command(Command::Transfer { scenario: "scenario-2".into(), epsilon: 0.5 });
+    let earlier = app.world().resource::<TrainingHistory>().0.to_earlier();
+    assert!(!earlier.return_mean.points().is_empty());
+    app.command(transfer(PolicySource::Current, 42));
     app.frame(Duration::from_millis(10));
     assert_eq!(app.error_notices(), Vec::<String>::new());
     assert!(weights(&mut app) == before, "the weights are kept");
     let epsilon = app.world().resource::<ActiveLearner>().0.epsilon();
     assert!((epsilon - 0.5).abs() < 1e-6, "exploration starts at 0.5: {epsilon}");
     assert_eq!((app.run().config.scenario.name.as_str(), app.steps()), ("Scenario II", 0));
+    assert_eq!(app.run().config.seed, 42, "the chosen seed");
+    assert_eq!(app.shown().1.transfer_from.as_deref(), Some("Scenario I, 2,400 steps, seed 10"));
+    assert_eq!(app.world().resource::<TrainingHistory>().0.earlier(), Some(&earlier), "the curves stay");
     app.step_to(90);
     app.command(Command::Save(SaveKind::Run, run.clone()));
     app.frame(Duration::from_millis(10));
@@ -320,7 +343,8 @@ fn a_file_that_cannot_be_opened_is_reported_and_training_continues() {
     for (name, content, expected) in [
         ("world.ron", "(name: \"A\", radius_cm: 1)", "world.ron:1:13"),
         ("policy.safetensors", "nonsense", "not a safetensors file"),
-        ("notes.txt", "", "not a policy"),
+        ("notes.txt", "", "notes.txt: cannot be opened"),
+        ("what.bin", "", "what.bin: not part of a run"),
     ] {
         let file = folder.path().join(name);
         std::fs::write(&file, content).expect("the file can be written");

@@ -13,7 +13,7 @@ use egui_kittest::{Harness, SnapshotOptions};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use screen_fixture::ScreenFixture;
 use software_renderer::SoftwareRenderer;
-use wayfield::app::commands::SessionMode;
+use wayfield::app::commands::{PolicySource, SessionMode};
 use wayfield::app::scene::DriverLabel;
 use wayfield::app::view_state::ThemeChoice;
 
@@ -108,11 +108,17 @@ fn two_policies_side_by_side() {
     let mut screen_fixture = ScreenFixture::default();
     screen_fixture.scene.arenas =
         vec![screen_fixture.scene.arenas[0].clone(), screen_fixture.scene.arenas[6].clone()];
-    (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) =
-        (DriverLabel::Policy("Current policy".into()), DriverLabel::Policy("best.safetensors".into()));
+    (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) = (
+        policy("Current policy", "after 312,480 env steps"),
+        policy("Scenario II expert", "Trained in Scenario II, new to Scenario I"),
+    );
     (screen_fixture.status.mode, screen_fixture.status.opened_policy) =
-        (SessionMode::Compare, Some("best.safetensors".into()));
+        (SessionMode::Compare, Some("Scenario II expert".into()));
     compare("compare_light", [1000.0, 600.0], ThemeChoice::Light, without_panels(screen_fixture));
+}
+
+fn policy(name: &str, origin: &str) -> DriverLabel {
+    DriverLabel::Policy { name: name.into(), origin: origin.into() }
 }
 
 #[test]
@@ -120,7 +126,8 @@ fn one_policy_with_its_value_overlay() {
     let mut screen_fixture = ScreenFixture::default().with_single_policy();
     screen_fixture.view_state.overlays.value = true;
     screen_fixture.scene.value = Some(screen_fixture::field(1, 1.0));
-    screen_fixture.view_state.setup_open = false;
+    screen_fixture.view_state.plots_open = false;
+    screen_fixture.status.tested = PolicySource::Best;
     compare("test_dark", [1000.0, 600.0], ThemeChoice::Dark, screen_fixture);
 }
 
@@ -133,7 +140,7 @@ fn confirmation_before_a_training_is_discarded() {
     window.run_steps(4);
     window.get_by_label("Scenario II").click();
     window.run_steps(4);
-    window.get_by_label("Restart training").click();
+    window.get_by_label("Train from scratch in Scenario II").click();
     window.run_steps(10);
     window.get_by_label("More").click();
     window.run_steps(20);

@@ -35,12 +35,13 @@ fn a_folders_files_are_checked_in_alphabetical_order() {
     let done = workspace.run_ok("--check files");
     assert_eq!(
         (done.stdout.as_str(), done.stderr.as_str()),
-        ("files/a.ron: ok\nfiles/b/scenario.ron: ok\nfiles/c.ron: ok\n", "")
+        ("files/a.ron: ok (preset)\nfiles/b/scenario.ron: ok (scenario)\nfiles/c.ron: ok (scenario)\n", "")
     );
     assert_eq!(workspace.run_ok("--check files/").stdout, done.stdout, "a trailing slash changes nothing");
     let done = workspace.run_ok("--check files/c.ron files/b files/a.ron");
     assert_eq!(
-        done.stdout, "files/c.ron: ok\nfiles/b/scenario.ron: ok\nfiles/a.ron: ok\n",
+        done.stdout,
+        "files/c.ron: ok (scenario)\nfiles/b/scenario.ron: ok (scenario)\nfiles/a.ron: ok (preset)\n",
         "paths are checked in the given order"
     );
     assert_eq!(workspace.all_files(), before, "no file is created or changed");
@@ -58,13 +59,16 @@ fn every_problem_of_every_file_is_printed() {
     workspace.write("files/b/scenario.ron", edited(SCENARIO_1, &[("    obstacles: [", "    obstacels: [")]));
     let done = workspace.run("--check files");
     assert_eq!(done.status, Some(2), "{}", done.stderr);
-    assert_eq!(done.stdout, "files/a.ron: ok\n");
+    assert_eq!(done.stdout, "files/a.ron: ok (preset)\n");
     let lines: Vec<&str> = done.stderr.lines().collect();
     let starts = [
         "files/b/preset.ron:19:9: unknown field `nstep` in `learning`: did you mean `n_step`? the fields are ",
+        "files/b/preset.ron: 1 problem in this preset",
         "files/b/scenario.ron:12:5: unknown field `obstacels` in the file: did you mean `obstacles`? the fields are ",
+        "files/b/scenario.ron: 1 problem in this scenario",
         "files/c.ron:13:9: `obstacles[0]` extends 0.100 m outside the enclosure: move it inside or make it smaller",
         "files/c.ron:15:9: `obstacles[2]` extends 0.050 m outside the enclosure: move it inside or make it smaller",
+        "files/c.ron: 2 problems in this scenario",
         "error: 3 of 4 checked files are invalid",
     ];
     assert_eq!(lines.len(), starts.len(), "{}", done.stderr);
@@ -90,7 +94,7 @@ fn paths_without_scenarios_or_presets_are_reported() {
     );
     assert_failed(
         &workspace.run("--check files/b files/d.ron"),
-        "files/b/scenario.ron: ok\n",
+        "files/b/scenario.ron: ok (scenario)\n",
         "files/d.ron: no such file (files there: files/.x.ron, files/a.ron, files/c.ron)\n\
          error: 1 of 2 checked files are invalid\n",
     );
@@ -98,6 +102,7 @@ fn paths_without_scenarios_or_presets_are_reported() {
         &workspace.run("--check files/notes.txt"),
         "",
         "files/notes.txt:1:1: expected `Scenario(...)` or `(...)`, found `this`\n\
+         files/notes.txt: 1 problem in this scenario\n\
          error: 1 of 1 checked files are invalid\n",
     );
 }
@@ -108,7 +113,7 @@ fn json_lists_the_files_and_the_problems() {
     let paths = ["files/a.ron", "files/b/scenario.ron", "files/c.ron"];
     assert_eq!(
         workspace.run_ok("--check files --json").json(),
-        json!({ "files": paths, "problems": [], "notes": [] })
+        json!({ "files": paths, "kinds": ["preset", "scenario", "scenario"], "problems": [], "notes": [] })
     );
     let beyond_the_enclosure =
         [("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)")];
@@ -120,6 +125,7 @@ fn json_lists_the_files_and_the_problems() {
         done.json(),
         json!({
             "files": ["files/a.ron", "files/b/scenario.ron", "files/c.ron", "empty"],
+            "kinds": ["preset", "scenario", "scenario", null],
             "problems": [
                 {
                     "path": "files/c.ron",
@@ -149,7 +155,7 @@ fn what_is_doubtful_is_printed_with_its_place_and_the_file_is_valid() {
     let zero = ("Linear(from: 0.0015, to: 0.00001, env_steps: 600000)", "Constant(0.0)");
     workspace.write("zero.ron", edited(FAST, &[zero]));
     let done = workspace.run_ok("--check hangar.ron rare.ron zero.ron");
-    assert_eq!(done.stdout, "hangar.ron: ok\nrare.ron: ok\nzero.ron: ok\n");
+    assert_eq!(done.stdout, "hangar.ron: ok (scenario)\nrare.ron: ok (preset)\nzero.ron: ok (preset)\n");
     let lines: Vec<&str> = done.stderr.lines().collect();
     let expected = [
         (
@@ -188,8 +194,10 @@ fn hopeless_scenarios_are_refused_and_doubtful_runs_are_told_of_before_they_star
         &done,
         "",
         "top.ron:1:32: `robot.motions` never move the robot: write a v_m_s other than 0 for at least one of them\n\
+         top.ron: 1 problem in this scenario\n\
          hasty.ron:1:43: `task.max_episode_steps` is 3: in this time the robot covers at most 0.090 m, but goals are at \
          least 0.5 m away: write at least 10, or make the robot faster\n\
+         hasty.ron: 1 problem in this scenario\n\
          error: 2 of 2 checked files are invalid\n",
     );
     let lorry =
@@ -219,8 +227,89 @@ fn hopeless_scenarios_are_refused_and_doubtful_runs_are_told_of_before_they_star
 fn all_shipped_scenarios_presets_and_experiments_are_valid() {
     let done = Workspace::new()
         .run_ok(&format!("--check {root}/scenarios {root}/assets", root = env!("CARGO_MANIFEST_DIR")));
-    assert!(done.stdout.lines().count() >= 24 && done.stdout.lines().all(|line| line.ends_with(": ok")));
+    assert!(done.stdout.lines().count() >= 24 && done.stdout.lines().all(|line| line.contains(": ok (")));
     assert_eq!(done.stderr, "", "nothing shipped is doubtful");
+}
+
+#[test]
+fn the_content_decides_what_kind_a_file_is() {
+    let workspace = workspace();
+    workspace.run_ok("--train --steps 16 --out run");
+    workspace.write("run/experiment.ron", include_str!("../assets/experiments/fig8.ron"));
+    let done = workspace.run_ok("--check run run/policy.safetensors");
+    assert_eq!(
+        done.stdout,
+        "run/config.ron: ok (run configuration)\nrun/experiment.ron: ok (experiment)\nrun/policy.safetensors: ok (policy)\n"
+    );
+    // An invalid file is still what its fields say, an experiment with budgets no preset.
+    let experiment = edited(include_str!("../assets/experiments/fig8.ron"), &[("    arms: [", "    arm: [")]);
+    for (name, text, problem) in [
+        ("experiment.ron", experiment, "experiment"),
+        ("preset.ron", edited(FAST, &[("arenas: 16", "arenas: 0")]), "preset"),
+        (
+            "scenario.ron",
+            "(name: \"arenas\", // budget: learning is fun\n obstacles: [(shap: 1)])".into(),
+            "scenario",
+        ),
+        (
+            "run/config.ron",
+            edited(&workspace.text("run/config.ron"), &[("seed: 0", "seed: -1")]),
+            "run configuration",
+        ),
+        ("run/policy.safetensors", "not a policy".into(), "policy"),
+    ] {
+        workspace.write(name, text);
+        let done = workspace.run(&format!("--check {name}"));
+        assert_eq!(done.status, Some(2), "{}", done.stderr);
+        assert!(done.stderr.contains(&format!(" in this {problem}\n")), "{}", done.stderr);
+    }
+}
+
+#[test]
+fn a_value_that_was_not_read_is_not_reported_twice() {
+    let workspace = workspace();
+    workspace.write(
+        "e5.ron",
+        edited(FAST, &[("EnvSteps(600000)", "EnvSteps(6e5)"), ("gamma: 0.95", "gamma: 95")]),
+    );
+    let done = workspace.run("--check e5.ron");
+    let lines: Vec<&str> = done.stderr.lines().collect();
+    assert_eq!(
+        lines[..3],
+        [
+            "e5.ron:5:22: `budget` must be a whole number: write 600000",
+            "e5.ron:18:16: `learning.gamma` is 95; help: give 0 to 1",
+            "e5.ron: 2 problems in this preset",
+        ]
+    );
+}
+
+#[test]
+fn all_problems_of_a_file_are_listed_at_once() {
+    let workspace = workspace();
+    workspace.write(
+        "many.ron",
+        "(\n    arenas: \"16\",\n    budget: 600000,\n    evaluation: (episodes: 0),\n    colour: 3,\n    learning: (\n        \
+         loss: \"huber\",\n        gamma: 0,99,\n    ),\n)",
+    );
+    let done = workspace.run("--check many.ron");
+    let lines: Vec<&str> = done.stderr.lines().collect();
+    let starts = [
+        "many.ron:2:13: `arenas` must be a whole number, without quotes",
+        "many.ron:3:13: `budget` must be one of the choices `Episodes`, `EnvSteps`: write `Episodes(600000)`",
+        "many.ron:4:28: `evaluation.episodes` is 0; help: give 1 to ",
+        "many.ron:5:5: unknown field `colour` in the file: the fields are `about`, `arenas`, ",
+        "many.ron:6:15: `learning` lacks the fields `network`, `double`, ",
+        "many.ron:7:15: `learning.loss` must be one of the choices `",
+        "many.ron:8:16: a decimal comma: write 0.99",
+    ];
+    for (line, start) in lines.iter().zip(starts) {
+        assert!(line.starts_with(start), "{line}\ndoes not start with\n{start}\nin\n{}", done.stderr);
+    }
+    assert_eq!(
+        lines[starts.len()..],
+        ["many.ron: 7 problems in this preset", "error: 1 of 1 checked files are invalid"]
+    );
 }
 
 #[test]

@@ -62,13 +62,7 @@ fn invalid_presets_are_rejected() {
         workspace.write(name, edited(FAST, &[edit]));
         messages.line(&workspace, &format!("--train --preset {name} --out new"));
     }
-    for arguments in [
-        "--train --preset nothing.ron",
-        "--train --preset per_d3qm",
-        "--train --preset zebra",
-        "--train --arenas 0",
-        "--train --arenas 5000",
-    ] {
+    for arguments in ["--train --preset nothing.ron", "--train --preset per_d3qm", "--train --preset zebra"] {
         messages.line(&workspace, arguments);
     }
     messages.check();
@@ -183,6 +177,11 @@ fn invalid_arguments_are_rejected() {
         "--train --steps 0",
         "--train --episodes 5 --steps 5",
         "--train --arenas two",
+        "--train --arenas 0",
+        "--train --arenas 5000",
+        "--train --steps 600,000",
+        "--train --seed 1e30",
+        "--train --init run/policy.safetensors --epsilon 0,5",
         "--train --init run/policy.safetensors --epsilon 2",
         "--train --init run/policy.safetensors --epsilon NaN",
         "--train --init run/policy.safetensors --epsilon=-0.1",

@@ -2,12 +2,17 @@
 // options in the URL instead of a command line, and status and error messages instead of a terminal. Its counterpart in the
 // app is src/app/browser.rs.
 
+import * as autosaves from './autosave.js';
+
 const byId = (id) => document.getElementById(id);
 const cover = byId('cover');
 const PREFERENCES_KEY = 'wayfield: preferences';
 
-/// Reports that the app cannot run or continue. `detail` is for bug reports.
+/// Reports that the app cannot run or continue. `detail` is for bug reports. If the training was saved, offers to continue it.
 function stop(text, detail = '') {
+    const saved = autosaves.describe();
+    if (saved !== undefined) text += ` ${saved}`;
+    byId('rescue').hidden = saved === undefined;
     cover.hidden = false;
     byId('bar').hidden = true;
     byId('message').textContent = text;
@@ -21,6 +26,11 @@ byId('reload').addEventListener('click', (event) => {
     event.preventDefault();
     location.reload();
 });
+byId('continue').addEventListener('click', () => {
+    autosaves.continueAfterReload();
+    location.reload();
+});
+byId('policy').addEventListener('click', () => wayfieldPage.save('policy.safetensors', autosaves.lastPolicy()));
 byId('reset').addEventListener('click', (event) => {
     event.preventDefault();
     location.assign(location.pathname);
@@ -36,10 +46,13 @@ canvas.addEventListener('keydown', (event) => {
 });
 canvas.addEventListener('wheel', (event) => event.preventDefault(), { passive: false });
 canvas.addEventListener('contextmenu', (event) => event.preventDefault());
-canvas.addEventListener('webglcontextlost', () =>
-    stop('The graphics driver has reset, so the app cannot draw any more. Training progress was lost.'));
+canvas.addEventListener('webglcontextlost', async () => {
+    await autosaves.saveNow(app);
+    if (!hasFailed) stop('The graphics driver has reset, so the app cannot draw any more.');
+});
 
 let app;
+let hasFailed = false;
 
 /// Passes a file that the user has chosen or dropped to the app.
 async function openUserFile(file) {
@@ -60,6 +73,11 @@ addEventListener('drop', (event) => {
     event.preventDefault();
     for (const file of event.dataTransfer?.files ?? []) openUserFile(file);
 });
+
+// When the pointer or the focus leaves the page, the user may be about to close it. While the page is hidden, no frame runs
+// in which the training could be saved.
+for (const [target, event] of [[document.documentElement, 'mouseleave'], [globalThis, 'blur'], [document, 'visibilitychange']])
+    target.addEventListener(event, () => hasFailed || app?.save_soon?.());
 
 /// Compresses a text to URL-safe base64; `decompress` is the inverse.
 async function compress(text) {
@@ -97,8 +115,6 @@ function changeAddress(address) {
     history.replaceState(null, '', address);
 }
 
-let hasFailed = false;
-
 globalThis.wayfieldPage = {
     query_parameter: (key) => new URLSearchParams(location.search).get(key) ?? undefined,
     started() {
@@ -109,8 +125,19 @@ globalThis.wayfieldPage = {
     failed(text) {
         hasFailed = true;
         console.error(text);
-        stop('The app has stopped because of an internal error. Training progress was lost.', text);
+        stop('The app has stopped because of an internal error.', text);
     },
+    autosave_file: autosaves.addFile,
+    autosave: (note) => autosaves.store(note).then(() => app.autosave_stored(), (error) => app.autosave_stored(String(error))),
+    begin_autosave: autosaves.begin,
+    delete_autosave: autosaves.remove,
+    last_session: autosaves.offered,
+    continues_last_session: autosaves.isContinued,
+    adopt_last_session: autosaves.adopt,
+    load_session: () => autosaves.load().then((files) => {
+        for (const [name, bytes] of Object.entries(files)) app.receive_session_file(name, bytes);
+        app.session_received();
+    }).catch((error) => app.session_received(`The last session cannot be read: ${error}`)),
     open_file_picker: () => byId('file').click(),
     save(name, bytes) {
         // Copied, because the memory of the module may move or change.
@@ -199,6 +226,7 @@ async function start() {
     addEventListener('resize', () => fitStage(maxSide));
     const encoded = new URLSearchParams(location.hash.slice(1)).get('scenario');
     if (encoded !== null) embeddedScenario = await decompress(encoded).catch(() => 'not a scenario: the address is damaged');
+    await autosaves.find();
     try {
         // The build id in the URLs prevents a cache from combining files of two builds.
         const { bytes, build_id } = await fetch('build.json', { cache: 'no-cache' }).then((response) => response.json());

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::commands::{Pace, SessionMode};
+use super::commands::{Pace, PolicySource, SessionMode};
 use crate::scenario::Scenario;
 
 /// The path of a scenario's file, and the scenario.
@@ -20,6 +20,21 @@ pub struct Choice {
     pub title: String,
     /// Description in a few sentences.
     pub about: String,
+}
+
+/// The last session, which can be continued.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LastSession {
+    /// The scenario's name.
+    pub scenario: String,
+    /// The preset's name.
+    pub preset: String,
+    /// The seed.
+    pub seed: u64,
+    /// Env steps of the training.
+    pub env_steps: u64,
+    /// Time since it was saved, in s.
+    pub age_s: u64,
 }
 
 /// Severity of a notice.
@@ -40,6 +55,24 @@ pub struct Notice {
     pub severity: Severity,
     /// What happened, and how to fix it. May have several lines.
     pub text: String,
+}
+
+/// The best policy so far, by evaluation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BestSoFar {
+    /// Success rate in its evaluation, 0 to 1.
+    pub success_rate: f64,
+    /// Env steps of the training when it was evaluated.
+    pub env_steps: u64,
+}
+
+/// A shipped policy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExpertChoice {
+    /// Its name, such as "Scenario I expert".
+    pub name: String,
+    /// Whether it was trained in another scenario.
+    pub is_new_here: bool,
 }
 
 /// The state of the session.
@@ -79,8 +112,8 @@ pub struct AppSnapshot {
     pub epsilon: f32,
     /// Success rate of the greedy policy in the last evaluation, 0 to 1.
     pub success_rate: Option<f64>,
-    /// Success rate of the best policy so far, 0 to 1.
-    pub best_success_rate: Option<f64>,
+    /// The best policy so far.
+    pub best: Option<BestSoFar>,
     /// Env steps per second of wall time, over about the last second.
     pub env_steps_per_s: f64,
     /// Speed of the simulation as a multiple of real time, for one arena.
@@ -95,8 +128,14 @@ pub struct AppSnapshot {
     pub notices: Vec<Notice>,
     /// Whether a new training would discard an unsaved one that is worth keeping.
     pub restart_loses_training: bool,
-    /// Name of a shipped policy that can drive here, with the observations of the preset.
-    pub expert: Option<String>,
+    /// The last session, if the user has not decided yet whether to continue it.
+    pub last_session: Option<LastSession>,
+    /// Whether the question before quitting is open.
+    pub quit_question: bool,
+    /// A shipped policy that can drive here, with the observations of the preset.
+    pub expert: Option<ExpertChoice>,
+    /// The policy that Test, Drive and Compare use: the current or the best one.
+    pub tested: PolicySource,
     /// The scenario that was saved last, and its file; `None` if the training's scenario has changed since.
     pub saved_scenario: Option<ScenarioFile>,
     /// Whether files can be written to disk. In a browser folders cannot be saved, and pictures are SVGs.

@@ -17,8 +17,10 @@ use super::CurrentViewState;
 use super::commands::{Command, Pace, SessionMode};
 use super::controls;
 use super::page;
+use super::session::autosave::AUTOSAVE_INTERVAL;
 use super::session::{
-    ActiveMode, Journal, Notices, Pacer, ScenarioSource, StartOptions, Throughput, TrainingRun,
+    ActiveMode, AutosaveOptions, Journal, Notices, Pacer, ScenarioSource, StartOptions, Throughput,
+    TrainingRun,
 };
 use super::window::{self, WindowOptions};
 use crate::agent::ActiveLearner;
@@ -56,6 +58,7 @@ pub fn run() {
         open: None,
         edit: page::query_parameter("edit").is_some(),
         invalid_options,
+        autosave: Some(AutosaveOptions { folder: PathBuf::new(), every: AUTOSAVE_INTERVAL }),
         ..default
     };
     if let Err(error) = window::run(WindowOptions { start, ..WindowOptions::default() }) {

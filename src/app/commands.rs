@@ -42,12 +42,24 @@ pub enum SessionMode {
     /// The learner drives in all arenas, explores and learns.
     #[default]
     Train,
-    /// The current policy drives greedily in one arena; nothing is learnt.
+    /// The current or the best policy drives greedily in one arena; nothing is learnt.
     Test,
-    /// The user drives in one arena, and the current policy in another, to the same goals.
+    /// The user drives in one arena, and the current or the best policy in another, to the same goals.
     Drive,
-    /// The current policy and the opened one drive side by side, to the same goals.
+    /// The current or the best policy and the opened one drive side by side, to the same goals.
     Compare,
+}
+
+/// A policy of the session.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PolicySource {
+    /// The policy in training.
+    #[default]
+    Current,
+    /// The best policy of the training so far, by evaluation.
+    Best,
+    /// The policy that the user has opened.
+    Opened,
 }
 
 /// A command of the user.
@@ -61,6 +73,8 @@ pub enum Command {
     SetPace(Pace),
     /// Sets the mode.
     SetMode(SessionMode),
+    /// Sets the policy that Test, Drive and Compare use: the current or the best one.
+    SetTested(PolicySource),
     /// Starts a training from random weights.
     StartTraining {
         /// A shipped scenario's name, or a file.
@@ -70,16 +84,17 @@ pub enum Command {
         /// Seed of every random draw.
         seed: u64,
     },
-    /// Starts a training in another scenario from the current weights: knowledge transfer.
+    /// Starts a training from the weights of a policy: knowledge transfer.
     Transfer {
-        /// A shipped scenario's name, or a file.
+        /// The policy.
+        policy: PolicySource,
+        /// A shipped scenario's name, or a file. That of the running training continues as it is, with the user's changes.
         scenario: String,
+        /// A shipped preset's name, or a file. That of the running training continues as it is.
+        preset: String,
+        /// Seed of every random draw.
+        seed: u64,
         /// Initial epsilon of that training, 0 to 1 (the paper: 0.5).
-        epsilon: f32,
-    },
-    /// Starts a training from the opened policy, with the current scenario and preset.
-    TrainFromOpened {
-        /// Initial epsilon of that training, 0 to 1.
         epsilon: f32,
     },
     /// Moves an object.
@@ -90,12 +105,29 @@ pub enum Command {
     OpenDialog,
     /// Opens a shipped policy that can drive here, to compare with.
     OpenExpert,
+    /// Opens the best policy of the training so far, to compare with.
+    OpenBest,
     /// Opens a policy file, a run folder, a checkpoint, a scenario or a preset.
     Open(PathBuf),
     /// Opens a dialog for the file to save to.
     SaveDialog(SaveKind),
     /// Saves to a file or folder.
     Save(SaveKind, PathBuf),
+    /// Saves the run under `runs/`, in a browser the policy; then executes the command, which would discard the training.
+    SaveFirst(Box<Command>),
+    /// Continues the last session from its autosave.
+    ContinueLastSession,
+    /// Withdraws the offer to continue the last session.
+    DismissLastSession,
+    /// Closes the app; asks first if an unsaved training would be lost.
+    Close,
+    /// Closes the app after that question.
+    Quit {
+        /// Whether to save the run first.
+        save: bool,
+    },
+    /// Does not close the app after that question.
+    KeepOpen,
     /// Applies an edited scenario to the training.
     ApplyScenario {
         /// The scenario.
@@ -120,17 +152,28 @@ pub enum Command {
     DismissNotice(usize),
 }
 
+/// The file format of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FigureFormat {
+    /// Pixels. Not in a browser.
+    Png,
+    /// Vectors.
+    Svg,
+}
+
 /// The part of a training to save.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveKind {
     /// The current policy, as safetensors.
     Policy,
+    /// The best policy so far, as safetensors.
+    BestPolicy,
     /// The whole run, as a folder that `wayfield --train --resume` can continue.
     Run,
     /// The episodes, as CSV.
     Csv,
-    /// The learning curves, as PNG (in a browser, as SVG).
-    Png,
+    /// The learning curves, as a picture.
+    Figure(FigureFormat),
     /// The current scenario, as RON.
     Scenario,
 }

@@ -6,13 +6,14 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::CurrentViewState;
-use super::app_snapshot::{AppSnapshot, Choice};
+use super::app_snapshot::{AppSnapshot, BestSoFar, Choice, ExpertChoice};
 use super::commands::SessionMode;
 use super::scalar_fields::ScalarFields;
-use super::scene::{ArenaScene, DriverLabel, Scene};
+use super::scene::{ArenaScene, Scene};
 use super::session::trails::ArenaTrails;
 use super::session::{
-    ActiveMode, Journal, Notices, OpenedFiles, Pacer, ScenarioSource, Throughput, Trails, TrainingRun, open,
+    ActiveMode, Autosave, Evaluations, Journal, Notices, OpenedFiles, Pacer, QuitQuestion, ScenarioSource,
+    Throughput, Trails, TrainingRun, comparison,
 };
 use crate::agent::{ActiveLearner, Decisions};
 use crate::run::preset::Budget;
@@ -56,6 +57,9 @@ pub(super) struct SessionView<'w> {
     opened: Res<'w, OpenedFiles>,
     source: Res<'w, ScenarioSource>,
     notices: Res<'w, Notices>,
+    autosave: Res<'w, Autosave>,
+    quit_question: Res<'w, QuitQuestion>,
+    evaluations: Res<'w, Evaluations>,
     learner: Res<'w, ActiveLearner>,
 }
 
@@ -119,7 +123,7 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
             obstacles: obstacles(&layout.scenario, *clock, part),
             ranges_m: scan.ranges_m.clone(),
             scan_pose: scan.sensor_pose,
-            driver: driver(mode, k, &session.opened),
+            driver: session.mode.driver(k),
             action: world.actions.0.get(k).copied().unwrap_or(0),
             explored: world.decisions.explored.get(k).copied().unwrap_or(false),
             q_values: if q_values.iter().all(|q| q.is_finite()) { q_values.to_vec() } else { Vec::new() },
@@ -129,22 +133,11 @@ fn arena_scenes(session: &SessionView, world: &WorldView, view_state: &CurrentVi
             } else {
                 Vec::new()
             },
-            collisions: trails.collisions,
-            goals_reached: trails.goals_reached,
+            score: trails.score,
             inactive: episode.inactive,
         }
     };
     shown.into_iter().map(arena_scene).collect()
-}
-
-/// The driver of `arena` in `mode`.
-fn driver(mode: SessionMode, arena: usize, opened: &OpenedFiles) -> DriverLabel {
-    match (mode, arena, &opened.policy) {
-        (SessionMode::Train, ..) => DriverLabel::Learner,
-        (SessionMode::Drive, 0, _) => DriverLabel::User,
-        (SessionMode::Compare, 1, Some((name, _))) => DriverLabel::Policy(name.clone()),
-        _ => DriverLabel::Policy("Current policy".into()),
-    }
 }
 
 /// The pose at the fraction `part` of the way between two poses. The heading turns the short way.
@@ -205,7 +198,10 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         },
         epsilon: learner.epsilon(),
         success_rate: trainer_state.last_success_rate,
-        best_success_rate: trainer_state.best.as_ref().map(|best| best.success_rate),
+        best: session
+            .evaluations
+            .best(trainer_state)
+            .map(|row| BestSoFar { success_rate: row.success_rate, env_steps: row.env_steps }),
         env_steps_per_s: rates.env_steps_per_s,
         real_time_factor: rates.control_steps_per_s * period_s,
         simulated_s: session.journal.steps as f64 * period_s,
@@ -213,7 +209,13 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         opened_policy: session.opened.policy.as_ref().map(|(name, _)| name.clone()),
         notices: session.notices.list(),
         restart_loses_training: session.run.would_lose_training(learner.env_steps()),
-        expert: open::expert(config).map(|(name, _)| name),
+        last_session: session.autosave.last_session(),
+        quit_question: session.quit_question.0,
+        expert: comparison::expert(config).map(|expert| ExpertChoice {
+            is_new_here: expert.trained_in != config.scenario.name,
+            name: expert.name,
+        }),
+        tested: session.run.tested,
         saved_scenario: session.source.saved().cloned(),
         has_disk: cfg!(not(target_arch = "wasm32")),
     }

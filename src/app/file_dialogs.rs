@@ -2,7 +2,7 @@
 //!
 //! In: commands that need a dialog. Out: commands with the chosen path. A dialog runs in the background; nothing waits for it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -12,9 +12,9 @@ use bevy::tasks::{IoTaskPool, Task, block_on, poll_once};
 use rfd::AsyncFileDialog;
 
 use super::app_snapshot::Severity;
-use super::commands::{Command, SaveKind};
+use super::commands::{Command, FigureFormat, SaveKind};
 use super::session::notices::NoticeTopic;
-use super::session::{Notices, TrainingRun};
+use super::session::{Notices, TrainingRun, unused_path};
 use crate::scenario::Scenario;
 
 /// A dialog that closes sooner than this has not appeared, because no user is that fast.
@@ -23,6 +23,9 @@ const MIN_DURATION: Duration = Duration::from_millis(250);
 /// Notice where the system has no dialogs.
 const NO_DIALOG: &str = "This system has no file dialogs\n\
      help: drop a file on the window, or start with --open FILE. On Linux, a desktop portal or zenity provides dialogs";
+
+/// Notice before a file is saved where the system has no dialogs.
+const NO_SAVE_DIALOG: &str = "This system has no file dialogs: the file goes to the folder runs";
 
 /// The open dialog, if there is one.
 #[derive(Resource, Default)]
@@ -104,6 +107,7 @@ pub(super) fn run_file_dialogs(
                 match dialog.purpose.suggested_file_name(&run) {
                     // This system has no dialogs: save to the folder of the runs.
                     Some(name) => {
+                        notices.add(NoticeTopic::General, Severity::Info, NO_SAVE_DIALOG);
                         messages.write(dialog.purpose.command(unused_path(&name)));
                     }
                     None => notices.add(NoticeTopic::General, Severity::Error, NO_DIALOG),
@@ -136,10 +140,12 @@ fn open_dialog(title: &str, extensions: &[&str]) -> Task<Option<PathBuf>> {
 /// Opens a dialog for a path to save `what` to, with `name` as the suggestion.
 fn save_dialog(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
     let (title, kind, extensions): (_, _, &[&str]) = match what {
-        SaveKind::Policy => ("Save the policy", "Policy", &["safetensors"]),
+        SaveKind::BestPolicy => ("Save the best policy so far", "Policy", &["safetensors"]),
+        SaveKind::Policy => ("Save the current policy", "Policy", &["safetensors"]),
         SaveKind::Run => ("Save the run as a folder", "Folder", &[]),
         SaveKind::Csv => ("Save the episodes", "CSV table", &["csv"]),
-        SaveKind::Png => ("Save the curves", "Image", &["png", "svg"]),
+        SaveKind::Figure(FigureFormat::Png) => ("Save the curves", "PNG image", &["png"]),
+        SaveKind::Figure(FigureFormat::Svg) => ("Save the curves", "SVG image", &["svg"]),
         SaveKind::Scenario => ("Save the scenario", "Scenario", &["ron"]),
     };
     let mut dialog = AsyncFileDialog::new().set_title(title).set_file_name(name);
@@ -148,15 +154,4 @@ fn save_dialog(what: SaveKind, name: &str) -> Task<Option<PathBuf>> {
     }
     let answer = dialog.save_file();
     IoTaskPool::get().spawn(async move { answer.await.map(|file| file.path().into()) })
-}
-
-/// An unused path for `name` under `runs/`.
-fn unused_path(name: &str) -> PathBuf {
-    let runs = Path::new("runs");
-    // If the folder cannot be created, saving reports the error.
-    let _ = std::fs::create_dir_all(runs);
-    let (stem, extension) =
-        name.rsplit_once('.').map_or((name, String::new()), |(a, b)| (a, format!(".{b}")));
-    let numbered = (2..).map(|number| runs.join(format!("{stem}-{number}{extension}")));
-    std::iter::once(runs.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
 }

@@ -18,6 +18,7 @@
 //! | `editor/` | the scenario editor: the document, its operations, undo and redo |
 //! | `view_state.rs` | what the user has chosen to see; `preferences.rs` stores it |
 //! | `window.rs`, `window_input.rs`, `blending.rs` | the window, its input and its colours |
+//! | `shutdown.rs` | ends that the user does not ask for: signals, a lost display or GPU, a panic |
 //! | `fallback_fonts.rs` | fonts for characters that the app's typeface lacks |
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
@@ -49,6 +50,8 @@ pub mod screen;
 pub mod screenshot;
 pub mod session;
 pub mod setup_form;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod shutdown;
 pub mod view_state;
 pub mod window;
 mod window_input;

@@ -31,6 +31,30 @@ extern "C" {
     /// Text of the scenario embedded in the address, if there is one.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn embedded_scenario() -> Option<String>;
+    /// Passes a file of the next autosave.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn autosave_file(name: &str, bytes: &[u8]);
+    /// Stores the files passed since the last call in place of the training's autosave. `note` describes it, as JSON.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn autosave(note: &str);
+    /// Deletes the training's autosave.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn delete_autosave();
+    /// Begins the autosave of another training; the one before is kept.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn begin_autosave();
+    /// The description of the autosave to offer, as JSON, if there is one.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn last_session() -> Option<String>;
+    /// Whether the user has already asked to continue it, before the page was reloaded.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn continues_last_session() -> bool;
+    /// Requests the files of that autosave.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn load_session();
+    /// Makes that autosave the training's own.
+    #[wasm_bindgen(js_namespace = wayfieldPage)]
+    pub(super) fn adopt_last_session();
     /// Stores the preferences for the next visit.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn save_preferences(text: &str);

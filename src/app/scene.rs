@@ -28,13 +28,51 @@ pub struct Trail {
     pub end: TrailEnd,
 }
 
+/// The outcomes of the goals that a driver attempted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Score {
+    /// Goals reached.
+    pub reached: u32,
+    /// Goals missed by a collision.
+    pub collided: u32,
+    /// Goals missed at the time limit.
+    pub timed_out: u32,
+    /// Control steps to all goals reached.
+    pub reached_steps: u64,
+}
+
+impl Score {
+    /// Goals attempted.
+    #[must_use]
+    pub fn attempts(&self) -> u32 {
+        self.reached + self.collided + self.timed_out
+    }
+
+    /// Share of goals reached, 0 to 1; `None` before the first outcome.
+    #[must_use]
+    pub fn success_rate(&self) -> Option<f64> {
+        (self.attempts() > 0).then(|| f64::from(self.reached) / f64::from(self.attempts()))
+    }
+
+    /// Mean simulated time to a goal that was reached, in s, for control steps of `period_s`.
+    #[must_use]
+    pub fn mean_time_s(&self, period_s: f32) -> Option<f64> {
+        (self.reached > 0).then(|| self.reached_steps as f64 * f64::from(period_s) / f64::from(self.reached))
+    }
+}
+
 /// The driver of an arena.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DriverLabel {
     /// The network in training, exploring.
     Learner,
-    /// A greedy policy, by its name.
-    Policy(String),
+    /// A greedy policy.
+    Policy {
+        /// Its name.
+        name: String,
+        /// Where it comes from, in a few words; may be empty.
+        origin: String,
+    },
     /// The user.
     User,
 }
@@ -66,10 +104,8 @@ pub struct ArenaScene {
     pub path_m: Vec<[f32; 2]>,
     /// Earlier paths, oldest first.
     pub trails: Vec<Trail>,
-    /// Collisions since the driver took over.
-    pub collisions: u32,
-    /// Goals reached since the driver took over.
-    pub goals_reached: u32,
+    /// Outcomes since the driver took over.
+    pub score: Score,
     /// Whether the arena is inactive: its episode has ended, and nothing in it moves.
     pub inactive: bool,
 }

@@ -3,7 +3,7 @@
 //! In: the session state. Out: the commands of the panel's buttons.
 
 use super::app_snapshot::AppSnapshot;
-use super::commands::Command;
+use super::commands::{Command, PolicySource};
 
 /// The paper's epsilon at the start of a transfer.
 const EPSILON: f32 = 0.5;
@@ -17,6 +17,10 @@ pub struct SetupForm {
     pub preset: String,
     /// The seed of a new training.
     pub seed: u64,
+    /// The problem of the text that was typed last as a seed, if it was refused.
+    pub seed_problem: Option<String>,
+    /// The policy of a transfer: the current or the best one.
+    pub transfer_from: PolicySource,
     /// Epsilon at the start of a transfer, 0 to 1.
     pub epsilon: f32,
     /// The command that waits for the user to confirm that the current training may be discarded.
@@ -32,7 +36,16 @@ impl SetupForm {
         let running = (status.scenario_from.clone(), status.preset_from.clone(), status.seed);
         kept.filter(|form| form.running == running).unwrap_or_else(|| {
             let (scenario, preset, seed) = running.clone();
-            Self { scenario, preset, seed, epsilon: EPSILON, awaiting_confirmation: None, running }
+            Self {
+                scenario,
+                preset,
+                seed,
+                seed_problem: None,
+                transfer_from: PolicySource::Current,
+                epsilon: EPSILON,
+                awaiting_confirmation: None,
+                running,
+            }
         })
     }
 
@@ -47,5 +60,22 @@ impl SetupForm {
     pub fn start_training(&self) -> Command {
         let (scenario, preset) = (self.scenario.clone(), self.preset.clone());
         Command::StartTraining { scenario, preset, seed: self.seed }
+    }
+
+    /// The command that starts a training with these choices from the weights of `policy`.
+    #[must_use]
+    pub fn transfer(&self, policy: PolicySource) -> Command {
+        let (scenario, preset) = (self.scenario.clone(), self.preset.clone());
+        Command::Transfer { policy, scenario, preset, seed: self.seed, epsilon: self.epsilon }
+    }
+
+    /// Goes back to the running training.
+    pub fn undo(&mut self, status: &AppSnapshot) {
+        *self = Self::resume(None, status);
+    }
+
+    /// Withdraws the question about a command that is no longer offered.
+    pub fn withdraw_question(&mut self, is_meant: impl Fn(&Command) -> bool) {
+        self.awaiting_confirmation.take_if(|asked| is_meant(asked));
     }
 }

@@ -6,7 +6,7 @@
 use bevy::asset::AssetEventSystems;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
-use bevy::window::{ExitCondition, PresentMode, PrimaryWindow, WindowResolution};
+use bevy::window::{ExitCondition, PresentMode, PrimaryWindow, WindowCloseRequested, WindowResolution};
 use bevy::winit::WinitSettings;
 use bevy_egui::{EguiContexts, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
@@ -20,6 +20,8 @@ use super::screen::{self, ScreenInput, theme};
 #[cfg(not(target_arch = "wasm32"))]
 use super::screenshot::{ScreenshotRequest, take_screenshot};
 use super::session::{StartOptions, TrainingHistory, TrainingRun};
+#[cfg(not(target_arch = "wasm32"))]
+use super::shutdown;
 use super::view_state::{EditorSource, Overlays, ThemeChoice};
 use super::window_input::{draw_less_when_idle, fit_to_monitor, fix_input, take_dropped_files};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
@@ -46,12 +48,17 @@ pub struct WindowOptions {
 /// Opens the window and runs the app until it is closed.
 ///
 /// # Errors
-/// There is no display, or the screenshot could not be written.
+/// There is no display, the screenshot could not be written, or a signal or a failure has ended the app.
 pub fn run(options: WindowOptions) -> Result<(), RunError> {
-    let _connection = connect_to_display()?;
-    match app(options).run() {
+    #[cfg(all(unix, not(target_os = "macos")))]
+    shutdown::watch_display(connect_to_display()?);
+    let exit = app(options).run();
+    #[cfg(not(target_arch = "wasm32"))]
+    return shutdown::result(&exit);
+    #[cfg(target_arch = "wasm32")]
+    match exit {
         AppExit::Success => Ok(()),
-        AppExit::Error(_) => Err(RunError::Failed("the window closed unexpectedly (see above)".into())),
+        AppExit::Error(_) => Err(RunError::Failed("the window closed unexpectedly".into())),
     }
 }
 
@@ -71,18 +78,12 @@ pub fn app(options: WindowOptions) -> App {
 /// # Errors
 /// There is no display.
 #[cfg(all(unix, not(target_os = "macos")))]
-fn connect_to_display() -> Result<impl Sized, RunError> {
-    x11rb::connect(None).map_err(|error| {
+fn connect_to_display() -> Result<x11rb::rust_connection::RustConnection, RunError> {
+    x11rb::connect(None).map(|(connection, _)| connection).map_err(|error| {
         RunError::InvalidInput(format!(
             "no display for the window ({error}); help: train without a window with `wayfield --train`, or set DISPLAY"
         ))
     })
-}
-
-/// Other systems always have a display.
-#[cfg(not(all(unix, not(target_os = "macos"))))]
-fn connect_to_display() -> Result<impl Sized, RunError> {
-    Ok(())
 }
 
 struct WindowedPlugin(WindowOptions);
@@ -129,6 +130,8 @@ impl Plugin for WindowedPlugin {
             app.add_systems(Update, fit_to_monitor);
         }
         app.insert_resource(preferences).add_systems(Last, preferences::store);
+        #[cfg(not(target_arch = "wasm32"))]
+        app.add_plugins(shutdown::ShutdownPlugin);
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(file) = super::controls::ControlsFile::from_env() {
             app.insert_resource(file).add_systems(Last, super::controls::write_controls);
@@ -184,10 +187,15 @@ fn default_plugins((width, height): (f32, f32)) -> impl PluginGroup {
     // The page installs its own panic hook.
     #[cfg(target_arch = "wasm32")]
     let plugins = plugins.disable::<bevy::app::PanicHandlerPlugin>();
+    // `shutdown.rs` handles signals.
+    #[cfg(not(target_arch = "wasm32"))]
+    let plugins = plugins.disable::<bevy::app::TerminalCtrlCHandlerPlugin>();
     plugins
         .set(WindowPlugin {
             primary_window: Some(window),
             exit_condition: ExitCondition::OnPrimaryClosed,
+            // The session decides ([`screen::request_close`]).
+            close_when_requested: false,
             ..Default::default()
         })
         // Warnings of graphics drivers are of no use to the user.
@@ -201,6 +209,7 @@ fn draw(
     history: Res<TrainingHistory>,
     mut view_state: ResMut<CurrentViewState>,
     mut commands: MessageWriter<Command>,
+    mut close_requests: MessageReader<WindowCloseRequested>,
     mut is_theme_installed: Local<bool>,
 ) -> Result {
     let context = contexts.ctx_mut()?;
@@ -215,6 +224,9 @@ fn draw(
     let mut requested = Vec::new();
     let view = ScreenInput { scene, status, history: &history.0 };
     screen::screen_ui(&mut ui, &view, &mut view_state.0, &mut requested);
+    if close_requests.read().count() > 0 {
+        screen::request_close(&mut view_state.0, &mut requested);
+    }
     commands.write_batch(requested);
     Ok(())
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::output::{print_json, print_stdout};
 use super::policy;
 use super::shared::SharedArgs;
+use super::values;
 use crate::learning::Policy;
 use crate::limits::MAX_EVAL_EPISODES;
 use crate::planner::unsupported_reason;
@@ -30,7 +31,7 @@ const ROUTE_EPISODES_PER_ROUND: usize = 5;
 #[command(next_help_heading = "Options of --eval")]
 pub struct EvalArgs {
     /// Rounds of episodes
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
     rounds: u32,
 
     /// Also drive the scenario's benchmark route, 5 rounds of 5 episodes; the paper's, from (0, 0) to (1.2, 1.2), in

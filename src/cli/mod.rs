@@ -23,14 +23,18 @@ mod values;
 #[cfg(feature = "gui")]
 mod window;
 
+use std::any::TypeId;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::{CommandFactory, FromArgMatches, Parser};
+use clap::error::ErrorKind;
+use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser};
 
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, signals};
+use crate::scenario::is_unprintable;
 use crate::simulation::Extensions;
 
 const AFTER_HELP: &str = "\
@@ -43,6 +47,7 @@ Examples:
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        check every scenario in a folder
 
+A file may be `-`, standard input. Whole numbers may be written 600000, 600_000, 6e5 or 600k.
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
 2 invalid arguments or files, 128 + N a run stopped by signal N: Ctrl-C (130), SIGTERM (143) and
 SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
@@ -69,11 +74,36 @@ struct Arguments {
 impl Arguments {
     /// The arguments parsed from `words`; the first word is the program's name.
     fn parse_words(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let words: Vec<OsString> = words.into_iter().collect();
         let mut command = Self::command();
-        let matches = command.try_get_matches_from_mut(words)?;
+        let matches = match command.try_get_matches_from_mut(&words) {
+            Err(error) if error.kind() == ErrorKind::InvalidUtf8 => {
+                return Err(not_utf8(&mut command, &words).unwrap_or(error));
+            }
+            matches => matches?,
+        };
         modes::check(&mut command, &matches)?;
         Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
     }
+}
+
+/// The error for the first word that must be text but is not UTF-8, with the name of its flag.
+fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
+    let takes_text = |arg: &Arg| arg.get_value_parser().type_id() != TypeId::of::<PathBuf>();
+    let mut flag = None;
+    let mut message = None;
+    for word in words.iter().skip(1) {
+        let text = word.to_string_lossy();
+        let name = text.strip_prefix("--").and_then(|rest| rest.split('=').next());
+        let named = command.get_arguments().find(|arg| arg.get_long() == name && name.is_some());
+        flag = named.or(flag);
+        if let (None, Some(flag)) = (word.to_str(), flag.filter(|flag| takes_text(flag))) {
+            message =
+                Some(format!("the value '{text}' for '{flag}' is not valid UTF-8; help: rename the file"));
+            break;
+        }
+    }
+    message.map(|message| command.error(ErrorKind::InvalidUtf8, message))
 }
 
 /// Runs the command line of this process and returns the exit status. `began` is the start of the process, from which wall
@@ -92,7 +122,7 @@ impl Arguments {
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
     signals::survive_file_size_limit();
-    let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| exit(&error));
     arguments.shared.extensions = extensions;
     match run(arguments, began) {
         Ok(()) => ExitCode::SUCCESS,
@@ -102,6 +132,17 @@ pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
             ExitCode::from(error.exit_status())
         }
     }
+}
+
+/// Prints clap's message and exits. A message with an argument that a terminal would act on is printed without colours, so
+/// that it can be escaped.
+fn exit(error: &clap::Error) -> ! {
+    let text = error.to_string();
+    if text.contains(|c| is_unprintable(c) && c != '\n' && c != '\t') {
+        print_stderr(text.trim_end());
+        std::process::exit(error.exit_code());
+    }
+    error.exit()
 }
 
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
@@ -121,7 +162,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         #[cfg(feature = "gui")]
         return match mode.replay {
             Some(folder) => replay::run(&folder),
-            None => window::run(arguments.window, shared),
+            None => window::run(arguments.window, shared, arguments.train.checkpoint_every),
         };
         #[cfg(not(feature = "gui"))]
         Err(RunError::InvalidInput(

@@ -51,7 +51,7 @@ const MODES: &[(&str, &[&str])] = &[
 
 /// The options that the app takes, by clap id.
 #[cfg(feature = "gui")]
-const APP: &[&str] = &["scenario", "preset", "seed", "WindowArgs"];
+const APP: &[&str] = &["scenario", "preset", "seed", "checkpoint_every", "WindowArgs"];
 #[cfg(not(feature = "gui"))]
 const APP: &[&str] = &[];
 

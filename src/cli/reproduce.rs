@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::output::{print_json, print_stdout};
 use super::shared::SharedArgs;
 use super::train::SAVING;
+use super::values;
 use crate::reproduce::{ReproduceOptions, Reproduction, reproduce};
 use crate::run::RunError;
 use crate::run::signals::stop_on_signal;
@@ -23,7 +24,7 @@ pub struct ReproduceArgs {
     only: Vec<String>,
 
     /// Number of seeds [default: the experiment's, 5 for the paper's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u64>(1..=1000), allow_negative_numbers = true)]
     seeds: Option<u64>,
 
     /// Make a rough report in a minute: two seeds, a tenth of the episodes
@@ -36,7 +37,7 @@ pub struct ReproduceArgs {
     experiment: Vec<PathBuf>,
 
     /// Number of parallel runs; it does not change the results [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u16>(1..=1024), allow_negative_numbers = true)]
     jobs: Option<u16>,
 }
 

@@ -16,6 +16,7 @@ use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::Budget;
 use crate::run::signals::stop_on_signal;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
+use crate::scenario::{printable_path, quoted};
 
 /// The options of `--train`.
 #[derive(Args, Debug)]
@@ -27,7 +28,7 @@ pub struct TrainArgs {
     steps: Option<u64>,
 
     /// Number of parallel arenas [default: the preset's]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = values::whole::<usize>(1..=MAX_ARENAS as u64), allow_negative_numbers = true)]
     arenas: Option<usize>,
 
     /// Start from the weights of a policy (transfer)
@@ -35,7 +36,7 @@ pub struct TrainArgs {
     init: Option<PathBuf>,
 
     /// Initial epsilon with --init (the paper: 0.5) [default: the preset's]
-    #[arg(long, value_name = "X", requires = "init")]
+    #[arg(long, value_name = "X", requires = "init", value_parser = values::share, allow_negative_numbers = true)]
     epsilon: Option<f32>,
 
     /// Continue the run in DIR exactly where it stopped (--train may be left out); --episodes or --steps set a
@@ -44,9 +45,10 @@ pub struct TrainArgs {
         conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
     pub resume: Option<PathBuf>,
 
-    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]
+    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]. In the app:
+    /// save the training automatically every S seconds [default: 25]
     #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
-    checkpoint_every: Option<Duration>,
+    pub checkpoint_every: Option<Duration>,
 }
 
 /// What the first signal prints.
@@ -69,7 +71,7 @@ pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), Ru
     if summary.finished {
         return Ok(());
     }
-    let folder = quoted(&folder.display().to_string());
+    let folder = quoted(folder);
     Err(RunError::Stopped(format!("stopped; help: `{} --resume {folder}` continues", program())))
 }
 
@@ -79,14 +81,8 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
     let preset = &mut config.preset;
     preset.budget = budget.unwrap_or(preset.budget);
     preset.arenas = args.arenas.unwrap_or(preset.arenas);
-    if let Some(arenas) = args.arenas.filter(|n| !(1..=MAX_ARENAS).contains(n)) {
-        return Err(RunError::InvalidInput(format!("--arenas is {arenas}; help: give 1 to {MAX_ARENAS}")));
-    }
     if let Some(diagnostic) = preset.diagnostics().first() {
         return Err(RunError::InvalidInput(format!("{}: {diagnostic}", shared.preset())));
-    }
-    if let Some(epsilon) = args.epsilon.filter(|x| !(0.0..=1.0).contains(x)) {
-        return Err(RunError::InvalidInput(format!("--epsilon is {epsilon}; help: give 0 to 1")));
     }
     let policy = args
         .init
@@ -119,7 +115,7 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         percent(summary.last_success_rate),
         first(&summary.first_96),
         first(&summary.first_99),
-        folder.display(),
+        printable_path(folder),
         eval_command(folder, summary),
     )
 }
@@ -127,18 +123,14 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
 /// The command that tests the run's best policy in the run's scenario.
 fn eval_command(folder: &Path, summary: &Summary) -> String {
     let program = program();
-    let policy = quoted(&folder.join("policy.safetensors").display().to_string());
+    let policy = quoted(folder.join("policy.safetensors"));
     match summary.scenario_from.as_str() {
         "scenario-1" => format!("{program} --eval {policy}"),
         other => format!("{program} --eval {policy} --scenario {}", quoted(other)),
     }
 }
 
-/// The name by which the program was started.
+/// The name by which the program was started, quoted for a shell.
 fn program() -> String {
-    std::env::args().next().unwrap_or_else(|| "wayfield".into())
-}
-
-fn quoted(text: &str) -> String {
-    if text.contains(' ') { format!("'{text}'") } else { text.to_owned() }
+    std::env::args_os().next().map_or_else(|| "wayfield".into(), quoted)
 }

@@ -1,22 +1,99 @@
 //! Parsers for option values.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use crate::limits::MAX_STEPS;
+use crate::scenario::whole_number;
+
+/// A parser of whole numbers in `range`. They may be written 600000, 600_000, 6e5 or 600k.
+pub fn whole<N: TryFrom<u64>>(
+    range: RangeInclusive<u64>,
+) -> impl Fn(&str) -> Result<N, String> + Clone + Send + Sync + 'static {
+    move |text: &str| {
+        let value = whole_number(text).filter(|n| range.contains(n)).and_then(|n| N::try_from(n).ok());
+        value.ok_or_else(|| {
+            let ungrouped = whole_number(&text.replace([',', ' ', '\'', '’', '\u{a0}', '\u{202f}'], ""));
+            let fix = ungrouped.filter(|n| whole_number(text) != Some(*n)).map(|n| format!("; write {n}"));
+            format!(
+                "give a whole number from {} to {}{}",
+                range.start(),
+                range.end(),
+                fix.unwrap_or_default()
+            )
+        })
+    }
+}
 
 /// Parses a number of episodes or env steps.
 pub fn budget(text: &str) -> Result<u64, String> {
-    let value = text.parse().ok().filter(|n| (1..=MAX_STEPS).contains(n));
-    value.ok_or_else(|| format!("give a whole number from 1 to {MAX_STEPS}"))
+    whole(1..=MAX_STEPS)(text)
+}
+
+/// Parses a seed.
+pub fn seed(text: &str) -> Result<u64, String> {
+    whole(0..=u64::MAX)(text)
+}
+
+/// Parses a share from 0 to 1.
+pub fn share(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
+    value.ok_or_else(|| format!("give a number from 0 to 1{}", decimal_point(text)))
 }
 
 /// Parses a time in s.
 pub fn seconds(text: &str) -> Result<Duration, String> {
     let value = text.parse().ok().filter(|s| (0.01..=1e6).contains(s));
-    value.map(Duration::from_secs_f64).ok_or_else(|| "give 0.01 to 1000000 seconds".into())
+    value
+        .map(Duration::from_secs_f64)
+        .ok_or_else(|| format!("give 0.01 to 1000000 seconds{}", decimal_point(text)))
 }
 
-/// Parses a seed.
-pub fn seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("give a whole number from 0 to {}", u64::MAX))
+/// The end of a message about `text` if it is a number with a decimal comma.
+fn decimal_point(text: &str) -> String {
+    let fixed = text.replacen(',', ".", 1);
+    let is_fixed = fixed != text && fixed.parse::<f64>().is_ok();
+    if is_fixed { format!("; write {fixed}") } else { String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_numbers_may_be_written_short() {
+        for (text, value) in [
+            ("600000", 600_000),
+            ("600_000", 600_000),
+            ("6e5", 600_000),
+            ("6E+5", 600_000),
+            ("0.6e6", 600_000),
+            ("600k", 600_000),
+            ("1.5M", 1_500_000),
+        ] {
+            assert_eq!(budget(text), Ok(value), "{text}");
+        }
+        assert_eq!(seed("18446744073709551615"), Ok(u64::MAX), "no digit of a seed is lost");
+        for (text, fix) in [
+            ("600,000", "; write 600000"),
+            ("600 000", "; write 600000"),
+            ("6.5", ""),
+            ("-1", ""),
+            ("_1", ""),
+            ("1__0", ""),
+            ("1e-3", ""),
+            ("0", ""),
+            ("1e16", ""),
+            ("inf", ""),
+            ("6e", ""),
+            ("", ""),
+            ("k", ""),
+        ] {
+            let error = format!("give a whole number from 1 to 1000000000000000{fix}");
+            assert_eq!(budget(text), Err(error), "{text}");
+        }
+        assert_eq!(share("0,5"), Err("give a number from 0 to 1; write 0.5".into()));
+        assert_eq!(share("NaN"), Err("give a number from 0 to 1".into()));
+        assert_eq!(seconds("1,5"), Err("give 0.01 to 1000000 seconds; write 1.5".into()));
+    }
 }

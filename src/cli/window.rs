@@ -1,17 +1,20 @@
 //! The app, which opens if no mode is given.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
 
 use super::shared::SharedArgs;
+use super::values;
 use crate::app::{
     commands::Pace,
     screenshot::ScreenshotRequest,
-    session::StartOptions,
+    session::{AutosaveOptions, StartOptions, autosave::AUTOSAVE_INTERVAL},
     view_state::{Overlays, ThemeChoice},
     window::{self, WindowOptions},
 };
+use crate::limits::MAX_STEPS;
 use crate::run::output_file::check_writable;
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, shipped};
@@ -49,7 +52,8 @@ pub struct WindowArgs {
     screenshot: Option<PathBuf>,
 
     /// Take the screenshot after N control steps
-    #[arg(long, value_name = "N", requires = "screenshot", default_value_t = 0)]
+    #[arg(long, value_name = "N", requires = "screenshot", default_value_t = 0,
+        value_parser = values::whole::<u64>(0..=MAX_STEPS), allow_negative_numbers = true)]
     screenshot_after: u64,
 }
 
@@ -71,12 +75,13 @@ enum OverlayArg {
     None,
 }
 
-/// Opens the app and returns when its window is closed.
+/// Opens the app and returns when its window is closed. The training is saved at the interval `save_every`.
 ///
 /// # Errors
-/// The scenario or preset is invalid, or the window cannot be opened.
-pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
+/// The scenario or preset is invalid, the window cannot be opened, or a signal or a failure has closed it.
+pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -> Result<(), RunError> {
     let defaults = StartOptions::default();
+    let autosave = AutosaveOptions::in_data_folder(save_every.unwrap_or(AUTOSAVE_INTERVAL));
     let start = StartOptions {
         scenario: shared.scenario.unwrap_or(defaults.scenario),
         preset: shared.preset.unwrap_or(defaults.preset),
@@ -84,6 +89,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs) -> Result<(), RunError> {
         pace: args.pace.unwrap_or(defaults.pace),
         open: args.open.clone(),
         edit: args.edit,
+        autosave: args.screenshot.is_none().then_some(autosave),
         extensions: shared.extensions,
         ..defaults
     };

@@ -68,6 +68,7 @@ fn learning_curves(
         x_label: "episodes".into(),
         include_x: Vec::new(),
         mean_label: "smoothed mean".into(),
+        band_label: "95 % interval".into(),
         raw_label: "mean of each episode".into(),
         panels: series.iter().map(panel).collect(),
         markers: stage_markers(results, index),
@@ -94,6 +95,7 @@ fn curve(
         points: band(&smoothed).iter().enumerate().map(point).collect(),
         raw: band(&runs).iter().enumerate().map(|(i, e)| (episode(i), e.mean)).collect(),
         raw_style: RawStyle::Line,
+        faint: false,
     }
 }
 

@@ -12,6 +12,7 @@ use indicatif::{HumanDuration, ProgressBar};
 use super::plan::Training;
 use crate::run::preset::Budget;
 use crate::run::progress::{Progress, ProgressListener, bar, print_stderr};
+use crate::scenario::printable;
 
 /// Time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
@@ -64,7 +65,7 @@ impl OverallProgress {
     pub fn listener(self: &Arc<Self>, index: usize, training: &Training) -> ProgressListener {
         let config = &training.config;
         let name = format!("{} in {}, seed {}", config.preset_name(), config.scenario.name, config.seed);
-        self.lock().running.insert(index, name);
+        self.lock().running.insert(index, printable(&name).into_owned());
         let overall = self.clone();
         let training = training.clone();
         Box::new(move |progress: &Progress| {

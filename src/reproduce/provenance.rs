@@ -4,6 +4,7 @@ use super::plan::RunPlan;
 use super::results::Results;
 use crate::report::format::number;
 use crate::run::preset::Budget;
+use crate::scenario::quoted;
 
 /// The provenance of a report, as names and values.
 pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f64) -> Vec<(String, String)> {
@@ -12,7 +13,7 @@ pub fn provenance(results: &Results<'_>, plan: &RunPlan, jobs: usize, wall_s: f6
         Budget::Episodes(n) => n,
         Budget::EnvSteps(_) => 0,
     });
-    let command: Vec<String> = std::env::args().skip(1).collect();
+    let command: Vec<String> = std::env::args_os().skip(1).map(quoted).collect();
     let entries = [
         ("Version", format!("wayfield {}", env!("CARGO_PKG_VERSION"))),
         ("Command", format!("wayfield {}", command.join(" "))),

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::report::run_figure::{EpisodePoint, EvaluationPoint};
 use crate::scenario::read_text;
 use crate::task::EpisodeEnd;
 
@@ -58,6 +59,12 @@ impl EpisodeRow {
     pub fn collision_flag(end: EpisodeEnd) -> u8 {
         u8::from(end == EpisodeEnd::Collided)
     }
+
+    /// The episode in the figure of the run.
+    #[must_use]
+    pub fn point(&self) -> EpisodePoint {
+        EpisodePoint { env_steps: self.env_steps, total_return: self.total_return, goals: self.goals }
+    }
 }
 
 /// A row of `evaluations.csv`.
@@ -82,6 +89,15 @@ pub struct EvaluationRow {
     pub mean_cost_s: f64,
     /// Wall time from the start of the process, in s; summed over all processes of a resumed run.
     pub wall_s: f64,
+}
+
+impl EvaluationRow {
+    /// The evaluation in the figure of the run.
+    #[must_use]
+    pub fn point(&self) -> EvaluationPoint {
+        let &Self { env_steps, success_rate, mean_time_s, mean_cost_s, .. } = self;
+        EvaluationPoint { env_steps, success_rate, mean_time_s, mean_cost_s }
+    }
 }
 
 /// The first evaluation that reached a given success rate.

@@ -8,11 +8,12 @@ use std::time::{Duration, Instant};
 
 use super::RunError;
 use super::checkpoint::{BestPolicy, TrainerState};
-use super::folder::RunFolder;
+use super::folder::{RunConfig, RunFolder};
 use super::metric_rows::{EpisodeRow, EvaluationRow};
+use super::shipped;
 use super::tensorboard::{EventWriter, cut_back};
 use super::write_points::write_point;
-use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
+use crate::report::run_figure::{RunFigure, best_evaluation};
 
 const EPISODES: &str = "episodes.csv";
 const EVALUATIONS: &str = "evaluations.csv";
@@ -144,26 +145,22 @@ impl MetricsWriter {
         Ok((episodes, evaluations))
     }
 
-    /// Draws `learning-curve.svg` with the title `title`, from the rows on disk, which include those before a
-    /// resume. `compare_with_paper` adds the paper's success rate in Scenario I.
+    /// Draws `learning-curve.svg` of the run of `config`, from the rows on disk, which include those before a resume.
     ///
     /// # Errors
     /// The rows cannot be read, or the SVG file cannot be written.
-    pub fn draw(&self, title: &str, compare_with_paper: bool) -> Result<(), RunError> {
-        let episodes: Vec<EpisodePoint> = self.rows(EPISODES, |row: EpisodeRow| EpisodePoint {
-            env_steps: row.env_steps,
-            total_return: row.total_return,
-            goals: row.goals,
-        })?;
-        let evaluations: Vec<EvaluationPoint> =
-            self.rows(EVALUATIONS, |row: EvaluationRow| EvaluationPoint {
-                env_steps: row.env_steps,
-                success_rate: row.success_rate,
-                mean_time_s: row.mean_time_s,
-                mean_cost_s: row.mean_cost_s,
-            })?;
-        let tolerance = BestPolicy::COST_TOLERANCE;
-        let svg = learning_curve_svg(title, &episodes, &evaluations, tolerance, compare_with_paper)
+    pub fn draw(&self, config: &RunConfig) -> Result<(), RunError> {
+        let evaluations = self.rows(EVALUATIONS, |row: EvaluationRow| row.point())?;
+        let figure = RunFigure {
+            title: config.description(),
+            episodes: self.rows(EPISODES, |row: EpisodeRow| row.point())?,
+            best: best_evaluation(&evaluations, BestPolicy::COST_TOLERANCE),
+            evaluations,
+            is_paper_scenario_1: shipped::is_paper_scenario_1(&config.scenario),
+            ..RunFigure::default()
+        };
+        let svg = figure
+            .svg()
             .map_err(|error| RunError::failed(&self.folder.path().join("learning-curve.svg"), error))?;
         self.folder.write("learning-curve.svg", |file| file.write_all(svg.as_bytes()))
     }

@@ -7,7 +7,6 @@
 //! | `preset.rs` | training presets |
 //! | `memory.rs` | the memory that a run needs |
 //! | `notes/` | doubtful settings of a run |
-//! | `check_files.rs` | checks of scenario and preset files |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
 //! | `train/` | the training loop |
@@ -28,8 +27,6 @@
 //! | `signals.rs` | the signals that ask the program to stop |
 
 pub mod background_evaluator;
-#[cfg(not(target_arch = "wasm32"))]
-pub mod check_files;
 pub mod checkpoint;
 pub mod evaluate;
 pub mod fingerprint;
@@ -90,12 +87,12 @@ impl RunError {
 
     /// The error for an invalid file.
     pub(crate) fn invalid_input(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
-        Self::InvalidInput(format!("{}: {why}", path.display()))
+        Self::InvalidInput(format!("{}: {why}", crate::scenario::printable_path(path)))
     }
 
     /// The error for a file that failed during the work.
     pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
-        Self::Failed(format!("{}: {why}", path.display()))
+        Self::Failed(format!("{}: {why}", crate::scenario::printable_path(path)))
     }
 }
 

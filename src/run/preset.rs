@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::learning::LearningConfig;
 use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
 use crate::policy::range::within;
-use crate::scenario::{Diagnostic, FileError, parse_ron, read_text};
+use crate::scenario::{Diagnostic, FileError, parse_checked, read_text};
 use crate::task::{Encoding, RewardConfig};
 
 /// A training preset: all settings of a training run except the scenario and the seed.
@@ -81,14 +81,7 @@ impl Preset {
     /// # Errors
     /// As for [`Preset::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        let preset: Self = parse_ron(text, path)?;
-        let diagnostics = preset.diagnostics();
-        if diagnostics.is_empty() {
-            Ok(preset)
-        } else {
-            Err(FileError::from_diagnostics(path, text, &diagnostics))
-        }
+        parse_checked(text, path, Self::diagnostics, Self::diagnostics)
     }
 
     /// All invalid values.

@@ -6,7 +6,7 @@ use bevy::math::{Vec2, vec2};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use wayfield::app::commands::{Command, SessionMode};
+use wayfield::app::commands::{Command, EditorReply, SessionMode};
 use wayfield::app::editor::{Editor, Selection, Tool};
 use wayfield::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario, Shape, diagnostics};
 
@@ -318,6 +318,22 @@ fn leaving_asks_about_unsaved_changes_and_resumes_the_simulation() {
     assert_eq!(edited_scenario(&mut window).obstacles[0].position_m, vec2(1.0, 0.6));
     assert_eq!(click(&mut window, "Train"), []);
     assert_eq!(click(&mut window, "Discard changes"), [], "it was training before");
+    assert!(window.state().view_state.editor.is_none());
+}
+
+#[test]
+fn leaving_can_save_the_changes_first() {
+    let mut window = editing();
+    drag(&mut window, vec2(0.6, 0.6), vec2(1.0, 0.6));
+    assert_eq!(click(&mut window, "Test"), []);
+    let sent = click(&mut window, "Save and leave");
+    let [Command::SaveScenario { scenario, path: None, .. }] = &sent[..] else { panic!("{sent:?}") };
+    assert_eq!(scenario.obstacles[0].position_m, vec2(1.0, 0.6));
+    assert_eq!(sent_commands(&mut window), [], "not before it is saved");
+    assert!(window.state().view_state.editor.is_some());
+    let reply = EditorReply::Saved { file: "mine.ron".into(), scenario: scenario.clone() };
+    window.state_mut().view_state.receive(&reply);
+    assert!(sent_commands(&mut window).contains(&Command::SetMode(SessionMode::Test)));
     assert!(window.state().view_state.editor.is_none());
 }
 

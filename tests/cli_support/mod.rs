@@ -9,7 +9,9 @@ pub mod event_files;
 pub mod messages;
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -57,11 +59,29 @@ impl Workspace {
 
     /// The command for the binary with `arguments`, which are separated by spaces.
     fn command(&self, arguments: &str) -> Command {
+        self.command_of_words(arguments.split_whitespace())
+    }
+
+    fn command_of_words(&self, words: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_wayfield"));
         // No window must open while tests run.
         command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
-        command.args(arguments.split_whitespace()).current_dir(self.folder.path()).stdin(Stdio::null());
+        command.args(words).current_dir(self.folder.path()).stdin(Stdio::null());
         command
+    }
+
+    /// Runs the binary with `words`, which may contain spaces or be no text.
+    pub fn run_words(&self, words: impl IntoIterator<Item = impl AsRef<OsStr>>) -> CommandOutput {
+        CommandOutput::new(self.command_of_words(words).output().unwrap())
+    }
+
+    /// Runs the binary with `input` in a pipe on its standard input.
+    pub fn run_with_stdin(&self, arguments: &str, input: &str) -> CommandOutput {
+        let mut command = self.command(arguments);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+        wait_for_output(child)
     }
 
     /// Runs the binary and waits until it exits.

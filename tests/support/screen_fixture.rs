@@ -6,10 +6,10 @@
 use std::sync::Arc;
 
 use bevy::math::{Vec2, vec2};
-use wayfield::app::app_snapshot::{AppSnapshot, Choice, Notice, Severity};
-use wayfield::app::commands::{Command, Pace, SessionMode};
+use wayfield::app::app_snapshot::{AppSnapshot, BestSoFar, Choice, ExpertChoice, Notice, Severity};
+use wayfield::app::commands::{Command, Pace, PolicySource, SessionMode};
 use wayfield::app::history::History;
-use wayfield::app::scene::{ArenaScene, DriverLabel, ScalarField, Scene, Trail, TrailEnd};
+use wayfield::app::scene::{ArenaScene, DriverLabel, ScalarField, Scene, Score, Trail, TrailEnd};
 use wayfield::app::screen::{self, ScreenInput, theme};
 use wayfield::app::view_state::ViewState;
 use wayfield::run::metric_rows::{EpisodeRow, EvaluationRow};
@@ -72,9 +72,9 @@ impl ScreenFixture {
         let mut screen_fixture = Self { history: History::new(), ..Self::default() };
         let s = &mut screen_fixture.status;
         (s.paused, s.episodes, s.env_steps, s.gradient_steps, s.epsilon) = (true, 0, 0, 0, 1.0);
-        (s.success_rate, s.best_success_rate, s.simulated_s) = (None, None, 0.0);
+        (s.success_rate, s.best, s.simulated_s) = (None, None, 0.0);
         for arena in &mut screen_fixture.scene.arenas {
-            (arena.goals_reached, arena.collisions) = (0, 0);
+            arena.score = Score::default();
             (arena.path_m, arena.trails, arena.q_values) = (Vec::new(), Vec::new(), Vec::new());
         }
         screen_fixture
@@ -96,7 +96,8 @@ impl ScreenFixture {
     /// A test of the current policy in one arena.
     pub fn with_single_policy(mut self) -> Self {
         self.scene.arenas.truncate(1);
-        self.scene.arenas[0].driver = DriverLabel::Policy("Current policy".into());
+        self.scene.arenas[0].driver =
+            DriverLabel::Policy { name: "Current policy".into(), origin: "after 312,480 env steps".into() };
         self.status.mode = SessionMode::Test;
         self
     }
@@ -107,7 +108,7 @@ impl ScreenFixture {
                       scenarios/mine.ron:12:9: the robot's start (0.6, 0.6) is inside obstacle 1; \
                       move it at least 0.25 m away";
         for (severity, text) in
-            [(Severity::Info, "Saved to runs/fast.safetensors"), (Severity::Error, failed)]
+            [(Severity::Info, "Saved as /home/me/runs/fast.safetensors"), (Severity::Error, failed)]
         {
             self.status.notices.push(Notice { severity, text: text.into() });
         }
@@ -242,8 +243,7 @@ fn arena(n: usize, layout: &Arc<Scenario>) -> ArenaScene {
         q_values: vec![31.0, 44.5, 52.0, 38.0, 12.5],
         path_m,
         trails: ends.into_iter().enumerate().map(trail).collect(),
-        collisions: 41,
-        goals_reached: 96,
+        score: Score { reached: 96, collided: 41, timed_out: 3, reached_steps: 4_210 },
         inactive: false,
     }
 }
@@ -305,7 +305,7 @@ fn status() -> AppSnapshot {
         budget_env_steps: Some(400_000),
         epsilon: 0.12,
         success_rate: Some(0.946_5),
-        best_success_rate: Some(0.96),
+        best: Some(BestSoFar { success_rate: 0.96, env_steps: 252_720 }),
         env_steps_per_s: 1_600.0,
         real_time_factor: 20.0,
         simulated_s: 7_812.0,
@@ -313,7 +313,10 @@ fn status() -> AppSnapshot {
         opened_policy: None,
         notices: Vec::new(),
         restart_loses_training: false,
-        expert: Some("Expert of Scenario I".into()),
+        last_session: None,
+        quit_question: false,
+        expert: Some(ExpertChoice { name: "Scenario I expert".into(), is_new_here: false }),
+        tested: PolicySource::Current,
         has_disk: true,
         saved_scenario: None,
     }

@@ -136,7 +136,7 @@ test('a scenario selected with the mouse can continue or restart training, and t
     await click(page, 'Scenario');
     await click(page, 'Empty');
     await picture(page, 'selected');
-    await click(page, 'Continue here with this policy');
+    await click(page, 'Continue training in Empty');
     await until(page, (now) => now.scenario === 'empty' && now.env_steps > 0);
     await page.waitForFunction(() => location.search === '', null, { timeout: 20_000 });
     await click(page, 'Restart training');
@@ -152,7 +152,7 @@ test('one click compares an expert with the current policy', async () => {
     await until(page, (now) => now.env_steps > 0);
     await click(page, 'Watch an expert');
     const now = await until(page, (now) => now.mode === 'Compare');
-    assert.match(now.notice, /Expert of Scenario I/);
+    assert.match(now.notice, /Scenario I expert/);
     await page.waitForTimeout(4000);
     await picture(page, 'expert');
     assert.equal((await status(page)).env_steps, now.env_steps, 'training is suspended during the comparison');

@@ -29,6 +29,18 @@ pub fn number(value: f64, decimals: usize) -> String {
     text
 }
 
+/// A share from 0 to 1 in percent, 0.987 as 98.7%. Rounded down, so that 100% means that nothing failed. An en dash if
+/// `share` is not finite.
+#[must_use]
+pub fn percent(share: f64) -> String {
+    let percent = (share * 1000.0 + 1e-9).floor() / 10.0;
+    if percent.is_finite() {
+        format!("{percent:.*}%", usize::from(percent != 100.0))
+    } else {
+        "\u{2013}".into()
+    }
+}
+
 /// Whether all digits of a formatted number are 0.
 pub(crate) fn is_zero(text: &str) -> bool {
     !text.bytes().any(|b| (b'1'..=b'9').contains(&b))
@@ -52,6 +64,10 @@ mod tests {
         ] {
             assert_eq!(number(value, decimals), text);
         }
+        assert_eq!(
+            [0.0, 0.987, 0.9996, 1.0, f64::NAN].map(percent),
+            ["0.0%", "98.7%", "99.9%", "100%", "\u{2013}"]
+        );
         assert!(number(1.0, usize::MAX).starts_with("1.0"));
     }
 }

@@ -41,6 +41,7 @@
 //!     title: "A training run".into(),
 //!     x_label: "episodes".into(),
 //!     mean_label: "smoothed mean".into(),
+//!     band_label: "95 % interval".into(),
 //!     panels: vec![panel],
 //!     ..CurveChart::default()
 //! };

@@ -3,6 +3,7 @@
 use crate::claim::{ClaimResult, tally};
 use crate::page::{Item, Page, Section, Setting};
 use crate::page_text::{CLAIMS, PROVENANCE, SETTINGS, paragraphs, percent_encoded, relative_url};
+use crate::style::is_xml;
 use crate::table::{Column, ColumnKind, Table};
 
 impl Table {
@@ -113,7 +114,9 @@ fn setting(setting: &Setting) -> String {
 
 /// The Markdown document of `blocks`, separated by blank lines.
 fn document(blocks: &[String]) -> String {
-    blocks.join("\n\n") + "\n"
+    let mut text = blocks.join("\n\n") + "\n";
+    text.retain(is_xml);
+    text
 }
 
 fn list(lines: impl Iterator<Item = String>) -> String {

@@ -1,5 +1,7 @@
 //! The positions of all fields in a RON text.
 
+use std::ops::Range;
+
 use crate::tokens::token;
 
 /// A value in the text, with its key.
@@ -141,6 +143,35 @@ impl<'a> SourceMap<'a> {
         self.entries[self.innermost(offset)].value.min(offset)
     }
 
+    /// The range of the value of the innermost field around `offset`.
+    #[must_use]
+    pub fn value_at(&self, offset: usize) -> Range<usize> {
+        let Entry { value, end, .. } = self.entries[self.innermost(offset)];
+        self.trimmed(value..end)
+    }
+
+    /// The range of the innermost field around `offset`: its name and its value.
+    #[must_use]
+    pub fn field_at(&self, offset: usize) -> Range<usize> {
+        let Entry { start, end, .. } = self.entries[self.innermost(offset)];
+        self.trimmed(start..end)
+    }
+
+    /// The names of the fields of the top-level value.
+    pub fn field_names(&self) -> impl Iterator<Item = &'a str> {
+        self.entries.iter().skip(1).filter(|entry| entry.parent == 0).filter_map(|entry| match entry.step {
+            Step::Field((from, to)) => Some(&self.text[from..to]),
+            Step::Index(_) => None,
+        })
+    }
+
+    /// `range` within the text, without the spaces at its end.
+    fn trimmed(&self, range: Range<usize>) -> Range<usize> {
+        let end = range.end.min(self.text.len());
+        let start = range.start.min(end);
+        start..start + self.text[start..end].trim_end().len()
+    }
+
     /// The offset of the value at `path`. If the text does not contain the field, the offset of the innermost field on the
     /// path that it does contain; `None` if it contains no field of the path.
     #[must_use]
@@ -226,6 +257,19 @@ World(
             assert!(TEXT[offset..].starts_with(value), "{path} is at {value}, not {}", &TEXT[offset..]);
             assert_eq!(map.path_at(offset), path);
         }
+    }
+
+    #[test]
+    fn fields_and_values_have_ranges() {
+        let map = SourceMap::new(TEXT);
+        let names: Vec<_> = map.field_names().collect();
+        assert_eq!(names, ["name", "raw", "letter", "quote", "obstacles"]);
+        let at = TEXT.find("0.15").expect("the radius");
+        assert_eq!((&TEXT[map.field_at(at)], &TEXT[map.value_at(at)]), ("radius_m: 0.15", "0.15"));
+        let at = TEXT.find("Box").expect("the shape");
+        assert_eq!(&TEXT[map.value_at(at)], "Box(width_m: 1.0)");
+        let open = "(a: (b: 1 ";
+        assert_eq!(SourceMap::new(open).value_at(8), 8..9, "an open value ends with the text");
     }
 
     #[test]

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use wayfield_ron_patch::SourceMap;
 
 use super::limits::MAX_PROBLEMS;
+use super::text::{printable_path, without_mark};
 
 /// A problem found by a check in a value that was read successfully.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,8 +55,15 @@ impl FileError {
     /// The error for a problem at a byte offset of the text.
     #[must_use]
     pub fn at_offset(path: &Path, text: &str, offset: usize, message: impl Into<String>) -> Self {
-        let line_column = Some(line_column(text, offset));
-        Self { path: path.into(), problems: vec![LocatedDiagnostic { line_column, message: message.into() }] }
+        Self::at_offsets(path, text, vec![(offset, message.into())])
+    }
+
+    /// The error for several problems at byte offsets of the text.
+    #[must_use]
+    pub(super) fn at_offsets(path: &Path, text: &str, problems: Vec<(usize, String)>) -> Self {
+        let located =
+            |(offset, message)| LocatedDiagnostic { line_column: Some(line_column(text, offset)), message };
+        Self { path: path.into(), problems: problems.into_iter().map(located).collect() }
     }
 
     /// The error for the problems that a check found, as [`locate`] locates them. Only the first [`MAX_PROBLEMS`] are kept.
@@ -90,7 +98,7 @@ impl fmt::Display for FileError {
             if k > 0 {
                 f.write_str("\n")?;
             }
-            write!(f, "{}:", self.path.display())?;
+            write!(f, "{}:", printable_path(&self.path))?;
             if let Some((line, column)) = problem.line_column {
                 write!(f, "{line}:{column}:")?;
             }
@@ -103,6 +111,7 @@ impl fmt::Display for FileError {
 /// The locations of `diagnostics` in the text of their file: at the field, or at the start of the value if the text omits
 /// the field.
 pub fn locate<'d>(text: &str, diagnostics: impl Iterator<Item = &'d Diagnostic>) -> Vec<LocatedDiagnostic> {
+    let text = without_mark(text);
     let source_map = SourceMap::new(text);
     let located = |found: &Diagnostic| LocatedDiagnostic {
         line_column: source_map
@@ -112,6 +121,15 @@ pub fn locate<'d>(text: &str, diagnostics: impl Iterator<Item = &'d Diagnostic>)
         message: found.to_string(),
     };
     diagnostics.map(located).collect()
+}
+
+/// `path` as text. Runs record the names of their files as text, so that a file whose name is not UTF-8 could not be found
+/// again.
+///
+/// # Errors
+/// The path is not UTF-8.
+pub fn utf8(path: &Path) -> Result<&str, FileError> {
+    path.to_str().ok_or_else(|| FileError::for_file(path, "the file's name is not valid UTF-8: rename it"))
 }
 
 /// Line and column, counted from 1, of the character at a byte offset.

@@ -5,35 +5,43 @@
 //! all other RON files of the project, so that all errors have the same form. Points are [`Vec2`]s of glam, in m.
 
 mod check;
+mod explain;
 mod file_error;
 mod generate;
 mod geometry;
+#[cfg(not(target_arch = "wasm32"))]
+mod input;
 pub mod limits;
 mod load;
 mod motion;
 mod note;
 mod placement;
 pub mod polygon;
-mod ron_message;
 mod schema;
 mod shape;
+mod text;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
 mod write;
 
 pub use check::{benchmark_route_problem, diagnostics, notes};
-pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate};
+pub use explain::{closest_name, whole_number};
+pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate, utf8};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
+#[cfg(not(target_arch = "wasm32"))]
+pub use input::{is_special_file, path_exists, read_bytes};
 pub use limits::MAX_FILE_BYTES;
 pub use load::{
-    parse_ron, path_exists, read_bytes, read_ron, read_ron_with_limit, read_text, read_text_with_limit,
-    to_ron,
+    parse_checked, parse_ron, parse_ron_with_limit, read_ron, read_ron_with_limit, read_text,
+    read_text_with_limit, resemblance, to_ron,
 };
 pub use motion::pose_at;
 pub use note::{Note, NoteLevel};
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
-pub use ron_message::closest_name;
 pub use schema::*;
 pub use shape::RoundedBox;
+pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
+#[cfg(target_arch = "wasm32")]
+pub use virtual_files::{contains as path_exists, read as read_bytes};
 pub use write::to_text;

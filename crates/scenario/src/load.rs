@@ -12,12 +12,15 @@ use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use wayfield_ron_patch::SourceMap;
 
 use super::check::{diagnostics, value_diagnostics};
+use super::explain::{Recovered, closest_name, recover};
 use super::file_error::{Diagnostic, FileError};
 use super::limits::{MAX_FILE_BYTES, MAX_NESTING};
-use super::ron_message::{closest_name, explain};
+use super::read_bytes;
 use super::schema::Scenario;
+use super::text::{printable_path, without_mark};
 
 /// Folders of the project's own RON files, relative to its root.
 const SHIPPED: [&str; 3] = ["scenarios", "assets/presets", "assets/experiments"];
@@ -37,7 +40,7 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path.as_ref(), diagnostics)
+        parse_checked(text, path, value_diagnostics, diagnostics)
     }
 
     /// The scenario in the file at `path`, for editing: all numbers are valid, but the parts may not fit together.
@@ -54,22 +57,66 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::load_draft`].
     pub fn parse_draft(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        parse_checked(text, path.as_ref(), value_diagnostics)
+        parse_checked(text, path, value_diagnostics, value_diagnostics)
     }
 }
 
-fn parse_checked(
+/// A `T` from RON text, checked with `check`. If ron finds problems, `check_values` looks for more in what could be read:
+/// it checks single values, not whether they fit together. Errors name `path`.
+///
+/// # Errors
+/// [`FileError`] with all problems.
+pub fn parse_checked<T: DeserializeOwned>(
+    text: &str,
+    path: impl AsRef<Path>,
+    check_values: fn(&T) -> Vec<Diagnostic>,
+    check: fn(&T) -> Vec<Diagnostic>,
+) -> Result<T, FileError> {
+    let path = path.as_ref();
+    if text.len() as u64 > MAX_FILE_BYTES {
+        return Err(too_large(path, MAX_FILE_BYTES));
+    }
+    parse_any(text, path, check_values, check)
+}
+
+fn parse_any<T: DeserializeOwned>(
     text: &str,
     path: &Path,
-    check: fn(&Scenario) -> Vec<Diagnostic>,
-) -> Result<Scenario, FileError> {
-    let scenario = parse_ron(text, path)?;
-    let diagnostics = check(&scenario);
-    if diagnostics.is_empty() {
-        Ok(scenario)
-    } else {
-        Err(FileError::from_diagnostics(path, text, &diagnostics))
+    check_values: fn(&T) -> Vec<Diagnostic>,
+    check: fn(&T) -> Vec<Diagnostic>,
+) -> Result<T, FileError> {
+    let text = without_mark(text);
+    if text.trim().is_empty() {
+        return Err(FileError::for_file(path, "the file is empty"));
     }
+    let read = |text: &str| options().from_str::<T>(text);
+    let error = match read(text) {
+        Ok(value) => {
+            let diagnostics = check(&value);
+            let is_valid = diagnostics.is_empty();
+            return if is_valid {
+                Ok(value)
+            } else {
+                Err(FileError::from_diagnostics(path, text, &diagnostics))
+            };
+        }
+        Err(error) => error,
+    };
+    let Recovered { mut problems, value, ignored } = recover(text, error, read);
+    if let Some(value) = value {
+        let map = SourceMap::new(text);
+        let is_ignored = |at: &usize| {
+            let value = map.value_at(*at);
+            ignored.iter().any(|range| range.start < value.end && value.start <= range.end)
+        };
+        problems.extend(check_values(&value).iter().filter_map(|found| {
+            let at =
+                map.offset_of(&found.path).filter(|at| map.path_at(*at) == found.path && !is_ignored(at))?;
+            Some((at, found.to_string()))
+        }));
+    }
+    problems.sort_by_key(|(at, _)| *at);
+    Err(FileError::at_offsets(path, text, problems))
 }
 
 /// A `T` from the RON file at `path`.
@@ -90,7 +137,7 @@ pub fn read_ron_with_limit<T: DeserializeOwned>(
     max_bytes: u64,
 ) -> Result<T, FileError> {
     let path = path.as_ref();
-    parse_any(&read_text_with_limit(path, max_bytes)?, path)
+    parse_any(&read_text_with_limit(path, max_bytes)?, path, unchecked, unchecked)
 }
 
 /// A `T` from RON text. Errors name `path`.
@@ -98,17 +145,43 @@ pub fn read_ron_with_limit<T: DeserializeOwned>(
 /// # Errors
 /// [`FileError`] if `text` is not RON for a `T`.
 pub fn parse_ron<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T, FileError> {
-    if text.len() as u64 > MAX_FILE_BYTES {
-        return Err(too_large(path.as_ref(), MAX_FILE_BYTES));
-    }
-    parse_any(text, path.as_ref())
+    parse_checked(text, path, unchecked, unchecked)
 }
 
-fn parse_any<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, FileError> {
-    options().from_str(text).map_err(|error| {
-        let (offset, message) = explain(text, &error);
-        FileError::at_offset(path, text, offset, message)
-    })
+/// A `T` from RON text of up to `max_bytes`, for files that the program itself wrote. Errors name `path`.
+///
+/// # Errors
+/// [`FileError`] if `text` is not RON for a `T`.
+pub fn parse_ron_with_limit<T: DeserializeOwned>(
+    text: &str,
+    path: impl AsRef<Path>,
+    max_bytes: u64,
+) -> Result<T, FileError> {
+    let path = path.as_ref();
+    if text.len() as u64 > max_bytes {
+        return Err(too_large(path, max_bytes));
+    }
+    parse_any(text, path, unchecked, unchecked)
+}
+
+fn unchecked<T>(_: &T) -> Vec<Diagnostic> {
+    Vec::new()
+}
+
+/// How many of the top-level fields in a RON text are fields of the struct `T`, to tell of what kind an invalid file is. If the
+/// text begins with `name` and a bracket, the number is larger than any other.
+#[must_use]
+pub fn resemblance<T: DeserializeOwned>(text: &str, name: &str) -> usize {
+    let map = SourceMap::new(text);
+    let body = map.start().map_or("", |start| &text[start..]);
+    if body.strip_prefix(name).is_some_and(|rest| rest.trim_start().starts_with('(')) {
+        return usize::MAX;
+    }
+    let known = match options().from_str::<T>("(no_such_field: 0)").map_err(|error| error.code) {
+        Err(ron::Error::NoSuchStructField { expected, .. }) => expected,
+        _ => &[],
+    };
+    map.field_names().filter(|field| known.contains(field)).count()
 }
 
 /// `value` as RON text for [`parse_ron`], with one field per line.
@@ -117,28 +190,6 @@ fn parse_any<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, FileErro
 /// The error of ron for a type that RON can't represent. No type of the project is one.
 pub fn to_ron<T: Serialize>(value: &T) -> Result<String, ron::Error> {
     options().to_string_pretty(value, PrettyConfig::new().indentor("    "))
-}
-
-/// The first `max_bytes` bytes of the file at `path`, or all if it is shorter.
-///
-/// # Errors
-/// The file is missing or unreadable.
-#[cfg(not(target_arch = "wasm32"))]
-pub fn read_bytes(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    std::io::Read::read_to_end(&mut std::io::Read::take(std::fs::File::open(path)?, max_bytes), &mut bytes)?;
-    Ok(bytes)
-}
-
-#[cfg(target_arch = "wasm32")]
-pub use super::virtual_files::read as read_bytes;
-
-/// Whether a file or folder exists at `path`.
-pub fn path_exists(path: &Path) -> bool {
-    #[cfg(target_arch = "wasm32")]
-    return super::virtual_files::contains(path);
-    #[cfg(not(target_arch = "wasm32"))]
-    path.exists()
 }
 
 /// The text of the file at `path`.
@@ -168,15 +219,29 @@ pub fn read_text_with_limit(path: impl AsRef<Path>, max_bytes: u64) -> Result<St
     if bytes.len() as u64 > max_bytes {
         return Err(too_large(path, max_bytes));
     }
+    decoded(bytes, path)
+}
+
+/// The text in the `bytes` of the file at `path`.
+fn decoded(bytes: Vec<u8>, path: &Path) -> Result<String, FileError> {
+    const UTF_16: &str = "the text is encoded as UTF-16: save the file as UTF-8";
+    if matches!(
+        bytes.as_slice(),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1..=255, ..] | [1..=255, 0, 1..=255, 0, ..]
+    ) {
+        return Err(FileError::for_file(path, UTF_16));
+    }
+    if bytes.contains(&0) {
+        return Err(FileError::for_file(
+            path,
+            "this is not a text file: it contains zero bytes; give a RON file",
+        ));
+    }
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(&error.as_bytes()[..good]).into_owned();
-        FileError::at_offset(
-            path,
-            &text,
-            good,
-            "the text is not valid UTF-8 from here on: save the file as UTF-8",
-        )
+        let message = "the text is not valid UTF-8 from here on: save the file as UTF-8";
+        FileError::at_offset(path, &text, good, message)
     })
 }
 
@@ -193,6 +258,10 @@ fn too_large(path: &Path, max_bytes: u64) -> FileError {
 
 /// The error for a missing file, with the closest name among its neighbours (or the shipped files) and a list of them.
 fn missing(path: &Path) -> FileError {
+    if let Ok(target) = std::fs::read_link(path) {
+        let target = printable_path(&target);
+        return FileError::for_file(path, format!("this link leads to `{target}`, which does not exist"));
+    }
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut there = ron_files(folder);
     if there.is_empty() {
@@ -202,7 +271,7 @@ fn missing(path: &Path) -> FileError {
     let names = there.iter().filter_map(|file| file.file_stem()?.to_str());
     let near = closest_name(name, names)
         .and_then(|near| there.iter().find(|file| file.file_stem() == Some(near.as_ref())));
-    let hint = near.map(|file| format!(": did you mean `{}`?", file.display())).unwrap_or_default();
+    let hint = near.map(|file| format!(": did you mean `{}`?", printable_path(file))).unwrap_or_default();
     FileError::for_file(path, format!("no such file{hint}{}", listing(&there)))
 }
 
@@ -217,7 +286,7 @@ fn ron_files(folder: &Path) -> Vec<PathBuf> {
 
 /// The text " (files there: ...)" with up to twelve of `files`.
 fn listing(files: &[PathBuf]) -> String {
-    let names: Vec<_> = files.iter().take(12).map(|file| file.display().to_string()).collect();
+    let names: Vec<_> = files.iter().take(12).map(|file| printable_path(file)).collect();
     match files.len() {
         0 => String::new(),
         n if n > 12 => format!(" (files there: {} and {} more)", names.join(", "), n - 12),

@@ -9,6 +9,7 @@ use super::schema::{
     BenchmarkRoute, Generator, Lidar, Obstacle, ObstacleMotion, PlacementRule, Robot, Scenario, TaskRules,
     Wall,
 };
+use super::text::without_mark;
 
 /// `scenario` as the text of a RON file, which [`Scenario::load`] reads back to the same numbers, to the bit.
 ///
@@ -18,11 +19,14 @@ use super::schema::{
 /// from the defaults.
 #[must_use]
 pub fn to_text(scenario: &Scenario, old_text: Option<&str>) -> String {
-    let written = match old_text {
-        Some(old_text) => patch(old_text, scenario, &style(), |text| parse_ron(text, "").ok()),
+    let old = old_text.map(without_mark);
+    let written = match old {
+        Some(old) => patch(old, scenario, &style(), |text| parse_ron(text, "").ok()),
         None => wayfield_ron_patch::to_text(scenario, &style()),
     };
-    written.or_else(|_| to_ron(scenario)).unwrap_or_default()
+    let text = written.or_else(|_| to_ron(scenario)).unwrap_or_default();
+    // The byte order mark of the old text stays.
+    if old == old_text { text } else { format!("\u{feff}{text}") }
 }
 
 /// The defaults of the schema, each read from the shortest valid text of its type, and the blank lines of the shipped

@@ -31,6 +31,8 @@ pub struct Press {
 pub struct ExitRequest {
     /// The command to send after leaving, if any.
     pub then: Option<Command>,
+    /// Whether to leave as soon as the scenario is saved.
+    pub once_saved: bool,
 }
 
 /// The user's unfinished actions in the editor.

@@ -39,6 +39,19 @@ pub struct LearningCurves {
     pub repulsion: MovingAverage,
 }
 
+/// The curves of the training before a transfer, over its own env steps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EarlierCurves {
+    /// Success rate of the greedy policy in each evaluation, 0 to 1.
+    pub evaluated: DownsampledSeries,
+    /// Moving average of the return.
+    pub return_mean: DownsampledSeries,
+    /// Moving average of the goals per episode.
+    pub goal_mean: DownsampledSeries,
+    /// Env steps of the whole training.
+    pub env_steps: u64,
+}
+
 impl LearningCurves {
     /// Adds a finished episode to all curves but `evaluated`.
     pub(super) fn push_episode(&mut self, row: &EpisodeRow) {

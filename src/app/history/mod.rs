@@ -1,39 +1,35 @@
 //! The history of a training: the data of the plots and of their exports.
 //!
 //! In: a row for each episode and each evaluation, and annotations for the user's changes. Out:
-//! [`LearningCurves`] to draw, the same `episodes.csv` as a headless run writes, and the learning curve as
-//! PNG. Memory does not grow with the length of the training: curves are [`DownsampledSeries`], and the rows
+//! [`LearningCurves`] to draw, the same `episodes.csv` as a headless run writes, and the figure of the
+//! curves (`figure.rs`). Memory does not grow with the length of the training: curves are [`DownsampledSeries`], and the rows
 //! are in temporary files (`spool.rs`).
 
 mod annotations;
 mod curves;
+mod figure;
 mod series;
 mod spool;
 #[cfg(test)]
 mod tests;
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 pub use self::annotations::Annotation;
-pub use self::curves::LearningCurves;
+pub use self::curves::{EarlierCurves, LearningCurves};
+pub use self::figure::write_figure;
 pub use self::series::{DownsampledSeries, MAX_POINTS, MOVING_AVERAGE_EPISODES, MovingAverage};
 use self::spool::Spool;
-use crate::report::run_figure::{EpisodePoint, EvaluationPoint, learning_curve_svg};
-use crate::run::RunError;
-use crate::run::checkpoint::BestPolicy;
 use crate::run::folder::write_atomic;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::run::image_file::ImageFormat;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
-
-/// The maximum number of episodes drawn in the PNG. If there are more, every n-th is drawn.
-const MAX_PNG_EPISODES: u64 = 200_000;
 
 /// The history of a training.
 pub struct History {
     curves: LearningCurves,
     annotations: Vec<Annotation>,
+    /// The training before a transfer.
+    earlier: Option<EarlierCurves>,
     /// The ends of the x axis, in env steps.
     range: Option<(u64, u64)>,
     /// The number of rows in `rows`.
@@ -49,13 +45,14 @@ impl Default for History {
 }
 
 impl History {
-    /// An empty history. If temporary files cannot be written, plots and a coarser PNG still work, but not
+    /// An empty history. If temporary files cannot be written, plots and a coarser figure still work, but not
     /// the CSV.
     #[must_use]
     pub fn new() -> Self {
         Self {
             curves: LearningCurves::default(),
             annotations: Vec::new(),
+            earlier: None,
             range: None,
             episodes: 0,
             rows: Spool::new(),
@@ -66,6 +63,28 @@ impl History {
     /// Removes everything, before a new training starts.
     pub fn clear(&mut self) {
         *self = Self::new();
+    }
+
+    /// The curves to keep in the background while a training continues with the policy of this one.
+    #[must_use]
+    pub fn to_earlier(&self) -> EarlierCurves {
+        EarlierCurves {
+            evaluated: self.curves.evaluated.clone(),
+            return_mean: self.curves.return_mean.series().clone(),
+            goal_mean: self.curves.goal_mean.series().clone(),
+            env_steps: self.range.map_or(0, |(_, last)| last),
+        }
+    }
+
+    /// Shows the curves of the training before a transfer in the background.
+    pub fn set_earlier(&mut self, earlier: EarlierCurves) {
+        self.earlier = Some(earlier);
+    }
+
+    /// The curves of the training before a transfer.
+    #[must_use]
+    pub fn earlier(&self) -> Option<&EarlierCurves> {
+        self.earlier.as_ref()
     }
 
     /// Adds a finished episode.
@@ -108,59 +127,24 @@ impl History {
         &self.annotations
     }
 
-    /// The ends of the x axis, in env steps: from 0, or from the first row of a resumed run, to the last row.
-    /// `None` without rows.
+    /// The ends of the x axis, in env steps: from 0, or from the first row of a resumed run, to the last row; of the
+    /// training before a transfer, too. `None` without rows.
     #[must_use]
     pub fn range(&self) -> Option<(u64, u64)> {
-        self.range
-    }
-
-    /// The points of the learning curve for export: all episodes (or every n-th, if there are very many) and all
-    /// evaluations. If the temporary files failed, the points of the downsampled curves.
-    pub fn learning_curve_points(&mut self) -> (Vec<EpisodePoint>, Vec<EvaluationPoint>) {
-        (self.episode_points(), self.evaluation_points())
-    }
-
-    fn episode_points(&mut self) -> Vec<EpisodePoint> {
-        let nth = self.episodes.div_ceil(MAX_PNG_EPISODES).max(1);
-        let mut points = Vec::new();
-        let mut index = 0;
-        let all = self.rows.for_each(|row| {
-            if index % nth == 0 {
-                let EpisodeRow { env_steps, total_return, goals, .. } = row;
-                points.push(EpisodePoint { env_steps, total_return, goals });
-            }
-            index += 1;
-        });
-        if all.is_ok() {
-            return points;
+        let earlier =
+            self.earlier.as_ref().map(|earlier| (0, earlier.env_steps)).filter(|(_, last)| *last > 0);
+        match (self.range, earlier) {
+            (Some((first, last)), Some((_, earlier))) => Some((first, last.max(earlier))),
+            (own, earlier) => own.or(earlier),
         }
-        let pairs = self.curves.returns.points().iter().zip(self.curves.goals.points());
-        let point = |(total_return, goals): (&egui_plot::PlotPoint, &egui_plot::PlotPoint)| EpisodePoint {
-            env_steps: total_return.x as u64,
-            total_return: total_return.y,
-            goals: goals.y.round() as u32,
-        };
-        pairs.map(point).collect()
     }
 
-    fn evaluation_points(&mut self) -> Vec<EvaluationPoint> {
-        let mut points = Vec::new();
-        let all = self.evaluations.for_each(|row| {
-            let EvaluationRow { env_steps, success_rate, mean_time_s, mean_cost_s, .. } = row;
-            points.push(EvaluationPoint { env_steps, success_rate, mean_time_s, mean_cost_s });
-        });
-        if all.is_ok() {
-            return points;
-        }
-        // The times of these evaluations are unknown. A NaN cost keeps all of them from being marked as the best.
-        let point = |point: &egui_plot::PlotPoint| EvaluationPoint {
-            env_steps: point.x as u64,
-            success_rate: point.y,
-            mean_time_s: None,
-            mean_cost_s: f64::NAN,
-        };
-        self.curves.evaluated.points().iter().map(point).collect()
+    /// The rows of all episodes as CSV, with the columns of `episodes.csv`, after its first `offset` bytes.
+    ///
+    /// # Errors
+    /// The rows could not be stored.
+    pub fn episodes_csv_from(&mut self, offset: u64) -> io::Result<Vec<u8>> {
+        self.rows.csv_from(offset)
     }
 
     /// Writes a row per episode, with the columns of `episodes.csv`. The file is written atomically.
@@ -169,24 +153,5 @@ impl History {
     /// The rows could not be stored, or `to` cannot be written.
     pub fn write_csv(&mut self, to: &Path) -> io::Result<()> {
         write_atomic(to, |file| self.rows.write_csv_to(file))
-    }
-
-    /// Writes the learning curve with `title` as an SVG file or a PNG file 1280 pixels wide, by the file's extension. In a
-    /// browser it is always SVG. `compare_with_paper` adds the paper's success rate in Scenario I.
-    ///
-    /// # Errors
-    /// The figure cannot be drawn, or `to` cannot be written.
-    pub fn write_figure(&mut self, title: &str, compare_with_paper: bool, to: &Path) -> Result<(), RunError> {
-        #[cfg(not(target_arch = "wasm32"))]
-        let format = ImageFormat::of(to)?;
-        let (episodes, evaluations) = self.learning_curve_points();
-        let tolerance = BestPolicy::COST_TOLERANCE;
-        let svg = learning_curve_svg(title, &episodes, &evaluations, tolerance, compare_with_paper);
-        #[cfg(not(target_arch = "wasm32"))]
-        let bytes = svg.and_then(|svg| format.encode(svg, 2.0));
-        #[cfg(target_arch = "wasm32")]
-        let bytes = svg.map(String::into_bytes);
-        let bytes = bytes.map_err(|error| RunError::failed(to, error))?;
-        write_atomic(to, |file| file.write_all(&bytes)).map_err(|error| RunError::failed(to, error))
     }
 }

@@ -10,10 +10,12 @@ use std::collections::VecDeque;
 
 use egui_plot::PlotPoint;
 
+use crate::report::run_figure::{MAX_SINGLE_EPISODES, MEAN_EPISODES};
+
 /// The maximum number of points of a series. It is even, so that full buckets merge in pairs.
-pub const MAX_POINTS: usize = 1000;
+pub const MAX_POINTS: usize = MAX_SINGLE_EPISODES;
 /// The window of a moving average, in episodes; shorter at the start of a training.
-pub const MOVING_AVERAGE_EPISODES: usize = 100;
+pub const MOVING_AVERAGE_EPISODES: usize = MEAN_EPISODES;
 
 /// A curve of at most [`MAX_POINTS`] points.
 #[derive(Clone, Debug, PartialEq)]

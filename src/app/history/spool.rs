@@ -5,7 +5,7 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::fs::File;
-use std::io::{self, BufReader, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::marker::PhantomData;
 
 use serde::Serialize;
@@ -49,6 +49,19 @@ impl<Row: Serialize + DeserializeOwned + Default> Spool<Row> {
     /// A row could not be stored, or `to` cannot be written.
     pub fn write_csv_to(&mut self, to: &mut impl Write) -> io::Result<()> {
         self.read(|mut file| io::copy(&mut file, to).map(|_| ()))
+    }
+
+    /// The CSV after its first `offset` bytes.
+    ///
+    /// # Errors
+    /// A row could not be stored, or cannot be read back.
+    pub fn csv_from(&mut self, offset: u64) -> io::Result<Vec<u8>> {
+        self.read(|mut file| {
+            let mut bytes = Vec::new();
+            file.seek(SeekFrom::Start(offset))?;
+            file.read_to_end(&mut bytes)?;
+            Ok(bytes)
+        })
     }
 
     /// Calls `visit` with each row, in order.

@@ -3,6 +3,7 @@
 use std::io::ErrorKind;
 
 use super::*;
+use crate::report::run_figure::EpisodePoint;
 
 /// Pseudo-random numbers from -1 to 1, the same each time.
 fn noise(count: usize) -> impl Iterator<Item = f64> {
@@ -118,6 +119,29 @@ fn the_axis_starts_at_0_or_at_the_first_row_of_a_resumed_run() {
 }
 
 #[test]
+fn the_curves_before_a_transfer_stay_in_the_background() {
+    let mut history = History::new();
+    for episode in 1..=300 {
+        history.push_episode(&row(episode, 2));
+    }
+    history.push_evaluation(&EvaluationRow { env_steps: 3000, success_rate: 0.5, ..Default::default() });
+    let (earlier, curves) = (history.to_earlier(), history.curves().clone());
+    history.clear();
+    assert!(history.earlier().is_none());
+    history.set_earlier(earlier);
+    assert_eq!(history.range(), Some((0, 3000)), "the axis shows all of them at once");
+    history.push_episode(&row(1, 0));
+    assert_eq!(history.range(), Some((0, 3000)));
+    let shown = history.earlier().expect("set before");
+    assert_eq!((&shown.evaluated, &shown.return_mean), (&curves.evaluated, curves.return_mean.series()));
+    let figure = history.figure("A run".into(), None, false);
+    assert_eq!(
+        (figure.earlier.success_rate.as_slice(), figure.earlier.goal_mean.len()),
+        (&[(3000.0, 0.5)][..], 300)
+    );
+}
+
+#[test]
 fn a_text_repeated_soon_extends_the_last_annotation() {
     let mut history = History::new();
     for step in 1000..1040 {
@@ -170,21 +194,31 @@ fn the_figure_is_drawn_with_and_without_rows() {
     let folder = tempfile::tempdir().expect("creates a folder");
     let path = folder.path().join("curve.png");
     let mut history = History::new();
-    history.write_figure("Nothing yet", true, &path).expect("draws the PNG");
+    let empty = history.figure("Nothing yet".into(), None, false);
+    write_figure(&empty, &path).expect("draws the PNG");
     for episode in 1..=3000 {
         history.push_episode(&row(episode, 1));
     }
     history.push_evaluation(&EvaluationRow { env_steps: 30_000, success_rate: 0.5, ..Default::default() });
-    let (episodes, evaluations) = history.learning_curve_points();
-    assert_eq!((episodes.len(), evaluations.len()), (3000, 1));
-    assert_eq!(episodes[2999], EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 });
-    history.write_figure("A run", true, &path).expect("draws the PNG");
-    assert!(std::fs::read(&path).expect("reads the file").starts_with(b"\x89PNG"));
-    let error =
-        history.write_figure("A run", true, &folder.path().join("curve.jpg")).expect_err("not a format");
+    history.annotate(20_000, "scenario changed".into());
+    let figure = history.figure("A run".into(), None, true);
+    assert_eq!((figure.episodes.len(), figure.evaluations.len(), figure.marks.len()), (3000, 1, 1));
+    assert_eq!(
+        figure.episodes[2999],
+        EpisodePoint { env_steps: 30_000, total_return: 0.1 * 3000.0, goals: 1 }
+    );
+    write_figure(&figure, &path).expect("draws the PNG");
+    let picture = std::fs::read(&path).expect("reads the file");
+    assert!(picture.starts_with(b"\x89PNG"));
+    assert_eq!(picture[16..20], 2560_u32.to_be_bytes(), "wide enough for print");
+    let svg = path.with_extension("svg");
+    write_figure(&figure, &svg).expect("draws the SVG");
+    let text = std::fs::read_to_string(&svg).expect("reads the file");
+    assert!(text.starts_with("<svg") && text.contains("scenario changed") && text.contains("paper 96%"));
+    let error = write_figure(&figure, &folder.path().join("curve.jpg")).expect_err("not a format");
     assert!(error.to_string().ends_with("give a file name that ends in .svg or .png"), "{error}");
     let nowhere = folder.path().join("no/such/folder.png");
-    assert!(history.write_figure("A run", true, &nowhere).is_err());
+    assert!(write_figure(&figure, &nowhere).is_err());
     assert_eq!(
         history.write_csv(&nowhere).expect_err("the folder does not exist").kind(),
         ErrorKind::NotFound

@@ -52,6 +52,8 @@ pub enum Shortcut {
     Open,
     /// Saves the policy.
     Save,
+    /// Makes everything on the screen larger or smaller; handled by egui.
+    Scale,
 }
 
 /// A row of the table of shortcuts.
@@ -87,7 +89,7 @@ const fn with_ctrl(
 }
 
 /// All shortcuts, in the order of the help window.
-pub const KEY_BINDINGS: [KeyBinding; 18] = [
+pub const KEY_BINDINGS: [KeyBinding; 19] = [
     plain(Shortcut::Pause, &[Key::Space], "Space", "Pause or resume"),
     plain(Shortcut::Step, &[Key::Period], ".", "Advance one control step"),
     plain(Shortcut::Pace, &[], "1 … 5", "Simulation speed"),
@@ -105,7 +107,8 @@ pub const KEY_BINDINGS: [KeyBinding; 18] = [
     plain(Shortcut::Theme, &[Key::L], "L", "Light or dark theme"),
     plain(Shortcut::Help, &[Key::H, Key::Questionmark], "H or ?", "Help and shortcuts"),
     with_ctrl(Shortcut::Open, &[Key::O], "Ctrl+O", "Open a policy or a run"),
-    with_ctrl(Shortcut::Save, &[Key::S], "Ctrl+S", "Save the policy"),
+    with_ctrl(Shortcut::Save, &[Key::S], "Ctrl+S", "Save the current policy"),
+    with_ctrl(Shortcut::Scale, &[], "Ctrl + −", "Larger or smaller text and controls"),
 ];
 
 /// The label of the key for `shortcut`.

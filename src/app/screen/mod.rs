@@ -36,7 +36,7 @@ mod widgets;
 
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ThemePreference, Ui};
 
-use self::panels::{help, notices, toolbar};
+use self::panels::{help, last_session, notices, quit_question, toolbar};
 use self::side_panels::{bottom_panel_ui, plots_panel_ui, setup_panel_ui};
 use self::theme::Palette;
 use super::commands::Command;
@@ -74,9 +74,22 @@ pub fn screen_ui(
     if view_state.editor.is_none() {
         arena_view::welcome::welcome_ui(ui, middle, view, commands);
     }
-    editor::confirm_exit::confirm_exit_ui(ui, middle, view_state, commands);
+    if view_state.editor.is_none() {
+        last_session::last_session_ui(ui, middle, view.status, commands);
+    }
+    editor::confirm_exit::confirm_exit_ui(ui, middle, view.status, view_state, commands);
+    quit_question::quit_question_ui(ui, middle, view.status, commands);
     notices::notices_ui(ui, middle, &view.status.notices, commands);
     help::help_ui(ui, view_state);
+}
+
+/// Handles the request to close the window: with unsaved changes in the editor, asks about them first.
+pub fn request_close(view_state: &mut ViewState, commands: &mut Vec<Command>) {
+    if view_state.editor.as_ref().is_some_and(|editor| editor.is_modified()) {
+        editor::confirm_exit::request_exit(view_state, Some(Command::Close), commands);
+    } else {
+        commands.push(Command::Close);
+    }
 }
 
 /// Opens the editor if that was requested since the last frame and it is not open.

@@ -28,11 +28,7 @@ pub fn format_factor(factor: f64) -> String {
     }
 }
 
-/// A share from 0 to 1 in percent, 0.987 as 98.7%. Rounded down, so that 100% means that nothing failed.
-pub fn format_percent(share: f64) -> String {
-    let percent = (share * 1000.0 + 1e-9).floor() / 10.0;
-    if percent.is_finite() { format!("{percent:.*}%", usize::from(percent != 100.0)) } else { "–".into() }
-}
+pub use crate::report::format::percent as format_percent;
 
 /// A number with about three significant digits and a true minus sign.
 #[must_use]
@@ -74,8 +70,6 @@ mod tests {
         assert_eq!([1_234_567, 2_500_000_000].map(format_count), ["1.23M", "2.50G"]);
         assert_eq!([f64::NAN, -3.0, 1234.5].map(format_rate), ["–", "0", "1,235"]);
         assert_eq!([0.97, 12.4, 1234.0].map(format_factor), ["1.0×", "12×", "1,234×"]);
-        assert_eq!([0.0, 0.987, 1.0].map(format_percent), ["0.0%", "98.7%", "100%"]);
-        assert_eq!([0.9996, f64::NAN].map(format_percent), ["99.9%", "–"]);
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub fn handle(ui: &Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, comma
     if ctx.text_edit_focused() {
         return;
     }
-    let dialog_open = view_state.help_open || confirm_exit::is_open(view_state);
+    let dialog_open = view_state.help_open || view.status.quit_question || confirm_exit::is_open(view_state);
     if let Some(editor) = view_state.editor.as_mut().filter(|_| !dialog_open) {
         editor::shortcuts::handle(ui, editor, view.status, commands);
     }
@@ -84,7 +84,7 @@ fn execute(
     match shortcut {
         Shortcut::Pause => commands.push(Command::Pause(!view.status.paused)),
         Shortcut::Step => commands.push(Command::Step),
-        Shortcut::Pace | Shortcut::Steer => {}
+        Shortcut::Pace | Shortcut::Steer | Shortcut::Scale => {}
         Shortcut::Grid => view_state.grid = !view_state.grid,
         Shortcut::Next => view_state.followed = (view_state.followed + 1) % view.scene.arenas.len().max(1),
         Shortcut::Fit => view_state.camera = ViewCamera::default(),

@@ -119,6 +119,7 @@ fn plot_context(status: &AppSnapshot) -> plots::PlotContext {
     plots::PlotContext {
         is_paper_scenario_1: status.is_paper_scenario_1,
         training: status.mode == SessionMode::Train,
+        best: status.best.map(|best| (best.env_steps, best.success_rate)),
         has_disk: status.has_disk,
     }
 }

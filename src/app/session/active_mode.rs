@@ -12,9 +12,11 @@ use super::pacer::Pacer;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::{ActionSelection, Decisions, TrainingStats};
-use crate::app::commands::{Pace, SessionMode};
+use crate::app::commands::{Pace, PolicySource, SessionMode};
+use crate::app::scene::DriverLabel;
 use crate::random::Stream;
 use crate::run::RunError;
+use crate::run::checkpoint::TrainerState;
 use crate::scenario::Scenario;
 use crate::sim;
 use crate::task::{Actions, ArenaState, CurrentScenario, EpisodeEnded, TaskMode};
@@ -33,6 +35,8 @@ pub enum ActiveMode {
 pub struct Demo {
     /// The mode: any except [`SessionMode::Train`].
     pub(super) mode: SessionMode,
+    /// The driver of each arena.
+    drivers: Vec<DriverLabel>,
     training: SuspendedTraining,
     pub(super) rounds: Rounds,
 }
@@ -74,6 +78,13 @@ impl ActiveMode {
         }
     }
 
+    /// The driver of `arena`.
+    #[must_use]
+    pub fn driver(&self, arena: usize) -> DriverLabel {
+        let Self::Demo(demo) = self else { return DriverLabel::Learner };
+        demo.drivers.get(arena).cloned().unwrap_or(DriverLabel::Learner)
+    }
+
     /// Whether the training runs.
     #[must_use]
     pub fn is_training(&self) -> bool {
@@ -86,6 +97,22 @@ impl ActiveMode {
             Self::Train => None,
             Self::Demo(demo) => Some(demo.training.pace),
         }
+    }
+
+    /// Copies the state of the training's arenas to `state`, also while the training is suspended.
+    pub(super) fn update_trainer_state(&self, world: &mut World, state: &mut TrainerState) {
+        match self {
+            Self::Train => state.update(world),
+            Self::Demo(demo) => {
+                let training = &demo.training;
+                state.update_with(training.arenas.clone(), training.exploration.clone(), training.stats);
+            }
+        }
+    }
+
+    /// Whether the scenario has been changed during a demo, which the suspended training has not adopted yet.
+    pub(super) fn has_pending_changes(&self) -> bool {
+        matches!(self, Self::Demo(demo) if !demo.training.interventions.is_empty())
     }
 
     /// Stores a change of the scenario for the suspended training, if there is one. As in the journal, only the last
@@ -111,13 +138,38 @@ pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunEr
         resume_training(world);
         return Ok(());
     }
-    let sources = demo::action_sources(world, mode)?;
+    enter_demo(world, mode)
+}
+
+/// Sets the policy that Test, Drive and Compare use.
+///
+/// # Errors
+/// There is no such policy. A demo that is shown then continues with its policy.
+pub(super) fn set_tested(world: &mut World, source: PolicySource) -> Result<(), RunError> {
+    world.resource_mut::<TrainingRun>().tested = source;
+    restart_demo(world)
+}
+
+/// Starts the demo that is shown, if any, from its first round: its policies have changed.
+///
+/// # Errors
+/// A policy is missing, or cannot drive here.
+pub(super) fn restart_demo(world: &mut World) -> Result<(), RunError> {
+    match world.resource::<ActiveMode>().mode() {
+        SessionMode::Train => Ok(()),
+        mode => enter_demo(world, mode),
+    }
+}
+
+/// Starts a demo in `mode`.
+fn enter_demo(world: &mut World, mode: SessionMode) -> Result<(), RunError> {
+    let (drivers, sources) = demo::drivers(world, mode)?.into_iter().unzip();
     let training = match std::mem::take(&mut *world.resource_mut::<ActiveMode>()) {
         ActiveMode::Train => SuspendedTraining::capture(world),
         ActiveMode::Demo(demo) => demo.training,
     };
     *world.resource_mut::<ActiveMode>() =
-        ActiveMode::Demo(Box::new(Demo { mode, training, rounds: Rounds::default() }));
+        ActiveMode::Demo(Box::new(Demo { mode, drivers, training, rounds: Rounds::default() }));
     let mut pacer = world.resource_mut::<Pacer>();
     pacer.pace = demo::watchable_pace(pacer.pace, mode);
     demo::spawn_arenas(world, mode, sources);

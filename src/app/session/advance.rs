@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy::time::Real;
 
 use super::active_mode::ActiveMode;
+use super::autosave;
 use super::evaluations::{self, Evaluations};
 use super::journal::Journal;
 use super::notices::{NoticeTopic, notify};
@@ -54,14 +55,15 @@ pub(super) fn take_steps(world: &mut World) {
     }
 }
 
-/// Whether a control step may be taken now. In training, none is taken after a failure, nor while the next evaluation is due
-/// and the last one still runs.
+/// Whether a control step may be taken now. In training, none is taken after a failure, nor while an evaluation still runs
+/// and the next one or an autosave is due.
 fn may_step(world: &mut World) -> bool {
     evaluations::record_finished_or_restart(world);
     if !world.resource::<ActiveMode>().is_training() {
         return true;
     }
-    let waits = world.resource::<Evaluations>().is_running() && evaluations::is_due(world);
+    let waits = world.resource::<Evaluations>().is_running() && evaluations::is_due(world)
+        || autosave::holds_steps(world);
     !(world.resource::<TrainingRun>().has_failed || waits)
 }
 

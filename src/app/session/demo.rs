@@ -6,12 +6,18 @@
 use bevy::prelude::*;
 
 use super::active_mode::ActiveMode;
+use super::comparison::origin;
+use super::evaluations::Evaluations;
 use super::open::{OpenedFiles, check_can_drive};
+use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::{ActionSelection, ActionSource, ActionSources, ActiveLearner, Decisions};
-use crate::app::commands::{Pace, SessionMode};
+use crate::app::commands::{Pace, PolicySource, SessionMode};
+use crate::app::scene::DriverLabel;
 use crate::learning::QNetwork;
+use crate::policy::Policy;
+use crate::report::format::{number, percent};
 use crate::run::{RunError, evaluate};
 use crate::scenario::Motion;
 use crate::sim;
@@ -58,18 +64,20 @@ pub(super) fn spawn_arenas(world: &mut World, mode: SessionMode, sources: Vec<Ac
     world.resource_mut::<Trails>().restart(arenas);
 }
 
-/// The action source of each arena in `mode`.
+/// The driver of each arena in `mode`, with its action source.
 ///
 /// # Errors
 /// There is no second policy, or it cannot drive here.
-pub(super) fn action_sources(world: &World, mode: SessionMode) -> Result<Vec<ActionSource>, RunError> {
+pub(super) fn drivers(
+    world: &World,
+    mode: SessionMode,
+) -> Result<Vec<(DriverLabel, ActionSource)>, RunError> {
     let config = &world.resource::<TrainingRun>().config;
-    let current = || ActionSource::Policy(world.resource::<ActiveLearner>().0.network().clone());
     Ok(match mode {
-        SessionMode::Train | SessionMode::Test => vec![current()],
+        SessionMode::Train | SessionMode::Test => vec![tested(world)?],
         SessionMode::Drive => {
             let ahead = straightest_motion(&config.scenario.robot.motions);
-            vec![ActionSource::Manual(ahead), current()]
+            vec![(DriverLabel::User, ActionSource::Manual(ahead)), tested(world)?]
         }
         SessionMode::Compare => {
             let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else {
@@ -78,11 +86,30 @@ pub(super) fn action_sources(world: &World, mode: SessionMode) -> Result<Vec<Act
                 ));
             };
             check_can_drive(config, name, policy)?;
-            let network =
-                QNetwork::from_policy(policy).map_err(|error| RunError::InvalidInput(error.to_string()))?;
-            vec![current(), ActionSource::Policy(network)]
+            let label = DriverLabel::Policy { name: name.clone(), origin: origin(config, policy) };
+            vec![tested(world)?, (label, ActionSource::Policy(network(policy)?))]
         }
     })
+}
+
+/// The policy that is tested: the best one so far if the user has chosen it, or else the current one.
+fn tested(world: &World) -> Result<(DriverLabel, ActionSource), RunError> {
+    let run = world.resource::<TrainingRun>();
+    let learner = &world.resource::<ActiveLearner>().0;
+    let steps = |env_steps: u64| format!("after {} env steps", number(env_steps as f64, 0));
+    let (name, origin, network) = match world.resource::<Evaluations>().best(&run.trainer_state) {
+        Some(row) if run.tested == PolicySource::Best => {
+            let (_, policy) = session_policy::policy(world, PolicySource::Best)?;
+            let origin = format!("{} {}", percent(row.success_rate), steps(row.env_steps));
+            ("Best so far", origin, network(&policy)?)
+        }
+        _ => ("Current policy", steps(learner.env_steps()), learner.network().clone()),
+    };
+    Ok((DriverLabel::Policy { name: name.into(), origin }, ActionSource::Policy(network)))
+}
+
+fn network(policy: &Policy) -> Result<QNetwork, RunError> {
+    QNetwork::from_policy(policy).map_err(|error| RunError::InvalidInput(error.to_string()))
 }
 
 /// Begins the next round of a demo some control steps after every driver has finished the last one.

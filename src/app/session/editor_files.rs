@@ -16,7 +16,7 @@ use super::training_run::TrainingRun;
 use crate::app::commands::EditorReply;
 use crate::run::folder::write_atomic;
 use crate::run::{RunError, shipped};
-use crate::scenario::{MAX_FILE_BYTES, Scenario, path_exists, read_text, to_text};
+use crate::scenario::{MAX_FILE_BYTES, Scenario, path_exists, read_text, to_text, utf8};
 
 /// Saves an edited scenario to `path`. The comments are kept from `based_on`, the file or shipped scenario that was edited;
 /// without it, from the file at `path`.
@@ -29,6 +29,7 @@ pub(super) fn save_scenario(
     based_on: &str,
     path: &Path,
 ) -> Result<(), RunError> {
+    let file = utf8(path)?.to_owned();
     world.resource_scope(|world, mut source: Mut<ScenarioSource>| {
         source.check_overwrite(&world.resource::<TrainingRun>().config, scenario, path)
     })?;
@@ -40,7 +41,6 @@ pub(super) fn save_scenario(
     }
     write_atomic(path, |file| file.write_all(text.as_bytes()))
         .map_err(|error| RunError::failed(path, error.to_string()))?;
-    let file = path.display().to_string();
     // In a browser a saved scenario becomes one of the user's files, so that a training can use it.
     #[cfg(target_arch = "wasm32")]
     crate::scenario::virtual_files::add_upload(file.clone(), text.into_bytes());
@@ -61,7 +61,7 @@ pub(super) fn save_scenario(
 /// # Errors
 /// The scenario cannot be read.
 pub(super) fn open_in_editor(world: &mut World, path: &Path) -> Result<(), RunError> {
-    let from = path.display().to_string();
+    let from = utf8(path)?.to_owned();
     let scenario = if path_exists(path) { Scenario::load_draft(path) } else { shipped::scenario(&from) }?;
     let scenario = Arc::new(scenario);
     world.resource_mut::<ScenarioSource>().opened_in_editor = Some((from.clone(), scenario.clone()));

@@ -14,6 +14,7 @@ use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
 use crate::run::background_evaluator::{BackgroundEvaluator, Candidate, EvalResult};
+use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::EvaluationRow;
 use crate::run::{RunError, metrics};
@@ -57,6 +58,13 @@ impl Evaluations {
     #[must_use]
     pub fn is_running(&self) -> bool {
         matches!(self.state, EvaluatorState::Running | EvaluatorState::RunningOutdated)
+    }
+
+    /// The evaluation of the best policy in `trainer_state`.
+    #[must_use]
+    pub fn best(&self, trainer_state: &TrainerState) -> Option<&EvaluationRow> {
+        let best = trainer_state.best.as_ref()?;
+        self.rows.iter().rev().find(|row| row.mean_cost_s == best.mean_cost_s)
     }
 
     /// Marks the evaluator as outdated: the scenario of the training has changed.

@@ -6,13 +6,18 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
+use super::QuitQuestion;
 use super::active_mode::{self, ActiveMode};
+use super::autosave::{self, Autosave};
+use super::comparison;
 use super::editor_files;
 use super::interventions::{self, Intervention};
 use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
-use super::open::{self, OpenedFiles};
+use super::open;
 use super::pacer::Pacer;
+#[cfg(not(target_arch = "wasm32"))]
+use super::quit;
 use super::save;
 use super::scenario_changes;
 use super::start_training;
@@ -22,7 +27,7 @@ use crate::agent::{ActionSource, ActionSources, ActiveLearner};
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::{Command, SaveKind};
 use crate::app::moves::{Movable, MoveRequest};
-use crate::run::{RunError, metrics, shipped};
+use crate::run::RunError;
 
 /// Executes `command`. A failure becomes a notice.
 pub(super) fn execute(world: &mut World, command: Command) {
@@ -48,14 +53,18 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         Command::Step => world.resource_mut::<Pacer>().step_once(),
         Command::SetPace(pace) => world.resource_mut::<Pacer>().pace = pace,
         Command::SetMode(mode) => active_mode::set_mode(world, mode)?,
+        Command::SetTested(source) => active_mode::set_tested(world, source)?,
         Command::StartTraining { scenario, preset, seed } => {
             start_training::start_or_notify(world, &scenario, &preset, seed);
         }
-        Command::Transfer { scenario, epsilon } => transfer(world, &scenario, epsilon)?,
-        Command::TrainFromOpened { epsilon } => train_from_opened(world, epsilon)?,
+        Command::Transfer { policy, scenario, preset, seed, epsilon } => {
+            let config = start_training::transfer_config(world, &scenario, &preset, seed)?;
+            start_training::start_from_policy(world, config, policy, epsilon)?;
+        }
         Command::Move(request) => move_object(world, &request),
         Command::Steer(motion) => steer(world, motion),
-        Command::OpenExpert => open::open_expert(world)?,
+        Command::OpenExpert => comparison::open_expert(world)?,
+        Command::OpenBest => comparison::open_best(world)?,
         Command::Open(path) => open::open_or_notify(world, &path),
         Command::Save(what, path) => save_to(world, what, &path)?,
         Command::ApplyScenario { scenario, from, restart } => {
@@ -65,6 +74,19 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
             editor_files::save_scenario(world, &scenario, &based_on, &path)?;
         }
         Command::OpenInEditor(Some(path)) => editor_files::open_in_editor(world, &path)?,
+        Command::SaveFirst(then) => {
+            save_before_discarding(world)?;
+            try_execute(world, *then)?;
+        }
+        Command::ContinueLastSession => autosave::continue_last_session(world)?,
+        Command::DismissLastSession => world.resource_mut::<Autosave>().dismiss_last_session(),
+        #[cfg(not(target_arch = "wasm32"))]
+        Command::Close => quit::request(world),
+        #[cfg(not(target_arch = "wasm32"))]
+        Command::Quit { save } => quit::answer(world, save),
+        #[cfg(target_arch = "wasm32")]
+        Command::Close | Command::Quit { .. } => {}
+        Command::KeepOpen => world.resource_mut::<QuitQuestion>().0 = false,
         Command::DismissNotice(index) => world.resource_mut::<Notices>().dismiss(index),
         // The file dialogs answer these with a command that has a path.
         Command::OpenDialog
@@ -73,24 +95,6 @@ fn try_execute(world: &mut World, command: Command) -> Result<(), RunError> {
         | Command::OpenInEditor(None) => {}
     }
     Ok(())
-}
-
-/// Continues in another scenario with the current weights.
-fn transfer(world: &mut World, scenario: &str, epsilon: f32) -> Result<(), RunError> {
-    let config = &world.resource::<TrainingRun>().config;
-    let episodes = world.resource::<ActiveLearner>().0.episodes();
-    let name = format!("{} after {episodes} episodes", config.scenario.name);
-    let policy = metrics::policy(config, world);
-    let found = shipped::scenario(scenario)?;
-    start_training::start_from_policy(world, Some((scenario, found)), (name, policy), epsilon)
-}
-
-/// Starts a training from the opened policy.
-fn train_from_opened(world: &mut World, epsilon: f32) -> Result<(), RunError> {
-    let Some(policy) = world.resource::<OpenedFiles>().policy.clone() else {
-        return Err(RunError::InvalidInput("No policy to start from\nhelp: open a policy file first".into()));
-    };
-    start_training::start_from_policy(world, None, policy, epsilon)
 }
 
 /// Sets the motion of the arena that the user drives, if there is one.
@@ -102,19 +106,27 @@ fn steer(world: &mut World, motion: usize) {
 
 fn save_to(world: &mut World, what: SaveKind, path: &Path) -> Result<(), RunError> {
     save::save(world, what, path)?;
-    if matches!(what, SaveKind::Policy | SaveKind::Run) {
+    if matches!(what, SaveKind::Policy | SaveKind::BestPolicy | SaveKind::Run) {
         let env_steps = world.resource::<ActiveLearner>().0.env_steps();
-        world.resource_mut::<TrainingRun>().saved_at = Some(env_steps);
+        world.resource_mut::<TrainingRun>().mark_saved(env_steps);
     }
     notify_saved(world, path);
     Ok(())
 }
 
+/// Saves the run under `runs/`; in a browser, which has no folders, the policy.
+fn save_before_discarding(world: &mut World) -> Result<(), RunError> {
+    let what = if cfg!(target_arch = "wasm32") { SaveKind::Policy } else { SaveKind::Run };
+    let path = save::unused_path(&world.resource::<TrainingRun>().suggested_file_name(what));
+    save_to(world, what, &path)
+}
+
 /// Confirms that `path` was written.
 pub(super) fn notify_saved(world: &mut World, path: &Path) {
-    let path = path.display().to_string();
-    let text = format!("Saved to {path}");
-    notify(world, NoticeTopic::File(path), Severity::Info, text);
+    // Absolute, so that the user finds it. In a browser there are no folders.
+    let shown = std::path::absolute(path).unwrap_or_else(|_| path.into());
+    let text = format!("Saved as {}", shown.display());
+    notify(world, NoticeTopic::File(path.display().to_string()), Severity::Info, text);
 }
 
 /// Moves an object that the user drags, if it may go there.
@@ -130,11 +142,12 @@ fn move_object(world: &mut World, request: &MoveRequest) {
     if request.object == Movable::Robot {
         world.resource_mut::<Trails>().restart_path(request.arena);
     }
-    record(world, &intervention, matches!(request.object, Movable::Obstacle(_)));
+    record(world, &intervention);
 }
 
 /// Records an intervention in the journal. During a demo, only a change of the scenario affects the training.
-fn record(world: &mut World, intervention: &Intervention, changes_scenario: bool) {
+fn record(world: &mut World, intervention: &Intervention) {
+    let changes_scenario = intervention.changes_scenario();
     if changes_scenario || world.resource::<ActiveMode>().is_training() {
         let exact = world.resource::<TrainingRun>().config.scenario.lidar.is_exact();
         world.resource_mut::<ActiveMode>().record_for_training(intervention, exact);

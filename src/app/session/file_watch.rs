@@ -19,7 +19,7 @@ use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
 use crate::run::preset::Preset;
 use crate::run::shipped;
-use crate::scenario::{FileError, Scenario};
+use crate::scenario::{FileError, Scenario, read_text};
 
 /// Time between two checks of a file.
 const CHECK_INTERVAL: Duration = Duration::from_millis(200);
@@ -188,8 +188,9 @@ pub(super) fn retry_when_fixed(world: &mut World, from: &str, action: RetryActio
 
 /// Checks that the file at `path` is a valid scenario or a valid preset.
 fn check_usable(path: &Path) -> Result<(), FileError> {
-    match Scenario::load(path) {
-        Err(_) if Preset::load(path).is_ok() => Ok(()),
+    let text = read_text(path)?;
+    match Scenario::parse(&text, path) {
+        Err(_) if open::is_preset(&text) => Preset::parse(&text, path).map(drop),
         found => found.map(drop),
     }
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 use bevy::prelude::*;
 
 use super::StartOptions;
+use super::autosave::Autosave;
 use super::editor_files;
 #[cfg(not(target_arch = "wasm32"))]
 use super::file_watch::{self, RetryAction};
@@ -28,6 +29,7 @@ pub(super) fn start_first(world: &mut World, start: &StartOptions) {
     match requested.or_else(|_| fallback(&start.preset)).or_else(|_| fallback(&default.preset)) {
         Ok(prepared) => {
             world.insert_resource(Pacer::new(start.pace, start.paused));
+            world.insert_resource(Autosave::new(start.autosave.clone(), start.open.is_none()));
             insert_run(world, prepared);
             run_notices::show_notes(world);
             open::list_user_files(world);

@@ -37,6 +37,12 @@ pub enum Intervention {
 }
 
 impl Intervention {
+    /// Whether it changed the scenario of the training, not only an arena.
+    #[must_use]
+    pub fn changes_scenario(&self) -> bool {
+        matches!(self, Self::Scenario(_) | Self::Move { object: Movable::Obstacle(_), .. })
+    }
+
     /// Whether both moved the same object.
     #[must_use]
     pub fn affects_same_object(&self, other: &Self) -> bool {

@@ -16,7 +16,7 @@ use crate::limits::MAX_JOURNAL_BYTES;
 use crate::policy::Policy;
 use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder};
 use crate::run::{RunError, checkpoint, policy_card, training_setup};
-use crate::scenario::{Scenario, diagnostics, read_ron_with_limit};
+use crate::scenario::{Scenario, diagnostics, parse_ron_with_limit, read_text_with_limit};
 use crate::simulation::Simulation;
 use crate::task::{Fault, TaskFault};
 
@@ -62,16 +62,30 @@ impl Journal {
     /// The file cannot be read, is invalid, or belongs to another run.
     pub fn load(folder: &RunFolder, config: &RunConfig, learner: &Learner) -> Result<Self, RunError> {
         let file = folder.path().join(JOURNAL);
-        let mut journal = Self::new(config.clone());
-        if file.exists() {
-            journal = read_ron_with_limit(&file, MAX_JOURNAL_BYTES)?;
-        }
-        journal.check().map_err(|why| RunError::invalid_input(&file, why))?;
+        let text = file.exists().then(|| read_text_with_limit(&file, MAX_JOURNAL_BYTES)).transpose()?;
+        Self::parse(text.as_deref(), &file, config, learner)
+    }
+
+    /// The journal in `text`, the contents of `file`; without text, a journal without interventions.
+    ///
+    /// # Errors
+    /// The text is invalid, or belongs to another run.
+    pub(super) fn parse(
+        text: Option<&str>,
+        file: &Path,
+        config: &RunConfig,
+        learner: &Learner,
+    ) -> Result<Self, RunError> {
+        let mut journal = match text {
+            Some(text) => parse_ron_with_limit(text, file, MAX_JOURNAL_BYTES)?,
+            None => Self::new(config.clone()),
+        };
+        journal.check().map_err(|why| RunError::invalid_input(file, why))?;
         journal.steps = learner.env_steps() / config.preset.arenas as u64;
         let times: Vec<u64> = journal.entries.iter().map(|entry| entry.after_steps).collect();
         if !times.is_sorted() || times.last().is_some_and(|last| *last > journal.steps) {
             let why = "its entries are out of order or later than the checkpoint: it belongs to another run";
-            return Err(RunError::invalid_input(&file, why));
+            return Err(RunError::invalid_input(file, why));
         }
         Ok(journal)
     }
@@ -128,6 +142,13 @@ impl Journal {
             return;
         }
         self.entries.push(JournalEntry { after_steps: self.steps, intervention });
+    }
+
+    /// Env steps of the training at each change of its scenario, in order.
+    pub(super) fn scenario_changes(&self) -> impl Iterator<Item = u64> {
+        let arenas = self.config.preset.arenas as u64;
+        let changes = self.entries.iter().filter(|entry| entry.intervention.changes_scenario());
+        changes.map(move |entry| entry.after_steps * arenas)
     }
 
     /// Replays the training from its start to the end of the journal. `policy` is the policy that the training started from,

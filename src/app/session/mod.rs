@@ -14,20 +14,26 @@
 //! | `scenario_source.rs` | [`ScenarioSource`] | the scenario's file |
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
+//! | `comparison.rs` | | the second policy, to compare with |
 //! | `notices.rs`, `run_notices.rs` | [`Notices`] | messages to the user; the one about doubtful settings |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | the execution of each command |
 //! | `interventions.rs`, `scenario_changes.rs` | | changes made to a running training |
-//! | `start_training.rs`, `first_training.rs` | | the start of a training |
+//! | `start_training.rs`, `saved_run.rs`, `first_training.rs` | | the start of a training |
 //! | `demo.rs` | | a policy or the user drives |
-//! | `save.rs`, `editor_files.rs` | | the saving of files |
+//! | `save.rs`, `run_snapshot.rs`, `editor_files.rs` | | the saving of files |
+//! | `autosave/` | [`Autosave`] | a copy of the training for the next session |
+//! | `quit.rs` | [`QuitQuestion`] | the end of the app |
+//! | `session_policy.rs` | | the policies that can be tested, saved or transferred |
 //!
 //! What is learnt depends on the configuration, the journal and the number of steps; not on when the steps were taken, nor on
 //! what was displayed.
 
 pub mod active_mode;
 mod advance;
+pub mod autosave;
+pub(crate) mod comparison;
 mod demo;
 mod editor_files;
 pub mod evaluations;
@@ -40,10 +46,15 @@ pub mod journal;
 pub mod notices;
 pub mod open;
 pub mod pacer;
+#[cfg(not(target_arch = "wasm32"))]
+mod quit;
 mod run_notices;
+mod run_snapshot;
 mod save;
+mod saved_run;
 mod scenario_changes;
 pub mod scenario_source;
+mod session_policy;
 mod start_training;
 pub mod throughput;
 pub mod trails;
@@ -60,11 +71,14 @@ use crate::agent::ActionSources;
 use crate::simulation::{Extensions, SimulationBuilder};
 
 pub use active_mode::ActiveMode;
+pub use autosave::{Autosave, AutosaveOptions};
 pub use evaluations::Evaluations;
 pub use journal::Journal;
 pub use notices::Notices;
 pub use open::OpenedFiles;
 pub use pacer::Pacer;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use save::unused_path;
 pub use scenario_source::ScenarioSource;
 pub use throughput::Throughput;
 pub use trails::Trails;
@@ -89,6 +103,8 @@ pub struct StartOptions {
     pub edit: bool,
     /// Messages about invalid options, which are replaced by their defaults.
     pub invalid_options: Vec<String>,
+    /// Where to save the training regularly; `None` does not.
+    pub autosave: Option<AutosaveOptions>,
     /// A user's plugins.
     pub extensions: Extensions,
 }
@@ -105,10 +121,15 @@ impl Default for StartOptions {
             open: None,
             edit: false,
             invalid_options: Vec::new(),
+            autosave: None,
             extensions: Extensions::default(),
         }
     }
 }
+
+/// Whether the question before quitting is open. (A page cannot keep its tab open, so it never is there.)
+#[derive(Resource, Default)]
+pub struct QuitQuestion(pub bool);
 
 /// The learning curves.
 #[derive(Resource)]
@@ -131,6 +152,8 @@ impl Plugin for SessionPlugin {
             .init_resource::<ActionSources>()
             .init_resource::<Notices>()
             .init_resource::<OpenedFiles>()
+            .init_resource::<Autosave>()
+            .init_resource::<QuitQuestion>()
             .init_resource::<Throughput>()
             .insert_resource(TrainingHistory(History::new()))
             .add_systems(PreStartup, move |world: &mut World| first_training::start_first(world, &start))
@@ -140,6 +163,7 @@ impl Plugin for SessionPlugin {
                     advance::execute_commands,
                     #[cfg(not(target_arch = "wasm32"))]
                     file_watch::poll,
+                    autosave::run,
                     advance::take_steps,
                     notices::expire,
                     throughput::record_frame,

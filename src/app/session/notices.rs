@@ -9,6 +9,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
 use crate::app::app_snapshot::{Notice, Severity};
+use crate::scenario::printable_lines;
 
 /// Maximum number of notices; beyond it, the oldest is removed.
 const MAX_NOTICES: usize = 4;
@@ -33,6 +34,8 @@ pub enum NoticeTopic {
     TrainingFailure,
     /// Evaluation during training.
     Evaluation,
+    /// The autosave of the training.
+    Autosave,
 }
 
 struct Entry {
@@ -46,9 +49,9 @@ struct Entry {
 pub struct Notices(Vec<Entry>);
 
 impl Notices {
-    /// Adds a notice, in place of an earlier one with the same topic.
+    /// Adds a notice, in place of an earlier one with the same topic. Text from files is made printable.
     pub fn add(&mut self, topic: NoticeTopic, severity: Severity, text: impl Into<String>) {
-        let text = text.into();
+        let text = printable_lines(&text.into()).into_owned();
         match topic {
             NoticeTopic::General => self.0.retain(|entry| entry.notice.text != text),
             _ => self.remove(&topic),

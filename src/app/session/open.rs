@@ -7,18 +7,20 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::active_mode::{ActiveMode, set_mode};
+use super::comparison::compare_with;
 use super::notices::{NoticeTopic, notify};
 use super::start_training;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::{Choice, Severity};
-use crate::app::commands::SessionMode;
 use crate::policy::Policy;
 use crate::run::folder::RunConfig;
 use crate::run::preset::Preset;
 use crate::run::{RunError, evaluate, policy_card, shipped};
-use crate::scenario::{Scenario, read_text};
+use crate::scenario::{Scenario, path_exists, read_text, resemblance, utf8};
+
+/// The kinds of files that can be opened.
+const OPENABLE: &str = "a policy (.safetensors), a scenario or preset (.ron), or a run folder";
 
 /// The files that the user has opened. A new training keeps them.
 #[derive(Resource, Default)]
@@ -78,7 +80,11 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
     }
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("bin") => {
-            let folder = path.parent().and_then(Path::parent).unwrap_or(path);
+            let folder = path.parent().and_then(Path::parent);
+            let folder =
+                folder.filter(|folder| path_exists(&folder.join("config.ron"))).ok_or_else(|| {
+                    RunError::invalid_input(path, format!("not part of a run\nhelp: open {OPENABLE}"))
+                })?;
             resume(world, path, folder)
         }
         Some("safetensors") => {
@@ -90,11 +96,13 @@ fn open(world: &mut World, path: &Path) -> Result<String, RunError> {
             Ok(text)
         }
         Some("ron") => open_ron(world, path),
-        _ => Err(RunError::InvalidInput(format!(
-            "{}: not a policy (.safetensors), a scenario or preset (.ron), or a run folder",
-            path.display()
-        ))),
+        _ => Err(RunError::invalid_input(path, format!("cannot be opened\nhelp: open {OPENABLE}"))),
     }
+}
+
+/// Whether the text of a file that is not a valid scenario is meant as a preset.
+pub(super) fn is_preset(text: &str) -> bool {
+    resemblance::<Preset>(text, "Preset") > resemblance::<Scenario>(text, "Scenario")
 }
 
 /// Resumes the run in `folder`, which the user opened by `path`.
@@ -107,7 +115,7 @@ fn resume(world: &mut World, path: &Path, folder: &Path) -> Result<String, RunEr
 
 /// Opens a scenario or a preset, and starts a training with it.
 fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
-    let from = path.display().to_string();
+    let from = utf8(path)?.to_owned();
     let text = read_text(path)?;
     let RunConfig { scenario_from, preset_from, seed, .. } = &world.resource::<TrainingRun>().config;
     let (scenario_from, preset_from, seed) = (scenario_from.clone(), preset_from.clone(), *seed);
@@ -117,40 +125,15 @@ fn open_ron(world: &mut World, path: &Path) -> Result<String, RunError> {
             start_training::start_training(world, &from, &preset_from, seed)?;
             Ok(format!("Training started in {}", scenario.name))
         }
-        // Text that is not a valid preset either is reported as a broken scenario.
         Err(error) => {
-            Preset::parse(&text, path).map_err(|_| error)?;
+            let is_preset = is_preset(&text);
+            Preset::parse(&text, path).map_err(|as_preset| if is_preset { as_preset } else { error })?;
             confirm_by_repeating(world, path)?;
             start_training::start_training(world, &scenario_from, &from, seed)?;
             let preset = world.resource::<TrainingRun>().config.preset_name();
             Ok(format!("Training started with the preset {preset}"))
         }
     }
-}
-
-/// Lets a shipped policy drive next to the current one.
-///
-/// # Errors
-/// No shipped policy can drive here.
-pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
-    let Some((name, policy)) = expert(&world.resource::<TrainingRun>().config) else {
-        let why = "No shipped policy can drive here: they were trained with another LIDAR, another robot or other \
-                   observations";
-        return Err(RunError::InvalidInput(why.into()));
-    };
-    let text = format!("{name} drives next to the current policy");
-    notify(world, NoticeTopic::General, Severity::Info, text);
-    compare_with(world, (name, policy.clone()))
-}
-
-/// The shipped policy for the scenario of `config`, or else the first one that can drive there, with a name for it.
-pub(crate) fn expert(config: &RunConfig) -> Option<(String, &'static Policy)> {
-    let all = shipped::policies();
-    let of_this_scenario = all.iter().filter(|(name, _)| *name == config.scenario_from);
-    let (name, policy) =
-        of_this_scenario.chain(all).find(|(name, policy)| check_can_drive(config, name, policy).is_ok())?;
-    let scenario = policy.metadata.get("scenario").map_or(*name, String::as_str);
-    Some((format!("Expert of {scenario}"), policy))
 }
 
 /// Checks that `policy`, called `name`, can drive in the scenario of `config` with the observations of its preset.
@@ -167,15 +150,6 @@ pub(super) fn check_can_drive(config: &RunConfig, name: &str, policy: &Policy) -
         ));
     }
     Ok(())
-}
-
-/// Lets `policy` drive next to the current policy.
-fn compare_with(world: &mut World, policy: (String, Policy)) -> Result<(), RunError> {
-    world.resource_mut::<OpenedFiles>().policy = Some(policy);
-    if world.resource::<ActiveMode>().mode() == SessionMode::Compare {
-        set_mode(world, SessionMode::Test)?;
-    }
-    set_mode(world, SessionMode::Compare)
 }
 
 /// Lists the current scenario and preset among the user's own, if they are not shipped.

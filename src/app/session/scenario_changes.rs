@@ -20,10 +20,14 @@ use super::trails::Trails;
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
+use crate::app::commands::PolicySource;
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::scenario::{Scenario, diagnostics};
 use crate::task::CurrentScenario;
+
+/// The mark in the curves where the scenario changed.
+pub(super) const SCENARIO_CHANGED: &str = "scenario changed";
 
 /// Continues the training in an edited scenario, or restarts it there.
 ///
@@ -108,8 +112,9 @@ pub(super) fn on_scenario_changed(world: &mut World) {
     run.config.scenario = scenario;
     // The best policy of the previous scenario may fail in this one.
     run.trainer_state.best = None;
+    run.tested = PolicySource::Current;
     world.resource_mut::<Evaluations>().mark_outdated();
     world.resource_mut::<ScenarioSource>().forget_saved();
     let env_steps = world.resource::<ActiveLearner>().0.env_steps();
-    world.resource_mut::<TrainingHistory>().0.annotate(env_steps, "scenario changed".into());
+    world.resource_mut::<TrainingHistory>().0.annotate(env_steps, SCENARIO_CHANGED.into());
 }

@@ -10,33 +10,37 @@ use bevy::prelude::*;
 
 use super::TrainingHistory;
 use super::active_mode::ActiveMode;
+use super::autosave;
 use super::evaluations::Evaluations;
 #[cfg(not(target_arch = "wasm32"))]
 use super::file_watch::{self, FileWatches, RetryAction};
-use super::journal::{self, Journal};
+use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
 use super::run_notices;
+use super::saved_run::SavedRun;
 use super::scenario_source::ScenarioSource;
+use super::session_policy;
 use super::trails::Trails;
 use super::training_run::TrainingRun;
+use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
+use crate::app::commands::PolicySource;
 use crate::learning::Learner;
 use crate::policy::Policy;
-use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
-use crate::run::folder::{RunConfig, RunFolder, Transfer};
-use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
-use crate::run::{RunError, training_setup};
+use crate::run::checkpoint::TrainerState;
+use crate::run::folder::{RunConfig, Transfer};
+use crate::run::{RunError, shipped, training_setup};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 
 /// A training that is ready to start.
 pub(super) struct PreparedTraining {
-    config: RunConfig,
-    initial_policy: Option<Policy>,
-    learner: Learner,
-    trainer_state: TrainerState,
+    pub(super) config: RunConfig,
+    pub(super) initial_policy: Option<Policy>,
+    pub(super) learner: Learner,
+    pub(super) trainer_state: TrainerState,
 }
 
 /// The topic of a problem with a new training in `scenario`, whose file `is_broken` or not.
@@ -81,10 +85,13 @@ pub(super) fn insert_run(world: &mut World, prepared: PreparedTraining) {
 }
 
 /// Replaces the current training. What the user has opened or saved, and notices about anything else, stay.
-fn replace(world: &mut World, prepared: PreparedTraining) {
+pub(super) fn replace(world: &mut World, prepared: PreparedTraining) {
     if let Some(pace) = world.resource::<ActiveMode>().suspended_pace() {
         world.resource_mut::<Pacer>().pace = pace;
     }
+    let env_steps = world.resource::<ActiveLearner>().0.env_steps();
+    let keep = world.resource::<TrainingRun>().would_lose_training(env_steps);
+    autosave::end_training(world, keep);
     let old = world.remove_resource::<ScenarioSource>();
     insert_run(world, prepared);
     if let Some(old) = old {
@@ -138,25 +145,49 @@ pub(super) fn start_in_scenario(world: &mut World, scenario: Scenario, from: Str
     Ok(())
 }
 
-/// Starts a training from `policy`, called `name`, with the current preset and seed, in the current scenario or another.
-/// Exploration starts at `epsilon`, limited to 0..1.
+/// The configuration of the running training with another scenario, preset and seed. What is the same stays as it is now,
+/// with the user's changes.
 ///
 /// # Errors
-/// The policy does not fit the scenario or the preset.
+/// The scenario or the preset is invalid.
+pub(super) fn transfer_config(
+    world: &World,
+    scenario: &str,
+    preset: &str,
+    seed: u64,
+) -> Result<RunConfig, RunError> {
+    let mut config = world.resource::<TrainingRun>().config.clone();
+    if scenario != config.scenario_from {
+        config.scenario = shipped::scenario(scenario)?;
+        config.scenario_from = scenario.into();
+    }
+    if preset != config.preset_from {
+        config.preset = shipped::preset(preset)?;
+        config.preset_from = preset.into();
+    }
+    config.seed = seed;
+    Ok(config)
+}
+
+/// Starts the training of `config` from a policy. Exploration starts at `epsilon`, limited to 0..1. The curves of the
+/// training that this policy comes from stay in the background.
+///
+/// # Errors
+/// There is no such policy, or it does not fit the scenario or the preset.
 pub(super) fn start_from_policy(
     world: &mut World,
-    scenario: Option<(&str, Scenario)>,
-    (name, policy): (String, Policy),
+    mut config: RunConfig,
+    source: PolicySource,
     epsilon: f32,
 ) -> Result<(), RunError> {
-    let mut config = world.resource::<TrainingRun>().config.clone();
-    if let Some((from, scenario)) = scenario {
-        config.scenario_from = from.into();
-        config.scenario = scenario;
-    }
+    let (name, policy) = session_policy::policy(world, source)?;
     config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
     let prepared = prepare(config, Some(policy))?;
+    let earlier = world.resource::<TrainingHistory>().0.to_earlier();
     replace(world, prepared);
+    if source != PolicySource::Opened {
+        world.resource_mut::<TrainingHistory>().0.set_earlier(earlier);
+    }
     Ok(())
 }
 
@@ -165,29 +196,7 @@ pub(super) fn start_from_policy(
 /// # Errors
 /// The folder has no run, or an invalid one.
 pub(super) fn resume(world: &mut World, path: &Path) -> Result<(), RunError> {
-    let (folder, config) = RunFolder::open(path)?;
-    let config = config.resume_with_extensions(&world.resource::<TrainingRun>().config.extensions, path)?;
-    let LoadedCheckpoint { trainer_state, learner, skipped } = checkpoint::load(&folder, &config)?;
-    let rows: Vec<EpisodeRow> = folder.rows("episodes.csv")?;
-    let mut evaluations: Vec<EvaluationRow> = folder.rows("evaluations.csv")?;
-    let (episodes, env_steps) = (learner.episodes(), learner.env_steps());
-    let journal = Journal::load(&folder, &config, &learner)?;
-    // A missing initial policy prevents a replay, not resuming.
-    let initial_policy = journal::initial_policy(&folder, &journal.config).ok().flatten();
-    replace(world, PreparedTraining { config, initial_policy, learner, trainer_state });
-    world.insert_resource(journal);
-    world.resource_scope(|world, mut run: Mut<TrainingRun>| {
-        run.saved_at = Some(env_steps);
-        checkpoint::restore(world, &run.trainer_state);
-    });
-    let curves = &mut world.resource_mut::<TrainingHistory>().0;
-    rows.iter().filter(|row| row.episode <= episodes).for_each(|row| curves.push_episode(row));
-    evaluations.retain(|row| row.env_steps <= env_steps);
-    evaluations.iter().for_each(|row| curves.push_evaluation(row));
-    world.resource_mut::<Evaluations>().rows = evaluations;
-    for (_, error) in skipped {
-        let text = format!("{error}\nThe checkpoint before it was used instead");
-        notify(world, NoticeTopic::General, Severity::Error, text);
-    }
+    let extensions = world.resource::<TrainingRun>().config.extensions.clone();
+    SavedRun::from_folder(path, &extensions)?.start(world);
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 use bevy::prelude::*;
 
-use crate::app::scene::{Trail, TrailEnd};
+use crate::app::scene::{Score, Trail, TrailEnd};
 use crate::task::{Arena, Pose, StepOutcomes};
 
 /// Number of finished paths kept for each arena.
@@ -20,10 +20,8 @@ pub struct ArenaTrails {
     pub path_m: Vec<[f32; 2]>,
     /// Finished paths, oldest first.
     pub finished: VecDeque<Trail>,
-    /// Goals reached since the current driver took over.
-    pub goals_reached: u32,
-    /// Collisions since the current driver took over.
-    pub collisions: u32,
+    /// Outcomes since the current driver took over.
+    pub score: Score,
     /// Pose before the last step; `None` if the robot has been moved since, or has a new start.
     pub previous_pose: Option<Pose>,
 }
@@ -69,12 +67,15 @@ impl Trails {
                 continue;
             }
             let end = if outcome.collided {
-                paths.collisions += 1;
+                paths.score.collided += 1;
                 Some(TrailEnd::Collided)
             } else if outcome.reached {
-                paths.goals_reached += 1;
+                paths.score.reached += 1;
+                // The path has a point for the start and for each step but this one.
+                paths.score.reached_steps += paths.path_m.len() as u64;
                 Some(TrailEnd::Reached)
             } else if outcome.timed_out {
+                paths.score.timed_out += 1;
                 Some(TrailEnd::TimedOut)
             } else {
                 None
@@ -126,8 +127,15 @@ mod tests {
         drive(&mut trails, 0.2, 0.3, StepOutcome::default());
         let paths = &trails.0[0];
         assert_eq!(paths.finished[0].points_m, [[0.0, 0.0], [0.1, 0.0], [0.2, 0.0]]);
-        assert_eq!((paths.finished[0].end, paths.goals_reached), (TrailEnd::Reached, 1));
+        let score = Score { reached: 1, reached_steps: 2, ..Score::default() };
+        assert_eq!((paths.finished[0].end, paths.score), (TrailEnd::Reached, score));
         assert_eq!(paths.path_m, [[0.2, 0.0], [0.3, 0.0]]);
+        drive(&mut trails, 0.3, 0.4, StepOutcome { timed_out: true, ..StepOutcome::default() });
+        let score = trails.0[0].score;
+        assert_eq!(
+            (score.attempts(), score.success_rate(), score.mean_time_s(0.25)),
+            (2, Some(0.5), Some(0.5))
+        );
     }
 
     #[test]
@@ -137,7 +145,7 @@ mod tests {
         drive(&mut trails, 0.0, 1.7, StepOutcome { collided: true, ..StepOutcome::default() });
         assert_eq!(trails.0[0].finished[0].points_m, [[0.0, 0.0]]);
         assert!(trails.0[0].path_m.is_empty() && trails.0[0].previous_pose.is_none());
-        assert_eq!(trails.0[0].collisions, 1);
+        assert_eq!(trails.0[0].score.collided, 1);
     }
 
     #[test]

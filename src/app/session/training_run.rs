@@ -5,12 +5,24 @@
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use crate::app::commands::PolicySource;
 use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::RunConfig;
 
-/// Maximum number of env steps of a training that may be discarded without a confirmation.
-const MIN_ENV_STEPS_WORTH_KEEPING: u64 = 20_000;
+/// Number of env steps beyond which a training may not be discarded without a confirmation.
+const MAX_ENV_STEPS_TO_DISCARD: u64 = 20_000;
+
+/// Wall time in s beyond which a training may not be discarded without a confirmation: a slow training takes few steps in a
+/// person's minute.
+const MAX_WALL_S_TO_DISCARD: f64 = 60.0;
+
+/// A moment of the training.
+#[derive(Clone, Copy, Debug)]
+struct SavedAt {
+    env_steps: u64,
+    wall_s: f64,
+}
 
 /// The training run.
 #[derive(Resource)]
@@ -23,8 +35,10 @@ pub struct TrainingRun {
     pub initial_policy: Option<Policy>,
     /// Whether the training met non-finite numbers and cannot continue.
     pub has_failed: bool,
-    /// Env steps at the last save of the policy or the run.
-    pub saved_at: Option<u64>,
+    /// When the policy or the run was saved last.
+    saved_at: Option<SavedAt>,
+    /// The policy that Test, Drive and Compare use: the current or the best one.
+    pub tested: PolicySource,
     started: Instant,
     /// Wall time in s spent before `started`, if the run was resumed.
     previous_wall_s: f64,
@@ -44,6 +58,7 @@ impl TrainingRun {
             trainer_state,
             initial_policy,
             has_failed: false,
+            tested: PolicySource::Current,
             saved_at: None,
             started,
             previous_wall_s,
@@ -55,9 +70,23 @@ impl TrainingRun {
         self.previous_wall_s + self.started.elapsed().as_secs_f64()
     }
 
-    /// Whether an unsaved training worth keeping would be lost if another one replaced it at `env_steps`.
+    /// Whether the training, now at `env_steps`, may not be discarded without a confirmation.
+    #[must_use]
+    pub fn is_worth_keeping(&self, env_steps: u64) -> bool {
+        env_steps > MAX_ENV_STEPS_TO_DISCARD || env_steps > 0 && self.wall_s() > MAX_WALL_S_TO_DISCARD
+    }
+
+    /// Whether a training worth keeping would be lost if another one replaced it at `env_steps`: it was never saved, or has
+    /// gone on since for as long as a training that is worth keeping.
     #[must_use]
     pub fn would_lose_training(&self, env_steps: u64) -> bool {
-        env_steps > MIN_ENV_STEPS_WORTH_KEEPING && self.saved_at != Some(env_steps)
+        let Some(saved) = self.saved_at else { return self.is_worth_keeping(env_steps) };
+        let steps = env_steps.saturating_sub(saved.env_steps);
+        steps > MAX_ENV_STEPS_TO_DISCARD || steps > 0 && self.wall_s() - saved.wall_s > MAX_WALL_S_TO_DISCARD
+    }
+
+    /// Records that the policy or the run was saved at `env_steps`.
+    pub(super) fn mark_saved(&mut self, env_steps: u64) {
+        self.saved_at = Some(SavedAt { env_steps, wall_s: self.wall_s() });
     }
 }

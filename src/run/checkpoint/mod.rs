@@ -30,6 +30,8 @@ pub use state::{ArenaExtension, BestPolicy, TrainerState};
 /// The files of the checkpoints, newest first. `next.bin` exists only until the others are renamed.
 const NAMES: [&str; 4] =
     ["checkpoint/next.bin", "checkpoint/latest.bin", "checkpoint/previous.bin", "checkpoint/older.bin"];
+/// The file of the newest checkpoint.
+pub const LATEST: &str = NAMES[1];
 /// The version of the format. It increases whenever an older reader would misread a newer file.
 pub const VERSION: u32 = 4;
 const FORMAT: HeaderFormat =
@@ -40,7 +42,8 @@ const FORMAT: HeaderFormat =
 /// # Errors
 /// The checkpoint cannot be written; the previous one is kept.
 pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerState) -> Result<(), RunError> {
-    folder.write(NAMES[0], |file| write_to(file, world, trainer_state))?;
+    trainer_state.update(world);
+    folder.write(NAMES[0], |file| encode(file, trainer_state, &world.resource::<ActiveLearner>().0))?;
     // The oldest file is renamed first. If this is interrupted at any point, all files are complete and in order.
     for (from, to) in NAMES.iter().zip(&NAMES[1..]).rev() {
         let (from, to) = (folder.path().join(from), folder.path().join(to));
@@ -56,14 +59,19 @@ pub fn save(folder: &RunFolder, world: &mut World, trainer_state: &mut TrainerSt
 ///
 /// # Errors
 /// `file` cannot be written.
-pub fn write_to(mut file: impl Write, world: &mut World, trainer_state: &mut TrainerState) -> io::Result<()> {
-    trainer_state.arenas = sim::snapshot(world);
-    trainer_state.collect_extensions();
-    trainer_state.exploration = world.resource::<Decisions>().streams.clone();
-    trainer_state.stats = *world.resource::<TrainingStats>();
+pub fn write_to(file: impl Write, world: &mut World, trainer_state: &mut TrainerState) -> io::Result<()> {
+    trainer_state.update(world);
+    encode(file, trainer_state, &world.resource::<ActiveLearner>().0)
+}
+
+/// Writes the contents of a checkpoint to `file`.
+///
+/// # Errors
+/// `file` cannot be written.
+pub fn encode(mut file: impl Write, trainer_state: &TrainerState, learner: &Learner) -> io::Result<()> {
     FORMAT.write(&mut file, trainer_state)?;
     write_point("checkpoint: state written");
-    world.resource::<ActiveLearner>().0.save(file).map_err(io::Error::other)
+    learner.save(file).map_err(io::Error::other)
 }
 
 /// A checkpoint that was read.

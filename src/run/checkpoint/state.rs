@@ -2,14 +2,16 @@
 
 use std::collections::VecDeque;
 
+use bevy::prelude::World;
 use serde::{Deserialize, Serialize};
 
-use crate::agent::TrainingStats;
+use crate::agent::{Decisions, TrainingStats};
 use crate::learning::Policy;
 use crate::limits::{MAX_RECENT_RETURNS, MAX_TIME_S};
 use crate::random::{self, Stream};
 use crate::run::folder::RunConfig;
 use crate::run::metric_rows::Milestone;
+use crate::sim;
 use crate::task::ArenaState;
 
 /// The state of a run, apart from its learner.
@@ -91,8 +93,21 @@ impl BestPolicy {
 }
 
 impl TrainerState {
+    /// Copies the state of the arenas and of the agent from `world`.
+    pub fn update(&mut self, world: &mut World) {
+        let arenas = sim::snapshot(world);
+        let exploration = world.resource::<Decisions>().streams.clone();
+        self.update_with(arenas, exploration, *world.resource::<TrainingStats>());
+    }
+
+    /// Replaces the state of the arenas and of the agent.
+    pub fn update_with(&mut self, arenas: Vec<ArenaState>, exploration: Vec<Stream>, stats: TrainingStats) {
+        (self.arenas, self.exploration, self.stats) = (arenas, exploration, stats);
+        self.collect_extensions();
+    }
+
     /// Copies the plugin data out of the arenas, whose serialized form does not include it.
-    pub(super) fn collect_extensions(&mut self) {
+    fn collect_extensions(&mut self) {
         self.arena_extensions = self.arenas.iter().map(ArenaExtension::from_state).collect();
         if self.arena_extensions.iter().all(ArenaExtension::is_empty) {
             self.arena_extensions.clear();

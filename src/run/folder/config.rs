@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::run::RunError;
 use crate::run::preset::Preset;
 use crate::run::shipped;
-use crate::scenario::{FileError, Scenario};
+use crate::scenario::{Diagnostic, FileError, Scenario, diagnostics, is_unprintable, parse_checked};
 use crate::simulation::Extensions;
 use crate::task::{ObservationLayout, ObservationSlice};
 
@@ -67,6 +67,24 @@ impl RunConfig {
         })
     }
 
+    /// The configuration in the text of a `config.ron`; error messages name it by `path`.
+    ///
+    /// # Errors
+    /// The text is not a configuration or has invalid values.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
+        parse_checked(text, path, Self::diagnostics, Self::diagnostics)
+    }
+
+    /// All invalid values of the preset and the scenario.
+    #[must_use]
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        let inside = |part: &'static str| {
+            move |found: Diagnostic| Diagnostic { path: format!("{part}.{}", found.path), ..found }
+        };
+        let preset = self.preset.diagnostics().into_iter().map(inside("preset"));
+        preset.chain(diagnostics(&self.scenario).into_iter().map(inside("scenario"))).collect()
+    }
+
     /// This configuration with the user's plugins; their sensors and reward terms are recorded.
     #[must_use]
     pub fn with_extensions(self, extensions: &Extensions) -> Self {
@@ -110,6 +128,12 @@ impl RunConfig {
         )
     }
 
+    /// A name for the run's folder: `<scenario>-<preset>-<seed>`.
+    #[must_use]
+    pub fn run_name(&self) -> String {
+        format!("{}-{}-{}", self.scenario_name(), self.preset_name(), self.seed)
+    }
+
     /// The scenario's file name without folder and extension.
     #[must_use]
     pub fn scenario_name(&self) -> String {
@@ -123,8 +147,11 @@ impl RunConfig {
     }
 }
 
+/// The name of the file `path` without folder and extension, as part of another file's name: without characters that can't
+/// be printed. Standard input is called `stdin`.
 fn file_stem(path: &str) -> String {
-    Path::new(path).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    let stem = Path::new(if path == "-" { "stdin" } else { path }).file_stem().unwrap_or_default();
+    stem.to_string_lossy().replace(is_unprintable, "_")
 }
 
 /// The initial policy of a run with knowledge transfer (section 3.2 of the paper).

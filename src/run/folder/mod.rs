@@ -162,8 +162,7 @@ impl RunFolder {
     }
 
     fn check_config(&self, config: &RunConfig) -> Result<(), RunError> {
-        let mut diagnostics = config.preset.diagnostics();
-        diagnostics.extend(crate::scenario::diagnostics(&config.scenario));
+        let diagnostics = config.diagnostics();
         if !diagnostics.is_empty() {
             let text = read_text_with_limit(self.config(), MAX_CONFIG_BYTES)?;
             return Err(FileError::from_diagnostics(&self.config(), &text, &diagnostics).into());
@@ -240,7 +239,7 @@ fn is_run_file(entry: &fs::DirEntry) -> bool {
 /// Creates `runs/<scenario>-<preset>-<seed>`, with a number appended if that exists. The folder reserves the
 /// name for this run.
 fn create_default_folder(config: &RunConfig) -> Result<PathBuf, RunError> {
-    let name = format!("{}-{}-{}", config.scenario_name(), config.preset_name(), config.seed);
+    let name = config.run_name();
     let runs = Path::new("runs");
     let mut path = runs.join(&name);
     let mut number = 2;

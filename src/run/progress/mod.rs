@@ -13,6 +13,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
 use view::{Rates, View};
 
+use crate::scenario::printable_lines;
+
 /// Interval between updates of the bar.
 const REDRAW: Duration = Duration::from_millis(100);
 /// Time from the start to the first plain line.
@@ -102,7 +104,7 @@ impl ProgressReporter {
     pub fn line(&mut self, text: &str) {
         match &self.display {
             Display::Quiet | Display::Listener(_) => {}
-            Display::Bar(bar) => bar.println(text),
+            Display::Bar(bar) => bar.println(printable_lines(text)),
             Display::Lines => print_stderr(text),
         }
     }
@@ -111,7 +113,7 @@ impl ProgressReporter {
     pub fn warn(&mut self, text: &str) {
         let text = format!("warning: {text}");
         match &self.display {
-            Display::Bar(bar) => bar.println(text),
+            Display::Bar(bar) => bar.println(printable_lines(&text)),
             Display::Quiet | Display::Listener(_) | Display::Lines => print_stderr(&text),
         }
     }
@@ -192,10 +194,10 @@ impl ProgressTotal {
     }
 }
 
-/// Prints a line to stderr. Errors are ignored: a closed stderr must not stop a run, and there is no other
-/// place to report it.
+/// Prints a line to stderr. Text from files can't control the terminal: it is made [printable](printable_lines). Errors are
+/// ignored: a closed stderr must not stop a run, and there is no other place to report it.
 pub fn print_stderr(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", printable_lines(text));
 }
 
 #[cfg(test)]

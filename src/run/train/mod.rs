@@ -19,7 +19,6 @@ use super::metrics_writer::MetricsWriter;
 use super::notes::run_notes;
 use super::preset::Budget;
 use super::progress::{Progress, ProgressListener, ProgressReporter};
-use super::shipped;
 use crate::agent::{ActiveLearner, TrainingWarning};
 use crate::learning::Learner;
 use crate::policy::Policy;
@@ -277,8 +276,7 @@ impl Run {
             first_99: self.trainer_state.first_99,
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
-        let in_paper_scenario = shipped::is_paper_scenario_1(&self.config.scenario);
-        self.metrics_writer.draw(&self.config.description(), in_paper_scenario)?;
+        self.metrics_writer.draw(&self.config)?;
         // The summary comes last: if it exists, the run folder is complete.
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
         let how = if finished { "done" } else { "stopped" };

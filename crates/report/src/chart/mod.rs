@@ -18,6 +18,7 @@ mod map;
 #[cfg(test)]
 pub(crate) mod svg_check;
 
+pub(crate) use curve_chart::MAX_VERTICES;
 pub use curve_chart::{BandPoint, ChartPanel, CurveChart, CurveLine, EventMarker, RawStyle, ReferenceLine};
 #[cfg(not(target_arch = "wasm32"))]
 pub use dot_plot::{DotCell, DotColumn, DotPlot};
@@ -40,6 +41,7 @@ mod tests {
             points: (1..=episodes).map(point).collect(),
             raw: (1..=episodes).map(|i| (f64::from(i), height(i % 997 * 31))).collect(),
             raw_style: if colour.is_multiple_of(2) { RawStyle::Line } else { RawStyle::Dots },
+            faint: colour == 2,
         }
     }
 
@@ -56,6 +58,7 @@ mod tests {
             x_label: "episodes".to_owned(),
             include_x: vec![0.0],
             mean_label: "smoothed mean".to_owned(),
+            band_label: "95 % interval".to_owned(),
             raw_label: "mean of each episode".to_owned(),
             panels: vec![panel; panels],
             markers: vec![EventMarker { x: 1000.0, label: "obstacles move from here".to_owned() }],

@@ -8,6 +8,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use crate::claim::{ClaimResult, tally};
 use crate::page::{Item, Page, Section, Setting};
 use crate::page_text::{CLAIMS, PROVENANCE, SETTINGS, percent_encoded};
+use crate::style::is_xml;
 use parts::{claim_list, files, outcome, paragraphs_html, unbroken};
 use table::table_block;
 
@@ -20,7 +21,7 @@ impl Page {
 }
 
 fn html(page: &Page) -> String {
-    html! {
+    let mut html = html! {
         (DOCTYPE)
         html lang="en" {
             head {
@@ -48,7 +49,9 @@ fn html(page: &Page) -> String {
             }
         }
     }
-    .into_string()
+    .into_string();
+    html.retain(is_xml);
+    html
 }
 
 fn claims(claims: &[ClaimResult]) -> Markup {

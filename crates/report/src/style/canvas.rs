@@ -47,8 +47,14 @@ pub(crate) fn picture(
     draw(&root).map_err(DrawError::new)?;
     root.present().map_err(DrawError::new)?;
     drop(root);
+    svg.retain(is_xml);
     let size = |scale| format!(r#"width="{}" height="{}""#, width / scale, height / scale);
     Ok(svg.replacen(&size(1), &size(SCALE), 1))
+}
+
+/// Whether XML 1.0 allows `c`. A file with any other character, even escaped, is not XML.
+pub(crate) fn is_xml(c: char) -> bool {
+    matches!(c, '\t' | '\n' | '\r' | ' '..='\u{fffd}' | '\u{10000}'..)
 }
 
 /// Writes a line of text, centred vertically at `at`.
@@ -84,6 +90,14 @@ pub(crate) fn area(root: &Canvas, corners: Vec<Pixel>, style: ShapeStyle) -> Dra
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn characters_that_xml_does_not_allow_are_left_out() {
+        let text = "A\u{0}\u{8}\u{1b}B\u{ffff}\u{fffe}C 迷路\u{1f916}";
+        let write = |root: &Canvas| write(root, text, (10, 10), TEXT, &BLACK, HPos::Left);
+        let svg = picture((200, 100), write).expect("the picture is drawn");
+        assert!(svg.contains("ABC 迷路\u{1f916}") && svg.chars().all(is_xml), "{svg}");
+    }
 
     #[test]
     fn a_figure_is_displayed_at_half_its_drawn_size() {

@@ -14,7 +14,8 @@ mod text;
 pub(crate) use axis::{Axis, bounds, is_drawable, thinned};
 pub use canvas::DrawError;
 pub(crate) use canvas::{
-    Canvas, DrawResult, HAIRLINE, HEADING, LINE_HEIGHT, Pixel, STROKE, TEXT, area, line, picture, write,
+    Canvas, DrawResult, HAIRLINE, HEADING, LINE_HEIGHT, Pixel, STROKE, TEXT, area, is_xml, line, picture,
+    write,
 };
 pub(crate) use labels::{draw_title, spread, title_height};
 pub(crate) use legend::{Legend, LegendEntry};

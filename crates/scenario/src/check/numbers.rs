@@ -8,6 +8,7 @@ use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND,
 use super::{obstacles, polygons, speeds};
 use crate::limits::*;
 use crate::schema::*;
+use crate::text::{code_point, is_noncharacter};
 
 pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     check_texts(scenario, diagnostics);
@@ -25,13 +26,24 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 fn check_texts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let name = &scenario.name;
     let is_too_long = name.chars().count() > MAX_NAME_CHARS;
-    if name.trim().is_empty() || is_too_long || name.chars().any(char::is_control) {
+    if name.trim().is_empty() || is_too_long || name.contains(['\n', '\r', '\t']) {
         let message = format!("must have 1 to {MAX_NAME_CHARS} characters on one line");
         diagnostics.push(format_args!("name"), message);
     }
+    check_characters("name", name, diagnostics);
+    check_characters("about", &scenario.about, diagnostics);
     if scenario.about.chars().count() > MAX_ABOUT_CHARS {
         let message = format!("is too long: write at most {MAX_ABOUT_CHARS} characters");
         diagnostics.push(format_args!("about"), message);
+    }
+}
+
+/// Checks that `text` has no characters that a picture of it could not contain.
+fn check_characters(field: &str, text: &str, diagnostics: &mut Diagnostics) {
+    let is_allowed = |c| matches!(c, '\n' | '\r' | '\t') || !(char::is_control(c) || is_noncharacter(c));
+    if let Some(c) = text.chars().find(|&c| !is_allowed(c)) {
+        let message = format!("contains the character {}, which can't be printed: remove it", code_point(c));
+        diagnostics.push(format_args!("{field}"), message);
     }
 }
 

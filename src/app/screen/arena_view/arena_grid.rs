@@ -9,7 +9,7 @@ use super::canvas::Canvas;
 use super::single_arena::set_arena_name;
 use super::transform::{ArenaBounds, ViewTransform};
 use super::{arena, beams, floor, trajectories};
-use crate::app::scene::{ArenaScene, Scene};
+use crate::app::scene::{ArenaScene, Scene, Score};
 use crate::app::screen::theme::Palette;
 use crate::app::view_state::{ViewCamera, ViewState};
 
@@ -50,15 +50,15 @@ pub(super) fn arena_grid_ui(ui: &Ui, rect: Rect, scene: &Scene, view_state: &mut
             view_state.grid = false;
         }
         draw_cell(ui, cell, scene, arena, index, view_state, response.hovered());
-        let (reached, collisions) = (arena.goals_reached, arena.collisions);
+        let Score { reached, collided, timed_out, .. } = arena.score;
         if !response.hovered() {
             continue;
         }
         response.on_hover_text(format!(
-            "Arena {}: {}, {}. Click to follow it",
+            "Arena {}: {}, {}, {timed_out} timed out. Click to follow it",
             index + 1,
             counted(reached, "goal reached", "goals reached"),
-            counted(collisions, "collision", "collisions")
+            counted(collided, "collision", "collisions")
         ));
     }
 }
@@ -113,9 +113,9 @@ fn draw_cell(
 fn draw_caption(canvas: &Canvas, cell: Rect, y: f32, arena: &ArenaScene, index: usize, color: Color32) {
     let (left, right) = (cell.left() + 7.0, cell.right() - 7.0);
     canvas.small_text(pos2(left, y), Align2::LEFT_CENTER, &(index + 1).to_string(), color);
-    let collisions = arena.collisions.to_string();
+    let collisions = arena.score.collided.to_string();
     let right = canvas.small_text(pos2(right, y), Align2::RIGHT_CENTER, &collisions, canvas.palette.error);
-    let reached = arena.goals_reached.to_string();
+    let reached = arena.score.reached.to_string();
     let at = pos2(right.left() - 8.0, y);
     canvas.small_text(at, Align2::RIGHT_CENTER, &reached, canvas.palette.success);
 }

@@ -76,7 +76,7 @@ mod tests {
 
     use super::super::transform::ArenaBounds;
     use super::*;
-    use crate::app::scene::DriverLabel;
+    use crate::app::scene::{DriverLabel, Score};
     use crate::app::view_state::ViewCamera;
     use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, Wall};
     use crate::task::{Goal, Pose};
@@ -107,8 +107,7 @@ mod tests {
             q_values: vec![],
             path_m: vec![],
             trails: vec![],
-            collisions: 0,
-            goals_reached: 0,
+            score: Score::default(),
             inactive: false,
         };
         let view = Rect::from_min_size(pos2(0.0, 0.0), egui::vec2(400.0, 400.0));

@@ -1,4 +1,4 @@
-//! The legend of the overlays that are on, and the distance of the grid lines.
+//! The legend: the robot, the goal, the distance of the grid lines, and the overlays that are on.
 //!
 //! In: the overlays. Out: a line along the bottom of the view, which the arena does not cover at zoom 1.
 
@@ -21,6 +21,8 @@ const ENTRY_GAP: f32 = 15.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Entry {
+    Robot,
+    Goal,
     GridCell,
     Beams,
     Path,
@@ -31,7 +33,7 @@ enum Entry {
 /// The entries for the overlays that are on.
 fn entries(overlays: &Overlays) -> Vec<Entry> {
     let trails = [TrailEnd::Reached, TrailEnd::Collided, TrailEnd::TimedOut].map(Entry::Trail);
-    let mut entries = vec![Entry::GridCell];
+    let mut entries = vec![Entry::Robot, Entry::Goal, Entry::GridCell];
     for (on, group) in [
         (overlays.beams, &[Entry::Beams][..]),
         (overlays.path, &[Entry::Path]),
@@ -86,12 +88,14 @@ pub fn draw(canvas: &Canvas, overlays: &Overlays) -> Option<Rect> {
 }
 
 fn swatch_width(entry: Entry) -> f32 {
-    if entry == Entry::GridCell { 10.0 } else { SWATCH }
+    if matches!(entry, Entry::Robot | Entry::Goal | Entry::GridCell) { 10.0 } else { SWATCH }
 }
 
 fn label(canvas: &Canvas, entry: Entry) -> String {
     match entry {
         Entry::GridCell => return format!("{} m", format_length(grid_step_m(canvas.transform.scale))),
+        Entry::Robot => "Robot",
+        Entry::Goal => "Goal",
         Entry::Beams => "LIDAR",
         Entry::Path => "Current path",
         Entry::Trail(TrailEnd::Reached) => "Reached",
@@ -106,6 +110,14 @@ fn draw_swatch(canvas: &Canvas, entry: Entry, swatch: Rect) {
     let (painter, palette) = (&canvas.painter, &canvas.palette);
     let (left, right) = (swatch.left_center(), swatch.right_center());
     match entry {
+        Entry::Robot => {
+            painter.circle_filled(swatch.center(), 5.0, palette.accent);
+        }
+        Entry::Goal => {
+            let fill = palette.success.gamma_multiply(0.18);
+            painter.circle(swatch.center(), 5.0, fill, Stroke::new(1.5, palette.success));
+            painter.circle_filled(swatch.center(), 1.5, palette.success);
+        }
         // A cell of the floor's grid, at a fixed size.
         Entry::GridCell => {
             painter.rect(swatch, 0.0, palette.floor, Stroke::new(1.0, palette.weak_text), StrokeKind::Inside);
@@ -164,8 +176,8 @@ mod tests {
             value: false,
             q_values: false,
         };
-        assert_eq!(entries(&off), [Entry::GridCell]);
-        assert_eq!(entries(&Overlays { trails: true, ..off }).len(), 4);
+        assert_eq!(entries(&off), [Entry::Robot, Entry::Goal, Entry::GridCell]);
+        assert_eq!(entries(&Overlays { trails: true, ..off }).len(), 6);
     }
 
     #[test]

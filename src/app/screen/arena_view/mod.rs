@@ -18,7 +18,7 @@
 //! | `q_card.rs`, `q_card_position.rs`, `motion_arrow.rs` | the Q-values next to the robot |
 //! | `field_view.rs`, `field_image.rs`, `color_bar.rs` | the potential and the state value as colours and arrows |
 //! | `legend.rs` | the legend |
-//! | `score.rs` | driver, goals and collisions above an arena |
+//! | `score.rs` | driver, success rate and outcomes above an arena |
 //! | `drag.rs`, `drag_target.rs` | dragging objects, and where they may be put |
 //! | `steer.rs` | the arrow keys in Drive mode |
 //! | `welcome.rs` | the start button before the first training |
@@ -96,7 +96,7 @@ pub fn arenas_ui(
 
 /// Whether the scene has one arena only, driven by a policy.
 fn is_single_policy(scene: &Scene) -> bool {
-    matches!(&scene.arenas[..], [only] if matches!(only.driver, DriverLabel::Policy(_)))
+    matches!(&scene.arenas[..], [only] if matches!(only.driver, DriverLabel::Policy { .. }))
 }
 
 /// Draws two arenas side by side, or one above the other in a tall view.
@@ -136,6 +136,6 @@ fn with_score(
         // As wide as the arena at zoom 1.
         let bounds = ArenaBounds::from_enclosure(&view.scene.scenario.enclosure);
         let fit = ViewTransform::new(below, MARGIN, ViewCamera::default(), bounds);
-        score::draw(ui, header, fit.bounds_rect().width(), arena);
+        score::draw(ui, ui.id().with(("score", index)), header, fit.bounds_rect().width(), arena);
     }
 }

@@ -5,6 +5,7 @@
 use egui::{Button, Frame, Margin, Response, RichText, Stroke, Ui, Vec2, vec2};
 
 use super::controls::button_row_ui;
+use crate::app::app_snapshot::AppSnapshot;
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, EditorInteraction};
 use crate::app::screen::input::ScreenInput;
@@ -108,12 +109,21 @@ fn save_ui(ui: &mut Ui, input: &ScreenInput<'_>, editor: &mut Editor, commands: 
         ("Save as…", "Save to another file", true),
     ];
     let Some(clicked) = button_row_ui(ui, &buttons) else { return };
+    let mut command = save_command(editor, input.status);
+    if let (Command::SaveScenario { path, .. }, 1) = (&mut command, clicked) {
+        *path = None;
+    }
+    commands.push(command);
+}
+
+/// The command that saves the scenario, to its file if it has one. An unfinished drawing becomes part of it.
+pub fn save_command(editor: &mut Editor, status: &AppSnapshot) -> Command {
     editor.finish_drawing();
-    commands.push(Command::SaveScenario {
+    Command::SaveScenario {
         scenario: editor.scenario().clone(),
         based_on: editor.from().to_owned(),
-        path: editor.file().filter(|_| clicked == 0 && input.status.has_disk),
-    });
+        path: editor.file().filter(|_| status.has_disk),
+    }
 }
 
 /// The question before the current training is discarded.

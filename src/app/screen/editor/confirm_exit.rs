@@ -2,12 +2,16 @@
 //!
 //! The simulation is paused while the editor is open, and resumes afterwards if it was running.
 
-use egui::{Align2, Area, Button, Frame, Id, Margin, Order as Layer, Rect, RichText, Stroke, Ui, vec2};
+use egui::{Button, Rect, RichText, Ui, vec2};
 
+use super::actions::save_command;
+use crate::app::app_snapshot::AppSnapshot;
 use crate::app::commands::Command;
 use crate::app::editor::{Editor, EditorInteraction, ExitRequest};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::theme::{BODY, Palette};
+use crate::app::screen::widgets::buttons::primary_button_ui;
+use crate::app::screen::widgets::question::question_ui;
 use crate::app::view_state::ViewState;
 
 /// Opens the editor on the running scenario. If a newer version was saved to its file but not applied yet, opens that
@@ -32,7 +36,7 @@ pub fn enter_editor(view: &ScreenInput<'_>, view_state: &mut ViewState, commands
 /// Leaves the editor and sends `then`. With unsaved changes, asks first.
 pub fn request_exit(view_state: &mut ViewState, then: Option<Command>, commands: &mut Vec<Command>) {
     if view_state.editor.as_ref().is_some_and(|editor| editor.is_modified()) {
-        view_state.interaction.editor.exit_request = Some(ExitRequest { then });
+        view_state.interaction.editor.exit_request = Some(ExitRequest { then, once_saved: false });
     } else {
         exit_editor(view_state, then, commands);
     }
@@ -49,35 +53,39 @@ pub fn exit_editor(view_state: &mut ViewState, then: Option<Command>, commands: 
 }
 
 /// The question about unsaved changes, in the middle of `canvas`, if it is open.
-pub fn confirm_exit_ui(ui: &Ui, canvas: Rect, view_state: &mut ViewState, commands: &mut Vec<Command>) {
+pub fn confirm_exit_ui(
+    ui: &Ui,
+    canvas: Rect,
+    status: &AppSnapshot,
+    view_state: &mut ViewState,
+    commands: &mut Vec<Command>,
+) {
     let request = view_state.interaction.editor.exit_request.clone();
     let Some((request, editor)) = request.zip(view_state.editor.as_deref()) else { return };
+    if request.once_saved && !editor.is_modified() {
+        return exit_editor(view_state, request.then, commands);
+    }
     let text = editor.unfinished_drawing().map_or("Unsaved changes will be lost.".into(), |drawing| {
         format!("The unfinished {drawing} and all unsaved changes will be lost.")
     });
-    let palette = Palette::from_ui(ui);
-    let area = Area::new(Id::new("leave the editor")).order(Layer::Foreground).pivot(Align2::CENTER_CENTER);
-    area.fixed_pos(canvas.center()).constrain_to(canvas).show(ui.ctx(), |ui| {
-        let frame = Frame::new()
-            .fill(palette.panel)
-            .stroke(Stroke::new(1.0, palette.warning))
-            .corner_radius(8.0)
-            .shadow(ui.visuals().popup_shadow)
-            .inner_margin(Margin::same(14));
-        frame.show(ui, |ui| {
-            ui.set_width(248.0);
-            ui.label(RichText::new(text).size(BODY).color(palette.text));
-            ui.horizontal(|ui| {
-                let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
-                let size = vec2(width, 28.0);
-                if ui.add_sized(size, Button::new("Discard changes")).clicked() {
-                    exit_editor(view_state, request.then, commands);
-                }
-                let stay = ui.add_sized(size, Button::new("Keep editing"));
-                if stay.clicked() || ui.input(|input| input.key_pressed(egui::Key::Escape)) {
-                    view_state.interaction.editor.exit_request = None;
-                }
-            });
+    question_ui(ui, canvas, "leave the editor", 248.0, |ui| {
+        ui.label(RichText::new(text).size(BODY).color(Palette::from_ui(ui).text));
+        let size = vec2(ui.available_width(), 28.0);
+        if primary_button_ui(ui, "Save and leave", BODY, size).clicked() {
+            commands.extend(view_state.editor.as_deref_mut().map(|editor| save_command(editor, status)));
+            view_state.interaction.editor.exit_request = Some(ExitRequest { once_saved: true, ..request });
+            return;
+        }
+        ui.horizontal(|ui| {
+            let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
+            let size = vec2(width, 28.0);
+            if ui.add_sized(size, Button::new("Discard changes")).clicked() {
+                exit_editor(view_state, request.then, commands);
+            }
+            let stay = ui.add_sized(size, Button::new("Keep editing"));
+            if stay.clicked() || ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+                view_state.interaction.editor.exit_request = None;
+            }
         });
     });
 }

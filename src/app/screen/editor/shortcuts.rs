@@ -4,6 +4,7 @@
 
 use egui::{Event, Key, Modifiers, Ui};
 
+use super::actions::save_command;
 use super::framing::canvas_id;
 use crate::app::app_snapshot::AppSnapshot;
 use crate::app::commands::Command;
@@ -23,6 +24,14 @@ pub const KEY_HELP: [(&str, &str); 12] = [
     ("F", "Show the whole scenario"),
     ("Ctrl+S", "Save the scenario"),
     ("Ctrl+O", "Open a scenario"),
+];
+
+/// The gestures of the mouse, in the order of the help window.
+pub const MOUSE_HELP: [(&str, &str); 4] = [
+    ("Click", "Select an object"),
+    ("Drag", "Move an object or a handle; on the floor: pan"),
+    ("Scroll", "Zoom"),
+    ("Double click", "On a waypoint or corner: remove it"),
 ];
 
 /// Handles the keys of this frame.
@@ -66,14 +75,7 @@ fn with_command(
         Key::X => editor.cut(),
         Key::V => editor.paste(None),
         Key::D => editor.duplicate(),
-        Key::S => {
-            editor.finish_drawing();
-            commands.push(Command::SaveScenario {
-                scenario: editor.scenario().clone(),
-                based_on: editor.from().to_owned(),
-                path: editor.file().filter(|_| status.has_disk),
-            });
-        }
+        Key::S => commands.push(save_command(editor, status)),
         Key::O => commands.push(Command::OpenInEditor(None)),
         _ => {}
     }

@@ -3,13 +3,10 @@
 use egui::{Button, Frame, Margin, RichText, Stroke, Ui, vec2};
 
 use crate::app::app_snapshot::AppSnapshot;
-use crate::app::commands::Command;
+use crate::app::commands::{Command, PolicySource};
 use crate::app::screen::numbers;
 use crate::app::screen::theme::Palette;
 use crate::app::setup_form::SetupForm;
-
-/// The width of the Cancel button, in points.
-const CANCEL_WIDTH: f32 = 74.0;
 
 /// Sends `command`, or first opens the question if the command would discard a training worth keeping.
 pub(super) fn send_or_ask(
@@ -40,17 +37,20 @@ pub(super) fn discard_question_ui(
         .inner_margin(Margin::same(8));
     frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let episodes = if status.episodes == 1 { "episode" } else { "episodes" };
-        let count = numbers::format_count(status.episodes);
-        let text = format!("Discard this training ({count} {episodes})?");
+        let (text, answer) = question(status, form.awaiting_confirmation.as_ref());
         ui.label(RichText::new(text).color(palette.text));
         ui.horizontal(|ui| {
-            let width = ui.available_width() - ui.spacing().item_spacing.x - CANCEL_WIDTH;
-            let discard = ui.add_sized(vec2(width, 26.0), Button::new("Discard")).clicked();
-            let cancel = ui.add_sized(vec2(CANCEL_WIDTH, 26.0), Button::new("Cancel")).clicked();
-            if discard {
-                let asked = form.awaiting_confirmation.take();
-                commands.extend(asked.map(|asked| with_current_choices(&asked, form)));
+            ui.spacing_mut().button_padding.x = 2.0;
+            let size = vec2((ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0, 26.0);
+            let save_first =
+                ui.add_sized(size, Button::new("Save first")).on_hover_text(save_help(status)).clicked();
+            let discard = ui.add_sized(size, Button::new(answer)).clicked();
+            let cancel = ui.add_sized(size, Button::new("Cancel")).clicked();
+            if save_first || discard {
+                let asked = form.awaiting_confirmation.take().map(|asked| with_current_choices(&asked, form));
+                commands.extend(
+                    asked.map(|asked| if save_first { Command::SaveFirst(Box::new(asked)) } else { asked }),
+                );
             } else if cancel {
                 form.awaiting_confirmation = None;
             }
@@ -58,10 +58,31 @@ pub(super) fn discard_question_ui(
     });
 }
 
+fn save_help(status: &AppSnapshot) -> &'static str {
+    if status.has_disk {
+        "Save the run in the folder runs, then go on"
+    } else {
+        "Save the policy, then go on"
+    }
+}
+
 /// The command that was asked about, with the choices as they are now: the user may have changed them since.
 fn with_current_choices(asked: &Command, form: &SetupForm) -> Command {
     match asked {
         Command::StartTraining { .. } => form.start_training(),
-        _ => Command::TrainFromOpened { epsilon: form.epsilon },
+        Command::Transfer { policy, .. } => form.transfer(*policy),
+        other => other.clone(),
+    }
+}
+
+/// The question before `asked`, and the text of the button that confirms it.
+fn question(status: &AppSnapshot, asked: Option<&Command>) -> (String, &'static str) {
+    let episodes = if status.episodes == 1 { "episode" } else { "episodes" };
+    let count = numbers::format_count(status.episodes);
+    match asked {
+        Some(Command::Transfer { policy: PolicySource::Current | PolicySource::Best, .. }) => {
+            (format!("End this training ({count} {episodes})? Its policy continues."), "Continue")
+        }
+        _ => (format!("Discard this training ({count} {episodes})?"), "Discard"),
     }
 }

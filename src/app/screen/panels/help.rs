@@ -1,4 +1,4 @@
-//! The help window: a short explanation and the list of keyboard shortcuts, for the arenas or for the editor.
+//! The help window: a short explanation, the mouse and the keyboard shortcuts, for the arenas or for the editor.
 
 use egui::{Align2, RichText, Ui, vec2};
 
@@ -26,6 +26,19 @@ const EDITOR_HELP: [&str; 3] = [
      a text file that any text editor can open.",
 ];
 
+const ARENA_MOUSE_HELP: [(&str, &str); 7] = [
+    ("Drag", "Move the robot, the goal or an obstacle"),
+    ("Drag", "On the floor: pan"),
+    ("Scroll", "Zoom"),
+    ("Double click", "On the floor: fit the arena to the view"),
+    ("Click", "In the grid: follow an arena"),
+    ("Ctrl+scroll", "On a plot: zoom; drag: pan"),
+    ("Drop", "A policy, run, scenario or preset: open it"),
+];
+
+/// The width of the keys and gestures, in points.
+const KEY_WIDTH: f32 = 76.0;
+
 /// Draws the help window if it is open. Escape and its close button close it.
 pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
     let editing = view_state.editor.is_some();
@@ -51,21 +64,28 @@ pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
             for &paragraph in if editing { &EDITOR_HELP[..] } else { &ARENA_HELP } {
                 ui.label(paragraph);
             }
-            ui.add_space(2.0 * GAP);
-            ui.label(RichText::new("Keyboard shortcuts").size(BODY).strong());
-            let half = rows.len().div_ceil(2);
-            ui.columns(2, |columns| {
-                for (column, rows) in columns.iter_mut().zip(rows.chunks(half)) {
-                    for (key, description) in rows {
-                        column.horizontal(|ui| {
-                            let width = 58.0;
-                            let start = ui.cursor().left();
-                            key_cap_ui(ui, key);
-                            ui.add_space((start + width - ui.cursor().left()).max(0.0));
-                            ui.add(egui::Label::new(*description).wrap());
-                        });
-                    }
-                }
-            });
+            let mouse = if editing { &editor::shortcuts::MOUSE_HELP[..] } else { &ARENA_MOUSE_HELP };
+            section_ui(ui, "Mouse", mouse);
+            section_ui(ui, "Keyboard shortcuts", &rows);
         });
+}
+
+/// Draws a table of keys or gestures and their effects, in two columns.
+fn section_ui(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
+    ui.add_space(GAP);
+    ui.label(RichText::new(title).size(BODY).strong());
+    let half = rows.len().div_ceil(2);
+    ui.columns(2, |columns| {
+        for (column, rows) in columns.iter_mut().zip(rows.chunks(half)) {
+            column.spacing_mut().item_spacing.y = 1.0;
+            for (key, description) in rows {
+                column.horizontal(|ui| {
+                    let start = ui.cursor().left();
+                    key_cap_ui(ui, key);
+                    ui.add_space((start + KEY_WIDTH - ui.cursor().left()).max(0.0));
+                    ui.add(egui::Label::new(*description).wrap());
+                });
+            }
+        }
+    });
 }

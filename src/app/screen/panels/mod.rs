@@ -9,19 +9,29 @@
 //! | `mode_switch.rs` | the toolbar's choice of mode: Train, Test, Drive, Compare, Edit |
 //! | `readouts.rs` | the toolbar's numbers: success rate, steps, speed |
 //! | `setup.rs` | the setup panel on the left |
-//! | `training.rs` | the setup panel's first section: scenario, learner, and the buttons that start a training |
-//! | `seed.rs`, `discard_question.rs` | the seed field; the question before a training is discarded |
+//! | `training.rs` | the setup panel's first section: the choices, and the buttons that start a training |
+//! | `choices.rs`, `seed.rs` | the choices of scenario, learner and seed |
+//! | `discard_question.rs` | the question before a training is discarded |
+//! | `tested_policy.rs` | the setup panel's choice of the policy to test |
+//! | `files.rs` | the setup panel's buttons that open and save files |
 //! | `overlays.rs` | the setup panel's switches for the overlays |
 //! | `notices.rs` | notices over the arena |
+//! | `last_session.rs` | the offer to continue the last session |
+//! | `quit_question.rs` | the question before quitting |
 //! | `help.rs` | the help window |
 
+mod choices;
 mod discard_question;
+mod files;
 pub mod help;
+pub mod last_session;
 mod mode_switch;
 pub mod notices;
 mod overlays;
+pub mod quit_question;
 mod readouts;
 mod seed;
 pub mod setup;
+mod tested_policy;
 pub mod toolbar;
 mod training;

@@ -22,7 +22,7 @@ pub(super) fn mode_switch_ui(
     commands: &mut Vec<Command>,
 ) {
     let opened_policy = view.status.opened_policy.as_deref();
-    let expert = view.status.expert.as_deref();
+    let expert = view.status.expert.as_ref().map(|expert| expert.name.as_str());
     let current = MODES.iter().position(|mode| *mode == view.status.mode);
     let editing = view_state.editor.is_some();
     let selected = if editing { Some(MODES.len()) } else { current };
@@ -47,7 +47,7 @@ pub(super) fn mode_switch_ui(
 fn segments(opened_policy: Option<&str>, expert: Option<&str>) -> [Segment; 5] {
     let compare = match (opened_policy, expert) {
         (Some(name), _) => format!("Compare the current policy with {name}, on the same goals"),
-        (None, Some(_)) => "Compare the current policy with an expert, or with one you open".into(),
+        (None, Some(expert)) => format!("Compare the current policy with the {expert}, or with one you open"),
         (None, None) => "Open a second policy to compare with the current one".into(),
     };
     let edit = "Edit the scenario, save it, train in it";

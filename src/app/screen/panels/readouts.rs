@@ -81,10 +81,11 @@ fn readout_ui(ui: &mut Ui, readout: &Readout) -> Response {
 
 fn success(status: &AppSnapshot) -> Readout {
     let value = status.success_rate.map_or("–".into(), numbers::format_percent);
-    let tip = match (status.success_rate, status.best_success_rate) {
+    let tip = match (status.success_rate, status.best) {
         (Some(_), Some(best)) => format!(
-            "Share of goals reached in the last evaluation, without random actions. Best so far: {}",
-            numbers::format_percent(best)
+            "Share of goals reached in the last evaluation, without random actions. Best so far: {} at {} env steps",
+            numbers::format_percent(best.success_rate),
+            numbers::format_count(best.env_steps)
         ),
         (Some(_), None) => "Share of goals reached in the last evaluation, without random actions".into(),
         (None, _) => "Share of goals reached without random actions. No evaluation yet".into(),

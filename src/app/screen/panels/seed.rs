@@ -1,29 +1,64 @@
 //! The seed field of the setup panel, with a button for a random seed.
 
+use std::cell::RefCell;
+
 use egui::{DragValue, Ui, vec2};
 
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
-use crate::app::screen::widgets::text::section_title_ui;
+use crate::app::screen::widgets::text::{note_ui, section_title_ui};
+use crate::app::setup_form::SetupForm;
 
-/// Draws the field for `seed`.
-pub(super) fn seed_ui(ui: &mut Ui, seed: &mut u64) {
+/// The maximum number of characters of a rejected text that are repeated.
+const MAX_REPEATED: usize = 24;
+
+/// Draws the field for the seed of `form`. A text that is no seed is refused with a message below the field.
+pub(super) fn seed_ui(ui: &mut Ui, form: &mut SetupForm) {
     let label = section_title_ui(ui, "Seed");
     ui.horizontal(|ui| {
         let side = ui.spacing().interact_size.y;
         let width = ui.available_width() - side - ui.spacing().item_spacing.x;
-        // The field works with an f64, which is not exact above 2^53: show the seed itself while they agree.
-        let current = *seed;
+        // The field works with an f64, which is not exact above 2^53: show and keep the seed itself.
+        let current = form.seed;
         let format = move |shown: f64, _| {
             if shown == current as f64 { current.to_string() } else { format!("{shown:.0}") }
         };
-        ui.add_sized(vec2(width, side), DragValue::new(seed).speed(1.0).custom_formatter(format))
-            .labelled_by(label.id)
-            .on_hover_text("The same seed gives the same training; drag, or click to type");
+        let typed = RefCell::new(None);
+        let parse = |text: &str| {
+            let parsed = parse_seed(text);
+            let value = parsed.as_ref().ok().map(|&seed| seed as f64);
+            *typed.borrow_mut() = Some(parsed);
+            value
+        };
+        let field = DragValue::new(&mut form.seed).speed(1.0).custom_formatter(format).custom_parser(parse);
+        let field = ui.add_sized(vec2(width, side), field).labelled_by(label.id);
+        let field = field.on_hover_text("The same seed gives the same training; drag, or click to type");
+        match typed.into_inner() {
+            Some(Ok(seed)) => (form.seed, form.seed_problem) = (seed, None),
+            Some(Err(problem)) => form.seed_problem = Some(problem),
+            None if field.changed() => form.seed_problem = None,
+            None => {}
+        }
         let name = "Random seed";
         if icons::icon_button_ui(ui, Icon::Dice, ButtonStyle::Framed, side, name, name).clicked() {
-            *seed = random_seed(current, ui.input(|i| i.time));
+            (form.seed, form.seed_problem) = (random_seed(form.seed, ui.input(|i| i.time)), None);
         }
     });
+    if let Some(problem) = &form.seed_problem {
+        note_ui(ui, &format!("{problem}. The seed stays {}", form.seed));
+    }
+}
+
+/// The seed in `text`.
+///
+/// # Errors
+/// The problem, without a full stop.
+fn parse_seed(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    text.parse().map_err(|_| {
+        let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+        let repeated: String = text.chars().take(MAX_REPEATED).collect();
+        if is_number { format!("Too large: {repeated}") } else { format!("Not a whole number: {repeated}") }
+    })
 }
 
 /// A seed of up to six digits other than `before`: splitmix64 of `before` and the time.

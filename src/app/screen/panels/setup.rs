@@ -1,30 +1,19 @@
-//! The setup panel on the left: training (`training.rs`), overlays, view and files.
+//! The setup panel on the left: training (`training.rs`), overlays, view and files (`files.rs`).
 //!
 //! In: the session state and the view state. Out: commands. Choices wait in [`SetupForm`] until a button is
 //! clicked.
 
-use egui::{Button, Frame, Margin, ScrollArea, Ui, vec2};
+use egui::{Frame, Margin, ScrollArea, Ui};
 
-use super::{overlays, training};
-use crate::app::app_snapshot::AppSnapshot;
-use crate::app::commands::{Command, SaveKind, SessionMode};
+use super::{files, overlays, tested_policy, training};
+use crate::app::commands::{Command, SessionMode};
 use crate::app::screen::input::ScreenInput;
 use crate::app::screen::key_bindings::{Shortcut, with_key_hint};
-use crate::app::screen::widgets::buttons::wide_button_ui;
 use crate::app::screen::widgets::icons::{self, ButtonStyle, Icon};
 use crate::app::screen::widgets::segments::{self, Segment};
 use crate::app::screen::widgets::text::{key_cap_ui, section_title_ui, separator_ui, weak_text};
 use crate::app::setup_form::SetupForm;
 use crate::app::view_state::{ViewCamera, ViewState};
-
-/// The height of the buttons for files, in points.
-const FILE_BUTTON_HEIGHT: f32 = 26.0;
-
-const OPEN_HELP: &str = "Open a policy to compare with, a saved run to resume, a scenario or a preset";
-
-/// The tooltip without a disk, where no run can be opened.
-const OPEN_HELP_WITHOUT_DISK: &str =
-    "Open a policy to compare with, a scenario or a preset. The file stays on your machine";
 
 /// Draws the panel.
 pub fn setup_ui(
@@ -46,6 +35,7 @@ fn content_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, c
         driving_help_ui(ui);
         separator_ui(ui);
     }
+    tested_policy::tested_policy_ui(ui, view.status, commands);
     let mut setup_form = SetupForm::resume(view_state.interaction.setup_form.take(), view.status);
     training::training_ui(ui, view.status, &mut setup_form, commands);
     view_state.interaction.setup_form = Some(setup_form);
@@ -55,7 +45,7 @@ fn content_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState, c
     separator_ui(ui);
     view_ui(ui, view, view_state);
     separator_ui(ui);
-    files_ui(ui, view.status, commands);
+    files::files_ui(ui, view.status, commands);
 }
 
 fn view_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewState) {
@@ -88,45 +78,6 @@ fn arena_choice_ui(ui: &mut Ui, view: &ScreenInput<'_>, view_state: &mut ViewSta
     {
         view_state.grid = k == 1;
     }
-}
-
-fn files_ui(ui: &mut Ui, status: &AppSnapshot, commands: &mut Vec<Command>) {
-    section_title_ui(ui, "Files");
-    if let Some(expert) = &status.expert {
-        let about = format!("Compare the current policy with a shipped one: {expert}");
-        if wide_button_ui(ui, "Watch an expert", FILE_BUTTON_HEIGHT).on_hover_text(about).clicked() {
-            commands.push(Command::OpenExpert);
-        }
-    }
-    let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
-    for row in file_buttons(status.has_disk).chunks(2) {
-        ui.horizontal(|ui| {
-            // Less padding, so that the longest text fits.
-            ui.spacing_mut().button_padding.x = 4.0;
-            for (text, about, command) in row {
-                let button = ui.add_sized(vec2(width, FILE_BUTTON_HEIGHT), Button::new(*text));
-                if button.on_hover_text(about).clicked() {
-                    commands.push(command.clone());
-                }
-            }
-        });
-    }
-}
-
-/// Text, tooltip and command of each button. Without a disk no run can be saved.
-fn file_buttons(has_disk: bool) -> Vec<(&'static str, String, Command)> {
-    let open = with_key_hint(if has_disk { OPEN_HELP } else { OPEN_HELP_WITHOUT_DISK }, Shortcut::Open);
-    let policy = with_key_hint("Save the current network as .safetensors", Shortcut::Save);
-    let run = "Save the whole run, so that it can be resumed".to_owned();
-    let scenario = "Save the scenario, including objects you moved".to_owned();
-    let mut buttons = vec![
-        ("Open…", open, Command::OpenDialog),
-        ("Save policy…", policy, Command::SaveDialog(SaveKind::Policy)),
-        ("Save run…", run, Command::SaveDialog(SaveKind::Run)),
-        ("Save scenario…", scenario, Command::SaveDialog(SaveKind::Scenario)),
-    ];
-    buttons.retain(|(.., command)| has_disk || *command != Command::SaveDialog(SaveKind::Run));
-    buttons
 }
 
 fn driving_help_ui(ui: &mut Ui) {

@@ -1,15 +1,15 @@
-//! The first section of the setup panel: scenario, learner and seed, and the buttons that start a training
-//! with them.
+//! The first section of the setup panel: the choices for a training, and the buttons that start one with them.
 //!
 //! In: the session state and the choices so far ([`SetupForm`]). Out: commands. One that discards a training
 //! worth keeping is sent only after the user has confirmed it.
 
-use egui::{ComboBox, Label, Slider, Ui, vec2};
+use egui::{Label, Slider, Ui, vec2};
 
+use super::choices::{choice_in_words, choices_ui};
 use super::discard_question::{discard_question_ui, send_or_ask};
-use super::seed::seed_ui;
-use crate::app::app_snapshot::{AppSnapshot, Choice};
-use crate::app::commands::Command;
+use super::tested_policy::policy_choice_ui;
+use crate::app::app_snapshot::AppSnapshot;
+use crate::app::commands::{Command, PolicySource};
 use crate::app::screen::theme::{BODY, GAP};
 use crate::app::screen::widgets::buttons::{primary_button_ui, wide_button_ui};
 use crate::app::screen::widgets::text::{section_title_ui, weak_text};
@@ -20,29 +20,43 @@ const TALL: f32 = 30.0;
 
 /// Draws the section.
 pub fn training_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands: &mut Vec<Command>) {
-    let changed = status.scenario_modified && form.scenario == status.scenario_from;
-    choice_ui(ui, "Scenario", &status.scenarios, &mut form.scenario, changed);
+    choices_ui(ui, status, form);
     ui.add_space(GAP);
-    choice_ui(ui, "Learner", &status.presets, &mut form.preset, false);
-    ui.add_space(GAP);
-    seed_ui(ui, &mut form.seed);
-    ui.add_space(GAP);
-    restart_ui(ui, status, form, commands);
-    let other_scenario = form.scenario != status.scenario_from;
-    if other_scenario {
-        transfer_ui(ui, form, commands);
+    start_buttons_ui(ui, status, form, commands);
+    let has_opened = status.opened_policy.is_some();
+    if let Some(name) = &status.opened_policy {
+        opened_policy_ui(ui, name, status, form, commands);
     }
-    match &status.opened_policy {
-        Some(name) => opened_policy_ui(ui, name, status, form, commands),
-        None => {
-            // Without the policy, the question no longer applies.
-            let asked = form.awaiting_confirmation.take();
-            form.awaiting_confirmation =
-                asked.filter(|asked| !matches!(asked, Command::TrainFromOpened { .. }));
-        }
-    }
-    if other_scenario || status.opened_policy.is_some() {
+    let is_other_scenario = form.scenario != status.scenario_from;
+    if is_other_scenario || has_opened {
         epsilon_ui(ui, form);
+    }
+    // A question no longer applies without the button that asked it.
+    form.withdraw_question(|asked| match asked {
+        Command::Transfer { policy: PolicySource::Opened, .. } => !has_opened,
+        Command::Transfer { .. } => !is_other_scenario,
+        _ => false,
+    });
+}
+
+/// The buttons that start a training with the choices, and the one that takes the choices back.
+fn start_buttons_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands: &mut Vec<Command>) {
+    restart_ui(ui, status, form, commands);
+    if form.scenario != status.scenario_from {
+        let text = format!("Continue training{}", choice_in_words(status, form));
+        let about = "Continue training in the chosen scenario with this policy (knowledge transfer)";
+        match status.best {
+            Some(best) => {
+                let names = ["Continue with the current policy", "Continue with the best policy"];
+                let clicked = policy_choice_ui(ui, names, status, best, form.transfer_from);
+                form.transfer_from = clicked.unwrap_or(form.transfer_from);
+            }
+            None => form.transfer_from = PolicySource::Current,
+        }
+        transfer_button_ui(ui, &text, about, form.transfer_from, status, form, commands);
+    }
+    if form.differs_from_running() && wide_button_ui(ui, "Undo choice", TALL).clicked() {
+        form.undo(status);
     }
 }
 
@@ -58,7 +72,8 @@ fn restart_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands:
     };
     // In the accent colour only if the settings differ from those that run.
     let button = if form.differs_from_running() {
-        primary_button_ui(ui, "Restart training", BODY, vec2(ui.available_width(), TALL))
+        let text = format!("Train from scratch{}", choice_in_words(status, form));
+        primary_button_ui(ui, &text, BODY, vec2(ui.available_width(), TALL))
     } else {
         wide_button_ui(ui, "Restart training", TALL)
     };
@@ -67,10 +82,21 @@ fn restart_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, commands:
     }
 }
 
-fn transfer_ui(ui: &mut Ui, form: &SetupForm, commands: &mut Vec<Command>) {
-    let about = "Continue training in the chosen scenario with the current weights (knowledge transfer)";
-    if wide_button_ui(ui, "Continue here with this policy", TALL).on_hover_text(about).clicked() {
-        commands.push(Command::Transfer { scenario: form.scenario.clone(), epsilon: form.epsilon });
+/// A button that starts a training from `policy`, or the question that it has asked.
+fn transfer_button_ui(
+    ui: &mut Ui,
+    text: &str,
+    about: &str,
+    policy: PolicySource,
+    status: &AppSnapshot,
+    form: &mut SetupForm,
+    commands: &mut Vec<Command>,
+) {
+    if matches!(&form.awaiting_confirmation, Some(Command::Transfer { policy: asked, .. }) if *asked == policy)
+    {
+        discard_question_ui(ui, status, form, commands);
+    } else if wide_button_ui(ui, text, TALL).on_hover_text(about).clicked() {
+        send_or_ask(form.transfer(policy), status, form, commands);
     }
 }
 
@@ -83,15 +109,16 @@ fn opened_policy_ui(
 ) {
     ui.add_space(GAP);
     section_title_ui(ui, "Opened policy");
-    ui.add(Label::new(weak_text(name)).truncate());
-    if matches!(form.awaiting_confirmation, Some(Command::TrainFromOpened { .. })) {
-        return discard_question_ui(ui, status, form, commands);
-    }
-    let about = "Start a new training of the same learner in the same scenario from this policy. The current training is \
-                 discarded";
-    if wide_button_ui(ui, "Continue training this policy", TALL).on_hover_text(about).clicked() {
-        send_or_ask(Command::TrainFromOpened { epsilon: form.epsilon }, status, form, commands);
-    }
+    ui.add(Label::new(weak_text(name)).truncate()).on_hover_text(name);
+    let (text, about) = if form.differs_from_running() {
+        let text = format!("Continue this policy{}", choice_in_words(status, form));
+        (text, "Start a new training with these settings from this policy. The current training is discarded")
+    } else {
+        let about = "Start a new training of the same learner in the same scenario from this policy. The current training \
+                     is discarded";
+        ("Continue training this policy".into(), about)
+    };
+    transfer_button_ui(ui, &text, about, PolicySource::Opened, status, form, commands);
 }
 
 fn epsilon_ui(ui: &mut Ui, form: &mut SetupForm) {
@@ -108,30 +135,4 @@ fn epsilon_ui(ui: &mut Ui, form: &mut SetupForm) {
             .labelled_by(label.id)
             .on_hover_text("Share of random actions at the start (the paper: 50%)");
     });
-}
-
-/// A drop-down list titled `title` with the description of the chosen entry below; `from` is the name or file
-/// of the chosen one, and `changed` notes that the user has modified it.
-fn choice_ui(ui: &mut Ui, title: &str, choices: &[Choice], from: &mut String, changed: bool) {
-    let label = section_title_ui(ui, title);
-    let chosen = choices.iter().find(|choice| choice.from == *from);
-    let text = chosen.map_or(from.as_str(), |choice| choice.title.as_str()).to_owned();
-    let about = chosen.map_or("", |choice| choice.about.as_str());
-    let width = ui.available_width();
-    let combo = ComboBox::from_id_salt(title).selected_text(text).width(width).truncate();
-    let shown = combo.show_ui(ui, |ui| {
-        for choice in choices {
-            let item = ui.selectable_label(choice.from == *from, &choice.title);
-            if item.on_hover_text(&choice.about).clicked() {
-                from.clone_from(&choice.from);
-            }
-        }
-    });
-    shown.response.labelled_by(label.id);
-    if changed {
-        ui.label(weak_text("changed by hand"));
-    }
-    if !about.is_empty() {
-        ui.label(weak_text(about));
-    }
 }

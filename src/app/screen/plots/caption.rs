@@ -10,7 +10,7 @@ const ENTRY_GAP: f32 = 12.0;
 /// Cards narrower than this, in points, have short names in the legend.
 const NARROW: f32 = 300.0;
 
-/// Draws the title, and the value of the first line.
+/// Draws the title, the value of the first line, and the best one.
 pub(super) fn heading_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext<'_>, palette: Palette) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(card.title).size(BODY).color(palette.text)).on_hover_text(card.about);
@@ -19,6 +19,10 @@ pub(super) fn heading_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContex
         {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.label(RichText::new(value).size(BODY).color(first.color));
+                if let Some((_, best)) = card.ring {
+                    let best = format!("best {}", card.scale.format_value(best, card.digits));
+                    ui.label(RichText::new(best).size(SMALL).color(palette.success));
+                }
             });
         }
     });
@@ -31,13 +35,15 @@ pub(super) fn legend_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext
         let traces = card.traces.iter().enumerate().map(|(index, trace)| {
             let value = value_at(card, trace, shared.hovered).filter(|_| card.no_primary_trace || index > 0);
             let name = if short { trace.short_name } else { trace.name };
-            let text = match value.filter(|_| trace.style != TraceStyle::Spread) {
-                Some(value) => format!("{name} {value}"),
-                None => name.to_owned(),
-            };
+            let text =
+                match value.filter(|_| !matches!(trace.style, TraceStyle::Spread | TraceStyle::Earlier)) {
+                    Some(value) => format!("{name} {value}"),
+                    None => name.to_owned(),
+                };
             (text, trace.color)
         });
-        traces.chain(card.reference.map(|(_, name)| (format!("– –  {name}"), palette.weak_text))).collect()
+        let reference = card.reference.map(|(_, name)| (format!("– –  {name}"), palette.weak_text));
+        traces.chain(reference).collect()
     };
     let width = |entries: &[(String, Color32)]| -> f32 {
         let font = FontId::proportional(SMALL);

@@ -12,6 +12,8 @@ pub enum TraceStyle {
     Main,
     /// A secondary line.
     Faint,
+    /// A line in the background, from an earlier training.
+    Earlier,
     /// A line with a dot at each point, as long as there are few points.
     Dots,
     /// A dot for each episode, or the area from minimum to maximum when there are too many.
@@ -49,6 +51,8 @@ pub struct Card<'a> {
     pub no_primary_trace: bool,
     /// A dashed horizontal line to compare with, and its name.
     pub reference: Option<(f64, &'static str)>,
+    /// A ring around the best point, as (x, y).
+    pub ring: Option<(f64, f64)>,
     /// The text shown while there is no data.
     pub empty_text: &'static str,
 }

@@ -17,6 +17,8 @@ use crate::app::screen::theme::{Palette, SMALL};
 const HEIGHT: f32 = 112.0;
 /// The width of the y axis, in points; equal on all cards, so that the plots are aligned.
 const AXIS_WIDTH: f32 = 44.0;
+/// The radius of the ring around the best point, in points.
+const RING_RADIUS: f32 = 4.5;
 /// The maximum number of points of a line that are drawn with dots.
 const MAX_DOTS: usize = 40;
 
@@ -80,6 +82,10 @@ fn plot_ui(
         }
         for trace in card.traces.iter().rev() {
             draw(plot, trace);
+        }
+        if let Some((x, y)) = card.ring {
+            let ring = Points::new("", [x, y]).allow_hover(false).filled(false);
+            plot.points(ring.radius(RING_RADIUS).color(palette.success));
         }
         !plot.auto_bounds().x
     });
@@ -167,7 +173,7 @@ fn draw<'a>(plot: &mut PlotUi<'a>, trace: &Trace<'a>) {
             plot.points(dots.radius(1.2).color(trace.color.gamma_multiply(0.5)));
         }
         TraceStyle::Spread => plot.add(Band::new(trace.series, trace.color.gamma_multiply(0.3))),
-        TraceStyle::Faint => plot.line(line(1.2, trace.color)),
+        TraceStyle::Faint | TraceStyle::Earlier => plot.line(line(1.2, trace.color)),
         TraceStyle::Main => plot.line(line(1.8, trace.color)),
         TraceStyle::Dots => {
             plot.line(line(1.8, trace.color));

@@ -1,8 +1,8 @@
-//! The header of the plots: title, unit of the x axis, and the export buttons.
+//! The header of the plots: title, unit of the x axis, and the export menu.
 
 use egui::{Align, FontId, Layout, RichText};
 
-use crate::app::commands::{Command, SaveKind};
+use crate::app::commands::{Command, FigureFormat, SaveKind};
 use crate::app::screen::theme::{Palette, SMALL};
 
 const ABOUT: &str = "Learning curves over env steps: the control steps of all arenas together. Ctrl+scroll to zoom, drag to \
@@ -22,7 +22,7 @@ pub(super) fn header_ui(
         ui.heading("Learning").on_hover_text(ABOUT);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_enabled_ui(can_save, |ui| {
-                export_buttons_ui(ui, has_disk, commands);
+                export_menu_ui(ui, has_disk, commands);
                 reset = zoomed && ui.button("Show all").clicked();
             });
             unit_ui(ui);
@@ -31,15 +31,23 @@ pub(super) fn header_ui(
     reset
 }
 
-fn export_buttons_ui(ui: &mut egui::Ui, has_disk: bool, commands: &mut Vec<Command>) {
-    let picture = "Save the learning curve as a picture: success rate, return and goals";
-    if ui.button(if has_disk { "PNG…" } else { "SVG…" }).on_hover_text(picture).clicked() {
-        commands.push(Command::SaveDialog(SaveKind::Png));
-    }
-    let table = "Save one row per episode as CSV";
-    if ui.button("CSV…").on_hover_text(table).clicked() {
-        commands.push(Command::SaveDialog(SaveKind::Csv));
-    }
+fn export_menu_ui(ui: &mut egui::Ui, has_disk: bool, commands: &mut Vec<Command>) {
+    let png = ("Figure as PNG…", "The success rate, return and goals as pixels, large enough for print");
+    let svg = ("Figure as SVG…", "The success rate, return and goals as vectors, for papers and slides");
+    let table = ("Episodes as CSV…", "One row per episode");
+    let menu = ui.menu_button("Export", |ui| {
+        for ((text, about), saved) in [
+            (png, SaveKind::Figure(FigureFormat::Png)),
+            (svg, SaveKind::Figure(FigureFormat::Svg)),
+            (table, SaveKind::Csv),
+        ] {
+            let is_offered = has_disk || saved != SaveKind::Figure(FigureFormat::Png);
+            if is_offered && ui.button(text).on_hover_text(about).clicked() {
+                commands.push(Command::SaveDialog(saved));
+            }
+        }
+    });
+    menu.response.on_hover_text("Save the learning curves");
 }
 
 /// The unit of the x axis, between title and buttons; left out where it does not fit.

@@ -2,14 +2,12 @@
 
 use super::axis::AxisScale;
 use super::card::{Card, Trace, TraceStyle};
-use crate::app::history::{DownsampledSeries, LearningCurves, MovingAverage};
+use crate::app::history::{DownsampledSeries, History, LearningCurves, MovingAverage};
 use crate::app::screen::theme::Palette;
+use crate::report::run_figure::{PAPER_RETURN, PAPER_SUCCESS_RATE};
 
-/// The paper's success rate of PER-D3QN in Scenario I (table 2), 0 to 1.
-const PAPER_SUCCESS: f64 = 0.96;
-/// The return per episode at which the paper's PER-D3QN settles in Scenario I (fig. 9), as in
-/// `assets/experiments/fig9.ron`.
-const PAPER_RETURN: f64 = 2500.0;
+/// The opacity of the curves before a transfer.
+const EARLIER_OPACITY: f32 = 0.6;
 /// The text of a card whose values come from gradient steps, before the first one.
 const BEFORE_LEARNING: &str = "Learning starts once enough experience is collected";
 
@@ -20,14 +18,26 @@ pub struct PlotContext {
     pub is_paper_scenario_1: bool,
     /// Whether the mode is Train. In all other modes training is paused.
     pub training: bool,
+    /// The best policy so far: env steps and success rate (0 to 1) of its evaluation.
+    pub best: Option<(u64, f64)>,
     /// Whether there is a disk. Without one (in a browser) figures are saved as SVG.
     pub has_disk: bool,
 }
 
 /// The cards that are always shown.
 #[must_use]
-pub fn main_cards(curves: &LearningCurves, palette: Palette, context: PlotContext) -> [Card<'_>; 3] {
-    [success(curves, palette, context), returns(curves, palette, context), goals(curves, palette)]
+pub fn main_cards(history: &History, palette: Palette, context: PlotContext) -> [Card<'_>; 3] {
+    let curves = history.curves();
+    let mut cards =
+        [success(curves, palette, context), returns(curves, palette, context), goals(curves, palette)];
+    if let Some(earlier) = history.earlier() {
+        let behind = [&earlier.evaluated, &earlier.return_mean, &earlier.goal_mean];
+        for (card, series) in cards.iter_mut().zip(behind) {
+            let (color, style) = (palette.accent.gamma_multiply(EARLIER_OPACITY), TraceStyle::Earlier);
+            card.traces.push(Trace { name: "before transfer", short_name: "before", series, color, style });
+        }
+    }
+    cards
 }
 
 /// The cards under "More".
@@ -55,7 +65,8 @@ fn success(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
             line("in training", curves.success.series(), palette.weak_text, TraceStyle::Faint),
         ],
         no_primary_trace: false,
-        reference: context.is_paper_scenario_1.then_some((PAPER_SUCCESS, "paper 96%")),
+        reference: context.is_paper_scenario_1.then_some((PAPER_SUCCESS_RATE, "paper 96%")),
+        ring: context.best.map(|(env_steps, rate)| (env_steps as f64, rate)),
         empty_text: if context.training { "Waiting for the first episodes" } else { "" },
     }
 }
@@ -64,7 +75,7 @@ fn returns(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
     Card {
         title: "Return per episode",
         about: if context.is_paper_scenario_1 {
-            "Sum of the rewards of an episode. The paper's robot settles at 2,500 here"
+            "Sum of the rewards of an episode. The paper's robot settles at 2,500 in Scenario I"
         } else {
             "Sum of the rewards of an episode"
         },
@@ -73,6 +84,7 @@ fn returns(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
         traces: mean_and_spread(&curves.return_mean, &curves.returns, palette),
         no_primary_trace: false,
         reference: context.is_paper_scenario_1.then_some((PAPER_RETURN, "paper 2,500")),
+        ring: None,
         empty_text: "",
     }
 }
@@ -86,6 +98,7 @@ fn goals(curves: &LearningCurves, palette: Palette) -> Card<'_> {
         traces: mean_and_spread(&curves.goal_mean, &curves.goals, palette),
         no_primary_trace: false,
         reference: None,
+        ring: None,
         empty_text: "",
     }
 }
@@ -103,6 +116,7 @@ fn errors(curves: &LearningCurves, palette: Palette) -> Card<'_> {
         ],
         no_primary_trace: true,
         reference: None,
+        ring: None,
         empty_text: BEFORE_LEARNING,
     }
 }
@@ -116,6 +130,7 @@ fn mean_q(curves: &LearningCurves, palette: Palette) -> Card<'_> {
         traces: vec![main_line("of the actions taken", "actions taken", &curves.mean_q, palette.accent)],
         no_primary_trace: false,
         reference: None,
+        ring: None,
         empty_text: BEFORE_LEARNING,
     }
 }
@@ -129,6 +144,7 @@ fn epsilon(curves: &LearningCurves, palette: Palette) -> Card<'_> {
         traces: vec![main_line("random actions", "random actions", &curves.epsilon, palette.accent)],
         no_primary_trace: false,
         reference: None,
+        ring: None,
         empty_text: "",
     }
 }
@@ -148,6 +164,7 @@ fn reward_terms(curves: &LearningCurves, palette: Palette) -> Card<'_> {
         ],
         no_primary_trace: true,
         reference: None,
+        ring: None,
         empty_text: "",
     }
 }

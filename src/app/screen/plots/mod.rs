@@ -69,12 +69,11 @@ pub fn plots_ui(
     egui::ScrollArea::vertical().id_salt(id).auto_shrink([false, false]).show(ui, |ui| {
         ui.set_max_width(width);
         ui.spacing_mut().item_spacing.y = 2.0 * GAP;
-        let curves = history.curves();
-        for (index, card) in main_cards(curves, palette, context).iter().enumerate() {
+        for (index, card) in main_cards(history, palette, context).iter().enumerate() {
             merge(&mut seen, card_ui(ui, card, &shared, index == 0));
         }
         more::more_ui(ui, more_open, |ui| {
-            for card in &more_cards(curves, palette) {
+            for card in &more_cards(history.curves(), palette) {
                 merge(&mut seen, card_ui(ui, card, &shared, false));
             }
         });

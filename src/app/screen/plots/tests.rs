@@ -4,7 +4,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use super::*;
-use crate::app::commands::SaveKind;
+use crate::app::commands::{FigureFormat, SaveKind};
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 
 struct State {
@@ -17,7 +17,7 @@ struct State {
 
 /// The plots of `history` while training in the paper's Scenario I, with "More" open.
 fn plots_of(history: History) -> Harness<'static, State> {
-    let context = PlotContext { is_paper_scenario_1: true, training: true, has_disk: true };
+    let context = PlotContext { is_paper_scenario_1: true, training: true, best: None, has_disk: true };
     let state = State { history, context, more_open: false, commands: Vec::new(), theme_installed: false };
     let draw = |ui: &mut egui::Ui, state: &mut State| {
         if state.theme_installed {
@@ -41,24 +41,30 @@ fn row(episode: u64, total_return: f64) -> EpisodeRow {
 }
 
 #[test]
-fn the_export_buttons_open_the_save_dialog() {
+fn the_export_menu_opens_the_save_dialog() {
     let mut history = History::new();
     history.push_episode(&row(1, 3.0));
     let mut harness = plots_of(history);
-    for button in ["CSV…", "PNG…"] {
-        harness.get_by_label(button).click();
-        harness.run_steps(2);
+    for (entry, saved) in [
+        ("Figure as PNG…", SaveKind::Figure(FigureFormat::Png)),
+        ("Figure as SVG…", SaveKind::Figure(FigureFormat::Svg)),
+        ("Episodes as CSV…", SaveKind::Csv),
+    ] {
+        for label in ["Export", entry] {
+            harness.get_by_label(label).click();
+            harness.run_steps(3);
+        }
+        assert_eq!(std::mem::take(&mut harness.state_mut().commands), [Command::SaveDialog(saved)]);
+        assert!(harness.query_by_label(entry).is_none(), "the menu closes");
     }
-    let expected = [Command::SaveDialog(SaveKind::Csv), Command::SaveDialog(SaveKind::Png)];
-    assert_eq!(harness.state().commands, expected);
 }
 
 #[test]
 fn before_the_first_episode_nothing_can_be_exported() {
     let mut harness = plots_of(History::new());
-    harness.get_by_label("CSV…").click();
-    harness.run_steps(2);
-    assert!(harness.state().commands.is_empty());
+    harness.get_by_label("Export").click();
+    harness.run_steps(3);
+    assert!(harness.query_by_label("Episodes as CSV…").is_none());
 }
 
 #[test]
@@ -71,6 +77,23 @@ fn the_papers_levels_are_shown_in_the_papers_scenario_only() {
     harness.state_mut().context.is_paper_scenario_1 = false;
     harness.run_steps(2);
     assert_eq!(levels(&harness), 0);
+}
+
+#[test]
+fn the_best_policy_and_the_curves_before_a_transfer_are_shown() {
+    let mut history = History::new();
+    for (env_steps, success_rate) in [(200, 0.75), (1000, 0.25)] {
+        history.push_evaluation(&EvaluationRow { env_steps, success_rate, ..Default::default() });
+    }
+    let earlier = history.to_earlier();
+    let mut harness = plots_of(history);
+    assert!(harness.query_by_label_contains("best").is_none());
+    assert!(harness.query_by_label_contains("before transfer").is_none());
+    harness.state_mut().context.best = Some((200, 0.75));
+    harness.state_mut().history.set_earlier(earlier);
+    harness.run_steps(2);
+    assert!(harness.query_by_label_contains("75.0%").is_some());
+    assert_eq!(harness.query_all_by_label_contains("before").count(), 3, "on the three main plots");
 }
 
 #[test]

@@ -18,7 +18,10 @@ pub fn primary_button_ui(ui: &mut Ui, text: &str, font_size: f32, size: Vec2) ->
             visuals.weak_bg_fill = fill;
             visuals.bg_stroke = Stroke::NONE;
         }
-        ui.add_sized(size, Button::new(RichText::new(text).size(font_size).color(palette.on_accent)))
+        ui.add_sized(
+            size,
+            Button::new(RichText::new(text).size(font_size).color(palette.on_accent)).truncate(),
+        )
     });
     let response = shown.inner;
     if response.has_focus() {
@@ -30,5 +33,5 @@ pub fn primary_button_ui(ui: &mut Ui, text: &str, font_size: f32, size: Vec2) ->
 
 /// Draws a button of the full width and `height` points.
 pub fn wide_button_ui(ui: &mut Ui, text: &str, height: f32) -> Response {
-    ui.add_sized(vec2(ui.available_width(), height), Button::new(text))
+    ui.add_sized(vec2(ui.available_width(), height), Button::new(text).truncate())
 }

@@ -1,8 +1,11 @@
 //! Text elements: section titles, secondary text, separators and key caps.
 
-use egui::{FontId, Response, RichText, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{FontId, Label, Response, RichText, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType, vec2};
 
 use crate::app::screen::theme::{BODY, GAP, Palette, SMALL};
+
+/// The radius of the dot of a note, in points.
+const NOTE_DOT: f32 = 3.5;
 
 /// The title of a section of a panel.
 pub fn section_title_ui(ui: &mut Ui, text: &str) -> Response {
@@ -12,6 +15,16 @@ pub fn section_title_ui(ui: &mut Ui, text: &str) -> Response {
 /// Small text in the weak colour: captions, explanations.
 pub fn weak_text(text: &str) -> RichText {
     RichText::new(text).size(SMALL).weak()
+}
+
+/// A short note that needs attention: small text after a dot in the warning colour.
+pub fn note_ui(ui: &mut Ui, text: &str) {
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = GAP;
+        let (dot, _) = ui.allocate_exact_size(vec2(2.0 * NOTE_DOT, SMALL + 3.0), Sense::hover());
+        ui.painter().circle_filled(dot.center(), NOTE_DOT, Palette::from_ui(ui).warning);
+        ui.add(Label::new(RichText::new(text).size(SMALL)).wrap());
+    });
 }
 
 /// A horizontal line between two sections.

@@ -8,6 +8,9 @@ use super::model::EventMarker;
 use crate::chart::layout::{LEFT, WIDTH};
 use crate::style::{Axis, Canvas, DrawResult, HAIRLINE, SOFT_INK, TEXT, ellipsized, line, text_width, write};
 
+/// The minimum space for a shortened label, in drawn pixels.
+const MIN_LABEL: i32 = 90;
+
 /// The frame of a curve chart: the x axis and the edges that all panels share.
 pub(super) struct Frame {
     /// The x axis.
@@ -31,7 +34,8 @@ impl Frame {
         write(root, &name, ((LEFT + self.right) / 2, top + 76), TEXT, &SOFT_INK, HPos::Center)
     }
 
-    /// Writes the labels of the markers in one row, each shortened to end before the next marker.
+    /// Writes the labels of the markers in one row, each shortened to end before the next marker. One without space for
+    /// a few letters is left out.
     pub(super) fn draw_marker_labels(&self, root: &Canvas, markers: &[&EventMarker], y: i32) -> DrawResult {
         let mut labels: Vec<(i32, &str)> =
             markers.iter().map(|m| (self.pixel_x(m.x), m.label.as_str())).collect();
@@ -42,7 +46,7 @@ impl Frame {
             // A label is written to the right of its line, or to the left if it is the only one and fits only there.
             if labels.len() == 1 && at + width > end && at - width > LEFT {
                 write(root, label, (at, y), TEXT, &SOFT_INK, HPos::Right)?;
-            } else {
+            } else if width.min(MIN_LABEL) <= end - at {
                 write(root, &ellipsized(label, TEXT, end - at), (at, y), TEXT, &SOFT_INK, HPos::Left)?;
             }
         }

@@ -1,4 +1,4 @@
-//! Curves with confidence bands, in panels that share one x axis.
+//! Curves with bands, in panels that share one x axis.
 //!
 //! | file | contents |
 //! |---|---|
@@ -14,6 +14,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
 use frame::Frame;
+pub(crate) use model::MAX_VERTICES;
 pub use model::{BandPoint, ChartPanel, CurveChart, CurveLine, EventMarker, RawStyle, ReferenceLine};
 use panel::{LABEL_TEXT, PanelDrawing};
 
@@ -81,7 +82,7 @@ impl CurveChart {
             entries.push(LegendEntry::Symbol(mean_symbol, self.mean_label.clone()));
         }
         if any(|l| l.band().next().is_some()) {
-            entries.push(LegendEntry::Symbol(band_symbol, "95 % interval".into()));
+            entries.push(LegendEntry::Symbol(band_symbol, self.band_label.clone()));
         }
         if any(|l| !l.raw.is_empty()) && !self.raw_label.is_empty() {
             let dots = any(|l| !l.raw.is_empty() && l.raw_style == RawStyle::Dots);

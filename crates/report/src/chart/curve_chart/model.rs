@@ -14,6 +14,8 @@ pub struct CurveChart {
     pub include_x: Vec<f64>,
     /// The legend's text for the curves' means; an empty one is left out.
     pub mean_label: String,
+    /// The legend's text for the bands.
+    pub band_label: String,
     /// The legend's text for the raw values; an empty one is left out.
     pub raw_label: String,
     /// The panels, from top to bottom.
@@ -55,7 +57,7 @@ pub struct ReferenceLine {
     pub label: String,
 }
 
-/// One curve: a smoothed mean with its confidence band, over the raw values.
+/// One curve: a smoothed mean with a band around it, over the raw values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CurveLine {
     /// The short name at the curve's right end.
@@ -68,6 +70,8 @@ pub struct CurveLine {
     pub raw: Vec<(f64, f64)>,
     /// The style of the raw values.
     pub raw_style: RawStyle,
+    /// Whether the curve is in the background: a thin, pale line without markers.
+    pub faint: bool,
 }
 
 /// The style of raw values.
@@ -85,16 +89,16 @@ pub enum RawStyle {
 pub struct BandPoint {
     /// The x value, in units of the x axis.
     pub x: f64,
-    /// The smoothed mean, in units of the y axis.
+    /// The smoothed mean, in units of the y axis; not finite if there is only a band.
     pub mean: f64,
-    /// The lower end of the 95 % interval; not finite if there is no interval.
+    /// The lower end of the band; not finite if there is no band.
     pub low: f64,
-    /// The upper end of the 95 % interval; not finite if there is no interval.
+    /// The upper end of the band; not finite if there is no band.
     pub high: f64,
 }
 
 /// The maximum number of vertices of a line, or of one side of a band.
-const MAX_VERTICES: usize = 320;
+pub(crate) const MAX_VERTICES: usize = 320;
 /// The maximum number of dots of a curve.
 const MAX_DOTS: usize = 900;
 
@@ -111,7 +115,7 @@ impl ChartPanel {
 
     /// The y axis. It spans the means and all dots; raw lines and bands extend it to at most twice that range.
     pub(super) fn y_axis(&self) -> Axis {
-        let means = self.lines.iter().flat_map(|l| l.points.iter().map(|p| p.mean));
+        let means = self.lines.iter().flat_map(|l| l.points.iter().filter(|p| p.has_mean()).map(|p| p.mean));
         let references = self.reference_lines.iter().map(|l| l.value);
         let raw = || self.lines.iter().flat_map(|l| l.raw.iter().map(|p| p.1));
         let dots = self.lines.iter().filter(|l| l.raw_style == RawStyle::Dots);
@@ -141,8 +145,12 @@ impl ChartPanel {
 
 impl CurveLine {
     fn drawable(&self) -> Self {
-        let mut points: Vec<BandPoint> =
-            self.points.iter().filter(|p| is_drawable(p.x) && is_drawable(p.mean)).copied().collect();
+        let mut points: Vec<BandPoint> = self
+            .points
+            .iter()
+            .filter(|p| is_drawable(p.x) && (p.has_mean() || p.has_band()))
+            .copied()
+            .collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         let mut raw: Vec<(f64, f64)> =
             self.raw.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)).copied().collect();
@@ -154,9 +162,19 @@ impl CurveLine {
         Self { points: thinned(&points, MAX_VERTICES), raw, ..self.clone() }
     }
 
-    /// The points that have an interval.
+    /// The points that have a band.
     pub(super) fn band(&self) -> impl Iterator<Item = &BandPoint> {
-        self.points.iter().filter(|p| is_drawable(p.low) && is_drawable(p.high))
+        self.points.iter().filter(|p| p.has_band())
+    }
+}
+
+impl BandPoint {
+    pub(super) fn has_mean(&self) -> bool {
+        is_drawable(self.mean)
+    }
+
+    fn has_band(&self) -> bool {
+        is_drawable(self.low) && is_drawable(self.high)
     }
 }
 

@@ -19,6 +19,9 @@ pub(super) const LABEL_TEXT: i32 = 64;
 /// Distance between the markers on a line, in drawn pixels.
 const MARKER_DISTANCE: f64 = 140.0;
 
+/// The opacity of a faint line, 0 to 1.
+const FAINT: f64 = 0.55;
+
 /// A name at the right end of a line.
 struct Label<'a> {
     /// The end of the line.
@@ -118,14 +121,22 @@ impl<'a> PanelDrawing<'a> {
         let curves = &self.panel.lines;
         let paths: Vec<Vec<Pixel>> = curves
             .iter()
-            .map(|curve| curve.points.iter().map(|p| self.pixel(p.x, p.mean)).collect())
+            .map(|curve| {
+                curve.points.iter().filter(|p| p.has_mean()).map(|p| self.pixel(p.x, p.mean)).collect()
+            })
             .collect();
-        for (curve, path) in curves.iter().zip(&paths) {
+        let in_drawing_order =
+            |faint| curves.iter().zip(&paths).filter(move |(curve, _)| curve.faint == faint);
+        for (curve, path) in in_drawing_order(true) {
+            line(root, path.clone(), colour(curve.colour).mix(FAINT).stroke_width(HAIRLINE))?;
+        }
+        for (curve, path) in in_drawing_order(false) {
             line(root, path.clone(), colour(curve.colour).stroke_width(STROKE))?;
         }
+        let has_markers = in_drawing_order(false).count() > 1;
         let mut labels = Vec::new();
         for (i, (curve, path)) in curves.iter().zip(&paths).enumerate() {
-            let marker = (curves.len() > 1).then_some(curve.colour);
+            let marker = (has_markers && !curve.faint).then_some(curve.colour);
             if let Some(marker) = marker {
                 // The markers of each line are offset, so that they lie between those of the other lines.
                 let first = f64::from(LEFT) + 40.0 + MARKER_DISTANCE * i as f64 / curves.len() as f64;

@@ -1,21 +1,26 @@
-//! The mode `--check`: prints every problem of scenarios, presets and experiments, and what is doubtful about them.
+//! The mode `--check`: prints every problem of scenarios, presets, experiments, run configurations and policies.
+
+mod files;
+mod kind;
 
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use self::files::CheckedFile;
+use self::kind::FileKind;
 use super::output::{print_json, print_stdout};
-use crate::reproduce::Experiment;
 use crate::run::RunError;
-use crate::run::check_files::{self, CheckedFile};
 use crate::run::progress::print_stderr;
-use crate::scenario::LocatedDiagnostic;
+use crate::scenario::{LocatedDiagnostic, printable_path};
 
 /// The JSON object that `--check --json` prints.
 #[derive(Serialize)]
 struct CheckReport {
     /// The paths of all checked files.
     files: Vec<String>,
+    /// The kinds of these files, in the same order; null for a file that can't be read.
+    kinds: Vec<Option<&'static str>>,
     problems: Vec<ProblemReport>,
     /// The doubtful settings of valid files.
     notes: Vec<NoteReport>,
@@ -42,7 +47,7 @@ struct NoteReport {
 /// # Errors
 /// A file is invalid.
 pub fn run(paths: &[PathBuf], json: bool) -> Result<(), RunError> {
-    let checked = checked_files(paths);
+    let checked = files::check(paths);
     if json {
         print_json(&CheckReport::new(&checked))?;
     } else {
@@ -56,26 +61,22 @@ pub fn run(paths: &[PathBuf], json: bool) -> Result<(), RunError> {
     }
 }
 
-/// The checked files in `paths`. A file is valid if it is a valid scenario, preset or experiment.
-fn checked_files(paths: &[PathBuf]) -> Vec<CheckedFile> {
-    let mut checked = check_files::check(paths);
-    for file in &mut checked {
-        if file.error.is_some() && Experiment::load(&file.path).is_ok() {
-            file.error = None;
-        }
-    }
-    checked
-}
-
 fn print_lines(checked: &[CheckedFile]) -> Result<(), RunError> {
     for file in checked {
-        match &file.error {
-            None => print_stdout(&format!("{}: ok\n", file.path.display()))?,
-            Some(error) => print_stderr(&error.to_string()),
+        let path = printable_path(&file.path);
+        let kind = file.kind.map(FileKind::name);
+        match (&file.error, kind) {
+            (None, kind) => print_stdout(&format!("{path}: ok ({})\n", kind.unwrap_or_default()))?,
+            (Some(error), None) => print_stderr(&error.to_string()),
+            (Some(error), Some(kind)) => {
+                let count = error.problems().len();
+                let plural = if count == 1 { "" } else { "s" };
+                print_stderr(&format!("{error}\n{path}: {count} problem{plural} in this {kind}"));
+            }
         }
         for (level, note) in &file.notes {
             let place = note.line_column.map_or(String::new(), |(line, column)| format!("{line}:{column}:"));
-            print_stderr(&format!("{}:{place} {level}: {}", file.path.display(), note.message));
+            print_stderr(&format!("{path}:{place} {level}: {}", note.message));
         }
     }
     Ok(())
@@ -95,6 +96,7 @@ impl CheckReport {
         });
         Self {
             files: checked.iter().map(|file| file.path.display().to_string()).collect(),
+            kinds: checked.iter().map(|file| file.kind.map(FileKind::name)).collect(),
             problems: problems.collect(),
             notes: notes.collect(),
         }

@@ -1,0 +1,39 @@
+//! Characters that look like those of RON but are others: what word processors, phones and web pages make of quotes,
+//! spaces and signs.
+
+use crate::text::{code_point, is_unprintable};
+
+/// The problem with the character at `offset` of `text`, which ron did not expect there, and the text to write instead.
+/// `None` for a character that RON uses.
+pub(super) fn lookalike(text: &str, offset: usize) -> Option<(char, String, &'static str)> {
+    let c = text[offset..].chars().next()?;
+    let code = code_point(c);
+    let (name, instead) = match c {
+        '“' | '”' | '„' | '‟' | '«' | '»' | '‹' | '›' | '‘' | '’' | '‚' | '`' | '＂' => {
+            return Some((c, "curly quotes: write \"...\"".into(), "\""));
+        }
+        '\u{a0}' | '\u{2007}' | '\u{202f}' => ("a no-break space", " "),
+        '−' | '–' | '—' | '‐' | '‑' => ("a dash or minus sign", "-"),
+        '×' | '·' | '•' => ("a sign", "*"),
+        '\u{ff01}'..='\u{ff5e}' => ("a full-width character", ascii_of_full_width(c)),
+        _ if is_unprintable(c) && !c.is_ascii_whitespace() => {
+            return Some((c, format!("an invisible character ({code}): delete it"), ""));
+        }
+        _ if c.is_whitespace() && !c.is_ascii() => ("a special space", " "),
+        _ => return None,
+    };
+    let fix = match instead {
+        " " => "write an ordinary space".into(),
+        "*" => "write a number instead".into(),
+        other => format!("write `{other}`"),
+    };
+    Some((c, format!("{name} ({code}): {fix}"), instead))
+}
+
+/// The ASCII character that the full-width character `c` stands for.
+fn ascii_of_full_width(c: char) -> &'static str {
+    const ASCII: &str =
+        "!\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_`abcdefghijklmnopqrstuvwxyz{|}~";
+    let index = (u32::from(c) - 0xff01) as usize;
+    ASCII.get(index..=index).unwrap_or_default()
+}

@@ -1,0 +1,81 @@
+//! Names of fields and choices that are unknown, missing or used twice.
+
+use ron::error::Error;
+
+use super::{Place, Problem, Repair};
+
+impl Place<'_> {
+    /// A field or choice of an unknown name, or a field that is missing or appears twice.
+    pub(super) fn name(&self, code: &Error) -> Option<Problem> {
+        let Self { start, end, .. } = *self;
+        Some(match code {
+            Error::NoSuchStructField { expected, found, .. } => {
+                let fields = choice(found, expected, "the fields are");
+                let message = format!("unknown field `{found}` in {}: {fields}", self.parent(start));
+                let repair = self.renaming(found, expected).unwrap_or_else(|| self.removal());
+                Problem { offset: start, message, repair: Some(repair) }
+            }
+            Error::NoSuchEnumVariant { expected, found, .. } => {
+                let choices = choice(found, expected, "the choices are");
+                let message = format!("unknown choice `{found}` for {}: {choices}", self.field(start));
+                let repair = self.renaming(found, expected);
+                let repair = repair.unwrap_or_else(|| Repair::Value(self.map.value_at(start)));
+                Problem { offset: start, message, repair: Some(repair) }
+            }
+            Error::DuplicateStructField { field, .. } => {
+                let message = format!("`{field}` appears twice in {}: remove one", self.parent(start));
+                Problem { offset: start, message, repair: Some(self.removal()) }
+            }
+            Error::MissingStructField { field, .. } => {
+                let offset = self.map.value_start_at(end);
+                let owner = self.field(end);
+                let message = missing_fields(&owner, &[field]);
+                Problem { offset, message, repair: Some(Repair::Add { start: offset, owner, field }) }
+            }
+            _ => return None,
+        })
+    }
+
+    /// The change of the name `found` at `start` to the closest of the `expected` names, if one is close.
+    fn renaming(&self, found: &str, expected: &'static [&'static str]) -> Option<Repair> {
+        let near = closest_name(found, expected.iter().copied())?;
+        let is_there = self.text[self.start..].starts_with(found);
+        is_there.then(|| Repair::Replace(self.start..self.start + found.len(), near))
+    }
+
+    /// The removal of the field at `start`, with the comma after it.
+    fn removal(&self) -> Repair {
+        let field = self.map.field_at(self.start);
+        let comma = usize::from(self.text[field.end..].starts_with(','));
+        Repair::Replace(field.start..field.end + comma, "")
+    }
+}
+
+/// The message about the `fields` that `owner` lacks.
+pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
+    let names: Vec<_> = fields.iter().map(|name| format!("`{name}`")).collect();
+    match fields {
+        [field] => format!("{owner} lacks the field `{field}`: add `{field}: ...`"),
+        fields => format!("{owner} lacks the fields {}: add all {}", names.join(", "), fields.len()),
+    }
+}
+
+/// The text "did you mean `x`? the fields are `x`, `y`": the closest of `known` to `word`, if one is close, then all.
+fn choice(word: &str, known: &[&str], lead: &str) -> String {
+    let hint = closest_name(word, known.iter().copied())
+        .map(|near| format!("did you mean `{near}`? "))
+        .unwrap_or_default();
+    let all: Vec<_> = known.iter().map(|name| format!("`{name}`")).collect();
+    if all.is_empty() { "there are none here".into() } else { format!("{hint}{lead} {}", all.join(", ")) }
+}
+
+/// The name in `known` that is most similar to `word`, if any is similar; for "did you mean" hints.
+#[must_use]
+pub fn closest_name<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    known
+        .map(|name| (strsim::jaro_winkler(&word, &name.to_lowercase()), name))
+        .filter(|&(score, _)| score > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}

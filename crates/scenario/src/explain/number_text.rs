@@ -1,0 +1,98 @@
+//! Numbers as people write them: `6e5` and `600k` for a whole number, `0.1 m`, `0,1`, `1,000.5`.
+
+use std::ops::Range;
+
+/// The word around `offset` if it starts like a number and `offset` lies inside it: ron has read a part of it only.
+pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
+    let is_word = |c: char| c.is_alphanumeric() || "_.+-".contains(c);
+    let before = text[..offset].len() - text[..offset].trim_end_matches(is_word).len();
+    let after = text[offset..].find(|c| !is_word(c)).unwrap_or(text.len() - offset);
+    let word = offset - before..offset + after;
+    let is_number =
+        text[word.clone()].trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit());
+    (before > 0 && after > 0 && is_number).then_some(word)
+}
+
+/// What is wrong with `word`, of which ron has read a part as a number. It is the rest of a sentence that starts with the
+/// field.
+pub(super) fn cut_number_problem(word: &str) -> String {
+    if let Ok(value) = word.replace('_', "").parse::<f64>() {
+        return match whole(value) {
+            Some(whole) => format!("must be a whole number: write {whole}"),
+            None => "must be a whole number, without a fraction".into(),
+        };
+    }
+    if let Some(whole) = whole_number(word) {
+        return format!("must be a number in digits: write {whole}");
+    }
+    let end = word.find(|c: char| !(c.is_ascii_digit() || "_.+-".contains(c))).unwrap_or(word.len());
+    with_unit(&word[..end], &word[end..])
+}
+
+/// The whole number that a person means by `text`: 600000, 600_000, 6e5 or 600k.
+#[must_use]
+pub fn whole_number(text: &str) -> Option<u64> {
+    let is_grouped = text.split('_').all(|group| group.contains(|c: char| c.is_ascii_digit()));
+    let digits = text.replace('_', "");
+    if !is_grouped || !digits.starts_with(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    if let Ok(value) = digits.parse() {
+        return Some(value);
+    }
+    let (number, factor) = match digits.char_indices().next_back()? {
+        (end, 'k' | 'K') => (&digits[..end], 1e3),
+        (end, 'M') => (&digits[..end], 1e6),
+        (end, 'G') => (&digits[..end], 1e9),
+        _ => (digits.as_str(), 1.0),
+    };
+    number.parse().ok().and_then(|value: f64| whole(value * factor))
+}
+
+/// The problem of a `number` with a unit, as the rest of a sentence.
+pub(super) fn with_unit(number: &str, unit: &str) -> String {
+    format!("must be a number only: write {number}, without `{unit}`")
+}
+
+/// `value` as a whole number, if it is one and f64 represents it exactly.
+fn whole(value: f64) -> Option<u64> {
+    ((0.0..=9e15).contains(&value) && value.fract() == 0.0).then_some(value as u64)
+}
+
+/// The problem of a number with commas that ends or starts at `offset`, where ron expected a field or a closing bracket: a
+/// decimal comma, or commas between groups of digits. Returns its range as well.
+pub(super) fn comma_problem(text: &str, offset: usize) -> Option<(Range<usize>, String)> {
+    let is_part = |c: char| c.is_ascii_digit() || matches!(c, ',' | '.' | '_');
+    let start = text[..offset].trim_end_matches(is_part).len();
+    let end = offset + text[offset..].find(|c| !is_part(c)).unwrap_or(text.len() - offset);
+    let number = text[start..end].trim_end_matches(',');
+    let groups: Vec<&str> = number.split(',').collect();
+    if groups.len() < 2 || !groups.iter().all(|group| group.starts_with(|c: char| c.is_ascii_digit())) {
+        return None;
+    }
+    let range = start..start + number.len();
+    let (joined, decimal) = (groups.concat(), number.replacen(',', ".", 1));
+    let are_thousands =
+        groups[1..].iter().all(|group| group.split('.').next().is_some_and(|digits| digits.len() == 3))
+            && !groups[0].starts_with('0');
+    let message = match groups.len() {
+        2 if !are_thousands => format!("a decimal comma: write {decimal}"),
+        2 if joined.contains('.') || groups[0].len() > 1 => {
+            format!("a comma inside a number: write {joined}")
+        }
+        2 => format!("a comma inside a number: write {joined} or {decimal}"),
+        _ if are_thousands => format!("commas inside a number: write {joined}"),
+        _ => return None,
+    };
+    Some((range, message))
+}
+
+/// The problem of a pair in `brackets` that was written with decimal commas, such as `(0,6, 1,2)`.
+pub(super) fn pair_problem(brackets: &str) -> Option<String> {
+    let inner = brackets.strip_prefix('(')?.strip_suffix(')')?;
+    let numbers: Vec<&str> = inner.split(", ").map(str::trim).collect();
+    let fixed: Vec<String> = numbers.iter().map(|number| number.replacen(',', ".", 1)).collect();
+    let are_numbers = fixed.iter().all(|number| number.parse::<f32>().is_ok());
+    (are_numbers && inner.matches(',').count() >= numbers.len())
+        .then(|| format!("decimal commas: write ({})", fixed.join(", ")))
+}

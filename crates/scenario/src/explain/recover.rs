@@ -1,0 +1,158 @@
+//! All problems of a text: after each problem that ron finds, the text is repaired and read again.
+
+use std::ops::Range;
+
+use ron::error::SpannedError;
+use serde::de::DeserializeOwned;
+
+use super::choices::{choices, is_read, lacks_fields, replaced};
+use super::names::missing_fields;
+use super::{Problem, Repair, explain};
+
+/// The longest text, in bytes, that is read again to find further problems; of a longer one, only the first is reported.
+const MAX_BYTES: usize = 1 << 15;
+/// The number of repairs after which reading stops.
+const MAX_REPAIRS: usize = 64;
+/// Values of every type that can be written without knowing the type. Choices are found by trial.
+const VALUES: [&str; 6] = ["0", "0.0", "\"\"", "true", "[]", "(0, 0)"];
+
+/// The problems of a text, by byte offset, and what could be read without them.
+pub struct Recovered<T> {
+    pub problems: Vec<(usize, String)>,
+    pub value: Option<T>,
+    /// The ranges of the text that were ignored.
+    pub ignored: Vec<Range<usize>>,
+}
+
+/// The problems of `text`, of which ron has found `error`. `read` is ron.
+pub fn recover<T: DeserializeOwned>(
+    text: &str,
+    mut error: SpannedError,
+    read: impl Fn(&str) -> Result<T, SpannedError>,
+) -> Recovered<T> {
+    let mut found = Recovered { problems: Vec::new(), value: None, ignored: Vec::new() };
+    let parse = |text: &str| if text.len() > MAX_BYTES { None } else { read(text).err() };
+    let mut draft = Draft { text: text.to_owned(), edits: Vec::new() };
+    // The fields that the struct of the last problem lacks.
+    let mut missing: Vec<&'static str> = Vec::new();
+    for _ in 0..MAX_REPAIRS {
+        let Problem { offset, message, repair } = explain(&draft.text, &error, &parse);
+        // Problems inside a repair are not the user's.
+        if let Some(at) = draft.origin(offset) {
+            match (&repair, found.problems.last_mut()) {
+                (Some(Repair::Add { owner, field, .. }), Some(last))
+                    if last.0 == at && !missing.is_empty() =>
+                {
+                    missing.push(field);
+                    last.1 = missing_fields(owner, &missing);
+                }
+                (_, Some(last)) if *last == (at, message.clone()) => break,
+                _ => {
+                    missing.clear();
+                    missing.extend(if let Some(Repair::Add { field, .. }) = &repair {
+                        Some(*field)
+                    } else {
+                        None
+                    });
+                    found.problems.push((at, message));
+                }
+            }
+        }
+        let is_repaired = text.len() <= MAX_BYTES && repair.is_some_and(|repair| draft.apply(repair, &parse));
+        if !is_repaired {
+            break;
+        }
+        match read(&draft.text) {
+            Ok(value) => {
+                found.value = Some(value);
+                break;
+            }
+            Err(next) => error = next,
+        }
+    }
+    found.ignored = draft.edits.iter().filter_map(|edit| edit.origin.clone()).collect();
+    found
+}
+
+/// A text with repairs.
+struct Draft {
+    text: String,
+    edits: Vec<Edit>,
+}
+
+/// A range of a draft that was replaced.
+struct Edit {
+    /// The offset in the draft.
+    at: usize,
+    /// The length before.
+    old: usize,
+    /// The length after.
+    new: usize,
+    /// The replaced range of the original text; `None` if that was a repair already.
+    origin: Option<Range<usize>>,
+}
+
+impl Draft {
+    /// The offset in the original text of the byte at `offset`; `None` inside a repair.
+    fn origin(&self, mut offset: usize) -> Option<usize> {
+        for edit in self.edits.iter().rev() {
+            if offset >= edit.at + edit.new {
+                offset = offset - edit.new + edit.old;
+            } else if offset >= edit.at {
+                return None;
+            }
+        }
+        Some(offset)
+    }
+
+    fn replace(&mut self, range: Range<usize>, new: &str) {
+        let origin = self.origin(range.start).map(|start| start..start + range.len());
+        self.text = replaced(&self.text, &range, new);
+        self.edits.push(Edit { at: range.start, old: range.len(), new: new.len(), origin });
+    }
+
+    /// Applies a repair. Returns whether the draft has changed.
+    fn apply(&mut self, repair: Repair, parse: &dyn Fn(&str) -> Option<SpannedError>) -> bool {
+        match repair {
+            Repair::Replace(range, new) => {
+                self.replace(range, new);
+                true
+            }
+            Repair::Value(range) => {
+                let Some(value) = self.any_value(&range, parse) else { return false };
+                self.replace(range, &value);
+                true
+            }
+            Repair::Add { start, field, .. } => self.add(start, field, parse),
+        }
+    }
+
+    /// Adds a field to the struct that starts at or after `start`.
+    fn add(&mut self, start: usize, field: &str, parse: &dyn Fn(&str) -> Option<SpannedError>) -> bool {
+        let Some(open) = self.text[start..].find('(').map(|at| start + at + 1) else { return false };
+        let name = format!("{field}: ");
+        let with_name = replaced(&self.text, &(open..open), &(name.clone() + ", "));
+        let value = open + name.len()..open + name.len();
+        let Some(value) = (Draft { text: with_name, edits: Vec::new() }).any_value(&value, parse) else {
+            return false;
+        };
+        self.replace(open..open, &format!("{name}{value}, "));
+        true
+    }
+
+    /// A value that ron reads in place of `range`; for a struct, brackets whose fields are still missing.
+    fn any_value(
+        &self,
+        range: &Range<usize>,
+        parse: &dyn Fn(&str) -> Option<SpannedError>,
+    ) -> Option<String> {
+        let fits = |candidate: &String| is_read(&self.text, range, candidate, parse);
+        let simple = VALUES.iter().map(ToString::to_string).find(fits);
+        simple.or_else(|| {
+            let choices = choices(&self.text, range, parse);
+            let plain = choices.iter().flat_map(|name| [name.to_string(), format!("{name}(0)")]).find(fits);
+            let brackets = choices.iter().copied().chain([""]).map(|name| format!("{name}()"));
+            plain.or_else(|| { brackets }.find(|brackets| lacks_fields(&self.text, range, brackets, parse)))
+        })
+    }
+}

@@ -1,0 +1,130 @@
+//! Autosaves of earlier visits in a browser, and what the page reports about autosaves.
+//!
+//! In: calls of the page. Out: the session to offer, its files, and failures. The page chooses the newest session that no
+//! other tab is writing, and deletes old ones.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use serde::{Deserialize, Serialize};
+use wasm_bindgen::prelude::*;
+
+use crate::app::app_snapshot::LastSession;
+use crate::app::page;
+use crate::app::session::run_snapshot::RunSnapshot;
+use crate::run::RunError;
+
+/// The description of an autosave. The page adds the time.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct SessionNote {
+    /// The scenario's name.
+    scenario: String,
+    /// The preset's name.
+    preset: String,
+    seed: u64,
+    env_steps: u64,
+    /// Time since it was saved, in s.
+    #[serde(default)]
+    age_s: u64,
+}
+
+impl SessionNote {
+    /// The description of an autosave that is written now.
+    pub(super) fn new(snapshot: &RunSnapshot) -> Self {
+        let config = &snapshot.config;
+        Self {
+            scenario: config.scenario.name.clone(),
+            preset: config.preset_name(),
+            seed: config.seed,
+            env_steps: snapshot.env_steps(),
+            age_s: 0,
+        }
+    }
+}
+
+/// An autosave of an earlier visit.
+#[derive(Clone, Debug)]
+pub(super) struct FoundSession(SessionNote);
+
+impl FoundSession {
+    /// The session as plain data to show.
+    pub(super) fn describe(&self) -> LastSession {
+        let SessionNote { scenario, preset, seed, env_steps, age_s } = self.0.clone();
+        LastSession { scenario, preset, seed, env_steps, age_s }
+    }
+}
+
+/// The autosave that the page offers, if there is one. If the user has already asked to continue it, requests its files
+/// instead.
+pub(super) fn find(_: &Path) -> Vec<FoundSession> {
+    let note = page::last_session().and_then(|note| serde_json::from_str(&note).ok());
+    if note.is_some() && page::continues_last_session() {
+        page::load_session();
+        return Vec::new();
+    }
+    note.map(FoundSession).into_iter().collect()
+}
+
+/// The page deletes old autosaves itself.
+pub(super) fn delete_old(_: &mut Vec<FoundSession>) {}
+
+/// What the page has reported.
+struct PageReports {
+    /// Whether the training should be saved soon: the user may be about to leave.
+    save_soon: bool,
+    /// The result of storing an autosave.
+    stored: Option<Result<(), RunError>>,
+    /// Files received so far of the session that the user continues.
+    files: BTreeMap<String, Vec<u8>>,
+    /// All of these files.
+    session: Option<Result<BTreeMap<String, Vec<u8>>, RunError>>,
+}
+
+static REPORTS: Mutex<PageReports> =
+    Mutex::new(PageReports { save_soon: false, stored: None, files: BTreeMap::new(), session: None });
+
+fn reports() -> MutexGuard<'static, PageReports> {
+    REPORTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whether the page has asked for an autosave since the last call.
+pub(super) fn take_save_soon() -> bool {
+    std::mem::take(&mut reports().save_soon)
+}
+
+/// The result of storing an autosave, once.
+pub(super) fn take_stored() -> Option<Result<(), RunError>> {
+    reports().stored.take()
+}
+
+/// The files of the session that the user continues, once they have all been received.
+pub(super) fn take_session() -> Option<Result<BTreeMap<String, Vec<u8>>, RunError>> {
+    reports().session.take()
+}
+
+/// Asks for an autosave in one of the next frames.
+#[wasm_bindgen]
+pub fn save_soon() {
+    reports().save_soon = true;
+}
+
+/// Reports the result of storing an autosave: an error message, or nothing.
+#[wasm_bindgen]
+pub fn autosave_stored(error: Option<String>) {
+    reports().stored = Some(error.map_or(Ok(()), |error| Err(RunError::Failed(error))));
+}
+
+/// Passes a file of the session that the user continues.
+#[wasm_bindgen]
+pub fn receive_session_file(name: String, bytes: Vec<u8>) {
+    reports().files.insert(name, bytes);
+}
+
+/// Reports that all files of the session were passed, or why they cannot be.
+#[wasm_bindgen]
+pub fn session_received(error: Option<String>) {
+    let mut reports = reports();
+    let files = std::mem::take(&mut reports.files);
+    reports.session = Some(error.map_or(Ok(files), |error| Err(RunError::Failed(error))));
+}

@@ -1,0 +1,66 @@
+//! The slot of a training in a browser: its autosave in the browser's database, through the page.
+//!
+//! In: copies of the training. Out: files that the page stores. It reports later whether that has worked (`browser_sessions.rs`).
+
+use std::path::Path;
+
+use super::sessions::SessionNote;
+use crate::app::page;
+use crate::app::session::run_snapshot::RunSnapshot;
+use crate::run::RunError;
+use crate::run::folder::INITIAL_POLICY_FILE;
+use crate::scenario::to_ron;
+
+/// The autosave of a training.
+pub(super) struct Slot;
+
+impl Slot {
+    /// A slot without an autosave. The page keeps the one of the training before.
+    pub(super) fn new(_: &Path) -> Self {
+        page::begin_autosave();
+        Self
+    }
+
+    /// The slot of the session that the page has offered.
+    pub(super) fn of_last_session() -> Self {
+        page::adopt_last_session();
+        Self
+    }
+
+    /// A page has no paths.
+    pub(super) fn path(&self) -> Option<&Path> {
+        None
+    }
+
+    /// Every copy of the training must be complete.
+    pub(super) fn known_bytes(&self) -> u64 {
+        0
+    }
+
+    /// Passes the files to the page, which replaces the autosave.
+    ///
+    /// # Errors
+    /// A file cannot be encoded.
+    pub(super) fn replace(&mut self, snapshot: &RunSnapshot) -> Result<(), RunError> {
+        let failed = |error: &dyn std::fmt::Display| RunError::Failed(error.to_string());
+        let config = to_ron(&snapshot.config).map_err(|error| failed(&error))?;
+        page::autosave_file("config.ron", config.as_bytes());
+        if let Some(policy) = &snapshot.initial_policy {
+            page::autosave_file(INITIAL_POLICY_FILE, policy);
+        }
+        snapshot.each_file(|name, write| {
+            let mut bytes = Vec::new();
+            write(&mut bytes).map_err(|error| failed(&error))?;
+            page::autosave_file(name, &bytes);
+            Ok(())
+        })?;
+        let note = serde_json::to_string(&SessionNote::new(snapshot)).map_err(|error| failed(&error))?;
+        page::autosave(&note);
+        Ok(())
+    }
+
+    /// Deletes the autosave.
+    pub(super) fn delete(&mut self) {
+        page::delete_autosave();
+    }
+}

@@ -1,0 +1,31 @@
+//! The current autosave, in words: for a process that ends because of a panic, a signal, or a lost display or GPU.
+//!
+//! It is global, because a panic hook and the thread that watches the display have no access to the world.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use bevy::platform::time::Instant;
+
+/// The folder of the last autosave of the current training, and when it was written.
+static LATEST: Mutex<Option<(PathBuf, Instant)>> = Mutex::new(None);
+
+/// Records that the folder at `path` was written now; `None` if the current training has no autosave.
+pub(super) fn set(path: Option<&Path>) {
+    *LATEST.lock().unwrap_or_else(PoisonError::into_inner) = path.map(|path| (path.into(), Instant::now()));
+}
+
+/// Where the training is, and how to continue it; `None` if it has no autosave.
+#[must_use]
+pub fn describe() -> Option<String> {
+    let latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
+    let (path, since) = latest.as_ref()?;
+    let age = match since.elapsed().as_secs() {
+        0..=1 => String::new(),
+        seconds => format!(", as it was {seconds} s ago"),
+    };
+    let path = path.display();
+    Some(format!(
+        "the training is in {path}{age}; help: start wayfield again, or continue it with `wayfield --resume '{path}'`"
+    ))
+}

@@ -1,0 +1,110 @@
+//! The slot of a training: the folder of its autosave.
+//!
+//! In: copies of the training. Out: a folder under the folder of all autosaves, locked by this process. A new copy is written
+//! next to it and renamed, so a complete one exists at any moment.
+
+use std::fs;
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::sessions::{NOTE, SessionNote, TEMPORARY};
+use crate::app::session::run_snapshot::RunSnapshot;
+use crate::run::RunError;
+use crate::run::folder::{RunFolder, write_atomic};
+use crate::scenario::to_ron;
+
+/// The autosave of a training.
+pub(super) struct Slot {
+    /// The folder of all autosaves.
+    root: PathBuf,
+    /// The autosave; `None` before the first.
+    folder: Option<RunFolder>,
+    /// Length of `episodes.csv` in the autosave, in bytes; 0 if it must be written in full.
+    known_bytes: u64,
+}
+
+impl Slot {
+    /// A slot without an autosave.
+    pub(super) fn new(root: &Path) -> Self {
+        Self { root: root.into(), folder: None, known_bytes: 0 }
+    }
+
+    /// The slot of the autosave at `path`, locked.
+    ///
+    /// # Errors
+    /// It is not a run folder, or another process has locked it.
+    pub(super) fn of_existing(path: &Path) -> Result<Self, RunError> {
+        let folder = RunFolder::open(path)?.0.locked()?;
+        Ok(Self { folder: Some(folder), ..Self::new(path.parent().unwrap_or(path)) })
+    }
+
+    /// The path of the autosave, if there is one.
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.folder.as_ref().map(RunFolder::path)
+    }
+
+    /// Number of bytes of `episodes.csv` that the next copy of the training may lack.
+    pub(super) fn known_bytes(&self) -> u64 {
+        self.known_bytes
+    }
+
+    /// Replaces the autosave.
+    ///
+    /// # Errors
+    /// A file cannot be written; the autosave is then the earlier one.
+    pub(super) fn replace(&mut self, snapshot: &RunSnapshot) -> Result<(), RunError> {
+        let replaced = self.try_replace(snapshot);
+        self.known_bytes = if replaced.is_ok() { snapshot.episodes_bytes() } else { 0 };
+        replaced
+    }
+
+    fn try_replace(&mut self, snapshot: &RunSnapshot) -> Result<(), RunError> {
+        let failed = |error: io::Error| RunError::failed(&self.root, error);
+        fs::create_dir_all(&self.root).map_err(failed)?;
+        let temporary = tempfile::Builder::new().prefix(TEMPORARY).tempdir_in(&self.root).map_err(failed)?;
+        let written = temporary.path().join("run");
+        let earlier = self.path().filter(|_| self.known_bytes > 0).map(Path::to_path_buf);
+        snapshot.write(&written, earlier)?;
+        let note = to_ron(&SessionNote::new(snapshot)).map_err(|error| RunError::failed(&written, error))?;
+        write_atomic(&written.join(NOTE), |file| file.write_all(note.as_bytes())).map_err(failed)?;
+        let path = self
+            .path()
+            .map_or_else(|| unused_path(&self.root, &snapshot.config.run_name()), Path::to_path_buf);
+        // Unlocks the earlier one: some systems do not rename a folder with open files.
+        self.folder = None;
+        self.folder = Some(swap(&written, &path)?);
+        Ok(())
+    }
+
+    /// Deletes the autosave, if there is one.
+    pub(super) fn delete(&mut self) {
+        if let Some(folder) = self.folder.take() {
+            let path = folder.path().to_path_buf();
+            drop(folder);
+            // If it cannot be deleted, a later session does it.
+            let _ = fs::remove_dir_all(path);
+        }
+        self.known_bytes = 0;
+    }
+}
+
+/// Moves the run folder `written` to `path`, in place of an earlier one, and locks it.
+fn swap(written: &Path, path: &Path) -> Result<RunFolder, RunError> {
+    let failed = |error: io::Error| RunError::failed(path, error);
+    let mut previous = path.to_path_buf().into_os_string();
+    previous.push("-previous");
+    match fs::rename(path, &previous) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(error)),
+        _ => {}
+    }
+    fs::rename(written, path).map_err(failed)?;
+    // If it cannot be deleted, a later session does it.
+    let _ = fs::remove_dir_all(&previous);
+    RunFolder::open(path)?.0.locked()
+}
+
+/// A path in `folder` that is not used yet, made from `name` and if necessary a number.
+fn unused_path(folder: &Path, name: &str) -> PathBuf {
+    let numbered = (2..).map(|number| folder.join(format!("{name}-{number}")));
+    std::iter::once(folder.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
+}

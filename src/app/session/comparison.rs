@@ -1,0 +1,90 @@
+//! The second policy, which drives next to the current one: an expert, the best one so far, or one that the user opens.
+//!
+//! In: a command. Out: [`OpenedFiles::policy`], and the mode Compare.
+
+use bevy::prelude::World;
+
+use super::active_mode::{ActiveMode, restart_demo, set_mode};
+use super::notices::{NoticeTopic, notify};
+use super::open::{OpenedFiles, check_can_drive};
+use super::session_policy;
+use super::training_run::TrainingRun;
+use crate::app::app_snapshot::Severity;
+use crate::app::commands::{PolicySource, SessionMode};
+use crate::policy::Policy;
+use crate::run::folder::RunConfig;
+use crate::run::{RunError, shipped};
+
+/// Lets a shipped policy drive next to the current one.
+///
+/// # Errors
+/// No shipped policy can drive here.
+pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
+    let config = &world.resource::<TrainingRun>().config;
+    let Some(Expert { name, trained_in, policy }) = expert(config) else {
+        let why = "No shipped policy can drive here: they were trained with another LIDAR, another robot or other \
+                   observations";
+        return Err(RunError::InvalidInput(why.into()));
+    };
+    let here = &config.scenario.name;
+    let text = if trained_in == *here {
+        format!("The {name} drives next to the current policy")
+    } else {
+        format!("The {name} drives next to the current policy. It was not trained in {here}")
+    };
+    notify(world, NoticeTopic::General, Severity::Info, text);
+    compare_with(world, (name, policy.clone()))
+}
+
+/// Lets the best policy of the training so far drive next to the current one.
+///
+/// # Errors
+/// No policy has been evaluated yet.
+pub(super) fn open_best(world: &mut World) -> Result<(), RunError> {
+    let (_, policy) = session_policy::policy(world, PolicySource::Best)?;
+    world.resource_mut::<TrainingRun>().tested = PolicySource::Current;
+    compare_with(world, ("Best so far".into(), policy))
+}
+
+/// A shipped policy.
+pub(crate) struct Expert {
+    /// Its name.
+    pub(crate) name: String,
+    /// Name of the scenario that it was trained in.
+    pub(crate) trained_in: String,
+    policy: &'static Policy,
+}
+
+/// The shipped policy for the scenario of `config`, or else the first one that can drive there.
+pub(crate) fn expert(config: &RunConfig) -> Option<Expert> {
+    let all = shipped::policies();
+    let of_this_scenario = all.iter().filter(|(name, _)| *name == config.scenario_from);
+    let (name, policy) =
+        of_this_scenario.chain(all).find(|(name, policy)| check_can_drive(config, name, policy).is_ok())?;
+    let trained_in = trained_in(policy).unwrap_or(name).to_owned();
+    Some(Expert { name: format!("{trained_in} expert"), trained_in, policy })
+}
+
+/// Name of the scenario that `policy` was trained in, by its card.
+fn trained_in(policy: &Policy) -> Option<&str> {
+    policy.metadata.get("scenario").map(String::as_str)
+}
+
+/// Where `policy` comes from, as seen from the training of `config`; empty if its card does not say.
+pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
+    let here = config.scenario.name.as_str();
+    match trained_in(policy) {
+        Some(there) if there == here => format!("Trained in {there}"),
+        Some(there) => format!("Trained in {there}, new to {here}"),
+        None => String::new(),
+    }
+}
+
+/// Lets `policy` drive next to the current policy.
+pub(super) fn compare_with(world: &mut World, policy: (String, Policy)) -> Result<(), RunError> {
+    world.resource_mut::<OpenedFiles>().policy = Some(policy);
+    if world.resource::<ActiveMode>().mode() == SessionMode::Compare {
+        return restart_demo(world);
+    }
+    set_mode(world, SessionMode::Compare)
+}

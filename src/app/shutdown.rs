@@ -1,0 +1,104 @@
+//! Ends that the user does not ask for in the window: signals, a lost display, a lost GPU, a panic.
+//!
+//! In: what ended the app. Out: the training is saved if the world is still there, and stderr says where it is.
+
+use std::sync::Once;
+
+use bevy::prelude::*;
+use bevy::render::error_handler::{RenderError, RenderErrorHandler, RenderErrorPolicy};
+
+use super::session::autosave::{latest, save_now};
+use crate::run::RunError;
+use crate::run::progress::print_stderr;
+use crate::run::signals;
+
+/// What the first signal prints.
+const ANNOUNCEMENT: &str = "saving the training, then closing (a second Ctrl-C quits without saving)";
+
+/// The plugin that saves the training when a signal arrives or the GPU is lost.
+pub(super) struct ShutdownPlugin;
+
+impl Plugin for ShutdownPlugin {
+    fn build(&self, app: &mut App) {
+        signals::stop_on_signal(ANNOUNCEMENT);
+        report_autosave_after_panic();
+        app.insert_resource(RenderErrorHandler(save_after_render_error))
+            .add_systems(PreUpdate, save_after_signal);
+    }
+}
+
+/// Saves the training and closes the app after a signal.
+fn save_after_signal(world: &mut World) {
+    let Some(signal) = signals::received() else { return };
+    save_or_warn(world);
+    world.write_message(AppExit::from_code(signal.exit_status()));
+}
+
+/// Saves the training and closes the app after an error of the renderer, such as a lost GPU.
+pub fn save_after_render_error(error: &RenderError, world: &mut World, _: &mut World) -> RenderErrorPolicy {
+    // Called again in every frame until the app has ended.
+    if world.resource::<Messages<AppExit>>().is_empty() {
+        print_stderr(&format!("error: the graphics device failed ({:?}: {})", error.ty, error.description));
+        save_or_warn(world);
+        world.write_message(AppExit::error());
+    }
+    RenderErrorPolicy::StopRendering
+}
+
+fn save_or_warn(world: &mut World) {
+    if let Err(error) = save_now(world) {
+        print_stderr(&format!("warning: autosave failed: {error}"));
+    }
+}
+
+/// Makes a panic say where the autosave is.
+fn report_autosave_after_panic() {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let report = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            report(panic);
+            if let Some(text) = latest::describe() {
+                print_stderr(&text);
+            }
+        }));
+    });
+}
+
+/// The result of the app, which ended with `exit`.
+///
+/// # Errors
+/// A signal or a failure ended it. The message says where the training is.
+pub(super) fn result(exit: &AppExit) -> Result<(), RunError> {
+    let with_autosave = |text: &str| match latest::describe() {
+        Some(autosave) => format!("{text}: {autosave}"),
+        None => text.to_owned(),
+    };
+    match (exit, signals::received()) {
+        (AppExit::Success, _) => Ok(()),
+        (AppExit::Error(_), Some(_)) => Err(RunError::Stopped(with_autosave("stopped"))),
+        (AppExit::Error(_), None) => {
+            Err(RunError::Failed(with_autosave("the window closed unexpectedly (see above)")))
+        }
+    }
+}
+
+/// Watches the connection to the display from a thread, and says where the autosave is when the display is lost: then the
+/// X library ends the process at once.
+#[cfg(all(unix, not(target_os = "macos")))]
+pub(super) fn watch_display(connection: impl x11rb::connection::Connection + Send + 'static) {
+    use std::time::Duration;
+
+    /// Time for the X library to end the process. If the main thread does not use the display, nothing else would.
+    const TIME_TO_EXIT: Duration = Duration::from_secs(2);
+
+    let watch = move || {
+        while connection.wait_for_event().is_ok() {}
+        let text = latest::describe().map_or(String::new(), |autosave| format!(": {autosave}"));
+        print_stderr(&format!("error: the display was lost{text}"));
+        std::thread::sleep(TIME_TO_EXIT);
+        std::process::exit(1);
+    };
+    // Without the thread, the next start still offers the autosave.
+    let _ = std::thread::Builder::new().name("display".into()).spawn(watch);
+}

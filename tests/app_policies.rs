@@ -1,0 +1,124 @@
+//! The policies of the app: the best one so far can be saved, tested, compared and transferred as well as the current one, and
+//! every driver says where it comes from.
+#![cfg(feature = "gui")]
+
+#[path = "support/headless_app.rs"]
+mod headless_app;
+
+use std::time::{Duration, Instant};
+
+use wayfield::agent::ActiveLearner;
+use wayfield::app::commands::{Command, Pace, PolicySource, SaveKind, SessionMode};
+use wayfield::app::scene::DriverLabel;
+use wayfield::app::session::StartOptions;
+use wayfield::policy::Policy;
+
+use headless_app::HeadlessApp;
+
+fn frame(app: &mut HeadlessApp) {
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.error_notices(), Vec::<String>::new());
+}
+
+/// Name and origin of the driver of `arena`.
+fn driver(app: &HeadlessApp, arena: usize) -> (String, String) {
+    match &app.shown().0.arenas[arena].driver {
+        DriverLabel::Policy { name, origin } => (name.clone(), origin.clone()),
+        other => panic!("no policy drives in arena {arena}: {other:?}"),
+    }
+}
+
+/// The app after its first evaluations, paused.
+fn evaluated() -> HeadlessApp {
+    let start =
+        StartOptions { scenario: "empty".into(), seed: 3, pace: Pace::Full, ..StartOptions::default() };
+    let mut app = HeadlessApp::new(start);
+    let began = Instant::now();
+    app.frame(Duration::from_millis(20));
+    while app.shown().1.best.is_none() {
+        assert!(began.elapsed() < Duration::from_secs(120), "no evaluation: {:?}", app.notices());
+        app.frame(Duration::from_millis(20));
+    }
+    app.command(Command::Pause(true));
+    frame(&mut app);
+    app
+}
+
+#[test]
+fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let mut app = evaluated();
+    let [best, current, run] =
+        ["best.safetensors", "current.safetensors", "run"].map(|name| folder.path().join(name));
+    app.command(Command::Save(SaveKind::BestPolicy, best.clone()));
+    app.command(Command::Save(SaveKind::Policy, current.clone()));
+    app.command(Command::Save(SaveKind::Run, run.clone()));
+    frame(&mut app);
+    let read = |path: &std::path::Path| std::fs::read(path).expect("the file was saved");
+    assert!(read(&best) == read(&run.join("policy.safetensors")), "as a run keeps it");
+    assert!(read(&current) == read(&run.join("policy-last.safetensors")));
+    assert!(read(&current) != read(&best));
+
+    let shown = app.shown().1.best.expect("there is a best policy");
+    app.command(Command::SetTested(PolicySource::Best));
+    app.command(Command::SetMode(SessionMode::Test));
+    frame(&mut app);
+    let (name, origin) = driver(&app, 0);
+    assert_eq!(name, "Best so far");
+    assert!(origin.contains("% after ") && shown.env_steps < app.shown().1.env_steps, "{origin}");
+    app.command(Command::SetTested(PolicySource::Current));
+    frame(&mut app);
+    assert_eq!(driver(&app, 0).0, "Current policy", "the demo starts again with the other policy");
+    app.command(Command::OpenBest);
+    frame(&mut app);
+    assert_eq!(app.shown().1.mode, SessionMode::Compare);
+    assert_eq!([driver(&app, 0).0, driver(&app, 1).0], ["Current policy", "Best so far"]);
+
+    app.command(Command::Transfer {
+        policy: PolicySource::Best,
+        scenario: "doorway".into(),
+        preset: "fast".into(),
+        seed: 12,
+        epsilon: 0.5,
+    });
+    frame(&mut app);
+    let policy = Policy::from_bytes(&read(&best)).expect("a policy");
+    let learner = &app.world().resource::<ActiveLearner>().0;
+    assert!(learner.network().parameters() == policy.parameters(), "the weights of the best policy");
+    let from =
+        format!("Empty, {} steps, seed 3", wayfield::report::format::number(shown.env_steps as f64, 0));
+    assert_eq!(app.shown().1.transfer_from, Some(from));
+    assert_eq!((app.run().config.seed, app.shown().1.tested), (12, PolicySource::Current));
+}
+
+#[test]
+fn without_an_evaluation_there_is_no_best_policy() {
+    let mut app = HeadlessApp::new(StartOptions { paused: true, ..StartOptions::default() });
+    app.frame(Duration::from_millis(10));
+    assert_eq!(app.shown().1.best, None);
+    app.command(Command::OpenBest);
+    app.frame(Duration::from_millis(10));
+    assert!(app.error_notices()[0].contains("No policy has been evaluated yet"), "{:?}", app.notices());
+    app.command(Command::SetTested(PolicySource::Best));
+    app.command(Command::SetMode(SessionMode::Test));
+    app.frame(Duration::from_millis(10));
+    assert_eq!(driver(&app, 0), ("Current policy".into(), "after 0 env steps".into()));
+}
+
+#[test]
+fn an_expert_says_where_it_was_trained() {
+    for (scenario, origin, is_new_here) in [
+        ("scenario-2", "Trained in Scenario II", false),
+        ("maze", "Trained in Scenario I, new to Maze", true),
+    ] {
+        let start = StartOptions { scenario: scenario.into(), paused: true, ..StartOptions::default() };
+        let mut app = HeadlessApp::new(start);
+        frame(&mut app);
+        assert_eq!(app.shown().1.expert.as_ref().map(|expert| expert.is_new_here), Some(is_new_here));
+        app.command(Command::OpenExpert);
+        frame(&mut app);
+        assert_eq!(driver(&app, 1).1, origin);
+        let notice = &app.notices()[0].text;
+        assert_eq!(notice.contains("It was not trained in Maze"), is_new_here, "{notice}");
+    }
+}

@@ -1,0 +1,179 @@
+// Autosaves in the browser's database (IndexedDB): a closed tab, a crash or a lost GPU loses at most half a minute of training.
+// In: the files of the training, from the app. Out: the newest session that no open tab is writing, to be continued.
+
+const DATABASE = 'wayfield';
+/// Sessions that are kept, apart from those of open tabs.
+const MAX_KEPT = 3;
+/// Set in the session storage while the page reloads to continue a training.
+const CONTINUE_KEY = 'wayfield: continue';
+/// An autosave that takes longer than this, in ms, is not waited for.
+const MAX_WAIT_MS = 3000;
+
+/// The autosave of this tab's training: its key, its files as they were stored last, and when.
+let own = newSession();
+/// Files that the app has passed for the next autosave.
+let pending = {};
+/// The description of the session to offer.
+let offer;
+/// Whether the user asked to continue it before the page was reloaded.
+let continued = false;
+/// Resolved at the next autosave.
+let nextStored = withResolvers();
+
+function withResolvers() {
+    const parts = {};
+    parts.promise = new Promise((resolve, reject) => Object.assign(parts, { resolve, reject }));
+    return parts;
+}
+
+function newSession() {
+    const key = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+    lock(key);
+    return { key, policy: undefined, storedAt: undefined };
+}
+
+/// Marks a session as in use while this tab is open. (Without this feature, on a host without HTTPS, all sessions are offered.)
+function lock(key) {
+    navigator.locks?.request(`wayfield ${key}`, () => new Promise(() => {}));
+}
+
+async function keysInUse() {
+    const { held } = await navigator.locks?.query() ?? { held: [] };
+    return new Set(held.map(({ name }) => name.replace('wayfield ', '')));
+}
+
+/// The result of a request or a transaction.
+const done = (request) => new Promise((resolve, reject) => {
+    request.onsuccess = request.oncomplete = () => resolve(request.result);
+    request.onerror = request.onabort = () => reject(request.error ?? new Error('the browser has stopped it'));
+});
+
+/// Calls `use` with the stores of notes and of files, and waits until the changes are stored.
+async function withStores(mode, use) {
+    const opening = indexedDB.open(DATABASE, 1);
+    opening.onupgradeneeded = () => {
+        opening.result.createObjectStore('notes', { keyPath: 'key' });
+        opening.result.createObjectStore('files');
+    };
+    const database = await done(opening);
+    try {
+        const transaction = database.transaction(['notes', 'files'], mode);
+        const [result] = await Promise.all([
+            use(transaction.objectStore('notes'), transaction.objectStore('files')), done(transaction),
+        ]);
+        return result;
+    } finally {
+        database.close();
+    }
+}
+
+/// The sessions that no open tab is using, newest first.
+async function unused() {
+    const inUse = await keysInUse();
+    const notes = await withStores('readonly', (notes) => done(notes.getAll()));
+    return notes.filter(({ key }) => !inUse.has(key)).sort((a, b) => b.savedMs - a.savedMs);
+}
+
+const removeAll = (keys) => withStores('readwrite', (notes, files) => {
+    for (const key of keys) {
+        notes.delete(key);
+        files.delete(key);
+    }
+});
+
+/// Looks for a session to offer, and deletes old ones. Without a database, there is none.
+export async function find() {
+    try {
+        const key = sessionStorage.getItem(CONTINUE_KEY);
+        sessionStorage.removeItem(CONTINUE_KEY);
+        if (key !== null) offer = await withStores('readonly', (notes) => done(notes.get(key)));
+        continued = offer !== undefined;
+        const [newest, ...older] = await unused();
+        offer ??= newest;
+        await removeAll(older.slice(MAX_KEPT - 1).map(({ key }) => key));
+    } catch (error) {
+        console.info(`no earlier session: ${error}`);
+    }
+}
+
+/// The description of the session to offer, for the app.
+export function offered() {
+    if (offer === undefined) return undefined;
+    return JSON.stringify({ ...offer.note, age_s: Math.max(0, Math.round((Date.now() - offer.savedMs) / 1000)) });
+}
+export const isContinued = () => continued;
+
+/// The files of the offered session.
+export async function load() {
+    const files = await withStores('readonly', (_, files) => done(files.get(offer.key)));
+    if (files === undefined) throw new Error('it was deleted');
+    offer.policy = files['policy-last.safetensors'];
+    return files;
+}
+
+/// Makes the offered session this tab's own: the next autosave replaces it.
+export function adopt() {
+    own = { key: offer.key, policy: offer.policy, storedAt: offer.savedMs };
+    lock(own.key);
+    offer = undefined;
+}
+
+/// Begins the autosave of another training. The one before is kept.
+export function begin() {
+    if (own.storedAt !== undefined) own = newSession();
+    pending = {};
+}
+
+/// Deletes the autosave of this tab's training.
+export function remove() {
+    if (own.storedAt !== undefined) removeAll([own.key]).catch(() => {});
+    own = newSession();
+}
+
+/// Adds a file to the next autosave. The bytes are copied, because the memory of the module may move or change.
+export function addFile(name, bytes) {
+    pending[name] = bytes.slice();
+}
+
+/// Stores the files that were added, in place of the autosave of this tab's training. If the browser grants no more space,
+/// deletes other sessions.
+export async function store(noteJson) {
+    const [session, files, note] = [own, pending, JSON.parse(noteJson)];
+    pending = {};
+    session.policy = files['policy-last.safetensors'];
+    const put = () => withStores('readwrite', (notes, stored) => {
+        notes.put({ key: session.key, note, savedMs: Date.now() });
+        stored.put(files, session.key);
+    });
+    await put().catch(async (error) => {
+        if (error?.name !== 'QuotaExceededError') throw error;
+        await removeAll((await unused()).map(({ key }) => key));
+        await put();
+    });
+    session.storedAt = Date.now();
+    nextStored.resolve();
+    nextStored = withResolvers();
+}
+
+/// Asks the app to save, and waits until that is stored, for a limited time.
+export async function saveNow(app) {
+    if (app?.save_soon === undefined) return;
+    const stored = nextStored.promise;
+    app.save_soon();
+    await Promise.race([stored, new Promise((later) => setTimeout(later, MAX_WAIT_MS))]);
+}
+
+/// The age of the autosave in words; undefined without one.
+export function describe() {
+    if (own.storedAt === undefined) return undefined;
+    const seconds = Math.round((Date.now() - own.storedAt) / 1000);
+    return `The training was saved ${seconds} s ago.`;
+}
+
+/// The policy in the autosave.
+export const lastPolicy = () => own.policy ?? new Uint8Array();
+
+/// Makes the page continue this tab's training after it is reloaded.
+export function continueAfterReload() {
+    sessionStorage.setItem(CONTINUE_KEY, own.key);
+}
