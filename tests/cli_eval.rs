@@ -102,7 +102,7 @@ fn the_papers_results_are_named_in_its_scenario_only() {
         workspace
             .run_ok(&format!("--train --scenario {scenario} --preset fast.ron --steps 64 --out {scenario}"));
         let curve = workspace.text(&format!("{scenario}/learning-curve.svg"));
-        assert_eq!(curve.contains("paper: 96%"), is_papers, "{scenario}");
+        assert_eq!(curve.contains("paper 96%"), is_papers, "{scenario}");
     }
 }
 
