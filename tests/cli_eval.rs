@@ -117,7 +117,7 @@ fn a_blocked_route_that_nobody_asked_for_is_refused_only_when_it_is_to_be_driven
     workspace.run_ok(eval);
     let done = workspace.run(&format!("{eval} --course"));
     assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
-    let message = "error: office.ron: `benchmark_route.start_m` is 0.300 m inside an obstacle or wall: ";
+    let message = "error: Office: `benchmark_route.start_m` is 0.300 m inside an obstacle or wall: ";
     assert!(done.stderr.starts_with(message) && done.stderr.contains("; help: "), "{}", done.stderr);
 }
 
@@ -187,10 +187,11 @@ fn with_actuator_lag_no_optimal_time_is_reported() {
         (&Value::Null, &Value::Null),
         "{report}"
     );
+    let note = with_lag.stderr.lines().last().unwrap();
     for needle in ["note: ", "actuator lag", "Scenario I", "actuator_lag_s is 0.3"] {
-        assert!(with_lag.stderr.contains(needle), "`{needle}` is not in {}", with_lag.stderr);
+        assert!(note.contains(needle), "`{needle}` is not in {}", with_lag.stderr);
     }
-    assert_eq!(with_lag.stderr.lines().count(), 1, "{}", with_lag.stderr);
+    assert_eq!(with_lag.stderr.matches("no optimal times").count(), 1, "{}", with_lag.stderr);
 }
 
 #[test]
@@ -212,19 +213,15 @@ fn a_policy_trained_on_raw_observations_is_evaluated_on_raw_observations() {
     assert!(rate >= 0.9, "{rate}");
 
     let mut policy = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
-    assert_eq!(policy.metadata["encoding"], "raw");
-    let observation = policy.metadata["observation"].clone();
-    assert!(observation.starts_with("24 LIDAR ranges in m (") && !observation.contains('/'), "{observation}");
+    let divisors = |policy: &Policy| -> Vec<f32> {
+        policy.card.as_ref().unwrap().inputs[23..].iter().map(|input| input.divisor).collect()
+    };
+    assert_eq!(divisors(&policy), [1.0; 5]);
     let scaled = Policy::from_bytes(&trained().read("trained/policy.safetensors")).unwrap();
-    assert_eq!(scaled.metadata["encoding"], "scaled");
-    let observation = &scaled.metadata["observation"];
-    assert!(
-        observation.starts_with("24 LIDAR ranges / 3.5 m (") && observation.contains("/ pi rad"),
-        "{observation}"
-    );
+    assert_eq!(divisors(&scaled), [3.5, std::f32::consts::PI, 4.0, 3.5, 24.0]);
 
-    // The same weights with another encoding in the card, or with none (as in old policies, which are
-    // scaled).
+    // The same weights in a file without a card, with another encoding in its metadata or with none, which means scaled.
+    policy.card = None;
     policy.metadata.insert("encoding".into(), "scaled".into());
     workspace.write("relabelled.safetensors", policy.to_bytes().unwrap());
     policy.metadata.remove("encoding");
@@ -232,7 +229,7 @@ fn a_policy_trained_on_raw_observations_is_evaluated_on_raw_observations() {
     let (relabelled, old) = (success("relabelled.safetensors"), success("old.safetensors"));
     assert!(
         relabelled < 0.5 && relabelled == old,
-        "{relabelled}, {old}: the card sets the encoding, and scaled is the default"
+        "{relabelled}, {old}: the file sets the encoding, and scaled is the default"
     );
 }
 
@@ -323,18 +320,15 @@ fn a_closed_or_full_stdout_causes_no_panic() {
 }
 
 #[test]
-fn the_printed_eval_command_names_the_scenario_of_the_run() {
+fn the_printed_eval_command_tests_the_policy_in_the_scenario_of_the_run() {
     let workspace = Workspace::new();
     workspace.write("fast.ron", quick_fast());
     let done = workspace.run_ok("--train --scenario scenario-2 --preset fast.ron --steps 64 --out run");
-    assert!(done.stdout.contains("--eval run/policy.safetensors --scenario scenario-2"), "{}", done.stdout);
-    assert!(
-        done.stderr.contains(
-            "warning: fast.ron: `learning.replay.learning_starts` is 500, so nothing will be learned"
-        ),
-        "{}",
-        done.stderr
-    );
-    let elsewhere = workspace.run("--eval run/policy.safetensors --rounds 1 --episodes 2");
+    assert!(done.stdout.contains("--eval run/policy.safetensors\n"), "{}", done.stdout);
+    assert!(done.stderr.contains("so nothing will be learned"), "{}", done.stderr);
+    let own = workspace.run_ok("--eval run/policy.safetensors --rounds 1 --episodes 2");
+    assert!(own.stdout.starts_with("run/policy.safetensors in Scenario II, 2 episodes"), "{}", own.stdout);
+    let elsewhere =
+        workspace.run("--eval run/policy.safetensors --rounds 1 --episodes 2 --scenario scenario-1");
     assert!(elsewhere.stderr.contains("trained in Scenario II"), "{}", elsewhere.stderr);
 }

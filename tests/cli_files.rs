@@ -252,6 +252,7 @@ fn a_policys_card_cannot_control_the_terminal() {
         ("sensors", "\x1b[2J:1"),
     ] {
         let mut policy = Policy::from_bytes(&workspace.read("run/policy.safetensors")).unwrap();
+        policy.card = None;
         policy.metadata.insert(key.into(), text.into());
         workspace.write("card.safetensors", policy.to_bytes().unwrap());
         let done = workspace.run("--eval card.safetensors --rounds 1 --episodes 1");

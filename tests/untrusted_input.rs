@@ -11,6 +11,8 @@ use std::time::{Duration, Instant};
 use wayfield::learning::{NetworkShape, QNetwork};
 use wayfield::random::{Stream, stream, uniform_index};
 use wayfield::run::checkpoint::TrainerState;
+use wayfield::run::folder::RunConfig;
+use wayfield::run::policy_card;
 
 /// A reader for files of one kind. It returns whether the bytes are valid.
 type Reader = fn(&[u8]) -> bool;
@@ -71,12 +73,26 @@ fn files(folder: &str) -> Vec<(String, Vec<u8>)> {
     paths.into_iter().map(read).collect()
 }
 
-/// A policy file with a small network.
+/// A policy file with a small network, of format version 1.
 fn small_policy(dueling: bool) -> Vec<u8> {
     let shape = NetworkShape { inputs: 2, hidden: vec![2], actions: 2, dueling };
     let network = QNetwork::new(shape, &mut stream(1, "weights", 0)).expect("a valid shape");
-    let metadata = [("encoding", "raw"), ("scenario", "x")].map(|(key, value)| (key.into(), value.into()));
-    network.to_policy(metadata.into()).to_bytes().expect("finite weights")
+    let mut policy = network.to_policy();
+    policy.metadata =
+        [("encoding", "raw"), ("scenario", "x")].map(|(key, value)| (key.into(), value.into())).into();
+    policy.to_bytes().expect("finite weights")
+}
+
+/// A policy file with a card.
+fn policy_with_card() -> Vec<u8> {
+    let mut config = RunConfig::resolve("empty", "fast", 1).expect("shipped");
+    config.scenario.lidar.beams = 2;
+    config.scenario.robot.motions.truncate(2);
+    let shape = NetworkShape { inputs: 6, hidden: vec![2], actions: 2, dueling: true };
+    let network = QNetwork::new(shape, &mut stream(1, "weights", 0)).expect("a valid shape");
+    let mut policy = network.to_policy();
+    policy_card::attach(&mut policy, &config, (1, 2), Some(0.5));
+    policy.to_bytes().expect("a valid card")
 }
 
 /// `policy` in the framed form, in which the length of the header is always valid.
@@ -88,9 +104,9 @@ fn framed(policy: &[u8]) -> Vec<u8> {
 fn seeds(kind: &str) -> Vec<(String, Vec<u8>)> {
     match kind {
         "policy" => {
-            let both = [false, true].map(small_policy);
-            let framed = both.each_ref().map(|policy| framed(policy));
-            both.into_iter()
+            let all = [small_policy(false), small_policy(true), policy_with_card()];
+            let framed = all.each_ref().map(|policy| framed(policy));
+            all.into_iter()
                 .chain(framed)
                 .enumerate()
                 .map(|(k, bytes)| (format!("small-{k}"), bytes))

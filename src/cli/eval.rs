@@ -16,8 +16,8 @@ use crate::limits::MAX_EVAL_EPISODES;
 use crate::planner::unsupported_reason;
 use crate::run::evaluate::{self, EpisodeResult, Evaluation, Evaluator};
 use crate::run::progress::print_stderr;
-use crate::run::{RunError, shipped};
-use crate::scenario::{Scenario, benchmark_route_problem};
+use crate::run::{RunError, policy_card, shipped};
+use crate::scenario::{Scenario, benchmark_route_problem, printable};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
@@ -81,12 +81,15 @@ struct OptimumReport {
 /// # Errors
 /// The scenario, the policy or an option is invalid.
 pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
-    let scenario = Arc::new(shipped::scenario(shared.scenario())?);
+    let policy = policy_card::read(path)?;
+    let scenario = Arc::new(scenario_for(path, &policy, shared)?);
     if args.course {
-        check_benchmark_route(&scenario, shared)?;
+        check_benchmark_route(&scenario)?;
     }
-    let policy = policy::read(path, &scenario, &shared.extensions)?;
-    print_scenario_note(&policy, &scenario);
+    policy::check(path, &policy, &scenario, &shared.extensions)?;
+    if let Some(note) = policy_card::note(&policy, &scenario) {
+        print_stderr(&format!("note: {note}"));
+    }
     let (count, per_round) = episode_counts(args.rounds, shared.episodes.unwrap_or(100))?;
     let seed = shared.seed();
     let episodes = Evaluator::with_extensions(&scenario, count, &shared.extensions).run(
@@ -110,19 +113,23 @@ pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunE
 }
 
 /// Checks that the benchmark route can be driven. A scenario without one of its own has the paper's, unchecked.
-fn check_benchmark_route(scenario: &Scenario, shared: &SharedArgs) -> Result<(), RunError> {
+fn check_benchmark_route(scenario: &Scenario) -> Result<(), RunError> {
     let Some(found) = benchmark_route_problem(scenario) else { return Ok(()) };
     Err(RunError::InvalidInput(format!(
         "{}: {found}; help: this is the paper's route: write a `benchmark_route` into the scenario, or leave out --course",
-        shared.scenario()
+        printable(&scenario.name)
     )))
 }
 
-/// Prints a note on stderr if the policy was trained in another scenario.
-fn print_scenario_note(policy: &Policy, scenario: &Scenario) {
-    if let Some(other) = policy.metadata.get("scenario").filter(|name| **name != scenario.name) {
-        print_stderr(&format!("note: this policy was trained in {other} and is tested in {}", scenario.name));
+/// The scenario of the test: the one that the user names, or else the policy's own, or else Scenario I.
+fn scenario_for(path: &Path, policy: &Policy, shared: &SharedArgs) -> Result<Scenario, RunError> {
+    if shared.scenario.is_none() {
+        let own = policy_card::own_scenario(policy).map_err(|error| RunError::invalid_input(path, error))?;
+        if let Some(own) = own {
+            return Ok(own);
+        }
     }
+    Ok(shipped::scenario(shared.scenario())?)
 }
 
 /// The total number of episodes, and the number per round.
@@ -183,7 +190,7 @@ impl EvaluationReport {
              timeout         {:.1} %\n\
              mean time       {}\n",
             self.policy,
-            self.scenario,
+            printable(&self.scenario),
             e.episodes,
             e.seed,
             100.0 * e.success_rate,

@@ -6,6 +6,7 @@
 //! One file per mode contains the mode's options and its `run` function. `modes` rejects options of other modes;
 //! `shared` contains the options that several modes take.
 
+mod card;
 mod check;
 mod draw;
 mod eval;
@@ -152,6 +153,8 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     } else if let Some(policy) = mode.eval {
         signals::exit_on_signal();
         eval::run(&policy, &arguments.eval, &shared)
+    } else if let Some(policy) = mode.card {
+        card::run(&policy)
     } else if mode.reproduce {
         reproduce::run(arguments.reproduce, shared, began)
     } else if !mode.check.is_empty() {

@@ -19,6 +19,10 @@ pub struct ModeArgs {
     #[arg(long, value_name = "POLICY")]
     pub eval: Option<PathBuf>,
 
+    /// Print a policy's card as JSON: inputs, actions, scenario, training, and an example to check a program with
+    #[arg(long, value_name = "POLICY")]
+    pub card: Option<PathBuf>,
+
     /// Reproduce the paper: train, test and report every figure and table over several seeds
     #[arg(long)]
     pub reproduce: bool,
@@ -42,6 +46,7 @@ pub struct ModeArgs {
 const MODES: &[(&str, &[&str])] = &[
     ("train", &["scenario", "preset", "seed", "episodes", "out", "json", "TrainArgs"]),
     ("eval", &["scenario", "seed", "episodes", "json", "EvalArgs"]),
+    ("card", &["json"]),
     ("reproduce", &["out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
     ("draw", &["scenario"]),

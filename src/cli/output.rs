@@ -13,14 +13,25 @@ use crate::scenario::{is_unprintable, printable_lines};
 /// Stdout cannot be written.
 pub fn print_json(value: &impl Serialize) -> Result<(), RunError> {
     let text = serde_json::to_string(value).map_err(|error| RunError::Failed(error.to_string()))?;
-    print_stdout(&(escaped_json(&text) + "\n"))
+    print_json_text(&text)
 }
 
-/// `json` with `\u` escapes in place of the unprintable characters in its strings, for the same value.
+/// Prints the JSON in `text` on one line.
+///
+/// # Errors
+/// Stdout cannot be written.
+pub fn print_json_text(text: &str) -> Result<(), RunError> {
+    print_stdout(&(escaped_json(text) + "\n"))
+}
+
+/// `json` with `\u` escapes in place of the unprintable characters in its strings, for the same value. A line break stands
+/// between tokens only, and becomes a space.
 fn escaped_json(json: &str) -> String {
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {
-        if is_unprintable(c) {
+        if matches!(c, '\n' | '\r' | '\t') {
+            escaped.push(' ');
+        } else if is_unprintable(c) {
             let units =
                 c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect::<String>();
             escaped += &units;

@@ -116,18 +116,13 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         first(&summary.first_96),
         first(&summary.first_99),
         printable_path(folder),
-        eval_command(folder, summary),
+        eval_command(folder),
     )
 }
 
-/// The command that tests the run's best policy in the run's scenario.
-fn eval_command(folder: &Path, summary: &Summary) -> String {
-    let program = program();
-    let policy = quoted(folder.join("policy.safetensors"));
-    match summary.scenario_from.as_str() {
-        "scenario-1" => format!("{program} --eval {policy}"),
-        other => format!("{program} --eval {policy} --scenario {}", quoted(other)),
-    }
+/// The command that tests the run's best policy, in the run's scenario.
+fn eval_command(folder: &Path) -> String {
+    format!("{} --eval {}", program(), quoted(folder.join("policy.safetensors")))
 }
 
 /// The name by which the program was started, quoted for a shell.

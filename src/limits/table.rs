@@ -240,6 +240,12 @@ const EXPERIMENTS: &[Limit] = &[
 
 const POLICIES: &[Limit] = &[
     Limit("size of the file", Bytes(MAX_POLICY_BYTES), "", "the parameters and a header"),
+    Limit(
+        "size of its header with the card",
+        Bytes(policy::MAX_HEADER_BYTES as u64),
+        "",
+        "a scenario grows when all its defaults are written out",
+    ),
     Limit("inputs", count(policy::MAX_UNITS), "", "memory"),
     Limit("actions", count(policy::MAX_ACTIONS), "", "replay buffers store an action in one byte"),
     Limit("parameters", count(policy::MAX_PARAMETERS), "", "64 MiB"),

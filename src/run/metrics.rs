@@ -68,7 +68,7 @@ pub fn take_episode_rows(
 pub fn policy(config: &RunConfig, world: &World) -> Policy {
     let learner = &world.resource::<ActiveLearner>().0;
     let mut policy = learner.policy();
-    policy.metadata = policy_card::metadata(config, (learner.env_steps(), learner.gradient_steps()), None);
+    policy_card::attach(&mut policy, config, (learner.env_steps(), learner.gradient_steps()), None);
     policy
 }
 
@@ -131,8 +131,8 @@ pub fn record_evaluation(
     let is_best = row.mean_cost_s <= min_cost_s * BestPolicy::COST_TOLERANCE;
     if is_best {
         let mut policy = candidate.policy;
-        policy.metadata =
-            policy_card::metadata(config, (row.env_steps, row.gradient_steps), Some(row.success_rate));
+        let steps = (row.env_steps, row.gradient_steps);
+        policy_card::attach(&mut policy, config, steps, Some(row.success_rate));
         trainer_state.best = Some(BestPolicy {
             success_rate: row.success_rate,
             mean_time_s: row.mean_time_s,

@@ -19,7 +19,7 @@
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
 //! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
-//! | `policy_card.rs` | the metadata in a policy file |
+//! | `policy_card/` | the card in a policy file, and its comparison with a scenario |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs` | a scenario from above, as SVG or PNG |

@@ -144,6 +144,8 @@ mod tests {
     use std::sync::Arc;
 
     use crate::run::evaluate::{Evaluation, Evaluator};
+    use crate::run::folder::RunConfig;
+    use crate::run::policy_card;
     use crate::task::EpisodeSetup;
 
     #[test]
@@ -165,13 +167,40 @@ mod tests {
         assert_eq!(policies().len(), POLICIES.len(), "every policy can be read");
         for (name, policy) in policies() {
             let scenario = Arc::new(scenario(name).expect("shipped"));
-            assert_eq!(policy.metadata.get("scenario"), Some(&scenario.name), "{name}");
+            let own = policy_card::own_scenario(policy).expect("a valid card");
+            assert_eq!(own.as_ref(), Some(&*scenario), "{name}: the card has the shipped scenario");
             let count = 500;
             let episodes = Evaluator::new(&scenario, count)
                 .run(policy, 5, count, EpisodeSetup::Random)
                 .expect("the policy fits its scenario");
             let rate = Evaluation::from_episodes(&episodes, count, &scenario.task, 5).success_rate;
             assert!(rate >= 0.98, "{name}: {rate}");
+        }
+    }
+
+    /// `policy` with the card that this version writes. The training and its program stay.
+    fn with_present_card(policy: &Policy) -> Policy {
+        let mut policy = policy.clone();
+        let card = policy.card.take().expect("a card");
+        let training = &card.training;
+        let config = RunConfig::resolve(&training.scenario_from, &training.preset, training.seed);
+        let steps = (training.env_steps, training.gradient_steps);
+        policy_card::attach(&mut policy, &config.expect("shipped"), steps, training.success_rate);
+        policy.card.as_mut().expect("a card").program = card.program.clone();
+        policy
+    }
+
+    #[test]
+    fn the_cards_of_the_shipped_policies_are_up_to_date() {
+        for (name, bytes) in POLICIES {
+            let policy = Policy::from_bytes(bytes).expect("a policy");
+            let present = with_present_card(&policy).to_bytes().expect("a valid card");
+            if std::env::var_os("WAYFIELD_RENEW").is_some() {
+                let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/policies");
+                std::fs::write(folder.join(format!("{name}.safetensors")), present).expect("a writable file");
+            } else {
+                assert!(present == *bytes, "{name}: the card is out of date; help: cargo xtask policies");
+            }
         }
     }
 

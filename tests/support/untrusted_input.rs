@@ -53,6 +53,9 @@ pub fn policy(bytes: &[u8]) -> bool {
     network.value_and_advantage(&observations, 2, &mut parts);
     assert_eq!((q.len(), parts.len()), (2 * shape.actions, 2 * (shape.actions + 1)));
     let _ = policy_card::encoding(&policy).map_err(|error| error.to_string());
+    let _ = policy_card::own_scenario(&policy).map_err(|error| error.to_string());
+    let _ = policy_card::warning(&policy, &Scenario::default()).map_err(|error| error.to_string());
+    let _ = policy_card::note(&policy, &Scenario::default());
     let _ = evaluate::check_compatible(&policy, &Scenario::default(), &ObservationLayout::default())
         .map_err(|error| error.to_string());
     let again = Policy::from_bytes(&policy.to_bytes().expect("finite weights")).expect("a valid policy");

@@ -10,6 +10,7 @@ usage: cargo xtask <command>
 
   docs        renew docs/scenario-format.md (from the schema), the flags in docs/command-line.md (from clap) and
               the limits in docs/trust.md (from the constants)
+  policies    renew the cards of the shipped policies in assets/policies/; their weights stay
   messages    renew the command line's error messages in tests/snapshots/messages/
   snapshots   renew the app's screenshots in tests/snapshots/; look at each before you commit it
   pictures    redraw the shipped scenarios in docs/worlds/
@@ -54,7 +55,13 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             cargo("test --release -p wayfield-scenario --test docs the_page_is_what_the_schema_says", RENEW),
             cargo("test --release -p wayfield --lib -- flag_tables limits::table", RENEW),
         ],
-        "messages" => vec![cargo("test --release -p wayfield --test cli_errors", RENEW)],
+        "policies" => {
+            vec![cargo("test --release -p wayfield --lib -- the_cards_of_the_shipped_policies", RENEW)]
+        }
+        "messages" => vec![
+            cargo("test --release -p wayfield --test cli_errors", RENEW),
+            cargo("test --release -p wayfield --test cli_policy_card reversed_or_reordered", RENEW),
+        ],
         "snapshots" => vec![cargo("test --release -p wayfield --test app_snapshots", UPDATE)],
         "pictures" => pictures(),
         "ci" => vec![Step { program: "bash", arguments: vec![".ci/run".into()], variables: &[] }],

@@ -6,8 +6,6 @@
 
 mod update;
 
-use std::collections::BTreeMap;
-
 use super::config::{ConfigError, LearningConfig};
 use super::limits::{MAX_ENVS, MAX_STORED_FLOATS};
 use super::n_step::{NStepAccumulator, PendingStep, StepEnd};
@@ -275,10 +273,10 @@ impl Learner {
         Ok(())
     }
 
-    /// The online network as a policy, without metadata.
+    /// The online network as a policy, without a card.
     #[must_use]
     pub fn policy(&self) -> Policy {
-        self.online.to_policy(BTreeMap::new())
+        self.online.to_policy()
     }
 
     /// Ends the trajectories of all environments, for an unplanned reset of the environments. Steps that still wait for

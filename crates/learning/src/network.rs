@@ -4,8 +4,6 @@
 //! parameters. All parameters are stored in one flat vector, and copied to the dfdx tensors after each change. Optimizer,
 //! target network, policy files and checkpoints use only the flat vector.
 
-use std::collections::BTreeMap;
-
 use dfdx::prelude::*;
 use wayfield_policy::{NetworkShape, Policy};
 
@@ -84,10 +82,10 @@ impl QNetwork {
         Self::from_parameters(policy.shape().clone(), policy.parameters().to_vec())
     }
 
-    /// A policy with this network's weights and `metadata`.
+    /// A policy with this network's weights, without a card.
     #[must_use]
-    pub fn to_policy(&self, metadata: BTreeMap<String, String>) -> Policy {
-        Policy::new(self.shape.clone(), self.parameters.clone(), metadata)
+    pub fn to_policy(&self) -> Policy {
+        Policy::new(self.shape.clone(), self.parameters.clone())
             .expect("`from_parameters` checks the shape and the number of parameters")
     }
 

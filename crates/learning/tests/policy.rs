@@ -151,7 +151,7 @@ fn the_policy_crate_and_the_learner_compute_the_same_q_values() {
     for (hidden, dueling) in [(vec![], false), (vec![], true), (vec![64, 64], true), (vec![7, 3, 5], false)] {
         let shape = NetworkConfig { hidden, dueling }.shape(28, 5).expect("a valid shape");
         let network = QNetwork::new(shape.clone(), &mut noise).expect("a valid shape");
-        let policy = network.to_policy(Default::default());
+        let policy = network.to_policy();
         let rows = 300;
         let observations: Vec<f32> = (0..rows * shape.inputs).map(|_| normal(&mut noise)).collect();
         let (mut expected, mut scratch) = (Vec::new(), Scratch::default());

@@ -4,8 +4,6 @@
 //! learner gets the same steps, weights and options. All parts are tested together: n-step returns, termination and
 //! truncation, reward scale, (double) TD targets, (dueling) network, MSE or Huber loss, RMSProp or Adam, both target updates.
 
-use std::collections::BTreeMap;
-
 use serde_json::Value;
 use wayfield_learning::{
     Experience, Exploration, Learner, LearningConfig, Loss, NetworkConfig, Optimizer, QNetwork, ReplayConfig,
@@ -86,7 +84,7 @@ fn three_gradient_steps_match_pytorch() {
         let parameters = (0..shape.parameter_count()).map(|i| (((i * 37 + 11) % 101) as f32 - 50.0) / 60.0);
         let network =
             QNetwork::from_parameters(shape, parameters.collect()).expect("the right number of parameters");
-        learner.load_weights(&network.to_policy(BTreeMap::new()), None).expect("the same shape");
+        learner.load_weights(&network.to_policy(), None).expect("the same shape");
 
         for (state, action, reward, next, terminated, truncated) in STEPS {
             assert_eq!(learner.pending_updates(), 0, "no updates before the buffer can fill a batch");

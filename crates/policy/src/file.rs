@@ -1,4 +1,4 @@
-//! The policy file: a network and its metadata in the safetensors format, which PyTorch and others can read.
+//! The policy file: a network and its card in the safetensors format, which PyTorch and others can read.
 //!
 //! Writing is deterministic: the same policy always gives the same bytes. Reading validates everything, so bytes from an
 //! untrusted source give an error, never a panic.
@@ -8,31 +8,53 @@ use std::collections::{BTreeMap, HashMap};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 
+use crate::card::{Card, CardError};
+use crate::limits::MAX_HEADER_BYTES;
 use crate::network::{NetworkShape, Scratch, forward, greedy};
 use crate::range::ConfigError;
 
 /// The version of the file format. It is raised when older readers would misread newer files.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+
+/// The version without a card, which is still read, and written for a policy that has none.
+const VERSION_WITHOUT_CARD: u32 = 1;
 
 /// The only key in the file's metadata. The safetensors crate writes metadata in the random order of a hash map, so only
 /// a single key keeps the bytes reproducible.
 const KEY: &str = "wayfield";
 
-/// A trained Q-network with its metadata: observations in, an action out.
+/// A trained Q-network with its card: observations in, an action out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Policy {
     shape: NetworkShape,
     parameters: Vec<f32>,
-    /// The metadata, as text by key: the scenario, the seed, the order and units of the observation, ...
+    /// What the inputs and actions mean, and what the policy was trained with. `None` in files of format version 1.
+    pub card: Option<Box<Card>>,
+    /// The metadata of a file of format version 1, as text by key: the encoding of the observation, the scenario's name, ...
+    /// Not written for a policy with a card.
     pub metadata: BTreeMap<String, String>,
 }
 
 /// The contents of the metadata under [`KEY`], as JSON.
 #[derive(Debug, Serialize, Deserialize)]
-struct Header {
+struct Header<N, C> {
     version: u32,
-    network: NetworkShape,
-    metadata: BTreeMap<String, String>,
+    network: N,
+    card: C,
+}
+
+/// The same in format version 1.
+#[derive(Debug, Serialize, Deserialize)]
+struct HeaderWithoutCard<N, M> {
+    version: u32,
+    network: N,
+    metadata: M,
+}
+
+/// The part of a header that tells how to read the rest.
+#[derive(Deserialize)]
+struct HeaderVersion {
+    version: Option<u64>,
 }
 
 /// The reason that a policy cannot be built, written or read.
@@ -47,7 +69,7 @@ pub enum PolicyError {
     NotWayfield(String),
     /// The file was written by another version of wayfield.
     #[error(
-        "policy format version {found}, but this wayfield reads version {VERSION}; help: use a newer wayfield"
+        "policy format version {found}, but this wayfield reads versions {VERSION_WITHOUT_CARD} and {VERSION}; help: use a newer wayfield"
     )]
     Version {
         /// The file's version.
@@ -86,25 +108,25 @@ pub enum PolicyError {
         /// The weight.
         value: f32,
     },
+    /// The card contradicts the network or itself.
+    #[error("the policy's card {0}")]
+    Card(#[from] CardError),
 }
 
 impl Policy {
-    /// A policy from a network's `shape` and flat `parameters`, in the order of [`NetworkShape::parameters`].
+    /// A policy without a card, from a network's `shape` and flat `parameters`, in the order of
+    /// [`NetworkShape::parameters`].
     ///
     /// # Errors
     /// A size is out of range, or the number of parameters is not [`NetworkShape::parameter_count`].
-    pub fn new(
-        shape: NetworkShape,
-        parameters: Vec<f32>,
-        metadata: BTreeMap<String, String>,
-    ) -> Result<Self, PolicyError> {
+    pub fn new(shape: NetworkShape, parameters: Vec<f32>) -> Result<Self, PolicyError> {
         shape.check()?;
         let expected = shape.parameter_count();
         if parameters.len() != expected {
             let problem = format!("has {} elements; help: give {expected} for {shape}", parameters.len());
             return Err(ConfigError { field: "network.parameters".into(), problem }.into());
         }
-        Ok(Self { shape, parameters, metadata })
+        Ok(Self { shape, parameters, card: None, metadata: BTreeMap::new() })
     }
 
     /// The network's sizes.
@@ -140,9 +162,10 @@ impl Policy {
     /// matrices are `[outputs, inputs]`.
     ///
     /// # Errors
-    /// A weight is not finite.
+    /// A weight is not finite, or the card does not describe the network.
     pub fn to_bytes(&self) -> Result<Vec<u8>, PolicyError> {
         self.check_finite()?;
+        let header = self.header()?;
         let bytes: Vec<u8> = self.parameters.iter().flat_map(|value| value.to_le_bytes()).collect();
         let mut tensors = Vec::new();
         for view in self.shape.parameters() {
@@ -150,9 +173,6 @@ impl Policy {
             let tensor = TensorView::new(Dtype::F32, view.shape, bytes).map_err(not_safetensors)?;
             tensors.push((view.name, tensor));
         }
-        let (network, metadata) = (self.shape.clone(), self.metadata.clone());
-        let header = serde_json::to_string(&Header { version: VERSION, network, metadata })
-            .map_err(|error| PolicyError::NotWayfield(error.to_string()))?;
         safetensors::serialize(tensors, Some(HashMap::from([(KEY.to_string(), header)])))
             .map_err(not_safetensors)
     }
@@ -162,7 +182,7 @@ impl Policy {
     /// # Errors
     /// The file is not a usable policy; [`PolicyError`] lists the reasons.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PolicyError> {
-        let Header { network: shape, metadata, .. } = read_header(bytes)?;
+        let (shape, card, metadata) = read_header(bytes)?;
         shape.check()?;
         let tensors = SafeTensors::deserialize(bytes).map_err(not_safetensors)?;
         let mut parameters = Vec::new();
@@ -182,7 +202,30 @@ impl Policy {
             parameters.extend(tensor.data().as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)));
             check_all_finite(&view.name, &parameters[start..])?;
         }
-        Self::new(shape, parameters, metadata)
+        if let Some(card) = &card {
+            card.check(&shape, &parameters)?;
+        }
+        Ok(Self { card, metadata, ..Self::new(shape, parameters)? })
+    }
+
+    /// The header as JSON: what the file has under the key `wayfield`.
+    ///
+    /// # Errors
+    /// The card does not describe the network.
+    pub fn header(&self) -> Result<String, PolicyError> {
+        let network = &self.shape;
+        let header = match &self.card {
+            Some(card) => {
+                card.check(network, &self.parameters)?;
+                serde_json::to_string(&Header { version: VERSION, network, card })
+            }
+            None => serde_json::to_string(&HeaderWithoutCard {
+                version: VERSION_WITHOUT_CARD,
+                network,
+                metadata: &self.metadata,
+            }),
+        };
+        header.map_err(|error| PolicyError::NotWayfield(error.to_string()))
     }
 
     /// Checks that all weights are finite.
@@ -195,15 +238,29 @@ impl Policy {
     }
 }
 
-/// The header in the file's metadata. Its version is checked before the rest.
-fn read_header(bytes: &[u8]) -> Result<Header, PolicyError> {
+/// A policy without its weights.
+type Described = (NetworkShape, Option<Box<Card>>, BTreeMap<String, String>);
+
+/// The network, the card and the metadata in the file's header.
+fn read_header(bytes: &[u8]) -> Result<Described, PolicyError> {
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(not_safetensors)?;
     let text = metadata.metadata().as_ref().and_then(|map| map.get(KEY));
     let text = text.ok_or_else(|| PolicyError::NotWayfield(format!("its metadata has no key `{KEY}`")))?;
+    if text.len() > MAX_HEADER_BYTES {
+        let problem = format!("its metadata has {} bytes, more than {MAX_HEADER_BYTES}", text.len());
+        return Err(PolicyError::NotWayfield(problem));
+    }
     let not_wayfield = |error: serde_json::Error| PolicyError::NotWayfield(format!("its metadata: {error}"));
-    let value: serde_json::Value = serde_json::from_str(text).map_err(not_wayfield)?;
-    match value.get("version").and_then(serde_json::Value::as_u64) {
-        Some(version) if version == u64::from(VERSION) => serde_json::from_value(value).map_err(not_wayfield),
+    match serde_json::from_str::<HeaderVersion>(text).map_err(not_wayfield)?.version {
+        Some(found) if found == u64::from(VERSION) => {
+            let Header { network, card, .. } = serde_json::from_str(text).map_err(not_wayfield)?;
+            Ok((network, Some(card), BTreeMap::new()))
+        }
+        Some(found) if found == u64::from(VERSION_WITHOUT_CARD) => {
+            let HeaderWithoutCard { network, metadata, .. } =
+                serde_json::from_str(text).map_err(not_wayfield)?;
+            Ok((network, None, metadata))
+        }
         Some(found) => Err(PolicyError::Version { found }),
         None => Err(PolicyError::NotWayfield("its metadata has no version".into())),
     }

@@ -7,7 +7,8 @@
 //! |---|---|
 //! | [`observation`] | the network's inputs, from a LIDAR scan and a goal |
 //! | [`network`] | the shape of a Q-network, and its forward pass |
-//! | [`file`](mod@file) | the policy file: safetensors with metadata |
+//! | [`card`] | the policy card: what the inputs and actions mean, and what the policy was trained with |
+//! | [`file`](mod@file) | the policy file: safetensors with a card |
 //! | [`range`] | range checks of numbers |
 //!
 //! # Example
@@ -20,7 +21,7 @@
 //! // `Policy::from_bytes(&std::fs::read("policy.safetensors")?)` reads a trained policy.
 //! let shape = NetworkShape { inputs: observation::width(24), hidden: vec![8], actions: 5, dueling: true };
 //! let parameters = vec![0.01; shape.parameter_count()];
-//! let policy = Policy::new(shape, parameters, Default::default())?;
+//! let policy = Policy::new(shape, parameters)?;
 //!
 //! let ranges_m = [3.5; 24];
 //! let mut input = [0.0; observation::width(24)];
@@ -30,12 +31,14 @@
 //! # Ok::<(), wayfield_policy::PolicyError>(())
 //! ```
 
+pub mod card;
 pub mod file;
 pub mod limits;
 pub mod network;
 pub mod observation;
 pub mod range;
 
+pub use card::Card;
 pub use file::{Policy, PolicyError};
 pub use network::{NetworkShape, ParameterView, Scratch, greedy};
 pub use observation::Encoding;

@@ -1,4 +1,4 @@
-//! The limits of a network's size.
+//! The limits of a policy file.
 
 /// The maximum number of parameters of a network: 64 MB of f32.
 pub const MAX_PARAMETERS: usize = 1 << 24;
@@ -8,3 +8,5 @@ pub const MAX_UNITS: usize = 4096;
 pub const MAX_LAYERS: usize = 8;
 /// The maximum number of actions. Replay buffers store an action in one byte.
 pub const MAX_ACTIONS: usize = 255;
+/// The maximum size of a policy's header with its card, in bytes. A scenario of 1 MiB grows when every default is written out.
+pub const MAX_HEADER_BYTES: usize = 1 << 24;

@@ -33,7 +33,7 @@ pub enum Encoding {
 
 impl Encoding {
     /// The divisors of the ranges, the bearing, the goal's distance and the index of one of `beams` beams.
-    fn divisors(self, beams: usize) -> [f32; 4] {
+    pub(crate) fn divisors(self, beams: usize) -> [f32; 4] {
         match self {
             Self::Scaled => [RANGE_SCALE_M, core::f32::consts::PI, DISTANCE_SCALE_M, beams as f32],
             Self::Raw => [1.0; 4],

@@ -24,7 +24,7 @@ mod text;
 pub mod virtual_files;
 mod write;
 
-pub use check::{benchmark_route_problem, diagnostics, notes};
+pub use check::{benchmark_route_problem, diagnostics, notes, value_diagnostics};
 pub use explain::{closest_name, whole_number};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate, utf8};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use super::comparison;
 use super::demo::{self, Rounds};
 use super::interventions::{self, Intervention};
 use super::pacer::Pacer;
@@ -135,6 +136,7 @@ pub(super) fn set_mode(world: &mut World, mode: SessionMode) -> Result<(), RunEr
         return Ok(());
     }
     if mode == SessionMode::Train {
+        comparison::warn_in_comparison(world, mode);
         resume_training(world);
         return Ok(());
     }
@@ -164,6 +166,7 @@ pub(super) fn restart_demo(world: &mut World) -> Result<(), RunError> {
 /// Starts a demo in `mode`.
 fn enter_demo(world: &mut World, mode: SessionMode) -> Result<(), RunError> {
     let (drivers, sources) = demo::drivers(world, mode)?.into_iter().unzip();
+    comparison::warn_in_comparison(world, mode);
     let training = match std::mem::take(&mut *world.resource_mut::<ActiveMode>()) {
         ActiveMode::Train => SuspendedTraining::capture(world),
         ActiveMode::Demo(demo) => demo.training,

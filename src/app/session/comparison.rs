@@ -5,7 +5,7 @@
 use bevy::prelude::World;
 
 use super::active_mode::{ActiveMode, restart_demo, set_mode};
-use super::notices::{NoticeTopic, notify};
+use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{OpenedFiles, check_can_drive};
 use super::session_policy;
 use super::training_run::TrainingRun;
@@ -13,7 +13,7 @@ use crate::app::app_snapshot::Severity;
 use crate::app::commands::{PolicySource, SessionMode};
 use crate::policy::Policy;
 use crate::run::folder::RunConfig;
-use crate::run::{RunError, shipped};
+use crate::run::{RunError, policy_card, shipped};
 
 /// Lets a shipped policy drive next to the current one.
 ///
@@ -61,22 +61,32 @@ pub(crate) fn expert(config: &RunConfig) -> Option<Expert> {
     let of_this_scenario = all.iter().filter(|(name, _)| *name == config.scenario_from);
     let (name, policy) =
         of_this_scenario.chain(all).find(|(name, policy)| check_can_drive(config, name, policy).is_ok())?;
-    let trained_in = trained_in(policy).unwrap_or(name).to_owned();
+    let trained_in = policy_card::scenario_name(policy).unwrap_or_else(|| (*name).into());
     Some(Expert { name: format!("{trained_in} expert"), trained_in, policy })
-}
-
-/// Name of the scenario that `policy` was trained in, by its card.
-fn trained_in(policy: &Policy) -> Option<&str> {
-    policy.metadata.get("scenario").map(String::as_str)
 }
 
 /// Where `policy` comes from, as seen from the training of `config`; empty if its card does not say.
 pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
     let here = config.scenario.name.as_str();
-    match trained_in(policy) {
+    match policy_card::scenario_name(policy) {
         Some(there) if there == here => format!("Trained in {there}"),
         Some(there) => format!("Trained in {there}, new to {here}"),
         None => String::new(),
+    }
+}
+
+/// Warns if the second policy of a comparison was trained with other settings than those of the current scenario. In any
+/// other `mode`, removes the warning.
+pub(super) fn warn_in_comparison(world: &mut World, mode: SessionMode) {
+    world.resource_mut::<Notices>().remove(&NoticeTopic::Comparison);
+    let Some((name, policy)) = &world.resource::<OpenedFiles>().policy else { return };
+    if mode != SessionMode::Compare {
+        return;
+    }
+    let warning = policy_card::warning(policy, &world.resource::<TrainingRun>().config.scenario);
+    if let Some(text) = warning.unwrap_or_else(|error| Some(error.to_string())) {
+        let text = format!("{name}: {text}");
+        notify(world, NoticeTopic::Comparison, Severity::Error, text);
     }
 }
 

@@ -26,6 +26,8 @@ pub enum NoticeTopic {
     File(String),
     /// An object that the user tried to move.
     Move,
+    /// A warning about the second policy of a comparison.
+    Comparison,
     /// Doubtful settings of the current training.
     Settings,
     /// A warning about the current training. A new training removes it.
@@ -73,8 +75,9 @@ impl Notices {
         self.0.retain(|entry| entry.topic != *topic || entry.notice.severity != Severity::Error);
     }
 
-    /// Removes the notices about a training that is being replaced.
+    /// Removes the notices about a training that is being replaced, and about a comparison with it.
     pub(super) fn remove_training(&mut self) {
+        self.remove(&NoticeTopic::Comparison);
         self.remove(&NoticeTopic::TrainingWarning);
         self.remove(&NoticeTopic::TrainingFailure);
     }

@@ -31,7 +31,7 @@ use crate::learning::Learner;
 use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::{RunConfig, Transfer};
-use crate::run::{RunError, shipped, training_setup};
+use crate::run::{RunError, policy_card, shipped, training_setup};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
 
@@ -181,12 +181,16 @@ pub(super) fn start_from_policy(
     epsilon: f32,
 ) -> Result<(), RunError> {
     let (name, policy) = session_policy::policy(world, source)?;
+    let warning = policy_card::warning(&policy, &config.scenario)?.map(|text| format!("{name}: {text}"));
     config.transfer = Some(Transfer { policy: name, epsilon: Some(epsilon.clamp(0.0, 1.0)) });
     let prepared = prepare(config, Some(policy))?;
     let earlier = world.resource::<TrainingHistory>().0.to_earlier();
     replace(world, prepared);
     if source != PolicySource::Opened {
         world.resource_mut::<TrainingHistory>().0.set_earlier(earlier);
+    }
+    if let Some(text) = warning {
+        notify(world, NoticeTopic::TrainingWarning, Severity::Error, text);
     }
     Ok(())
 }

@@ -200,7 +200,8 @@ pub fn episode_streams(seed: u64, index: u64) -> (Streams, Clock) {
 /// Checks that `policy` fits the observations (`layout`) and actions of `scenario`.
 ///
 /// # Errors
-/// The policy's inputs or actions differ from those of the scenario. The message names both.
+/// The policy's inputs or actions differ from those of the scenario, or an action means something else there. The message
+/// names both.
 pub fn check_compatible(
     policy: &Policy,
     scenario: &Scenario,
@@ -212,7 +213,7 @@ pub fn check_compatible(
     let inputs = layout.width(scenario.lidar.beams);
     let actions = scenario.robot.motions.len();
     if (shape.inputs, shape.actions) == (inputs, actions) {
-        return Ok(());
+        return policy_card::check_actions(policy, scenario);
     }
     Err(RunError::InvalidInput(format!(
         "the policy takes {} numbers and chooses among {} motions, but scenario \"{}\" gives {inputs} numbers \

@@ -1,0 +1,20 @@
+//! The mode `--card`: prints the card of a policy.
+
+use std::path::Path;
+
+use super::output::print_json_text;
+use crate::run::{RunError, policy_card};
+
+/// Prints the network and the card of the policy in the file at `path`, as one line of JSON: what the file itself contains.
+///
+/// # Errors
+/// The file is not a policy, or has no card.
+pub fn run(path: &Path) -> Result<(), RunError> {
+    let policy = policy_card::read(path)?;
+    if policy.card.is_none() {
+        let why = "has no card (wayfield 0.1.0 wrote none); help: train the policy again";
+        return Err(RunError::invalid_input(path, why));
+    }
+    let header = policy.header().map_err(|error| RunError::invalid_input(path, error))?;
+    print_json_text(&header)
+}

@@ -1,0 +1,125 @@
+//! The comparison of a card with the scenario in which its policy is used.
+//!
+//! Actions that turn or drive the other way, or stand in another order, make a policy useless: it is refused. Other values
+//! of the robot, the LIDAR or the rules can make sense (a test of robustness, a transfer): they give a warning that lists
+//! the values on the card and in the scenario.
+
+use super::{angles_rad, parse_scenario, printable, scenario_name, write};
+use crate::policy::Policy;
+use crate::policy::card::Action;
+use crate::run::RunError;
+use crate::scenario::Scenario;
+
+/// The maximum number of differences in a warning.
+const MAX_LISTED: usize = 12;
+
+/// Checks that no action of `policy` has become another one in `scenario`: reversed, or in another place.
+///
+/// # Errors
+/// The first such action, as the card and as the scenario have it.
+pub fn check_actions(policy: &Policy, scenario: &Scenario) -> Result<(), RunError> {
+    let Some(card) = &policy.card else { return Ok(()) };
+    let here = write::actions(scenario);
+    let is_reversed = |k: &usize| {
+        let (card, here) = (&card.actions[*k], &here[*k]);
+        card.v_m_s * here.v_m_s < 0.0 || card.w_rad_s * here.w_rad_s < 0.0
+    };
+    let indices = || 0..card.actions.len().min(here.len());
+    let is_moved = |k: &usize| sorted(&card.actions) == sorted(&here) && card.actions[*k] != here[*k];
+    let Some(k) = indices().find(is_reversed).or_else(|| indices().find(is_moved)) else { return Ok(()) };
+    Err(RunError::InvalidInput(format!(
+        "the policy's card says that action {k} is {}, but in \"{}\" it is {}; help: list the robot's motions in the order \
+         of the card, which `wayfield --card` prints",
+        motion(&card.actions[k]),
+        printable(&scenario.name),
+        motion(&here[k])
+    )))
+}
+
+fn sorted(actions: &[Action]) -> Vec<Action> {
+    let mut sorted = actions.to_vec();
+    sorted.sort_by(|a, b| a.v_m_s.total_cmp(&b.v_m_s).then(a.w_rad_s.total_cmp(&b.w_rad_s)));
+    sorted
+}
+
+/// A warning for the user of `policy` in `scenario`: its settings that differ from those on the card, with both values, or
+/// that there is no card. `None` if nothing differs.
+///
+/// # Errors
+/// The card's scenario cannot be read.
+pub fn warning(policy: &Policy, scenario: &Scenario) -> Result<Option<String>, RunError> {
+    let name = printable(&scenario.name);
+    let Some(card) = &policy.card else {
+        return Ok(Some(format!(
+            "this policy has no card (wayfield 0.1.0 wrote none), so nobody can tell whether the robot, the LIDAR and the \
+             control period of \"{name}\" are those it was trained with"
+        )));
+    };
+    let differences = differences(&parse_scenario(card)?, scenario);
+    if differences.is_empty() {
+        return Ok(None);
+    }
+    let mut lines = vec![format!("\"{name}\" differs from what this policy was trained with:")];
+    lines.extend(differences.iter().take(MAX_LISTED).map(|difference| format!("  {difference}")));
+    if differences.len() > MAX_LISTED {
+        lines.push(format!("  and {} more", differences.len() - MAX_LISTED));
+    }
+    Ok(Some(lines.join("\n")))
+}
+
+/// A note that `policy` was trained in another scenario than `scenario`; `None` if it was not, or if nothing is recorded.
+#[must_use]
+pub fn note(policy: &Policy, scenario: &Scenario) -> Option<String> {
+    let trained = scenario_name(policy)?;
+    let name = printable(&scenario.name);
+    if trained != name {
+        return Some(format!("this policy was trained in {trained} and is tested in {name}"));
+    }
+    let card = policy.card.as_ref()?;
+    let is_same = parse_scenario(card).is_ok_and(|trained| trained == *scenario);
+    (!is_same).then(|| format!("this policy was trained in another version of {name}"))
+}
+
+/// Every setting in which `trained` and `here` differ, with both values.
+fn differences(trained: &Scenario, here: &Scenario) -> Vec<String> {
+    let mut differences = Vec::new();
+    let mut differ = |setting: &str, card: &str, here: &str| {
+        differences.push(format!("{setting}: {card} on its card, {here} here"));
+    };
+    for (k, (card, here)) in write::actions(trained).iter().zip(&write::actions(here)).enumerate() {
+        if card != here {
+            differ(&format!("action {k}"), &motion(card), &motion(here));
+        }
+    }
+    for ((setting, card, unit), (_, here, _)) in settings(trained).into_iter().zip(settings(here)) {
+        if card != here {
+            differ(setting, &format!("{card} {unit}"), &format!("{here} {unit}"));
+        }
+    }
+    if angles_rad(&trained.lidar) != angles_rad(&here.lidar) {
+        let [card, here] = [trained, here].map(|scenario| scenario.lidar.field_of_view_rad);
+        differ("LIDAR field of view", &format!("{card} rad"), &format!("{here} rad"));
+    }
+    differences
+}
+
+/// The settings, apart from actions and the directions of beams, that give a policy's numbers their meaning: name, value
+/// and unit.
+fn settings(scenario: &Scenario) -> [(&'static str, f32, &'static str); 9] {
+    let Scenario { robot, lidar, task, .. } = scenario;
+    [
+        ("control period", task.control_period_s, "s"),
+        ("robot radius", robot.radius_m, "m"),
+        ("actuator lag", robot.actuator_lag_s, "s"),
+        ("LIDAR range", lidar.max_range_m, "m"),
+        ("LIDAR noise", lidar.noise_std_m, "m"),
+        ("LIDAR dropout", 100.0 * lidar.dropout, "%"),
+        ("LIDAR latency", lidar.latency_steps as f32, "steps"),
+        ("goal radius", task.goal_radius_m, "m"),
+        ("collision range", task.collision_range_m, "m"),
+    ]
+}
+
+fn motion(action: &Action) -> String {
+    format!("{} m/s {} rad/s", action.v_m_s, action.w_rad_s)
+}

@@ -1,0 +1,195 @@
+//! Policy cards: reading policies, writing their cards, and comparing a card with the scenario in which its policy is used.
+//!
+//! In: a policy's file; the run's configuration, its counters, the success rate of the policy. Out: a policy, or a
+//! [`Card`](crate::policy::Card) without dates or times, so that equal runs have equal files.
+
+mod differences;
+mod write;
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::RunError;
+use crate::limits::MAX_POLICY_BYTES;
+use crate::policy::{Card, Encoding, Policy};
+use crate::scenario::{Lidar, Scenario, diagnostics, read_bytes, value_diagnostics};
+use crate::task::{ObservationLayout, ObservationSlice};
+
+pub use differences::{check_actions, note, warning};
+pub use write::attach;
+
+/// The key for the encoding of the observations in the metadata of policies without a card: `scaled` or `raw`. A policy
+/// without it is `scaled`.
+const ENCODING: &str = "encoding";
+
+/// The key for the plugin sensors there, with their widths, such as `speed:2, bumper:1`. A policy without it uses none.
+const SENSORS: &str = "sensors";
+
+/// The policy in the file at `path`, whose card agrees with its network and its scenario.
+///
+/// # Errors
+/// The file cannot be read, or is not a policy.
+pub fn read(path: &Path) -> Result<Policy, RunError> {
+    let invalid_input = |why: String| {
+        RunError::invalid_input(path, format!("{why}; help: give the policy.safetensors of a run"))
+    };
+    if path.is_dir() {
+        return Err(RunError::invalid_input(path, "is a folder; help: give the policy.safetensors in it"));
+    }
+    let bytes = read_bytes(path, MAX_POLICY_BYTES + 1)
+        .map_err(|error| invalid_input(format!("can't be read ({error})")))?;
+    if bytes.len() as u64 > MAX_POLICY_BYTES {
+        return Err(RunError::invalid_input(
+            path,
+            format!("is larger than {MAX_POLICY_BYTES} bytes; help: give the policy.safetensors of a run"),
+        ));
+    }
+    let policy = Policy::from_bytes(&bytes).map_err(|error| match error.to_string() {
+        message if message.contains("help:") => RunError::invalid_input(path, message),
+        message => invalid_input(message),
+    })?;
+    trained_scenario(&policy).map_err(|error| RunError::invalid_input(path, error))?;
+    Ok(policy)
+}
+
+/// The scenario that `policy` was trained in; `None` without a card. Its numbers are valid, but its parts may not fit
+/// together: the user may have moved an obstacle onto the benchmark route.
+///
+/// # Errors
+/// The scenario is invalid, or the card contradicts it.
+pub fn trained_scenario(policy: &Policy) -> Result<Option<Scenario>, RunError> {
+    let Some(card) = &policy.card else { return Ok(None) };
+    let scenario = parse_scenario(card)?;
+    if let Some(diagnostic) = value_diagnostics(&scenario).first() {
+        return Err(contradiction(&format!("has an invalid scenario: {diagnostic}")));
+    }
+    let described = card.angles_rad() == angles_rad(&scenario.lidar)
+        && card.control_period_s == scenario.task.control_period_s
+        && card.actions == write::actions(&scenario);
+    if !described {
+        return Err(contradiction("has beams, actions or a control period other than those of its scenario"));
+    }
+    Ok(Some(scenario))
+}
+
+/// The scenario that `policy` was trained in, to be used without a file; `None` without a card.
+///
+/// # Errors
+/// The scenario is invalid.
+pub fn own_scenario(policy: &Policy) -> Result<Option<Scenario>, RunError> {
+    let Some(scenario) = trained_scenario(policy)? else { return Ok(None) };
+    match diagnostics(&scenario).first() {
+        Some(diagnostic) => Err(RunError::InvalidInput(format!(
+            "the scenario on the policy's card is invalid: {diagnostic}; help: give another one with --scenario"
+        ))),
+        None => Ok(Some(scenario)),
+    }
+}
+
+/// The name of the scenario that `policy` was trained in, if it is recorded.
+#[must_use]
+pub fn scenario_name(policy: &Policy) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Name {
+        name: String,
+    }
+    let name = match &policy.card {
+        Some(card) => serde_json::from_str::<Name>(card.scenario.text()).ok()?.name,
+        None => policy.metadata.get("scenario")?.clone(),
+    };
+    Some(printable(&name))
+}
+
+/// The encoding of the observations that `policy` was trained with.
+///
+/// # Errors
+/// The policy has an encoding that this version does not support.
+pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
+    let unknown = |name: &str| {
+        RunError::InvalidInput(format!(
+            "the policy's observations are encoded as \"{}\", which this version does not know (it knows scaled and raw); \
+             help: use a newer wayfield",
+            printable(name)
+        ))
+    };
+    if let Some(card) = &policy.card {
+        return card.encoding().ok_or_else(|| unknown("the card says"));
+    }
+    match policy.metadata.get(ENCODING).map(String::as_str) {
+        None | Some("scaled") => Ok(Encoding::Scaled),
+        Some("raw") => Ok(Encoding::Raw),
+        Some(other) => Err(unknown(other)),
+    }
+}
+
+/// Checks that `policy` was trained with the plugin sensors of `layout`.
+///
+/// # Errors
+/// The sensors differ. The message names both.
+pub fn check_sensors(policy: &Policy, layout: &ObservationLayout) -> Result<(), RunError> {
+    let recorded = match &policy.card {
+        Some(card) => describe_sensors(card.sensors()),
+        None => policy.metadata.get(SENSORS).cloned().unwrap_or_default(),
+    };
+    let present = describe_sensors(layout.slices().iter().map(sensor));
+    if recorded == present {
+        return Ok(());
+    }
+    let named = |sensors: &str| match sensors {
+        "" => "no sensor plugin".into(),
+        sensors => format!("`{}`", printable(sensors)),
+    };
+    Err(RunError::InvalidInput(format!(
+        "the policy was trained with {}, but this simulation has {}; help: add the same plugins, in the same order",
+        named(&recorded),
+        named(&present)
+    )))
+}
+
+/// The name of `encoding` in messages.
+#[must_use]
+pub fn encoding_name(encoding: Encoding) -> &'static str {
+    match encoding {
+        Encoding::Scaled => "scaled",
+        Encoding::Raw => "raw",
+    }
+}
+
+fn parse_scenario(card: &Card) -> Result<Scenario, RunError> {
+    serde_json::from_str(card.scenario.text())
+        .map_err(|error| contradiction(&format!("has an unreadable scenario: {error}")))
+}
+
+/// The error for a card that contradicts itself.
+fn contradiction(why: &str) -> RunError {
+    RunError::InvalidInput(format!(
+        "the policy's card {}; help: use the file as wayfield wrote it",
+        printable(why)
+    ))
+}
+
+/// The directions of the beams of `lidar`, in rad, as cards have them.
+fn angles_rad(lidar: &Lidar) -> Vec<f32> {
+    (0..lidar.beams).map(|beam| lidar.beam_angle_rad(beam) as f32).collect()
+}
+
+/// The name and width of a sensor's slice.
+fn sensor(slice: &ObservationSlice) -> (&str, usize) {
+    (&slice.name, slice.width)
+}
+
+/// The sensors with a width as text. One of width 0 adds nothing to the observation.
+fn describe_sensors<'a>(sensors: impl IntoIterator<Item = (&'a str, usize)>) -> String {
+    let sensors = sensors.into_iter().filter(|(_, width)| *width > 0);
+    let parts: Vec<String> = sensors.map(|(name, width)| format!("{name}:{width}")).collect();
+    parts.join(", ")
+}
+
+/// At most 200 characters of `text` from a card, made safe to print.
+fn printable(text: &str) -> String {
+    const MAX_CHARS: usize = 200;
+    let end = text.char_indices().nth(MAX_CHARS).map(|(at, _)| at);
+    let short = crate::scenario::printable(&text[..end.unwrap_or(text.len())]).into_owned();
+    if end.is_some() { short + "…" } else { short }
+}
