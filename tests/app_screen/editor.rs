@@ -11,6 +11,7 @@ use egui_kittest::kittest::Queryable;
 use wayfield::app::commands::{Command, EditorReply};
 use wayfield::app::editor::{Editor, PlacementKind, PlacementRole, Selection, Tool};
 use wayfield::app::view_state::ViewCamera;
+use wayfield::scenario::limits::{COLLISION_RANGE_M, SHAPE_SIZE_M};
 use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape};
 
 use super::{Window, click, release_event, sent_commands, settle, window, window_with_size};
@@ -103,6 +104,20 @@ fn angles_are_shown_in_degrees_and_stored_in_radians() {
     );
     write(&mut window, "Dropout", "2.5");
     assert_eq!(edited_scenario(&mut window).lidar.dropout, 0.025);
+}
+
+#[test]
+fn a_number_that_a_scenario_may_not_have_becomes_the_nearest_one_that_it_may_have() {
+    let mut window = editing();
+    click(&mut window, "Episodes");
+    write(&mut window, "Collision range", "0.001");
+    assert_eq!(edited_scenario(&mut window).task.collision_range_m, *COLLISION_RANGE_M.start());
+    write(&mut window, "Collision range", "1000");
+    assert_eq!(edited_scenario(&mut window).task.collision_range_m, *COLLISION_RANGE_M.end());
+    click(&mut window, "Add a capsule");
+    write(&mut window, "Length", "0");
+    let expected = Shape::Capsule { length_m: *SHAPE_SIZE_M.start(), radius_m: 0.1 };
+    assert_eq!(edited_scenario(&mut window).obstacles[4].shape, expected);
 }
 
 #[test]
