@@ -10,7 +10,8 @@ use super::swept_path::{StaticSolid, SweptPath};
 use super::{Note, NoteLevel};
 use crate::file_error::Diagnostic;
 use crate::limits::{MAX_OVERLAP_WORK, MAX_PROBLEMS};
-use crate::schema::{ObstacleMotion, Scenario};
+use crate::schema::Scenario;
+use crate::track::Track;
 
 /// A wall or an obstacle, by its index.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -79,8 +80,8 @@ fn note(scenario: &Scenario, k: usize, path: &SweptPath<'_>, (id, solid): (Solid
         let message = format!("overlaps {id} at {at}: move one of them, unless they form one shape");
         (format!("obstacles[{k}]"), message)
     } else {
-        let crosses =
-            if matches!(motion, ObstacleMotion::RandomWalk { .. }) { "may cross" } else { "crosses" };
+        let anywhere = matches!(scenario.obstacles[k].track(), Track::Disc { .. });
+        let crosses = if anywhere { "may cross" } else { "crosses" };
         let message = format!(
             "{crosses} {id} at {at}: moving obstacles pass through everything; change the path, unless that is meant"
         );

@@ -2,7 +2,8 @@
 
 use super::convex::RoundedArea;
 use crate::geometry::shape_distance;
-use crate::schema::{Obstacle, ObstacleMotion};
+use crate::schema::Obstacle;
+use crate::track::Track;
 use glam::Vec2;
 
 /// Width of the rim that may overlap, in m: obstacles placed against a wall do not count as overlapping.
@@ -43,23 +44,20 @@ impl<'a> SweptPath<'a> {
         let area = RoundedArea::within(obstacle, RIM_M);
         let (at, around) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
         let legs = |areas, reach_m| Self { obstacle, area: Area::Legs(areas), middle_m: at, reach_m };
-        match obstacle.motion {
-            ObstacleMotion::Orbit { centre_m, .. } if obstacle.motion.is_moving() => {
+        match track(obstacle) {
+            Track::Point => legs(vec![area], around),
+            Track::Circle { centre_m } => {
                 let far_m = obstacle.max_distance_from(centre_m) - RIM_M;
                 let near_m = distance(obstacle, centre_m).max(0.0) + RIM_M;
                 Self { obstacle, area: Area::Ring { near_m, far_m }, middle_m: centre_m, reach_m: far_m }
             }
-            ObstacleMotion::RandomWalk { radius_m, .. } if obstacle.motion.is_moving() => {
-                legs(vec![area.grown(radius_m)], around + radius_m)
+            Track::Disc { radius_m } => legs(vec![area.grown(radius_m)], around + radius_m),
+            Track::Lines { corners_m, closed } => {
+                let stops = stops(corners_m, closed);
+                let reach_m = stops.iter().map(|stop| stop.distance(at)).fold(0.0, f32::max) + around;
+                let swept = |ends: &[Vec2]| area.swept(ends[0] - at, ends[1] - at);
+                legs(stops.windows(2).map(swept).collect(), reach_m)
             }
-            _ => match stops(obstacle) {
-                Some(stops) => {
-                    let reach_m = stops.iter().map(|stop| stop.distance(at)).fold(0.0, f32::max) + around;
-                    let swept = |ends: &[Vec2]| area.swept(ends[0] - at, ends[1] - at);
-                    legs(stops.windows(2).map(swept).collect(), reach_m)
-                }
-                None => legs(vec![area], around),
-            },
         }
     }
 
@@ -99,19 +97,22 @@ impl<'a> SweptPath<'a> {
     pub(super) fn place_m(&self, solid: &StaticSolid) -> Vec2 {
         let samples = || (0..=SAMPLES).map(|k| f32::from(k) / f32::from(SAMPLES));
         let at = self.obstacle.position_m;
-        let points: Vec<Vec2> = match (&self.area, stops(self.obstacle)) {
-            (Area::Ring { .. }, _) => {
+        let points: Vec<Vec2> = match track(self.obstacle) {
+            Track::Circle { centre_m } => {
                 let turned = |share: f32| {
                     let (sin, cos) = libm::sincosf(share * std::f32::consts::TAU);
-                    self.middle_m + Vec2::new(cos, sin).rotate(at - self.middle_m)
+                    centre_m + Vec2::new(cos, sin).rotate(at - centre_m)
                 };
                 samples().map(turned).collect()
             }
-            (_, Some(stops)) => stops
-                .windows(2)
-                .flat_map(|ends| samples().map(|share| ends[0].lerp(ends[1], share)))
-                .collect(),
-            (..) => {
+            Track::Lines { corners_m, closed } => {
+                let stops = stops(corners_m, closed);
+                let leg = |ends: &[Vec2]| -> Vec<Vec2> {
+                    samples().map(|share| ends[0].lerp(ends[1], share)).collect()
+                };
+                stops.windows(2).flat_map(leg).collect()
+            }
+            Track::Point | Track::Disc { .. } => {
                 let nearest = solid.area.boundary_point(at);
                 samples().map(|share| at.lerp(nearest, share)).collect()
             }
@@ -124,11 +125,15 @@ impl<'a> SweptPath<'a> {
     }
 }
 
-/// The stops of a path with waypoints, and the start again at the end of a closed one. `None` without such a path.
-fn stops(obstacle: &Obstacle) -> Option<Vec<Vec2>> {
-    let (mut stops, closed) = obstacle.path_m().filter(|_| obstacle.motion.is_moving())?;
-    stops.extend(closed.then_some(obstacle.position_m));
-    Some(stops)
+/// The track of an obstacle; a point if its speed is 0.
+fn track(obstacle: &Obstacle) -> Track {
+    if obstacle.motion.is_moving() { obstacle.track() } else { Track::Point }
+}
+
+/// The corners of a path, and the first again at the end of a closed one.
+fn stops(mut corners_m: Vec<Vec2>, closed: bool) -> Vec<Vec2> {
+    corners_m.extend(corners_m.first().copied().filter(|_| closed));
+    corners_m
 }
 
 /// Signed distance of a point from an obstacle at step 0, in m.
