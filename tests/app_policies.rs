@@ -107,10 +107,9 @@ fn without_an_evaluation_there_is_no_best_policy() {
 
 #[test]
 fn an_expert_says_where_it_was_trained() {
-    for (scenario, origin, is_new_here) in [
-        ("scenario-2", "Trained in Scenario II", false),
-        ("maze", "Trained in Scenario I, new to Maze", true),
-    ] {
+    for (scenario, origin, is_new_here) in
+        [("scenario-2", "Trained in Scenario II", false), ("maze", "Trained in Scenario I, new here", true)]
+    {
         let start = StartOptions { scenario: scenario.into(), paused: true, ..StartOptions::default() };
         let mut app = HeadlessApp::new(start);
         frame(&mut app);
