@@ -5,7 +5,6 @@
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
-//! | `memory.rs` | the memory that a run needs |
 //! | `notes/` | doubtful settings of a run |
 //! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limit of the process |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
