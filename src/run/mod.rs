@@ -5,6 +5,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
+//! | `notes/` | doubtful settings of a run |
 //! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limit of the process |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
@@ -41,6 +42,7 @@ pub mod metric_rows;
 pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod metrics_writer;
+pub mod notes;
 pub mod output_file;
 pub mod policy_card;
 pub mod preset;

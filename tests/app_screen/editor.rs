@@ -269,6 +269,23 @@ fn clicking_a_problem_selects_its_item_or_opens_its_group() {
 }
 
 #[test]
+fn a_path_through_an_obstacle_is_noted_and_blocks_nothing() {
+    let mut window = editing();
+    let motion = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.6, 0.6)], speed_m_s: 0.1 };
+    editor(&mut window).edit("x", |s| s.obstacles[1].motion = motion);
+    settle(&mut window);
+    assert!(window.query_by_label("No problems").is_none() && window.query_by_label("1 note").is_some());
+    window
+        .get_by_label_contains("`obstacles[1].motion` crosses obstacle 1 (`obstacles[0]`) at (0.60, 0.60)")
+        .click();
+    settle(&mut window);
+    assert_eq!(editor(&mut window).selection(), Selection::Obstacle(1));
+    let place = editor(&mut window).notes()[0].place_m.expect("on the map");
+    assert!(place.distance(vec2(0.6, 0.6)) < 0.05, "{place}");
+    assert!(!click(&mut window, "Continue here").is_empty(), "training may continue");
+}
+
+#[test]
 fn training_continues_or_restarts_in_the_edited_scenario() {
     let mut window = editing();
     assert_eq!(click(&mut window, "Continue here"), [], "it is running already");

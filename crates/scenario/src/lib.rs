@@ -16,6 +16,7 @@ pub mod limits;
 mod load;
 mod motion;
 mod motion_fields;
+mod note;
 mod outline;
 mod placement;
 mod placement_rule;
@@ -29,10 +30,10 @@ mod track;
 pub mod virtual_files;
 mod write;
 
-pub use check::{diagnostics, value_diagnostics};
+pub use check::{benchmark_route_problem, diagnostics, notes, value_diagnostics};
 pub use explain::{closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
-pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, utf8};
+pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate, utf8};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]
@@ -44,6 +45,7 @@ pub use load::{
 };
 pub use motion::pose_at;
 pub use motion_fields::MotionKind;
+pub use note::{Note, NoteLevel};
 pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use schema::*;

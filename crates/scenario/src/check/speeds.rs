@@ -2,7 +2,8 @@
 
 use std::f32::consts::PI;
 
-use super::{Diagnostics, rounded_down};
+use super::motions::max_speed_m_s;
+use super::{Diagnostics, Note, NoteLevel, rounded_down};
 use crate::limits::*;
 use crate::schema::*;
 use crate::track::MotionSpeed;
@@ -71,6 +72,26 @@ fn check_robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) 
         if turned > PI * SLACK && motion.w_rad_s.abs() <= MAX_ANGULAR_SPEED_RAD_S {
             let path = format_args!("robot.motions[{k}].w_rad_s");
             diagnostics.push(path, too_round(turned, "robot", period));
+        }
+    }
+}
+
+/// Notes obstacles that are faster than the robot.
+pub(super) fn note_fast_obstacles(scenario: &Scenario, notes: &mut Vec<Note>) {
+    let robot_m_s = max_speed_m_s(&scenario.robot);
+    for (k, obstacle) in scenario.obstacles.iter().enumerate() {
+        let speed_m_s = obstacle.max_speed_m_s().abs();
+        if speed_m_s > robot_m_s * SLACK {
+            let name = if matches!(obstacle.motion.speed(), MotionSpeed::Revolution { .. }) {
+                "rad_s"
+            } else {
+                "m_s"
+            };
+            let message = format!(
+                "moves the obstacle at up to {speed_m_s:.3} m/s, faster than the robot at {robot_m_s:.3} m/s, which can't \
+                 evade it: slow it down, unless that is meant"
+            );
+            notes.push(Note::new(NoteLevel::Note, format!("obstacles[{k}].motion.speed_{name}"), message));
         }
     }
 }

@@ -44,6 +44,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor, hit: PointerHit) 
     if !matches!(selected, Selection::Wall(_)) {
         outlines::draw_outline(canvas, scenario, selected, Stroke::new(2.0, palette.accent));
     }
+    outlines::draw_notes(canvas, editor);
     problem_note::draw(canvas, editor);
 }
 
