@@ -50,9 +50,10 @@ fn the_best_policy_can_be_saved_tested_compared_and_transferred() {
     let mut app = evaluated();
     let [best, current, run] =
         ["best.safetensors", "current.safetensors", "run"].map(|name| folder.path().join(name));
+    // The run comes first: it waits for an evaluation that is still running.
+    app.command(Command::Save(SaveKind::Run, run.clone()));
     app.command(Command::Save(SaveKind::BestPolicy, best.clone()));
     app.command(Command::Save(SaveKind::Policy, current.clone()));
-    app.command(Command::Save(SaveKind::Run, run.clone()));
     frame(&mut app);
     let read = |path: &std::path::Path| std::fs::read(path).expect("the file was saved");
     assert!(read(&best) == read(&run.join("policy.safetensors")), "as a run keeps it");
@@ -107,10 +108,9 @@ fn without_an_evaluation_there_is_no_best_policy() {
 
 #[test]
 fn an_expert_says_where_it_was_trained() {
-    for (scenario, origin, is_new_here) in [
-        ("scenario-2", "Trained in Scenario II", false),
-        ("maze", "Trained in Scenario I, new to Maze", true),
-    ] {
+    for (scenario, origin, is_new_here) in
+        [("scenario-2", "Trained in Scenario II", false), ("maze", "Trained in Scenario I, new here", true)]
+    {
         let start = StartOptions { scenario: scenario.into(), paused: true, ..StartOptions::default() };
         let mut app = HeadlessApp::new(start);
         frame(&mut app);

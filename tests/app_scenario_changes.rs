@@ -152,6 +152,21 @@ fn a_broken_start_file_is_adopted_once_it_is_fixed() {
 }
 
 #[test]
+fn doubtful_settings_are_shown_when_a_training_starts_until_they_change() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let hangar = folder.path().join("hangar.ron");
+    write(&hangar, "(name: \"Hangar\", enclosure: Rectangle(width_m: 30.0, height_m: 30.0))");
+    let mut app = HeadlessApp::new(options(&hangar));
+    app.frame(FRAME);
+    let text = "hangar.ron: `task.max_episode_steps` is 500: ";
+    assert!(has_notice(&app, text) && has_notice(&app, "% of the goals"), "{:?}", app.notices());
+    let scenario = "scenario-1".to_owned();
+    app.command(Command::StartTraining { scenario, preset: "fast".into(), seed: 0 });
+    app.frame(FRAME);
+    assert!(!has_notice(&app, text), "another training replaces it: {:?}", app.notices());
+}
+
+#[test]
 fn fixing_a_file_discards_no_training_worth_keeping() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let file = folder.path().join("mine.ron");

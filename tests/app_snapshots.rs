@@ -110,7 +110,7 @@ fn two_policies_side_by_side() {
         vec![screen_fixture.scene.arenas[0].clone(), screen_fixture.scene.arenas[6].clone()];
     (screen_fixture.scene.arenas[0].driver, screen_fixture.scene.arenas[1].driver) = (
         policy("Current policy", "after 312,480 env steps"),
-        policy("Scenario II expert", "Trained in Scenario II, new to Scenario I"),
+        policy("Scenario II expert", "Trained in Scenario II, new here"),
     );
     (screen_fixture.status.mode, screen_fixture.status.opened_policy) =
         (SessionMode::Compare, Some("Scenario II expert".into()));
@@ -128,6 +128,7 @@ fn one_policy_with_its_value_overlay() {
     screen_fixture.scene.value = Some(screen_fixture::field(1, 1.0));
     screen_fixture.view_state.plots_open = false;
     screen_fixture.status.tested = PolicySource::Best;
+    screen_fixture.scene.arenas[0].driver = policy("Best so far", "94.6% after 311,040 env steps");
     compare("test_dark", [1000.0, 600.0], ThemeChoice::Dark, screen_fixture);
 }
 

@@ -6,7 +6,7 @@
 mod window_process;
 
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
 
 use image::RgbImage;
 use window_process::{Controls, Display, command, requirements, text, wait_until, xdotool};
@@ -193,4 +193,65 @@ fn the_view_is_stored_in_the_preferences() {
     let preferences = std::fs::read_to_string(&file).expect("written within a minute");
     assert!(preferences.contains("theme: Dark") && preferences.contains("grid: true"), "{preferences}");
     assert!(preferences.contains("size: (900.0, 600.0)"), "{preferences}");
+}
+
+/// Asserts that the app ended with status 2 and one error, which contains all `needles` and the way out.
+fn assert_no_window(output: &Output, needles: &[&str]) {
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    let error = stderr.lines().find(|line| line.starts_with("error: ")).unwrap_or_default();
+    for needle in needles.iter().chain(&["wayfield --train"]) {
+        assert!(error.contains(needle), "`{needle}`: {stderr}");
+    }
+    assert!(!stderr.contains("panicked") && !stderr.contains("backtrace"), "{stderr}");
+}
+
+#[test]
+fn without_a_graphics_driver_the_error_names_the_package() {
+    let Some(display) = Display::new() else { return };
+    let home = tempfile::tempdir().expect("temporary folder");
+    let mut command = command(Some(&display.name), home.path(), &[]);
+    for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES", "__EGL_VENDOR_LIBRARY_FILENAMES"] {
+        command.env(variable, "/dev/null");
+    }
+    assert_no_window(
+        &command.output().expect("the binary starts"),
+        &["graphics driver", "mesa-vulkan-drivers"],
+    );
+}
+
+#[test]
+fn without_a_library_that_the_window_loads_the_error_names_its_package() {
+    let Some(display) = Display::new() else { return };
+    let tried = Command::new("unshare").args(["--mount", "--map-root-user", "true"]).output();
+    if !tried.is_ok_and(|output| output.status.success()) {
+        requirements::report_skip(
+            "`unshare --mount` is not permitted; help: run as root, or allow user namespaces",
+        );
+        return;
+    }
+    let home = tempfile::tempdir().expect("temporary folder");
+    let cache = Command::new("ldconfig").arg("-p").output().expect("ldconfig starts");
+    for (library, package) in
+        [("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"), ("libXcursor.so.1", "libxcursor1")]
+    {
+        let cache = text(&cache.stdout);
+        let path = cache
+            .lines()
+            .filter(|line| line.trim().starts_with(library))
+            .find_map(|line| line.split(" => ").nth(1));
+        let path = path.expect("the library is installed, as the other tests need it");
+        let script = format!("mount --bind /dev/null {path} && exec \"$0\"");
+        let mut command = Command::new("unshare");
+        command.args(["--mount", "--map-root-user", "sh", "-c", &script, env!("CARGO_BIN_EXE_wayfield")]);
+        command.current_dir(home.path()).env("XDG_CONFIG_HOME", home.path()).env("DISPLAY", &display.name);
+        assert_no_window(&command.output().expect("unshare starts"), &[package]);
+    }
+}
+
+#[test]
+fn wayland_without_x11_is_reported_as_such() {
+    let home = tempfile::tempdir().expect("temporary folder");
+    let output = command(None, home.path(), &[]).env("WAYLAND_DISPLAY", "wayland-0").output();
+    assert_no_window(&output.expect("the binary starts"), &["no X11 display", "xwayland"]);
 }

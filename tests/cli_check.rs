@@ -4,7 +4,7 @@ mod cli_support;
 
 use std::fs;
 
-use cli_support::{CommandOutput, FAST, SCENARIO_1, Workspace, edited};
+use cli_support::{CommandOutput, FAST, SCENARIO_1, Workspace, edited, quick_fast};
 use serde_json::json;
 
 /// A workspace with valid scenarios and presets, and with files that a check of their folder ignores.
@@ -113,7 +113,7 @@ fn json_lists_the_files_and_the_problems() {
     let paths = ["files/a.ron", "files/b/scenario.ron", "files/c.ron"];
     assert_eq!(
         workspace.run_ok("--check files --json").json(),
-        json!({ "files": paths, "kinds": ["preset", "scenario", "scenario"], "problems": [] })
+        json!({ "files": paths, "kinds": ["preset", "scenario", "scenario"], "problems": [], "notes": [] })
     );
     let beyond_the_enclosure =
         [("radius_m: 0.15), position_m: (0.6, 0.6)", "radius_m: 0.15), position_m: (1.95, 0.6)")];
@@ -142,7 +142,84 @@ fn json_lists_the_files_and_the_problems() {
                         "this folder has no .ron file; help: give a scenario or preset file, or a folder of them",
                 },
             ],
+            "notes": [],
         })
+    );
+}
+
+#[test]
+fn what_is_doubtful_is_printed_with_its_place_and_the_file_is_valid() {
+    let workspace = Workspace::new();
+    workspace.write("hangar.ron", "(name: \"Hangar\", enclosure: Rectangle(width_m: 30.0, height_m: 30.0))");
+    workspace.write("rare.ron", edited(FAST, &[("train_freq: 16", "train_freq: 5000000")]));
+    let zero = ("Linear(from: 0.0015, to: 0.00001, env_steps: 600000)", "Constant(0.0)");
+    workspace.write("zero.ron", edited(FAST, &[zero]));
+    let done = workspace.run_ok("--check hangar.ron rare.ron zero.ron");
+    assert_eq!(done.stdout, "hangar.ron: ok (scenario)\nrare.ron: ok (preset)\nzero.ron: ok (preset)\n");
+    let lines: Vec<&str> = done.stderr.lines().collect();
+    let expected = [
+        (
+            "hangar.ron:1:1: warning: `task.max_episode_steps` is 500: ",
+            " % of the goals are farther from the start, ",
+        ),
+        (
+            "rare.ron:35:21: warning: `learning.train_freq` is 5000000, so nothing will be learned: ",
+            "; help: ",
+        ),
+        (
+            "zero.ron:23:24: warning: `learning.learning_rate` is 0 throughout, so nothing will be learned",
+            "; help: ",
+        ),
+    ];
+    assert_eq!(lines.len(), expected.len(), "{}", done.stderr);
+    for (line, (start, part)) in lines.iter().zip(expected) {
+        assert!(line.starts_with(start) && line.contains(part), "{line}\nis not\n{start}...{part}");
+    }
+    let report = workspace.run_ok("--check rare.ron --json").json();
+    assert_eq!(report["problems"], json!([]));
+    let note = &report["notes"][0];
+    assert_eq!(
+        (&note["level"], &note["path"], &note["line"]),
+        (&json!("warning"), &json!("rare.ron"), &json!(35))
+    );
+}
+
+#[test]
+fn hopeless_scenarios_are_refused_and_doubtful_runs_are_told_of_before_they_start() {
+    let workspace = Workspace::new();
+    workspace.write("top.ron", "(name: \"Top\", robot: (motions: [(v_m_s: 0.0, w_rad_s: 1.0)]))");
+    workspace.write("hasty.ron", "(name: \"Hasty\", task: (max_episode_steps: 3))");
+    let done = workspace.run("--check top.ron hasty.ron");
+    assert_failed(
+        &done,
+        "",
+        "top.ron:1:32: `robot.motions` never move the robot: write a v_m_s other than 0 for at least one of them\n\
+         top.ron: 1 problem in this scenario\n\
+         hasty.ron:1:43: `task.max_episode_steps` is 3: in this time the robot covers at most 0.090 m, but goals are at \
+         least 0.5 m away: write at least 10, or make the robot faster\n\
+         hasty.ron: 1 problem in this scenario\n\
+         error: 2 of 2 checked files are invalid\n",
+    );
+    let lorry =
+        "(name: \"Lorry\", robot: (motions: [(v_m_s: 0.5, w_rad_s: 0.2), (v_m_s: 0.5, w_rad_s: -0.2)]))";
+    workspace.write("lorry.ron", lorry);
+    workspace.write("quick.ron", quick_fast());
+    let trained = workspace.run_ok("--train --scenario lorry.ron --preset quick.ron --steps 1600 --out run");
+    let at = |text: &str| {
+        trained.stderr.find(text).unwrap_or_else(|| panic!("`{text}` is not in {}", trained.stderr))
+    };
+    let first = at("run: Lorry, ");
+    let warning =
+        at("\nwarning: lorry.ron: `robot.motions` turn the robot with a radius of at least 2.50 m, ");
+    let note =
+        at("\nnote: quick.ron: `learning.learning_rate` ends at env step 600000, but the budget is 1600, ");
+    assert!(first < warning && warning < note && note < at("done: run"), "{}", trained.stderr);
+    // A larger budget gets its own notes.
+    let resumed = workspace.run_ok("--train --resume run --steps 3200");
+    assert!(
+        resumed.stderr.contains("`learning.learning_rate` ends at env step 600000, but the budget is 3200"),
+        "{}",
+        resumed.stderr
     );
 }
 
@@ -151,6 +228,7 @@ fn all_shipped_scenarios_presets_and_experiments_are_valid() {
     let done = Workspace::new()
         .run_ok(&format!("--check {root}/scenarios {root}/assets", root = env!("CARGO_MANIFEST_DIR")));
     assert!(done.stdout.lines().count() >= 24 && done.stdout.lines().all(|line| line.contains(": ok (")));
+    assert_eq!(done.stderr, "", "nothing shipped is doubtful");
 }
 
 #[test]

@@ -85,6 +85,43 @@ fn course_times_every_episode_on_the_benchmark_route() {
 }
 
 #[test]
+fn the_papers_results_are_named_in_its_scenario_only() {
+    let route = |scenario: &str| {
+        let arguments = format!(
+            "--eval trained/policy.safetensors --rounds 1 --episodes 2 --course --scenario {scenario}"
+        );
+        let done = trained().run_ok(&arguments);
+        done.stdout.lines().find(|line| line.starts_with("benchmark route ")).expect("a line").to_owned()
+    };
+    assert!(route("scenario-1").ends_with("(the paper's PER-D3QN: 13.155 s)"), "{}", route("scenario-1"));
+    assert!(route("empty").ends_with(" % of 25 episodes"), "{}", route("empty"));
+
+    let workspace = Workspace::new();
+    workspace.write("fast.ron", quick_fast());
+    for (scenario, is_papers) in [("scenario-1", true), ("empty", false)] {
+        workspace
+            .run_ok(&format!("--train --scenario {scenario} --preset fast.ron --steps 64 --out {scenario}"));
+        let curve = workspace.text(&format!("{scenario}/learning-curve.svg"));
+        assert_eq!(curve.contains("paper 96%"), is_papers, "{scenario}");
+    }
+}
+
+#[test]
+fn a_blocked_route_that_nobody_asked_for_is_refused_only_when_it_is_to_be_driven() {
+    let workspace = Workspace::new();
+    let office = "(name: \"Office\", obstacles: [(shape: Circle(radius_m: 0.3), position_m: (0.0, 0.0))])";
+    workspace.write("office.ron", office);
+    workspace.write("policy.safetensors", trained().read("trained/policy.safetensors"));
+    assert_eq!(workspace.run_ok("--check office.ron").stderr, "");
+    let eval = "--eval policy.safetensors --scenario office.ron --rounds 1 --episodes 2";
+    workspace.run_ok(eval);
+    let done = workspace.run(&format!("{eval} --course"));
+    assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+    let message = "error: Office: `benchmark_route.start_m` is 0.300 m inside an obstacle or wall: ";
+    assert!(done.stderr.starts_with(message) && done.stderr.contains("; help: "), "{}", done.stderr);
+}
+
+#[test]
 fn text_and_json_agree() {
     let (text, report) = (
         trained().run_ok(&format!("{EVAL} --course --seed 9")),
@@ -288,7 +325,7 @@ fn the_printed_eval_command_tests_the_policy_in_the_scenario_of_the_run() {
     workspace.write("fast.ron", quick_fast());
     let done = workspace.run_ok("--train --scenario scenario-2 --preset fast.ron --steps 64 --out run");
     assert!(done.stdout.contains("--eval run/policy.safetensors\n"), "{}", done.stdout);
-    assert!(done.stderr.contains("warning: nothing will be learned"), "{}", done.stderr);
+    assert!(done.stderr.contains("so nothing will be learned"), "{}", done.stderr);
     let own = workspace.run_ok("--eval run/policy.safetensors --rounds 1 --episodes 2");
     assert!(own.stdout.starts_with("run/policy.safetensors in Scenario II, 2 episodes"), "{}", own.stdout);
     let elsewhere =

@@ -42,6 +42,8 @@ pub struct LastSession {
 pub enum Severity {
     /// A confirmation, or a hint.
     Info,
+    /// A doubtful setting.
+    Warning,
     /// Something failed; everything else continues.
     Error,
 }

@@ -20,6 +20,7 @@
 //! | `window.rs`, `window_input.rs`, `blending.rs` | the window, its input and its colours |
 //! | `shutdown.rs` | ends that the user does not ask for: signals, a lost display or GPU, a panic |
 //! | `fallback_fonts.rs` | fonts for characters that the app's typeface lacks |
+//! | `window_failure.rs` | a missing display, driver or library, as a sentence |
 //! | `screenshot.rs` | screenshots |
 //! | `file_dialogs.rs` | file dialogs |
 //! | `browser.rs`, `page.rs` | the web page, in place of dialogs, a disk and a command line |
@@ -54,6 +55,8 @@ pub mod setup_form;
 pub mod shutdown;
 pub mod view_state;
 pub mod window;
+#[cfg(not(target_arch = "wasm32"))]
+mod window_failure;
 mod window_input;
 
 use bevy::prelude::*;

@@ -9,7 +9,8 @@ use bevy::math::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::{
-    Obstacle, ObstacleMotion, Scenario, diagnostics, enclosure_distance, inner_wall_distance, shape_distance,
+    Obstacle, ObstacleMotion, Scenario, benchmark_route_problem, diagnostics, enclosure_distance,
+    inner_wall_distance, shape_distance,
 };
 
 /// Position (x in m, y in m) and rotation in rad of an obstacle.
@@ -147,10 +148,17 @@ fn check_obstacle(arena: &MoveContext<'_>, index: usize, to_m: Vec2) -> Result<(
         return Err(MoveRejection::CoversGoal);
     }
     let moved = with_obstacle_at(arena.scenario, index, initial_position(obstacle, pose, to_m));
-    match moved.and_then(|moved| diagnostics(&moved).into_iter().next()) {
-        None => Ok(()),
+    let Some(moved) = moved else { return Ok(()) };
+    match diagnostics(&moved).into_iter().next() {
         Some(found) if found.path.starts_with("benchmark_route") => Err(MoveRejection::BlocksBenchmarkRoute),
         Some(found) => Err(MoveRejection::InvalidScenario(found.to_string())),
+        // A route that is blocked anyway may stay so.
+        None if benchmark_route_problem(&moved).is_some()
+            && benchmark_route_problem(arena.scenario).is_none() =>
+        {
+            Err(MoveRejection::BlocksBenchmarkRoute)
+        }
+        None => Ok(()),
     }
 }
 
@@ -239,6 +247,7 @@ mod tests {
             (0, vec2(0.2, 0.0), Err(MoveRejection::TooCloseToRobot)),
             (0, vec2(-1.0, 0.2), Err(MoveRejection::CoversGoal)),
             (1, vec2(0.5, 0.0), Err(MoveRejection::NotMovable)),
+            (0, vec2(1.2, 0.8), Err(MoveRejection::BlocksBenchmarkRoute)),
         ] {
             assert_eq!(check(Movable::Obstacle(index), to_m), expected, "{index}, {to_m:?}");
         }

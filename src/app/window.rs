@@ -6,6 +6,8 @@
 use bevy::asset::AssetEventSystems;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
+#[cfg(not(target_arch = "wasm32"))]
+use bevy::window::PrimaryWindow;
 use bevy::window::{ExitCondition, PresentMode, WindowCloseRequested, WindowResolution};
 use bevy::winit::WinitSettings;
 use bevy_egui::{EguiContexts, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
@@ -23,6 +25,8 @@ use super::session::{StartOptions, TrainingHistory, TrainingRun};
 #[cfg(not(target_arch = "wasm32"))]
 use super::shutdown;
 use super::view_state::{EditorSource, Overlays, ThemeChoice};
+#[cfg(not(target_arch = "wasm32"))]
+use super::window_failure;
 use super::window_input::{draw_less_when_idle, fit_to_monitor, fix_input, take_dropped_files};
 use super::{AppCorePlugin, CurrentViewState, Snapshot, blending};
 use crate::run::RunError;
@@ -48,14 +52,23 @@ pub struct WindowOptions {
 /// Opens the window and runs the app until it is closed.
 ///
 /// # Errors
-/// There is no display, the screenshot could not be written, or a signal or a failure has ended the app.
+/// There is no display or no graphics driver, a library is missing, the screenshot could not be written, or a signal or a failure
+/// has ended the app.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn run(options: WindowOptions) -> Result<(), RunError> {
     #[cfg(all(unix, not(target_os = "macos")))]
-    shutdown::watch_display(connect_to_display()?);
+    shutdown::watch_display(window_failure::connect_to_display()?);
+    let exit = window_failure::catch(|| app(options).run())?;
+    shutdown::result(&exit)
+}
+
+/// Runs the app in the page.
+///
+/// # Errors
+/// The app ended with an error.
+#[cfg(target_arch = "wasm32")]
+pub fn run(options: WindowOptions) -> Result<(), RunError> {
     let exit = app(options).run();
-    #[cfg(not(target_arch = "wasm32"))]
-    return shutdown::result(&exit);
-    #[cfg(target_arch = "wasm32")]
     match exit {
         AppExit::Success => Ok(()),
         AppExit::Error(_) => Err(RunError::Failed("the window closed unexpectedly".into())),
@@ -70,20 +83,6 @@ pub fn app(options: WindowOptions) -> App {
     let mut app = App::new();
     app.add_plugins(WindowedPlugin(options));
     app
-}
-
-/// Connects to the X display: without one, winit would panic. Keep the connection until the window is open, because a
-/// display such as Xvfb restarts when its last client disconnects, and is not available meanwhile.
-///
-/// # Errors
-/// There is no display.
-#[cfg(all(unix, not(target_os = "macos")))]
-fn connect_to_display() -> Result<x11rb::rust_connection::RustConnection, RunError> {
-    x11rb::connect(None).map(|(connection, _)| connection).map_err(|error| {
-        RunError::InvalidInput(format!(
-            "no display for the window ({error}); help: train without a window with `wayfield --train`, or set DISPLAY"
-        ))
-    })
 }
 
 struct WindowedPlugin(WindowOptions);
@@ -123,7 +122,7 @@ impl Plugin for WindowedPlugin {
         #[cfg(not(target_arch = "wasm32"))]
         if let Some(request) = &options.screenshot {
             app.insert_resource(request.clone())
-                .add_systems(Last, take_screenshot.run_if(any_with_component::<bevy::window::PrimaryWindow>));
+                .add_systems(Last, take_screenshot.run_if(any_with_component::<PrimaryWindow>));
             return;
         }
         if options.size.is_none() {

@@ -17,7 +17,7 @@ use crate::planner::unsupported_reason;
 use crate::run::evaluate::{self, EpisodeResult, Evaluation, Evaluator};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, policy_card, shipped};
-use crate::scenario::{Scenario, printable};
+use crate::scenario::{Scenario, benchmark_route_problem, printable};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
@@ -34,7 +34,8 @@ pub struct EvalArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole::<u32>(1..=10_000), allow_negative_numbers = true)]
     rounds: u32,
 
-    /// Also drive the paper's benchmark route, 5 rounds of 5 episodes: from (0, 0) to (1.2, 1.2)
+    /// Also drive the scenario's benchmark route, 5 rounds of 5 episodes; the paper's, from (0, 0) to (1.2, 1.2), in
+    /// Scenario I and II
     #[arg(long)]
     course: bool,
 
@@ -62,6 +63,9 @@ struct CourseReport {
     course_success_rate: f64,
     course_time_s: Option<f64>,
     course_times_s: Vec<f64>,
+    /// Whether this is the paper's Scenario I, whose time applies.
+    #[serde(skip)]
+    in_paper_scenario: bool,
 }
 
 /// The policy's times, compared with the optimal ones.
@@ -79,6 +83,9 @@ struct OptimumReport {
 pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let policy = policy_card::read(path)?;
     let scenario = Arc::new(scenario_for(path, &policy, shared)?);
+    if args.course {
+        check_benchmark_route(&scenario)?;
+    }
     policy::check(path, &policy, &scenario, &shared.extensions)?;
     if let Some(note) = policy_card::note(&policy, &scenario) {
         print_stderr(&format!("note: {note}"));
@@ -103,6 +110,15 @@ pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunE
         optimum,
     };
     if shared.json { print_json(&report) } else { print_stdout(&report.text()) }
+}
+
+/// Checks that the benchmark route can be driven. A scenario without one of its own has the paper's, unchecked.
+fn check_benchmark_route(scenario: &Scenario) -> Result<(), RunError> {
+    let Some(found) = benchmark_route_problem(scenario) else { return Ok(()) };
+    Err(RunError::InvalidInput(format!(
+        "{}: {found}; help: this is the paper's route: write a `benchmark_route` into the scenario, or leave out --course",
+        printable(&scenario.name)
+    )))
 }
 
 /// The scenario of the test: the one that the user names, or else the policy's own, or else Scenario I.
@@ -141,6 +157,7 @@ impl CourseReport {
             course_success_rate: evaluation.success_rate,
             course_time_s: evaluation.mean_time_s,
             course_times_s: evaluate::times_s(&episodes, scenario.task.control_period_s).collect(),
+            in_paper_scenario: shipped::is_paper_scenario_1(scenario),
         })
     }
 }
@@ -185,9 +202,10 @@ impl EvaluationReport {
         if let Some(course) = &self.course {
             let _ = writeln!(
                 text,
-                "benchmark route {}, {:.0} % of {ROUTE_EPISODES} episodes (the paper's PER-D3QN: 13.155 s in Scenario I)",
+                "benchmark route {}, {:.0} % of {ROUTE_EPISODES} episodes{}",
                 seconds(course.course_time_s),
                 100.0 * course.course_success_rate,
+                if course.in_paper_scenario { " (the paper's PER-D3QN: 13.155 s)" } else { "" },
             );
         }
         if let Some(optimum) = &self.optimum {

@@ -36,7 +36,7 @@ use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser};
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, signals};
 use crate::scenario::is_unprintable;
-use crate::simulation::Extensions;
+use crate::simulation::{Extensions, use_one_task_thread};
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -122,16 +122,30 @@ fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
-    signals::survive_file_size_limit();
+    signals::survive_limits();
     let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| exit(&error));
     arguments.shared.extensions = extensions;
     match run(arguments, began) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let label = if matches!(error, RunError::Stopped(_)) { "" } else { "error: " };
-            print_stderr(&format!("{label}{error}"));
+            print_stderr(&format!("{label}{error}{}", limit_help(&error.to_string())));
             ExitCode::from(error.exit_status())
         }
+    }
+}
+
+/// The fix for an error at a limit of the process, which can occur wherever files are opened or written.
+fn limit_help(error: &str) -> &'static str {
+    let is_system_error = |number: u32| cfg!(unix) && error.contains(&format!("(os error {number})"));
+    if error.contains("help:") {
+        ""
+    } else if is_system_error(24) {
+        "; help: raise the limit of open files (`ulimit -n`)"
+    } else if is_system_error(27) {
+        "; help: raise the limit of file sizes (`ulimit -f`)"
+    } else {
+        ""
     }
 }
 
@@ -148,6 +162,14 @@ fn exit(error: &clap::Error) -> ! {
 
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
+    let is_headless = mode.train || arguments.train.resume.is_some() || mode.eval.is_some() || mode.reproduce;
+    if is_headless && !use_one_task_thread() {
+        return Err(RunError::Failed(
+            "no thread can be started; help: raise `ulimit -u` or the container's limit of processes, or use a build \
+             without the app (`--no-default-features`), which needs none"
+                .into(),
+        ));
+    }
     if mode.train || arguments.train.resume.is_some() {
         train::run(arguments.train, shared, began)
     } else if let Some(policy) = mode.eval {

@@ -13,8 +13,7 @@ use crate::limits::MAX_ARENAS;
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
-use crate::run::preset::{Budget, Preset};
-use crate::run::progress::print_stderr;
+use crate::run::preset::Budget;
 use crate::run::signals::stop_on_signal;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::scenario::{printable_path, quoted};
@@ -85,7 +84,6 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
     if let Some(diagnostic) = preset.diagnostics().first() {
         return Err(RunError::InvalidInput(format!("{}: {diagnostic}", shared.preset())));
     }
-    warn_if_nothing_is_learned(preset);
     let policy = args
         .init
         .as_deref()
@@ -94,16 +92,6 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
     config.transfer =
         args.init.map(|init| Transfer { policy: init.display().to_string(), epsilon: args.epsilon });
     Ok(Job::New { config: Box::new(config), policy, out: shared.out })
-}
-
-fn warn_if_nothing_is_learned(preset: &Preset) {
-    let learning_starts = preset.learning.replay.learning_starts;
-    if matches!(preset.budget, Budget::EnvSteps(n) if n <= learning_starts) {
-        print_stderr(&format!(
-            "warning: nothing will be learned: the budget ends before learning_starts ({learning_starts} env steps in this \
-             preset); help: give a larger budget"
-        ));
-    }
 }
 
 fn summary_text(folder: &Path, summary: &Summary) -> String {

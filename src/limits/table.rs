@@ -157,6 +157,12 @@ const SCENARIOS: &[Limit] = &[
     ),
     Limit("obstacles to place times edges", count(scenario::MAX_GENERATION_WORK), "", "time of the checks"),
     Limit("points tested on paths", Max(scenario::MAX_SAMPLED_POINTS as u64), "", "time of the checks"),
+    Limit(
+        "pairs of sides tested for overlaps",
+        count(scenario::MAX_OVERLAP_WORK),
+        "",
+        "time of the checks; of a larger scenario, a part is tested",
+    ),
 ];
 
 const PRESETS: &[Limit] = &[

@@ -45,9 +45,11 @@ pub fn execute(
         }
     };
     thread::scope(|scope| {
-        for _ in 0..jobs.max(1) {
-            scope.spawn(worker);
+        // This thread works too, so threads that cannot be started only cost time.
+        for _ in 1..jobs {
+            let _ = thread::Builder::new().spawn_scoped(scope, worker);
         }
+        worker();
     });
     progress.finish();
     let (done, all) = (queue.into_result()?, plan.trainings.len());

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::learning::{Sampling, Schedule};
 use crate::run::preset::Preset;
-use crate::scenario::{ObstacleMotion, Scenario};
+use crate::scenario::{Quantity, Scenario};
 use crate::task::{Encoding, RewardKind};
 
 /// Fields to change; fields that are not given keep their value.
@@ -65,7 +65,7 @@ impl Override {
         set(&mut scenario.robot.actuator_lag_s, self.actuator_lag_s);
         if let Some(speed) = self.orbit_speed_rad_s {
             for obstacle in &mut scenario.obstacles {
-                if let ObstacleMotion::Orbit { speed_rad_s, .. } = &mut obstacle.motion {
+                if let Some(speed_rad_s) = obstacle.motion.number_mut(Quantity::AngularSpeed) {
                     *speed_rad_s = speed;
                 }
             }

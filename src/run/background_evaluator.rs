@@ -3,27 +3,79 @@
 //! In: candidate policies. Out: their evaluations, in the same order. Evaluations use a separate simulation
 //! and separate random streams, so that a run's result does not depend on how fast they are.
 //!
-//! Natively the evaluator has a thread (`threaded.rs`). A browser build has only one thread, so there the
-//! evaluator works in time slices (`sliced.rs`).
+//! The evaluator has a thread (`threaded.rs`). Where none can be started, as in a browser or at a limit of processes, it works
+//! in time slices on the caller's thread (`sliced.rs`).
 
-#[cfg(any(test, target_arch = "wasm32"))]
 mod sliced;
 #[cfg(not(target_arch = "wasm32"))]
 mod threaded;
 
-#[cfg(target_arch = "wasm32")]
-pub use sliced::BackgroundEvaluator;
-#[cfg(not(target_arch = "wasm32"))]
-pub use threaded::BackgroundEvaluator;
+use std::sync::Arc;
 
 use bevy::platform::time::Instant;
 
 use super::RunError;
 use super::evaluate::Evaluation;
 use crate::policy::Policy;
+use crate::scenario::Scenario;
+use crate::simulation::Extensions;
+use sliced::SlicedEvaluator;
+#[cfg(not(target_arch = "wasm32"))]
+use threaded::ThreadedEvaluator;
 
-/// Whether [`BackgroundEvaluator::poll`] does the work itself, on the caller's thread.
-pub const RUNS_ON_CALLER_THREAD: bool = cfg!(target_arch = "wasm32");
+/// The evaluator of a training.
+pub enum BackgroundEvaluator {
+    /// An evaluator with its own thread.
+    #[cfg(not(target_arch = "wasm32"))]
+    Threaded(ThreadedEvaluator),
+    /// An evaluator that works when it is polled.
+    Sliced(Box<SlicedEvaluator>),
+}
+
+impl BackgroundEvaluator {
+    /// An evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
+    #[must_use]
+    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Ok(evaluator) = ThreadedEvaluator::start(scenario, count, seed, extensions) {
+            return Self::Threaded(evaluator);
+        }
+        Self::Sliced(Box::new(SlicedEvaluator::new(scenario, count, seed, extensions)))
+    }
+
+    /// Whether [`poll`](Self::poll) does the work itself, on the caller's thread.
+    #[must_use]
+    pub fn runs_on_caller_thread(&self) -> bool {
+        matches!(self, Self::Sliced(_))
+    }
+
+    /// Submits a candidate.
+    ///
+    /// # Errors
+    /// The evaluator's thread has panicked.
+    pub fn submit(&mut self, candidate: Candidate) -> Result<(), RunError> {
+        match self {
+            #[cfg(not(target_arch = "wasm32"))]
+            Self::Threaded(evaluator) => evaluator.submit(candidate),
+            Self::Sliced(evaluator) => {
+                evaluator.submit(candidate);
+                Ok(())
+            }
+        }
+    }
+
+    /// The next result; `None` if it is not ready or no candidate is pending. With `wait`, waits until it is ready.
+    ///
+    /// # Errors
+    /// The evaluator's thread has panicked.
+    pub fn poll(&mut self, wait: bool) -> Result<Option<EvalResult>, RunError> {
+        match self {
+            #[cfg(not(target_arch = "wasm32"))]
+            Self::Threaded(evaluator) => evaluator.poll(wait),
+            Self::Sliced(evaluator) => Ok(evaluator.poll(wait)),
+        }
+    }
+}
 
 /// A policy to evaluate, and its position in the run.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use crate::learning::LearningConfig;
 use crate::learning::limits::MAX_STORED_FLOATS;
 use crate::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
 use crate::scenario::Scenario;
-use crate::task::observation;
+use crate::task::{ObservationLayout, observation};
 
 /// Maximum number of bodies in one arena of `scenario`: the robot, wall segments and obstacles.
 #[must_use]
@@ -17,14 +17,15 @@ pub fn bodies_per_arena(scenario: &Scenario) -> usize {
 }
 
 impl Preset {
-    /// Checks that a training run with this preset in `scenario` needs no more memory than allowed.
+    /// Checks that a training run with this preset in `scenario`, with observations of `layout`, needs no more memory than
+    /// allowed.
     ///
     /// # Errors
     /// The run needs too much memory. The message names the fields to reduce.
-    pub fn check_memory(&self, scenario: &Scenario) -> Result<(), String> {
+    pub fn check_memory(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), String> {
         self.check_bodies(scenario)?;
-        self.check_observations(scenario)?;
-        self.check_replay(scenario)
+        self.check_observations(scenario, layout)?;
+        self.check_replay(scenario, layout)
     }
 
     fn check_bodies(&self, scenario: &Scenario) -> Result<(), String> {
@@ -39,24 +40,32 @@ impl Preset {
         ))
     }
 
-    fn check_observations(&self, scenario: &Scenario) -> Result<(), String> {
+    fn check_observations(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), String> {
         let (arenas, lidar) = (self.arenas, &scenario.lidar);
-        // The current observation and the next; the current scan and the delayed ones.
-        let rows = 2 + 1 + lidar.latency_steps as usize + 1;
-        let floats = arenas.saturating_mul(observation::width(lidar.beams)).saturating_mul(rows);
+        // The current observation and the next; the sensors' readings; the current scan and the delayed ones.
+        let scans = (lidar.latency_steps as usize + 2) * observation::width(lidar.beams);
+        let numbers = layout
+            .width(lidar.beams)
+            .saturating_mul(2)
+            .saturating_add(layout.extra_width())
+            .saturating_add(scans);
+        let floats = arenas.saturating_mul(numbers);
         if floats <= MAX_OBSERVED_FLOATS {
             return Ok(());
         }
         Err(format!(
-            "the scans and observations of {arenas} arenas with {} beams and a latency of {} steps have {floats} floats, \
-             more than {MAX_OBSERVED_FLOATS}; help: use fewer `arenas`, `lidar.beams` or `lidar.latency_steps`",
-            lidar.beams, lidar.latency_steps
+            "the scans and observations of {arenas} arenas with {} beams, a latency of {} steps and {} numbers from plugins' \
+             sensors have {floats} floats, more than {MAX_OBSERVED_FLOATS}; help: use fewer `arenas`, `lidar.beams` or \
+             `lidar.latency_steps`",
+            lidar.beams,
+            lidar.latency_steps,
+            layout.extra_width()
         ))
     }
 
-    fn check_replay(&self, scenario: &Scenario) -> Result<(), String> {
+    fn check_replay(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), String> {
         let LearningConfig { replay, n_step, .. } = &self.learning;
-        let width = observation::width(scenario.lidar.beams);
+        let width = layout.width(scenario.lidar.beams);
         let states = replay.capacity + self.arenas * (n_step + 1);
         let floats = states.saturating_mul(width);
         if floats <= MAX_STORED_FLOATS {
@@ -74,6 +83,7 @@ mod tests {
     use super::*;
     use crate::limits::MAX_ARENAS;
     use crate::run::shipped;
+    use crate::task::{Encoding, ObservationSlice};
 
     fn fast() -> Preset {
         shipped::preset("fast").expect("shipped")
@@ -84,7 +94,7 @@ mod tests {
     fn assert_too_large(scenario: &Scenario, change: fn(&mut Preset), field: &str) {
         let mut preset = fast();
         change(&mut preset);
-        let error = preset.check_memory(scenario).expect_err(field);
+        let error = preset.check_memory(scenario, &ObservationLayout::default()).expect_err(field);
         assert!(error.contains(field), "{error}");
     }
 
@@ -92,7 +102,7 @@ mod tests {
     fn every_shipped_scenario_fits_with_the_maximum_number_of_arenas() {
         let preset = Preset { arenas: MAX_ARENAS, ..fast() };
         for (name, scenario) in shipped::scenarios() {
-            assert_eq!(preset.check_memory(&scenario), Ok(()), "{name}");
+            assert_eq!(preset.check_memory(&scenario, &ObservationLayout::default()), Ok(()), "{name}");
         }
     }
 
@@ -101,7 +111,8 @@ mod tests {
         let obstacle = shipped::scenario("crowd").expect("shipped").obstacles[0].clone();
         let crowd = Scenario { obstacles: vec![obstacle; 10_000], ..Scenario::default() };
         // 16 arenas with 10,000 obstacles each have 160,016 bodies; 100 arenas have 1,000,100.
-        assert_eq!(Preset { arenas: 16, ..fast() }.check_memory(&crowd), Ok(()));
+        let fits = Preset { arenas: 16, ..fast() }.check_memory(&crowd, &ObservationLayout::default());
+        assert_eq!(fits, Ok(()));
         assert_too_large(&crowd, |preset| preset.arenas = 100, "`arenas`");
 
         let mut many_beams = shipped::scenario("empty").expect("shipped");
@@ -110,5 +121,25 @@ mod tests {
         // 2^19 states of 4,100 floats: 2.1e9.
         let large_replay = |preset: &mut Preset| preset.learning.replay.capacity = 1 << 19;
         assert_too_large(&many_beams, large_replay, "`learning.replay.capacity`");
+    }
+
+    #[test]
+    fn the_sensors_of_plugins_count() {
+        let scenario = shipped::scenario("empty").expect("shipped");
+        // 400,032 states of 28 numbers fit, and of 28 + 6,000 they are 2.4e9.
+        let layout = |width| {
+            let camera = ObservationSlice { name: "camera".into(), width };
+            ObservationLayout::new(Encoding::Scaled, vec![camera])
+        };
+        assert_eq!(fast().check_memory(&scenario, &layout(1_000)), Ok(()));
+        let error = fast().check_memory(&scenario, &layout(6_000)).expect_err("too much");
+        assert!(error.contains("of 6028 floats") && error.contains("`learning.replay.capacity`"), "{error}");
+        // 4096 arenas with 3 x 30,000 numbers each: 3.7e8.
+        let many = Preset { arenas: MAX_ARENAS, ..fast() };
+        let error = many.check_memory(&scenario, &layout(30_000)).expect_err("too much");
+        assert!(
+            error.contains("30000 numbers from plugins' sensors") && error.contains("`arenas`"),
+            "{error}"
+        );
     }
 }

@@ -5,7 +5,8 @@
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
-//! | `memory.rs` | the memory that a run needs |
+//! | `notes/` | doubtful settings of a run |
+//! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limit of the process |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
 //! | `training_setup.rs` | the learner and the simulation of a new run |
 //! | `train/` | the training loop |
@@ -35,10 +36,13 @@ pub mod image_file;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod lock;
 pub mod memory;
+#[cfg(unix)]
+mod memory_limit;
 pub mod metric_rows;
 pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod metrics_writer;
+pub mod notes;
 pub mod output_file;
 pub mod policy_card;
 pub mod preset;

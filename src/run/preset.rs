@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::learning::LearningConfig;
 use crate::limits::{MAX_ABOUT_CHARS, MAX_ARENAS, MAX_EVALUATION_EPISODES, MAX_STEPS};
+use crate::policy::range::within;
 use crate::scenario::{Diagnostic, FileError, parse_checked, read_text};
 use crate::task::{Encoding, RewardConfig};
 
@@ -89,23 +90,19 @@ impl Preset {
         let mut diagnostics = Vec::new();
         let mut add =
             |path: &str, message: String| diagnostics.push(Diagnostic { path: path.into(), message });
-        if !(1..=MAX_ARENAS).contains(&self.arenas) {
-            add("arenas", format!("is {}; help: give 1 to {MAX_ARENAS}", self.arenas));
-        }
         let (Budget::Episodes(budget) | Budget::EnvSteps(budget)) = self.budget;
-        if !(1..=MAX_STEPS).contains(&budget) {
-            add("budget", format!("is {budget}; help: give 1 to {MAX_STEPS}"));
-        }
         let EvaluationConfig { every_env_steps, episodes } = self.evaluation;
-        if !(1..=MAX_STEPS).contains(&every_env_steps) {
-            let message = format!("is {every_env_steps}; help: give 1 to {MAX_STEPS}, such as 10000");
-            add("evaluation.every_env_steps", message);
+        let ranges = [
+            within("arenas", self.arenas, 1..=MAX_ARENAS),
+            within("budget", budget, 1..=MAX_STEPS),
+            within("evaluation.every_env_steps", every_env_steps, 1..=MAX_STEPS),
+            within("evaluation.episodes", episodes, 1..=MAX_EVALUATION_EPISODES),
+        ];
+        for error in ranges.into_iter().filter_map(Result::err) {
+            add(&error.field, error.problem);
         }
         if self.about.chars().count() > MAX_ABOUT_CHARS {
             add("about", format!("is too long; help: write at most {MAX_ABOUT_CHARS} characters"));
-        }
-        if !(1..=MAX_EVALUATION_EPISODES).contains(&episodes) {
-            add("evaluation.episodes", format!("is {episodes}; help: give 1 to {MAX_EVALUATION_EPISODES}"));
         }
         if let Err((field, problem)) = self.reward.check() {
             add(&format!("reward.{field}"), problem);

@@ -2,18 +2,17 @@
 //!
 //! In: a scenario. Out: a map for the figures of reports, or a thumbnail as an SVG or PNG file.
 
-use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Write;
 use std::path::Path;
 
-use bevy::math::{Vec2, vec2};
+use bevy::math::{DVec2, Vec2, vec2};
 
 use super::RunError;
 use super::folder::write_atomic;
 use super::image_file::ImageFormat;
 use crate::report::DrawError;
 use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, ScenarioMap};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, Shape, pose_at};
+use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
 
 /// The layout seed of the generated obstacles in thumbnails.
 const LAYOUT_SEED: u64 = 1;
@@ -78,42 +77,26 @@ fn outline(obstacle: &Obstacle, scenario: &Scenario, clock: u64) -> MapShape {
     let (x, y, rotation) = pose_at(obstacle, clock, scenario.task.control_period_s);
     let (x, y) = wide(vec2(x, y));
     let (sin, cos) = f64::from(rotation).sin_cos();
-    let to_map = |(dx, dy): (f64, f64)| (x + cos * dx - sin * dy, y + sin * dx + cos * dy);
-    let corners: Vec<(f64, f64)> = match &obstacle.shape {
-        Shape::Circle { radius_m } => return MapShape::Disc(x, y, f64::from(*radius_m)),
-        Shape::Rectangle { width_m, height_m } => {
-            let (w, h) = (f64::from(*width_m) / 2.0, f64::from(*height_m) / 2.0);
-            vec![(w, h), (-w, h), (-w, -h), (w, -h)]
-        }
-        Shape::Polygon { corners_m } => corners_m.iter().copied().map(wide).collect(),
-        Shape::Capsule { length_m, radius_m } => {
-            let (half, radius) = (f64::from(*length_m) / 2.0, f64::from(*radius_m));
-            let end = |middle: f64, from: f64| {
-                (0..=END_SEGMENTS).map(move |i| {
-                    let (sin, cos) = (from + PI * f64::from(i) / f64::from(END_SEGMENTS)).sin_cos();
-                    (middle + radius * cos, radius * sin)
-                })
-            };
-            end(half, -FRAC_PI_2).chain(end(-half, FRAC_PI_2)).collect()
-        }
-    };
-    MapShape::Polygon(corners.into_iter().map(to_map).collect())
+    let to_map = |at: DVec2| (x + cos * at.x - sin * at.y, y + sin * at.x + cos * at.y);
+    match obstacle.shape.outline(END_SEGMENTS) {
+        Outline::Circle(radius) => MapShape::Disc(x, y, radius),
+        Outline::Polygon(corners) => MapShape::Polygon(corners.into_iter().map(to_map).collect()),
+    }
 }
 
 /// The path of an obstacle; `None` if it stands still.
 fn track(obstacle: &Obstacle) -> Option<MapTrack> {
     let (x, y) = wide(obstacle.position_m);
-    match &obstacle.motion {
-        ObstacleMotion::Static => None,
-        ObstacleMotion::Orbit { centre_m, .. } => {
-            let (centre_x, centre_y) = wide(*centre_m);
+    match obstacle.track() {
+        Track::Point => None,
+        Track::Circle { centre_m } => {
+            let (centre_x, centre_y) = wide(centre_m);
             Some(MapTrack::Ring(centre_x, centre_y, (x - centre_x).hypot(y - centre_y)))
         }
-        ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
-            let (path, closed) = obstacle.path_m()?;
-            Some(MapTrack::Lines(path.into_iter().map(wide).chain(closed.then_some((x, y))).collect()))
+        Track::Lines { corners_m, closed } => {
+            Some(MapTrack::Lines(corners_m.into_iter().map(wide).chain(closed.then_some((x, y))).collect()))
         }
-        ObstacleMotion::RandomWalk { radius_m, .. } => Some(MapTrack::Ring(x, y, f64::from(*radius_m))),
+        Track::Disc { radius_m } => Some(MapTrack::Ring(x, y, f64::from(radius_m))),
     }
 }
 
@@ -123,8 +106,10 @@ fn wide(Vec2 { x, y }: Vec2) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
-    use crate::scenario::{Enclosure, Generator, RandomShape, Wall};
+    use crate::scenario::{Enclosure, Generator, ObstacleMotion, RandomShape, Shape, Wall};
 
     fn obstacle(shape: Shape, motion: ObstacleMotion) -> Obstacle {
         Obstacle { shape, position_m: vec2(1.0, 0.0), rotation_rad: std::f32::consts::FRAC_PI_2, motion }

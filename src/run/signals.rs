@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::progress::print_stderr;
 
-pub use platform::{exit_on_signal, survive_file_size_limit};
+pub use platform::{exit_on_signal, survive_limits};
 
 /// Whether to stop. Also set by the code that polls it, to stop parallel work.
 static STOP: AtomicBool = AtomicBool::new(false);

@@ -15,7 +15,7 @@ use bevy_rapier2d::rapier::prelude::{Collider, ColliderSet, TypedShape};
 use super::physics::Bodies;
 use super::ray_cast::polygon_contains;
 use crate::scenario::polygon::{distance_to_segment, sides};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
+use crate::scenario::{MotionSpeed, Obstacle, Scenario, pose_at};
 use crate::task::Clock;
 
 /// The gap in m below which bodies touch. Rapier leaves a small gap when it stops a body.
@@ -94,12 +94,12 @@ impl ContactQuery<'_> {
 
     fn trajectory(&self, obstacle: &Obstacle) -> ObstacleTrajectory {
         let period_s = self.scenario.task.control_period_s;
-        match obstacle.motion {
-            ObstacleMotion::Static => ObstacleTrajectory::Static,
-            ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
+        match obstacle.motion.speed() {
+            MotionSpeed::AtRest => ObstacleTrajectory::Static,
+            MotionSpeed::Revolution { centre_m, speed_rad_s } => {
                 ObstacleTrajectory::Arc { centre: centre_m, angle_rad: speed_rad_s * period_s }
             }
-            _ => {
+            MotionSpeed::Translation(_) => {
                 let at = |step| {
                     let (x, y, _) = pose_at(obstacle, step, period_s);
                     Vec2::new(x, y)

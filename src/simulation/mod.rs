@@ -6,6 +6,9 @@
 mod builder;
 mod extensions;
 
+use std::panic::{self, AssertUnwindSafe};
+
+use bevy::app::{TaskPoolOptions, TaskPoolThreadAssignmentPolicy};
 use bevy::prelude::*;
 
 pub use builder::SimulationBuilder;
@@ -15,6 +18,32 @@ use crate::agent::{ActionSelection, ActiveLearner, TrainingFault};
 use crate::control_step::ControlStep;
 use crate::learning::DivergenceError;
 use crate::task::{Fault, TaskFault};
+
+/// Gives Bevy's task pools one thread in all, which is enough for headless simulations. Call it before the first simulation is
+/// built, in a process that opens no window. Returns whether the thread could be started. (Builds without the app need none.)
+#[must_use]
+pub fn use_one_task_thread() -> bool {
+    let threads = |count| TaskPoolThreadAssignmentPolicy {
+        min_threads: count,
+        max_threads: count,
+        percent: 1.0,
+        on_thread_spawn: None,
+        on_thread_destroy: None,
+    };
+    let options = TaskPoolOptions {
+        io: threads(0),
+        async_compute: threads(0),
+        // Bevy's transform systems do not end on a pool without threads.
+        compute: threads(1),
+        ..TaskPoolOptions::default()
+    };
+    // A pool panics if it cannot start its threads.
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let made = panic::catch_unwind(AssertUnwindSafe(|| options.create_default_pools()));
+    panic::set_hook(hook);
+    made.is_ok()
+}
 
 /// A headless simulation.
 pub struct Simulation {

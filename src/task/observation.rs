@@ -97,13 +97,13 @@ impl ObservationLayout {
     /// The number of elements that plugins' sensors add.
     #[must_use]
     pub fn extra_width(&self) -> usize {
-        self.slices.iter().map(|slice| slice.width).sum()
+        self.slices.iter().fold(0, |sum, slice| sum.saturating_add(slice.width))
     }
 
     /// The length of an observation with `beams` LIDAR beams.
     #[must_use]
     pub fn width(&self, beams: usize) -> usize {
-        width(beams) + self.extra_width()
+        width(beams).saturating_add(self.extra_width())
     }
 
     /// A description of number `column` of an observation with `beams` LIDAR beams, for messages.

@@ -11,6 +11,7 @@ use egui_kittest::kittest::Queryable;
 use wayfield::app::commands::{Command, EditorReply};
 use wayfield::app::editor::{Editor, PlacementKind, PlacementRole, Selection, Tool};
 use wayfield::app::view_state::ViewCamera;
+use wayfield::scenario::limits::{COLLISION_RANGE_M, SHAPE_SIZE_M};
 use wayfield::scenario::{Enclosure, Motion, Obstacle, ObstacleMotion, PlacementRule, Scenario, Shape};
 
 use super::{Window, click, release_event, sent_commands, settle, window, window_with_size};
@@ -103,6 +104,20 @@ fn angles_are_shown_in_degrees_and_stored_in_radians() {
     );
     write(&mut window, "Dropout", "2.5");
     assert_eq!(edited_scenario(&mut window).lidar.dropout, 0.025);
+}
+
+#[test]
+fn a_number_that_a_scenario_may_not_have_becomes_the_nearest_one_that_it_may_have() {
+    let mut window = editing();
+    click(&mut window, "Episodes");
+    write(&mut window, "Collision range", "0.001");
+    assert_eq!(edited_scenario(&mut window).task.collision_range_m, *COLLISION_RANGE_M.start());
+    write(&mut window, "Collision range", "1000");
+    assert_eq!(edited_scenario(&mut window).task.collision_range_m, *COLLISION_RANGE_M.end());
+    click(&mut window, "Add a capsule");
+    write(&mut window, "Length", "0");
+    let expected = Shape::Capsule { length_m: *SHAPE_SIZE_M.start(), radius_m: 0.1 };
+    assert_eq!(edited_scenario(&mut window).obstacles[4].shape, expected);
 }
 
 #[test]
@@ -254,6 +269,23 @@ fn clicking_a_problem_selects_its_item_or_opens_its_group() {
 }
 
 #[test]
+fn a_path_through_an_obstacle_is_noted_and_blocks_nothing() {
+    let mut window = editing();
+    let motion = ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.6, 0.6)], speed_m_s: 0.1 };
+    editor(&mut window).edit("x", |s| s.obstacles[1].motion = motion);
+    settle(&mut window);
+    assert!(window.query_by_label("No problems").is_none() && window.query_by_label("1 note").is_some());
+    window
+        .get_by_label_contains("`obstacles[1].motion` crosses obstacle 1 (`obstacles[0]`) at (0.60, 0.60)")
+        .click();
+    settle(&mut window);
+    assert_eq!(editor(&mut window).selection(), Selection::Obstacle(1));
+    let place = editor(&mut window).notes()[0].place_m.expect("on the map");
+    assert!(place.distance(vec2(0.6, 0.6)) < 0.05, "{place}");
+    assert!(!click(&mut window, "Continue here").is_empty(), "training may continue");
+}
+
+#[test]
 fn training_continues_or_restarts_in_the_edited_scenario() {
     let mut window = editing();
     assert_eq!(click(&mut window, "Continue here"), [], "it is running already");
@@ -283,6 +315,14 @@ fn training_continues_or_restarts_in_the_edited_scenario() {
     let command = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true };
     assert_eq!(click(&mut window, "Discard"), [command]);
     assert!(window.state().view_state.editor.is_none());
+
+    let mut window = editing();
+    window.state_mut().status.restart_loses_training = true;
+    settle(&mut window);
+    click(&mut window, "Restart here");
+    let scenario = edited_scenario(&mut window);
+    let command = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true };
+    assert_eq!(click(&mut window, "Save first"), [Command::SaveFirst(Box::new(command))]);
 }
 
 #[test]

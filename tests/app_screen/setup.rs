@@ -211,7 +211,7 @@ fn buttons_and_keys_open_the_file_dialogs() {
     }
     // There is a choice as soon as there is a best policy.
     for (label, saved) in [
-        ("Best so far, 96.0% at 252,720 steps…", SaveKind::BestPolicy),
+        ("Best so far, 94.6% at 311,040 steps…", SaveKind::BestPolicy),
         ("Current, at 312,480 steps…", SaveKind::Policy),
     ] {
         assert_eq!(click(&mut window, "Save policy…"), []);

@@ -120,6 +120,14 @@ impl Workspace {
         self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
+    /// Starts a `sh` script, which has the path of the binary in `WAYFIELD`.
+    pub fn start_shell(&self, script: &str) -> Child {
+        let mut shell = Command::new("sh");
+        shell.args(["-euc", script]).env("WAYFIELD", env!("CARGO_BIN_EXE_wayfield"));
+        shell.current_dir(self.folder.path()).stdin(Stdio::piped());
+        shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
     /// Every file in the workspace with its contents, and every folder with `None`.
     pub fn all_files(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
         fn walk(folder: &Path, files: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {

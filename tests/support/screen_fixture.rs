@@ -305,7 +305,7 @@ fn status() -> AppSnapshot {
         budget_env_steps: Some(400_000),
         epsilon: 0.12,
         success_rate: Some(0.946_5),
-        best: Some(BestSoFar { success_rate: 0.96, env_steps: 252_720 }),
+        best: Some(BestSoFar { success_rate: 0.946_5, env_steps: 311_040 }),
         env_steps_per_s: 1_600.0,
         real_time_factor: 20.0,
         simulated_s: 7_812.0,

@@ -17,9 +17,10 @@ use wayfield::reproduce::Experiment;
 use wayfield::reproduce::plan::RunPlan;
 use wayfield::reproduce::selected::{ExperimentSource, SelectedExperiment};
 use wayfield::run::folder::RunConfig;
+use wayfield::run::notes::preset_notes;
 use wayfield::run::preset::Preset;
 use wayfield::run::{checkpoint, evaluate, policy_card, training_setup};
-use wayfield::scenario::{MAX_FILE_BYTES, Scenario, draw_start_and_goal, parse_ron, to_ron, to_text};
+use wayfield::scenario::{MAX_FILE_BYTES, Scenario, draw_start_and_goal, notes, parse_ron, to_ron, to_text};
 use wayfield::simulation::{Extensions, Simulation};
 use wayfield::task::{EpisodeEnded, ObservationLayout, TaskFault};
 
@@ -72,6 +73,7 @@ pub fn scenario(bytes: &[u8]) -> bool {
     match Scenario::parse(text, NAME) {
         Ok(scenario) => {
             check_round_trip(&scenario, text);
+            assert!(notes(&scenario).iter().all(|note| !note.to_string().is_empty()));
             let layout_seed = bytes.len() as u64;
             let generated = scenario.with_generated_obstacles(layout_seed);
             assert!(generated.obstacles.len() <= scenario.max_obstacles());
@@ -110,6 +112,10 @@ pub fn preset(bytes: &[u8]) -> bool {
     };
     let again = Preset::parse(&to_ron(&preset).expect("a preset can be written as RON"), NAME);
     assert!(again.as_ref() == Ok(&preset), "writing and reading changes nothing");
+    let scenario = Scenario::default();
+    for scenario in [None, Some(&scenario)] {
+        assert!(preset_notes(&preset, scenario, false).iter().all(|note| !note.to_string().is_empty()));
+    }
     let learning = &preset.learning;
     let widths: usize = learning.network.hidden.iter().sum();
     let steps = preset.arenas * (learning.n_step + 1);

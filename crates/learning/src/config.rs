@@ -6,9 +6,8 @@
 mod check;
 
 use serde::{Deserialize, Serialize};
-use wayfield_policy::{NetworkShape, ShapeError};
-
-pub(crate) use self::check::within;
+pub use wayfield_policy::ConfigError;
+use wayfield_policy::NetworkShape;
 
 /// All options of the learning algorithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -180,16 +179,6 @@ pub enum Exploration {
     },
 }
 
-/// The error of a config value that is out of range.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{field}` {problem}")]
-pub struct ConfigError {
-    /// The path of the field below `learning:`, such as `replay.capacity`.
-    pub field: String,
-    /// The problem and the fix.
-    pub problem: String,
-}
-
 impl Default for LearningConfig {
     /// PER-D3QN as in Table 1 and algorithm 1 of the paper. What they leave open follows PyTorch's defaults, and learning
     /// starts with the first full batch.
@@ -245,12 +234,6 @@ impl NetworkConfig {
         let shape = NetworkShape { inputs, hidden: self.hidden.clone(), actions, dueling: self.dueling };
         shape.check()?;
         Ok(shape)
-    }
-}
-
-impl From<ShapeError> for ConfigError {
-    fn from(ShapeError { field, problem }: ShapeError) -> Self {
-        Self { field, problem }
     }
 }
 

@@ -6,7 +6,7 @@
 
 mod update;
 
-use super::config::{ConfigError, LearningConfig, within};
+use super::config::{ConfigError, LearningConfig};
 use super::limits::{MAX_ENVS, MAX_STORED_FLOATS};
 use super::n_step::{NStepAccumulator, PendingStep, StepEnd};
 use super::network::QNetwork;
@@ -14,6 +14,7 @@ use super::optimizer::OptimizerState;
 use super::replay::ReplayBuffer;
 use super::state_ring::StateId;
 use serde::{Deserialize, Serialize};
+use wayfield_policy::range::within;
 use wayfield_policy::{Policy, PolicyError};
 use wayfield_random::{Stream, stream};
 

@@ -89,6 +89,7 @@
 //! | `config` | the options, their defaults (Table 1 of the paper) and their ranges |
 //! | `learner` | storing experiences; the gradient step with TD targets and target network |
 //! | `network`, `ops`, `matmul` | the Q-network: parameters, forward pass, gradient; the only modules that use dfdx |
+//! | `thread_pool` | the threads of large matrix products |
 //! | `optimizer` | RMSProp and Adam |
 //! | [`replay`], `state_ring` | the replay buffer: rings of states and transitions, uniform and prioritized sampling |
 //! | [`sum_tree`] | proportional sampling in O(log n) |
@@ -114,6 +115,8 @@ mod optimizer;
 pub mod replay;
 mod state_ring;
 pub mod sum_tree;
+#[cfg(not(target_arch = "wasm32"))]
+mod thread_pool;
 
 pub use checkpoint::CheckpointError;
 pub use config::{

@@ -7,9 +7,10 @@
 use dfdx::prelude::*;
 use wayfield_policy::{NetworkShape, Policy};
 
-use super::config::{ConfigError, within};
+use super::config::ConfigError;
 pub(crate) use super::ops::Regression;
 use super::ops::{Dense, Rows, dueling, rows, td_loss, values};
+use wayfield_policy::range::within;
 use wayfield_random::{Stream, uniform};
 
 /// The maximum number of rows of one forward pass. Larger batches are split, so that the matrix products stay below the size

@@ -30,19 +30,25 @@ pub(crate) fn values<S: Shape, T>(tensor: &Tensor<S, f32, Cpu, T>) -> Vec<f32> {
 /// The product a b^T.
 #[cfg(not(target_arch = "wasm32"))]
 fn times_transposed(a: &Rows, b: &Rows) -> Rows {
-    a.clone().matmul(b.clone().permute::<_, Axes2<1, 0>>())
+    product(a.clone(), b.clone().permute::<_, Axes2<1, 0>>())
 }
 
 /// The product a^T b, written to `out`.
 #[cfg(not(target_arch = "wasm32"))]
 fn transposed_times(a: &Rows, b: &Rows, out: &mut [f32]) {
-    a.clone().permute::<_, Axes2<1, 0>>().matmul(b.clone()).copy_into(out);
+    product(a.clone().permute::<_, Axes2<1, 0>>(), b.clone()).copy_into(out);
 }
 
 /// The product a b, written to `out`.
 #[cfg(not(target_arch = "wasm32"))]
 fn times(a: &Rows, b: &Rows, out: &mut [f32]) {
-    a.clone().matmul(b.clone()).copy_into(out);
+    product(a.clone(), b.clone()).copy_into(out);
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn product(a: Rows, b: Rows) -> Rows {
+    super::thread_pool::ensure();
+    a.matmul(b)
 }
 
 #[cfg(target_arch = "wasm32")]

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::card::{Card, CardError};
 use crate::limits::MAX_HEADER_BYTES;
-use crate::network::{NetworkShape, Scratch, ShapeError, forward, greedy};
+use crate::network::{NetworkShape, Scratch, forward, greedy};
+use crate::range::ConfigError;
 
 /// The version of the file format. It is raised when older readers would misread newer files.
 const VERSION: u32 = 2;
@@ -76,7 +77,7 @@ pub enum PolicyError {
     },
     /// The network's sizes are out of range.
     #[error("the policy's network is invalid: {0}")]
-    InvalidShape(#[from] ShapeError),
+    InvalidShape(#[from] ConfigError),
     /// A tensor is missing.
     #[error("the policy lacks the tensor `{name}` (f32, {expected:?})")]
     MissingTensor {
@@ -123,7 +124,7 @@ impl Policy {
         let expected = shape.parameter_count();
         if parameters.len() != expected {
             let problem = format!("has {} elements; help: give {expected} for {shape}", parameters.len());
-            return Err(ShapeError { field: "network.parameters".into(), problem }.into());
+            return Err(ConfigError { field: "network.parameters".into(), problem }.into());
         }
         Ok(Self { shape, parameters, card: None, metadata: BTreeMap::new() })
     }

@@ -9,6 +9,7 @@
 //! | [`network`] | the shape of a Q-network, and its forward pass |
 //! | [`card`] | the policy card: what the inputs and actions mean, and what the policy was trained with |
 //! | [`file`](mod@file) | the policy file: safetensors with a card |
+//! | [`range`] | range checks of numbers |
 //!
 //! # Example
 //!
@@ -35,8 +36,10 @@ pub mod file;
 pub mod limits;
 pub mod network;
 pub mod observation;
+pub mod range;
 
 pub use card::Card;
 pub use file::{Policy, PolicyError};
-pub use network::{NetworkShape, ParameterView, Scratch, ShapeError, greedy};
+pub use network::{NetworkShape, ParameterView, Scratch, greedy};
 pub use observation::Encoding;
+pub use range::ConfigError;

@@ -4,11 +4,12 @@
 //! dfdx; `crates/learning/tests/policy.rs` compares the two.
 
 use std::fmt;
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
 use crate::limits::{MAX_ACTIONS, MAX_LAYERS, MAX_PARAMETERS, MAX_UNITS};
+use crate::range::{ConfigError, within};
 
 /// The sizes of a Q-network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,39 +36,29 @@ pub struct ParameterView {
     pub range: Range<usize>,
 }
 
-/// A size of a network that is out of range.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{field}` {problem}")]
-pub struct ShapeError {
-    /// The name of the size, such as `network.hidden[1]`.
-    pub field: String,
-    /// The problem and the allowed range, as the rest of a sentence that begins with `field`.
-    pub problem: String,
-}
-
 impl NetworkShape {
     /// Checks every size against its range.
     ///
     /// # Errors
     /// The first size that is out of its range.
-    pub fn check(&self) -> Result<(), ShapeError> {
-        in_range("network.inputs", self.inputs, 1..=MAX_UNITS)?;
-        in_range("network.actions", self.actions, 1..=MAX_ACTIONS)?;
+    pub fn check(&self) -> Result<(), ConfigError> {
+        within("network.inputs", self.inputs, 1..=MAX_UNITS)?;
+        within("network.actions", self.actions, 1..=MAX_ACTIONS)?;
         Self::check_hidden(&self.hidden)?;
-        in_range("network.parameters", self.parameter_count(), 1..=MAX_PARAMETERS)
+        within("network.parameters", self.parameter_count(), 1..=MAX_PARAMETERS)
     }
 
     /// Checks the widths of hidden layers only: at most 8 layers, each of 1 to 4096 units.
     ///
     /// # Errors
     /// There are too many layers, or a width is out of its range.
-    pub fn check_hidden(hidden: &[usize]) -> Result<(), ShapeError> {
+    pub fn check_hidden(hidden: &[usize]) -> Result<(), ConfigError> {
         if hidden.len() > MAX_LAYERS {
             let problem = format!("has {} layers; help: give at most {MAX_LAYERS}", hidden.len());
-            return Err(ShapeError { field: "network.hidden".into(), problem });
+            return Err(ConfigError { field: "network.hidden".into(), problem });
         }
         let mut widths = hidden.iter().enumerate();
-        widths.try_for_each(|(i, &width)| in_range(&format!("network.hidden[{i}]"), width, 1..=MAX_UNITS))
+        widths.try_for_each(|(i, &width)| within(&format!("network.hidden[{i}]"), width, 1..=MAX_UNITS))
     }
 
     /// The sizes `(inputs, outputs)` of each layer; the head comes last. A dueling head has one output for the state
@@ -176,14 +167,6 @@ pub fn greedy(q_row: &[f32]) -> usize {
         }
     }
     best
-}
-
-fn in_range(field: &str, value: usize, range: RangeInclusive<usize>) -> Result<(), ShapeError> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    let problem = format!("is {value}; help: give {} to {}", range.start(), range.end());
-    Err(ShapeError { field: field.into(), problem })
 }
 
 #[cfg(test)]

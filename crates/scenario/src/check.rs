@@ -1,6 +1,7 @@
 //! The checks of a scenario: ranges of numbers, geometry inside the enclosure, free space, reachability.
 //!
-//! In: a [`Scenario`], read from a file or built in code. Out: a [`Diagnostic`] with field path and fix for each problem.
+//! In: a [`Scenario`], read from a file or built in code. Out: a [`Diagnostic`] with field path and fix for each problem, and
+//! a [`Note`] for each doubtful setting of a scenario that can be run.
 //! The limits also keep a hostile file from taking memory or time: a scenario without diagnostics is safe to run.
 //!
 //! | file | duty |
@@ -8,25 +9,35 @@
 //! | `numbers.rs` | ranges of numbers, comparisons between numbers |
 //! | `obstacles.rs` | the same for walls, obstacles and generators |
 //! | `polygons.rs` | corners of polygons: simple and, for obstacles, convex |
-//! | `speeds.rs` | distances travelled by robot and obstacles in one control step |
+//! | `speeds.rs` | distances travelled by robot and obstacles in one control step; obstacles faster than the robot |
+//! | `motions.rs` | the robot moves, and the time limit allows for the nearest goals |
 //! | `space.rs` | geometry inside the enclosure; free space for starts, goals and the benchmark route |
 //! | `extent.rs` | how far an obstacle reaches outside the enclosure along its whole path |
 //! | `reachability.rs`, `grid.rs` | a path for the robot from every start to every goal |
+//! | `time_limit.rs`, `turning.rs` | notes: goals out of reach within the time limit, no space to turn round |
+//! | `overlaps.rs`, `swept_path.rs`, `convex.rs` | notes: obstacles that overlap or cross walls and each other |
 
+mod convex;
 mod extent;
 mod grid;
+mod motions;
 mod numbers;
 mod obstacles;
+mod overlaps;
 mod polygons;
 mod reachability;
 mod space;
 mod speeds;
+mod swept_path;
+mod time_limit;
+mod turning;
 
 use std::fmt;
 use std::ops::RangeInclusive;
 
 use super::file_error::Diagnostic;
 use super::limits::COORDINATE_M;
+use super::note::{Note, NoteLevel};
 use super::schema::Scenario;
 use glam::Vec2;
 
@@ -41,12 +52,33 @@ const RADIANS_PER_SECOND: &str = " (radians per second)";
 #[must_use]
 pub fn diagnostics(scenario: &Scenario) -> Vec<Diagnostic> {
     let mut diagnostics = Diagnostics(Vec::new());
-    for check in [numbers::check, space::check, reachability::check] {
+    for check in [numbers::check, motions::check, space::check, reachability::check] {
         if diagnostics.0.is_empty() {
             check(scenario, &mut diagnostics);
         }
     }
     diagnostics.0
+}
+
+/// The doubtful settings of `scenario`, the more important ones first. None for a scenario with invalid numbers.
+#[must_use]
+pub fn notes(scenario: &Scenario) -> Vec<Note> {
+    let mut notes = Vec::new();
+    if value_diagnostics(scenario).is_empty() && motions::max_speed_m_s(&scenario.robot) > 0.0 {
+        for check in [time_limit::check, turning::check, speeds::note_fast_obstacles, overlaps::check] {
+            check(scenario, &mut notes);
+        }
+    }
+    notes
+}
+
+/// The first problem with the ends of the benchmark route of `scenario`, a valid one. [`diagnostics`] reports it only if the
+/// scenario has a route of its own.
+#[must_use]
+pub fn benchmark_route_problem(scenario: &Scenario) -> Option<Diagnostic> {
+    let mut diagnostics = Diagnostics(Vec::new());
+    space::check_benchmark_route(scenario, &mut diagnostics);
+    diagnostics.0.into_iter().next()
 }
 
 /// The invalid numbers of `scenario`. A scenario without them can be drawn and edited, but perhaps not run.

@@ -66,23 +66,10 @@ impl FileError {
         Self { path: path.into(), problems: problems.into_iter().map(located).collect() }
     }
 
-    /// The error for the problems that a check found. Each is located at its field, or at the start of the value if the
-    /// text omits the field. Only the first [`MAX_PROBLEMS`] are kept.
+    /// The error for the problems that a check found, as [`locate`] locates them. Only the first [`MAX_PROBLEMS`] are kept.
     #[must_use]
     pub fn from_diagnostics(path: &Path, text: &str, diagnostics: &[Diagnostic]) -> Self {
-        let text = without_mark(text);
-        let source_map = SourceMap::new(text);
-        let mut problems: Vec<_> = diagnostics
-            .iter()
-            .take(MAX_PROBLEMS)
-            .map(|found| LocatedDiagnostic {
-                line_column: source_map
-                    .offset_of(&found.path)
-                    .or_else(|| source_map.start())
-                    .map(|offset| line_column(text, offset)),
-                message: found.to_string(),
-            })
-            .collect();
+        let mut problems = locate(text, diagnostics.iter().take(MAX_PROBLEMS));
         if let Some(more @ 1..) = diagnostics.len().checked_sub(MAX_PROBLEMS) {
             let message = format!("and {more} more problems: fix some and check again");
             problems.push(LocatedDiagnostic { line_column: None, message });
@@ -119,6 +106,21 @@ impl fmt::Display for FileError {
         }
         Ok(())
     }
+}
+
+/// The locations of `diagnostics` in the text of their file: at the field, or at the start of the value if the text omits
+/// the field.
+pub fn locate<'d>(text: &str, diagnostics: impl Iterator<Item = &'d Diagnostic>) -> Vec<LocatedDiagnostic> {
+    let text = without_mark(text);
+    let source_map = SourceMap::new(text);
+    let located = |found: &Diagnostic| LocatedDiagnostic {
+        line_column: source_map
+            .offset_of(&found.path)
+            .or_else(|| source_map.start())
+            .map(|offset| line_column(text, offset)),
+        message: found.to_string(),
+    };
+    diagnostics.map(located).collect()
 }
 
 /// `path` as text. Runs record the names of their files as text, so that a file whose name is not UTF-8 could not be found

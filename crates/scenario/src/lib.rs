@@ -6,6 +6,7 @@
 
 mod check;
 mod explain;
+mod fields;
 mod file_error;
 mod generate;
 mod geometry;
@@ -14,18 +15,25 @@ mod input;
 pub mod limits;
 mod load;
 mod motion;
+mod motion_fields;
+mod note;
+mod outline;
 mod placement;
+mod placement_rule;
 pub mod polygon;
 mod schema;
 mod shape;
+mod shape_fields;
 mod text;
+mod track;
 #[cfg(target_arch = "wasm32")]
 pub mod virtual_files;
 mod write;
 
-pub use check::{diagnostics, value_diagnostics};
+pub use check::{benchmark_route_problem, diagnostics, notes, value_diagnostics};
 pub use explain::{closest_name, whole_number};
-pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, utf8};
+pub use fields::{Field, FieldValue, Quantity};
+pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate, utf8};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
 pub use glam::{Vec2, vec2};
 #[cfg(not(target_arch = "wasm32"))]
@@ -36,10 +44,15 @@ pub use load::{
     read_text_with_limit, resemblance, to_ron,
 };
 pub use motion::pose_at;
+pub use motion_fields::MotionKind;
+pub use note::{Note, NoteLevel};
+pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use schema::*;
 pub use shape::RoundedBox;
+pub use shape_fields::Sizes;
 pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};
+pub use track::{MotionSpeed, Track};
 #[cfg(target_arch = "wasm32")]
 pub use virtual_files::{contains as path_exists, read as read_bytes};
 pub use write::to_text;

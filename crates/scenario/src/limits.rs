@@ -117,5 +117,8 @@ pub const MAX_CELLS: u32 = 1 << 20;
 pub const MAX_EDGE_CHECKS: usize = 80_000;
 /// Maximum number of obstacles to place times sides to test; above it, no layout is generated for the check.
 pub const MAX_GENERATION_WORK: usize = 400_000;
+/// Maximum number of pairs of sides that are tested for overlaps of obstacles and walls; of a scenario with more, only
+/// a part is tested.
+pub const MAX_OVERLAP_WORK: usize = 1_000_000;
 /// Maximum number of points on paths that are tested against the enclosure.
 pub const MAX_SAMPLED_POINTS: u32 = 100_000;

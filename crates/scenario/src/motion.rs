@@ -3,6 +3,9 @@
 //! In: an [`Obstacle`], a step, the control period. Out: its pose. The arithmetic is f64 with `libm`, so that all platforms
 //! agree to the bit. Poses are computed from the step count, not accumulated, so nothing drifts: after 10^9 steps the angle
 //! is accurate to about 1e-8 rad.
+//!
+//! A new motion needs: a variant of [`ObstacleMotion`], its pose here, the methods in `motion_fields.rs` and `track.rs`, and
+//! numbers to start from (`src/app/editor/new_motion.rs` of the app).
 
 use std::f64::consts::{PI, TAU};
 
@@ -42,20 +45,6 @@ pub fn pose_at(obstacle: &Obstacle, step: u64, control_period_s: f32) -> (f32, f
         }
     };
     (point.x as f32, point.y as f32, wrapped(rotation) as f32)
-}
-
-impl Obstacle {
-    /// The corners of its path, in m, starting with its position, and whether the path is closed. `None` for motions without
-    /// waypoints.
-    #[must_use]
-    pub fn path_m(&self) -> Option<(Vec<Vec2>, bool)> {
-        let (waypoints_m, closed) = match &self.motion {
-            ObstacleMotion::Patrol { waypoints_m, .. } => (waypoints_m, true),
-            ObstacleMotion::BackAndForth { waypoints_m, .. } => (waypoints_m, false),
-            _ => return None,
-        };
-        Some((std::iter::once(self.position_m).chain(waypoints_m.iter().copied()).collect(), closed))
-    }
 }
 
 /// `point` rotated about `centre` by `angle`.

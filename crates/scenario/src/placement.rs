@@ -6,7 +6,7 @@
 use std::f32::consts::{PI, TAU};
 
 use super::geometry::{is_clear, length};
-use super::schema::{PlacementRule, Scenario};
+use super::schema::{PlacementRule, Region, Scenario};
 use glam::{Vec2, vec2};
 use wayfield_random::{Stream, uniform, uniform_01, uniform_index};
 
@@ -132,18 +132,11 @@ pub(super) fn free_points(
     rule: &PlacementRule,
     step: u64,
 ) -> impl Iterator<Item = Vec2> {
-    let (named, clearance_m): (&[Vec2], f32) = match rule {
-        PlacementRule::Fixed { position_m, .. } => {
-            (std::slice::from_ref(position_m), scenario.task.collision_range_m)
-        }
-        PlacementRule::OneOf { positions_m } => (positions_m, scenario.task.collision_range_m),
-        PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => {
-            (&[], *clearance_m)
-        }
-    };
-    let (low, high) = match *rule {
-        PlacementRule::Within { min_m, max_m, .. } => (min_m, max_m),
-        _ => scenario.enclosure.bounds_m(),
+    let named = rule.positions_m();
+    let clearance_m = rule.clearance_m().unwrap_or(scenario.task.collision_range_m);
+    let (low, high) = match rule.region() {
+        Some(Region { min_m, max_m }) => (min_m, max_m),
+        None => scenario.enclosure.bounds_m(),
     };
     let at = move |k: usize, low: f32, high: f32| {
         (low + high) / 2.0 + ((k as f32 + 0.5) / GRID as f32 - 0.5) * (high - low)

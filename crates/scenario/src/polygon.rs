@@ -1,10 +1,13 @@
-//! Polygons: sides, signed distance, area and orientation.
+//! Polygons: sides, signed distance, area, orientation and growth.
 //!
 //! In: corners in order, clockwise or counterclockwise. Out: sides, distances in m, areas in m^2. Plain f32 arithmetic with
 //! the same result on every platform.
 
 use super::geometry::length;
-use glam::Vec2;
+use glam::{Vec2, vec2};
+
+/// The maximum distance that a corner moves when a polygon grows, as a multiple of the growth.
+const MITRE: f32 = 3.0;
 
 /// Distance from `point` to the nearest side, in m; negative outside. The polygon may be concave, but its sides must not
 /// cross.
@@ -52,10 +55,32 @@ pub fn counterclockwise(corners: &[Vec2]) -> Vec<Vec2> {
     corners
 }
 
+/// The corners of the polygon with its sides moved outwards by `by_m`.
+#[must_use]
+pub fn inflated(corners: &[Vec2], by_m: f32) -> Vec<Vec2> {
+    let n = corners.len();
+    let out = if area(corners) >= 0.0 { 1.0 } else { -1.0 };
+    // The outward unit normal of side k.
+    let normal = |k: usize| {
+        let (a, b) = (corners[k % n], corners[(k + 1) % n]);
+        let (dx, dy) = (b.x - a.x, b.y - a.y);
+        let long = length(dx, dy);
+        if long > 0.0 { (out * dy / long, -out * dx / long) } else { (0.0, 0.0) }
+    };
+    let moved = |k: usize| {
+        let (before, after) = (normal(k + n - 1), normal(k));
+        let (sx, sy) = (before.0 + after.0, before.1 + after.1);
+        // The sum of the two unit normals has length 2 cos(bend / 2), and the corner moves by 1 / cos(bend /
+        // 2).
+        let square = sx * sx + sy * sy;
+        let by = (2.0 / square.max(1e-6)).min(MITRE / square.max(1e-6).sqrt()) * by_m;
+        vec2(corners[k].x + sx * by, corners[k].y + sy * by)
+    };
+    (0..n).map(moved).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::vec2;
-
     use super::*;
 
     /// An L: a square of 2 m without its upper right quarter.
@@ -95,5 +120,17 @@ mod tests {
             .map(|point| distance_to_segment(from, to, point));
         assert_eq!(found, [0.5, 5.0, 5.0]);
         assert_eq!(distance_to_segment(from, from, vec2(3.0, 4.0)), 5.0, "a segment without length");
+    }
+
+    #[test]
+    fn a_square_grows_equally_on_all_sides() {
+        let square = [vec2(0.0, 0.0), vec2(0.0, 2.0), vec2(2.0, 2.0), vec2(2.0, 0.0)];
+        let expected = [vec2(-0.5, -0.5), vec2(-0.5, 2.5), vec2(2.5, 2.5), vec2(2.5, -0.5)];
+        for (found, expected) in inflated(&square, 0.5).into_iter().zip(expected) {
+            assert!((found.x - expected.x).abs() < 1e-6 && (found.y - expected.y).abs() < 1e-6, "{found:?}");
+        }
+        let needle = [vec2(0.0, 0.0), vec2(10.0, 0.01), vec2(0.0, 0.02)];
+        assert!(inflated(&needle, 0.1)[1].x < 10.31, "a sharp corner stays near");
+        assert!(inflated(&[], 1.0).is_empty());
     }
 }

@@ -47,7 +47,8 @@ pub struct Scenario {
     /// Where goals are placed.
     #[serde(default)]
     pub goals: PlacementRule,
-    /// The benchmark route of the paper's tables 3, 4, 6 and 7.
+    /// The benchmark route of the paper's tables 3, 4, 6 and 7. The default, the paper's, needs no free space unless it is
+    /// driven (`--course`).
     #[serde(default)]
     pub benchmark_route: BenchmarkRoute,
 }
@@ -423,6 +424,14 @@ pub struct BenchmarkRoute {
     pub heading_rad: f32,
     /// Goal.
     pub goal_m: Vec2,
+}
+
+impl BenchmarkRoute {
+    /// Whether it is the paper's route, which a scenario has without asking for it.
+    #[must_use]
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Default for BenchmarkRoute {

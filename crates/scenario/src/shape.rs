@@ -1,13 +1,13 @@
-//! The geometry of obstacle shapes and how obstacles change over time.
+//! The geometry of obstacle shapes.
 //!
-//! A new shape needs: a variant of [`Shape`], these methods, a collider (`src/sim/physics.rs` of the app) and an icon. A
-//! new motion needs: a variant of [`ObstacleMotion`], the methods here and in `motion.rs`, and an icon.
+//! A new shape needs: a variant of [`Shape`], the methods here and in `shape_fields.rs`, and a collider
+//! (`src/sim/colliders.rs` of the app).
 
 use glam::{Vec2, vec2};
 
 use super::geometry::{box_distance, length};
 use super::polygon;
-use super::schema::{Obstacle, ObstacleMotion, Shape};
+use super::schema::{Obstacle, Shape};
 
 /// A rectangle with rounded corners; a circle and a capsule are special cases.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,18 +67,18 @@ impl Shape {
     }
 
     /// The shape as points and a radius: all points within that radius of the convex hull of the points. The points are
-    /// rotated by `rotation_rad`.
+    /// rotated by `rotation_rad`, and counterclockwise unless a polygon's corners are not.
     #[must_use]
     pub fn support_points(&self, rotation_rad: f32) -> (Vec<Vec2>, f32) {
         let (points, radius) = match self {
             Self::Circle { radius_m } => (vec![Vec2::ZERO], *radius_m),
             Self::Rectangle { width_m, height_m } => {
                 let (w, h) = (width_m / 2.0, height_m / 2.0);
-                (vec![vec2(-w, -h), vec2(w, -h), vec2(w, h), vec2(-w, h)], 0.0)
+                (vec![vec2(w, h), vec2(-w, h), vec2(-w, -h), vec2(w, -h)], 0.0)
             }
             Self::Polygon { corners_m } => (corners_m.clone(), 0.0),
             Self::Capsule { length_m, radius_m } => {
-                (vec![vec2(-length_m / 2.0, 0.0), vec2(length_m / 2.0, 0.0)], *radius_m)
+                (vec![vec2(length_m / 2.0, 0.0), vec2(-length_m / 2.0, 0.0)], *radius_m)
             }
         };
         let (sin, cos) = libm::sincosf(rotation_rad);
@@ -114,50 +114,7 @@ impl Shape {
     }
 }
 
-impl ObstacleMotion {
-    /// Whether an obstacle with this motion ever leaves its position.
-    #[must_use]
-    pub fn is_moving(&self) -> bool {
-        match *self {
-            Self::Static => false,
-            Self::Orbit { speed_rad_s, .. } => speed_rad_s != 0.0,
-            Self::Patrol { speed_m_s, .. }
-            | Self::BackAndForth { speed_m_s, .. }
-            | Self::RandomWalk { speed_m_s, .. } => speed_m_s != 0.0,
-        }
-    }
-
-    /// Shifts the points that the motion names by `offset`.
-    pub fn translate(&mut self, offset: Vec2) {
-        match self {
-            Self::Static | Self::RandomWalk { .. } => {}
-            Self::Orbit { centre_m, .. } => *centre_m += offset,
-            Self::Patrol { waypoints_m, .. } | Self::BackAndForth { waypoints_m, .. } => {
-                waypoints_m.iter_mut().for_each(|point| *point += offset);
-            }
-        }
-    }
-}
-
 impl Obstacle {
-    /// Upper bound on the speed of any point of the obstacle, in m/s. It is negative where the motion's speed is.
-    #[must_use]
-    pub fn max_speed_m_s(&self) -> f32 {
-        match self.motion {
-            ObstacleMotion::Static => 0.0,
-            ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-                let arm_m = length(self.position_m.x - centre_m.x, self.position_m.y - centre_m.y);
-                // The rotation of a circle moves none of its surface towards anything.
-                let turning_m =
-                    if self.shape.has_orientation() { self.shape.bounding_radius_m() } else { 0.0 };
-                speed_rad_s * (arm_m + turning_m)
-            }
-            ObstacleMotion::Patrol { speed_m_s, .. }
-            | ObstacleMotion::BackAndForth { speed_m_s, .. }
-            | ObstacleMotion::RandomWalk { speed_m_s, .. } => speed_m_s,
-        }
-    }
-
     /// Distance from `centre_m` to the farthest point of the obstacle at step 0, in m.
     pub(super) fn max_distance_from(&self, centre_m: Vec2) -> f32 {
         let offset = self.position_m - centre_m;

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use glam::{Vec2, Vec2Swizzles, vec2};
 use wayfield_scenario::{
-    Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Scenario, Shape,
-    Wall, diagnostics,
+    Enclosure, Generator, Motion, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Robot,
+    Scenario, Shape, TaskRules, Wall, benchmark_route_problem, diagnostics, notes,
 };
 
 /// The diagnostics as lines, without a file name.
@@ -273,6 +273,240 @@ fn a_gap_must_be_at_least_twice_the_collision_range() {
             found(&scenario)
         );
     }
+}
+
+/// The notes of a valid scenario as lines, without a file name.
+fn noted(scenario: &Scenario) -> Vec<String> {
+    assert_eq!(found(scenario), [""; 0], "{}", scenario.name);
+    notes(scenario).iter().map(ToString::to_string).collect()
+}
+
+fn robot(motions: &[(f32, f32)]) -> Robot {
+    let motions = motions.iter().map(|&(v_m_s, w_rad_s)| Motion { v_m_s, w_rad_s }).collect();
+    Robot { motions, ..Robot::default() }
+}
+
+fn square(side_m: f32) -> Enclosure {
+    Enclosure::Rectangle { width_m: side_m, height_m: side_m }
+}
+
+fn obstacle(shape: Shape, position_m: Vec2, motion: ObstacleMotion) -> Obstacle {
+    Obstacle { shape, position_m, rotation_rad: 0.0, motion }
+}
+
+#[test]
+fn a_robot_that_never_moves_and_a_time_limit_without_goals_are_rejected() {
+    let top = Scenario { robot: robot(&[(0.0, 1.0), (0.0, -1.0)]), ..Scenario::default() };
+    assert_eq!(
+        found(&top),
+        ["`robot.motions` never move the robot: write a v_m_s other than 0 for at least one of them"]
+    );
+    // 0.5 m away, reached within 0.2 m: 0.3 m are 10 steps of 0.03 m.
+    let limited = |max_episode_steps| {
+        let task = TaskRules { max_episode_steps, ..TaskRules::default() };
+        found(&Scenario { task, ..Scenario::default() })
+    };
+    assert_eq!(
+        limited(3),
+        [
+            "`task.max_episode_steps` is 3: in this time the robot covers at most 0.090 m, but goals are at least 0.5 m \
+             away: write at least 10, or make the robot faster"
+        ]
+    );
+    assert_eq!(limited(9).len(), 1);
+    assert_eq!(limited(10), [""; 0]);
+    let crawling = Scenario { robot: robot(&[(1e-7, 1.0)]), ..Scenario::default() };
+    assert!(
+        found(&crawling)[0].ends_with("at least 0.5 m away: make the robot faster"),
+        "{:?}",
+        found(&crawling)
+    );
+}
+
+#[test]
+fn goals_beyond_the_time_limit_are_noted_with_their_share() {
+    let hangar = Scenario { enclosure: square(30.0), ..Scenario::default() };
+    let notes = noted(&hangar);
+    let [note] = notes.as_slice() else { panic!("{notes:?}") };
+    let start =
+        "warning: `task.max_episode_steps` is 500: in this time the robot covers at most 15.0 m, but ";
+    assert!(note.starts_with(start), "{note}");
+    // The mean distance in a square of side 1 is 0.52; in one of 29.3 m, 51 % of the pairs are more than 15.2 m apart.
+    let share: f32 = note[start.len()..].split(' ').next().and_then(|n| n.parse().ok()).expect("a share");
+    assert!((46.0..=56.0).contains(&share), "{note}");
+    // The diagonal between the corners of the free space is 41.4 m, less 0.2 m in steps of 0.03 m.
+    let steps: u32 =
+        note.split("write at least ").nth(1).and_then(|n| n.split(',').next()?.parse().ok()).expect("steps");
+    assert!((1320..=1375).contains(&steps), "{note}");
+    let longer = TaskRules { max_episode_steps: steps, ..TaskRules::default() };
+    assert_eq!(noted(&Scenario { task: longer, ..hangar.clone() }), [""; 0]);
+    // Named goals within reach are fine in any hall.
+    let goals = PlacementRule::OneOf { positions_m: vec![vec2(3.0, 0.0), vec2(-3.0, 1.0)] };
+    let starts = PlacementRule::Fixed { position_m: vec2(0.0, 0.0), heading_rad: None };
+    assert_eq!(noted(&Scenario { starts, goals, ..hangar }), [""; 0]);
+}
+
+#[test]
+fn a_robot_without_space_to_turn_round_is_noted() {
+    let with = |motions: &[(f32, f32)], side_m| {
+        noted(&Scenario { robot: robot(motions), enclosure: square(side_m), ..Scenario::default() })
+    };
+    // It turns with a radius of 2.5 m; the square of 4 m has a free disc of 2 m.
+    let lorry = [(0.5, 0.2), (0.5, -0.2)];
+    let notes = with(&lorry, 4.0);
+    let [note] = notes.as_slice() else { panic!("{notes:?}") };
+    let start = "warning: `robot.motions` turn the robot with a radius of at least 2.50 m, which needs a free disc of 2.63 m \
+                 radius, but the largest here has 2.0";
+    assert!(note.starts_with(start), "{note}");
+    assert_eq!(with(&lorry, 5.5), [""; 0]);
+    assert_eq!(with(&[(0.5, 0.2), (-0.5, 0.2)], 4.0), [""; 0], "it can shunt");
+    assert_eq!(with(&[(0.5, 0.0), (0.0, 0.2)], 4.0), [""; 0], "it turns on the spot");
+    assert_eq!(
+        with(&[(0.5, 0.0), (-0.5, 0.0)], 4.0),
+        [
+            "warning: `robot.motions` never turn the robot, so it misses every goal beside its line: write a w_rad_s other \
+          than 0"
+        ]
+    );
+}
+
+#[test]
+fn obstacles_faster_than_the_robot_are_noted() {
+    let ball = Shape::Circle { radius_m: 0.1 };
+    let patrol = |speed_m_s| ObstacleMotion::Patrol { waypoints_m: vec![vec2(1.0, 0.5)], speed_m_s };
+    let orbit = |speed_rad_s| ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.0), speed_rad_s };
+    let with = |motion| {
+        let obstacles = vec![obstacle(ball.clone(), vec2(-1.0, 0.5), motion)];
+        let mut scenario = Scenario { obstacles, ..Scenario::default() };
+        (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) =
+            (vec2(0.0, -1.5), vec2(1.5, -1.5));
+        noted(&scenario)
+    };
+    assert_eq!(with(patrol(0.15)), [""; 0]);
+    assert_eq!(
+        with(patrol(0.3)),
+        [
+            "note: `obstacles[0].motion.speed_m_s` moves the obstacle at up to 0.300 m/s, faster than the robot at 0.150 \
+          m/s, which can't evade it: slow it down, unless that is meant"
+        ]
+    );
+    assert_eq!(with(orbit(0.13)), [""; 0], "1.118 m from the centre, that is 0.145 m/s");
+    let notes = with(orbit(-0.2));
+    assert!(
+        notes.len() == 1 && notes[0].contains("motion.speed_rad_s` moves the obstacle at up to 0.224 m/s"),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn obstacles_that_overlap_or_cross_something_are_noted_with_the_place() {
+    let wall = Wall { corners_m: vec![vec2(-0.5, 0.0), vec2(0.5, 0.0), vec2(0.5, 0.5)], thickness_m: 0.1 };
+    let (ball, crate_) = (Shape::Circle { radius_m: 0.2 }, Shape::Rectangle { width_m: 0.4, height_m: 0.4 });
+    let with = |obstacles: Vec<Obstacle>| {
+        let mut scenario = Scenario { walls: vec![wall.clone()], obstacles, ..Scenario::default() };
+        (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) =
+            (vec2(-1.5, -1.7), vec2(1.5, -1.7));
+        noted(&scenario)
+    };
+    let still = |shape: &Shape, x, y| obstacle(shape.clone(), vec2(x, y), ObstacleMotion::Static);
+    let overlaps = |k: usize, what: &str, at: &str| {
+        format!(
+            "note: `obstacles[{k}]` overlaps {what} at {at}: move one of them, unless they form one shape"
+        )
+    };
+    let crosses = |verb: &str, what: &str, at: &str| {
+        [format!(
+            "note: `obstacles[0].motion` {verb} {what} at {at}: moving obstacles pass through everything; change the \
+             path, unless that is meant"
+        )]
+    };
+    assert_eq!(
+        with(vec![still(&ball, -0.7, 0.3), still(&crate_, -0.3, 0.25)]),
+        [""; 0],
+        "side by side, and flush"
+    );
+    assert_eq!(
+        with(vec![still(&ball, -0.3, 0.2), still(&ball, 1.0, 1.0), still(&crate_, 1.2, 1.0)]),
+        [
+            overlaps(0, "wall 1 (`walls[0]`)", "(-0.30, 0.05)"),
+            overlaps(2, "obstacle 2 (`obstacles[1]`)", "(1.10, 1.00)")
+        ]
+    );
+    let moving = |motion| vec![obstacle(crate_.clone(), vec2(0.0, -1.0), motion)];
+    let (speed_m_s, wall_1) = (0.1, "wall 1 (`walls[0]`)");
+    let there = |waypoints_m| moving(ObstacleMotion::BackAndForth { waypoints_m, speed_m_s });
+    assert_eq!(with(there(vec![vec2(0.0, -0.3)])), [""; 0], "it stops before the wall");
+    assert_eq!(with(there(vec![vec2(0.0, 1.0)])), crosses("crosses", wall_1, "(0.00, 0.00)"));
+    // Around the wall; a patrol goes straight back through it.
+    let around = vec![vec2(-1.2, -1.0), vec2(-1.2, 1.0), vec2(0.0, 1.0)];
+    assert_eq!(with(there(around.clone())), [""; 0]);
+    let patrol = ObstacleMotion::Patrol { waypoints_m: around, speed_m_s };
+    assert_eq!(with(moving(patrol)), crosses("crosses", wall_1, "(0.00, 0.00)"));
+    let walk = |radius_m| moving(ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed: 1 });
+    assert_eq!(with(walk(0.6)), [""; 0]);
+    assert_eq!(with(walk(0.8)).len(), 1);
+    assert!(with(walk(0.8))[0].contains("may cross wall 1"), "{:?}", with(walk(0.8)));
+    let orbit = |centre_m| moving(ObstacleMotion::Orbit { centre_m, speed_rad_s: 0.1 });
+    assert_eq!(with(orbit(vec2(0.0, 0.1))), [""; 0], "the wall is within the orbit");
+    assert!(with(orbit(vec2(0.5, -0.6)))[0].contains("crosses wall 1"), "{:?}", with(orbit(vec2(0.5, -0.6))));
+    // Two that move may meet.
+    let mut two = there(vec![vec2(0.0, -0.4)]);
+    two.push(obstacle(
+        ball.clone(),
+        vec2(-1.0, -1.0),
+        ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(1.0, -1.0)], speed_m_s },
+    ));
+    assert_eq!(with(two), [""; 0]);
+}
+
+#[test]
+fn notes_on_large_scenarios_are_found_quickly() {
+    // The maximum number of obstacles, each over its neighbours; and of moving ones with the longest paths, through walls.
+    let ball = |k: usize, motion: ObstacleMotion| {
+        obstacle(
+            Shape::Circle { radius_m: 1.0 },
+            vec2(k as f32 % 100.0 - 50.0, k as f32 / 200.0 - 25.0),
+            motion,
+        )
+    };
+    let waypoints_m: Vec<Vec2> =
+        (0..256).map(|k| vec2(k as f32 % 90.0 - 45.0, k as f32 % 50.0 - 25.0)).collect();
+    let patrol = ObstacleMotion::Patrol { waypoints_m, speed_m_s: 0.1 };
+    let walls = (0..1_000)
+        .map(|k| Wall { corners_m: vec![vec2(k as f32 / 10.0 - 50.0, -20.0); 11], thickness_m: 0.01 });
+    let large = Scenario { enclosure: square(200.0), robot: robot(&[(0.5, 1e-3)]), ..Scenario::default() };
+    let still = Scenario {
+        obstacles: (0..10_000).map(|k| ball(k, ObstacleMotion::Static)).collect(),
+        ..large.clone()
+    };
+    let moving = Scenario {
+        obstacles: (0..2_000).map(|k| ball(k, patrol.clone())).collect(),
+        walls: walls.collect(),
+        ..large
+    };
+    for scenario in [still, moving] {
+        let start = Instant::now();
+        let count = notes(&scenario).len();
+        assert!((1..=103).contains(&count), "{count} notes");
+        assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    }
+}
+
+#[test]
+fn a_route_that_the_scenario_does_not_name_needs_no_free_space() {
+    // An office with a pillar at (0, 0), where the paper's route starts.
+    let pillar = obstacle(Shape::Circle { radius_m: 0.3 }, vec2(0.0, 0.0), ObstacleMotion::Static);
+    let mut office = Scenario { obstacles: vec![pillar], ..Scenario::default() };
+    assert_eq!(found(&office), [""; 0]);
+    let blocked = "`benchmark_route.start_m` is 0.300 m inside an obstacle or wall: keep it at least 0.13 m away from \
+                   everything";
+    assert_eq!(benchmark_route_problem(&office).expect("blocked").to_string(), blocked);
+    // One that it names does.
+    office.benchmark_route.goal_m = vec2(1.0, 1.0);
+    assert_eq!(found(&office), [blocked]);
+    office.benchmark_route.start_m = vec2(-1.0, 1.0);
+    assert_eq!(found(&office), [""; 0]);
+    assert_eq!(benchmark_route_problem(&office), None);
 }
 
 /// Asserts that the check of `text` takes at most 20 s, and that its messages contain `needle`.

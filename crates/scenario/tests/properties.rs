@@ -11,8 +11,8 @@ use proptest::prelude::*;
 use scenario_strategies::{ValueRange, valid_scenario, without_moving_obstacles};
 use wayfield_random::stream;
 use wayfield_scenario::{
-    BenchmarkRoute, PlacementRule, Scenario, Shape, Wall, clearance, diagnostics, draw_goal, draw_start,
-    draw_start_and_goal, enclosure_distance, parse_ron, pose_at, shape_distance, to_ron,
+    BenchmarkRoute, Obstacle, PlacementRule, Scenario, Shape, Wall, clearance, diagnostics, draw_goal,
+    draw_start, draw_start_and_goal, enclosure_distance, notes, parse_ron, pose_at, shape_distance, to_ron,
 };
 
 /// The outline of a shape at a pose: its corners, and the radius around them.
@@ -85,7 +85,8 @@ proptest! {
 
     #[test]
     fn arbitrary_numbers_cause_no_panic_in_the_checks(scenario in ValueRange::Any.scenario(), step: u64) {
-        let found = diagnostics(&scenario);
+        let noted = notes(&scenario).into_iter().map(|note| note.diagnostic);
+        let found: Vec<_> = diagnostics(&scenario).into_iter().chain(noted).collect();
         prop_assert!(found.iter().all(|finding| !finding.path.is_empty() && !finding.message.is_empty()));
         let _ = clearance(&scenario, scenario.benchmark_route.start_m, step);
         for obstacle in &scenario.obstacles {
@@ -169,6 +170,30 @@ proptest! {
             // A crowded layout may leave no free space for a rule. That is detected only when a position is drawn.
             let room = ["finds no free space", "the free space for goals is less", "too near the starts"];
             prop_assert!(room.iter().any(|it| finding.message.contains(it)), "{finding} in {generated:?}");
+        }
+    }
+
+    #[test]
+    fn an_obstacle_that_enters_a_static_one_or_a_wall_is_noted(scenario in valid_scenario()) {
+        let noted: Vec<String> = notes(&scenario).into_iter().map(|note| note.diagnostic.to_string()).collect();
+        let period = scenario.task.control_period_s;
+        let walls: Vec<_> = scenario.walls.iter().enumerate().flat_map(|(k, wall)| {
+            wall.segments().map(move |segment| (format!("`walls[{k}]`"), segment))
+        }).collect();
+        let still = |(k, o): (usize, &Obstacle)| (!o.motion.is_moving()).then(|| (format!("`obstacles[{k}]`"), o.clone()));
+        let solids = scenario.obstacles.iter().enumerate().filter_map(still).chain(walls);
+        for (name, solid) in solids {
+            let at = pose_at(&solid, 0, period);
+            for (k, obstacle) in scenario.obstacles.iter().enumerate().filter(|(_, o)| o.motion.is_moving()) {
+                let enters = (0..2_000).any(|step| {
+                    let (points, radius) = outline(&obstacle.shape, pose_at(obstacle, step, period));
+                    points.iter().any(|&point| shape_distance(&solid.shape, at, point) < radius - 0.02)
+                });
+                let is_noted = noted.iter().any(|note| {
+                    note.starts_with(&format!("`obstacles[{k}].motion` ")) && note.contains(&name)
+                });
+                prop_assert!(is_noted || !enters, "obstacle {k} enters {name}: {noted:?}");
+            }
         }
     }
 

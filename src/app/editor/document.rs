@@ -1,4 +1,4 @@
-//! The document: the edited scenario, its selection and its diagnostics.
+//! The document: the edited scenario, its selection, its diagnostics and its notes.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use super::selection::Selection;
 use super::snap::Snap;
 use super::tool::Tool;
 use super::undo::{EditSnapshot, Origin, UndoStack};
-use crate::scenario::{Diagnostic, Scenario, diagnostics};
+use crate::scenario::{Diagnostic, Note, Scenario, diagnostics, notes};
 
 /// The editor of one scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,7 @@ pub struct Editor {
     pub(super) undo_stack: UndoStack,
     pub(super) clipboard: Option<ListItem>,
     diagnostics: Vec<Diagnostic>,
+    notes: Vec<Note>,
     revision: u64,
     /// The scenario's name or file.
     pub(super) from: String,
@@ -47,6 +48,7 @@ impl Editor {
             undo_stack: UndoStack::default(),
             clipboard: None,
             diagnostics: diagnostics(&scenario),
+            notes: notes(&scenario),
             revision: 0,
             from,
             saved: saved.then(|| Arc::clone(&scenario)),
@@ -70,6 +72,12 @@ impl Editor {
     #[must_use]
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
+    }
+
+    /// What is doubtful about the scenario.
+    #[must_use]
+    pub fn notes(&self) -> &[Note] {
+        &self.notes
     }
 
     /// Whether an item has a problem.
@@ -210,11 +218,12 @@ impl Editor {
         self.undo_stack.push(EditSnapshot { origin: None, ..self.snapshot() });
     }
 
-    /// Updates the revision and the diagnostics after a change.
+    /// Updates the revision, the diagnostics and the notes after a change.
     pub(super) fn changed(&mut self) {
         self.revision += 1;
         if self.drag.is_none() || item_count(&self.scenario) <= MAX_ITEMS_CHECKED_WHILE_DRAGGING {
             self.diagnostics = diagnostics(&self.scenario);
+            self.notes = notes(&self.scenario);
         }
     }
 }

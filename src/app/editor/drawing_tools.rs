@@ -6,7 +6,6 @@ use bevy::math::Vec2;
 
 use super::document::Editor;
 use super::items::ListItem;
-use super::items::rule_points::positions;
 use super::kinds::{PlacementKind, PlacementRole};
 use super::limits::{MAX_POINTS, NEW_SPEED_M_S, NEW_WALL_THICKNESS_M, WALL_CORNERS};
 use super::points::distance;
@@ -72,7 +71,7 @@ impl Editor {
     fn add_place(&mut self, position_m: Vec2) {
         self.step(|scenario, selection| {
             let Some(role) = PlacementRole::from_selection(*selection) else { return };
-            let mut positions_m = positions(role.of(scenario)).to_vec();
+            let mut positions_m = role.of(scenario).positions_m().to_vec();
             if positions_m.len() < MAX_POINTS && !positions_m.contains(&position_m) {
                 positions_m.push(position_m);
                 *role.of_mut(scenario) = PlacementRule::OneOf { positions_m };
@@ -103,10 +102,10 @@ impl Editor {
         self.step(|scenario, selection| {
             let Selection::Obstacle(k) = *selection else { return };
             let Some(obstacle) = scenario.obstacles.get_mut(k) else { return };
-            match &mut obstacle.motion {
-                ObstacleMotion::Patrol { waypoints_m, .. }
-                | ObstacleMotion::BackAndForth { waypoints_m, .. } => *waypoints_m = path,
-                motion => *motion = ObstacleMotion::Patrol { waypoints_m: path, speed_m_s: NEW_SPEED_M_S },
+            if let Some(waypoints_m) = obstacle.motion.waypoints_mut() {
+                *waypoints_m = path;
+            } else {
+                obstacle.motion = ObstacleMotion::Patrol { waypoints_m: path, speed_m_s: NEW_SPEED_M_S };
             }
         });
     }

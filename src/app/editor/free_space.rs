@@ -4,10 +4,9 @@ use std::f32::consts::TAU;
 
 use bevy::math::{Vec2, vec2};
 
-use super::items::rule_points::positions;
 use super::points::{centre_of, distance};
 use super::snap::Snap;
-use crate::scenario::{Scenario, clearance};
+use crate::scenario::{PlacementRule, Scenario, clearance};
 
 /// Space that a new item leaves around starts and goals beyond the collision range, in m.
 const MARGIN_M: f32 = 0.02;
@@ -20,7 +19,7 @@ const RINGS: u8 = 24;
 pub(super) fn nearest(scenario: &Scenario, wanted_m: Vec2, radius_m: f32, snap: Snap) -> Vec2 {
     let centre = centre_of(scenario);
     let ends = [scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m];
-    let rules = [&scenario.starts, &scenario.goals].into_iter().flat_map(positions);
+    let rules = [&scenario.starts, &scenario.goals].into_iter().flat_map(PlacementRule::positions_m);
     let reserved: Vec<Vec2> = ends.into_iter().chain(rules.copied()).collect();
     let apart_m = radius_m + scenario.task.collision_range_m + MARGIN_M;
     let is_free = |at: &Vec2| {

@@ -12,8 +12,8 @@ pub enum HandleKind {
     Side(i8, i8),
     /// A radius.
     Radius,
-    /// An end of a capsule: the right end in its local frame if true, else the left. The other end stays.
-    CapsuleEnd(bool),
+    /// An end of a long shape in its local frame: the right end (1) or the left end (-1). The other end stays.
+    End(i8),
     /// A corner of a polygon or a wall.
     Corner(usize),
     /// A new corner before corner k.
@@ -27,9 +27,9 @@ pub enum HandleKind {
     /// A new waypoint before waypoint k.
     InsertWaypoint(usize),
     /// The centre of an orbit.
-    OrbitCentre,
-    /// The radius of a random walk.
-    WalkRadius,
+    Centre,
+    /// The largest distance of an obstacle from its position.
+    Reach,
     /// One of the positions of a start or goal rule.
     Position(usize),
 }

@@ -1,40 +1,7 @@
-//! The kinds of motion, of start and goal rules, and of enclosures, without their numbers.
+//! The kinds of start and goal rules and of enclosures, without their numbers.
 
 use super::selection::Selection;
-use crate::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario};
-
-/// Kind of an obstacle's motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MotionKind {
-    /// No motion.
-    Static,
-    /// Around a point.
-    Orbit,
-    /// Along a closed path.
-    Patrol,
-    /// Along a path and back.
-    BackAndForth,
-    /// Between random points.
-    RandomWalk,
-}
-
-impl MotionKind {
-    /// All kinds.
-    pub const ALL: [Self; 5] =
-        [Self::Static, Self::Orbit, Self::Patrol, Self::BackAndForth, Self::RandomWalk];
-
-    /// The kind of `motion`.
-    #[must_use]
-    pub fn from_motion(motion: &ObstacleMotion) -> Self {
-        match motion {
-            ObstacleMotion::Static => Self::Static,
-            ObstacleMotion::Orbit { .. } => Self::Orbit,
-            ObstacleMotion::Patrol { .. } => Self::Patrol,
-            ObstacleMotion::BackAndForth { .. } => Self::BackAndForth,
-            ObstacleMotion::RandomWalk { .. } => Self::RandomWalk,
-        }
-    }
-}
+use crate::scenario::{Enclosure, PlacementRule, Scenario};
 
 /// The objects that a placement rule places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,10 @@
 //! Limits and default values of the editor.
 
 use crate::scenario::Scenario;
-pub(super) use crate::scenario::limits::{ENCLOSURE_CORNERS, MAX_SPEED_M_S, POLYGON_CORNERS, WALL_CORNERS};
-use crate::scenario::limits::{ENCLOSURE_SIDE_M, WAYPOINTS};
+use crate::scenario::limits::ENCLOSURE_SIDE_M;
+pub(super) use crate::scenario::limits::{
+    ENCLOSURE_CORNERS, MAX_SPEED_M_S, POLYGON_CORNERS, WALL_CORNERS, WAYPOINTS,
+};
 
 /// Maximum number of points of a path, and of positions of a start or goal rule.
 pub(super) const MAX_POINTS: usize = *WAYPOINTS.end();

@@ -1,16 +1,48 @@
-//! Orbits and paths that fit into the scenario, for an obstacle that gets a new motion.
+//! Motions with numbers that fit into the scenario, for an obstacle that gets another kind of motion.
 
 use bevy::math::{Vec2, vec2};
 
-use super::limits::{MAX_SPEED_M_S, NEW_ORBIT_SPEED_RAD_S};
-use super::points::{centre_of, distance, point_to_mm};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, clearance, enclosure_distance};
+use super::limits::{MAX_SPEED_M_S, NEW_ORBIT_SPEED_RAD_S, NEW_SPEED_M_S};
+use super::points::{centre_of, distance, point_to_mm, to_mm};
+use crate::scenario::{
+    MotionKind, Obstacle, ObstacleMotion, Quantity, Scenario, clearance, enclosure_distance,
+};
 
 /// Directions that are tried in this order.
 const DIRECTIONS: [Vec2; 4] = [Vec2::NEG_X, Vec2::X, Vec2::NEG_Y, Vec2::Y];
 
+/// A motion of this kind for obstacle `index`. The path of the old motion is kept.
+pub(super) fn of_kind(scenario: &Scenario, index: usize, kind: MotionKind) -> ObstacleMotion {
+    let obstacle = &scenario.obstacles[index];
+    let path = |closed| match &obstacle.motion {
+        ObstacleMotion::Patrol { waypoints_m, speed_m_s }
+        | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => (waypoints_m.clone(), *speed_m_s),
+        _ => (path(scenario, index, closed), NEW_SPEED_M_S),
+    };
+    match kind {
+        MotionKind::Static => ObstacleMotion::Static,
+        MotionKind::Orbit => orbit(scenario, obstacle),
+        MotionKind::Patrol => {
+            let (waypoints_m, speed_m_s) = path(true);
+            ObstacleMotion::Patrol { waypoints_m, speed_m_s }
+        }
+        MotionKind::BackAndForth => {
+            let (waypoints_m, speed_m_s) = path(false);
+            ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }
+        }
+        MotionKind::RandomWalk => {
+            let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);
+            let radius_m = to_mm((free_m - obstacle.shape.bounding_radius_m()).min(0.5));
+            // The index is the seed, so that no two obstacles have the same walk.
+            let seed = u32::try_from(index).unwrap_or_default();
+            let radius_m = radius_m.max(*Quantity::Reach.range().start());
+            ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S, seed }
+        }
+    }
+}
+
 /// An orbit around the centre of the scenario if it stays inside the enclosure, else a small orbit next to the obstacle.
-pub(super) fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
+fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion {
     let (at, radius_m) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
     let centre = point_to_mm(centre_of(scenario));
     let radii = [0.5, 0.3, 0.2, 0.1];
@@ -29,7 +61,7 @@ pub(super) fn orbit(scenario: &Scenario, obstacle: &Obstacle) -> ObstacleMotion 
 
 /// Waypoints for obstacle `index`: a square, or one straight line. The path stays inside the enclosure and, if
 /// possible, clear of other items.
-pub(super) fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Vec2> {
+fn path(scenario: &Scenario, index: usize, square: bool) -> Vec<Vec2> {
     let mut others = scenario.clone();
     let obstacle = others.obstacles.remove(index);
     let (at, radius_m) = (obstacle.position_m, obstacle.shape.bounding_radius_m());

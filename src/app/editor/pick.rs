@@ -3,7 +3,6 @@
 use bevy::math::{Vec2, vec2};
 
 use super::items;
-use super::items::rule_points::{positions, region};
 use super::points::distance;
 use super::selection::Selection;
 use crate::scenario::{Region, Scenario, enclosure_distance, polygon};
@@ -40,11 +39,12 @@ fn solid(scenario: &Scenario, point_m: Vec2, slack_m: f32) -> Option<Selection> 
 /// The nearest start or goal whose centre is within `reach_m`.
 fn mark(scenario: &Scenario, point_m: Vec2, reach_m: impl Fn(Selection) -> f32) -> Option<Selection> {
     let route = &scenario.benchmark_route;
-    let fixed = |rule, of| positions(rule).iter().map(move |&place| (place, of));
+    let rules = [(&scenario.starts, Selection::Starts), (&scenario.goals, Selection::Goals)];
+    let named =
+        rules.into_iter().flat_map(|(rule, of)| rule.positions_m().iter().map(move |&place| (place, of)));
     [(route.start_m, Selection::BenchmarkStart), (route.goal_m, Selection::BenchmarkGoal)]
         .into_iter()
-        .chain(fixed(&scenario.starts, Selection::Starts))
-        .chain(fixed(&scenario.goals, Selection::Goals))
+        .chain(named)
         .map(|(place, of)| (distance(place, point_m), of))
         .filter(|&(away, of)| away <= reach_m(of))
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -58,7 +58,7 @@ fn outline(scenario: &Scenario, point_m: Vec2, slack_m: f32) -> Option<Selection
     let rules = [(&scenario.starts, Selection::Starts), (&scenario.goals, Selection::Goals)];
     let hit = |region: Region| outline_distance(region, point_m) <= slack_m;
     let found = generators
-        .chain(rules.map(|(rule, of)| (region(rule), of)))
+        .chain(rules.map(|(rule, of)| (rule.region(), of)))
         .find(|(region, _)| region.is_some_and(hit));
     let on_boundary = || enclosure_distance(&scenario.enclosure, point_m).abs() <= slack_m;
     found.map(|(_, of)| of).or_else(|| on_boundary().then_some(Selection::Enclosure))

@@ -5,24 +5,21 @@ use bevy::math::{Vec2, vec2};
 
 use super::document::Editor;
 use super::free_space;
-use super::items::rule_points::positions;
-use super::kinds::{EnclosureKind, MotionKind, PlacementKind, PlacementRole};
-use super::limits::{NEW_CLEARANCE_M, NEW_SPEED_M_S};
+use super::kinds::{EnclosureKind, PlacementKind, PlacementRole};
+use super::limits::NEW_CLEARANCE_M;
 use super::new_motion;
 use super::points::{centre_of, point_to_mm, to_mm};
 use super::selection::Selection;
 use super::snap::Snap;
-use crate::scenario::{Enclosure, ObstacleMotion, PlacementRule, Scenario, clearance, enclosure_distance};
+use crate::scenario::{Enclosure, MotionKind, PlacementRule, Scenario, clearance};
 
 impl Editor {
     /// Changes the motion of the selected obstacle to another kind.
     pub fn set_motion(&mut self, kind: MotionKind) {
-        let snap = self.snap;
         self.step(|scenario, selection| {
             let Selection::Obstacle(k) = *selection else { return };
-            let Some(motion) = converted_motion(scenario, k, kind, snap) else { return };
-            if let Some(obstacle) = scenario.obstacles.get_mut(k) {
-                obstacle.motion = motion;
+            if scenario.obstacles.get(k).is_some_and(|obstacle| obstacle.motion.kind() != kind) {
+                scenario.obstacles[k].motion = new_motion::of_kind(scenario, k, kind);
             }
         });
     }
@@ -59,44 +56,6 @@ impl Editor {
     }
 }
 
-/// A motion of this kind for obstacle `index`; `None` if it has this kind already.
-fn converted_motion(
-    scenario: &Scenario,
-    index: usize,
-    kind: MotionKind,
-    snap: Snap,
-) -> Option<ObstacleMotion> {
-    let obstacle = scenario.obstacles.get(index)?;
-    if MotionKind::from_motion(&obstacle.motion) == kind {
-        return None;
-    }
-    let path = |closed| match &obstacle.motion {
-        ObstacleMotion::Patrol { waypoints_m, speed_m_s }
-        | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => (waypoints_m.clone(), *speed_m_s),
-        _ => (new_motion::path(scenario, index, closed), NEW_SPEED_M_S),
-    };
-    Some(match kind {
-        MotionKind::Static => ObstacleMotion::Static,
-        MotionKind::Orbit => new_motion::orbit(scenario, obstacle),
-        MotionKind::Patrol => {
-            let (waypoints_m, speed_m_s) = path(true);
-            ObstacleMotion::Patrol { waypoints_m, speed_m_s }
-        }
-        MotionKind::BackAndForth => {
-            let (waypoints_m, speed_m_s) = path(false);
-            ObstacleMotion::BackAndForth { waypoints_m, speed_m_s }
-        }
-        MotionKind::RandomWalk => {
-            let free_m = enclosure_distance(&scenario.enclosure, obstacle.position_m);
-            let radius_m = (free_m - obstacle.shape.bounding_radius_m()).min(0.5);
-            // The index is the seed, so that no two obstacles have the same walk.
-            let seed = u32::try_from(index).unwrap_or_default();
-            let radius_m = snap.disabled_if(true).size(radius_m);
-            ObstacleMotion::RandomWalk { radius_m, speed_m_s: NEW_SPEED_M_S, seed }
-        }
-    })
-}
-
 /// A rule of another kind with the clearance and the first position of the old rule.
 fn converted_rule(
     scenario: &Scenario,
@@ -105,12 +64,9 @@ fn converted_rule(
     snap: Snap,
 ) -> PlacementRule {
     let old = role.of(scenario);
-    let clearance_m = match old {
-        PlacementRule::Random { clearance_m } | PlacementRule::Within { clearance_m, .. } => *clearance_m,
-        PlacementRule::Fixed { .. } | PlacementRule::OneOf { .. } => NEW_CLEARANCE_M,
-    };
+    let clearance_m = old.clearance_m().unwrap_or(NEW_CLEARANCE_M);
     let place = || {
-        let first = positions(old).first().copied();
+        let first = old.positions_m().first().copied();
         first.unwrap_or_else(|| free_place(scenario, role, clearance_m, snap))
     };
     match kind {

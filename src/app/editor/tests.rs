@@ -17,8 +17,8 @@ use super::limits::item_count;
 use super::points::to_mm;
 use super::*;
 use crate::scenario::{
-    Diagnostic, Enclosure, Generator, Obstacle, ObstacleMotion, PlacementRule, RandomShape, Region, Scenario,
-    Shape, Wall, clearance, diagnostics, parse_ron, to_ron,
+    Diagnostic, Enclosure, Generator, MotionKind, Obstacle, ObstacleMotion, PlacementRule, RandomShape,
+    Region, Scenario, Shape, Wall, clearance, diagnostics, parse_ron, to_ron,
 };
 
 /// An editor of a scenario opened from a file.
@@ -32,6 +32,12 @@ fn static_obstacle(shape: Shape, position_m: Vec2) -> Obstacle {
 
 fn circle(x: f32, y: f32) -> Obstacle {
     static_obstacle(Shape::Circle { radius_m: 0.15 }, vec2(x, y))
+}
+
+/// The shape that the button of this name adds.
+fn new_shape(name: &str) -> Shape {
+    let found = Shape::templates().into_iter().find(|(of, _)| *of == name);
+    found.unwrap_or_else(|| panic!("no shape {name}")).1
 }
 
 /// A scenario with one item of every kind.
@@ -72,8 +78,8 @@ fn one_step(editor: &mut Editor, change: impl FnOnce(&mut Editor)) -> Scenario {
 fn every_operation_is_one_undo_step() {
     type Change = fn(&mut Editor);
     let changes: [(Selection, Change); 17] = [
-        (Selection::Nothing, |e| e.add(NewItem::Circle, vec2(0.0, 0.0))),
-        (Selection::Nothing, |e| e.add(NewItem::Generator, vec2(0.0, 0.0))),
+        (Selection::Nothing, |e| e.add_obstacle(new_shape("Circle"), vec2(0.0, 0.0))),
+        (Selection::Nothing, Editor::add_generator),
         (Selection::Obstacle(1), Editor::duplicate),
         (Selection::Wall(0), Editor::duplicate),
         (Selection::Generator(0), Editor::duplicate),
@@ -104,7 +110,7 @@ fn many_steps_can_be_undone_and_redone() {
     let mut versions = vec![Arc::clone(&first)];
     for k in 0..40 {
         match k % 4 {
-            0 => editor.add(NewItem::Box, vec2(0.3, 0.3)),
+            0 => editor.add_obstacle(new_shape("Box"), vec2(0.3, 0.3)),
             1 => editor.nudge(1, 2, true),
             2 => editor.duplicate(),
             _ => editor.delete(),
@@ -122,7 +128,7 @@ fn many_steps_can_be_undone_and_redone() {
     }
     assert!(!editor.can_redo());
     editor.undo();
-    editor.add(NewItem::Circle, vec2(0.0, 0.0));
+    editor.add_obstacle(new_shape("Circle"), vec2(0.0, 0.0));
     assert!(!editor.can_redo(), "a new change drops the steps to redo");
 }
 
@@ -160,7 +166,7 @@ fn undo_restores_the_selection_if_its_item_exists() {
     assert_eq!(editor.selection(), Selection::Nothing);
     editor.undo();
     assert_eq!(editor.selection(), Selection::Obstacle(1));
-    editor.add(NewItem::Circle, vec2(0.0, 0.0));
+    editor.add_obstacle(new_shape("Circle"), vec2(0.0, 0.0));
     assert_eq!(editor.selection(), Selection::Obstacle(2));
     editor.undo();
     assert_eq!(editor.selection(), Selection::Obstacle(1));

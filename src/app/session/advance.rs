@@ -20,7 +20,6 @@ use super::{TrainingHistory, demo, execute, scenario_changes};
 use crate::agent::TrainingWarning;
 use crate::app::app_snapshot::Severity;
 use crate::app::commands::Command;
-use crate::run::background_evaluator::RUNS_ON_CALLER_THREAD;
 use crate::run::{RunError, metrics};
 use crate::simulation;
 use crate::task::{CurrentScenario, EpisodeEnded, Fault, StepOutcomes, TaskFault};
@@ -46,9 +45,8 @@ pub(super) fn take_steps(world: &mut World) {
             break;
         }
     }
-    // In a browser the evaluator works on this thread: it gets the rest of the frame's budget.
-    while RUNS_ON_CALLER_THREAD
-        && world.resource::<Evaluations>().is_running()
+    // An evaluator that works on this thread (in a browser) gets the rest of the frame's budget.
+    while world.resource_mut::<Evaluations>().runs_on_caller_thread()
         && world.resource_mut::<Pacer>().has_budget(began.elapsed())
     {
         evaluations::record_finished_or_restart(world);

@@ -70,7 +70,7 @@ pub(super) fn origin(config: &RunConfig, policy: &Policy) -> String {
     let here = config.scenario.name.as_str();
     match policy_card::scenario_name(policy) {
         Some(there) if there == here => format!("Trained in {there}"),
-        Some(there) => format!("Trained in {there}, new to {here}"),
+        Some(there) => format!("Trained in {there}, new here"),
         None => String::new(),
     }
 }

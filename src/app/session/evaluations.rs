@@ -60,6 +60,11 @@ impl Evaluations {
         matches!(self.state, EvaluatorState::Running | EvaluatorState::RunningOutdated)
     }
 
+    /// Whether a policy is being evaluated on the thread that polls for the result.
+    pub(super) fn runs_on_caller_thread(&mut self) -> bool {
+        self.is_running() && self.evaluator.get().runs_on_caller_thread()
+    }
+
     /// The evaluation of the best policy in `trainer_state`.
     #[must_use]
     pub fn best(&self, trainer_state: &TrainerState) -> Option<&EvaluationRow> {

@@ -14,6 +14,7 @@ use super::file_watch::{self, RetryAction};
 use super::notices::{NoticeTopic, notify};
 use super::open;
 use super::pacer::Pacer;
+use super::run_notices;
 use super::start_training::{insert_run, prepare_new, scenario_topic};
 use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
@@ -30,6 +31,7 @@ pub(super) fn start_first(world: &mut World, start: &StartOptions) {
             world.insert_resource(Pacer::new(start.pace, start.paused));
             world.insert_resource(Autosave::new(start.autosave.clone(), start.open.is_none()));
             insert_run(world, prepared);
+            run_notices::show_notes(world);
             open::list_user_files(world);
         }
         // Unreachable as long as the shipped files are valid, which a test checks.

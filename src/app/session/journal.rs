@@ -96,10 +96,11 @@ impl Journal {
     /// A value in the journal is invalid.
     fn check(&self) -> Result<(), String> {
         let RunConfig { scenario, preset, .. } = &self.config;
+        let layout = self.config.observation_layout();
         let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
         let check_scenario = |scenario: &Scenario| {
             let found = diagnostics(scenario).into_iter().next().map(|found| found.to_string());
-            found.map_or(Ok(()), Err).and_then(|()| preset.check_memory(scenario))
+            found.map_or(Ok(()), Err).and_then(|()| preset.check_memory(scenario, &layout))
         };
         if let Some(found) = preset.diagnostics().first() {
             return Err(format!("the preset of the run is invalid: {found}"));

@@ -15,7 +15,7 @@
 //! | `file_watch.rs` | `FileWatches` | files that the user edits in another program |
 //! | `open.rs` | [`OpenedFiles`] | files opened by the user |
 //! | `comparison.rs` | | the second policy, to compare with |
-//! | `notices.rs` | [`Notices`] | messages to the user |
+//! | `notices.rs`, `run_notices.rs` | [`Notices`] | messages to the user; the one about doubtful settings |
 //! | `trails.rs` | [`Trails`] | the robots' paths |
 //! | `advance.rs` | | a frame: commands, then control steps |
 //! | `execute.rs` | | the execution of each command |
@@ -48,6 +48,7 @@ pub mod open;
 pub mod pacer;
 #[cfg(not(target_arch = "wasm32"))]
 mod quit;
+mod run_notices;
 mod run_snapshot;
 mod save;
 mod saved_run;

@@ -1,7 +1,7 @@
 //! Notices: messages to the user, one per topic.
 //!
-//! In: events. Out: the [`Notice`]s that the screen shows. A confirmation disappears after a while. An error stays until it is
-//! dismissed or its topic succeeds.
+//! In: events. Out: the [`Notice`]s that the screen shows. A confirmation disappears after a while. A warning or an error stays
+//! until it is dismissed or its topic succeeds.
 
 use std::time::Duration;
 
@@ -28,6 +28,8 @@ pub enum NoticeTopic {
     Move,
     /// A warning about the second policy of a comparison.
     Comparison,
+    /// Doubtful settings of the current training.
+    Settings,
     /// A warning about the current training. A new training removes it.
     TrainingWarning,
     /// The error that stopped the current training. A new training removes it.
@@ -95,7 +97,7 @@ impl Notices {
 
     fn remove_expired(&mut self) {
         self.0.retain(|entry| {
-            entry.notice.severity == Severity::Error || entry.since.elapsed() < INFO_NOTICE_DURATION
+            entry.notice.severity != Severity::Info || entry.since.elapsed() < INFO_NOTICE_DURATION
         });
     }
 }

@@ -13,6 +13,7 @@ use super::interventions::{self, Intervention};
 use super::journal::Journal;
 use super::notices::{NoticeTopic, notify};
 use super::open;
+use super::run_notices;
 use super::scenario_source::{ScenarioSource, load_source};
 use super::start_training;
 use super::trails::Trails;
@@ -64,6 +65,7 @@ fn switch_scenario(world: &mut World, scenario: &Scenario) -> Result<(), RunErro
         interventions::apply(world, &intervention);
         world.resource_mut::<Journal>().record(intervention, false);
         on_scenario_changed(world);
+        run_notices::show_notes(world);
         let arenas = world.resource::<TrainingRun>().config.preset.arenas;
         world.resource_mut::<Trails>().restart(arenas);
         world.resource_mut::<ScenarioSource>().pending = None;
@@ -79,7 +81,7 @@ pub(super) fn check_can_switch(config: &RunConfig, scenario: &Scenario) -> Resul
     let shape = |scenario: &Scenario| (scenario.lidar.beams, scenario.robot.motions.len());
     let ((beams, motions), here) = (shape(scenario), shape(&config.scenario));
     if (beams, motions) == here {
-        let fits = config.preset.check_memory(scenario);
+        let fits = config.preset.check_memory(scenario, &config.observation_layout());
         return fits.map_err(|error| RunError::InvalidInput(format!("{}: {error}", scenario.name)));
     }
     Err(RunError::InvalidInput(format!(

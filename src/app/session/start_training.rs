@@ -18,6 +18,7 @@ use super::journal::Journal;
 use super::notices::{NoticeTopic, Notices, notify};
 use super::open::{self, OpenedFiles};
 use super::pacer::Pacer;
+use super::run_notices;
 use super::saved_run::SavedRun;
 use super::scenario_source::ScenarioSource;
 use super::session_policy;
@@ -98,6 +99,7 @@ pub(super) fn replace(world: &mut World, prepared: PreparedTraining) {
     }
     world.resource_mut::<OpenedFiles>().requested_once = None;
     world.resource_mut::<Notices>().remove_training();
+    run_notices::show_notes(world);
     open::list_user_files(world);
 }
 

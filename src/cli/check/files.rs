@@ -1,11 +1,11 @@
 //! The files that `wayfield --check` checks.
 //!
-//! In: paths of files and folders. Out: every file in them, with its kind and its problems.
+//! In: paths of files and folders. Out: every file in them, with its kind, and its problems or its notes.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::kind::{self, FileKind};
+use super::kind::{self, FileKind, LocatedNotes};
 use crate::scenario::{FileError, is_special_file};
 
 /// A checked file, or a folder without files to check.
@@ -17,17 +17,22 @@ pub struct CheckedFile {
     pub kind: Option<FileKind>,
     /// All problems; `None` for a valid file.
     pub error: Option<FileError>,
+    /// The doubtful settings of a valid file.
+    pub notes: LocatedNotes,
 }
 
 impl CheckedFile {
     fn new(path: PathBuf) -> Self {
-        let (kind, error) = kind::check(&path);
-        Self { path, kind, error }
+        let (kind, checked) = kind::check(&path);
+        match checked {
+            Ok(notes) => Self { path, kind, error: None, notes },
+            Err(error) => Self { path, kind, error: Some(error), notes: Vec::new() },
+        }
     }
 
     fn unreadable(path: PathBuf, message: impl Into<String>) -> Self {
         let error = Some(FileError::for_file(&path, message));
-        Self { path, kind: None, error }
+        Self { path, kind: None, error, notes: Vec::new() }
     }
 }
 

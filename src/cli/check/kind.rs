@@ -5,9 +5,13 @@ use std::path::Path;
 use crate::reproduce::Experiment;
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
+use crate::run::notes::preset_notes;
 use crate::run::policy_card;
 use crate::run::preset::Preset;
-use crate::scenario::{FileError, Scenario, printable_path, read_text, resemblance};
+use crate::scenario::{
+    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, locate, notes, printable_path, read_text,
+    resemblance,
+};
 
 /// The kind of a file that can be checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,26 +54,36 @@ impl FileKind {
     }
 }
 
-/// The kind of the file at `path`, if it can be read, and its problems.
-pub fn check(path: &Path) -> (Option<FileKind>, Option<FileError>) {
+/// The notes on a valid file, with their locations.
+pub type LocatedNotes = Vec<(NoteLevel, LocatedDiagnostic)>;
+
+/// The kind of the file at `path`, if it can be read, and its notes, or its problems.
+pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>) {
     if path.extension().is_some_and(|extension| extension == "safetensors") {
         return (
             Some(FileKind::Policy),
-            policy_card::read(path).err().map(|error| policy_error(path, &error)),
+            policy_card::read(path).map(|_| Vec::new()).map_err(|error| policy_error(path, &error)),
         );
     }
     let text = match read_text(path) {
         Ok(text) => text,
-        Err(error) => return (None, Some(error)),
+        Err(error) => return (None, Err(error)),
     };
     let kind = FileKind::of_text(&text);
-    let error = match kind {
-        FileKind::Preset => Preset::parse(&text, path).err(),
-        FileKind::Experiment => Experiment::parse(&text, path).err(),
-        FileKind::RunConfig => RunConfig::parse(&text, path).err(),
-        FileKind::Scenario | FileKind::Policy => Scenario::parse(&text, path).err(),
+    let found = match kind {
+        FileKind::Preset => Preset::parse(&text, path).map(|preset| preset_notes(&preset, None, false)),
+        FileKind::Experiment => Experiment::parse(&text, path).map(|_| Vec::new()),
+        FileKind::RunConfig => RunConfig::parse(&text, path).map(|_| Vec::new()),
+        FileKind::Scenario | FileKind::Policy => {
+            Scenario::parse(&text, path).map(|scenario| notes(&scenario))
+        }
     };
-    (Some(kind), error)
+    (Some(kind), found.map(|notes| located(&text, &notes)))
+}
+
+fn located(text: &str, notes: &[Note]) -> LocatedNotes {
+    let located = locate(text, notes.iter().map(|note| &note.diagnostic));
+    notes.iter().map(|note| note.level).zip(located).collect()
 }
 
 /// The error of a policy as the error of its file.

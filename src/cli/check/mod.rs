@@ -3,7 +3,7 @@
 mod files;
 mod kind;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
@@ -12,7 +12,7 @@ use self::kind::FileKind;
 use super::output::{print_json, print_stdout};
 use crate::run::RunError;
 use crate::run::progress::print_stderr;
-use crate::scenario::printable_path;
+use crate::scenario::{LocatedDiagnostic, printable_path};
 
 /// The JSON object that `--check --json` prints.
 #[derive(Serialize)]
@@ -22,6 +22,8 @@ struct CheckReport {
     /// The kinds of these files, in the same order; null for a file that can't be read.
     kinds: Vec<Option<&'static str>>,
     problems: Vec<ProblemReport>,
+    /// The doubtful settings of valid files.
+    notes: Vec<NoteReport>,
 }
 
 #[derive(Serialize)]
@@ -32,7 +34,15 @@ struct ProblemReport {
     message: String,
 }
 
-/// Checks the files and folders in `paths`, and prints one line per valid file and per problem.
+#[derive(Serialize)]
+struct NoteReport {
+    /// "note" or "warning".
+    level: String,
+    #[serde(flatten)]
+    problem: ProblemReport,
+}
+
+/// Checks the files and folders in `paths`, and prints one line per valid file, per problem and per note.
 ///
 /// # Errors
 /// A file is invalid.
@@ -64,6 +74,10 @@ fn print_lines(checked: &[CheckedFile]) -> Result<(), RunError> {
                 print_stderr(&format!("{error}\n{path}: {count} problem{plural} in this {kind}"));
             }
         }
+        for (level, note) in &file.notes {
+            let place = note.line_column.map_or(String::new(), |(line, column)| format!("{line}:{column}:"));
+            print_stderr(&format!("{path}:{place} {level}: {}", note.message));
+        }
     }
     Ok(())
 }
@@ -72,17 +86,30 @@ impl CheckReport {
     fn new(checked: &[CheckedFile]) -> Self {
         let errors = checked.iter().filter_map(|file| file.error.as_ref());
         let problems = errors.flat_map(|error| {
-            error.problems().iter().map(|problem| ProblemReport {
-                path: error.path().display().to_string(),
-                line: problem.line_column.map(|(line, _)| line),
-                column: problem.line_column.map(|(_, column)| column),
-                message: problem.message.clone(),
+            error.problems().iter().map(|problem| ProblemReport::new(error.path(), problem))
+        });
+        let notes = checked.iter().flat_map(|file| {
+            file.notes.iter().map(|(level, note)| NoteReport {
+                level: level.to_string(),
+                problem: ProblemReport::new(&file.path, note),
             })
         });
         Self {
             files: checked.iter().map(|file| file.path.display().to_string()).collect(),
             kinds: checked.iter().map(|file| file.kind.map(FileKind::name)).collect(),
             problems: problems.collect(),
+            notes: notes.collect(),
+        }
+    }
+}
+
+impl ProblemReport {
+    fn new(path: &Path, problem: &LocatedDiagnostic) -> Self {
+        Self {
+            path: path.display().to_string(),
+            line: problem.line_column.map(|(line, _)| line),
+            column: problem.line_column.map(|(_, column)| column),
+            message: problem.message.clone(),
         }
     }
 }

@@ -7,7 +7,6 @@ use std::time::Duration;
 use bevy::platform::time::Instant;
 
 use super::{Candidate, EvalResult};
-use crate::run::RunError;
 use crate::run::evaluate::{Evaluation, EvaluationRun, Evaluator};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
@@ -17,7 +16,7 @@ use crate::task::EpisodeSetup;
 const SLICE: Duration = Duration::from_millis(3);
 
 /// The evaluator, with the state of the evaluation in progress.
-pub struct BackgroundEvaluator {
+pub struct SlicedEvaluator {
     scenario: Arc<Scenario>,
     count: usize,
     seed: u64,
@@ -26,7 +25,7 @@ pub struct BackgroundEvaluator {
     run: Option<EvaluationRun>,
 }
 
-impl BackgroundEvaluator {
+impl SlicedEvaluator {
     /// An evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from `seed`.
     #[must_use]
     pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
@@ -37,21 +36,14 @@ impl BackgroundEvaluator {
     }
 
     /// Submits a candidate.
-    ///
-    /// # Errors
-    /// Never; the signature is that of the threaded evaluator.
-    pub fn submit(&mut self, candidate: Candidate) -> Result<(), RunError> {
+    pub fn submit(&mut self, candidate: Candidate) {
         self.pending.push_back(candidate);
-        Ok(())
     }
 
     /// Works for one time slice, or until the result is ready if `wait` is set. Returns the next result, or
     /// `None` if it is not ready or no candidate is pending.
-    ///
-    /// # Errors
-    /// Never; the signature is that of the threaded evaluator.
-    pub fn poll(&mut self, wait: bool) -> Result<Option<EvalResult>, RunError> {
-        let Some(candidate) = self.pending.front() else { return Ok(None) };
+    pub fn poll(&mut self, wait: bool) -> Option<EvalResult> {
+        let candidate = self.pending.front()?;
         let began = Instant::now();
         let (scenario, count, evaluator) = (&self.scenario, self.count, &mut self.evaluator);
         let result = loop {
@@ -64,7 +56,7 @@ impl BackgroundEvaluator {
             };
             match is_done {
                 Ok(false) if wait || began.elapsed() < SLICE => {}
-                Ok(false) => return Ok(None),
+                Ok(false) => return None,
                 Ok(true) => {
                     let episodes = self.run.take().map_or_else(Vec::new, |run| run.episodes);
                     break Ok(Evaluation::from_episodes(&episodes, count, &scenario.task, self.seed));
@@ -75,15 +67,15 @@ impl BackgroundEvaluator {
                 }
             }
         };
-        let candidate = self.pending.pop_front();
-        Ok(candidate.map(|candidate| EvalResult { candidate, result, done: Instant::now() }))
+        let candidate = self.pending.pop_front()?;
+        Some(EvalResult { candidate, result, done: Instant::now() })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::background_evaluator::threaded;
+    use crate::run::background_evaluator::threaded::ThreadedEvaluator;
     use crate::run::shipped;
 
     #[test]
@@ -101,18 +93,19 @@ mod tests {
         let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
         let (_, policy) = &shipped::policies()[0];
         let candidate = || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0 };
-        let mut threaded = threaded::BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
+        let mut threaded =
+            ThreadedEvaluator::start(&scenario, 40, 3, &Extensions::default()).expect("a thread");
         threaded.submit(candidate()).expect("submitted");
         let expected =
             threaded.poll(true).expect("no panic").expect("a result").result.expect("an evaluation");
-        let mut sliced = BackgroundEvaluator::new(&scenario, 40, 3, &Extensions::default());
-        sliced.submit(candidate()).expect("submitted");
+        let mut sliced = SlicedEvaluator::new(&scenario, 40, 3, &Extensions::default());
+        sliced.submit(candidate());
         let evaluation = loop {
-            if let Some(done) = sliced.poll(false).expect("no error") {
+            if let Some(done) = sliced.poll(false) {
                 break done.result.expect("an evaluation");
             }
         };
         assert_eq!(evaluation, expected);
-        assert!(sliced.poll(true).expect("no error").is_none(), "no candidate is pending");
+        assert!(sliced.poll(true).is_none(), "no candidate is pending");
     }
 }

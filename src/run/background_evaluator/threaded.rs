@@ -1,5 +1,6 @@
 //! The background evaluator on a separate thread.
 
+use std::io;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
@@ -14,22 +15,29 @@ use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
 /// The training loop's handle to the evaluator thread.
-pub struct BackgroundEvaluator {
+pub struct ThreadedEvaluator {
     candidates: Sender<Candidate>,
     results: Receiver<EvalResult>,
     /// Number of submitted candidates whose results have not been polled.
     pending: usize,
 }
 
-impl BackgroundEvaluator {
+impl ThreadedEvaluator {
     /// Starts an evaluator that tests each policy in the same `count` episodes of `scenario`, drawn from
     /// `seed`.
-    #[must_use]
-    pub fn new(scenario: &Arc<Scenario>, count: usize, seed: u64, extensions: &Extensions) -> Self {
+    ///
+    /// # Errors
+    /// The thread cannot be started.
+    pub fn start(
+        scenario: &Arc<Scenario>,
+        count: usize,
+        seed: u64,
+        extensions: &Extensions,
+    ) -> io::Result<Self> {
         let (candidates, inbox) = channel::<Candidate>();
         let (outbox, results) = channel();
         let (scenario, extensions) = (scenario.clone(), extensions.clone());
-        thread::spawn(move || {
+        thread::Builder::new().name("evaluator".into()).spawn(move || {
             let mut evaluator = Evaluator::with_extensions(&scenario, count, &extensions);
             for candidate in inbox {
                 let episodes = evaluator.run(&candidate.policy, seed, count, EpisodeSetup::Random);
@@ -39,8 +47,8 @@ impl BackgroundEvaluator {
                     return;
                 }
             }
-        });
-        Self { candidates, results, pending: 0 }
+        })?;
+        Ok(Self { candidates, results, pending: 0 })
     }
 
     /// Submits a candidate.

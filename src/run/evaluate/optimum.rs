@@ -1,6 +1,7 @@
 //! The comparison of episodes with optimal times.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::Builder;
 
 use bevy::math::vec2;
 
@@ -39,11 +40,14 @@ pub fn bounds(scenario: &Scenario, episodes: &[EpisodeResult], threads: usize) -
         std::iter::from_fn(next_bounds).collect::<Vec<_>>()
     };
     let mut found: Vec<_> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        workers
-            .into_iter()
-            .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
+        // This thread works too, so threads that cannot be started only cost time.
+        let start = |_| Builder::new().spawn_scoped(scope, work).ok();
+        let workers: Vec<_> = (1..threads).filter_map(start).collect();
+        let mut found = work();
+        for worker in workers {
+            found.extend(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        found
     });
     found.sort_by_key(|(index, _)| *index);
     found.into_iter().map(|(_, bounds)| bounds).collect()

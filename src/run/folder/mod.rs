@@ -167,7 +167,7 @@ impl RunFolder {
             let text = read_text_with_limit(self.config(), MAX_CONFIG_BYTES)?;
             return Err(FileError::from_diagnostics(&self.config(), &text, &diagnostics).into());
         }
-        let memory = config.preset.check_memory(&config.scenario);
+        let memory = config.preset.check_memory(&config.scenario, &config.observation_layout());
         memory.map_err(|error| RunError::invalid_input(&self.config(), error))
     }
 

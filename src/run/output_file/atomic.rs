@@ -48,8 +48,9 @@ pub fn check_writable(path: &Path) -> Result<(), RunError> {
         OutputTarget::Stream => Ok(()),
     };
     check().map_err(|error| {
-        let help = if error.raw_os_error().is_some() { "; help: choose another file" } else { "" };
-        RunError::invalid_input(path, format!("can't be written: {error}{help}"))
+        let why = error.to_string();
+        let help = if why.contains("help: ") { "" } else { "; help: choose another file" };
+        RunError::invalid_input(path, format!("can't be written: {why}{help}"))
     })
 }
 
@@ -70,7 +71,13 @@ fn write_directly(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) 
 
 /// A new file in the folder of `target`, which it is to replace. Dropped, it is deleted.
 fn temporary_file(target: &Path, replaced: Option<&fs::Metadata>) -> io::Result<NamedTempFile> {
-    tempfile::Builder::new().prefix(PREFIX).make_in(folder_of(target), |path| access::create(path, replaced))
+    let folder = folder_of(target);
+    let file = tempfile::Builder::new().prefix(PREFIX).make_in(folder, |path| access::create(path, replaced));
+    // The target itself may be writable, so the message must name the folder.
+    file.map_err(|error| {
+        let why = format!("no file can be created in the folder {}: {error}", folder.display());
+        io::Error::new(error.kind(), why)
+    })
 }
 
 /// A complete file that has yet to replace another one. Dropped, it is deleted.

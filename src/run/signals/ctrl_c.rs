@@ -9,8 +9,8 @@ use crate::run::progress::print_stderr;
 /// SIGINT, the signal whose exit status stands for a Ctrl-C.
 const SIGINT: usize = 2;
 
-/// Only Unix has such a limit.
-pub fn survive_file_size_limit() {}
+/// Only Unix has such limits.
+pub fn survive_limits() {}
 
 /// A Ctrl-C ends the process as it is.
 pub fn exit_on_signal() {}

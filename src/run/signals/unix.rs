@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use signal_hook::consts::signal::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use signal_hook::consts::signal::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 use signal_hook::flag;
 use signal_hook::iterator::SignalsInfo;
 use signal_hook::iterator::exfiltrator::origin::WithOrigin;
@@ -21,22 +22,27 @@ const STOP_SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUS
 /// The time after the first signal from which on a Ctrl-C in the terminal ends the process at once.
 const SECOND_CTRL_C: Duration = Duration::from_millis(500);
 
+/// The condition of handlers that always act.
+static ALWAYS: AtomicBool = AtomicBool::new(true);
 /// The number of the last signal; 0 before the first.
 static LAST: AtomicUsize = AtomicUsize::new(0);
 
-/// Makes writes beyond the limit of file sizes (`ulimit -f`) fail with an error. By default, SIGXFSZ kills the process.
-pub fn survive_file_size_limit() {
+/// Makes the limits of the process end in errors instead of signals: a write beyond the limit of file sizes (`ulimit -f`) fails,
+/// and an abort after a failed allocation, at a limit of memory (`ulimit -v`, `ulimit -d`), becomes exit status 1.
+pub fn survive_limits() {
     static SEEN: AtomicBool = AtomicBool::new(false);
+    // Without these handlers, the limits kill the process: no reason to stop now.
     if !is_ignored(SIGXFSZ) {
-        // Without this handler, a file that is too large kills the process: no reason to stop now.
         let _ = flag::register(SIGXFSZ, &SEEN);
+    }
+    if [Resource::As, Resource::Data].into_iter().any(|memory| getrlimit(memory).current.is_some()) {
+        let _ = flag::register_conditional_shutdown(SIGABRT, 1, &ALWAYS);
     }
 }
 
 /// Makes the first signal end the process with its [exit status](super::StopSignal::exit_status), for work that leaves nothing
 /// to save. (Without a handler, the first process of a container would not notice the signal.)
 pub fn exit_on_signal() {
-    static ALWAYS: AtomicBool = AtomicBool::new(true);
     for signal in stop_signals() {
         // Without the handler, the signal kills the process.
         let _ = flag::register_conditional_shutdown(signal, 128 + signal, &ALWAYS);
@@ -56,9 +62,22 @@ pub fn stop_on_signal(announcement: &'static str) -> io::Result<()> {
         flag::register(signal, &STOP)?;
     }
     let signals = SignalsInfo::<WithOrigin>::new(&signals)?;
+    announce_cpu_limit();
     // Without a thread there is no announcement and no quitting at once, but the run still stops and saves.
     let _ = thread::Builder::new().name("signals".into()).spawn(move || watch(signals, announcement));
     Ok(())
+}
+
+/// Moves the soft limit of CPU time (`ulimit -t`) before the hard one, at which the kernel kills the process without notice.
+/// The soft limit sends SIGXCPU, and leaves time to save.
+fn announce_cpu_limit() {
+    let limit = getrlimit(Resource::Cpu);
+    let Some(hard_s) = limit.maximum else { return };
+    let early_s = hard_s.saturating_sub((hard_s / 4).clamp(1, 10));
+    if limit.current.is_none_or(|soft_s| soft_s > early_s) {
+        // The limit can always be lowered.
+        let _ = setrlimit(Resource::Cpu, Rlimit { current: Some(early_s), maximum: Some(hard_s) });
+    }
 }
 
 /// The name of a signal, such as `SIGTERM`.
@@ -79,14 +98,12 @@ fn watch(mut signals: SignalsInfo<WithOrigin>, announcement: &str) {
     let mut first_at: Option<Instant> = None;
     loop {
         let received: Vec<Origin> = signals.wait().collect();
-        if received.is_empty() {
-            continue;
-        }
+        // The kernel delivers signals that arrive together in the order of their numbers.
+        let Some(first) = received.iter().map(|origin| origin.signal).min() else { continue };
         match first_at {
             None => {
                 first_at = Some(Instant::now());
-                let first = first_of(&received, last_signal());
-                FIRST.store(first, Ordering::SeqCst);
+                FIRST.store(first as usize, Ordering::SeqCst);
                 print_stderr(&format!("{}: {announcement}", StopSignal(first as u8).name()));
             }
             Some(at) if at.elapsed() >= SECOND_CTRL_C && received.iter().any(is_from_terminal) => {
@@ -95,12 +112,6 @@ fn watch(mut signals: SignalsInfo<WithOrigin>, announcement: &str) {
             Some(_) => {}
         }
     }
-}
-
-/// The number of the signal that came first. Of signals that arrived together, it is not the `last` one.
-fn first_of(received: &[Origin], last: usize) -> usize {
-    let mut numbers = received.iter().map(|origin| origin.signal as usize);
-    numbers.find(|number| *number != last).unwrap_or(last)
 }
 
 /// Whether the signal is a Ctrl-C. A terminal's signal comes from the kernel, so it has no sender.

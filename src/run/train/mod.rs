@@ -16,15 +16,20 @@ use super::folder::{RunConfig, RunFolder};
 use super::metric_rows::Summary;
 use super::metrics;
 use super::metrics_writer::MetricsWriter;
+use super::notes::run_notes;
 use super::preset::Budget;
 use super::progress::{Progress, ProgressListener, ProgressReporter};
 use crate::agent::{ActiveLearner, TrainingWarning};
 use crate::learning::Learner;
 use crate::policy::Policy;
+use crate::scenario::NoteLevel;
 use crate::simulation::{Extensions, Simulation};
 
 /// The default interval between checkpoints. Two more are written at the start and the end.
 pub const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
+
+/// The most notes about doubtful settings that a run prints.
+const MAX_PRINTED_NOTES: usize = 10;
 
 /// A new run, or one to resume.
 pub enum Job {
@@ -69,6 +74,7 @@ pub fn train(
         }
     };
     run.progress.line(&format!("{}: {}", run.folder.path().display(), run.config.description()));
+    run.print_notes();
     let result = run.steps(every, stop);
     // Even after an error: wait for pending evaluations, and keep the rows that were written.
     let evaluated = run.await_evaluations();
@@ -109,6 +115,21 @@ impl Run {
 
     fn wall_s(&self) -> f64 {
         self.earlier_s + self.began.elapsed().as_secs_f64()
+    }
+
+    /// Prints the doubtful settings of the run.
+    fn print_notes(&mut self) {
+        let notes = run_notes(&self.config);
+        for found in notes.iter().take(MAX_PRINTED_NOTES) {
+            match found.note.level {
+                NoteLevel::Warning => self.progress.warn(&found.to_string()),
+                NoteLevel::Note => self.progress.line(&format!("note: {found}")),
+            }
+        }
+        if let Some(more @ 1..) = notes.len().checked_sub(MAX_PRINTED_NOTES) {
+            self.progress
+                .line(&format!("note: {more} more; help: `wayfield --check FILE` lists all of them"));
+        }
     }
 
     /// Takes control steps until the budget is used up or `stop` is set.

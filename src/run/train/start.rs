@@ -10,6 +10,8 @@ use crate::policy::Policy;
 use crate::run::background_evaluator::BackgroundEvaluator;
 use crate::run::checkpoint::{self, LoadedCheckpoint, TrainerState};
 use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, RunFolder, header};
+#[cfg(unix)]
+use crate::run::memory_limit;
 use crate::run::metric_rows::EpisodeRow;
 use crate::run::metrics_writer::MetricsWriter;
 use crate::run::preset::Budget;
@@ -26,7 +28,9 @@ impl Run {
         began: Instant,
         listener: Option<ProgressListener>,
     ) -> Result<Self, RunError> {
-        // This check comes before the folder is created, so that invalid input leaves no empty folder.
+        // These checks come before the folder is created, so that invalid input leaves no empty folder.
+        #[cfg(unix)]
+        memory_limit::check(&config)?;
         let learner = create_learner(&config, policy.as_ref())?;
         let initial_policy = policy.as_ref().map(metrics::policy_bytes).transpose()?;
         let folder = RunFolder::create(out, &config, initial_policy.as_deref())?;
@@ -59,6 +63,8 @@ impl Run {
         let (folder, config) = RunFolder::open(path)?;
         let folder = folder.locked()?;
         let mut config = config.resume_with_extensions(extensions, path)?;
+        #[cfg(unix)]
+        memory_limit::check(&config)?;
         if !checkpoint::exists(path) && !has_rows(path) {
             // The run was killed before its first checkpoint, and so before its first step.
             config.preset.budget = budget.unwrap_or(config.preset.budget);

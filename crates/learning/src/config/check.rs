@@ -1,6 +1,5 @@
 //! Range checks of all config values.
 
-use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use super::{
@@ -8,6 +7,7 @@ use super::{
 };
 use crate::limits::*;
 use wayfield_policy::NetworkShape;
+use wayfield_policy::range::{above_zero, within};
 
 impl LearningConfig {
     /// Checks that every value is in range.
@@ -25,22 +25,22 @@ impl LearningConfig {
         }
         match self.optimizer {
             Optimizer::RmsProp { smoothing, epsilon } => {
-                below_one("optimizer.smoothing", smoothing)?;
+                within("optimizer.smoothing", smoothing, 0.0..1.0)?;
                 above_zero("optimizer.epsilon", epsilon)?;
             }
             Optimizer::Adam { beta1, beta2, epsilon } => {
-                below_one("optimizer.beta1", beta1)?;
-                below_one("optimizer.beta2", beta2)?;
+                within("optimizer.beta1", beta1, 0.0..1.0)?;
+                within("optimizer.beta2", beta2, 0.0..1.0)?;
                 above_zero("optimizer.epsilon", epsilon)?;
             }
         }
         self.learning_rate.check("learning_rate", 0.0..=MAX_LEARNING_RATE)?;
         within("batch_size", self.batch_size, 1..=MAX_BATCH_SIZE)?;
         self.replay.check(self.batch_size)?;
-        within("train_freq", self.train_freq, 1..=u64::MAX)?;
+        within("train_freq", self.train_freq, 1..)?;
         within("gradient_steps", self.gradient_steps, 1..=MAX_GRADIENT_STEPS)?;
         match self.target_update {
-            TargetUpdate::Hard { every } => within("target_update.every", every, 1..=u64::MAX)?,
+            TargetUpdate::Hard { every } => within("target_update.every", every, 1..)?,
             TargetUpdate::Soft { tau } => {
                 above_zero("target_update.tau", tau)?;
                 within("target_update.tau", tau, 0.0..=1.0)?;
@@ -80,7 +80,7 @@ impl Exploration {
                 (start, end)
             }
             Self::Linear { start, end, env_steps } => {
-                within("exploration.env_steps", env_steps, 1..=u64::MAX)?;
+                within("exploration.env_steps", env_steps, 1..)?;
                 (start, end)
             }
         };
@@ -96,42 +96,8 @@ impl Schedule {
             Self::Linear { from, to, env_steps } => {
                 within(&format!("{field}.from"), from, range.clone())?;
                 within(&format!("{field}.to"), to, range)?;
-                within(&format!("{field}.env_steps"), env_steps, 1..=u64::MAX)
+                within(&format!("{field}.env_steps"), env_steps, 1..)
             }
         }
     }
-}
-
-/// Checks that `value` is in `range`. NaN is in no range.
-pub(crate) fn within<T: PartialOrd + Display>(
-    field: &str,
-    value: T,
-    range: RangeInclusive<T>,
-) -> Result<(), ConfigError> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    let problem = if value < *range.start() {
-        format!("is {value}; help: give at least {}", range.start())
-    } else {
-        format!("is {value}; help: give {} to {}", range.start(), range.end())
-    };
-    Err(ConfigError { field: field.into(), problem })
-}
-
-fn above_zero(field: &str, value: f32) -> Result<(), ConfigError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(ConfigError { field: field.into(), problem: format!("is {value}; help: give a number above 0") })
-}
-
-fn below_one(field: &str, value: f32) -> Result<(), ConfigError> {
-    if (0.0..1.0).contains(&value) {
-        return Ok(());
-    }
-    Err(ConfigError {
-        field: field.into(),
-        problem: format!("is {value}; help: give at least 0 and less than 1"),
-    })
 }

@@ -9,6 +9,7 @@ use std::cell::Cell;
 use crate::geometry::{enclosure_distance, length};
 use crate::limits::MAX_SAMPLED_POINTS;
 use crate::schema::*;
+use crate::track::Track;
 use glam::{Vec2, vec2};
 
 /// Tolerance for rounding, in m.
@@ -45,22 +46,22 @@ impl<'a> EnclosureExtent<'a> {
         let (points, mut margin) = obstacle.shape.support_points(obstacle.rotation_rad);
         let mut around = obstacle.shape.bounding_radius_m();
         let start = obstacle.position_m;
-        let path = match (&obstacle.motion, obstacle.path_m()) {
+        let path = match obstacle.track() {
             _ if !obstacle.motion.is_moving() => vec![start],
+            Track::Point => vec![start],
             // It rotates with the revolution, so its farthest point describes a circle about the centre.
-            (ObstacleMotion::Orbit { centre_m, .. }, _) => {
-                return obstacle.max_distance_from(*centre_m) - enclosure_distance(self.enclosure, *centre_m);
+            Track::Circle { centre_m } => {
+                return obstacle.max_distance_from(centre_m) - enclosure_distance(self.enclosure, centre_m);
             }
-            (ObstacleMotion::RandomWalk { radius_m, .. }, _) => {
+            Track::Disc { radius_m } => {
                 margin += radius_m;
                 around += radius_m;
                 vec![start]
             }
-            (_, Some((mut path, closed))) => {
-                path.extend(closed.then_some(start));
-                path
+            Track::Lines { mut corners_m, closed } => {
+                corners_m.extend(closed.then_some(start));
+                corners_m
             }
-            (_, None) => vec![start],
         };
         let mut worst = f32::NEG_INFINITY;
         let mut last: Option<(Vec2, f32)> = None;

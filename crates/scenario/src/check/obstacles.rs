@@ -1,7 +1,10 @@
 //! The range checks of walls, obstacles and generators.
 
+use std::fmt::Arguments;
+
 use super::numbers::check_region;
 use super::{Diagnostics, METRES, METRES_PER_SECOND, RADIANS, RADIANS_PER_SECOND, polygons};
+use crate::fields::{Field, FieldValue, Quantity};
 use crate::limits::*;
 use crate::schema::*;
 
@@ -41,23 +44,8 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 }
 
 fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) {
-    let mut size = |name: &str, value: f32| {
-        diagnostics.check_range(format_args!("obstacles[{k}].shape.{name}"), value, SHAPE_SIZE_M, METRES);
-    };
-    match &obstacle.shape {
-        Shape::Circle { radius_m } => size("radius_m", *radius_m),
-        Shape::Rectangle { width_m, height_m } => {
-            size("width_m", *width_m);
-            size("height_m", *height_m);
-        }
-        Shape::Polygon { corners_m } => {
-            polygons::check_convex(format_args!("obstacles[{k}].shape.corners_m"), corners_m, diagnostics);
-        }
-        Shape::Capsule { length_m, radius_m } => {
-            size("length_m", *length_m);
-            size("radius_m", *radius_m);
-        }
-    }
+    let (mut shape, mut motion) = (obstacle.shape.clone(), obstacle.motion.clone());
+    check_fields(format_args!("obstacles[{k}].shape"), shape.fields_mut(), diagnostics);
     diagnostics.check_point(format_args!("obstacles[{k}].position_m"), obstacle.position_m);
     diagnostics.check_range(
         format_args!("obstacles[{k}].rotation_rad"),
@@ -65,39 +53,30 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, diagnostics: &mut Diagnostics) 
         ANGLE_RAD,
         RADIANS,
     );
-    let mut speed = |value: f32| {
-        let path = format_args!("obstacles[{k}].motion.speed_m_s");
-        diagnostics.check_range(path, value, 0.0..=MAX_SPEED_M_S, METRES_PER_SECOND);
-    };
-    match &obstacle.motion {
-        ObstacleMotion::Static => {}
-        ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            diagnostics.check_point(format_args!("obstacles[{k}].motion.centre_m"), *centre_m);
-            let path = format_args!("obstacles[{k}].motion.speed_rad_s");
-            diagnostics.check_range(
-                path,
-                *speed_rad_s,
-                -MAX_ANGULAR_SPEED_RAD_S..=MAX_ANGULAR_SPEED_RAD_S,
-                RADIANS_PER_SECOND,
-            );
-        }
-        ObstacleMotion::Patrol { waypoints_m, speed_m_s }
-        | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
-            speed(*speed_m_s);
-            diagnostics.check_points(
-                format_args!("obstacles[{k}].motion.waypoints_m"),
-                waypoints_m,
-                WAYPOINTS,
-            );
-        }
-        ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed: _ } => {
-            speed(*speed_m_s);
-            diagnostics.check_range(
-                format_args!("obstacles[{k}].motion.radius_m"),
-                *radius_m,
-                WALK_RADIUS_M,
-                METRES,
-            );
+    check_fields(format_args!("obstacles[{k}].motion"), motion.fields_mut(), diagnostics);
+}
+
+/// Checks the fields of the shape or the motion at `path`.
+fn check_fields(path: Arguments<'_>, fields: Vec<Field<'_>>, diagnostics: &mut Diagnostics) {
+    for Field { names, value, .. } in fields {
+        let mut number = |name: &str, value: f32, quantity: Quantity| {
+            let unit = match quantity {
+                Quantity::Size | Quantity::Reach => METRES,
+                Quantity::Speed => METRES_PER_SECOND,
+                Quantity::AngularSpeed => RADIANS_PER_SECOND,
+            };
+            diagnostics.check_range(format_args!("{path}.{name}"), value, quantity.range(), unit);
+        };
+        let path = format_args!("{path}.{}", names[0]);
+        match value {
+            FieldValue::Number(value, quantity) => number(names[0], *value, quantity),
+            FieldValue::Pair(values, quantity) => {
+                names.iter().zip(values).for_each(|(name, value)| number(name, *value, quantity));
+            }
+            FieldValue::Seed(_) => {}
+            FieldValue::Centre(centre_m) => diagnostics.check_point(path, *centre_m),
+            FieldValue::Waypoints(waypoints_m) => diagnostics.check_points(path, waypoints_m, WAYPOINTS),
+            FieldValue::Corners(corners_m) => polygons::check_convex(path, corners_m, diagnostics),
         }
     }
 }

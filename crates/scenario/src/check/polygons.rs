@@ -88,7 +88,7 @@ fn repeats_corner(path: std::fmt::Arguments<'_>, corners: &[DVec2], diagnostics:
 }
 
 /// Whether two segments share a point.
-fn meet((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> bool {
+pub(super) fn meet((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> bool {
     let side = |from: DVec2, to: DVec2, point: DVec2| (to - from).perp_dot(point - from);
     let (to_c, to_d) = (side(a, b, c), side(a, b, d));
     let (to_a, to_b) = (side(c, d, a), side(c, d, b));

@@ -40,7 +40,9 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
     check_regions(scenario, diagnostics);
     check_named_positions(scenario, diagnostics);
-    check_benchmark_route(scenario, diagnostics);
+    if !scenario.benchmark_route.is_default() {
+        check_benchmark_route(scenario, diagnostics);
+    }
     check_free_space(scenario, diagnostics);
 }
 
@@ -109,7 +111,7 @@ fn check_named_positions(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 }
 
 /// Checks that the robot does not collide at either end of the benchmark route, and that the ends are apart.
-fn check_benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
+pub(super) fn check_benchmark_route(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     let (benchmark_route, task) = (&scenario.benchmark_route, &scenario.task);
     for (name, point) in [("start_m", benchmark_route.start_m), ("goal_m", benchmark_route.goal_m)] {
         let clear = clearance(scenario, point, 0);
@@ -259,11 +261,7 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
     let least = scenario.task.min_goal_distance_m;
     let frozen = frozen(scenario, 0);
-    let points = |rule: &PlacementRule| -> Vec<Vec2> {
-        let named: Vec<_> = named_positions(rule).into_iter().map(|(_, place)| place).collect();
-        if named.is_empty() { free_points(&frozen, rule, 0).collect() } else { named }
-    };
-    let goals = points(&scenario.goals);
+    let goals = possible_positions(&frozen, &scenario.goals);
     let leaves = |start: Vec2| goals.iter().any(|goal| length(goal.x - start.x, goal.y - start.y) >= least);
     if let (PlacementRule::Fixed { position_m: start, .. }, PlacementRule::Fixed { position_m: goal, .. }) =
         (&scenario.starts, &scenario.goals)
@@ -288,7 +286,7 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         }
     }
     if named.is_empty() {
-        let starts = points(&scenario.starts);
+        let starts = possible_positions(&frozen, &scenario.starts);
         let far = starts.iter().filter(|&&start| leaves(start)).count();
         if far * FAR_START_DIVISOR < starts.len() {
             let message = format!(
@@ -300,14 +298,20 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
     }
 }
 
+/// The positions that `rule` names, or else those on a grid that it allows at step 0.
+pub(super) fn possible_positions(scenario: &Scenario, rule: &PlacementRule) -> Vec<Vec2> {
+    let named: Vec<_> = named_positions(rule).into_iter().map(|(_, place)| place).collect();
+    if named.is_empty() { free_points(scenario, rule, 0).collect() } else { named }
+}
+
 /// Number of sides of all obstacles and inner walls.
-fn sides(scenario: &Scenario) -> usize {
+pub(super) fn sides(scenario: &Scenario) -> usize {
     scenario.obstacles.iter().map(|obstacle| obstacle.shape.side_count()).sum::<usize>()
         + scenario.walls.iter().map(|wall| wall.corners_m.len()).sum::<usize>()
 }
 
 /// The scenario without its moving obstacles.
-fn without_moving_obstacles(scenario: &Scenario) -> Scenario {
+pub(super) fn without_moving_obstacles(scenario: &Scenario) -> Scenario {
     let mut still = scenario.clone();
     still.obstacles.retain(|obstacle| !obstacle.motion.is_moving());
     still

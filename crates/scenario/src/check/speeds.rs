@@ -2,10 +2,11 @@
 
 use std::f32::consts::PI;
 
-use super::{Diagnostics, rounded_down};
-use crate::geometry::length;
+use super::motions::max_speed_m_s;
+use super::{Diagnostics, Note, NoteLevel, rounded_down};
 use crate::limits::*;
 use crate::schema::*;
+use crate::track::MotionSpeed;
 
 /// Factor of tolerance for the rounding of a speed at the limit.
 const SLACK: f32 = 1.0 + 1e-5;
@@ -22,12 +23,11 @@ pub(super) fn check(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 
 fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut Diagnostics) {
     let path = format_args!("obstacles[{k}].motion");
-    match &obstacle.motion {
-        ObstacleMotion::Static => {}
-        ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
+    match obstacle.motion.speed() {
+        MotionSpeed::AtRest => {}
+        MotionSpeed::Revolution { centre_m, speed_rad_s } => {
             let path = format_args!("{path}.speed_rad_s");
-            let arm = length(obstacle.position_m.x - centre_m.x, obstacle.position_m.y - centre_m.y);
-            let speed = (arm * speed_rad_s).abs();
+            let (arm, speed) = (obstacle.distance_to(centre_m), obstacle.origin_speed_m_s());
             if speed_rad_s.abs() > MAX_ANGULAR_SPEED_RAD_S || !speed.is_finite() {
                 return;
             }
@@ -44,11 +44,9 @@ fn check_obstacle(k: usize, obstacle: &Obstacle, period: f32, diagnostics: &mut 
                 diagnostics.push(path, too_round(speed_rad_s.abs() * period, "obstacle", period));
             }
         }
-        ObstacleMotion::Patrol { speed_m_s, .. }
-        | ObstacleMotion::BackAndForth { speed_m_s, .. }
-        | ObstacleMotion::RandomWalk { speed_m_s, .. } => {
+        MotionSpeed::Translation(speed_m_s) => {
             let gone = speed_m_s * period;
-            if gone > MAX_STEP_M * SLACK && *speed_m_s <= MAX_SPEED_M_S {
+            if gone > MAX_STEP_M * SLACK && speed_m_s <= MAX_SPEED_M_S {
                 let most = rounded_down(MAX_STEP_M / period);
                 diagnostics.push(format_args!("{path}.speed_m_s"), too_far(gone, "obstacle", &most));
             }
@@ -74,6 +72,26 @@ fn check_robot(scenario: &Scenario, period: f32, diagnostics: &mut Diagnostics) 
         if turned > PI * SLACK && motion.w_rad_s.abs() <= MAX_ANGULAR_SPEED_RAD_S {
             let path = format_args!("robot.motions[{k}].w_rad_s");
             diagnostics.push(path, too_round(turned, "robot", period));
+        }
+    }
+}
+
+/// Notes obstacles that are faster than the robot.
+pub(super) fn note_fast_obstacles(scenario: &Scenario, notes: &mut Vec<Note>) {
+    let robot_m_s = max_speed_m_s(&scenario.robot);
+    for (k, obstacle) in scenario.obstacles.iter().enumerate() {
+        let speed_m_s = obstacle.max_speed_m_s().abs();
+        if speed_m_s > robot_m_s * SLACK {
+            let name = if matches!(obstacle.motion.speed(), MotionSpeed::Revolution { .. }) {
+                "rad_s"
+            } else {
+                "m_s"
+            };
+            let message = format!(
+                "moves the obstacle at up to {speed_m_s:.3} m/s, faster than the robot at {robot_m_s:.3} m/s, which can't \
+                 evade it: slow it down, unless that is meant"
+            );
+            notes.push(Note::new(NoteLevel::Note, format!("obstacles[{k}].motion.speed_{name}"), message));
         }
     }
 }

@@ -309,7 +309,7 @@ fn put_elsewhere(what: &str, scenario: &mut Scenario, attempt: u64) {
     match what {
         "starts" => scenario.starts = elsewhere(&scenario.starts, start),
         "goals" => scenario.goals = elsewhere(&scenario.goals, goal),
-        "task" => scenario.task = TaskRules::default(),
+        "task" => (scenario.task, scenario.robot) = (TaskRules::default(), Robot::default()),
         _ => (scenario.benchmark_route.start_m, scenario.benchmark_route.goal_m) = (start, goal),
     }
 }

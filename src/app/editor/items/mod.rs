@@ -9,7 +9,7 @@
 //! | `generator.rs` | a generator of random obstacles |
 //! | `placement_rule.rs` | the rule for starts or goals |
 //! | `benchmark_start.rs`, `benchmark_goal.rs` | the ends of the benchmark route |
-//! | `corners.rs`, `rectangles.rs`, `rule_points.rs` | shared: lists of corners, axis-aligned rectangles, the points of a rule |
+//! | `corners.rs`, `rectangles.rs` | shared: lists of corners, axis-aligned rectangles |
 
 mod benchmark_goal;
 mod benchmark_start;
@@ -22,7 +22,6 @@ mod obstacle_body;
 mod obstacle_path;
 mod placement_rule;
 mod rectangles;
-pub(super) mod rule_points;
 mod wall;
 
 use super::kinds::PlacementRole;

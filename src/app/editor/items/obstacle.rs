@@ -7,7 +7,7 @@ use super::super::handle::{Handle, HandleKind};
 use super::super::snap::Snap;
 use super::editable::{Body, DragTarget, Editable, ListItem, numbered, remove_at};
 use super::{obstacle_body, obstacle_path};
-use crate::scenario::{ObstacleMotion, Scenario, shape_distance};
+use crate::scenario::{FieldValue, Scenario, shape_distance};
 
 pub(super) struct ObstacleItem(pub usize);
 
@@ -55,7 +55,7 @@ impl Editable for ObstacleItem {
 
     fn rotation(&self, scenario: &Scenario) -> Option<(Vec2, f32)> {
         let obstacle = scenario.obstacles.get(self.0)?;
-        obstacle_body::can_rotate(&obstacle.shape).then_some((obstacle.position_m, obstacle.rotation_rad))
+        obstacle.shape.has_orientation().then_some((obstacle.position_m, obstacle.rotation_rad))
     }
 
     fn rotate(&self, scenario: &mut Scenario, angle_rad: f32) -> Option<()> {
@@ -74,9 +74,11 @@ impl Editable for ObstacleItem {
 
     /// Gives a random walk another seed.
     fn vary(&self, scenario: &mut Scenario) {
-        let motion = scenario.obstacles.get_mut(self.0).map(|obstacle| &mut obstacle.motion);
-        if let Some(ObstacleMotion::RandomWalk { seed, .. }) = motion {
-            *seed = seed.wrapping_add(1);
+        let Some(obstacle) = scenario.obstacles.get_mut(self.0) else { return };
+        for field in obstacle.motion.fields_mut() {
+            if let FieldValue::Seed(seed) = field.value {
+                *seed = seed.wrapping_add(1);
+            }
         }
     }
 

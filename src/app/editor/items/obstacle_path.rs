@@ -3,35 +3,31 @@
 use bevy::math::{Vec2, vec2};
 
 use super::super::handle::{Handle, HandleKind};
-use super::super::limits::MAX_POINTS;
+use super::super::limits::{MAX_POINTS, WAYPOINTS};
 use super::super::points::{distance, format_metres, place_text, point_to_mm};
 use super::corners;
 use super::editable::DragTarget;
-use crate::scenario::{Obstacle, ObstacleMotion};
+use crate::scenario::{Obstacle, Quantity, Track};
 
-/// Handles of the path, the orbit or the random walk.
+/// Handles of the path, the centre or the reach.
 pub(super) fn handles(obstacle: &Obstacle) -> Vec<Handle> {
-    let mut handles = path_handles(obstacle);
-    match &obstacle.motion {
-        ObstacleMotion::Orbit { centre_m, .. } => {
-            let text = format!("r {} m", format_metres(distance(*centre_m, obstacle.position_m)));
-            let about = "Move the centre of the orbit";
-            handles.push(Handle::new(HandleKind::OrbitCentre, *centre_m, text, about));
+    let at = obstacle.position_m;
+    match obstacle.track() {
+        Track::Point => Vec::new(),
+        Track::Lines { corners_m, closed } => path_handles(&corners_m, closed),
+        Track::Circle { centre_m } => {
+            let text = format!("r {} m", format_metres(distance(centre_m, at)));
+            vec![Handle::new(HandleKind::Centre, centre_m, text, "Move the centre of the orbit")]
         }
-        ObstacleMotion::RandomWalk { radius_m, .. } => {
-            let at = obstacle.position_m + vec2(0.0, *radius_m);
-            let text = format!("{} m", format_metres(*radius_m));
-            let about = "Change the radius of the random walk";
-            handles.push(Handle::new(HandleKind::WalkRadius, at, text, about));
+        Track::Disc { radius_m } => {
+            let (edge, text) = (at + vec2(0.0, radius_m), format!("{} m", format_metres(radius_m)));
+            vec![Handle::new(HandleKind::Reach, edge, text, "Change the largest distance from the position")]
         }
-        _ => {}
     }
-    handles
 }
 
 /// Handles of the path: new waypoints on its legs, then its start and waypoints.
-fn path_handles(obstacle: &Obstacle) -> Vec<Handle> {
-    let Some((path, closed)) = obstacle.path_m() else { return Vec::new() };
+fn path_handles(path: &[Vec2], closed: bool) -> Vec<Handle> {
     let mut handles = Vec::new();
     if path.len() <= MAX_POINTS {
         let legs = if closed && path.len() > 2 { path.len() } else { path.len() - 1 };
@@ -50,26 +46,19 @@ fn path_handles(obstacle: &Obstacle) -> Vec<Handle> {
     handles
 }
 
-fn waypoints(obstacle: &mut Obstacle) -> Option<&mut Vec<Vec2>> {
-    match &mut obstacle.motion {
-        ObstacleMotion::Patrol { waypoints_m, .. } | ObstacleMotion::BackAndForth { waypoints_m, .. } => {
-            Some(waypoints_m)
-        }
-        _ => None,
-    }
-}
-
 /// Drags a handle of the motion.
 pub(super) fn drag(obstacle: &mut Obstacle, kind: HandleKind, target: DragTarget) -> Option<()> {
-    match (kind, &mut obstacle.motion) {
-        (HandleKind::PathStart, _) => {
-            waypoints(obstacle)?;
+    let motion = &mut obstacle.motion;
+    match kind {
+        HandleKind::PathStart => {
+            motion.waypoints_mut()?;
             obstacle.position_m = target.snapped_m;
         }
-        (HandleKind::Waypoint(k), _) => *waypoints(obstacle)?.get_mut(k)? = target.snapped_m,
-        (HandleKind::OrbitCentre, ObstacleMotion::Orbit { centre_m, .. }) => *centre_m = target.snapped_m,
-        (HandleKind::WalkRadius, ObstacleMotion::RandomWalk { radius_m, .. }) => {
-            *radius_m = target.snap.size(distance(obstacle.position_m, target.position_m));
+        HandleKind::Waypoint(k) => *motion.waypoints_mut()?.get_mut(k)? = target.snapped_m,
+        HandleKind::Centre => *motion.centre_mut()? = target.snapped_m,
+        HandleKind::Reach => {
+            let reach_m = distance(obstacle.position_m, target.position_m);
+            *motion.number_mut(Quantity::Reach)? = target.snap.size(reach_m);
         }
         _ => return None,
     }
@@ -79,23 +68,18 @@ pub(super) fn drag(obstacle: &mut Obstacle, kind: HandleKind, target: DragTarget
 /// Inserts a waypoint.
 pub(super) fn insert(obstacle: &mut Obstacle, kind: HandleKind, position_m: Vec2) -> Option<HandleKind> {
     let HandleKind::InsertWaypoint(k) = kind else { return None };
-    corners::insert(waypoints(obstacle)?, k, position_m)?;
+    corners::insert(obstacle.motion.waypoints_mut()?, k, position_m)?;
     Some(HandleKind::Waypoint(k))
 }
 
 /// Removes a waypoint, unless it is the last.
 pub(super) fn remove(obstacle: &mut Obstacle, kind: HandleKind) -> Option<()> {
     let HandleKind::Waypoint(k) = kind else { return None };
-    corners::remove(waypoints(obstacle)?, k, 1)
+    corners::remove(obstacle.motion.waypoints_mut()?, k, *WAYPOINTS.start())
 }
 
 /// Moves the obstacle and its motion.
 pub(super) fn translate(obstacle: &mut Obstacle, by_m: Vec2) {
     obstacle.position_m = point_to_mm(obstacle.position_m + by_m);
-    if let Some(waypoints) = waypoints(obstacle) {
-        corners::translate(waypoints, by_m);
-    }
-    if let ObstacleMotion::Orbit { centre_m, .. } = &mut obstacle.motion {
-        *centre_m = point_to_mm(*centre_m + by_m);
-    }
+    corners::translate(obstacle.motion.points_mut(), by_m);
 }

@@ -6,7 +6,6 @@ use super::super::handle::{Handle, HandleKind};
 use super::super::kinds::PlacementRole;
 use super::super::points::{LocalFrame, degrees_text, distance, place_text};
 use super::editable::{Body, DragTarget, Editable};
-use super::rule_points::{points_mut, positions, region};
 use super::{corners, rectangles};
 use crate::scenario::{PlacementRule, Scenario};
 
@@ -31,7 +30,7 @@ impl Editable for RuleItem {
 
     fn body(&self, scenario: &Scenario) -> Body {
         let rule = self.0.of(scenario);
-        match (region(rule), positions(rule)) {
+        match (rule.region(), rule.positions_m()) {
             (Some(region), _) => Body::Region(region),
             (None, []) => Body::Nothing,
             (None, places) => {
@@ -42,7 +41,7 @@ impl Editable for RuleItem {
 
     fn handles(&self, scenario: &Scenario) -> Vec<Handle> {
         let rule = self.0.of(scenario);
-        let mut handles = region(rule).map_or_else(Vec::new, rectangles::region_handles);
+        let mut handles = rule.region().map_or_else(Vec::new, rectangles::region_handles);
         if let PlacementRule::Fixed { position_m, heading_rad: Some(heading) } = *rule {
             handles.push(heading_handle(position_m, heading));
         }
@@ -52,7 +51,7 @@ impl Editable for RuleItem {
         };
         let place =
             |(k, &at): (usize, &Vec2)| Handle::new(HandleKind::Position(k), at, place_text(at), about);
-        handles.extend(positions(rule).iter().enumerate().map(place));
+        handles.extend(rule.positions_m().iter().enumerate().map(place));
         handles
     }
 
@@ -62,7 +61,7 @@ impl Editable for RuleItem {
             return kind;
         }
         let away = |place: &Vec2| distance(*place, position_m);
-        let places = positions(self.0.of(scenario)).iter().enumerate();
+        let places = self.0.of(scenario).positions_m().iter().enumerate();
         let nearest = places.min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
         nearest.map_or(kind, |(k, _)| HandleKind::Position(k))
     }
@@ -113,7 +112,7 @@ impl Editable for RuleItem {
     }
 
     fn translate(&self, scenario: &mut Scenario, by_m: Vec2) -> Option<()> {
-        corners::translate(points_mut(self.0.of_mut(scenario)), by_m);
+        corners::translate(self.0.of_mut(scenario).points_mut(), by_m);
         Some(())
     }
 

@@ -75,12 +75,12 @@ fn circles_and_capsules_are_resized() {
         ..static_obstacle(Shape::Capsule { length_m: 1.0, radius_m: 0.1 }, vec2(0.0, 0.0))
     };
     let mut editor = with(capsule);
-    assert!(near(position(&editor, HandleKind::CapsuleEnd(true)), vec2(0.0, 0.6), 1e-5));
-    drag(&mut editor, HandleKind::CapsuleEnd(true), vec2(0.3, 0.4), false);
+    assert!(near(position(&editor, HandleKind::End(1)), vec2(0.0, 0.6), 1e-5));
+    drag(&mut editor, HandleKind::End(1), vec2(0.3, 0.4), false);
     let capsule = &editor.scenario().obstacles[0];
     assert_eq!(capsule.shape, Shape::Capsule { length_m: 1.4, radius_m: 0.1 });
     assert_eq!(capsule.position_m, vec2(0.0, 0.2), "the lower end stays at -0.5");
-    drag(&mut editor, HandleKind::CapsuleEnd(false), vec2(0.0, 5.0), false);
+    drag(&mut editor, HandleKind::End(-1), vec2(0.0, 5.0), false);
     let capsule = &editor.scenario().obstacles[0];
     assert_eq!(capsule.shape, Shape::Capsule { length_m: 0.05, radius_m: 0.1 }, "at least one grid step");
     assert_eq!(capsule.position_m, vec2(0.0, 0.875), "the upper end stays at 0.9");
@@ -122,7 +122,7 @@ fn resizing_a_moving_obstacle_moves_its_path() {
         ObstacleMotion::BackAndForth { waypoints_m: vec![vec2(0.0, 1.0), vec2(1.0, 1.0)], speed_m_s: 0.1 };
     let mut editor = with(Obstacle { motion, ..static_obstacle(shape, vec2(0.0, 0.0)) });
     // The left end goes from -0.5 to -0.9.
-    drag(&mut editor, HandleKind::CapsuleEnd(false), vec2(-0.4, 0.0), false);
+    drag(&mut editor, HandleKind::End(-1), vec2(-0.4, 0.0), false);
     let o = &editor.scenario().obstacles[0];
     assert_eq!(o.position_m, vec2(-0.2, 0.0));
     let waypoints_m = vec![vec2(-0.2, 1.0), vec2(0.8, 1.0)];
@@ -274,8 +274,8 @@ fn the_centre_of_an_orbit_and_the_radius_of_a_random_walk_are_dragged() {
     let text = |editor: &Editor, kind| {
         editor.handles().into_iter().find(|handle| handle.kind == kind).map(|handle| handle.text)
     };
-    assert_eq!(text(&editor, HandleKind::OrbitCentre).as_deref(), Some("r 1.00 m"));
-    drag(&mut editor, HandleKind::OrbitCentre, vec2(0.0, 0.52), false);
+    assert_eq!(text(&editor, HandleKind::Centre).as_deref(), Some("r 1.00 m"));
+    drag(&mut editor, HandleKind::Centre, vec2(0.0, 0.52), false);
     let expected = ObstacleMotion::Orbit { centre_m: vec2(0.0, 0.5), speed_rad_s: 0.15 };
     assert_eq!(editor.scenario().obstacles[0].motion, expected);
     drag(&mut editor, HandleKind::Middle, vec2(0.1, 0.0), false);
@@ -283,8 +283,8 @@ fn the_centre_of_an_orbit_and_the_radius_of_a_random_walk_are_dragged() {
     assert_eq!(editor.scenario().obstacles[0].motion, expected, "the orbit moves with the obstacle");
     let motion = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
     let mut editor = with(Obstacle { motion, ..circle(0.6, 0.8) });
-    drag(&mut editor, HandleKind::WalkRadius, vec2(0.0, -0.2), false);
-    assert_eq!(text(&editor, HandleKind::WalkRadius).as_deref(), Some("0.30 m"));
+    drag(&mut editor, HandleKind::Reach, vec2(0.0, -0.2), false);
+    assert_eq!(text(&editor, HandleKind::Reach).as_deref(), Some("0.30 m"));
 }
 
 #[test]

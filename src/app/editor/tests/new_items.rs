@@ -5,14 +5,14 @@ use super::*;
 #[test]
 fn a_new_item_is_placed_in_free_space() {
     let mut editor = editor(Scenario::default());
-    for item in [NewItem::Circle, NewItem::Box, NewItem::Capsule, NewItem::Triangle, NewItem::Hexagon] {
-        editor.add(item, vec2(0.0, 0.0));
+    for (name, shape) in Shape::templates() {
+        editor.add_obstacle(shape, vec2(0.0, 0.0));
         let (mut others, k) = (Scenario::clone(editor.scenario()), editor.scenario().obstacles.len() - 1);
         assert_eq!(editor.selection(), Selection::Obstacle(k));
         let added = others.obstacles.remove(k);
         assert!(
             clearance(&others, added.position_m, 0) >= added.shape.bounding_radius_m(),
-            "{item:?} {added:?}"
+            "{name} {added:?}"
         );
         let on_grid = (added.position_m.x / 0.05).round() * 0.05;
         assert!((added.position_m.x - on_grid).abs() < 1e-5);
@@ -20,7 +20,7 @@ fn a_new_item_is_placed_in_free_space() {
     assert_eq!(editor.diagnostics(), [], "five items are valid");
     // Without free space the item is added all the same, with a diagnostic.
     for _ in 0..80 {
-        editor.add(NewItem::Box, vec2(0.0, 0.0));
+        editor.add_obstacle(new_shape("Box"), vec2(0.0, 0.0));
     }
     assert_eq!(editor.scenario().obstacles.len(), 85);
     assert!(!editor.diagnostics().is_empty());
@@ -29,10 +29,10 @@ fn a_new_item_is_placed_in_free_space() {
 #[test]
 fn new_polygons_are_regular() {
     let mut editor = editor(Scenario::default());
-    editor.add(NewItem::Triangle, vec2(1.0, -1.0));
+    editor.add_obstacle(new_shape("Triangle"), vec2(1.0, -1.0));
     let corners_m = vec![vec2(0.0, 0.25), vec2(-0.217, -0.125), vec2(0.217, -0.125)];
     assert_eq!(editor.scenario().obstacles[0].shape, Shape::Polygon { corners_m });
-    editor.add(NewItem::Hexagon, vec2(1.0, -1.0));
+    editor.add_obstacle(new_shape("Hexagon"), vec2(1.0, -1.0));
     let Shape::Polygon { corners_m } = &editor.scenario().obstacles[1].shape else { panic!("a polygon") };
     assert_eq!(corners_m[..3], [vec2(0.2, 0.0), vec2(0.1, 0.173), vec2(-0.1, 0.173)]);
 }
@@ -66,7 +66,7 @@ fn a_copy_is_placed_next_to_the_original() {
 #[test]
 fn copies_of_a_random_walk_have_other_seeds() {
     let mut editor = editor(Scenario::default());
-    editor.add(NewItem::Circle, vec2(1.0, -1.0));
+    editor.add_obstacle(new_shape("Circle"), vec2(1.0, -1.0));
     editor.set_motion(MotionKind::RandomWalk);
     editor.duplicate();
     editor.copy();

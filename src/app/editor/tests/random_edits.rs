@@ -59,18 +59,13 @@ fn assert_tool_fits(editor: &Editor, before: Selection) {
 }
 
 fn random_edit(editor: &mut Editor, stream: &mut Stream) {
-    const ITEMS: [NewItem; 6] = [
-        NewItem::Circle,
-        NewItem::Box,
-        NewItem::Capsule,
-        NewItem::Triangle,
-        NewItem::Hexagon,
-        NewItem::Generator,
-    ];
     let at = random_position(stream);
     let rule = [PlacementRole::Starts, PlacementRole::Goals][one_of(stream, 2)];
     match one_of(stream, 28) {
-        0 | 26 => editor.add(ITEMS[one_of(stream, 6)], at),
+        0 | 26 => match Shape::templates().get(one_of(stream, 6)) {
+            Some((_, shape)) => editor.add_obstacle(shape.clone(), at),
+            None => editor.add_generator(),
+        },
         1..=3 => {
             let found = editor.pick(at, 0.3);
             editor.select(found);
@@ -85,7 +80,7 @@ fn random_edit(editor: &mut Editor, stream: &mut Stream) {
         11 => [Editor::copy, Editor::cut][one_of(stream, 2)](editor),
         12 => editor.paste([None, Some(at)][one_of(stream, 2)]),
         13 => editor.nudge(1, -2, uniform(stream, 0.0, 1.0) < 0.5),
-        14 => editor.set_motion(MotionKind::ALL[one_of(stream, 5)]),
+        14 => editor.set_motion(MotionKind::ALL[one_of(stream, 5)].0),
         15 => editor.set_rule(rule, PlacementKind::ALL[one_of(stream, 4)]),
         16 => editor.set_enclosure([EnclosureKind::Rectangle, EnclosureKind::Polygon][one_of(stream, 2)]),
         17 => {

@@ -122,7 +122,7 @@ fn another_scenario_can_be_opened_and_undo_brings_the_former_back() {
 #[test]
 fn an_edited_scenario_survives_saving_and_loading() {
     let mut editor = editor(full());
-    editor.add(NewItem::Capsule, vec2(0.0, -1.5));
+    editor.add_obstacle(new_shape("Capsule"), vec2(0.0, -1.5));
     assert!(editor.begin_drag(HandleKind::Rotate, vec2(1.0, -1.5)));
     editor.drag_to(vec2(0.123, 0.456), true);
     editor.end_drag();

@@ -20,7 +20,7 @@ fn placing_goals() -> Editor {
 fn the_positions_tool_is_put_away_when_its_rule_is_deselected_or_changes_kind() {
     let changes: [fn(&mut Editor); 6] = [
         Editor::delete,
-        |e| e.add(NewItem::Circle, vec2(0.0, 0.0)),
+        |e| e.add_obstacle(new_shape("Circle"), vec2(0.0, 0.0)),
         |e| e.set_rule(PlacementRole::Starts, PlacementKind::OneOf),
         |e| e.set_rule(PlacementRole::Goals, PlacementKind::Within),
         |e| e.set_enclosure(EnclosureKind::Polygon),
@@ -63,7 +63,7 @@ fn the_path_tool_is_put_away_when_its_obstacle_is_deselected() {
     let changes: [fn(&mut Editor); 4] = [
         Editor::duplicate,
         Editor::delete,
-        |e| e.add(NewItem::Circle, vec2(0.0, 0.0)),
+        |e| e.add_obstacle(new_shape("Circle"), vec2(0.0, 0.0)),
         |e| e.edit("all", |s| s.obstacles.clear()),
     ];
     for (k, change) in changes.into_iter().enumerate() {

@@ -5,7 +5,7 @@ use bevy::math;
 use egui::{Color32, Pos2, Shape as Mark, Stroke, Vec2, vec2};
 
 use super::canvas::Canvas;
-use crate::scenario::{Obstacle, ObstacleMotion};
+use crate::scenario::{MotionSpeed, Obstacle, Track};
 
 /// Lengths of a dash and of the gap after it, in points.
 const DASH: (f32, f32) = (6.0, 4.0);
@@ -14,36 +14,33 @@ const DASH: (f32, f32) = (6.0, 4.0);
 pub fn draw(canvas: &Canvas, obstacle: &Obstacle, color: Color32) {
     let stroke = Stroke::new(1.5, color);
     let at = canvas.to_screen(obstacle.position_m.into());
-    match &obstacle.motion {
-        ObstacleMotion::Static => {}
-        ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            let centre = canvas.to_screen((*centre_m).into());
-            ring(canvas, centre, centre.distance(at), stroke);
-            for side in [vec2(4.0, 0.0), vec2(0.0, 4.0)] {
-                canvas.painter.line_segment([centre - side, centre + side], stroke);
-            }
-            // An arrow a little ahead of the obstacle. With y down, counterclockwise means smaller angles.
-            if *speed_rad_s != 0.0 && centre.distance(at) > 12.0 {
-                let direction = -speed_rad_s.signum();
-                let spoke = Vec2::angled((at - centre).angle() + direction * 0.6);
-                canvas.arrow_head(
-                    centre + spoke * centre.distance(at),
-                    spoke.rot90() * -direction,
-                    8.0,
-                    color,
-                );
-            }
-        }
-        ObstacleMotion::Patrol { .. } | ObstacleMotion::BackAndForth { .. } => {
-            if let Some((corners, closed)) = obstacle.path_m() {
-                legs(canvas, corners, closed, stroke);
-            }
-        }
-        ObstacleMotion::RandomWalk { radius_m, .. } => {
-            let reach = canvas.transform.to_screen_length(*radius_m);
+    match obstacle.track() {
+        Track::Point => {}
+        Track::Circle { centre_m } => orbit(canvas, canvas.to_screen(centre_m.into()), obstacle, stroke),
+        Track::Lines { corners_m, closed } => legs(canvas, corners_m, closed, stroke),
+        Track::Disc { radius_m } => {
+            let reach = canvas.transform.to_screen_length(radius_m);
             canvas.painter.circle_filled(at, reach, color.gamma_multiply(0.08));
             ring(canvas, at, reach, stroke);
         }
+    }
+}
+
+/// Draws a dashed circle with its centre, and an arrow a little ahead of the obstacle.
+fn orbit(canvas: &Canvas, centre: Pos2, obstacle: &Obstacle, stroke: Stroke) {
+    let arm = canvas.to_screen(obstacle.position_m.into()) - centre;
+    ring(canvas, centre, arm.length(), stroke);
+    for side in [vec2(4.0, 0.0), vec2(0.0, 4.0)] {
+        canvas.painter.line_segment([centre - side, centre + side], stroke);
+    }
+    if let MotionSpeed::Revolution { speed_rad_s, .. } = obstacle.motion.speed()
+        && speed_rad_s != 0.0
+        && arm.length() > 12.0
+    {
+        // With y down, counterclockwise means smaller angles.
+        let direction = -speed_rad_s.signum();
+        let spoke = Vec2::angled(arm.angle() + direction * 0.6);
+        canvas.arrow_head(centre + spoke * arm.length(), spoke.rot90() * -direction, 8.0, stroke.color);
     }
 }
 

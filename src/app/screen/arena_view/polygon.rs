@@ -1,6 +1,6 @@
-//! Polygons: filling, growing, and intersection with a line.
+//! Polygons: filling, and intersection with a line.
 //!
-//! In: corners in order, clockwise or counterclockwise. Out: triangles, corners, spans. A polygon that
+//! In: corners in order, clockwise or counterclockwise. Out: triangles, spans. A polygon that
 //! crosses itself, such as an unfinished drawing, is filled in some way, but never causes a panic.
 
 use bevy::math::{Vec2, vec2};
@@ -8,9 +8,6 @@ use egui::{Color32, Mesh, Pos2, Shape};
 
 use super::canvas::Canvas;
 use crate::scenario::polygon;
-
-/// The maximum distance that a corner moves when a polygon grows, as a multiple of the growth.
-const MITRE: f32 = 3.0;
 
 /// Twice the signed area of the triangle a, b, c; positive if they are in counterclockwise order.
 fn turn(a: Vec2, b: Vec2, c: Vec2) -> f32 {
@@ -124,30 +121,6 @@ fn paint(canvas: &Canvas, corners: &[Vec2], triangles: &[[usize; 3]], color: Col
     }
 }
 
-/// The corners of the polygon with its sides moved outwards by `by_m`.
-#[must_use]
-pub fn inflated(corners: &[Vec2], by_m: f32) -> Vec<Vec2> {
-    let n = corners.len();
-    let out = if is_counterclockwise(corners) { 1.0 } else { -1.0 };
-    // The outward unit normal of side k.
-    let normal = |k: usize| {
-        let (a, b) = (corners[k % n], corners[(k + 1) % n]);
-        let (dx, dy) = (b.x - a.x, b.y - a.y);
-        let length = dx.hypot(dy);
-        if length > 0.0 { (out * dy / length, -out * dx / length) } else { (0.0, 0.0) }
-    };
-    let moved = |k: usize| {
-        let (before, after) = (normal(k + n - 1), normal(k));
-        let (sx, sy) = (before.0 + after.0, before.1 + after.1);
-        // The sum of the two unit normals has length 2 cos(bend / 2), and the corner moves by 1 / cos(bend /
-        // 2).
-        let square = sx * sx + sy * sy;
-        let by = (2.0 / square.max(1e-6)).min(MITRE / square.max(1e-6).sqrt()) * by_m;
-        vec2(corners[k].x + sx * by, corners[k].y + sy * by)
-    };
-    (0..n).map(moved).collect()
-}
-
 /// The parts of the line x = `at_m` inside the polygon, each from its lowest to its highest y, in order.
 #[must_use]
 pub fn spans(corners: &[Vec2], at_m: f32) -> Vec<[f32; 2]> {
@@ -213,24 +186,13 @@ mod tests {
             triangles(&[vec2(f32::NAN, 0.0), vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(2.0, 2.0)]).len(),
             2
         );
-        assert!(inflated(&[], 1.0).is_empty() && spans(&[], 0.0).is_empty());
+        assert!(spans(&[], 0.0).is_empty());
     }
 
     #[test]
     fn a_square_is_convex_but_an_l_and_a_star_are_not() {
         let square = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
         assert!(is_convex(&square) && !is_convex(&L) && !is_convex(&STAR));
-    }
-
-    #[test]
-    fn a_square_grows_equally_on_all_sides() {
-        let square = [vec2(0.0, 0.0), vec2(0.0, 2.0), vec2(2.0, 2.0), vec2(2.0, 0.0)];
-        let expected = [vec2(-0.5, -0.5), vec2(-0.5, 2.5), vec2(2.5, 2.5), vec2(2.5, -0.5)];
-        for (found, expected) in inflated(&square, 0.5).into_iter().zip(expected) {
-            assert!((found.x - expected.x).abs() < 1e-6 && (found.y - expected.y).abs() < 1e-6, "{found:?}");
-        }
-        let needle = [vec2(0.0, 0.0), vec2(10.0, 0.01), vec2(0.0, 0.02)];
-        assert!(inflated(&needle, 0.1)[1].x < 10.31, "a sharp corner stays near");
     }
 
     #[test]

@@ -4,18 +4,11 @@ use egui::{Button, Ui, Vec2, vec2};
 
 use super::controls::{choice_ui, set_accessible_name};
 use super::framing::view_center_m;
-use crate::app::editor::{Editor, NewItem, Snap, Tool, format_metres};
+use crate::app::editor::{Editor, Snap, Tool, format_metres};
 use crate::app::screen::widgets::text::section_title_ui;
 use crate::app::view_state::ViewCamera;
+use crate::scenario::Shape;
 
-/// The shapes to add: the button's text, and its name for tooltips and screen readers.
-const SHAPES: [(NewItem, &str, &str); 5] = [
-    (NewItem::Circle, "Circle", "Add a circle"),
-    (NewItem::Box, "Box", "Add a box"),
-    (NewItem::Capsule, "Capsule", "Add a capsule"),
-    (NewItem::Triangle, "Triangle", "Add a triangle"),
-    (NewItem::Hexagon, "Hexagon", "Add a hexagon"),
-];
 /// Number of buttons in a row.
 const COLUMNS: usize = 3;
 /// Height of a button, in points.
@@ -27,12 +20,13 @@ pub fn add_ui(ui: &mut Ui, editor: &mut Editor, camera: ViewCamera) {
     let near_m = view_center_m(ui, editor, camera);
     let gaps = (COLUMNS - 1) as f32 * ui.spacing().item_spacing.x;
     let size = vec2((ui.available_width() - gaps) / COLUMNS as f32, HEIGHT);
-    for row in SHAPES.chunks(COLUMNS) {
+    for row in Shape::templates().chunks(COLUMNS) {
         ui.horizontal(|ui| {
             ui.spacing_mut().button_padding.x = 2.0;
-            for &(item, text, name) in row {
-                if button_ui(ui, Button::new(text), size, name, name) {
-                    editor.add(item, near_m);
+            for (text, shape) in row {
+                let name = format!("Add a {}", text.to_lowercase());
+                if button_ui(ui, Button::new(*text), size, &name, &name) {
+                    editor.add_obstacle(shape.clone(), near_m);
                 }
             }
             if row.len() < COLUMNS {
@@ -43,7 +37,7 @@ pub fn add_ui(ui: &mut Ui, editor: &mut Editor, camera: ViewCamera) {
     let size = vec2(ui.available_width(), HEIGHT);
     let tip = "Add random obstacles, generated again in every episode";
     if button_ui(ui, Button::new("Obstacle generator"), size, "Add an obstacle generator", tip) {
-        editor.add(NewItem::Generator, near_m);
+        editor.add_generator();
     }
     grid_choice_ui(ui, editor);
 }

@@ -29,10 +29,8 @@ pub fn set_icon(ui: &Ui, response: &Response, transform: &ViewTransform, editor:
 
 /// A double arrow for a handle that changes a size, else a cross of arrows.
 fn resize_icon(transform: &ViewTransform, editor: &Editor, kind: HandleKind) -> CursorIcon {
-    let resizes = matches!(
-        kind,
-        HandleKind::Side(..) | HandleKind::Radius | HandleKind::CapsuleEnd(_) | HandleKind::WalkRadius
-    );
+    let resizes =
+        matches!(kind, HandleKind::Side(..) | HandleKind::Radius | HandleKind::End(_) | HandleKind::Reach);
     let handles = handles::screen_handles(transform, editor);
     let handle = handles.iter().find(|handle| handle.handle.kind == kind);
     match (resizes, handle, handles::center(transform, editor)) {

@@ -1,6 +1,6 @@
-//! The list of problems in the edited scenario. A click selects the item, or opens the group of the field.
+//! The list of problems and notes on the edited scenario. A click selects the item, or opens the group of the field.
 
-use egui::{CursorIcon, Frame, Margin, RichText, Sense, Stroke, Ui, WidgetInfo, WidgetType};
+use egui::{Color32, CursorIcon, Frame, Margin, RichText, Sense, Stroke, Ui, WidgetInfo, WidgetType};
 
 use super::scenario_panel;
 use crate::app::editor::{Editor, EditorInteraction, Selection};
@@ -8,35 +8,48 @@ use crate::app::screen::theme::{Palette, SMALL};
 use crate::app::screen::widgets::text::{section_title_ui, weak_text};
 use crate::scenario::Diagnostic;
 
-/// Maximum number of problems listed.
+/// Maximum number of problems listed, and of notes.
 const MAX_SHOWN: usize = 12;
 
 /// Shows the list.
 pub fn diagnostics_ui(ui: &mut Ui, editor: &mut Editor, interaction: &mut EditorInteraction) {
     let palette = Palette::from_ui(ui);
-    let count = editor.diagnostics().len();
-    if count == 0 {
+    if editor.diagnostics().is_empty() && editor.notes().is_empty() {
         ui.label(RichText::new("No problems").color(palette.success).strong());
         return;
     }
-    section_title_ui(ui, &if count == 1 { "1 problem".to_owned() } else { format!("{count} problems") });
-    let mut clicked = None;
-    for problem in editor.diagnostics().iter().take(MAX_SHOWN) {
-        if diagnostic_ui(ui, problem, palette) {
-            clicked = Some(problem.path.clone());
-        }
-    }
-    if let Some(more @ 1..) = count.checked_sub(MAX_SHOWN) {
-        ui.label(weak_text(&format!("and {more} more")));
-    }
+    let problems: Vec<_> = editor.diagnostics().iter().collect();
+    let notes: Vec<_> = editor.notes().iter().map(|note| &note.diagnostic).collect();
+    let problem = list_ui(ui, "problem", &problems, palette.error);
+    let clicked = list_ui(ui, "note", &notes, palette.warning).or(problem);
     if let Some(path) = clicked {
         editor.select(Selection::from_field_path(&path));
         interaction.group_to_open = Some(scenario_panel::group_of(&path));
     }
 }
 
-/// Shows one problem. Returns whether it was clicked.
-fn diagnostic_ui(ui: &mut Ui, problem: &Diagnostic, palette: Palette) -> bool {
+/// Shows a list under its title: the number of entries, each called `name`. Returns the path of the clicked one.
+fn list_ui(ui: &mut Ui, name: &str, entries: &[&Diagnostic], color: Color32) -> Option<String> {
+    let count = entries.len();
+    if count == 0 {
+        return None;
+    }
+    section_title_ui(ui, &format!("{count} {name}{}", if count == 1 { "" } else { "s" }));
+    let mut clicked = None;
+    for entry in entries.iter().take(MAX_SHOWN) {
+        if diagnostic_ui(ui, entry, color) {
+            clicked = Some(entry.path.clone());
+        }
+    }
+    if let Some(more @ 1..) = count.checked_sub(MAX_SHOWN) {
+        ui.label(weak_text(&format!("and {more} more")));
+    }
+    clicked
+}
+
+/// Shows one problem or note in its colour. Returns whether it was clicked.
+fn diagnostic_ui(ui: &mut Ui, problem: &Diagnostic, color: Color32) -> bool {
+    let palette = Palette::from_ui(ui);
     let frame = Frame::new()
         .fill(palette.control)
         .stroke(Stroke::new(1.0, palette.border))
@@ -45,13 +58,13 @@ fn diagnostic_ui(ui: &mut Ui, problem: &Diagnostic, palette: Palette) -> bool {
     let shown = frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.spacing_mut().item_spacing.y = 1.0;
-        ui.label(RichText::new(field_name(&problem.path)).size(SMALL).color(palette.error).strong());
+        ui.label(RichText::new(field_name(&problem.path)).size(SMALL).color(color).strong());
         ui.label(RichText::new(&problem.message).size(SMALL).color(palette.text));
     });
     let response = shown.response.interact(Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, problem.to_string()));
     if response.hovered() || response.has_focus() {
-        let stroke = Stroke::new(1.0, palette.error);
+        let stroke = Stroke::new(1.0, color);
         ui.painter().rect_stroke(response.rect, 4.0, stroke, egui::StrokeKind::Inside);
     }
     response.clicked()

@@ -11,7 +11,7 @@ use crate::app::screen::arena_view::canvas::Canvas;
 use crate::app::screen::arena_view::floor;
 use crate::app::screen::arena_view::obstacle_paths;
 use crate::app::screen::arena_view::silhouette::{self, Silhouette};
-use crate::scenario::{Obstacle, ObstacleMotion, Scenario, pose_at};
+use crate::scenario::{Obstacle, Scenario, pose_at};
 
 /// Smallest distance of the snap grid's lines at which the grid is drawn, in points.
 const MIN_GRID_SPACING: f32 = 9.0;
@@ -44,6 +44,7 @@ pub fn draw(ui: &Ui, canvas: &Canvas, id: Id, editor: &Editor, hit: PointerHit) 
     if !matches!(selected, Selection::Wall(_)) {
         outlines::draw_outline(canvas, scenario, selected, Stroke::new(2.0, palette.accent));
     }
+    outlines::draw_notes(canvas, editor);
     problem_note::draw(canvas, editor);
 }
 
@@ -76,7 +77,7 @@ fn draw_ghosts(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
     // Far enough apart that the ghosts do not overlap.
     let spacing_m = 1.3 * Silhouette::from_obstacle(obstacle).reach_m();
     let period_s = scenario.task.control_period_s;
-    let steps = spacing_m / (speed_m_s(obstacle) * period_s);
+    let steps = spacing_m / (obstacle.origin_speed_m_s() * period_s);
     if !(steps.is_finite() && steps < 1e6) {
         return;
     }
@@ -87,19 +88,6 @@ fn draw_ghosts(canvas: &Canvas, scenario: &Scenario, obstacle: &Obstacle) {
         let ghost = Silhouette::Obstacle { shape: obstacle.shape.clone(), pose };
         let edge = Stroke::new(1.0, canvas.palette.weak_text.gamma_multiply(strength + 0.1));
         silhouette::draw(canvas, &ghost, canvas.palette.obstacle.gamma_multiply(strength * 0.5), edge);
-    }
-}
-
-/// Speed of an obstacle's centre, in m/s; of a random walk, the largest.
-fn speed_m_s(obstacle: &Obstacle) -> f32 {
-    match &obstacle.motion {
-        ObstacleMotion::Static => 0.0,
-        ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            speed_rad_s.abs() * obstacle.position_m.distance(*centre_m)
-        }
-        ObstacleMotion::Patrol { speed_m_s, .. }
-        | ObstacleMotion::BackAndForth { speed_m_s, .. }
-        | ObstacleMotion::RandomWalk { speed_m_s, .. } => speed_m_s.abs(),
     }
 }
 

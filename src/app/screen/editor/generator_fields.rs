@@ -6,22 +6,22 @@ use egui::Ui;
 use super::controls::choice_ui;
 use super::fields::FieldRows;
 use super::number::NumberSpec;
-use super::obstacle_fields::SIZE;
 use super::placement_fields::region_rows;
 use crate::app::editor::Editor;
 use crate::app::screen::widgets::text::weak_text;
-use crate::scenario::{Generator, RandomShape, Region};
+use crate::scenario::limits::{CLEARANCE_M, GENERATOR_COUNT};
+use crate::scenario::{Generator, Quantity, RandomShape, Region};
 
 /// Shows the fields.
 pub fn generator_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
     let Some(mut generator) = editor.scenario().generators.get(index).cloned() else { return };
     ui.label(weak_text("New random obstacles in every episode, so that the policy generalizes."));
     let mut rows = FieldRows::new(ui);
-    rows.count("Count", "Fewer if they do not fit", &mut generator.count, 1..=200);
+    rows.count("Count", "Fewer if they do not fit", &mut generator.count, GENERATOR_COUNT);
     random_shape_rows(&mut rows, &mut generator);
     let tip = "Smallest distance to walls and other obstacles. The robot fits through if it is more than twice the \
                collision range.";
-    rows.number("Gap", tip, &mut generator.gap_m, NumberSpec::length(0.0, 1000.0));
+    rows.number("Gap", tip, &mut generator.gap_m, NumberSpec::length(CLEARANCE_M));
     let bounds = editor.scenario().enclosure.bounds_m();
     within_rows(&mut rows, &mut generator.within, bounds);
     rows.commit(editor, &format!("generator {index}"), |scenario| {
@@ -58,7 +58,12 @@ fn random_shape_rows(rows: &mut FieldRows<'_>, generator: &mut Generator) {
         rows.mark_changed("shape");
     }
     let mut range = |name: &str, (low, high): &mut (f32, f32)| {
-        rows.pair(name, "Smallest and largest", [("min", low), ("max", high)], SIZE);
+        rows.pair(
+            name,
+            "Smallest and largest",
+            [("min", low), ("max", high)],
+            NumberSpec::of(Quantity::Size),
+        );
     };
     match &mut generator.shape {
         RandomShape::Circle { radius_m } => range("Radius", radius_m),

@@ -61,7 +61,7 @@ fn has_space(handle: &ScreenHandle, all: &[ScreenHandle]) -> bool {
         {
             false
         }
-        HandleKind::Side(..) | HandleKind::Radius | HandleKind::CapsuleEnd(_) => is_outer(handle),
+        HandleKind::Side(..) | HandleKind::Radius | HandleKind::End(_) => is_outer(handle),
         // One corner may be near the middle; if all are, the item is small.
         HandleKind::Corner(_) => {
             all.iter().any(|other| matches!(other.kind(), HandleKind::Corner(_)) && is_outer(other))

@@ -1,8 +1,13 @@
 //! Numbers with units: conversion between stored and shown values, precision and range.
 
+use std::f32::consts::TAU;
+use std::ops::RangeInclusive;
+
 use egui::{DragValue, Id, Response, Ui, vec2};
 
 use super::controls::set_accessible_name;
+use crate::scenario::Quantity;
+use crate::scenario::limits::{COORDINATE_M, MAX_ANGULAR_SPEED_RAD_S, MAX_SPEED_M_S};
 
 /// Width of a number's field, in points.
 pub const WIDTH: f32 = 66.0;
@@ -10,8 +15,6 @@ pub const WIDTH: f32 = 66.0;
 pub const HEIGHT: f32 = 24.0;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-/// A full turn, in rad.
-const TURN: f64 = std::f64::consts::TAU;
 
 /// The unit, precision and range of a number.
 #[derive(Clone, Copy, Debug)]
@@ -26,40 +29,53 @@ pub struct NumberSpec {
     /// Change of the stored value per dragged point.
     speed: f64,
     /// Smallest and largest stored value.
-    range: (f64, f64),
+    range: (f32, f32),
 }
 
 impl NumberSpec {
     /// A coordinate, in m.
-    pub const POSITION: Self = Self::length(-500.0, 500.0);
-    /// An angle, stored in rad and shown in degrees.
+    pub const POSITION: Self = Self::length(COORDINATE_M);
+    /// An angle, stored in rad and shown in degrees: a full turn either way.
     pub const ANGLE: Self =
-        Self { suffix: "°", factor: DEGREES, stored: 4, shown: (0, 1), speed: 0.017, range: (-TURN, TURN) };
-    /// A speed, in m/s.
-    pub const SPEED: Self =
-        Self { suffix: " m/s", factor: 1.0, stored: 3, shown: (2, 3), speed: 0.005, range: (0.0, 5.0) };
+        Self { suffix: "°", factor: DEGREES, stored: 4, shown: (0, 1), speed: 0.017, range: (-TAU, TAU) };
+    /// A linear velocity, in m/s.
+    pub const VELOCITY: Self =
+        Self { suffix: " m/s", speed: 0.005, ..Self::length(-MAX_SPEED_M_S..=MAX_SPEED_M_S) };
     /// An angular velocity, stored in rad/s and shown in degrees per second.
-    pub const ANGULAR_VELOCITY: Self =
-        Self {
-            suffix: " °/s", factor: DEGREES, stored: 4, shown: (0, 1), speed: 0.01, range: (-20.0, 20.0)
-        };
+    pub const ANGULAR_VELOCITY: Self = Self {
+        suffix: " °/s",
+        speed: 0.01,
+        range: (-MAX_ANGULAR_SPEED_RAD_S, MAX_ANGULAR_SPEED_RAD_S),
+        ..Self::ANGLE
+    };
     /// A fraction, shown in percent.
     pub const FRACTION: Self =
         Self { suffix: "%", factor: 100.0, stored: 4, shown: (0, 2), speed: 0.005, range: (0.0, 1.0) };
 
     /// A length, in m.
-    pub const fn length(min: f64, max: f64) -> Self {
-        Self { suffix: " m", factor: 1.0, stored: 3, shown: (2, 3), speed: 0.01, range: (min, max) }
+    pub const fn length(range: RangeInclusive<f32>) -> Self {
+        let range = (*range.start(), *range.end());
+        Self { suffix: " m", factor: 1.0, stored: 3, shown: (2, 3), speed: 0.01, range }
     }
 
     /// A time, in s.
-    pub const fn seconds(min: f64, max: f64) -> Self {
-        Self { suffix: " s", factor: 1.0, stored: 3, shown: (1, 3), speed: 0.01, range: (min, max) }
+    pub const fn seconds(range: RangeInclusive<f32>) -> Self {
+        Self { suffix: " s", shown: (1, 3), ..Self::length(range) }
+    }
+
+    /// A number of a shape or a motion.
+    pub fn of(quantity: Quantity) -> Self {
+        let format = match quantity {
+            Quantity::Size | Quantity::Reach => Self::POSITION,
+            Quantity::Speed => Self::VELOCITY,
+            Quantity::AngularSpeed => Self::ANGULAR_VELOCITY,
+        };
+        format.with_range(quantity.range())
     }
 
     /// This number format with another range of stored values.
-    pub const fn with_range(self, min: f64, max: f64) -> Self {
-        Self { range: (min, max), ..self }
+    pub const fn with_range(self, range: RangeInclusive<f32>) -> Self {
+        Self { range: (*range.start(), *range.end()), ..self }
     }
 }
 
@@ -93,7 +109,8 @@ pub fn number_ui(ui: &mut Ui, name: FieldName, tip: &str, value: &mut f32, spec:
     let mut shown = f64::from(*value) * spec.factor;
     let before = shown;
     // A value out of range, as a file may have it, stays until it is changed.
-    let (min, max) = (before.min(spec.range.0 * spec.factor), before.max(spec.range.1 * spec.factor));
+    let (low, high) = (f64::from(spec.range.0) * spec.factor, f64::from(spec.range.1) * spec.factor);
+    let (min, max) = (before.min(low), before.max(high));
     let field = DragValue::new(&mut shown)
         .speed(spec.speed * spec.factor)
         .range(min..=max)

@@ -6,32 +6,25 @@ use egui::Ui;
 use super::controls::{button_row_ui, choice_ui};
 use super::fields::FieldRows;
 use super::number::NumberSpec;
-use crate::app::editor::{Editor, MotionKind, Tool, format_metres};
+use crate::app::editor::{Editor, Tool, format_metres};
 use crate::app::screen::widgets::text::weak_text;
-use crate::scenario::{Obstacle, ObstacleMotion, Shape};
-
-/// A size of an obstacle.
-pub const SIZE: NumberSpec = NumberSpec::length(0.001, 1000.0);
-
-const MOTIONS: [(MotionKind, &str, &str); 5] = [
-    (MotionKind::Static, "Static", "Does not move"),
-    (MotionKind::Orbit, "Orbit", "Around a point, rotating with it"),
-    (MotionKind::Patrol, "Patrol", "Along a closed path"),
-    (MotionKind::BackAndForth, "Back and forth", "Along a path and back"),
-    (MotionKind::RandomWalk, "Random walk", "Between random points near its position"),
-];
+use crate::scenario::limits::{POLYGON_CORNERS, WALL_CORNERS, WALL_THICKNESS_M, WAYPOINTS};
+use crate::scenario::{Field, FieldValue, MotionKind, Obstacle, ObstacleMotion, Track};
 
 /// Shows the fields of an obstacle.
 pub fn obstacle_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
     let Some(mut obstacle) = editor.scenario().obstacles.get(index).cloned() else { return };
     let mut rows = FieldRows::new(ui);
     rows.position("Position", "Centre at the start of an episode", &mut obstacle.position_m);
-    shape_rows(&mut rows, &mut obstacle.shape);
-    if !matches!(obstacle.shape, Shape::Circle { .. }) {
+    described_rows(&mut rows, obstacle.shape.fields_mut());
+    if obstacle.shape.has_orientation() {
         rows.number("Rotation", "Counterclockwise", &mut obstacle.rotation_rad, NumberSpec::ANGLE);
     }
-    let kind = choice_ui(rows.ui, "Motion", MotionKind::from_motion(&obstacle.motion), &MOTIONS);
-    motion_rows(&mut rows, &mut obstacle);
+    let kind = choice_ui(rows.ui, "Motion", obstacle.motion.kind(), &MotionKind::ALL);
+    described_rows(&mut rows, obstacle.motion.fields_mut());
+    if let Some(summary) = track_summary(&obstacle) {
+        rows.ui.label(weak_text(&summary));
+    }
     let (is_static, has_path) = (obstacle.motion == ObstacleMotion::Static, obstacle.path_m().is_some());
     rows.commit(editor, &format!("obstacle {index}"), |scenario| {
         if let Some(old) = scenario.obstacles.get_mut(index) {
@@ -64,46 +57,36 @@ fn path_button_ui(ui: &mut Ui, editor: &mut Editor, has_path: bool) {
     }
 }
 
-fn shape_rows(rows: &mut FieldRows<'_>, shape: &mut Shape) {
-    match shape {
-        Shape::Circle { radius_m } => rows.number("Radius", "", radius_m, SIZE),
-        Shape::Rectangle { width_m, height_m } => {
-            rows.pair("Size", "Before rotation", [("width", width_m), ("height", height_m)], SIZE);
+/// Shows the fields of a shape or a motion.
+fn described_rows(rows: &mut FieldRows<'_>, fields: Vec<Field<'_>>) {
+    for Field { names, label, about, value } in fields {
+        match value {
+            FieldValue::Number(number, quantity) => {
+                rows.number(label, about, number, NumberSpec::of(quantity));
+            }
+            FieldValue::Pair([first, second], quantity) => {
+                let name = |k: usize| names[k].trim_end_matches("_m");
+                let pair = [(name(0), first), (name(1), second)];
+                rows.pair(label, about, pair, NumberSpec::of(quantity));
+            }
+            FieldValue::Seed(seed) => rows.count(label, about, seed, 0..=u32::MAX),
+            FieldValue::Centre(centre_m) => rows.position(label, about, centre_m),
+            FieldValue::Waypoints(waypoints_m) => rows.positions(label, waypoints_m, *WAYPOINTS.start()),
+            FieldValue::Corners(corners_m) => rows.positions(label, corners_m, *POLYGON_CORNERS.start()),
         }
-        Shape::Capsule { length_m, radius_m } => {
-            rows.number("Length", "Between the centres of the round ends", length_m, SIZE);
-            rows.number("Radius", "Half the width", radius_m, SIZE);
-        }
-        Shape::Polygon { corners_m } => rows.positions("Corner", corners_m, 3),
     }
 }
 
-fn motion_rows(rows: &mut FieldRows<'_>, obstacle: &mut Obstacle) {
-    let path = obstacle.path_m();
-    let position = obstacle.position_m;
-    match &mut obstacle.motion {
-        ObstacleMotion::Static => {}
-        ObstacleMotion::Orbit { centre_m, speed_rad_s } => {
-            rows.position("Centre", "Centre of the orbit", centre_m);
-            rows.number("Speed", "Counterclockwise", speed_rad_s, NumberSpec::ANGULAR_VELOCITY);
-            let radius_m = position.distance(*centre_m);
-            let (radius, speed) = (format_metres(radius_m), format_metres((radius_m * *speed_rad_s).abs()));
-            rows.ui.label(weak_text(&format!("Radius {radius} m, {speed} m/s")));
+/// The radius and the speed of an orbit, or the length and the duration of a round trip.
+fn track_summary(obstacle: &Obstacle) -> Option<String> {
+    let speed_m_s = obstacle.origin_speed_m_s();
+    match obstacle.track() {
+        Track::Circle { centre_m } => {
+            let radius_m = format_metres(obstacle.position_m.distance(centre_m));
+            Some(format!("Radius {radius_m} m, {} m/s", format_metres(speed_m_s)))
         }
-        ObstacleMotion::Patrol { waypoints_m, speed_m_s }
-        | ObstacleMotion::BackAndForth { waypoints_m, speed_m_s } => {
-            rows.number("Speed", "Along the path", speed_m_s, NumberSpec::SPEED);
-            rows.positions("Point", waypoints_m, 1);
-            if let Some((corners, closed)) = path {
-                rows.ui.label(weak_text(&round_trip(&corners, closed, *speed_m_s)));
-            }
-        }
-        ObstacleMotion::RandomWalk { radius_m, speed_m_s, seed } => {
-            let reach = NumberSpec::length(0.01, 500.0);
-            rows.number("Walk radius", "Largest distance from its position", radius_m, reach);
-            rows.number("Speed", "Largest speed", speed_m_s, NumberSpec::SPEED);
-            rows.count("Seed", "Obstacles with the same seed walk alike", seed, 0..=u32::MAX);
-        }
+        Track::Lines { corners_m, closed } => Some(round_trip(&corners_m, closed, speed_m_s)),
+        Track::Point | Track::Disc { .. } => None,
     }
 }
 
@@ -126,8 +109,8 @@ fn round_trip(corners: &[Vec2], closed: bool, speed_m_s: f32) -> String {
 pub fn wall_ui(ui: &mut Ui, editor: &mut Editor, index: usize) {
     let Some(mut wall) = editor.scenario().walls.get(index).cloned() else { return };
     let mut rows = FieldRows::new(ui);
-    rows.number("Thickness", "", &mut wall.thickness_m, NumberSpec::length(0.01, 100.0));
-    rows.positions("Corner", &mut wall.corners_m, 2);
+    rows.number("Thickness", "", &mut wall.thickness_m, NumberSpec::length(WALL_THICKNESS_M));
+    rows.positions("Corner", &mut wall.corners_m, *WALL_CORNERS.start());
     rows.commit(editor, &format!("wall {index}"), |scenario| {
         if let Some(old) = scenario.walls.get_mut(index) {
             *old = wall;

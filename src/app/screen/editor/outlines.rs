@@ -1,7 +1,7 @@
 //! Outlines of items: around the selected item, the one under the pointer, and those with a problem.
 
 use bevy::math;
-use egui::{Color32, Id, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2};
+use egui::{Align2, Color32, Id, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2};
 
 use crate::app::editor::{Body, Editor, Selection};
 use crate::app::screen::arena_view::canvas::Canvas;
@@ -15,6 +15,8 @@ const BOUNDARY_WIDTH: f32 = 4.0;
 const MARK_GAP: f32 = 4.0;
 /// Smallest radius of a mark on the screen, in points.
 const MIN_MARK_RADIUS: f32 = 6.0;
+/// Radius of the mark of a note, in points.
+const NOTE_RADIUS: f32 = 7.0;
 /// Height of a mark's name, above or below the mark, in points.
 const NAME_HEIGHT: f32 = 14.0;
 
@@ -78,6 +80,16 @@ pub fn draw_errors(canvas: &Canvas, editor: &Editor) {
             }
             Body::Nothing | Body::Region(_) | Body::Marks { .. } => {}
         }
+    }
+}
+
+/// Draws a ring with an exclamation mark at the place of each note.
+pub fn draw_notes(canvas: &Canvas, editor: &Editor) {
+    let (painter, palette) = (&canvas.painter, &canvas.palette);
+    for place_m in editor.notes().iter().filter_map(|note| note.place_m) {
+        let at = canvas.to_screen(place_m.into());
+        painter.circle(at, NOTE_RADIUS, palette.panel, Stroke::new(2.0, palette.warning));
+        canvas.small_text(at, Align2::CENTER_CENTER, "!", palette.warning);
     }
 }
 

@@ -8,6 +8,7 @@ use super::fields::FieldRows;
 use super::number::NumberSpec;
 use crate::app::editor::{Editor, PlacementKind, PlacementRole, Tool};
 use crate::scenario::PlacementRule;
+use crate::scenario::limits::{CLEARANCE_M, POSITIONS};
 
 const RULES: [(PlacementKind, &str, &str); 4] = [
     (PlacementKind::Random, "Anywhere", "A random free position"),
@@ -17,7 +18,7 @@ const RULES: [(PlacementKind, &str, &str); 4] = [
 ];
 
 const HEADING: &str = "0° points along x; counterclockwise";
-const CLEARANCE: NumberSpec = NumberSpec::length(0.0, 1000.0);
+const CLEARANCE: NumberSpec = NumberSpec::length(CLEARANCE_M);
 
 /// Shows the fields of the rule for starts or goals.
 pub fn rule_ui(ui: &mut Ui, editor: &mut Editor, role: PlacementRole) {
@@ -56,7 +57,7 @@ fn rule_rows(rows: &mut FieldRows<'_>, rule: &mut PlacementRule, role: Placement
                 heading_rows(rows, heading_rad);
             }
         }
-        PlacementRule::OneOf { positions_m } => rows.positions(noun, positions_m, 1),
+        PlacementRule::OneOf { positions_m } => rows.positions(noun, positions_m, *POSITIONS.start()),
     }
 }
 

@@ -1,4 +1,5 @@
-//! A card on the canvas with the problem of the selected item. During a drag it may show the problem of another item.
+//! A card on the canvas with the problem of the selected item, or else with the note on it. During a drag it may show the
+//! problem of another item.
 
 use egui::{FontId, Rect, Vec2, pos2, vec2};
 
@@ -16,13 +17,15 @@ const GAP: f32 = 16.0;
 
 /// Draws the card next to the item.
 pub fn draw(canvas: &Canvas, editor: &Editor) {
-    let Some((item, problem)) = shown_problem(canvas, editor) else { return };
     let (palette, painter) = (&canvas.palette, &canvas.painter);
+    let problem = shown_problem(canvas, editor).map(|shown| (shown, palette.error));
+    let note = || shown_note(canvas, editor).map(|shown| (shown, palette.warning));
+    let Some(((item, problem), color)) = problem.or_else(note) else { return };
     let width = MAX_WIDTH.min(canvas.transform.rect.width() - 40.0).max(80.0);
-    let text = painter.layout(problem.message.clone(), FontId::proportional(SMALL), palette.error, width);
+    let text = painter.layout(problem.message.clone(), FontId::proportional(SMALL), color, width);
     let card = place(canvas, item, text.size() + vec2(16.0, 10.0));
     canvas.card_background(card);
-    painter.galley(card.min + vec2(8.0, 5.0), text, palette.error);
+    painter.galley(card.min + vec2(8.0, 5.0), text, color);
 }
 
 /// The problem to show and the bounding box of its item: of the selected item first.
@@ -38,6 +41,14 @@ fn shown_problem<'e>(canvas: &Canvas, editor: &'e Editor) -> Option<(Rect, &'e D
     problems
         .into_iter()
         .find_map(|(item, problem)| Some((outlines::screen_rect(canvas, editor.scenario(), item)?, problem)))
+}
+
+/// The first note on the selected item, and the item's bounding box.
+fn shown_note<'e>(canvas: &Canvas, editor: &'e Editor) -> Option<(Rect, &'e Diagnostic)> {
+    let selected = editor.selection();
+    let mut notes = editor.notes().iter().map(|note| &note.diagnostic);
+    let note = notes.find(|note| Selection::from_field_path(&note.path) == selected)?;
+    Some((outlines::screen_rect(canvas, editor.scenario(), selected)?, note))
 }
 
 /// Below the item, or above it where the canvas ends.

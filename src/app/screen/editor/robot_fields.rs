@@ -7,7 +7,7 @@ use super::fields::FieldRows;
 use super::number::NumberSpec;
 use crate::app::editor::Editor;
 use crate::scenario::Motion;
-use crate::scenario::limits::{BEAMS, EPISODE_STEPS, LIDAR_LATENCY_STEPS, MOTIONS};
+use crate::scenario::limits::*;
 
 /// A full turn, exactly as in the schema's default.
 const FULL_TURN_RAD: f32 = std::f32::consts::TAU;
@@ -16,11 +16,11 @@ const FULL_TURN_RAD: f32 = std::f32::consts::TAU;
 pub fn robot_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut robot = editor.scenario().robot.clone();
     let mut rows = FieldRows::new(ui);
-    rows.number("Radius", "", &mut robot.radius_m, NumberSpec::length(0.01, 10.0));
+    rows.number("Radius", "", &mut robot.radius_m, NumberSpec::length(ROBOT_RADIUS_M));
     let tip = "Time constant with which the robot follows its motion commands";
-    rows.number("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(0.0, 10.0));
-    let units = [NumberSpec::SPEED.with_range(-5.0, 5.0), NumberSpec::ANGULAR_VELOCITY];
-    rows.list("Motion", &mut robot.motions, 1, "edit them in the file", units, |motion| {
+    rows.number("Actuator lag", tip, &mut robot.actuator_lag_s, NumberSpec::seconds(ACTUATOR_LAG_S));
+    let units = [NumberSpec::VELOCITY, NumberSpec::ANGULAR_VELOCITY];
+    rows.list("Motion", &mut robot.motions, *MOTIONS.start(), "edit them in the file", units, |motion| {
         [("speed", &mut motion.v_m_s), ("turn rate", &mut motion.w_rad_s)]
     });
     if robot.motions.len() < *MOTIONS.end()
@@ -38,15 +38,15 @@ pub fn lidar_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut lidar = editor.scenario().lidar.clone();
     let mut rows = FieldRows::new(ui);
     rows.count("Beams", "Evenly distributed over the field of view", &mut lidar.beams, BEAMS);
-    let view = NumberSpec::ANGLE.with_range(0.01, f64::from(FULL_TURN_RAD));
+    let view = NumberSpec::ANGLE.with_range(FIELD_OF_VIEW_RAD);
     rows.number("Field of view", "Centred on the heading", &mut lidar.field_of_view_rad, view);
     if lidar.is_all_around() {
         lidar.field_of_view_rad = FULL_TURN_RAD;
     }
     let tip = "Largest range; also reported by beams that hit nothing";
-    rows.number("Range", tip, &mut lidar.max_range_m, NumberSpec::length(0.01, 1000.0));
+    rows.number("Range", tip, &mut lidar.max_range_m, NumberSpec::length(LIDAR_RANGE_M));
     let tip = "Standard deviation of the Gaussian noise on each range";
-    rows.number("Noise", tip, &mut lidar.noise_std_m, NumberSpec::length(0.0, 10.0));
+    rows.number("Noise", tip, &mut lidar.noise_std_m, NumberSpec::length(LIDAR_NOISE_M));
     let tip = "Probability that a beam is lost and reports the largest range";
     rows.number("Dropout", tip, &mut lidar.dropout, NumberSpec::FRACTION);
     let tip = "Age of a scan when the policy sees it";
@@ -59,15 +59,15 @@ pub fn task_ui(ui: &mut Ui, editor: &mut Editor) {
     let mut task = editor.scenario().task.clone();
     let mut rows = FieldRows::new(ui);
     let tip = "The goal is reached within this distance";
-    rows.number("Goal radius", tip, &mut task.goal_radius_m, NumberSpec::length(0.001, 100.0));
+    rows.number("Goal radius", tip, &mut task.goal_radius_m, NumberSpec::length(GOAL_RADIUS_M));
     let tip = "An obstacle within this distance of the robot's centre is a collision; must exceed its radius";
-    rows.number("Collision range", tip, &mut task.collision_range_m, NumberSpec::length(0.001, 100.0));
+    rows.number("Collision range", tip, &mut task.collision_range_m, NumberSpec::length(COLLISION_RANGE_M));
     let tip = "Smallest distance from the robot to a new goal";
-    let distance = NumberSpec::length(0.001, 1000.0);
+    let distance = NumberSpec::length(GOAL_DISTANCE_M);
     rows.number("Min. goal distance", tip, &mut task.min_goal_distance_m, distance);
     let tip = "Longest episode";
     rows.count("Time limit in steps", tip, &mut task.max_episode_steps, EPISODE_STEPS);
     let tip = "Simulated time of one step";
-    rows.number("Control period", tip, &mut task.control_period_s, NumberSpec::seconds(0.001, 10.0));
+    rows.number("Control period", tip, &mut task.control_period_s, NumberSpec::seconds(CONTROL_PERIOD_S));
     rows.commit(editor, "task", |scenario| scenario.task = task);
 }

@@ -11,7 +11,7 @@ use crate::app::editor::{Editor, EditorInteraction, EnclosureKind, PlacementRole
 use crate::app::screen::theme::BODY;
 use crate::app::screen::widgets::text::weak_text;
 use crate::scenario::Enclosure;
-use crate::scenario::limits::MAX_ABOUT_CHARS;
+use crate::scenario::limits::{ENCLOSURE_CORNERS, ENCLOSURE_SIDE_M, MAX_ABOUT_CHARS};
 
 type Contents = fn(&mut Ui, &mut Editor);
 
@@ -78,9 +78,9 @@ pub fn enclosure_ui(ui: &mut Ui, editor: &mut Editor) {
     match &mut enclosure {
         Enclosure::Rectangle { width_m, height_m } => {
             let size = [("width", width_m), ("height", height_m)];
-            rows.pair("Size", "Inner width and height", size, NumberSpec::length(0.5, 1000.0));
+            rows.pair("Size", "Inner width and height", size, NumberSpec::length(ENCLOSURE_SIDE_M));
         }
-        Enclosure::Polygon { corners_m } => rows.positions("Corner", corners_m, 3),
+        Enclosure::Polygon { corners_m } => rows.positions("Corner", corners_m, *ENCLOSURE_CORNERS.start()),
     }
     rows.commit(editor, "enclosure", |scenario| scenario.enclosure = enclosure);
 }

@@ -37,16 +37,14 @@ const ARENA_MOUSE_HELP: [(&str, &str); 7] = [
 ];
 
 /// The width of the keys and gestures, in points.
-const KEY_WIDTH: f32 = 76.0;
+const KEY_WIDTH: f32 = 82.0;
+
+/// The height of the title and the margins of the window, in points.
+const AROUND: f32 = 100.0;
 
 /// Draws the help window if it is open. Escape and its close button close it.
 pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
     let editing = view_state.editor.is_some();
-    let rows: Vec<(&str, &str)> = if editing {
-        editor::shortcuts::KEY_HELP.into()
-    } else {
-        KEY_BINDINGS.iter().map(|row| (row.key, row.description)).collect()
-    };
     let open = &mut view_state.help_open;
     if *open && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
         *open = false;
@@ -59,15 +57,23 @@ pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
         .frame(egui::Frame::window(ui.style()).inner_margin(egui::Margin::same(16)))
         .default_width(620.0)
         .show(ui.ctx(), |ui| {
-            ui.spacing_mut().item_spacing.y = GAP;
-            ui.add_space(GAP);
-            for &paragraph in if editing { &EDITOR_HELP[..] } else { &ARENA_HELP } {
-                ui.label(paragraph);
-            }
-            let mouse = if editing { &editor::shortcuts::MOUSE_HELP[..] } else { &ARENA_MOUSE_HELP };
-            section_ui(ui, "Mouse", mouse);
-            section_ui(ui, "Keyboard shortcuts", &rows);
+            let height = (ui.ctx().content_rect().height() - AROUND).max(AROUND);
+            egui::ScrollArea::vertical().max_height(height).show(ui, |ui| content_ui(ui, editing));
         });
+}
+
+fn content_ui(ui: &mut Ui, editing: bool) {
+    ui.spacing_mut().item_spacing.y = GAP;
+    for &paragraph in if editing { &EDITOR_HELP[..] } else { &ARENA_HELP } {
+        ui.label(paragraph);
+    }
+    let (mouse, keys): (&[_], Vec<_>) = if editing {
+        (&editor::shortcuts::MOUSE_HELP, editor::shortcuts::KEY_HELP.into())
+    } else {
+        (&ARENA_MOUSE_HELP, KEY_BINDINGS.iter().map(|row| (row.key, row.description)).collect())
+    };
+    section_ui(ui, "Mouse", mouse);
+    section_ui(ui, "Keyboard shortcuts", &keys);
 }
 
 /// Draws a table of keys or gestures and their effects, in two columns.

@@ -1,4 +1,4 @@
-//! Notices: confirmations and errors, over the bottom of the arena.
+//! Notices: confirmations, warnings and errors, over the bottom of the arena.
 //!
 //! In: the notices, oldest first. Out: [`Command::DismissNotice`] when one is closed.
 
@@ -39,6 +39,7 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, index: usize, commands: &mut Vec<Comm
     let palette = Palette::from_ui(ui);
     let edge = match notice.severity {
         Severity::Info => palette.accent,
+        Severity::Warning => palette.warning,
         Severity::Error => palette.error,
     };
     let frame = Frame::new()

@@ -28,7 +28,7 @@ pub fn training_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, comm
         opened_policy_ui(ui, name, status, form, commands);
     }
     let is_other_scenario = form.scenario != status.scenario_from;
-    if is_other_scenario || has_opened {
+    if has_opened && !is_other_scenario {
         epsilon_ui(ui, form);
     }
     // A question no longer applies without the button that asked it.
@@ -45,15 +45,12 @@ fn start_buttons_ui(ui: &mut Ui, status: &AppSnapshot, form: &mut SetupForm, com
     if form.scenario != status.scenario_from {
         let text = format!("Continue training{}", choice_in_words(status, form));
         let about = "Continue training in the chosen scenario with this policy (knowledge transfer)";
-        match status.best {
-            Some(best) => {
-                let names = ["Continue with the current policy", "Continue with the best policy"];
-                let clicked = policy_choice_ui(ui, names, status, best, form.transfer_from);
-                form.transfer_from = clicked.unwrap_or(form.transfer_from);
-            }
-            None => form.transfer_from = PolicySource::Current,
-        }
         transfer_button_ui(ui, &text, about, form.transfer_from, status, form, commands);
+        form.transfer_from = status.best.map_or(PolicySource::Current, |best| {
+            let names = ["Continue with the current policy", "Continue with the best policy"];
+            policy_choice_ui(ui, names, status, best, form.transfer_from).unwrap_or(form.transfer_from)
+        });
+        epsilon_ui(ui, form);
     }
     if form.differs_from_running() && wide_button_ui(ui, "Undo choice", TALL).clicked() {
         form.undo(status);

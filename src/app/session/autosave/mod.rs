@@ -276,7 +276,7 @@ pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
     if would_lose {
         save_now(world)?;
     }
-    start_saved(world, saved, slot);
+    start_saved(world, saved, || slot);
     Ok(())
 }
 
@@ -292,11 +292,11 @@ pub(super) fn continue_last_session(world: &mut World) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Continues the run `saved` from the autosave in `slot`.
-fn start_saved(world: &mut World, saved: SavedRun, slot: Slot) {
+/// Continues the run `saved` from its autosave, which `slot` takes over when the autosaves of the current training have ended.
+fn start_saved(world: &mut World, saved: SavedRun, slot: impl FnOnce() -> Slot) {
     saved.start(world);
     let progress = progress(world);
-    world.resource_mut::<Autosave>().begin(Some(slot), Some(progress));
+    world.resource_mut::<Autosave>().begin(Some(slot()), Some(progress));
     notify(world, NoticeTopic::General, Severity::Info, "The last session continues");
 }
 
@@ -309,7 +309,7 @@ fn take_reports(world: &mut World) {
     match received.and_then(|files| SavedRun::from_files(&files, &extensions)) {
         Ok(saved) => {
             finish_writing(world, true);
-            start_saved(world, saved, Slot::of_last_session());
+            start_saved(world, saved, Slot::of_last_session);
         }
         Err(error) => notify(world, NoticeTopic::General, Severity::Error, error.to_string()),
     }

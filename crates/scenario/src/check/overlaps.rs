@@ -1,0 +1,91 @@
+//! The notes on obstacles that overlap walls or other obstacles, or pass through them.
+//!
+//! Obstacles do not stop each other, so such a scenario can be run. Moving obstacles that meet are not noted: they are
+//! like people who pass each other.
+
+use std::collections::HashSet;
+use std::fmt;
+
+use super::swept_path::{StaticSolid, SweptPath};
+use super::{Note, NoteLevel};
+use crate::file_error::Diagnostic;
+use crate::limits::{MAX_OVERLAP_WORK, MAX_PROBLEMS};
+use crate::schema::Scenario;
+use crate::track::Track;
+
+/// A wall or an obstacle, by its index.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum SolidId {
+    Wall(usize),
+    Obstacle(usize),
+}
+
+impl fmt::Display for SolidId {
+    /// The number in the app, which counts from 1, and the field in the file.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Wall(k) => write!(f, "wall {} (`walls[{k}]`)", k + 1),
+            Self::Obstacle(k) => write!(f, "obstacle {} (`obstacles[{k}]`)", k + 1),
+        }
+    }
+}
+
+pub(super) fn check(scenario: &Scenario, notes: &mut Vec<Note>) {
+    let solids = static_solids(scenario);
+    let mut work_left = MAX_OVERLAP_WORK;
+    for (k, obstacle) in scenario.obstacles.iter().enumerate() {
+        let is_moving = obstacle.motion.is_moving();
+        let path = SweptPath::of(obstacle);
+        let mut found: HashSet<SolidId> = HashSet::new();
+        for (id, solid) in &solids {
+            // A pair of static obstacles is noted once.
+            let is_noted = matches!(id, SolidId::Obstacle(j) if *j >= k && !is_moving) || found.contains(id);
+            if is_noted {
+                continue;
+            }
+            let Some(left) = work_left.checked_sub(path.work(solid)) else { return };
+            work_left = left;
+            if path.overlaps(solid) {
+                found.insert(*id);
+                notes.push(note(scenario, k, &path, (*id, solid)));
+            }
+            if notes.len() >= MAX_PROBLEMS {
+                return;
+            }
+        }
+    }
+}
+
+/// The static obstacles, and the segments of the walls.
+fn static_solids(scenario: &Scenario) -> Vec<(SolidId, StaticSolid)> {
+    let mut solids = Vec::new();
+    for (k, wall) in scenario.walls.iter().enumerate() {
+        solids.extend(wall.segments().map(|segment| (SolidId::Wall(k), StaticSolid::new(segment))));
+    }
+    for (k, obstacle) in scenario.obstacles.iter().enumerate() {
+        if !obstacle.motion.is_moving() {
+            solids.push((SolidId::Obstacle(k), StaticSolid::new(obstacle.clone())));
+        }
+    }
+    solids
+}
+
+fn note(scenario: &Scenario, k: usize, path: &SweptPath<'_>, (id, solid): (SolidId, &StaticSolid)) -> Note {
+    let place_m = path.place_m(solid);
+    // Adding 0 turns -0 into 0.
+    let round = |x: f32| (100.0 * x).round() / 100.0 + 0.0;
+    let at = format!("({:.2}, {:.2})", round(place_m.x), round(place_m.y));
+    let motion = &scenario.obstacles[k].motion;
+    let (path, message) = if !motion.is_moving() {
+        let message = format!("overlaps {id} at {at}: move one of them, unless they form one shape");
+        (format!("obstacles[{k}]"), message)
+    } else {
+        let anywhere = matches!(scenario.obstacles[k].track(), Track::Disc { .. });
+        let crosses = if anywhere { "may cross" } else { "crosses" };
+        let message = format!(
+            "{crosses} {id} at {at}: moving obstacles pass through everything; change the path, unless that is meant"
+        );
+        (format!("obstacles[{k}].motion"), message)
+    };
+    Note { level: NoteLevel::Note, diagnostic: Diagnostic { path, message }, place_m: Some(place_m) }
+}

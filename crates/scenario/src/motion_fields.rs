@@ -1,0 +1,124 @@
+//! The kinds of motion and the fields of motions.
+
+use super::fields::{Field, FieldValue, Quantity};
+use super::schema::ObstacleMotion;
+use glam::Vec2;
+
+/// The kind of a motion, without its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionKind {
+    /// No motion.
+    Static,
+    /// Around a point.
+    Orbit,
+    /// Along a closed path.
+    Patrol,
+    /// Along a path and back.
+    BackAndForth,
+    /// Between random points.
+    RandomWalk,
+}
+
+impl MotionKind {
+    /// All kinds, each with its name and a description for the screen.
+    pub const ALL: [(Self, &'static str, &'static str); 5] = [
+        (Self::Static, "Static", "Does not move"),
+        (Self::Orbit, "Orbit", "Around a point, rotating with it"),
+        (Self::Patrol, "Patrol", "Along a closed path"),
+        (Self::BackAndForth, "Back and forth", "Along a path and back"),
+        (Self::RandomWalk, "Random walk", "Between random points near its position"),
+    ];
+}
+
+impl ObstacleMotion {
+    /// The kind.
+    #[must_use]
+    pub fn kind(&self) -> MotionKind {
+        match self {
+            Self::Static => MotionKind::Static,
+            Self::Orbit { .. } => MotionKind::Orbit,
+            Self::Patrol { .. } => MotionKind::Patrol,
+            Self::BackAndForth { .. } => MotionKind::BackAndForth,
+            Self::RandomWalk { .. } => MotionKind::RandomWalk,
+        }
+    }
+
+    /// The fields, in the order in which they are shown.
+    #[must_use]
+    pub fn fields_mut(&mut self) -> Vec<Field<'_>> {
+        use FieldValue::{Centre, Number, Seed, Waypoints};
+        let field = |name, label, about, value| Field { names: name, label, about, value };
+        match self {
+            Self::Static => Vec::new(),
+            Self::Orbit { centre_m, speed_rad_s } => {
+                let speed = Number(speed_rad_s, Quantity::AngularSpeed);
+                vec![
+                    field(&["centre_m"], "Centre", "Centre of the orbit", Centre(centre_m)),
+                    field(&["speed_rad_s"], "Speed", "Counterclockwise", speed),
+                ]
+            }
+            Self::Patrol { waypoints_m, speed_m_s } | Self::BackAndForth { waypoints_m, speed_m_s } => {
+                let speed = Number(speed_m_s, Quantity::Speed);
+                vec![
+                    field(&["speed_m_s"], "Speed", "Along the path", speed),
+                    field(&["waypoints_m"], "Point", "", Waypoints(waypoints_m)),
+                ]
+            }
+            Self::RandomWalk { radius_m, speed_m_s, seed } => {
+                let reach = Number(radius_m, Quantity::Reach);
+                let speed = Number(speed_m_s, Quantity::Speed);
+                vec![
+                    field(&["radius_m"], "Walk radius", "Largest distance from its position", reach),
+                    field(&["speed_m_s"], "Speed", "Largest speed", speed),
+                    field(&["seed"], "Seed", "Obstacles with the same seed walk alike", Seed(seed)),
+                ]
+            }
+        }
+    }
+
+    /// The number that measures `quantity`, if the motion has one.
+    #[must_use]
+    pub fn number_mut(&mut self, quantity: Quantity) -> Option<&mut f32> {
+        self.fields_mut().into_iter().find_map(|field| match field.value {
+            FieldValue::Number(number, of) if of == quantity => Some(number),
+            _ => None,
+        })
+    }
+
+    /// The waypoints of a path, in m.
+    #[must_use]
+    pub fn waypoints_mut(&mut self) -> Option<&mut Vec<Vec2>> {
+        self.fields_mut().into_iter().find_map(|field| match field.value {
+            FieldValue::Waypoints(waypoints_m) => Some(waypoints_m),
+            _ => None,
+        })
+    }
+
+    /// The centre of a revolution, in m.
+    #[must_use]
+    pub fn centre_mut(&mut self) -> Option<&mut Vec2> {
+        self.fields_mut().into_iter().find_map(|field| match field.value {
+            FieldValue::Centre(centre_m) => Some(centre_m),
+            _ => None,
+        })
+    }
+
+    /// The points that move with the obstacle, in m: the centre of a revolution or the waypoints of a path.
+    #[must_use]
+    pub fn points_mut(&mut self) -> Vec<&mut Vec2> {
+        let mut points = Vec::new();
+        for field in self.fields_mut() {
+            match field.value {
+                FieldValue::Centre(centre_m) => points.push(centre_m),
+                FieldValue::Waypoints(waypoints_m) => points.extend(waypoints_m),
+                _ => {}
+            }
+        }
+        points
+    }
+
+    /// Shifts the points that the motion names by `offset`.
+    pub fn translate(&mut self, offset: Vec2) {
+        self.points_mut().into_iter().for_each(|point| *point += offset);
+    }
+}

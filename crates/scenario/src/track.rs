@@ -1,0 +1,133 @@
+//! The speed and the track of a moving obstacle.
+//!
+//! In: an [`Obstacle`]. Out: its kind of speed and the places where it may be, without regard to the time.
+
+use super::geometry::length;
+use super::schema::{Obstacle, ObstacleMotion};
+use glam::Vec2;
+
+/// The velocity of an obstacle, apart from its direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MotionSpeed {
+    /// No motion at all.
+    AtRest,
+    /// A translation without rotation, at up to this speed in m/s.
+    Translation(f32),
+    /// A revolution about a point, in which the obstacle rotates as if fixed to a turntable.
+    Revolution {
+        /// The point, in m.
+        centre_m: Vec2,
+        /// Angular speed, counterclockwise positive.
+        speed_rad_s: f32,
+    },
+}
+
+/// The places of an obstacle's origin on its way.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Track {
+    /// Its position only.
+    Point,
+    /// The circle through its position about a point.
+    Circle {
+        /// The point, in m.
+        centre_m: Vec2,
+    },
+    /// Straight lines from corner to corner.
+    Lines {
+        /// The corners, in m, starting with its position.
+        corners_m: Vec<Vec2>,
+        /// Whether the last corner is connected to the first; else it goes back along the same lines.
+        closed: bool,
+    },
+    /// Any place within a distance of its position.
+    Disc {
+        /// The distance, in m.
+        radius_m: f32,
+    },
+}
+
+impl ObstacleMotion {
+    /// The speed.
+    #[inline]
+    #[must_use]
+    pub fn speed(&self) -> MotionSpeed {
+        match *self {
+            Self::Static => MotionSpeed::AtRest,
+            Self::Orbit { centre_m, speed_rad_s } => MotionSpeed::Revolution { centre_m, speed_rad_s },
+            Self::Patrol { speed_m_s, .. }
+            | Self::BackAndForth { speed_m_s, .. }
+            | Self::RandomWalk { speed_m_s, .. } => MotionSpeed::Translation(speed_m_s),
+        }
+    }
+
+    /// Whether an obstacle with this motion ever leaves its position.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        match self.speed() {
+            MotionSpeed::AtRest => false,
+            MotionSpeed::Translation(speed) | MotionSpeed::Revolution { speed_rad_s: speed, .. } => {
+                speed != 0.0
+            }
+        }
+    }
+}
+
+impl Obstacle {
+    /// The track.
+    #[must_use]
+    pub fn track(&self) -> Track {
+        let lines = |waypoints_m: &[Vec2], closed| Track::Lines {
+            corners_m: std::iter::once(self.position_m).chain(waypoints_m.iter().copied()).collect(),
+            closed,
+        };
+        match &self.motion {
+            ObstacleMotion::Static => Track::Point,
+            ObstacleMotion::Orbit { centre_m, .. } => Track::Circle { centre_m: *centre_m },
+            ObstacleMotion::Patrol { waypoints_m, .. } => lines(waypoints_m, true),
+            ObstacleMotion::BackAndForth { waypoints_m, .. } => lines(waypoints_m, false),
+            ObstacleMotion::RandomWalk { radius_m, .. } => Track::Disc { radius_m: *radius_m },
+        }
+    }
+
+    /// The corners of its path, in m, starting with its position, and whether the path is closed. `None` for motions without
+    /// waypoints.
+    #[must_use]
+    pub fn path_m(&self) -> Option<(Vec<Vec2>, bool)> {
+        match self.track() {
+            Track::Lines { corners_m, closed } => Some((corners_m, closed)),
+            _ => None,
+        }
+    }
+
+    /// Speed of the obstacle's origin, in m/s; of a random walk, the largest.
+    #[must_use]
+    pub fn origin_speed_m_s(&self) -> f32 {
+        match self.motion.speed() {
+            MotionSpeed::AtRest => 0.0,
+            MotionSpeed::Translation(speed_m_s) => speed_m_s.abs(),
+            MotionSpeed::Revolution { centre_m, speed_rad_s } => {
+                (speed_rad_s * self.distance_to(centre_m)).abs()
+            }
+        }
+    }
+
+    /// Upper bound on the speed of any point of the obstacle, in m/s. It is negative where the motion's speed is.
+    #[must_use]
+    pub fn max_speed_m_s(&self) -> f32 {
+        match self.motion.speed() {
+            MotionSpeed::AtRest => 0.0,
+            MotionSpeed::Translation(speed_m_s) => speed_m_s,
+            MotionSpeed::Revolution { centre_m, speed_rad_s } => {
+                // The rotation of a circle moves none of its surface towards anything.
+                let turning_m =
+                    if self.shape.has_orientation() { self.shape.bounding_radius_m() } else { 0.0 };
+                speed_rad_s * (self.distance_to(centre_m) + turning_m)
+            }
+        }
+    }
+
+    /// Distance of the obstacle's origin at step 0 from `centre_m`, in m.
+    pub(super) fn distance_to(&self, centre_m: Vec2) -> f32 {
+        length(self.position_m.x - centre_m.x, self.position_m.y - centre_m.y)
+    }
+}

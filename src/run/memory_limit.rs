@@ -1,0 +1,70 @@
+//! The check of a training against the limits of the process's memory (`ulimit -v`, `ulimit -d`), as batch systems set them.
+//!
+//! At such a limit an allocation fails, and a failed allocation ends a Rust program on the spot. So the check comes first, with
+//! an estimate. Should an allocation fail in spite of it, the process still ends with exit status 1 (`signals/unix.rs`).
+
+use rustix::process::{Resource, getrlimit};
+
+use super::RunError;
+use super::folder::RunConfig;
+use super::memory::bodies_per_arena;
+use crate::policy::NetworkShape;
+use crate::task::observation;
+
+/// Address space of a thread, in bytes. The allocator reserves 32 MiB or more at a time, most of which is never used.
+const THREAD_ADDRESS_SPACE: u64 = 64 << 20;
+/// Threads, apart from one per core.
+const THREADS: u64 = 4;
+/// Memory that a training takes apart from its learner, its bodies and its threads, in bytes.
+const BASE: u64 = 128 << 20;
+/// Memory of a body in the simulation, in bytes.
+const BODY: u64 = 2048;
+/// Copies of the network's parameters: tensors, target network, gradient, moments, policies, a checkpoint in progress.
+const PARAMETER_COPIES: u64 = 12;
+
+/// Checks that the training of `config` fits into the memory that the process may use.
+///
+/// # Errors
+/// It does not fit. The message names the limit, the memory needed, and how to raise or reduce them.
+pub fn check(config: &RunConfig) -> Result<(), RunError> {
+    let variable = BASE + training_bytes(config);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from) as u64;
+    let threads = (THREADS + cores) * THREAD_ADDRESS_SPACE;
+    for (resource, flag, in_use, threads) in
+        [(Resource::As, "-v", "VmSize:", threads), (Resource::Data, "-d", "VmData:", 0)]
+    {
+        let Some(limit) = getrlimit(resource).current else { continue };
+        let needed = bytes_in_use(in_use) + threads + variable;
+        if limit < needed {
+            return Err(RunError::Failed(format!(
+                "the memory of this process is limited to {} MB (`ulimit {flag}`), and this training needs about {} MB; help: \
+                 raise the limit, or use a smaller `learning.replay.capacity` or fewer `arenas`",
+                limit / 1_000_000,
+                needed.div_ceil(1_000_000)
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Memory of the learner and of all bodies, in training and in evaluations, in bytes.
+fn training_bytes(config: &RunConfig) -> u64 {
+    let (preset, scenario) = (&config.preset, &config.scenario);
+    let learning = &preset.learning;
+    let inputs = observation::width(scenario.lidar.beams);
+    let states = learning.replay.capacity + preset.arenas * (learning.n_step + 1);
+    let (hidden, actions) = (learning.network.hidden.clone(), scenario.robot.motions.len());
+    let shape = NetworkShape { inputs, hidden, actions, dueling: learning.network.dueling };
+    let bodies = bodies_per_arena(scenario) * (preset.arenas + preset.evaluation.episodes);
+    // A state has its numbers and a reference; a transition 18 bytes; the sum tree two nodes or up to four per transition.
+    (states * (4 * inputs + 8) + learning.replay.capacity * (24 + 32)) as u64
+        + shape.parameter_count() as u64 * 4 * PARAMETER_COPIES
+        + bodies as u64 * BODY
+}
+
+/// A size in `/proc/self/status`, in bytes; 0 if the system has none.
+fn bytes_in_use(name: &str) -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let size = status.lines().find_map(|line| line.strip_prefix(name)?.trim().strip_suffix(" kB"));
+    size.and_then(|kilobytes| kilobytes.parse::<u64>().ok()).map_or(0, |kilobytes| kilobytes * 1024)
+}

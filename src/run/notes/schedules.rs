@@ -1,0 +1,105 @@
+//! The notes on schedules that end long before or after the budget, on exploration, and on evaluations.
+
+use super::RunLength;
+use crate::learning::{Exploration, LearningConfig, Sampling, Schedule};
+use crate::run::preset::{Budget, Preset};
+use crate::scenario::{Note, NoteLevel};
+
+/// A run so many times as long as its schedule of the learning rate is noted.
+const LONG_RUN: u64 = 4;
+/// The share of its first value that the learning rate must fall below for a long run to be noted.
+const SMALL_SHARE: f32 = 0.2;
+
+pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
+    let mut add = |field: &str, message: String| notes.push(Note::new(NoteLevel::Note, field, message));
+    for (field, from, to, env_steps) in linear_schedules(&preset.learning) {
+        if let Some(most) = length.most.filter(|most| env_steps / 2 > *most && from != to) {
+            let end = Schedule::Linear { from, to, env_steps }.at(most);
+            let message = format!(
+                "ends at env step {env_steps}, but the budget is {most}, at which it has come from {from} to {end} instead of \
+                 {to}; help: end it at {most}, or give a larger budget"
+            );
+            add(field, message);
+        }
+    }
+    if let Schedule::Linear { from, to, env_steps } = preset.learning.learning_rate
+        && to < from * SMALL_SHARE
+        && length.least / LONG_RUN > env_steps
+    {
+        let least = length.least;
+        let message = format!(
+            "ends at env step {env_steps}, but the budget is {least}, most of which has a learning rate of {to}; help: end \
+             it at {least}, or give a smaller budget"
+        );
+        add("learning.learning_rate", message);
+    }
+    let starts = preset.learning.replay.learning_starts;
+    if let Exploration::Linear { start, end, env_steps } = preset.learning.exploration
+        && start > end
+        && env_steps <= starts
+    {
+        let message = format!(
+            "ends at env step {env_steps}, but learning starts at {starts}, so the robot drives by an untrained network in \
+             between; help: end it later, or give a smaller `replay.learning_starts`"
+        );
+        add("learning.exploration", message);
+    }
+    if let Some(message) = exploration(&preset.learning.exploration, preset.budget) {
+        add("learning.exploration", message);
+    }
+    let every = preset.evaluation.every_env_steps;
+    if let Some(most) = length.most.filter(|most| every > *most) {
+        let message = format!(
+            "is {every}, but the budget is {most} env steps, so the only evaluation is that of the last policy, which is then \
+             the best one; help: give a smaller number"
+        );
+        add("evaluation.every_env_steps", message);
+    }
+}
+
+/// The linear schedules over env steps: field, first value, last value, env step of the last value.
+fn linear_schedules(learning: &LearningConfig) -> Vec<(&'static str, f32, f32, u64)> {
+    let mut found = Vec::new();
+    let mut add = |field, schedule: &Schedule| {
+        if let Schedule::Linear { from, to, env_steps } = *schedule {
+            found.push((field, from, to, env_steps));
+        }
+    };
+    add("learning.learning_rate", &learning.learning_rate);
+    if let Sampling::Prioritized { beta, importance_weights: true, .. } = &learning.replay.sampling {
+        add("learning.replay.sampling.beta", beta);
+    }
+    if let Exploration::Linear { start, end, env_steps } = learning.exploration {
+        found.push(("learning.exploration", start, end, env_steps));
+    }
+    found
+}
+
+/// What is doubtful about the values of epsilon.
+fn exploration(exploration: &Exploration, budget: Budget) -> Option<String> {
+    let (Exploration::PerEpisode { start, end, .. } | Exploration::Linear { start, end, .. }) = *exploration;
+    if start <= 0.0 && end <= 0.0 {
+        return Some(
+            "has no random actions, without which goals may never be found; help: start near 1".into(),
+        );
+    }
+    if end >= 1.0 {
+        return Some(
+            "has random actions only, so the robot never drives by its policy; help: end near 0.05".into(),
+        );
+    }
+    let Exploration::PerEpisode { decay, .. } = *exploration else { return None };
+    if decay >= 1.0 && start > end {
+        return Some(format!(
+            "never decays from {start}, because `decay` is 1; help: give a decay such as 0.99"
+        ));
+    }
+    let Budget::Episodes(episodes) = budget else { return None };
+    let last = exploration.epsilon(0, episodes, None);
+    (last > (start + end) / 2.0).then(|| {
+        format!(
+            "has an epsilon of {last:.2} still when the budget of {episodes} episodes ends; help: give a smaller `decay`, or \
+             a larger budget"
+        )
+    })
+}

@@ -1,0 +1,198 @@
+//! The notes of presets and runs: which settings are doubtful, and that nothing shipped is.
+
+use super::*;
+use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
+use crate::run::shipped;
+use crate::task::RewardKind;
+
+fn fast() -> Preset {
+    shipped::preset("fast").expect("shipped")
+}
+
+/// The notes on the preset `fast` with `change`, in Scenario I.
+fn noted(change: impl FnOnce(&mut Preset)) -> Vec<String> {
+    let mut preset = fast();
+    change(&mut preset);
+    assert_eq!(preset.diagnostics(), [], "the preset is valid");
+    let scenario = shipped::scenario("scenario-1").expect("shipped");
+    preset_notes(&preset, Some(&scenario), false).iter().map(ToString::to_string).collect()
+}
+
+/// Asserts that the preset `fast` with `change` has one note, which begins with `start` and contains `part`.
+#[track_caller]
+fn assert_noted(change: impl FnOnce(&mut Preset), start: &str, part: &str) {
+    let notes = noted(change);
+    let [note] = notes.as_slice() else { panic!("expected one note: {notes:?}") };
+    assert!(note.starts_with(start) && note.contains(part) && note.contains("; help: "), "{note}");
+}
+
+#[test]
+fn the_shipped_presets_have_no_notes_alone_or_in_any_shipped_scenario() {
+    for (name, preset) in shipped::presets() {
+        assert_eq!(preset_notes(&preset, None, false), [], "{name}");
+        for (scenario_name, scenario) in shipped::scenarios() {
+            assert_eq!(notes(&scenario), [], "{scenario_name}");
+            assert_eq!(preset_notes(&preset, Some(&scenario), false), [], "{name} in {scenario_name}");
+        }
+    }
+}
+
+#[test]
+fn a_run_without_a_gradient_step_is_warned_of() {
+    let nothing = "so nothing will be learned: the first gradient step comes after";
+    assert_noted(
+        |p| p.learning.train_freq = 5_000_000,
+        "warning: `learning.train_freq` is 5000000, ",
+        nothing,
+    );
+    assert_noted(
+        |p| (p.learning.replay.learning_starts, p.learning.replay.capacity) = (700_000, 1 << 20),
+        "warning: `learning.replay.learning_starts` is 700000, ",
+        "after 700000 env steps, and the budget is 600000; help: give a smaller number, or a larger budget",
+    );
+    // 10 episodes of 500 steps in 16 arenas are at most 13,000 env steps.
+    assert_noted(
+        |p| {
+            p.budget = Budget::Episodes(10);
+            p.learning.replay.learning_starts = 13_001;
+            p.learning.learning_rate = Schedule::Constant(1e-3);
+            p.learning.replay.sampling = Sampling::Uniform;
+        },
+        "warning: `learning.replay.learning_starts` is 13001, ",
+        "the budget is 13000",
+    );
+    let late = |n| {
+        noted(move |p| (p.budget, p.learning.replay.learning_starts) = (Budget::EnvSteps(n), 500))
+            .iter()
+            .any(|note| note.contains(nothing))
+    };
+    // All 16 arenas take their steps before the run ends, so the budget of 500 ends after 512.
+    assert!(late(495) && !late(500), "the first gradient step is at the first multiple of 16 from 500 on");
+}
+
+#[test]
+fn learning_rates_that_change_nothing_or_diverge_are_warned_of() {
+    let rate = |rate| move |p: &mut Preset| p.learning.learning_rate = Schedule::Constant(rate);
+    assert_noted(rate(0.0), "warning: `learning.learning_rate` is 0 throughout", "nothing will be learned");
+    assert_noted(
+        rate(1e-12),
+        "warning: `learning.learning_rate` is at most 1e-12",
+        "nothing will be learned",
+    );
+    assert_noted(rate(3.0), "warning: `learning.learning_rate` is up to 3, ", "diverges");
+    for usual in [1e-5, 2.5e-4, 0.01, 0.05] {
+        assert_eq!(noted(rate(usual)), [""; 0], "{usual}");
+    }
+    let warm_up = Schedule::Linear { from: 0.0, to: 1e-3, env_steps: 10_000 };
+    assert_eq!(noted(|p| p.learning.learning_rate = warm_up), [""; 0], "it may begin with 0");
+}
+
+#[test]
+fn rewards_that_teach_nothing_or_the_wrong_thing_are_warned_of() {
+    assert_noted(
+        |p| p.reward.collided = 50.0,
+        "warning: `reward.collided` is 50: ",
+        "collisions are rewarded",
+    );
+    assert_noted(|p| p.reward.reached = -1.0, "warning: `reward.reached` is -1: ", "is punished");
+    let nothing = |p: &mut Preset| {
+        (p.reward.kind, p.reward.reached, p.reward.collided) = (RewardKind::Traditional, 0.0, 0.0);
+    };
+    assert_noted(nothing, "warning: `reward` gives nothing for a goal, ", "so nothing will be learned");
+    assert_noted(
+        |p| (p.reward.mu, p.reward.reached) = (0.0, 0.0),
+        "warning: `reward` gives nothing for a goal, ",
+        "the robot learns to avoid collisions only",
+    );
+    let mut preset = fast();
+    nothing(&mut preset);
+    assert_eq!(preset_notes(&preset, None, true), [], "a plugin may give the reward");
+    assert_noted(|p| p.reward.l_r_m = 0.1, "note: `reward.l_r_m` is 0.1, ", "collision range of 0.13 m");
+    assert_eq!(noted(|p| (p.reward.l_r_m, p.reward.sigma) = (0.1, 0.0)), [""; 0]);
+}
+
+#[test]
+fn schedules_that_end_long_before_or_after_the_budget_are_noted() {
+    let fields = |notes: &[String]| -> Vec<String> {
+        notes.iter().map(|note| note.split('`').nth(1).unwrap_or_default().to_owned()).collect()
+    };
+    let short = noted(|p| p.budget = Budget::EnvSteps(6_000));
+    assert_eq!(
+        fields(&short),
+        ["learning.learning_rate", "learning.replay.sampling.beta", "learning.exploration"],
+        "{short:?}"
+    );
+    assert!(
+        short[0].starts_with(
+            "note: `learning.learning_rate` ends at env step 600000, but the budget is 6000, at which it has come from 0.0015 \
+             to 0.001485"
+        ),
+        "{short:?}"
+    );
+    assert_eq!(noted(|p| p.budget = Budget::EnvSteps(300_000)), [""; 0], "half of it is not long");
+    let long = noted(|p| p.budget = Budget::EnvSteps(5_000_000));
+    assert_eq!(fields(&long), ["learning.learning_rate"]);
+    assert!(
+        long[0].contains("most of which has a learning rate of 0.00001; help: end it at 5000000"),
+        "{long:?}"
+    );
+    assert_eq!(noted(|p| p.budget = Budget::EnvSteps(2_000_000)), [""; 0]);
+}
+
+#[test]
+fn doubtful_exploration_is_noted() {
+    let exploration = |exploration| move |p: &mut Preset| p.learning.exploration = exploration;
+    let per_episode = |start, decay, end| exploration(Exploration::PerEpisode { start, decay, end });
+    let field = "note: `learning.exploration` ";
+    let none = Exploration::Linear { start: 0.0, end: 0.0, env_steps: 1 };
+    assert_noted(exploration(none), field, "no random actions");
+    let early = Exploration::Linear { start: 1.0, end: 0.05, env_steps: 500 };
+    assert_noted(exploration(early), field, "ends at env step 500, but learning starts at 500, ");
+    assert_noted(per_episode(1.0, 0.99, 1.0), field, "random actions only");
+    assert_noted(per_episode(1.0, 1.0, 0.05), field, "never decays");
+    // 0.999^100 = 0.905.
+    let slow = |p: &mut Preset| {
+        per_episode(1.0, 0.999, 0.05)(p);
+        p.budget = Budget::Episodes(100);
+        p.learning.learning_rate = Schedule::Constant(1e-3);
+        p.learning.replay.sampling = Sampling::Uniform;
+    };
+    assert_noted(slow, field, "has an epsilon of 0.90 still");
+    assert_eq!(noted(per_episode(1.0, 0.99, 0.05)), [""; 0]);
+}
+
+#[test]
+fn doubtful_values_of_the_learner_and_the_evaluation_are_noted() {
+    assert_noted(|p| p.learning.gamma = 0.0, "note: `learning.gamma` is 0: ", "only the next reward counts");
+    assert_noted(|p| p.learning.gamma = 1.0, "note: `learning.gamma` is 1: ", "no bound");
+    // 600,000 env steps have 37,500 updates of 2 gradient steps.
+    assert_noted(
+        |p| p.learning.target_update = TargetUpdate::Hard { every: 75_001 },
+        "note: `learning.target_update.every` is 75001, ",
+        "the budget has 75000 gradient steps",
+    );
+    assert_eq!(noted(|p| p.learning.target_update = TargetUpdate::Hard { every: 75_000 }), [""; 0]);
+    assert_noted(
+        |p| p.learning.replay.learning_starts = 400_001,
+        "note: `learning.replay.learning_starts` is 400001, ",
+        "the replay buffer holds 400000 transitions",
+    );
+    assert_noted(
+        |p| p.evaluation.every_env_steps = 600_001,
+        "note: `evaluation.every_env_steps` is 600001, ",
+        "the only evaluation",
+    );
+}
+
+#[test]
+fn a_run_names_the_file_of_each_note() {
+    let mut config = RunConfig::resolve("scenario-1", "fast", 0).expect("shipped");
+    assert_eq!(run_notes(&config), []);
+    config.preset.reward.collided = 1.0;
+    config.scenario.robot.motions.truncate(3);
+    config.scenario.robot.motions.iter_mut().for_each(|motion| motion.w_rad_s = 0.0);
+    let lines: Vec<String> = run_notes(&config).iter().map(ToString::to_string).collect();
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(lines[0].starts_with("scenario-1: `robot.motions` never turn the robot"), "{lines:?}");
+    assert!(lines[1].starts_with("fast: `reward.collided` is 1: collisions are rewarded"), "{lines:?}");
+}

@@ -1,0 +1,160 @@
+//! Tests of the limits that batch systems and containers set (`ulimit`): a run works with less, or ends with one clear error,
+//! and can be resumed.
+#![cfg(target_os = "linux")]
+
+mod cli_support;
+#[path = "support/requirements.rs"]
+mod requirements;
+
+use std::os::unix::fs::PermissionsExt;
+use std::process::Command;
+
+use cli_support::{CommandOutput, Workspace, quick_fast};
+
+const RUN: &str = "--train --preset fast.ron --steps 6400 --seed 5";
+
+fn workspace() -> Workspace {
+    let workspace = Workspace::new();
+    workspace.write("fast.ron", quick_fast());
+    workspace
+}
+
+/// Asserts that the command failed with one line of error that contains `needle`, and without a panic.
+fn assert_failed(done: &CommandOutput, needle: &str) {
+    assert_eq!(done.status, Some(1), "{}", done.stderr);
+    let last = done.stderr.lines().last().unwrap_or_default();
+    assert!(last.starts_with("error: ") && last.contains(needle), "{}", done.stderr);
+    assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+}
+
+#[test]
+fn with_few_threads_a_run_gives_the_same_result() {
+    // The limit of processes does not hold for root, and an ordinary user may have any number of them already.
+    let root = Command::new("setpriv").args(["--reuid", "23456", "--clear-groups", "true"]).output();
+    if !root.is_ok_and(|output| output.status.success()) {
+        requirements::report_skip("`setpriv --reuid` is not permitted; help: run as root");
+        return;
+    }
+    let workspace = workspace();
+    workspace.run_ok(&format!("{RUN} --out threads"));
+    // The other user can't read the build folder, perhaps.
+    std::fs::copy(env!("CARGO_BIN_EXE_wayfield"), workspace.path("program")).unwrap();
+    std::fs::create_dir(workspace.path("own")).unwrap();
+    for folder in ["", "own"] {
+        let all = std::fs::Permissions::from_mode(0o777);
+        std::fs::set_permissions(workspace.path(folder), all).unwrap();
+    }
+    let limited = |limit: u32, arguments: &str| {
+        let user = "setpriv --reuid 23456 --regid 23456 --clear-groups";
+        workspace.shell(&format!("exec {user} prlimit --nproc={limit} ./program {arguments}"))
+    };
+    for limit in 2..=4 {
+        let done = limited(limit, &format!("{RUN} --out own/{limit}"));
+        assert_eq!(done.status, Some(0), "--nproc={limit}: {}", done.stderr);
+        assert!(!done.stderr.contains("panicked"), "--nproc={limit}: {}", done.stderr);
+        workspace.assert_same_run("threads", &format!("own/{limit}"));
+    }
+    let done = limited(2, "--eval own/2/policy.safetensors --rounds 1 --episodes 5 --optimum");
+    assert_eq!(done.status, Some(0), "{}", done.stderr);
+    // Bevy's task pool takes one thread in a build with the app.
+    if cfg!(feature = "gui") {
+        assert_failed(
+            &limited(1, &format!("{RUN} --out own/1")),
+            "no thread can be started; help: raise `ulimit -u`",
+        );
+        assert!(!workspace.path("own/1").exists(), "no folder is left");
+    }
+}
+
+#[test]
+fn the_limit_of_cpu_time_saves_the_run() {
+    for limit in ["ulimit -S -t 2", "ulimit -t 4"] {
+        let workspace = workspace();
+        let done = workspace
+            .shell(&format!("{limit}; exec $WAYFIELD --train --preset fast.ron --steps 900000000 --out run"));
+        assert_eq!(done.status, Some(152), "{limit}: {}", done.stderr);
+        assert!(done.stderr.contains("the limit of CPU time"), "{limit}: {}", done.stderr);
+        assert_eq!(workspace.json("run/summary.json")["finished"], false, "{limit}");
+        let steps = workspace.json("run/summary.json")["env_steps"].as_u64().unwrap() + 16;
+        workspace.run_ok(&format!("--resume run --steps {steps}"));
+    }
+}
+
+#[test]
+fn the_limit_of_file_sizes_is_an_error_and_the_run_resumes() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{RUN} --out unlimited"));
+    // 100 blocks of 512 bytes: the checkpoint is larger.
+    let done = workspace.shell(&format!("ulimit -f 100; exec $WAYFIELD {RUN} --out run"));
+    assert_failed(&done, "File too large");
+    assert!(done.stderr.contains("help: raise the limit of file sizes (`ulimit -f`)"), "{}", done.stderr);
+    workspace.run_ok("--resume run");
+    workspace.assert_same_run("unlimited", "run");
+}
+
+#[test]
+fn too_few_open_files_are_an_error_and_the_run_resumes() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{RUN} --out unlimited"));
+    let mut failed = 0;
+    for limit in 4..=16 {
+        let run = format!("run-{limit}");
+        let done = workspace.shell(&format!("ulimit -n {limit}; exec $WAYFIELD {RUN} --out {run}"));
+        assert!(!done.stderr.contains("panicked"), "{limit}: {}", done.stderr);
+        match done.status {
+            Some(0) => {}
+            Some(1 | 2) => {
+                failed += 1;
+                assert!(done.stderr.contains("Too many open files"), "{limit}: {}", done.stderr);
+                let again = if workspace.path(&format!("{run}/config.ron")).exists() {
+                    format!("--resume {run}")
+                } else {
+                    format!("{RUN} --out {run}")
+                };
+                workspace.run_ok(&again);
+            }
+            status => panic!("{limit}: {status:?} {}", done.stderr),
+        }
+        workspace.assert_same_run("unlimited", &run);
+    }
+    assert!(failed > 0, "the limits are low enough to matter");
+}
+
+#[test]
+fn too_little_memory_is_an_error_before_the_run_folder_is_made() {
+    for flag in ["-v", "-d"] {
+        let workspace = workspace();
+        // The preset's replay buffer alone takes more than 50 MB.
+        let done = workspace.shell(&format!(
+            "unset RUST_BACKTRACE; ulimit {flag} 150000; exec $WAYFIELD --train --steps 16 --out run"
+        ));
+        assert_failed(&done, &format!("(`ulimit {flag}`)"));
+        assert!(!workspace.path("run").exists(), "no folder is left");
+    }
+}
+
+#[test]
+fn the_memory_that_the_error_asks_for_suffices() {
+    for flag in ["-v", "-d"] {
+        let workspace = workspace();
+        let done = workspace.shell(&format!(
+            "unset RUST_BACKTRACE; ulimit {flag} 150000; exec $WAYFIELD --train --steps 12000 --out run"
+        ));
+        let needed = done.stderr.split("about ").nth(1).and_then(|text| text.split(' ').next());
+        let megabytes: u64 = needed.expect("a number of MB").parse().unwrap();
+        let kilobytes = megabytes * 1000 * 1000 / 1024 + 1000;
+        let done = workspace.shell(&format!(
+            "unset RUST_BACKTRACE; ulimit {flag} {kilobytes}; exec $WAYFIELD --train --steps 12000 --out run"
+        ));
+        assert_eq!(done.status, Some(0), "{flag} {megabytes} MB: {}", done.stderr);
+    }
+}
+
+#[test]
+fn a_bare_environment_is_enough() {
+    let workspace = workspace();
+    // No HOME, no TMPDIR that exists, no stdin, a small stack.
+    let done =
+        workspace.shell(&format!("ulimit -s 256; exec env -i TMPDIR=/nowhere $WAYFIELD {RUN} --out run <&-"));
+    assert_eq!(done.status, Some(0), "{}", done.stderr);
+}
