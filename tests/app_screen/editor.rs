@@ -315,6 +315,14 @@ fn training_continues_or_restarts_in_the_edited_scenario() {
     let command = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true };
     assert_eq!(click(&mut window, "Discard"), [command]);
     assert!(window.state().view_state.editor.is_none());
+
+    let mut window = editing();
+    window.state_mut().status.restart_loses_training = true;
+    settle(&mut window);
+    click(&mut window, "Restart here");
+    let scenario = edited_scenario(&mut window);
+    let command = Command::ApplyScenario { scenario, from: "scenario-1".into(), restart: true };
+    assert_eq!(click(&mut window, "Save first"), [Command::SaveFirst(Box::new(command))]);
 }
 
 #[test]

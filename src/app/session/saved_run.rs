@@ -89,7 +89,8 @@ impl SavedRun {
         };
         let config: RunConfig = parse_ron_with_limit(text(CONFIG)?, CONFIG, MAX_CONFIG_BYTES)?;
         let problem = config.diagnostics().first().map(ToString::to_string);
-        let problem = problem.map_or_else(|| config.preset.check_memory(&config.scenario), Err);
+        let problem = problem
+            .map_or_else(|| config.preset.check_memory(&config.scenario, &config.observation_layout()), Err);
         problem.map_err(|why| RunError::invalid_input(Path::new(CONFIG), why))?;
         let config = config.resume_with_extensions(extensions, Path::new(CONFIG))?;
         let (trainer_state, learner) = checkpoint::read_from(&bytes(checkpoint::LATEST)?[..], &config)

@@ -25,6 +25,8 @@ pub enum Action {
     Continue,
     /// Begin a new training in the edited scenario.
     Restart,
+    /// The same, after saving the current training.
+    SaveAndRestart,
     /// Close the editor.
     Close,
 }
@@ -143,11 +145,15 @@ fn confirm_restart_ui(
         let episodes = if count == 1 { "episode" } else { "episodes" };
         let text = format!("Discard this training ({} {episodes})?", numbers::format_count(count));
         ui.label(RichText::new(text).color(palette.text));
-        let buttons =
-            [("Discard", "Start a new training", true), ("Cancel", "Keep the current training", true)];
+        let buttons = [
+            ("Save first", "Save the current training, then start a new one", true),
+            ("Discard", "Start a new training", true),
+            ("Cancel", "Keep the current training", true),
+        ];
+        ui.spacing_mut().button_padding.x = 2.0;
         button_row_ui(ui, &buttons)
     });
     let clicked = clicked.inner?;
     interaction.confirm_restart = false;
-    (clicked == 0).then_some(Action::Restart)
+    [Action::SaveAndRestart, Action::Restart].get(clicked).copied()
 }

@@ -73,13 +73,15 @@ fn prepare(
         return None;
     }
     editor.finish_drawing();
-    let restart = action == Action::Restart;
+    let restart = action != Action::Continue;
     let blocked = match action {
         Action::Continue => actions::continue_blocker(input, editor).is_some(),
         _ => actions::restart_blocker(editor).is_some(),
     };
     let (scenario, from) = (editor.scenario().clone(), editor.from().to_owned());
-    (!blocked).then_some(Command::ApplyScenario { scenario, from, restart })
+    let apply = Command::ApplyScenario { scenario, from, restart };
+    let command = if action == Action::SaveAndRestart { Command::SaveFirst(Box::new(apply)) } else { apply };
+    (!blocked).then_some(command)
 }
 
 /// Leaves the editor, with the command if there is one.
