@@ -247,9 +247,23 @@ mod tests {
             (0, vec2(0.2, 0.0), Err(MoveRejection::TooCloseToRobot)),
             (0, vec2(-1.0, 0.2), Err(MoveRejection::CoversGoal)),
             (1, vec2(0.5, 0.0), Err(MoveRejection::NotMovable)),
-            (0, vec2(1.2, 0.8), Err(MoveRejection::BlocksBenchmarkRoute)),
         ] {
             assert_eq!(check(Movable::Obstacle(index), to_m), expected, "{index}, {to_m:?}");
         }
+    }
+
+    #[test]
+    fn an_obstacle_stays_off_a_benchmark_route_that_is_free() {
+        let free = with_obstacle_at(&scenario(), 0, vec2(-1.0, 1.0)).expect("there is one");
+        let arena = MoveContext {
+            scenario: &free,
+            layout: &free,
+            obstacles: &[(-1.0, 1.0, TURNED_RAD)],
+            robot_m: vec2(0.0, 0.0),
+            goal_m: vec2(-1.0, 0.0),
+        };
+        let onto_its_goal = check_move(&arena, Movable::Obstacle(0), vec2(1.2, 0.8));
+        assert_eq!(onto_its_goal, Err(MoveRejection::BlocksBenchmarkRoute));
+        assert_eq!(check(Movable::Obstacle(0), vec2(1.2, 0.8)), Ok(()), "it is blocked already");
     }
 }

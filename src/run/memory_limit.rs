@@ -15,8 +15,10 @@ use crate::task::observation;
 const THREAD_ADDRESS_SPACE: u64 = 64 << 20;
 /// Threads, apart from one per core.
 const THREADS: u64 = 4;
-/// Memory that a training takes apart from its learner, its bodies and its threads, in bytes.
-const BASE: u64 = 128 << 20;
+/// Address space that a training takes apart from its learner, its bodies and its threads, in bytes.
+const BASE_ADDRESS_SPACE: u64 = 256 << 20;
+/// The part of it that is data, with that of all threads.
+const BASE_DATA: u64 = 128 << 20;
 /// Memory of a body in the simulation, in bytes.
 const BODY: u64 = 2048;
 /// Copies of the network's parameters: tensors, target network, gradient, moments, policies, a checkpoint in progress.
@@ -27,14 +29,14 @@ const PARAMETER_COPIES: u64 = 12;
 /// # Errors
 /// It does not fit. The message names the limit, the memory needed, and how to raise or reduce them.
 pub fn check(config: &RunConfig) -> Result<(), RunError> {
-    let variable = BASE + training_bytes(config);
+    let learner_and_bodies = training_bytes(config);
     let cores = std::thread::available_parallelism().map_or(1, usize::from) as u64;
     let threads = (THREADS + cores) * THREAD_ADDRESS_SPACE;
-    for (resource, flag, in_use, threads) in
-        [(Resource::As, "-v", "VmSize:", threads), (Resource::Data, "-d", "VmData:", 0)]
+    for (resource, flag, base) in
+        [(Resource::As, "-v", BASE_ADDRESS_SPACE + threads), (Resource::Data, "-d", BASE_DATA)]
     {
         let Some(limit) = getrlimit(resource).current else { continue };
-        let needed = bytes_in_use(in_use) + threads + variable;
+        let needed = base + learner_and_bodies;
         if limit < needed {
             return Err(RunError::Failed(format!(
                 "the memory of this process is limited to {} MB (`ulimit {flag}`), and this training needs about {} MB; help: \
@@ -60,11 +62,4 @@ fn training_bytes(config: &RunConfig) -> u64 {
     (states * (4 * inputs + 8) + learning.replay.capacity * (24 + 32)) as u64
         + shape.parameter_count() as u64 * 4 * PARAMETER_COPIES
         + bodies as u64 * BODY
-}
-
-/// A size in `/proc/self/status`, in bytes; 0 if the system has none.
-fn bytes_in_use(name: &str) -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let size = status.lines().find_map(|line| line.strip_prefix(name)?.trim().strip_suffix(" kB"));
-    size.and_then(|kilobytes| kilobytes.parse::<u64>().ok()).map_or(0, |kilobytes| kilobytes * 1024)
 }

@@ -117,12 +117,21 @@ impl Workspace {
 
     /// Starts the binary. [`wait_for_output`] collects its output.
     pub fn start(&self, arguments: &str) -> Child {
-        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        let binary = self.command(arguments);
+        let mut command = not_ignoring_signals(binary.get_program());
+        command.args(binary.get_args()).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+        command
+            .current_dir(self.folder.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
     }
 
     /// Starts a `sh` script, which has the path of the binary in `WAYFIELD`.
     pub fn start_shell(&self, script: &str) -> Child {
-        let mut shell = Command::new("sh");
+        let mut shell = not_ignoring_signals("sh".as_ref());
         shell.args(["-euc", script]).env("WAYFIELD", env!("CARGO_BIN_EXE_wayfield"));
         shell.current_dir(self.folder.path()).stdin(Stdio::piped());
         shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
@@ -243,6 +252,16 @@ impl CommandOutput {
         assert!(value.is_object(), "{value}");
         value
     }
+}
+
+/// The command for `program`, which ignores no signal even if the tests run in the background or under `nohup`.
+fn not_ignoring_signals(program: &std::ffi::OsStr) -> Command {
+    if !cfg!(target_os = "linux") {
+        return Command::new(program);
+    }
+    let mut command = Command::new("env");
+    command.arg("--default-signal=INT,HUP,TERM").arg(program);
+    command
 }
 
 /// Waits until a started command exits.

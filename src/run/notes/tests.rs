@@ -5,6 +5,9 @@ use crate::learning::{Exploration, Sampling, Schedule, TargetUpdate};
 use crate::run::shipped;
 use crate::task::RewardKind;
 
+/// A schedule of epsilon that does not depend on env steps.
+const PER_EPISODE: Exploration = Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 };
+
 fn fast() -> Preset {
     shipped::preset("fast").expect("shipped")
 }
@@ -46,7 +49,10 @@ fn a_run_without_a_gradient_step_is_warned_of() {
         nothing,
     );
     assert_noted(
-        |p| (p.learning.replay.learning_starts, p.learning.replay.capacity) = (700_000, 1 << 20),
+        |p| {
+            (p.learning.replay.learning_starts, p.learning.replay.capacity) = (700_000, 1 << 20);
+            p.learning.exploration = PER_EPISODE;
+        },
         "warning: `learning.replay.learning_starts` is 700000, ",
         "after 700000 env steps, and the budget is 600000; help: give a smaller number, or a larger budget",
     );
@@ -173,7 +179,7 @@ fn doubtful_values_of_the_learner_and_the_evaluation_are_noted() {
     );
     assert_eq!(noted(|p| p.learning.target_update = TargetUpdate::Hard { every: 75_000 }), [""; 0]);
     assert_noted(
-        |p| p.learning.replay.learning_starts = 400_001,
+        |p| (p.learning.replay.learning_starts, p.learning.exploration) = (400_001, PER_EPISODE),
         "note: `learning.replay.learning_starts` is 400001, ",
         "the replay buffer holds 400000 transitions",
     );

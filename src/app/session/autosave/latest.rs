@@ -10,9 +10,15 @@ use bevy::platform::time::Instant;
 /// The folder of the last autosave of the current training, and when it was written.
 static LATEST: Mutex<Option<(PathBuf, Instant)>> = Mutex::new(None);
 
-/// Records that the folder at `path` was written now; `None` if the current training has no autosave.
+/// Records that the folder at `path` was written now; `None` if the current training has no autosave. The first autosave of a
+/// training is announced on stderr, because a process that is killed cannot say later where it is.
 pub(super) fn set(path: Option<&Path>) {
-    *LATEST.lock().unwrap_or_else(PoisonError::into_inner) = path.map(|path| (path.into(), Instant::now()));
+    let mut latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner);
+    #[cfg(not(target_arch = "wasm32"))]
+    if let Some(path) = path.filter(|path| latest.as_ref().is_none_or(|(earlier, _)| earlier != path)) {
+        crate::run::progress::print_stderr(&format!("autosave: {}", path.display()));
+    }
+    *latest = path.map(|path| (path.into(), Instant::now()));
 }
 
 /// Where the training is, and how to continue it; `None` if it has no autosave.
