@@ -77,7 +77,7 @@ fn invalid_policies_are_rejected() {
     let end = nan.len();
     nan[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
     workspace.write("nan.safetensors", &nan);
-    workspace.write("truncated.safetensors", &valid[..valid.len() / 2]);
+    workspace.write("truncated.safetensors", &valid[..valid.len() - 100]);
     workspace.write("header.safetensors", &valid[..100]);
     workspace.write("empty.safetensors", b"");
     workspace.write("text.safetensors", "This is not a policy.");

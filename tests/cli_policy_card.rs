@@ -16,7 +16,7 @@ use wayfield::policy::card::RawJson;
 use wayfield::policy::{NetworkShape, Policy};
 use wayfield::run::folder::RunConfig;
 use wayfield::run::policy_card;
-use wayfield::scenario::Scenario;
+use wayfield::scenario::{PlacementRule, Scenario};
 use wayfield::task::ObservationSlice;
 
 const PYTHON: Requirement = Requirement { commands: &["python3"], packages: "python3" };
@@ -235,9 +235,10 @@ fn a_card_that_contradicts_its_scenario_is_refused() {
 #[test]
 fn a_scenario_that_only_a_hand_could_make_is_refused_without_a_file_but_tested_with_one() {
     let workspace = workspace();
-    // In the app an obstacle can be dragged onto the route's goal.
+    // In the app an obstacle can be dragged onto a fixed goal.
     let policy = with_scenario(policy(), |scenario| {
-        scenario.obstacles[0].position_m = scenario.benchmark_route.goal_m;
+        scenario.goals =
+            PlacementRule::Fixed { position_m: scenario.obstacles[0].position_m, heading_rad: None };
     });
     workspace.write("dragged.safetensors", policy.to_bytes().expect("a consistent file"));
     let error = rejection(&workspace, "--eval dragged.safetensors");

@@ -86,7 +86,7 @@ pub(super) fn warn_in_comparison(world: &mut World, mode: SessionMode) {
     let warning = policy_card::warning(policy, &world.resource::<TrainingRun>().config.scenario);
     if let Some(text) = warning.unwrap_or_else(|error| Some(error.to_string())) {
         let text = format!("{name}: {text}");
-        notify(world, NoticeTopic::Comparison, Severity::Error, text);
+        notify(world, NoticeTopic::Comparison, Severity::Warning, text);
     }
 }
 

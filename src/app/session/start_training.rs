@@ -190,7 +190,7 @@ pub(super) fn start_from_policy(
         world.resource_mut::<TrainingHistory>().0.set_earlier(earlier);
     }
     if let Some(text) = warning {
-        notify(world, NoticeTopic::TrainingWarning, Severity::Error, text);
+        notify(world, NoticeTopic::TrainingWarning, Severity::Warning, text);
     }
     Ok(())
 }
