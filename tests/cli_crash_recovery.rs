@@ -247,7 +247,7 @@ fn tensorboards_curves_never_go_back_after_kills_and_resumes() {
     }
     let mut child = workspace.start("--train --resume run");
     wait_until(&mut child, "a fourth event file", || event_files(&run).len() == 4);
-    signal(&child, "INT");
+    signal(&child, "TERM");
     wait_for_output(child);
     assert_curves_never_go_back(&run);
 
