@@ -58,7 +58,9 @@ pub fn help_ui(ui: &mut Ui, view_state: &mut ViewState) {
         .default_width(620.0)
         .show(ui.ctx(), |ui| {
             let height = (ui.ctx().content_rect().height() - AROUND).max(AROUND);
-            egui::ScrollArea::vertical().max_height(height).show(ui, |ui| content_ui(ui, editing));
+            // Without a minimum it would shrink to the default height of a window, and hide the shortcuts.
+            let scroll = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+            scroll.show(ui, |ui| content_ui(ui, editing));
         });
 }
 
