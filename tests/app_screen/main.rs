@@ -254,9 +254,8 @@ fn the_help_window_opens_lists_the_shortcuts_and_closes() {
     let mut window = window(ScreenFixture::default());
     click(&mut window, "Help");
     assert!(window.query_by_label("Follow the next arena").is_some());
-    let [first, last] =
-        ["Move the robot, the goal or an obstacle", "Larger or smaller text and controls"]
-            .map(|label| window.get_by_label(label).rect());
+    let [first, last] = ["Move the robot, the goal or an obstacle", "Larger or smaller text and controls"]
+        .map(|label| window.get_by_label(label).rect());
     assert!(first.min.y > 0.0 && last.max.y < 860.0, "all of it is visible: {first} {last}");
     press(&mut window, Key::Escape);
     assert!(!window.state().view_state.help_open);
