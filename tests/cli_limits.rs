@@ -135,17 +135,18 @@ fn too_little_memory_is_an_error_before_the_run_folder_is_made() {
 
 #[test]
 fn the_memory_that_the_error_asks_for_suffices() {
-    for flag in ["-v", "-d"] {
+    // With enough for an evaluation, the error is about the training.
+    for (flag, kilobytes) in [("-v", 600_000), ("-d", 150_000)] {
         let workspace = workspace();
-        let done = workspace.shell(&format!(
-            "unset RUST_BACKTRACE; ulimit {flag} 150000; exec $WAYFIELD --train --steps 12000 --out run"
-        ));
+        let train = |kilobytes: u64| {
+            let limit = format!("unset RUST_BACKTRACE; ulimit {flag} {kilobytes}");
+            workspace.shell(&format!("{limit}; exec $WAYFIELD --train --steps 12000 --out run"))
+        };
+        let done = train(kilobytes);
+        assert_failed(&done, "`learning.replay.capacity`");
         let needed = done.stderr.split("about ").nth(1).and_then(|text| text.split(' ').next());
         let megabytes: u64 = needed.expect("a number of MB").parse().unwrap();
-        let kilobytes = megabytes * 1000 * 1000 / 1024 + 1000;
-        let done = workspace.shell(&format!(
-            "unset RUST_BACKTRACE; ulimit {flag} {kilobytes}; exec $WAYFIELD --train --steps 12000 --out run"
-        ));
+        let done = train(megabytes * 1_000_000 / 1024 + 1);
         assert_eq!(done.status, Some(0), "{flag} {megabytes} MB: {}", done.stderr);
     }
 }

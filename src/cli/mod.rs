@@ -33,6 +33,8 @@ use std::time::Instant;
 use clap::error::ErrorKind;
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser};
 
+#[cfg(unix)]
+use crate::run::memory_limit;
 use crate::run::progress::print_stderr;
 use crate::run::{RunError, signals};
 use crate::scenario::is_unprintable;
@@ -163,6 +165,10 @@ fn exit(error: &clap::Error) -> ! {
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
     let is_headless = mode.train || arguments.train.resume.is_some() || mode.eval.is_some() || mode.reproduce;
+    #[cfg(unix)]
+    if is_headless {
+        memory_limit::check_start()?;
+    }
     if is_headless && !use_one_task_thread() {
         return Err(RunError::Failed(
             "no thread can be started; help: raise `ulimit -u` or the container's limit of processes, or use a build \

@@ -16,13 +16,27 @@ const THREAD_ADDRESS_SPACE: u64 = 64 << 20;
 /// Threads, apart from one per core.
 const THREADS: u64 = 4;
 /// Address space that a training takes apart from its learner, its bodies and its threads, in bytes.
-const BASE_ADDRESS_SPACE: u64 = 256 << 20;
+const BASE_ADDRESS_SPACE: u64 = 384 << 20;
 /// The part of it that is data, with that of all threads.
 const BASE_DATA: u64 = 128 << 20;
+/// The address space in which an evaluation works, in bytes. With less, the first threads may already fail.
+const MIN_ADDRESS_SPACE: u64 = 520 << 20;
 /// Memory of a body in the simulation, in bytes.
 const BODY: u64 = 2048;
 /// Copies of the network's parameters: tensors, target network, gradient, moments, policies, a checkpoint in progress.
 const PARAMETER_COPIES: u64 = 12;
+
+/// Checks that the process may use the address space that a training or an evaluation takes at least. Call it before the first
+/// thread is started.
+///
+/// # Errors
+/// It may not. The message names the limit, and how much is needed.
+pub fn check_start() -> Result<(), RunError> {
+    match getrlimit(Resource::As).current {
+        Some(limit) if limit < MIN_ADDRESS_SPACE => Err(too_small(limit, "-v", MIN_ADDRESS_SPACE, "")),
+        _ => Ok(()),
+    }
+}
 
 /// Checks that the training of `config` fits into the memory that the process may use.
 ///
@@ -38,15 +52,19 @@ pub fn check(config: &RunConfig) -> Result<(), RunError> {
         let Some(limit) = getrlimit(resource).current else { continue };
         let needed = base + learner_and_bodies;
         if limit < needed {
-            return Err(RunError::Failed(format!(
-                "the memory of this process is limited to {} MB (`ulimit {flag}`), and this training needs about {} MB; help: \
-                 raise the limit, or use a smaller `learning.replay.capacity` or fewer `arenas`",
-                limit / 1_000_000,
-                needed.div_ceil(1_000_000)
-            )));
+            let or = ", or use a smaller `learning.replay.capacity` or fewer `arenas`";
+            return Err(too_small(limit, flag, needed, or));
         }
     }
     Ok(())
+}
+
+fn too_small(limit: u64, flag: &str, needed: u64, or: &str) -> RunError {
+    RunError::Failed(format!(
+        "the memory of this process is limited to {} MB (`ulimit {flag}`), and it needs about {} MB; help: raise the limit{or}",
+        limit / 1_000_000,
+        needed.div_ceil(1_000_000)
+    ))
 }
 
 /// Memory of the learner and of all bodies, in training and in evaluations, in bytes.

@@ -37,7 +37,7 @@ pub mod image_file;
 pub mod lock;
 pub mod memory;
 #[cfg(unix)]
-mod memory_limit;
+pub(crate) mod memory_limit;
 pub mod metric_rows;
 pub mod metrics;
 #[cfg(not(target_arch = "wasm32"))]
