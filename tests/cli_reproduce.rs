@@ -373,7 +373,7 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
     rejected("--reproduce --only fig99", &["there is no `fig99`", "fig9", "table2", "ablation"]);
     rejected("--reproduce --only tabel2", &["did you mean `table2`?"]);
     rejected("--reproduce --experiment none.ron", &["none.ron", "no such file"]);
-    rejected("--reproduce --seeds 0", &["--seeds", "1..=1000"]);
+    rejected("--reproduce --seeds 0", &["--seeds", "a whole number from 1 to 1000"]);
     rejected("--reproduce --train", &["--train"]);
     rejected("--reproduce --seed 3", &["--seed"]);
     rejected("--train --only fig9", &["--only"]);

@@ -92,6 +92,10 @@ fn check_own(folder: &Path) -> Result<(), RunError> {
     let mut entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let is_foreign = entries.any(|entry| entry.file_name() != LOCK && !is_temporary(&entry));
     if is_foreign && !folder.join(SPENT).exists() {
+        // A process that has just started holds the lock.
+        if folder.join(LOCK).exists() {
+            Lock::acquire(folder, &folder.join(LOCK))?;
+        }
         let why = "is not empty and holds no reproduction; help: choose another folder with --out";
         return Err(RunError::invalid_input(folder, why));
     }
