@@ -211,7 +211,6 @@ fn finish_writing(world: &mut World, wait: bool) {
 
 /// Puts back the slot after an autosave, and reports a failure unless it has been reported before.
 fn finish(world: &mut World, slot: Slot, written: Result<(), RunError>) {
-    latest::set(slot.path());
     let mut autosave = world.resource_mut::<Autosave>();
     autosave.slot = Some(slot);
     let failure = written.err().map(|error| error.to_string());

@@ -7,6 +7,7 @@ use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::latest;
 use super::sessions::{NOTE, SessionNote, TEMPORARY};
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
@@ -73,6 +74,7 @@ impl Slot {
         // Unlocks the earlier one: some systems do not rename a folder with open files.
         self.folder = None;
         self.folder = Some(swap(&written, &path)?);
+        latest::set(Some(&path));
         Ok(())
     }
 
