@@ -47,11 +47,12 @@ impl ReportFolder {
         fs::create_dir_all(path).map_err(unwritable)?;
         let lock = Lock::acquire(path, &path.join(LOCK))?;
         report_files::prepare(path)?;
-        fs::create_dir_all(path.join("runs")).map_err(unwritable)?;
         let text = fs::read_to_string(path.join(SPENT)).unwrap_or_default();
         let spent: Spent = serde_json::from_str(&text).unwrap_or_default();
         let folder = Self { path: path.into(), earlier_s: spent.wall_s, _lock: lock };
+        // The first file marks the folder: a process that is started now must not take it for another's.
         folder.write_spent(spent).map_err(unwritable)?;
+        fs::create_dir_all(folder.join("runs")).map_err(unwritable)?;
         Ok(folder)
     }
 
