@@ -1,7 +1,7 @@
 //! Policy cards: reading policies, writing their cards, and comparing a card with the scenario in which its policy is used.
 //!
 //! In: a policy's file; the run's configuration, its counters, the success rate of the policy. Out: a policy, or a
-//! [`Card`](crate::policy::Card) without dates or times, so that equal runs have equal files.
+//! [`Card`] without dates or times, so that equal runs have equal files.
 
 mod differences;
 mod write;
