@@ -10,11 +10,16 @@ const LONG_RUN: u64 = 4;
 /// The share of its first value that the learning rate must fall below for a long run to be noted.
 const SMALL_SHARE: f32 = 0.2;
 
+/// `value` with four significant digits.
+fn rounded(value: f32) -> f32 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
 pub(super) fn check(preset: &Preset, length: RunLength, notes: &mut Vec<Note>) {
     let mut add = |field: &str, message: String| notes.push(Note::new(NoteLevel::Note, field, message));
     for (field, from, to, env_steps) in linear_schedules(&preset.learning) {
         if let Some(most) = length.most.filter(|most| env_steps / 2 > *most && from != to) {
-            let end = Schedule::Linear { from, to, env_steps }.at(most);
+            let end = rounded(Schedule::Linear { from, to, env_steps }.at(most));
             let message = format!(
                 "ends at env step {env_steps}, but the budget is {most}, at which it has come from {from} to {end} instead of \
                  {to}; help: end it at {most}, or give a larger budget"
