@@ -166,15 +166,18 @@ fn draw_drag_feedback(
 fn name_objects(ui: &Ui, view: Id, canvas: &Canvas, scene: &Scene, arena: &ArenaScene) {
     let obstacles = (0..scene.scenario.obstacles.len()).map(Movable::Obstacle);
     for object in [Movable::Robot, Movable::Goal].into_iter().chain(obstacles) {
-        if let Some(outline) = drag_target::silhouette(arena, object, None) {
-            name_object(ui, view.with(object), &object.to_string(), outline.screen_rect(canvas));
-        }
+        name_object(ui, view.with(object), || {
+            let outline = drag_target::silhouette(arena, object, None)?;
+            Some((object.to_string(), outline.screen_rect(canvas)))
+        });
     }
 }
 
-/// Adds an object that can be dragged to the accessibility tree, if egui builds one.
-pub fn name_object(ui: &Ui, id: Id, name: &str, rect: Rect) {
+/// Adds an object that can be dragged to the accessibility tree. `describe` returns its name and its rectangle on the screen;
+/// it is called only if egui builds a tree.
+pub fn name_object(ui: &Ui, id: Id, describe: impl FnOnce() -> Option<(String, Rect)>) {
     ui.ctx().accesskit_node_builder(id, |node| {
+        let Some((name, rect)) = describe() else { return };
         node.set_role(Role::GraphicsObject);
         node.set_label(name);
         node.set_bounds(AccessRect::new(

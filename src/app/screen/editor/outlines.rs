@@ -102,13 +102,12 @@ fn draw_solid(canvas: &Canvas, obstacle: &Obstacle, by: f32, fill: Color32, stro
 
 /// Adds the obstacles and inner walls to the accessibility tree, if egui builds one.
 pub fn name_solids(ui: &Ui, canvas: &Canvas, scenario: &Scenario) {
-    let obstacles =
-        (0..scenario.obstacles.len()).map(|k| (Selection::Obstacle(k), format!("Obstacle {}", k + 1)));
-    let walls = (0..scenario.walls.len()).map(|k| (Selection::Wall(k), format!("Wall {}", k + 1)));
-    for (selection, name) in obstacles.chain(walls) {
-        if let Some(rect) = screen_rect(canvas, scenario, selection) {
-            name_object(ui, Id::new(&name), &name, rect);
-        }
+    let obstacles = (0..scenario.obstacles.len()).map(|k| ("Obstacle", k, Selection::Obstacle(k)));
+    let walls = (0..scenario.walls.len()).map(|k| ("Wall", k, Selection::Wall(k)));
+    for (noun, k, selection) in obstacles.chain(walls) {
+        name_object(ui, Id::new((noun, k)), || {
+            Some((format!("{noun} {}", k + 1), screen_rect(canvas, scenario, selection)?))
+        });
     }
 }
 
