@@ -30,17 +30,7 @@ impl App {
 
     fn start(display: &Display, home: TempDir, seconds: &str) -> Self {
         let arguments = ["--pace", "full", "--size", "1280x800", "--checkpoint-every", seconds];
-        let binary = command(Some(&display.name), home.path(), &arguments);
-        // Signals have their usual effect, even if the tests run in the background of a shell, which ignores SIGINT.
-        let mut command = Command::new("env");
-        command.arg("--default-signal=INT,HUP").arg(binary.get_program()).args(binary.get_args());
-        command.current_dir(home.path());
-        for (name, value) in binary.get_envs() {
-            match value {
-                Some(value) => command.env(name, value),
-                None => command.env_remove(name),
-            };
-        }
+        let mut command = command(Some(&display.name), home.path(), &arguments);
         command.env("WAYFIELD_CONTROLS", home.path().join("controls")).stderr(Stdio::piped());
         Self { process: Some(command.spawn().expect("the binary starts")), home }
     }

@@ -42,9 +42,11 @@ impl Drop for Display {
     }
 }
 
-/// The binary, with `home` as its working directory and for its files.
+/// The binary, with `home` as its working directory and for its files. Signals have their usual effect, even if the tests run
+/// in the background of a shell, which ignores SIGINT.
 pub fn command(display: Option<&str>, home: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_wayfield"));
+    let mut command = Command::new("env");
+    command.args(["--default-signal=INT,HUP,TERM", env!("CARGO_BIN_EXE_wayfield")]);
     command.args(arguments).current_dir(home).env("XDG_CONFIG_HOME", home).env("XDG_RUNTIME_DIR", home);
     command.env("XDG_DATA_HOME", home.join("data"));
     command.env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
