@@ -1,74 +1,73 @@
-//! The shelf: files in a browser, where there is no disk.
+//! Virtual files for the browser, which has no disk.
 //!
-//! In: what the user handed to the page, by name; what the program writes. Out: the former to whoever reads a file of
-//! that name, the latter to the page, which saves it. What was handed in stays, so that a scenario can be begun anew, but
-//! for policies: who reads one, takes it.
+//! In: uploads of the user and files that the program writes. Out: uploads by name, and downloads for the page to save.
+//! Uploads stay available, so that a scenario can be loaded again. Policies are large, so reading one removes it.
 
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-/// So many files are kept, of which none is longer than [`LONGEST`].
-const MOST: usize = 64;
-/// Of a file that stays, no more bytes are kept: enough to see that it is too long.
-const LONGEST: usize = crate::limits::MAX_FILE_BYTES as usize + 1;
+/// Largest number of uploads.
+const MAX_FILES: usize = 64;
+/// Largest number of bytes kept of an upload that stays: one more than a RON file may have, so that it is seen to be too long.
+const MAX_KEPT_BYTES: usize = crate::limits::MAX_FILE_BYTES as usize + 1;
 
 /// A file's name and its bytes.
 pub type VirtualFile = (String, Vec<u8>);
 
-static HANDED_IN: Mutex<VecDeque<VirtualFile>> = Mutex::new(VecDeque::new());
-static HANDED_OUT: Mutex<Vec<VirtualFile>> = Mutex::new(Vec::new());
+static UPLOADS: Mutex<VecDeque<VirtualFile>> = Mutex::new(VecDeque::new());
+static DOWNLOADS: Mutex<Vec<VirtualFile>> = Mutex::new(Vec::new());
 
-/// Puts a file of the user's on the shelf; an older one of that name is replaced.
+/// Adds an upload. It replaces an older one of the same name.
 pub fn add_upload(name: String, mut bytes: Vec<u8>) {
-    if !is_taken(&name) {
-        bytes.truncate(LONGEST);
+    if !is_removed_by_reading(&name) {
+        bytes.truncate(MAX_KEPT_BYTES);
         bytes.shrink_to_fit();
     }
-    let mut files = HANDED_IN.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut files = UPLOADS.lock().unwrap_or_else(PoisonError::into_inner);
     files.retain(|(other, _)| *other != name);
     files.push_back((name, bytes));
-    if files.len() > MOST {
+    if files.len() > MAX_FILES {
         files.pop_front();
     }
 }
 
-/// The user's file of that name, of which no more than `most` bytes are wanted.
+/// The first `max_bytes` bytes of the upload at `path`.
 ///
 /// # Errors
-/// There is none.
-pub fn read(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
-    let mut files = HANDED_IN.lock().unwrap_or_else(PoisonError::into_inner);
+/// `NotFound` if there is none of that name.
+pub fn read(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
+    let mut files = UPLOADS.lock().unwrap_or_else(PoisonError::into_inner);
     let found = files.iter().position(|(name, _)| Path::new(name) == path);
     let found = found.ok_or_else(|| Error::from(ErrorKind::NotFound))?;
-    let mut bytes = if is_taken(&files[found].0) {
+    let mut bytes = if is_removed_by_reading(&files[found].0) {
         files.remove(found).map_or_else(Vec::new, |(_, bytes)| bytes)
     } else {
         files[found].1.clone()
     };
-    bytes.truncate(usize::try_from(most).unwrap_or(usize::MAX));
+    bytes.truncate(usize::try_from(max_bytes).unwrap_or(usize::MAX));
     Ok(bytes)
 }
 
-/// Whether there is a file of the user's of that name.
+/// Whether there is an upload at `path`.
 pub fn contains(path: &Path) -> bool {
-    let files = HANDED_IN.lock().unwrap_or_else(PoisonError::into_inner);
+    let files = UPLOADS.lock().unwrap_or_else(PoisonError::into_inner);
     files.iter().any(|(name, _)| Path::new(name) == path)
 }
 
-/// Whether a file of this name is taken from the shelf by who reads it.
-fn is_taken(name: &str) -> bool {
+/// Whether reading removes an upload of this name.
+fn is_removed_by_reading(name: &str) -> bool {
     name.ends_with(".safetensors")
 }
 
-/// Puts a file of the program's on the shelf.
+/// Adds a file for the page to save.
 pub fn add_download(path: &Path, bytes: Vec<u8>) {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    HANDED_OUT.lock().unwrap_or_else(PoisonError::into_inner).push((name, bytes));
+    DOWNLOADS.lock().unwrap_or_else(PoisonError::into_inner).push((name, bytes));
 }
 
-/// Takes what the program has put there since the last time.
+/// Removes and returns the files that were added since the last call.
 pub fn take_downloads() -> Vec<VirtualFile> {
-    std::mem::take(&mut *HANDED_OUT.lock().unwrap_or_else(PoisonError::into_inner))
+    std::mem::take(&mut *DOWNLOADS.lock().unwrap_or_else(PoisonError::into_inner))
 }
