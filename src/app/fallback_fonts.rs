@@ -10,12 +10,12 @@ use bevy_egui::{EguiContext, EguiFullOutput};
 use egui::epaint::text::{FontInsert, FontPriority, InsertFontFamily};
 use egui::{FontData, FontFamily, FontId, Shape};
 
-use crate::report::fonts::{SystemFont, system_font_with};
+use crate::report::fonts::{SystemFont, system_fonts_with};
 
-/// The characters that were looked for, and the search in progress.
+/// The characters that were checked, and the search in progress.
 #[derive(Resource, Default)]
 pub struct FallbackFonts {
-    searched: HashSet<char>,
+    checked: HashSet<char>,
     search: Option<Task<Vec<SystemFont>>>,
 }
 
@@ -39,52 +39,35 @@ pub fn add_fallback_fonts(
             fallback.search = None;
             found.into_iter().for_each(|font| add_font(context, font));
         }
-        let mut missing = HashSet::new();
+        let mut missing = Vec::new();
         for clipped in &output.shapes {
-            collect_missing(context, &clipped.shape, &fallback.searched, &mut missing);
+            collect_missing(context, &clipped.shape, &mut fallback.checked, &mut missing);
         }
         if !missing.is_empty() {
-            fallback.searched.extend(&missing);
-            fallback.search = Some(AsyncComputeTaskPool::get().spawn(async move { fonts_with(missing) }));
+            fallback.search =
+                Some(AsyncComputeTaskPool::get().spawn(async move { system_fonts_with(&missing) }));
         }
     }
 }
 
-/// Adds the characters of `shape` that no font of the app has to `missing`, unless they were searched for before.
+/// Adds the characters of `shape` that no font of the app has to `missing`. Each character is checked once.
 fn collect_missing(
     context: &egui::Context,
     shape: &Shape,
-    searched: &HashSet<char>,
-    missing: &mut HashSet<char>,
+    checked: &mut HashSet<char>,
+    missing: &mut Vec<char>,
 ) {
     match shape {
         Shape::Vec(shapes) => {
-            shapes.iter().for_each(|shape| collect_missing(context, shape, searched, missing));
+            shapes.iter().for_each(|shape| collect_missing(context, shape, checked, missing));
         }
         Shape::Text(text) if !text.galley.text().is_ascii() => {
-            let unknown = |c: &char| !c.is_ascii() && !searched.contains(c);
-            let mut fonts = text.galley.text().chars().filter(unknown).peekable();
-            if fonts.peek().is_some() {
-                context.fonts_mut(|fonts_view| {
-                    missing.extend(fonts.filter(|&c| !fonts_view.has_glyph(&FontId::default(), c)));
-                });
-            }
+            let unchecked = text.galley.text().chars().filter(|c| !c.is_ascii() && checked.insert(*c));
+            let lacks = |c: &char| !context.fonts_mut(|fonts| fonts.has_glyph(&FontId::default(), *c));
+            missing.extend(unchecked.filter(lacks));
         }
         _ => {}
     }
-}
-
-/// As few fonts as have these characters, of those that have one.
-fn fonts_with(characters: HashSet<char>) -> Vec<SystemFont> {
-    let mut fonts: Vec<SystemFont> = Vec::new();
-    let mut characters: Vec<char> = characters.into_iter().collect();
-    characters.sort_unstable();
-    for font in characters.into_iter().filter_map(system_font_with) {
-        if fonts.iter().all(|other| other.name != font.name) {
-            fonts.push(font);
-        }
-    }
-    fonts
 }
 
 fn add_font(context: &egui::Context, font: SystemFont) {

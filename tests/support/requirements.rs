@@ -33,7 +33,7 @@ impl Requirement {
 
 /// Whether a font with Japanese characters is installed. If not, prints why the test is skipped, or fails in CI.
 pub fn japanese_font_is_installed() -> bool {
-    let installed = wayfield::report::fonts::system_font_with('迷').is_some();
+    let installed = !wayfield::report::fonts::system_fonts_with(&['迷']).is_empty();
     if !installed {
         report_skip("no font with Japanese characters; help: apt-get install fonts-droid-fallback");
     }

@@ -39,24 +39,39 @@ pub struct SystemFont {
     pub index: u32,
 }
 
-/// A font of the system with an outline of `character`, as upright, regular and sans-serif as there is one. The first call
-/// reads the names of all fonts, which takes a fraction of a second.
+/// The faces of the system, the plainest first.
+static FACES: LazyLock<Vec<&'static FaceInfo>> = LazyLock::new(|| {
+    let mut faces: Vec<&FaceInfo> = SYSTEM.faces().collect();
+    faces.sort_by_cached_key(|face| plainness(face));
+    faces
+});
+
+/// As few fonts of the system as have these characters, of those that any has. For each character it is the plainest:
+/// upright, regular and sans-serif if there is one. The first call reads the names of all fonts, which takes a fraction of a
+/// second.
 #[must_use]
-pub fn system_font_with(character: char) -> Option<SystemFont> {
-    let face = system_face_with(character)?;
-    let (data, index) = SYSTEM.with_face_data(face.id, |data, index| (data.to_vec(), index))?;
-    Some(SystemFont { name: face.post_script_name.clone(), data, index })
+pub fn system_fonts_with(characters: &[char]) -> Vec<SystemFont> {
+    let mut faces: Vec<&FaceInfo> = Vec::new();
+    for face in characters.iter().filter_map(|&character| system_face_with(character)) {
+        if faces.iter().all(|other| other.post_script_name != face.post_script_name) {
+            faces.push(face);
+        }
+    }
+    let font = |face: &FaceInfo| {
+        let (data, index) = SYSTEM.with_face_data(face.id, |data, index| (data.to_vec(), index))?;
+        Some(SystemFont { name: face.post_script_name.clone(), data, index })
+    };
+    faces.into_iter().filter_map(font).collect()
 }
 
 fn system_face_with(character: char) -> Option<&'static FaceInfo> {
-    let mut faces: Vec<&FaceInfo> = SYSTEM.faces().collect();
-    faces.sort_by_cached_key(|face| plainness(face));
-    faces.into_iter().find(|face| {
+    FACES.iter().copied().find(|face| {
         SYSTEM.with_face_data(face.id, |data, index| has_outline(data, index, character)) == Some(true)
     })
 }
 
-/// Sorts upright before slanted faces, then regular before other weights, sans-serif before other families; then by name,
+/// Sorts upright before slanted faces, then regular before other weights, proportional before
+/// monospaced, sans-serif before other families; then by name,
 /// so that the order in which the system lists its fonts does not matter.
 fn plainness(face: &FaceInfo) -> (bool, u16, bool, bool, String) {
     (
@@ -98,7 +113,7 @@ mod tests {
     #[test]
     fn every_system_font_that_is_returned_has_the_character() {
         for character in ['A', 'я', '迷', '\u{f8ff}'] {
-            if let Some(font) = system_font_with(character) {
+            for font in system_fonts_with(&[character]) {
                 assert!(has_outline(&font.data, font.index, character), "{character}: {}", font.name);
             }
         }
