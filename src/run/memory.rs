@@ -3,7 +3,6 @@
 //! A valid preset and a valid scenario can still need too much memory together.
 
 use super::preset::Preset;
-use crate::learning::LearningConfig;
 use crate::learning::limits::MAX_STORED_FLOATS;
 use crate::limits::{MAX_BODIES, MAX_OBSERVED_FLOATS};
 use crate::scenario::Scenario;
@@ -63,10 +62,14 @@ impl Preset {
         ))
     }
 
+    /// Number of observations that the learner stores: the replay buffer, and the transitions that are not yet complete.
+    pub(super) fn stored_states(&self) -> usize {
+        self.learning.replay.capacity + self.arenas * (self.learning.n_step + 1)
+    }
+
     fn check_replay(&self, scenario: &Scenario, layout: &ObservationLayout) -> Result<(), String> {
-        let LearningConfig { replay, n_step, .. } = &self.learning;
         let width = layout.width(scenario.lidar.beams);
-        let states = replay.capacity + self.arenas * (n_step + 1);
+        let states = self.stored_states();
         let floats = states.saturating_mul(width);
         if floats <= MAX_STORED_FLOATS {
             return Ok(());

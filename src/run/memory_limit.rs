@@ -9,7 +9,6 @@ use super::RunError;
 use super::folder::RunConfig;
 use super::memory::bodies_per_arena;
 use crate::policy::NetworkShape;
-use crate::task::observation;
 
 /// Address space of a thread, in bytes. The allocator reserves 32 MiB or more at a time, most of which is never used.
 const THREAD_ADDRESS_SPACE: u64 = 64 << 20;
@@ -71,8 +70,8 @@ fn too_small(limit: u64, flag: &str, needed: u64, or: &str) -> RunError {
 fn training_bytes(config: &RunConfig) -> u64 {
     let (preset, scenario) = (&config.preset, &config.scenario);
     let learning = &preset.learning;
-    let inputs = observation::width(scenario.lidar.beams);
-    let states = learning.replay.capacity + preset.arenas * (learning.n_step + 1);
+    let inputs = config.observation_layout().width(scenario.lidar.beams);
+    let states = preset.stored_states();
     let (hidden, actions) = (learning.network.hidden.clone(), scenario.robot.motions.len());
     let shape = NetworkShape { inputs, hidden, actions, dueling: learning.network.dueling };
     let bodies = bodies_per_arena(scenario) * (preset.arenas + preset.evaluation.episodes);
