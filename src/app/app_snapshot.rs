@@ -5,6 +5,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::commands::{Pace, PolicySource, SessionMode};
 use crate::scenario::Scenario;
 
@@ -23,7 +25,7 @@ pub struct Choice {
 }
 
 /// The last session, which can be continued.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LastSession {
     /// The scenario's name.
     pub scenario: String,
@@ -34,6 +36,7 @@ pub struct LastSession {
     /// Env steps of the training.
     pub env_steps: u64,
     /// Time since it was saved, in s.
+    #[serde(default)]
     pub age_s: u64,
 }
 

@@ -164,7 +164,8 @@ fn exit(error: &clap::Error) -> ! {
 
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
-    let is_headless = mode.train || arguments.train.resume.is_some() || mode.eval.is_some() || mode.reproduce;
+    let trains = mode.train || arguments.train.resume.is_some();
+    let is_headless = trains || mode.eval.is_some() || mode.reproduce;
     #[cfg(unix)]
     if is_headless {
         memory_limit::check_start()?;
@@ -176,7 +177,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
                 .into(),
         ));
     }
-    if mode.train || arguments.train.resume.is_some() {
+    if trains {
         train::run(arguments.train, shared, began)
     } else if let Some(policy) = mode.eval {
         signals::exit_on_signal();

@@ -209,10 +209,10 @@ fn resume_training(world: &mut World) {
 ///
 /// # Errors
 /// `work` fails, or the previous mode cannot be restored.
-pub(super) fn while_training(
+pub(super) fn while_training<T>(
     world: &mut World,
-    work: impl FnOnce(&mut World) -> Result<(), RunError>,
-) -> Result<(), RunError> {
+    work: impl FnOnce(&mut World) -> Result<T, RunError>,
+) -> Result<T, RunError> {
     let (mode, pace) = (world.resource::<ActiveMode>().mode(), world.resource::<Pacer>().pace);
     set_mode(world, SessionMode::Train)?;
     let done = work(world);

@@ -16,6 +16,7 @@ use super::evaluations::Evaluations;
 use super::journal::{JOURNAL, Journal};
 use super::training_run::TrainingRun;
 use crate::agent::ActiveLearner;
+use crate::app::app_snapshot::LastSession;
 use crate::learning::Learner;
 use crate::run::checkpoint::{self, TrainerState};
 #[cfg(not(target_arch = "wasm32"))]
@@ -72,9 +73,15 @@ impl RunSnapshot {
         })
     }
 
-    /// Env steps of the training.
-    pub(super) fn env_steps(&self) -> u64 {
-        self.learner.env_steps()
+    /// The run as a session that has just been saved.
+    pub(super) fn describe(&self) -> LastSession {
+        LastSession {
+            scenario: self.config.scenario.name.clone(),
+            preset: self.config.preset_name(),
+            seed: self.config.seed,
+            env_steps: self.learner.env_steps(),
+            age_s: 0,
+        }
     }
 
     /// Length of the whole `episodes.csv`, in bytes.

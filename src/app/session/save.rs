@@ -115,13 +115,10 @@ fn save_run(_: &mut World, _: &Path) -> Result<(), RunError> {
 /// An evaluation failed, or the rows of the episodes could not be stored.
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) fn complete_snapshot(world: &mut World) -> Result<RunSnapshot, RunError> {
-    let mut snapshot = Err(RunError::Failed("the training could not be copied".into()));
     while_training(world, |world| {
         evaluations::record_finished(world, true)?;
-        snapshot = RunSnapshot::capture(world, 0);
-        Ok(())
-    })?;
-    snapshot
+        RunSnapshot::capture(world, 0)
+    })
 }
 
 /// Writes the run to a temporary folder next to `path` first, so that a failure leaves nothing behind.

@@ -18,7 +18,7 @@ const MAX_ENV_STEPS_TO_DISCARD: u64 = 20_000;
 const MAX_WALL_S_TO_DISCARD: f64 = 60.0;
 
 /// A moment of the training.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct SavedAt {
     env_steps: u64,
     wall_s: f64,
@@ -35,8 +35,8 @@ pub struct TrainingRun {
     pub initial_policy: Option<Policy>,
     /// Whether the training met non-finite numbers and cannot continue.
     pub has_failed: bool,
-    /// When the policy or the run was saved last.
-    saved_at: Option<SavedAt>,
+    /// When the policy or the run was saved last; the start of the training if it never was.
+    saved_at: SavedAt,
     /// The policy that Test, Drive and Compare use: the current or the best one.
     pub tested: PolicySource,
     started: Instant,
@@ -59,7 +59,7 @@ impl TrainingRun {
             initial_policy,
             has_failed: false,
             tested: PolicySource::Current,
-            saved_at: None,
+            saved_at: SavedAt::default(),
             started,
             previous_wall_s,
         }
@@ -73,20 +73,24 @@ impl TrainingRun {
     /// Whether the training, now at `env_steps`, may not be discarded without a confirmation.
     #[must_use]
     pub fn is_worth_keeping(&self, env_steps: u64) -> bool {
-        env_steps > MAX_ENV_STEPS_TO_DISCARD || env_steps > 0 && self.wall_s() > MAX_WALL_S_TO_DISCARD
+        self.is_long_since(SavedAt::default(), env_steps)
     }
 
     /// Whether a training worth keeping would be lost if another one replaced it at `env_steps`: it was never saved, or has
     /// gone on since for as long as a training that is worth keeping.
     #[must_use]
     pub fn would_lose_training(&self, env_steps: u64) -> bool {
-        let Some(saved) = self.saved_at else { return self.is_worth_keeping(env_steps) };
-        let steps = env_steps.saturating_sub(saved.env_steps);
-        steps > MAX_ENV_STEPS_TO_DISCARD || steps > 0 && self.wall_s() - saved.wall_s > MAX_WALL_S_TO_DISCARD
+        self.is_long_since(self.saved_at, env_steps)
+    }
+
+    /// Whether the training, now at `env_steps`, has gone on for long since `since`.
+    fn is_long_since(&self, since: SavedAt, env_steps: u64) -> bool {
+        let steps = env_steps.saturating_sub(since.env_steps);
+        steps > MAX_ENV_STEPS_TO_DISCARD || steps > 0 && self.wall_s() - since.wall_s > MAX_WALL_S_TO_DISCARD
     }
 
     /// Records that the policy or the run was saved at `env_steps`.
     pub(super) fn mark_saved(&mut self, env_steps: u64) {
-        self.saved_at = Some(SavedAt { env_steps, wall_s: self.wall_s() });
+        self.saved_at = SavedAt { env_steps, wall_s: self.wall_s() };
     }
 }

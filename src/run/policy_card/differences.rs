@@ -25,8 +25,10 @@ pub fn check_actions(policy: &Policy, scenario: &Scenario) -> Result<(), RunErro
         card.v_m_s * here.v_m_s < 0.0 || card.w_rad_s * here.w_rad_s < 0.0
     };
     let indices = || 0..card.actions.len().min(here.len());
-    let is_moved = |k: &usize| sorted(&card.actions) == sorted(&here) && card.actions[*k] != here[*k];
-    let Some(k) = indices().find(is_reversed).or_else(|| indices().find(is_moved)) else { return Ok(()) };
+    let moved = || {
+        indices().find(|k| card.actions[*k] != here[*k]).filter(|_| sorted(&card.actions) == sorted(&here))
+    };
+    let Some(k) = indices().find(is_reversed).or_else(moved) else { return Ok(()) };
     Err(RunError::InvalidInput(format!(
         "the policy's card says that action {k} is {}, but in \"{}\" it is {}; help: list the robot's motions in the order \
          of the card, which `wayfield --card` prints",

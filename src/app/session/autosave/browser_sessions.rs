@@ -7,51 +7,20 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use serde::{Deserialize, Serialize};
 use wasm_bindgen::prelude::*;
 
 use crate::app::app_snapshot::LastSession;
 use crate::app::page;
-use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
-
-/// The description of an autosave. The page adds the time.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct SessionNote {
-    /// The scenario's name.
-    scenario: String,
-    /// The preset's name.
-    preset: String,
-    seed: u64,
-    env_steps: u64,
-    /// Time since it was saved, in s.
-    #[serde(default)]
-    age_s: u64,
-}
-
-impl SessionNote {
-    /// The description of an autosave that is written now.
-    pub(super) fn new(snapshot: &RunSnapshot) -> Self {
-        let config = &snapshot.config;
-        Self {
-            scenario: config.scenario.name.clone(),
-            preset: config.preset_name(),
-            seed: config.seed,
-            env_steps: snapshot.env_steps(),
-            age_s: 0,
-        }
-    }
-}
 
 /// An autosave of an earlier visit.
 #[derive(Clone, Debug)]
-pub(super) struct FoundSession(SessionNote);
+pub(super) struct FoundSession(LastSession);
 
 impl FoundSession {
     /// The session as plain data to show.
     pub(super) fn describe(&self) -> LastSession {
-        let SessionNote { scenario, preset, seed, env_steps, age_s } = self.0.clone();
-        LastSession { scenario, preset, seed, env_steps, age_s }
+        self.0.clone()
     }
 }
 

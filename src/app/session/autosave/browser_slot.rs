@@ -4,7 +4,6 @@
 
 use std::path::Path;
 
-use super::sessions::SessionNote;
 use crate::app::page;
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
@@ -54,7 +53,7 @@ impl Slot {
             page::autosave_file(name, &bytes);
             Ok(())
         })?;
-        let note = serde_json::to_string(&SessionNote::new(snapshot)).map_err(|error| failed(&error))?;
+        let note = serde_json::to_string(&snapshot.describe()).map_err(|error| failed(&error))?;
         page::autosave(&note);
         Ok(())
     }

@@ -45,14 +45,8 @@ pub(super) struct SessionNote {
 impl SessionNote {
     /// The description of an autosave that is written now.
     pub(super) fn new(snapshot: &RunSnapshot) -> Self {
-        let config = &snapshot.config;
-        Self {
-            scenario: config.scenario.name.clone(),
-            preset: config.preset_name(),
-            seed: config.seed,
-            env_steps: snapshot.env_steps(),
-            saved_unix_s: now_unix_s(),
-        }
+        let LastSession { scenario, preset, seed, env_steps, .. } = snapshot.describe();
+        Self { scenario, preset, seed, env_steps, saved_unix_s: now_unix_s() }
     }
 }
 
@@ -78,14 +72,16 @@ impl FoundSession {
 /// The autosaves in `root` that no process is using, newest first.
 pub(super) fn find(root: &Path) -> Vec<FoundSession> {
     let entries = fs::read_dir(root).into_iter().flatten().flatten().take(MAX_ENTRIES);
-    let mut found: Vec<FoundSession> = entries
-        .map(|entry| entry.path())
-        .filter(|path| !is_temporary(path) && path.join("config.ron").exists())
+    let (unfinished, saved): (Vec<_>, Vec<_>) =
+        entries.map(|entry| entry.path()).partition(|path| is_temporary(path));
+    delete_abandoned(&unfinished);
+    let mut found: Vec<FoundSession> = saved
+        .into_iter()
+        .filter(|path| path.join("config.ron").exists())
         .filter_map(|path| Some(FoundSession { note: read_ron(path.join(NOTE)).ok()?, path }))
         .filter(|session| is_unused(&session.path))
         .collect();
     found.sort_by_key(|session| std::cmp::Reverse(session.note.saved_unix_s));
-    delete_unfinished(root);
     found
 }
 
@@ -107,14 +103,13 @@ pub(super) fn delete_old(found: &mut Vec<FoundSession>) {
 }
 
 /// Deletes what killed processes left unfinished.
-fn delete_unfinished(root: &Path) {
+fn delete_abandoned(unfinished: &[PathBuf]) {
     let age = |path: &Path| -> io::Result<Duration> {
         let modified = fs::metadata(path)?.modified()?;
         Ok(SystemTime::now().duration_since(modified).unwrap_or_default())
     };
-    let entries = fs::read_dir(root).into_iter().flatten().flatten().take(MAX_ENTRIES);
-    for path in entries.map(|entry| entry.path()).filter(|path| is_temporary(path)) {
-        if age(&path).is_ok_and(|age| age >= ABANDONED_AFTER) {
+    for path in unfinished {
+        if age(path).is_ok_and(|age| age >= ABANDONED_AFTER) {
             let _ = fs::remove_dir_all(path);
         }
     }
