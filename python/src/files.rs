@@ -1,0 +1,59 @@
+//! Shipped files, checks, drawings, and the command line.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use wayfield::cli;
+use wayfield::run::{scenario_image, shipped};
+use wayfield::simulation::Extensions;
+
+use crate::env_options::scenario as find_scenario;
+use crate::errors::{detached, run_error};
+
+/// The shipped scenarios: name and description.
+#[pyfunction]
+pub fn scenarios() -> Vec<(&'static str, String)> {
+    shipped::scenarios().map(|(name, scenario)| (name, scenario.about)).collect()
+}
+
+/// The shipped presets: name and description.
+#[pyfunction]
+pub fn presets() -> Vec<(&'static str, String)> {
+    shipped::presets().map(|(name, preset)| (name, preset.about)).collect()
+}
+
+/// The RON text of the shipped scenario `name`.
+#[pyfunction]
+pub fn scenario_text(name: &str) -> Option<&'static str> {
+    shipped::scenario_text(name)
+}
+
+/// The report of `wayfield --check --json` on files and folders.
+#[pyfunction]
+pub fn check(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<String> {
+    detached(py, || {
+        serde_json::to_string(&cli::check_files(&paths)).map_err(|e| PyRuntimeError::new_err(e.to_string()))
+    })
+}
+
+/// Draws the scenario `wanted` into the SVG or PNG file `path`.
+#[pyfunction]
+pub fn draw(py: Python<'_>, wanted: &str, path: PathBuf) -> PyResult<()> {
+    let scenario = find_scenario(wanted)?;
+    detached(py, || scenario_image::draw(&scenario, &path).map_err(run_error))
+}
+
+/// The version of wayfield.
+#[pyfunction]
+pub fn version() -> &'static str {
+    env!("CARGO_PKG_VERSION")
+}
+
+/// Runs the command line with the arguments `words`, of which the first is the program's name. Returns the exit status.
+#[pyfunction]
+pub fn main(py: Python<'_>, words: Vec<OsString>) -> PyResult<u8> {
+    detached(py, || Ok(cli::run_words(words, Instant::now(), Extensions::default())))
+}

@@ -1,0 +1,25 @@
+"""Tables: columns by name, as numpy arrays or as pandas DataFrames."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def read_csv(path: Path) -> dict[str, np.ndarray]:
+    """The columns of a CSV file as float64 arrays; an empty field is NaN."""
+    with open(path, newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    cells = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows], np.float64)
+    cells = cells.reshape(len(rows), len(header))
+    return {name: cells[:, index] for index, name in enumerate(header)}
+
+
+def to_frame(columns: dict[str, np.ndarray]) -> Any:
+    """The columns as a pandas DataFrame."""
+    try:
+        import pandas
+    except ImportError as error:
+        raise ImportError("pandas is not installed; help: pip install pandas, or use the arrays") from error
+    return pandas.DataFrame(columns)
