@@ -54,7 +54,10 @@ pub fn evaluate(
                     return Ok(run.episodes);
                 }
             }
-            Python::attach(Python::check_signals)?;
+            Python::attach(|py| {
+                py.check_signals()?;
+                PyResult::Ok(())
+            })?;
         }
     })?;
     let evaluation = Evaluation::from_episodes(&results, episodes as usize, &scenario.task, seed);
