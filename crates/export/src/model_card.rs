@@ -82,7 +82,7 @@ fn write_page(
     writeln!(
         page,
         "This policy drives a mobile robot with a LIDAR to a goal among obstacles, without a map. It is a Q-network \
-         ({}), trained in simulation with wayfield. It has not been tested on a real robot.\n",
+         ({}), trained in simulation with wayfield. Nothing is recorded of tests on a real robot.\n",
         policy.shape()
     )?;
     write_tensors(page, card, scenario)?;
