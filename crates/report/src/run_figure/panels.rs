@@ -39,6 +39,7 @@ impl RunFigure {
             ],
             reference_lines: self.paper_line(100.0 * PAPER_SUCCESS_RATE, "paper 96%"),
             include_y: vec![0.0, 100.0],
+            limits: Some((0.0, 100.0)),
         }
     }
 
@@ -51,7 +52,8 @@ impl RunFigure {
 
     pub(super) fn goal_panel(&self) -> ChartPanel {
         let earlier = self.earlier_line(&self.earlier.goal_mean);
-        episode_panel("Goals per episode", 1, self.goals(), &[0.0, 1.0], earlier)
+        let limits = Some((0.0, f64::INFINITY));
+        ChartPanel { limits, ..episode_panel("Goals per episode", 1, self.goals(), &[0.0, 1.0], earlier) }
     }
 
     fn goals(&self) -> Series {
