@@ -10,6 +10,7 @@ mod card;
 mod check;
 mod draw;
 mod eval;
+mod export;
 #[cfg(all(test, feature = "gui"))]
 mod flag_tables;
 mod modes;
@@ -43,27 +44,39 @@ use crate::run::{RunError, signals};
 use crate::scenario::is_unprintable;
 use crate::simulation::{Extensions, use_one_task_thread};
 
+/// The heading of the modes.
+const MODES_HEADING: &str =
+    if cfg!(feature = "gui") { "Modes (without one, the app opens)" } else { "Modes" };
+
 const AFTER_HELP: &str = "\
-Examples:
-  wayfield                                           open the app and watch a robot learn
   wayfield --train                                   train in Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
   wayfield --resume runs/scenario-1-fast-0 --steps 900000
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        check every scenario in a folder
+  wayfield --export POLICY --onnx policy.onnx        a policy for ONNX Runtime
 
 A file may be `-`, standard input. Whole numbers may be written 600000, 600_000, 6e5 or 600k.
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
 2 invalid arguments or files, 128 + N a run stopped by signal N: Ctrl-C (130), SIGTERM (143) and
 SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
 
+<<<<<<< HEAD
 /// The name by which the program was started.
 static PROGRAM: OnceLock<OsString> = OnceLock::new();
+=======
+/// The end of the help. A build without the app does not offer it.
+fn after_help() -> String {
+    let app = "  wayfield                                           open the app and watch a robot learn\n";
+    let app = if cfg!(feature = "gui") { app } else { "" };
+    format!("Examples:\n{app}{AFTER_HELP}")
+}
+>>>>>>> main
 
 /// Trains a LIDAR robot to navigate, in seconds, with prioritized-replay double dueling DQN
 #[derive(Parser, Debug)]
-#[command(name = "wayfield", version, max_term_width = 110, after_help = AFTER_HELP)]
+#[command(name = "wayfield", version, max_term_width = 110, after_help = after_help())]
 struct Arguments {
     #[command(flatten)]
     mode: modes::ModeArgs,
@@ -73,6 +86,8 @@ struct Arguments {
     train: train::TrainArgs,
     #[command(flatten)]
     eval: eval::EvalArgs,
+    #[command(flatten)]
+    export: export::ExportArgs,
     #[command(flatten)]
     reproduce: reproduce::ReproduceArgs,
     #[cfg(feature = "gui")]
@@ -130,12 +145,17 @@ fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
+<<<<<<< HEAD
     ExitCode::from(run_words(std::env::args_os(), began, extensions))
 }
 
 /// Runs the command line with the arguments `words` and returns the exit status, as [`main`] does. The first word is the
 /// program's name.
 pub fn run_words(words: impl IntoIterator<Item = OsString>, began: Instant, extensions: Extensions) -> u8 {
+=======
+    #[cfg(unix)]
+    memory_limit::exit_without_memory();
+>>>>>>> main
     signals::survive_limits();
     let words: Vec<OsString> = words.into_iter().collect();
     PROGRAM.get_or_init(|| words.first().cloned().unwrap_or_default());
@@ -198,6 +218,8 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         eval::run(&policy, &arguments.eval, &shared)
     } else if let Some(policy) = mode.card {
         card::run(&policy)
+    } else if let Some(policy) = mode.export {
+        export::run(&policy, &arguments.export)
     } else if mode.reproduce {
         reproduce::run(arguments.reproduce, shared, began)
     } else if !mode.check.is_empty() {
