@@ -1,12 +1,13 @@
 //! Policies: Q-values of batches of observations, and the card.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use wayfield::policy::{Encoding, Policy, Scratch, observation};
+use wayfield::run::export::{ModelCardFile, export_policy};
 use wayfield::run::{policy_card, shipped};
 
 use crate::errors::{detached, file_error, run_error};
@@ -94,6 +95,14 @@ impl NativePolicy {
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = self.policy.to_bytes().map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Writes the ONNX file `path` and a model card in its folder. Returns the path of the model card if it was written.
+    fn export_onnx(&self, path: PathBuf) -> PyResult<Option<PathBuf>> {
+        match export_policy(&self.policy, Path::new("the policy"), &path).map_err(run_error)? {
+            ModelCardFile::Written(page) => Ok(Some(page)),
+            ModelCardFile::Kept(_) | ModelCardFile::None => Ok(None),
+        }
     }
 
     /// The length of an observation.

@@ -27,6 +27,11 @@ def cli(*words):
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
+def policy_file(folder):
+    wayfield.Policy.load("scenario-1").save(folder / "shipped.safetensors")
+    return folder / "shipped.safetensors"
+
+
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     return wayfield.train("scenario-1", seed=7, steps=STEPS, out=tmp_path_factory.mktemp("run") / "run", progress=False)
@@ -101,6 +106,17 @@ def test_a_policy_can_be_copied_and_saved(tmp_path):
     again = wayfield.Policy.load(tmp_path / "copy.safetensors")
     assert again.card == policy.card and policy.card["actions"]
     assert again.network == policy.network
+
+
+def test_a_policy_is_exported_as_onnx(tmp_path):
+    card = wayfield.Policy.load("scenario-1").export_onnx(tmp_path / "policy.onnx")
+    printed = subprocess.run(
+        [sys.executable, "-m", "wayfield", "--export", policy_file(tmp_path), "--onnx", tmp_path / "cli.onnx"], check=True
+    )
+    assert printed.returncode == 0 and card == tmp_path / "README.md"
+    assert (tmp_path / "policy.onnx").read_bytes() == (tmp_path / "cli.onnx").read_bytes()
+    with pytest.raises(ValueError, match="help: give a file name that ends in .onnx"):
+        wayfield.Policy.load("scenario-1").export_onnx(tmp_path / "policy.txt")
 
 
 def test_a_policy_that_is_missing_or_broken_is_an_exception(tmp_path):

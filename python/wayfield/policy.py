@@ -2,6 +2,7 @@
 
 import json
 import os
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -102,6 +103,16 @@ class Policy:
         """Writes the policy as a safetensors file."""
         with open(path, "wb") as file:
             file.write(self._native.to_bytes())
+
+    def export_onnx(self, path: str | os.PathLike[str]) -> Path | None:
+        """Writes the policy as an ONNX file, as ``wayfield --export``: metres and radians in, velocities out.
+
+        Returns:
+            The path of the model card (``README.md`` in the same folder), or None if there is a page that wayfield did not
+            write.
+        """
+        card = self._native.export_onnx(os.fspath(path))
+        return None if card is None else Path(card)
 
     def __repr__(self) -> str:
         return f"Policy({self.num_inputs} inputs, {self.num_actions} actions)"
