@@ -62,17 +62,15 @@ Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a r
 2 invalid arguments or files, 128 + N a run stopped by signal N: Ctrl-C (130), SIGTERM (143) and
 SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
 
-<<<<<<< HEAD
 /// The name by which the program was started.
 static PROGRAM: OnceLock<OsString> = OnceLock::new();
-=======
+
 /// The end of the help. A build without the app does not offer it.
 fn after_help() -> String {
     let app = "  wayfield                                           open the app and watch a robot learn\n";
     let app = if cfg!(feature = "gui") { app } else { "" };
     format!("Examples:\n{app}{AFTER_HELP}")
 }
->>>>>>> main
 
 /// Trains a LIDAR robot to navigate, in seconds, with prioritized-replay double dueling DQN
 #[derive(Parser, Debug)]
@@ -145,17 +143,14 @@ fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
-<<<<<<< HEAD
     ExitCode::from(run_words(std::env::args_os(), began, extensions))
 }
 
 /// Runs the command line with the arguments `words` and returns the exit status, as [`main`] does. The first word is the
 /// program's name.
 pub fn run_words(words: impl IntoIterator<Item = OsString>, began: Instant, extensions: Extensions) -> u8 {
-=======
     #[cfg(unix)]
     memory_limit::exit_without_memory();
->>>>>>> main
     signals::survive_limits();
     let words: Vec<OsString> = words.into_iter().collect();
     PROGRAM.get_or_init(|| words.first().cloned().unwrap_or_default());
