@@ -44,22 +44,46 @@ pub struct SettingError {
 }
 
 impl Settings {
-    /// Changes the scenario and the preset. They are valid afterwards if they were before.
+    /// Changes the scenario and the preset, which are valid. So are the results.
     ///
     /// # Errors
     /// All problems: there is no such field, it does not take the value, or the result is invalid.
     pub fn apply(&self, scenario: &mut Scenario, preset: &mut Preset) -> Result<(), Vec<SettingError>> {
+        self.apply_to(Some(scenario), Some(preset))
+    }
+
+    /// Changes the scenario, where there is no preset.
+    ///
+    /// # Errors
+    /// As [`Settings::apply`]; also a setting of the preset.
+    pub fn apply_to_scenario(&self, scenario: &mut Scenario) -> Result<(), Vec<SettingError>> {
+        self.apply_to(Some(scenario), None)
+    }
+
+    /// Changes the preset, where the scenario must stay.
+    ///
+    /// # Errors
+    /// As [`Settings::apply`]; also a setting of the scenario.
+    pub fn apply_to_preset(&self, preset: &mut Preset) -> Result<(), Vec<SettingError>> {
+        self.apply_to(None, Some(preset))
+    }
+
+    fn apply_to(
+        &self,
+        mut scenario: Option<&mut Scenario>,
+        mut preset: Option<&mut Preset>,
+    ) -> Result<(), Vec<SettingError>> {
         let mut errors = Vec::new();
         for setting in &self.0 {
-            if let Err(problems) = setting.apply(scenario, preset) {
-                errors.extend(problems.into_iter().map(|problem| setting.error(problem)));
-            }
+            let applied = setting.apply(scenario.as_deref_mut(), preset.as_deref_mut());
+            errors.extend(applied.err().map(|problem| setting.error(problem)));
         }
         if errors.is_empty() && !self.0.is_empty() {
             let inside = |found: Diagnostic| Diagnostic { path: format!("scenario.{}", found.path), ..found };
-            let of_scenario = diagnostics(scenario).into_iter().map(inside);
-            errors
-                .extend(preset.diagnostics().into_iter().chain(of_scenario).map(|found| self.error(&found)));
+            let of_preset = preset.map(|preset| preset.diagnostics()).unwrap_or_default();
+            let of_scenario = scenario.map(|scenario| diagnostics(scenario)).unwrap_or_default();
+            let found = of_preset.into_iter().chain(of_scenario.into_iter().map(inside));
+            errors.extend(found.map(|found| self.error(&found)));
         }
         if errors.is_empty() { Ok(()) } else { Err(errors) }
     }
@@ -74,16 +98,24 @@ impl Settings {
 }
 
 impl Setting {
-    fn apply(&self, scenario: &mut Scenario, preset: &mut Preset) -> Result<(), Vec<String>> {
+    fn apply(&self, scenario: Option<&mut Scenario>, preset: Option<&mut Preset>) -> Result<(), String> {
         let (first, rest) = self.path.split_once('.').unwrap_or((&self.path, ""));
         if first == "scenario" {
+            let Some(scenario) = scenario else {
+                return Err("the scenario cannot be set here; help: change its file".into());
+            };
             check_name(rest, "`scenario`", field_names::<Scenario>())?;
             *scenario = with_setting(scenario, rest, &self.value)?;
-        } else {
-            let fields = field_names::<Preset>().iter().chain(&["scenario"]);
-            check_name(&self.path, "a preset", &fields.copied().collect::<Vec<_>>())?;
-            *preset = with_setting(preset, &self.path, &self.value)?;
+            return Ok(());
         }
+        let fields = field_names::<Preset>().iter().chain(&["scenario"]);
+        check_name(&self.path, "a preset", &fields.copied().collect::<Vec<_>>())?;
+        let Some(preset) = preset else {
+            return Err(
+                "there is no preset here, only a scenario; help: a field of the scenario starts with `scenario.`".into(),
+            );
+        };
+        *preset = with_setting(preset, &self.path, &self.value)?;
         Ok(())
     }
 
@@ -101,12 +133,12 @@ impl Setting {
 }
 
 /// Checks the first name of `path` against the `known` fields of `owner`.
-fn check_name(path: &str, owner: &str, known: &[&str]) -> Result<(), Vec<String>> {
+fn check_name(path: &str, owner: &str, known: &[&str]) -> Result<(), String> {
     let name = path.split(['.', '[']).next().unwrap_or_default();
     if known.contains(&name) {
         return Ok(());
     }
-    Err(vec![format!("unknown field `{name}` in {owner}: {}", choose(name, known, "the fields are"))])
+    Err(format!("unknown field `{name}` in {owner}: {}", choose(name, known, "the fields are")))
 }
 
 impl FromStr for Setting {

@@ -14,26 +14,21 @@ use super::load::{parse_ron, to_ron};
 /// field; the name of a choice, such as `Orbit`, is not part of it. Whole numbers may also be written 6e5 or 600k.
 ///
 /// # Errors
-/// All problems: there is no such field, or it does not take the value. Each is explained as for a file, with the fix.
-pub fn with_setting<T: Serialize + DeserializeOwned>(
-    old: &T,
-    path: &str,
-    text: &str,
-) -> Result<T, Vec<String>> {
-    let one = |problem: String| vec![problem];
+/// There is no such field, or it does not take the value. The problem is explained as for a file, with the fix.
+pub fn with_setting<T: Serialize + DeserializeOwned>(old: &T, path: &str, text: &str) -> Result<T, String> {
     let value = with_plain_numbers(text.trim());
     if !is_closed(&value) {
-        return Err(one(format!("`{value}` has brackets that do not match; help: close each that is open")));
+        return Err(format!("`{value}` has brackets that do not match; help: close each that is open"));
     }
-    let before = to_ron(old).map_err(|error| one(error.to_string()))?;
+    let before = to_ron(old).map_err(|error| error.to_string())?;
     // The line break ends a comment.
-    let after = set_field(&before, path, &format!("{value}\n")).map_err(|error| one(error.to_string()))?;
-    let set = parse_ron(&after, path).map_err(|error| {
-        error.problems().iter().map(|problem| problem.message.clone()).collect::<Vec<_>>()
-    })?;
-    match RawValue::from_ron(&format!("{value}\n")) {
+    let line = format!("{value}\n");
+    let after = set_field(&before, path, &line).map_err(|error| error.to_string())?;
+    // Further problems follow from the first.
+    let set = parse_ron(&after, path).map_err(|error| error.problems()[0].message.clone())?;
+    match RawValue::from_ron(&line) {
         Ok(_) => Ok(set),
-        Err(_) => Err(one(format!("`{value}` is not one value; help: give one value as in a file"))),
+        Err(_) => Err(format!("`{value}` is not one value; help: give one value as in a file")),
     }
 }
 
