@@ -72,8 +72,8 @@ impl NativeEnv {
     /// Environments of the scenario with the shipped name, path or text `wanted`. They must be reset before the first step.
     #[new]
     fn new(py: Python<'_>, wanted: &str, options: EnvOptions) -> PyResult<Self> {
-        let scenario = scenario(wanted)?;
-        let config = options.config(&scenario)?;
+        let mut scenario = scenario(wanted)?;
+        let config = options.config(&mut scenario)?;
         let encoding = config.encoding;
         let env = detached(py, || VecEnv::new(&scenario, config).map(Box::new).map_err(env_error))?;
         Ok(Self { env: Some(env), scenario, encoding, results: Results::default() })

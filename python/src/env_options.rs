@@ -2,14 +2,14 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use serde_json::Value;
 use wayfield::env::{Autoreset, VecEnvConfig};
 use wayfield::limits::MAX_ARENAS;
 use wayfield::policy::Encoding;
 use wayfield::run::preset::Preset;
+use wayfield::run::settings::{Setting, Settings};
 use wayfield::run::shipped;
 use wayfield::scenario::Scenario;
-use wayfield::task::{ObservationLayout, RewardConfig, TaskMode};
+use wayfield::task::{ObservationLayout, TaskMode};
 
 use crate::errors::{file_error, run_error};
 
@@ -37,6 +37,11 @@ pub fn preset(wanted: &str) -> PyResult<Preset> {
     shipped::preset(wanted).map_err(|error| file_error(wanted, error))
 }
 
+/// Pairs of a path and a value as settings.
+pub fn settings(pairs: Vec<(String, String)>) -> Settings {
+    Settings(pairs.into_iter().map(|(path, value)| Setting { path, value }).collect())
+}
+
 /// The options of environments, before they are checked.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -49,15 +54,15 @@ pub struct EnvOptions {
     pub observation: Option<String>,
     /// The preset whose reward and encoding are used.
     pub preset: String,
-    /// Fields of the reward that replace the preset's: a JSON object.
-    pub reward: String,
+    /// Settings of the preset and the scenario: paths and values.
+    pub settings: Vec<(String, String)>,
     /// `same_step`, `next_step` or `disabled`.
     pub autoreset: String,
 }
 
 impl EnvOptions {
-    /// The configuration of environments of `scenario`.
-    pub fn config(self, scenario: &Scenario) -> PyResult<VecEnvConfig> {
+    /// The configuration of environments of `scenario`, which the settings may change.
+    pub fn config(self, scenario: &mut Scenario) -> PyResult<VecEnvConfig> {
         let num_envs = self.num_envs;
         if !(1..=MAX_ARENAS).contains(&num_envs) {
             return Err(PyValueError::new_err(format!(
@@ -65,13 +70,15 @@ impl EnvOptions {
             )));
         }
         let mut preset = preset(&self.preset)?;
+        let encoding = self.encoding()?;
+        settings(self.settings).apply(scenario, &mut preset).map_err(|errors| run_error(errors.into()))?;
         preset.arenas = num_envs;
         let memory = preset.check_memory(scenario, &ObservationLayout::default());
         memory.map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;
         Ok(VecEnvConfig {
             num_envs,
-            encoding: self.encoding(&preset)?,
-            reward: reward(&preset.reward, &self.reward)?,
+            encoding: encoding.unwrap_or(preset.observation),
+            reward: preset.reward,
             mode: choice(
                 "task",
                 &self.task,
@@ -90,13 +97,9 @@ impl EnvOptions {
         })
     }
 
-    fn encoding(&self, preset: &Preset) -> PyResult<Encoding> {
-        match &self.observation {
-            None => Ok(preset.observation),
-            Some(name) => {
-                choice("observation", name, &[("scaled", Encoding::Scaled), ("raw", Encoding::Raw)])
-            }
-        }
+    fn encoding(&self) -> PyResult<Option<Encoding>> {
+        let encodings = [("scaled", Encoding::Scaled), ("raw", Encoding::Raw)];
+        self.observation.as_deref().map(|name| choice("observation", name, &encodings)).transpose()
     }
 }
 
@@ -107,20 +110,4 @@ pub fn choice<T: Copy>(option: &str, name: &str, choices: &[(&str, T)]) -> PyRes
     }
     let names: Vec<String> = choices.iter().map(|(choice, _)| format!("\"{choice}\"")).collect();
     Err(PyValueError::new_err(format!("{option} is {name:?}; help: give {}", names.join(" or "))))
-}
-
-/// `reward` with the fields of the JSON object `changes`.
-fn reward(reward: &RewardConfig, changes: &str) -> PyResult<RewardConfig> {
-    let invalid = |error: serde_json::Error| PyValueError::new_err(format!("reward: {error}"));
-    let mut fields = serde_json::to_value(reward).map_err(invalid)?;
-    if let (Value::Object(fields), Value::Object(changes)) =
-        (&mut fields, serde_json::from_str(changes).map_err(invalid)?)
-    {
-        fields.extend(changes);
-    }
-    let reward: RewardConfig = serde_json::from_value(fields).map_err(invalid)?;
-    match reward.check() {
-        Ok(()) => Ok(reward),
-        Err((field, problem)) => Err(PyValueError::new_err(format!("reward.{field} {problem}"))),
-    }
 }

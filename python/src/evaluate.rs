@@ -11,7 +11,7 @@ use wayfield::run::policy_card;
 use wayfield::scenario::Scenario;
 use wayfield::task::{EpisodeEnd, EpisodeSetup};
 
-use crate::env_options::scenario as find_scenario;
+use crate::env_options::{self, scenario as find_scenario};
 use crate::errors::{detached, run_error};
 use crate::policy::NativePolicy;
 
@@ -23,11 +23,12 @@ type EpisodeRow = (&'static str, u32, (f32, f32, f32), (f32, f32), u64);
 
 /// Tests `policy` in `scenario` (its own if `None`). Returns the scenario's name, the evaluation as JSON and the episodes.
 #[pyfunction]
-#[pyo3(signature = (policy, scenario, seed, episodes, rounds, benchmark_route))]
+#[pyo3(signature = (policy, scenario, settings, seed, episodes, rounds, benchmark_route))]
 pub fn evaluate(
     py: Python<'_>,
     policy: PyRef<'_, NativePolicy>,
     scenario: Option<&str>,
+    settings: Vec<(String, String)>,
     seed: u64,
     episodes: u64,
     rounds: u64,
@@ -40,10 +41,13 @@ pub fn evaluate(
         )));
     }
     let policy = &policy.policy;
-    let scenario = Arc::new(match scenario {
+    let mut scenario = match scenario {
         Some(wanted) => find_scenario(wanted)?,
         None => own_scenario(policy)?,
-    });
+    };
+    let settings = env_options::settings(settings);
+    settings.apply_to_scenario(&mut scenario).map_err(|errors| run_error(errors.into()))?;
+    let scenario = Arc::new(scenario);
     let setup = if benchmark_route { EpisodeSetup::BenchmarkRoute } else { EpisodeSetup::Random };
     let results = detached(py, || {
         let mut evaluator = Evaluator::new(&scenario, count as usize);

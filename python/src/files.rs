@@ -10,7 +10,7 @@ use wayfield::cli;
 use wayfield::run::{scenario_image, shipped};
 use wayfield::simulation::Extensions;
 
-use crate::env_options::scenario as find_scenario;
+use crate::env_options::{self, scenario as find_scenario};
 use crate::errors::{detached, run_error};
 
 /// The shipped scenarios: name and description.
@@ -39,10 +39,12 @@ pub fn check(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<String> {
     })
 }
 
-/// Draws the scenario `wanted` into the SVG or PNG file `path`.
+/// Draws the scenario `wanted`, changed by settings, into the SVG or PNG file `path`.
 #[pyfunction]
-pub fn draw(py: Python<'_>, wanted: &str, path: PathBuf) -> PyResult<()> {
-    let scenario = find_scenario(wanted)?;
+pub fn draw(py: Python<'_>, wanted: &str, settings: Vec<(String, String)>, path: PathBuf) -> PyResult<()> {
+    let mut scenario = find_scenario(wanted)?;
+    let settings = env_options::settings(settings);
+    settings.apply_to_scenario(&mut scenario).map_err(|errors| run_error(errors.into()))?;
     detached(py, || scenario_image::draw(&scenario, &path).map_err(run_error))
 }
 

@@ -14,7 +14,7 @@ use wayfield::run::progress::{Progress, ProgressListener};
 use wayfield::run::train::{Job, train as run_job};
 use wayfield::simulation::Extensions;
 
-use crate::env_options::{is_text, preset, scenario};
+use crate::env_options::{is_text, preset, scenario, settings};
 use crate::errors::{detached, run_error};
 use crate::policy::NativePolicy;
 
@@ -31,6 +31,7 @@ pub struct TrainOptions {
     out: Option<PathBuf>,
     epsilon: Option<f32>,
     init_from: String,
+    settings: Vec<(String, String)>,
 }
 
 /// Trains, and returns the run folder and its summary as JSON. `callback` gets the progress every 0.1 s; the run stops if it
@@ -75,7 +76,9 @@ fn config(options: TrainOptions, transfers: bool) -> PyResult<RunConfig> {
         (name(&options.scenario), scenario(&options.scenario)?),
         (name(&options.preset), preset(&options.preset)?),
         options.seed,
-    );
+    )
+    .with_settings(&settings(options.settings))
+    .map_err(|errors| run_error(errors.into()))?;
     let preset = &mut config.preset;
     preset.budget = budget(options.steps, options.episodes).unwrap_or(preset.budget);
     preset.arenas = options.arenas.unwrap_or(preset.arenas);

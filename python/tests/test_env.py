@@ -129,12 +129,20 @@ def test_the_reward_can_be_changed_by_preset_and_by_field():
         env.reset(seed=1)
         return sum(env.step(2)[1] for _ in range(3))
 
-    assert reward(reward={"kind": "Traditional"}) == 0.0
-    assert reward(reward={"mu": 50.0, "sigma": 50.0}) == pytest.approx(reward(reward="fast") / 2, rel=1e-4)
-    with pytest.raises(ValueError, match="reward: unknown field `mew`"):
-        reward(reward={"mew": 1})
-    with pytest.raises(ValueError, match="reward.mu is -1; help:"):
-        reward(reward={"mu": -1})
+    assert reward(set={"reward.kind": "Traditional"}) == 0.0
+    assert reward(preset="dqn") == 0.0
+    assert reward(set={"reward.mu": 50, "reward.sigma": 50.0}) == pytest.approx(reward() / 2, rel=1e-4)
+    with pytest.raises(ValueError, match="reward.mew.*help:"):
+        reward(set={"reward.mew": 1})
+    with pytest.raises(ValueError, match="reward.mu=-1.*help:"):
+        reward(set={"reward.mu": -1})
+
+
+def test_the_scenario_can_be_changed_by_field():
+    env = gymnasium.make(ENV, set={"scenario.lidar.beams": 12, "scenario.task.max_episode_steps": 2})
+    assert env.observation_space.shape == (16,)
+    env.reset(seed=1)
+    assert [env.step(2)[3] for _ in range(2)] == [False, True]
 
 
 def test_continuous_actions_command_speed_and_turning_rate():

@@ -167,6 +167,19 @@ def test_ctrl_c_interrupts_long_calls(call, tmp_path):
         assert wayfield.load_run(tmp_path / "run").summary["finished"] is False
 
 
+def test_settings_are_those_of_the_command_line(tmp_path):
+    settings = {"learning.gamma": 0.9, "scenario.lidar.noise_std_m": 0.02, "arenas": 4}
+    words = [word for path, value in settings.items() for word in ("--set", f"{path}={value}")]
+    cli("--train", "--steps", 2_000, "--out", tmp_path / "cli", *words)
+    result = wayfield.train(steps=2_000, out=tmp_path / "python", set=settings, progress=False)
+    assert (tmp_path / "cli/config.ron").read_text() == (result.folder / "config.ron").read_text()
+    assert (tmp_path / "cli/policy-last.safetensors").read_bytes() == result.last_policy._native.to_bytes()
+    with pytest.raises(ValueError, match="learning.gama=0.9.*did you mean `gamma`"):
+        wayfield.train(set={"learning.gama": 0.9}, out=tmp_path / "no")
+    with pytest.raises(ValueError, match="help:"):
+        wayfield.evaluate("scenario-1", set={"learning.gamma": 0.9})
+
+
 def test_training_starts_from_a_policy(run, tmp_path):
     options = {"init": run.policy, "epsilon": 0.1, "steps": 2_000, "progress": False}
     result = wayfield.train("scenario-2", out=tmp_path / "run", **options)

@@ -1,6 +1,5 @@
 """The options of environments, their spaces, and the native environment."""
 
-import json
 import os
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -9,6 +8,7 @@ import numpy as np
 from gymnasium import spaces
 
 from . import _native
+from ._settings import pairs
 
 #: The images of environments are twice the size of the drawing, 480 x 360 pixels.
 RENDER_SCALE = 2.0
@@ -19,17 +19,17 @@ def make_native(
     num_envs: int,
     task: str,
     observation: str | None,
-    reward: str | Mapping[str, Any],
+    preset: str | os.PathLike[str],
+    settings: Mapping[str, Any] | None,
     autoreset: str,
 ) -> _native.NativeEnv:
     """The native environments with these options (``NavigationEnv`` describes them)."""
-    preset, changes = (reward, {}) if isinstance(reward, str) else ("fast", dict(reward))
     options = {
         "num_envs": num_envs,
         "task": task,
         "observation": observation,
-        "preset": preset,
-        "reward": json.dumps(changes),
+        "preset": os.fspath(preset),
+        "settings": pairs(settings),
         "autoreset": autoreset,
     }
     return _native.NativeEnv(os.fspath(scenario), options)

@@ -33,8 +33,9 @@ class NavigationEnv(gymnasium.Env):
             of wayfield trains in this one.
         observation: ``"scaled"`` or ``"raw"``; None takes the preset's.
         actions: ``"discrete"`` or ``"continuous"``.
-        reward: A preset whose reward is used (``wayfield.presets()`` or a path), or fields of the reward as a dict, such as
-            ``{"kind": "Traditional", "reached": 100}``.
+        preset: A training preset (``wayfield.presets()``, a path or RON text), whose reward and observation are used.
+        set: Fields of the preset or of the scenario with other values, as ``--set`` takes them: ``{"reward.mu": 50,
+            "reward.kind": "Traditional", "scenario.lidar.noise_std_m": 0.02}``. A text is RON; tuples are RON's.
         render_mode: None, or ``"rgb_array"``: a picture of 720 x 960 pixels from above, with obstacles, goal, robot and beams.
 
     Raises:
@@ -51,11 +52,12 @@ class NavigationEnv(gymnasium.Env):
         task: str = "navigation",
         observation: str | None = None,
         actions: str = "discrete",
-        reward: str | Mapping[str, Any] = "fast",
+        preset: str | os.PathLike[str] = "fast",
+        set: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
     ) -> None:
         check_render_mode(render_mode)
-        native = make_native(scenario, 1, task, observation, reward, "disabled")
+        native = make_native(scenario, 1, task, observation, preset, set, "disabled")
         self.action_space = action_space(native, actions)
         self.observation_space = observation_space(native)
         self.render_mode = render_mode

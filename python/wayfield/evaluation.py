@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from . import _native
 from ._frames import to_frame
+from ._settings import pairs
 from .policy import Policy
 
 
@@ -50,6 +52,7 @@ def evaluate(
     policy: Policy | str | os.PathLike[str],
     scenario: str | os.PathLike[str] | None = None,
     *,
+    set: Mapping[str, Any] | None = None,
     episodes: int = 100,
     rounds: int = 5,
     seed: int = 0,
@@ -60,6 +63,7 @@ def evaluate(
     Args:
         policy: A policy, its file, or the name of a shipped one.
         scenario: A shipped name, a path or RON text; None for the scenario that the policy was trained in.
+        set: Fields of the scenario with other values, as ``--set`` takes them: ``{"scenario.lidar.noise_std_m": 0.02}``.
         episodes: The episodes of a round.
         rounds: The number of rounds.
         seed: The seed of starts and goals. Equal seeds give equal episodes.
@@ -71,7 +75,7 @@ def evaluate(
     """
     policy = policy if isinstance(policy, Policy) else Policy.load(policy)
     scenario = None if scenario is None else os.fspath(scenario)
-    name, text, rows = _native.evaluate(policy._native, scenario, seed, episodes, rounds, benchmark_route)
+    name, text, rows = _native.evaluate(policy._native, scenario, pairs(set), seed, episodes, rounds, benchmark_route)
     rates = json.loads(text)
     starts, goals = np.array([row[2] for row in rows]), np.array([row[3] for row in rows])
     columns = {

@@ -2,9 +2,12 @@
 
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from . import _native
+from ._settings import pairs
 
 
 def scenarios() -> dict[str, str]:
@@ -67,6 +70,8 @@ def check(*paths: str | os.PathLike[str]) -> list[Problem]:
     return [Problem(level, *(problem[field] for field in fields)) for level, problem in found]
 
 
-def draw(scenario: str | os.PathLike[str], path: str | os.PathLike[str]) -> None:
-    """Draws a scenario from above into an SVG or PNG file, as ``wayfield --draw``."""
-    _native.draw(os.fspath(scenario), os.fspath(path))
+def draw(
+    scenario: str | os.PathLike[str], path: str | os.PathLike[str], *, set: Mapping[str, Any] | None = None
+) -> None:
+    """Draws a scenario from above into an SVG or PNG file, as ``wayfield --draw``. ``set`` changes fields, as in ``train``."""
+    _native.draw(os.fspath(scenario), pairs(set), os.fspath(path))

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +13,7 @@ import numpy as np
 from . import _native
 from ._frames import read_csv, to_frame
 from ._progress import ProgressLine
+from ._settings import pairs
 from .policy import Policy
 
 #: A callback: gets the progress every 0.1 s, and stops the run by returning False.
@@ -67,6 +68,7 @@ def train(
     scenario: str | os.PathLike[str] = "scenario-1",
     preset: str | os.PathLike[str] = "fast",
     *,
+    set: Mapping[str, Any] | None = None,
     seed: int = 0,
     steps: int | None = None,
     episodes: int | None = None,
@@ -85,6 +87,8 @@ def train(
     Args:
         scenario: A shipped scenario by name, a file's path, or RON text.
         preset: A shipped training preset by name, a file's path, or RON text.
+        set: Fields of the preset or of the scenario with other values, as ``--set`` takes them: ``{"learning.gamma": 0.97,
+            "scenario.lidar.noise_std_m": 0.02}``. A text is RON; tuples are RON's.
         seed: The seed of every random number.
         steps: The budget in env steps over all arenas; None for the preset's.
         episodes: The budget in episodes, in place of ``steps``.
@@ -110,6 +114,7 @@ def train(
     options = {
         "scenario": os.fspath(scenario),
         "preset": os.fspath(preset),
+        "settings": pairs(set),
         "seed": seed,
         "steps": steps,
         "episodes": episodes,

@@ -44,13 +44,14 @@ class NavigationVectorEnv(VectorEnv):
         task: str = "navigation",
         observation: str | None = None,
         actions: str = "discrete",
-        reward: str | Mapping[str, Any] = "fast",
+        preset: str | os.PathLike[str] = "fast",
+        set: Mapping[str, Any] | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
     ) -> None:
         check_render_mode(render_mode)
         mode = AutoresetMode(autoreset_mode)
-        native = make_native(scenario, num_envs, task, observation, reward, _NATIVE_MODES[mode])
+        native = make_native(scenario, num_envs, task, observation, preset, set, _NATIVE_MODES[mode])
         self.num_envs = num_envs
         self.render_mode = render_mode
         self.single_observation_space = observation_space(native)
