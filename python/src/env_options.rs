@@ -11,7 +11,7 @@ use wayfield::run::shipped;
 use wayfield::scenario::Scenario;
 use wayfield::task::{ObservationLayout, TaskMode};
 
-use crate::errors::{file_error, run_error};
+use crate::errors::{file_error, run_error, setting_errors};
 
 /// The name of a scenario's or a preset's text in messages.
 const TEXT: &str = "<text>";
@@ -71,7 +71,7 @@ impl EnvOptions {
         }
         let mut preset = preset(&self.preset)?;
         let encoding = self.encoding()?;
-        settings(self.settings).apply(scenario, &mut preset).map_err(|errors| run_error(errors.into()))?;
+        settings(self.settings).apply(scenario, &mut preset).map_err(setting_errors)?;
         preset.arenas = num_envs;
         let memory = preset.check_memory(scenario, &ObservationLayout::default());
         memory.map_err(|error| PyValueError::new_err(format!("num_envs={num_envs}: {error}")))?;

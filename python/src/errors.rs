@@ -8,6 +8,7 @@ use pyo3::exceptions::{PyFileNotFoundError, PyKeyboardInterrupt, PyRuntimeError,
 use pyo3::prelude::*;
 use wayfield::env::VecEnvError;
 use wayfield::run::RunError;
+use wayfield::run::settings::SettingError;
 
 /// The exception for an error of a run.
 pub fn run_error(error: RunError) -> PyErr {
@@ -26,6 +27,12 @@ pub fn file_error(wanted: &str, error: impl Into<RunError>) -> PyErr {
         }
         error => run_error(error),
     }
+}
+
+/// The exception for invalid settings, one line per problem.
+pub fn setting_errors(errors: Vec<SettingError>) -> PyErr {
+    let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    PyValueError::new_err(lines.join("\n"))
 }
 
 /// The exception for an error of an environment.

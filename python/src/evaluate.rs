@@ -12,7 +12,7 @@ use wayfield::scenario::Scenario;
 use wayfield::task::{EpisodeEnd, EpisodeSetup};
 
 use crate::env_options::{self, scenario as find_scenario};
-use crate::errors::{detached, run_error};
+use crate::errors::{detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
 
 /// The control steps between two looks for Ctrl-C.
@@ -46,7 +46,7 @@ pub fn evaluate(
         None => own_scenario(policy)?,
     };
     let settings = env_options::settings(settings);
-    settings.apply_to_scenario(&mut scenario).map_err(|errors| run_error(errors.into()))?;
+    settings.apply_to_scenario(&mut scenario).map_err(setting_errors)?;
     let scenario = Arc::new(scenario);
     let setup = if benchmark_route { EpisodeSetup::BenchmarkRoute } else { EpisodeSetup::Random };
     let results = detached(py, || {

@@ -11,7 +11,7 @@ use wayfield::run::{scenario_image, shipped};
 use wayfield::simulation::Extensions;
 
 use crate::env_options::{self, scenario as find_scenario};
-use crate::errors::{detached, run_error};
+use crate::errors::{detached, run_error, setting_errors};
 
 /// The shipped scenarios: name and description.
 #[pyfunction]
@@ -44,7 +44,7 @@ pub fn check(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<String> {
 pub fn draw(py: Python<'_>, wanted: &str, settings: Vec<(String, String)>, path: PathBuf) -> PyResult<()> {
     let mut scenario = find_scenario(wanted)?;
     let settings = env_options::settings(settings);
-    settings.apply_to_scenario(&mut scenario).map_err(|errors| run_error(errors.into()))?;
+    settings.apply_to_scenario(&mut scenario).map_err(setting_errors)?;
     detached(py, || scenario_image::draw(&scenario, &path).map_err(run_error))
 }
 

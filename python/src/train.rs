@@ -15,7 +15,7 @@ use wayfield::run::train::{Job, train as run_job};
 use wayfield::simulation::Extensions;
 
 use crate::env_options::{is_text, preset, scenario, settings};
-use crate::errors::{detached, run_error};
+use crate::errors::{detached, run_error, setting_errors};
 use crate::policy::NativePolicy;
 
 /// The options of a new run.
@@ -78,7 +78,7 @@ fn config(options: TrainOptions, transfers: bool) -> PyResult<RunConfig> {
         options.seed,
     )
     .with_settings(&settings(options.settings))
-    .map_err(|errors| run_error(errors.into()))?;
+    .map_err(setting_errors)?;
     let preset = &mut config.preset;
     preset.budget = budget(options.steps, options.episodes).unwrap_or(preset.budget);
     preset.arenas = options.arenas.unwrap_or(preset.arenas);

@@ -130,7 +130,8 @@ def test_the_reward_can_be_changed_by_preset_and_by_field():
         return sum(env.step(2)[1] for _ in range(3))
 
     assert reward(set={"reward.kind": "Traditional"}) == 0.0
-    assert reward(preset="dqn") == 0.0
+    text = "(arenas: 1, budget: EnvSteps(1), reward: (kind: Traditional), learning: ())"
+    assert reward(preset=text) == 0.0
     assert reward(set={"reward.mu": 50, "reward.sigma": 50.0}) == pytest.approx(reward() / 2, rel=1e-4)
     with pytest.raises(ValueError, match="reward.mew.*help:"):
         reward(set={"reward.mew": 1})
