@@ -30,9 +30,9 @@ impl TryFrom<Policy> for NativePolicy {
 
 /// The policy in the file `wanted`, or the shipped policy of that name.
 fn read(wanted: &str) -> PyResult<Policy> {
-    let shipped = shipped::policies().iter().find(|(name, _)| *name == wanted);
+    let shipped = shipped::policies().iter().find(|shipped| shipped.name == wanted);
     match shipped.filter(|_| !Path::new(wanted).is_file()) {
-        Some((_, policy)) => Ok(policy.clone()),
+        Some(shipped) => Ok(shipped.policy.clone()),
         None => policy_card::read(Path::new(wanted)).map_err(|error| file_error(wanted, error)),
     }
 }
@@ -120,6 +120,6 @@ impl NativePolicy {
     /// The names of the shipped policies.
     #[staticmethod]
     fn shipped() -> Vec<&'static str> {
-        shipped::policies().iter().map(|(name, _)| *name).collect()
+        shipped::policies().iter().map(|shipped| shipped.name).collect()
     }
 }
