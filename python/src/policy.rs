@@ -30,7 +30,7 @@ impl TryFrom<Policy> for NativePolicy {
 
 /// The policy in the file `wanted`, or the shipped policy of that name.
 fn read(wanted: &str) -> PyResult<Policy> {
-    let shipped = shipped::policies().iter().find(|shipped| shipped.name == wanted);
+    let shipped = shipped::policies().iter().find(|shipped| shipped.scenario_from == wanted);
     match shipped.filter(|_| !Path::new(wanted).is_file()) {
         Some(shipped) => Ok(shipped.policy.clone()),
         None => policy_card::read(Path::new(wanted)).map_err(|error| file_error(wanted, error)),
@@ -120,6 +120,6 @@ impl NativePolicy {
     /// The names of the shipped policies.
     #[staticmethod]
     fn shipped() -> Vec<&'static str> {
-        shipped::policies().iter().map(|shipped| shipped.name).collect()
+        shipped::policies().iter().map(|shipped| shipped.scenario_from).collect()
     }
 }
