@@ -135,9 +135,9 @@ def test_the_reward_can_be_changed_by_preset_and_by_field():
     with pytest.raises(FileNotFoundError, match="did you mean `fast`"):
         reward(preset="fsat")
     assert reward(set={"reward.mu": 50, "reward.sigma": 50.0}) == pytest.approx(reward() / 2, rel=1e-4)
-    with pytest.raises(ValueError, match="reward.mew.*help:"):
+    with pytest.raises(ValueError, match="reward.mew=1: unknown field `mew`.*the fields are"):
         reward(set={"reward.mew": 1})
-    with pytest.raises(ValueError, match="reward.mu=-1.*help:"):
+    with pytest.raises(ValueError, match="reward.mu=-1: .*reward.mu.* is -1"):
         reward(set={"reward.mu": -1})
 
 
@@ -183,9 +183,9 @@ def test_errors_are_pythons_with_the_texts_of_the_command_line(tmp_path):
     broken.write_text('(name: "x",\n lidar: (beams: 0))')
     with pytest.raises(ValueError, match=r"broken.ron:2:\d+: .*write a number from 1"):
         gymnasium.make(ENV, scenario=broken)
-    for options in ({"task": "x"}, {"observation": "x"}, {"actions": "x"}, {"render_mode": "human"}):
+    for options in ({"task": "x"}, {"observation": "x"}, {"actions": "x"}, {"render_mode": "ansi"}):
         with pytest.raises(ValueError, match="help: give"):
-            gymnasium.make(ENV, disable_env_checker=True, **options)
+            wayfield.NavigationEnv(**options)
     for num_envs in (0, 5000):
         with pytest.raises(ValueError, match="num_envs is .*; help: give a number from 1 to 4096"):
             gymnasium.make_vec(ENV, num_envs=num_envs)
