@@ -7,7 +7,8 @@ import { test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { brotliCompressSync, constants } from 'node:zlib';
 import {
-    SOFTWARE_GPU, canBeHidden, centre, click, closeWithoutErrors, launch, open, pageUnderTest, picture, press, status, until,
+    SOFTWARE_GPU, canBeHidden, centre, click, closeWithoutErrors, file, launch, open, ownScenario, pageUnderTest, picture, press,
+    status, until,
 } from './support.mjs';
 
 const app = pageUnderTest();
@@ -145,10 +146,6 @@ test('one click compares an expert with the current policy', async () => {
     assert.equal((await status(page)).env_steps, now.env_steps, 'training is suspended during the comparison');
     await closeWithoutErrors(page);
 });
-
-const ownScenario = async (name) => (await readFile(new URL('../../scenarios/scenario-1.ron', import.meta.url), 'utf8'))
-    .replace(/name: "[^"]*"/, `name: "${name}"`);
-const file = (name, text) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
 
 test('an invalid scenario is reported with line and column; a valid one starts a training that can be shared by link', async () => {
     const page = await open(app.browser, app.address, { options: TALL });
