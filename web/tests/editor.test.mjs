@@ -31,7 +31,7 @@ test('after a crash, the unsaved changes of the editor can be restored, and are 
     await until(page, (now) => now.paused);
     // Still unsaved.
     await click(page, 'Restore');
-    await click(page, 'Leave');
+    await click(page, 'Close the editor');
     await click(page, 'Discard changes');
     await page.reload();
     await until(page, (now) => now.paused);

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
-import { centre, click, closeWithoutErrors, file, open, ownScenario, pageUnderTest, picture, until } from './support.mjs';
+import { centre, click, closeWithoutErrors, file, open, ownScenario, pageUnderTest, picture, press, until } from './support.mjs';
 
 const app = pageUnderTest();
 
@@ -12,7 +12,8 @@ async function edit(name, options = {}) {
     const page = await open(app.browser, `${app.address}?edit`, options);
     await until(page, (now) => now.paused);
     await page.setInputFiles('#file', file('named.ron', await ownScenario(name)));
-    await centre(page, 'Scenario name');
+    // Undo brings back the scenario that was there before.
+    await centre(page, 'Undo');
     return page;
 }
 
@@ -30,25 +31,21 @@ async function nameField(page) {
     throw new Error('the field never comes to rest');
 }
 
-/// Copies the name from its field, with the keyboard. (The clipboard of headless Chromium is that of the test.)
-async function typedName(page) {
-    await page.keyboard.press('Control+a');
-    await page.waitForTimeout(500);
+/// The scenario's name in its file.
+async function savedName(page) {
     const [saved] = await Promise.all([page.waitForEvent('download'), click(page, 'Save')]);
     return /name: "([^"]*)"/.exec(await readFile(await saved.path(), 'utf8'))[1];
 }
 
-test('names in Japanese, Hindi and Thai are drawn with the fonts of the browser', async () => {
+test('a name in Japanese is drawn with the fonts of the browser', async () => {
     const drawn = {};
-    for (const name of ['迷路', '路迷', '\u{10fffe}\u{10fffd}', '\u{10fffd}\u{10fffe}', 'भूल', 'ไทย']) {
+    for (const name of ['迷路', '路迷']) {
         const page = await edit(name);
         drawn[name] = await nameField(page);
         await picture(page, `name-${name}`);
         await closeWithoutErrors(page);
     }
     assert.notEqual(drawn['迷路'], drawn['路迷'], 'missing glyphs would all look the same');
-    const [first, second] = Object.keys(drawn).slice(2, 4);
-    assert.ok(drawn[first] !== undefined && drawn[second] !== undefined, 'characters of no font do no harm');
 });
 
 test('a browser that hides from the page what it draws shows boxes, and the page works', async () => {
@@ -84,8 +81,7 @@ test('an input method composes text in a field, and plain keys still work there 
     const compose = (text) => cdp.send('Input.imeSetComposition', { text, selectionStart: text.length, selectionEnd: text.length });
     await click(page, 'Scenario name');
     await page.waitForFunction(() => document.activeElement.id === 'egui_text_agent');
-    await page.keyboard.press('Control+a');
-    await page.waitForTimeout(400);
+    await press(page, 'Control', 'a');
     await compose('めい');
     await page.waitForTimeout(400);
     await compose('めいろ');
@@ -100,7 +96,7 @@ test('an input method composes text in a field, and plain keys still work there 
     await cdp.send('Input.insertText', { text: '😀' });
     await page.waitForTimeout(1000);
     await picture(page, 'composed');
-    assert.equal(await typedName(page), '迷路 x1😀');
+    assert.equal(await savedName(page), '迷路 x1😀');
     // A composition that is cancelled leaves the text as it was.
     await click(page, 'Scenario name');
     await page.keyboard.press('End');
@@ -108,10 +104,12 @@ test('an input method composes text in a field, and plain keys still work there 
     await page.waitForTimeout(400);
     await compose('');
     await page.waitForTimeout(400);
-    assert.equal(await typedName(page), '迷路 x1😀');
+    assert.equal(await savedName(page), '迷路 x1😀');
     // On the canvas, keys are shortcuts again.
+    await page.mouse.click(640, 600, { delay: 300 });
     await page.waitForFunction(() => document.activeElement.id === 'canvas');
-    await page.keyboard.press('Control+z', { delay: 300 });
-    await page.waitForTimeout(1000);
+    await press(page, 'Control', 'z');
+    await press(page, 'Control', 'z');
+    assert.equal(await savedName(page), 'Mine');
     await closeWithoutErrors(page);
 });
