@@ -53,6 +53,16 @@ export function store(text) {
     }
 }
 
+/// What happens to the unsaved changes, in words; undefined without any.
+export function describe() {
+    try {
+        if (localStorage.getItem(PREFIX + own) === null) return undefined;
+        return 'After a reload, you can restore the unsaved changes of the editor.';
+    } catch {
+        return undefined;
+    }
+}
+
 /// Deletes this tab's backup.
 export function remove() {
     try { localStorage.removeItem(PREFIX + own); } catch {}

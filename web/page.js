@@ -14,7 +14,8 @@ const PREFERENCES_KEY = 'wayfield: preferences';
 /// Reports that the app cannot run or continue. `detail` is for bug reports. If the training was saved, offers to continue it.
 function stop(text, detail = '') {
     const saved = autosaves.describe();
-    if (saved !== undefined) text += ` ${saved}`;
+    const unsaved = backups.describe();
+    text = [text, saved, unsaved].filter((part) => part !== undefined).join(' ');
     byId('rescue').hidden = saved === undefined;
     cover.hidden = false;
     byId('bar').hidden = true;

@@ -19,6 +19,7 @@ test('after a crash, the unsaved changes of the editor can be restored, and are 
     const page = await open(app.browser, `${app.address}?scenario=empty&edit`);
     await addCircle(page);
     await crash(page);
+    assert.match(await page.textContent('#message'), /internal error.*restore the unsaved changes/);
     page.errors.length = 0;
     await page.goto(`${app.address}?paused`);
     await until(page, (now) => now.paused);
