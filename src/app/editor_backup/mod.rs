@@ -121,7 +121,9 @@ pub(super) fn run(world: &mut World) {
     if let Err(error) = back_up(world, every)
         && !std::mem::replace(&mut world.resource_mut::<EditorBackup>().has_failed, true)
     {
-        let text = format!("Unsaved changes cannot be backed up: {error}\nhelp: save the scenario often");
+        let error = error.to_string();
+        let cause = error.split("; help:").next().unwrap_or(&error);
+        let text = format!("Unsaved changes cannot be backed up: {cause}\nhelp: save the scenario often");
         notify(world, NoticeTopic::General, Severity::Error, text);
     }
 }
