@@ -9,7 +9,7 @@ use clap::{Arg, ArgMatches, Args, Command};
 /// The flags that select a mode. Without a mode, the app opens.
 #[derive(Args, Debug)]
 #[group(multiple = false)]
-#[command(next_help_heading = "Modes (without one, the app opens)")]
+#[command(next_help_heading = super::MODES_HEADING)]
 pub struct ModeArgs {
     /// Train a policy into a new run folder
     #[arg(long)]
@@ -22,6 +22,10 @@ pub struct ModeArgs {
     /// Print a policy's card as JSON: inputs, actions, scenario, training, and an example to check a program with
     #[arg(long, value_name = "POLICY")]
     pub card: Option<PathBuf>,
+
+    /// Write a policy for other programs, with the encoding of its inputs and the choice of its actions (see --onnx)
+    #[arg(long, value_name = "POLICY")]
+    pub export: Option<PathBuf>,
 
     /// Reproduce the paper: train, test and report every figure and table over several seeds
     #[arg(long)]
@@ -44,19 +48,20 @@ pub struct ModeArgs {
 /// The options that each mode takes, by clap id. The id of a group (a struct of options) stands for all options in
 /// the group.
 const MODES: &[(&str, &[&str])] = &[
-    ("train", &["scenario", "preset", "seed", "episodes", "out", "json", "TrainArgs"]),
-    ("eval", &["scenario", "seed", "episodes", "json", "EvalArgs"]),
+    ("train", &["scenario", "preset", "set", "seed", "episodes", "out", "json", "TrainArgs"]),
+    ("eval", &["scenario", "set", "seed", "episodes", "json", "EvalArgs"]),
     ("card", &["json"]),
+    ("export", &["ExportArgs"]),
     ("reproduce", &["out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
-    ("draw", &["scenario"]),
+    ("draw", &["scenario", "set"]),
     #[cfg(feature = "gui")]
     ("replay", &[]),
 ];
 
 /// The options that the app takes, by clap id.
 #[cfg(feature = "gui")]
-const APP: &[&str] = &["scenario", "preset", "seed", "checkpoint_every", "WindowArgs"];
+const APP: &[&str] = &["scenario", "preset", "set", "seed", "checkpoint_every", "WindowArgs"];
 #[cfg(not(feature = "gui"))]
 const APP: &[&str] = &[];
 

@@ -10,10 +10,12 @@ use super::policy;
 use super::shared::SharedArgs;
 use super::values;
 use crate::limits::MAX_ARENAS;
+use crate::report::format::percent;
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::Budget;
+use crate::run::progress::print_stderr;
 use crate::run::signals::stop_on_signal;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::scenario::{printable_path, quoted};
@@ -42,11 +44,14 @@ pub struct TrainArgs {
     /// Continue the run in DIR exactly where it stopped (--train may be left out); --episodes or --steps set a
     /// larger budget, counted from the start of the run
     #[arg(long, value_name = "DIR",
-        conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
+        conflicts_with_all = ["scenario", "preset", "set", "seed", "arenas", "out", "init", "epsilon"])]
     pub resume: Option<PathBuf>,
 
-    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]. In the app:
-    /// save the training automatically every S seconds [default: 25]
+    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30].
+    #[cfg_attr(
+        feature = "gui",
+        doc = "In the app: save the training automatically every S seconds [default: 25]"
+    )]
     #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
     pub checkpoint_every: Option<Duration>,
 }
@@ -76,8 +81,13 @@ pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), Ru
 }
 
 fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Result<Job, RunError> {
+    let settings = shared.settings();
     let mut config = RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?
+        .with_settings(&settings)?
         .with_extensions(&shared.extensions);
+    if !settings.0.is_empty() {
+        print_stderr(&format!("set {settings}"));
+    }
     let preset = &mut config.preset;
     preset.budget = budget.unwrap_or(preset.budget);
     preset.arenas = args.arenas.unwrap_or(preset.arenas);
@@ -95,7 +105,7 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
 }
 
 fn summary_text(folder: &Path, summary: &Summary) -> String {
-    let percent = |rate: Option<f64>| rate.map_or("-".into(), |r| format!("{:.1} %", 100.0 * r));
+    let percent = |rate: Option<f64>| rate.map_or("-".into(), percent);
     let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.2} s"));
     let first = |m: &Option<Milestone>| match m {
         Some(m) => format!("{} env steps, {} episodes, {:.1} s", m.env_steps, m.episodes, m.wall_s),
@@ -105,8 +115,8 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
     format!(
         "best policy     {} success, mean time {}\n\
          last policy     {} success\n\
-         first 96 %      {}\n\
-         first 99 %      {}\n\
+         first 96%       {}\n\
+         first 99%       {}\n\
          trained         {episodes} episodes, {env_steps} env steps, {gradient_steps} gradient steps, {wall_s:.1} s\n\
          run folder      {}\n\
          test it         {}\n",
