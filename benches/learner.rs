@@ -21,7 +21,7 @@ fn main() {
 
 fn config(dueling: bool, batch_size: usize) -> LearningConfig {
     LearningConfig {
-        network: NetworkConfig { hidden: vec![64, 64], dueling },
+        network: NetworkConfig { hidden: vec![64, 64], dueling, ..NetworkConfig::default() },
         double: true,
         gamma: 0.99,
         n_step: 1,

@@ -7,7 +7,7 @@ mod check;
 
 use serde::{Deserialize, Serialize};
 pub use wayfield_policy::ConfigError;
-use wayfield_policy::NetworkShape;
+use wayfield_policy::{Activation, NetworkShape};
 
 /// All options of the learning algorithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,10 +48,17 @@ pub struct LearningConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkConfig {
-    /// The widths of the hidden layers, at most 8 of 1 to 4096 units, each followed by a ReLU. Fig. 5: [64, 64].
+    /// The widths of the hidden layers, at most 8 of 1 to 4096 units. Fig. 5: [64, 64].
     pub hidden: Vec<usize>,
     /// Dueling head: a value and one advantage per action (Wang et al. 2016). `false`: the last layer outputs Q-values.
     pub dueling: bool,
+    /// Layer normalization of each hidden layer before its activation (Ba et al. 2016), with a learned scale and shift per
+    /// unit. The paper: `false`.
+    #[serde(default)]
+    pub layer_norm: bool,
+    /// The activation function of the hidden layers: `Relu` (fig. 5), `Elu`, `Silu` or `Tanh`.
+    #[serde(default)]
+    pub activation: Activation,
 }
 
 /// The loss of a TD error d = Q(s, a) - y. The loss of a batch is the mean over its transitions, with importance weights.
@@ -184,7 +191,7 @@ impl Default for LearningConfig {
     /// starts with the first full batch.
     fn default() -> Self {
         Self {
-            network: NetworkConfig { hidden: vec![64, 64], dueling: true },
+            network: NetworkConfig::default(),
             double: true,
             gamma: 0.99,
             n_step: 1,
@@ -211,6 +218,13 @@ impl Default for LearningConfig {
     }
 }
 
+impl Default for NetworkConfig {
+    /// The network of PER-D3QN, fig. 5 of the paper.
+    fn default() -> Self {
+        Self { hidden: vec![64, 64], dueling: true, layer_norm: false, activation: Activation::Relu }
+    }
+}
+
 impl Schedule {
     /// The value at `env_steps`.
     #[must_use]
@@ -231,7 +245,8 @@ impl NetworkConfig {
     /// # Errors
     /// A size is out of range; see [`NetworkShape::check`].
     pub fn shape(&self, inputs: usize, actions: usize) -> Result<NetworkShape, ConfigError> {
-        let shape = NetworkShape { inputs, hidden: self.hidden.clone(), actions, dueling: self.dueling };
+        let Self { hidden, dueling, layer_norm, activation } = self.clone();
+        let shape = NetworkShape { inputs, hidden, actions, dueling, layer_norm, activation };
         shape.check()?;
         Ok(shape)
     }

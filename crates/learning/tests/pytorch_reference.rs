@@ -32,7 +32,11 @@ fn observation(state: usize) -> [f32; INPUTS] {
 
 fn config(case: &Value) -> LearningConfig {
     LearningConfig {
-        network: NetworkConfig { hidden: vec![4, 3], dueling: case["dueling"] == true },
+        network: NetworkConfig {
+            hidden: vec![4, 3],
+            dueling: case["dueling"] == true,
+            ..NetworkConfig::default()
+        },
         double: case["double"] == true,
         gamma: 0.9,
         n_step: 2,

@@ -17,7 +17,7 @@ const PRIORITIZED: Sampling = Sampling::Prioritized {
 /// Random actions (Q-learning is off-policy), a small network and fast target updates.
 fn config(gamma: f32, sampling: Sampling) -> LearningConfig {
     LearningConfig {
-        network: NetworkConfig { hidden: vec![32], dueling: true },
+        network: NetworkConfig { hidden: vec![32], ..NetworkConfig::default() },
         gamma,
         loss: Loss::MeanSquared,
         optimizer: Optimizer::Adam { beta1: 0.9, beta2: 0.999, epsilon: 1e-8 },
