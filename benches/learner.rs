@@ -44,6 +44,7 @@ fn config(dueling: bool, batch_size: usize) -> LearningConfig {
         gradient_steps: 1,
         target_update: TargetUpdate::Hard { every: 2000 },
         exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
+        ..LearningConfig::default()
     }
 }
 

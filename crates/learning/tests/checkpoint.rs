@@ -173,10 +173,12 @@ fn a_checkpoint_from_before_the_switches_is_read_and_written_to_the_bit() {
 }
 
 #[test]
-fn a_checkpoint_of_a_network_with_layer_normalization_is_exact_and_belongs_to_its_config() {
+fn a_checkpoint_of_a_config_with_switches_is_exact_and_belongs_to_its_config() {
     for plain in configs() {
         let mut config = plain.clone();
         (config.network.layer_norm, config.network.activation) = (true, Activation::Elu);
+        (config.max_gradient_norm, config.weight_decay) = (Some(0.5), 0.01);
+        config.learning_rate = Schedule::Step { from: 1e-3, factor: 0.5, every_env_steps: 100 };
         let mut one = Learner::new(&config, INPUTS, ACTIONS, NUM_ENVS, 5).expect("a valid config");
         let mut env = NoiseEnv::new();
         env.run(&mut one, 60);
@@ -187,8 +189,10 @@ fn a_checkpoint_of_a_network_with_layer_normalization_is_exact_and_belongs_to_it
         assert_eq!(saved(&one), saved(&two));
         let mut tanh = config.clone();
         tanh.network.activation = Activation::Tanh;
-        for other in [&plain, &tanh] {
-            let error = restored(other, &bytes).expect_err("another network");
+        let mut unclipped = config.clone();
+        unclipped.max_gradient_norm = None;
+        for other in [&plain, &tanh, &unclipped] {
+            let error = restored(other, &bytes).expect_err("another config");
             assert!(matches!(error, CheckpointError::ConfigMismatch { field: "learning" }), "{error}");
         }
     }

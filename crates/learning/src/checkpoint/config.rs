@@ -13,9 +13,12 @@ use crate::framing::encode;
 struct Switches {
     layer_norm: bool,
     activation: Activation,
+    max_gradient_norm: Option<f32>,
+    weight_decay: f32,
 }
 
-const OFF: Switches = Switches { layer_norm: false, activation: Activation::Relu };
+const OFF: Switches =
+    Switches { layer_norm: false, activation: Activation::Relu, max_gradient_norm: None, weight_decay: 0.0 };
 
 /// The version of the file of a learner with `config`, and the bytes of the config in it.
 ///
@@ -32,6 +35,8 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
         loss,
         optimizer,
         learning_rate,
+        max_gradient_norm,
+        weight_decay,
         batch_size,
         replay,
         train_freq,
@@ -41,6 +46,11 @@ pub(super) fn encoded(config: &LearningConfig) -> io::Result<(u32, Vec<u8>)> {
     } = config;
     let update = (double, gamma, n_step, reward_scale, loss, optimizer, learning_rate, batch_size);
     let version_1 = (hidden, dueling, update, replay, train_freq, gradient_steps, target_update, exploration);
-    let switches = Switches { layer_norm: *layer_norm, activation: *activation };
+    let switches = Switches {
+        layer_norm: *layer_norm,
+        activation: *activation,
+        max_gradient_norm: *max_gradient_norm,
+        weight_decay: *weight_decay,
+    };
     if switches == OFF { Ok((1, encode(&version_1)?)) } else { Ok((2, encode(&(version_1, switches))?)) }
 }
