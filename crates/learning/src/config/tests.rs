@@ -115,7 +115,7 @@ fn schedules_follow_their_formulas_and_become_constant_at_their_end() {
     let step = Schedule::Step { from: 0.8, factor: 0.5, every_env_steps: 100 };
     for (schedule, values) in [
         (Schedule::Linear { from, to: 0.5, env_steps }, [1.0, 0.875, 0.75, 0.505, 0.5, 0.5]),
-        (exponential, [1.0, 0.707_106_8, 0.5, 0.253_489_8, 0.25, 0.25]),
+        (exponential, [1.0, std::f32::consts::FRAC_1_SQRT_2, 0.5, 0.253_489_8, 0.25, 0.25]),
         (cosine, [1.0, 0.926_776_7, 0.75, 0.500_123_4, 0.5, 0.5]),
         (growing, [0.01, 0.031_622_8, 0.1, 0.954_992_6, 1.0, 1.0]),
         (step, [0.8, 0.8, 0.8, 0.8, 0.4, 0.2]),
