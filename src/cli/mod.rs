@@ -51,6 +51,7 @@ const AFTER_HELP: &str = "\
   wayfield --resume runs/scenario-1-fast-0 --steps 900000
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        check every scenario in a folder
+  wayfield --draw curves.pdf --run runs/scenario-1-fast-0
 
 A file may be `-`, standard input. Whole numbers may be written 600000, 600_000, 6e5 or 600k.
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
@@ -78,6 +79,8 @@ struct Arguments {
     eval: eval::EvalArgs,
     #[command(flatten)]
     reproduce: reproduce::ReproduceArgs,
+    #[command(flatten)]
+    draw: draw::DrawArgs,
     #[cfg(feature = "gui")]
     #[command(flatten)]
     window: window::WindowArgs,
@@ -200,7 +203,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     } else if !mode.check.is_empty() {
         check::run(&mode.check, shared.json)
     } else if let Some(file) = mode.draw {
-        draw::run(&file, &shared)
+        draw::run(&file, &arguments.draw, &shared)
     } else {
         #[cfg(feature = "gui")]
         return match mode.replay {
