@@ -75,7 +75,6 @@ pub fn write(svg: String, size: ImageSize, path: &Path) -> Result<(), RunError> 
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::run::scenario_image;
     use crate::scenario::Scenario;
 

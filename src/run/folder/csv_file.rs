@@ -19,8 +19,9 @@ impl RunFolder {
         let path = self.path.join(name);
         let bytes = fs::read(&path).map_err(|error| RunError::failed(&path, error))?;
         let end = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
-        let rows = csv::Reader::from_reader(&bytes[..end]).into_deserialize().collect();
-        rows.map_err(|error: csv::Error| RunError::failed(&path, error))
+        let rows: Result<Vec<Row>, csv::Error> =
+            csv::Reader::from_reader(&bytes[..end]).into_deserialize().collect();
+        rows.map_err(|error| RunError::failed(&path, error))
     }
 
     /// A writer that appends rows to the CSV file `name` after truncating it to `bytes` bytes. A new file

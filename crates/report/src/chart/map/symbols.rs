@@ -23,13 +23,16 @@ pub(super) fn obstacle_colours(kind: MapObstacleKind) -> (RGBColor, RGBColor) {
     }
 }
 
+/// Whether an obstacle is of some kind.
+type IsKind = fn(MapObstacleKind) -> bool;
+
 /// The legend's entries: start, goal, the kinds of obstacles on the map, and the trajectories.
 pub(super) fn legend_entries(map: &ScenarioMap) -> Vec<LegendEntry> {
     let mut entries = vec![
         LegendEntry::Symbol(|root, at| draw_robot(root, at, 0.0), "start".into()),
         LegendEntry::Symbol(draw_goal, "goal".into()),
     ];
-    let kinds: [(fn(MapObstacleKind) -> bool, Symbol, &str); 4] = [
+    let kinds: [(IsKind, Symbol, &str); 4] = [
         (
             |kind| kind == MapObstacleKind::Wall,
             |root, at| draw_block(root, at, MapObstacleKind::Wall),
