@@ -44,8 +44,7 @@ use crate::simulation::{Extensions, use_one_task_thread};
 const MODES_HEADING: &str =
     if cfg!(feature = "gui") { "Modes (without one, the app opens)" } else { "Modes" };
 
-const AFTER_HELP: &str = "\
-  wayfield --train                                   train in Scenario I, in seconds, into runs/
+const EXAMPLES: &str = "  wayfield --train                                   train in Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
   wayfield --resume runs/scenario-1-fast-0 --steps 900000
@@ -62,7 +61,7 @@ SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
 fn after_help() -> String {
     let app = "  wayfield                                           open the app and watch a robot learn\n";
     let app = if cfg!(feature = "gui") { app } else { "" };
-    format!("Examples:\n{app}{AFTER_HELP}")
+    format!("Examples:\n{app}{EXAMPLES}")
 }
 
 /// Trains a LIDAR robot to navigate, in seconds, with prioritized-replay double dueling DQN
