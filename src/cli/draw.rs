@@ -16,7 +16,7 @@ use crate::run::{RunError, run_image, scenario_image, shipped};
 #[command(next_help_heading = "Options of --draw")]
 pub struct DrawArgs {
     /// Draw the learning curves of the run in DIR, which may still be in progress, instead of a scenario
-    #[arg(long, value_name = "DIR", conflicts_with = "scenario")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scenario", "set"])]
     run: Option<PathBuf>,
 
     /// Draw the scenario without its name, the legend and the axes
@@ -33,7 +33,7 @@ pub fn run(file: &Path, args: &DrawArgs, shared: &SharedArgs) -> Result<(), RunE
     check_writable(file)?;
     let svg = match &args.run {
         Some(folder) => run_figure(folder)?,
-        None => scenario_figure(shared.scenario(), args.plain)?,
+        None => scenario_figure(shared, args.plain)?,
     };
     let own = if args.plain { ImageSize::Screen } else { ImageSize::Print };
     let size = shared.size.map_or(own, |(width, height)| ImageSize::Pixels(width.into(), height.into()));
@@ -49,8 +49,10 @@ fn run_figure(folder: &Path) -> Result<String, RunError> {
     run_image::figure(&folder, &config)
 }
 
-fn scenario_figure(name: &str, is_plain: bool) -> Result<String, RunError> {
-    let scenario = shipped::scenario(name)?;
+fn scenario_figure(shared: &SharedArgs, is_plain: bool) -> Result<String, RunError> {
+    let name = shared.scenario();
+    let mut scenario = shipped::scenario(name)?;
+    shared.settings().apply_to_scenario(&mut scenario)?;
     let draw = if is_plain { scenario_image::thumbnail } else { scenario_image::figure };
     draw(&scenario).map_err(|error| RunError::failed(Path::new(name), error))
 }
