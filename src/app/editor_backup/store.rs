@@ -7,8 +7,8 @@ use std::time::SystemTime;
 
 use super::{Backup, MAX_BACKUP_BYTES};
 use crate::run::RunError;
-use crate::run::folder::write_atomic;
 use crate::run::lock::Lock;
+use crate::run::output_file::write_atomic;
 use crate::scenario::read_text_with_limit;
 
 /// The maximum number of backups, and of earlier ones that are kept.
