@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::evaluate::Evaluation;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint};
 use crate::scenario::read_text;
 use crate::task::EpisodeEnd;
@@ -132,10 +133,14 @@ pub struct Summary {
     pub env_steps: u64,
     /// Gradient steps taken.
     pub gradient_steps: u64,
-    /// Wall time from the start of the process, including evaluations, in s; summed over all processes of a
-    /// resumed run.
+    /// Wall time from the start of the process, including evaluations but not the final test, in s; summed over all processes
+    /// of a resumed run.
     pub wall_s: f64,
-    /// Success rate of the best policy in its evaluation, 0 to 1; `None` without an evaluation.
+    /// Number of evaluations, with those at env step 0 and at the end.
+    #[serde(default)]
+    pub evaluations: usize,
+    /// Success rate of the best policy in the evaluation that selected it, 0 to 1; `None` without an evaluation. The best of
+    /// many evaluations is optimistic; `final_test` is not.
     pub best_success_rate: Option<f64>,
     /// Mean simulated time of the successful episodes in that evaluation, in s.
     pub best_mean_time_s: Option<f64>,
@@ -145,6 +150,54 @@ pub struct Summary {
     pub first_96: Option<Milestone>,
     /// The first evaluation with a success rate of at least 99 %.
     pub first_99: Option<Milestone>,
+    /// The test of the best policy in fresh episodes, after the training; `None` if the run has not finished or the preset asks
+    /// for no test. These are the numbers to quote.
+    #[serde(default)]
+    pub final_test: Option<FinalTest>,
+}
+
+/// The test of the best policy after a training, in episodes that are not those of the evaluations.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FinalTest {
+    /// Share of episodes that succeeded, 0 to 1.
+    pub success_rate: f64,
+    /// Its 95 % confidence interval, within 0 to 1.
+    pub success_interval: [f64; 2],
+    /// Share of episodes that ended in a collision, 0 to 1.
+    pub collision_rate: f64,
+    /// Its 95 % confidence interval, within 0 to 1.
+    pub collision_interval: [f64; 2],
+    /// Share of episodes that ended at the time limit, 0 to 1.
+    pub timeout_rate: f64,
+    /// Its 95 % confidence interval, within 0 to 1.
+    pub timeout_interval: [f64; 2],
+    /// Mean simulated time of the successful episodes, in s.
+    pub mean_time_s: Option<f64>,
+    /// Number of episodes.
+    pub episodes: usize,
+    /// The seed of the episodes. `--eval` with this seed, and with as many episodes, gives the same numbers.
+    pub seed: u64,
+    /// Wall time of the test, in s. It is not part of the run's wall time.
+    pub wall_s: f64,
+}
+
+impl FinalTest {
+    /// The test with the result `evaluation`, which took `wall_s` seconds of wall time.
+    #[must_use]
+    pub fn new(evaluation: &Evaluation, wall_s: f64) -> Self {
+        Self {
+            success_rate: evaluation.success_rate,
+            success_interval: evaluation.success_interval,
+            collision_rate: evaluation.collision_rate,
+            collision_interval: evaluation.collision_interval,
+            timeout_rate: evaluation.timeout_rate,
+            timeout_interval: evaluation.timeout_interval,
+            mean_time_s: evaluation.mean_time_s,
+            episodes: evaluation.episodes,
+            seed: evaluation.seed,
+            wall_s,
+        }
+    }
 }
 
 impl Summary {

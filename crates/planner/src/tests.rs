@@ -155,8 +155,10 @@ fn the_shortest_path_goes_round_obstacles_and_walls_to_the_edge_of_the_goal() {
     let (start, goal) = ((-1.0, 0.0, 2.0), vec2(1.0, 0.0));
     let boxed = Scenario { obstacles: vec![static_box(vec2(0.0, -0.7), 0.1, 2.6)], ..Scenario::default() };
     let corners_m = vec![vec2(0.0, -1.95), vec2(0.0, 0.55)];
-    let walled =
-        Scenario { walls: vec![wayfield_scenario::Wall { corners_m, thickness_m: 0.1 }], ..Scenario::default() };
+    let walled = Scenario {
+        walls: vec![wayfield_scenario::Wall { corners_m, thickness_m: 0.1 }],
+        ..Scenario::default()
+    };
     for scenario in [&boxed, &walled] {
         let length = shortest_path_m(scenario, start, goal).expect("a path");
         assert!((2.30874 * 0.995..=2.30875).contains(&length), "{length}");

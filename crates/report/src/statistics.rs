@@ -149,7 +149,10 @@ mod tests {
             for hits in 0..=n {
                 let [low, high] = rate_interval(hits, n);
                 let rate = if n == 0 { 0.5 } else { hits as f64 / n as f64 };
-                assert!(0.0 <= low && low <= rate && rate <= high && high <= 1.0, "{hits}/{n}: {low}, {high}");
+                assert!(
+                    0.0 <= low && low <= rate && rate <= high && high <= 1.0,
+                    "{hits}/{n}: {low}, {high}"
+                );
                 assert!(low < high, "{hits}/{n}");
             }
         }

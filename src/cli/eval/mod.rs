@@ -258,10 +258,12 @@ impl Test<'_> {
         episodes: &'a [EpisodeResult],
         references: &'a References,
     ) -> impl Iterator<Item = EpisodeRecord> + 'a {
-        episodes.iter().zip(&references.shortest_paths_m).enumerate().map(move |(index, (episode, shortest_m))| {
-            let bounds = references.bounds.as_ref().and_then(|bounds| bounds.get(index).copied());
-            EpisodeRecord::new(policy, index + 1, episode, &self.scenario, *shortest_m, bounds)
-        })
+        episodes.iter().zip(&references.shortest_paths_m).enumerate().map(
+            move |(index, (episode, shortest_m))| {
+                let bounds = references.bounds.as_ref().and_then(|bounds| bounds.get(index).copied());
+                EpisodeRecord::new(policy, index + 1, episode, &self.scenario, *shortest_m, bounds)
+            },
+        )
     }
 
     fn report(
@@ -271,7 +273,10 @@ impl Test<'_> {
         references: &References,
     ) -> Result<PolicyReport, RunError> {
         let Self { scenario, seed, .. } = self;
-        let spl = episodes.iter().zip(&references.shortest_paths_m).filter_map(|(e, shortest_m)| e.spl(*shortest_m));
+        let spl = episodes
+            .iter()
+            .zip(&references.shortest_paths_m)
+            .filter_map(|(e, shortest_m)| e.spl(*shortest_m));
         let compare = || match &references.bounds {
             Some(bounds) => OptimumComparison::from_episodes(episodes, bounds, &scenario.task),
             None => evaluate::compare_with_optimum(scenario, episodes),

@@ -57,7 +57,7 @@ pub fn list(report: &PolicyReport) -> String {
 pub fn table(comparison: &ComparisonReport) -> String {
     let policies = comparison.policies;
     let mut columns = vec![
-        column("policy", policies, |p| printable(&p.policy)),
+        column("policy", policies, |p| printable(&p.policy).into_owned()),
         column("success", policies, |p| rate(p.evaluation.success_rate, p.evaluation.success_interval)),
         column("collision", policies, |p| rate(p.evaluation.collision_rate, p.evaluation.collision_interval)),
         column("timeout", policies, |p| rate(p.evaluation.timeout_rate, p.evaluation.timeout_interval)),
@@ -82,7 +82,10 @@ pub fn table(comparison: &ComparisonReport) -> String {
     let ComparisonReport { scenario, episodes, seed, .. } = comparison;
     let count = policies.len();
     let title = printable(scenario);
-    format!("{count} policies in {title}, the same {episodes} episodes, seed {seed} ({BRACKETS})\n\n{}", aligned(&columns))
+    format!(
+        "{count} policies in {title}, the same {episodes} episodes, seed {seed} ({BRACKETS})\n\n{}",
+        aligned(&columns)
+    )
 }
 
 /// A column of a table: its title, then a cell per policy.

@@ -20,8 +20,7 @@ pub struct PathMeasures {
 }
 
 /// The components of an arena that are measured.
-type Measured =
-    (&'static Arena, &'static ArenaLayout, &'static Pose, &'static Clock, &'static Scan);
+type Measured = (&'static Arena, &'static ArenaLayout, &'static Pose, &'static Clock, &'static Scan);
 
 /// Read access to what is measured.
 pub(super) struct PathQuery(QueryState<Measured>);
