@@ -16,13 +16,13 @@ use crate::task::ObservationLayout;
 /// The file cannot be read, or is not a policy.
 pub fn load(path: &Path) -> Result<Policy, RunError> {
     let exists = path_exists(path) && !path.is_dir();
-    let shipped = shipped::policies().iter().find(|shipped| path == Path::new(shipped.name));
+    let shipped = shipped::policies().iter().find(|shipped| path == Path::new(shipped.scenario_from));
     if let Some(shipped) = shipped.filter(|_| !exists) {
         return Ok(shipped.policy.clone());
     }
     let is_name = path.extension().is_none() && path.components().count() == 1;
     if is_name && !exists && !path.is_dir() {
-        let names: Vec<&str> = shipped::policies().iter().map(|shipped| shipped.name).collect();
+        let names: Vec<&str> = shipped::policies().iter().map(|shipped| shipped.scenario_from).collect();
         let why = format!(
             "no such file or shipped policy; help: give the policy.safetensors of a run or a shipped name ({})",
             names.join(", ")

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::evaluate::Evaluation;
+use super::final_test::FinalTest;
 use crate::report::run_figure::{EpisodePoint, EvaluationPoint};
 use crate::scenario::read_text;
 use crate::task::EpisodeEnd;
@@ -154,50 +154,6 @@ pub struct Summary {
     /// for no test. These are the numbers to quote.
     #[serde(default)]
     pub final_test: Option<FinalTest>,
-}
-
-/// The test of the best policy after a training, in episodes that are not those of the evaluations.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FinalTest {
-    /// Share of episodes that succeeded, 0 to 1.
-    pub success_rate: f64,
-    /// Its 95 % confidence interval, within 0 to 1.
-    pub success_interval: [f64; 2],
-    /// Share of episodes that ended in a collision, 0 to 1.
-    pub collision_rate: f64,
-    /// Its 95 % confidence interval, within 0 to 1.
-    pub collision_interval: [f64; 2],
-    /// Share of episodes that ended at the time limit, 0 to 1.
-    pub timeout_rate: f64,
-    /// Its 95 % confidence interval, within 0 to 1.
-    pub timeout_interval: [f64; 2],
-    /// Mean simulated time of the successful episodes, in s.
-    pub mean_time_s: Option<f64>,
-    /// Number of episodes.
-    pub episodes: usize,
-    /// The seed of the episodes. `--eval` with this seed, and with as many episodes, gives the same numbers.
-    pub seed: u64,
-    /// Wall time of the test, in s. It is not part of the run's wall time.
-    pub wall_s: f64,
-}
-
-impl FinalTest {
-    /// The test with the result `evaluation`, which took `wall_s` seconds of wall time.
-    #[must_use]
-    pub fn new(evaluation: &Evaluation, wall_s: f64) -> Self {
-        Self {
-            success_rate: evaluation.success_rate,
-            success_interval: evaluation.success_interval,
-            collision_rate: evaluation.collision_rate,
-            collision_interval: evaluation.collision_interval,
-            timeout_rate: evaluation.timeout_rate,
-            timeout_interval: evaluation.timeout_interval,
-            mean_time_s: evaluation.mean_time_s,
-            episodes: evaluation.episodes,
-            seed: evaluation.seed,
-            wall_s,
-        }
-    }
 }
 
 impl Summary {

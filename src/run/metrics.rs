@@ -85,21 +85,6 @@ pub fn candidate(config: &RunConfig, world: &World) -> Candidate {
     }
 }
 
-/// The best policy as a candidate for the final test; `None` if there is no such policy, or the preset asks for no test.
-///
-/// # Errors
-/// The policy in `trainer_state` cannot be read.
-pub fn final_candidate(
-    config: &RunConfig,
-    trainer_state: &TrainerState,
-) -> Result<Option<Candidate>, RunError> {
-    let count = config.preset.evaluation.final_episodes;
-    let Some(best) = trainer_state.best.as_ref().filter(|_| count > 0) else { return Ok(None) };
-    let policy = Policy::from_bytes(&best.bytes).map_err(|error| RunError::Failed(error.to_string()))?;
-    let test = Some(EpisodeSet { count, seed: final_test_seed(config.seed) });
-    Ok(Some(Candidate { policy, env_steps: 0, episodes: 0, gradient_steps: 0, test }))
-}
-
 /// The metrics of an evaluation.
 pub struct EvaluationMetrics {
     /// The row of the evaluation.
@@ -172,14 +157,6 @@ pub fn policy_bytes(policy: &Policy) -> Result<Vec<u8>, RunError> {
 #[must_use]
 pub fn evaluation_episodes(config: &RunConfig) -> EpisodeSet {
     EpisodeSet { count: config.preset.evaluation.episodes, seed: evaluation_seed(config.seed) }
-}
-
-/// The seed of the final test. It is hashed, so that its episodes are neither those of the evaluations nor those of `--eval`
-/// with the same seed; and below 2^32, so that it can be given to `--eval` by hand.
-#[must_use]
-pub fn final_test_seed(seed: u64) -> u64 {
-    let mut stream: Stream = random::stream(seed, "final test", 0);
-    random::random_u64(&mut stream) >> 32
 }
 
 /// The seed of the evaluations during training. It is hashed, so that `--eval` with the same seed uses other

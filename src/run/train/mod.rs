@@ -12,8 +12,9 @@ use std::time::{Duration, Instant};
 use super::RunError;
 use super::background_evaluator::{BackgroundEvaluator, EvalResult};
 use super::checkpoint::{self, TrainerState};
+use super::final_test::{self, FinalTest};
 use super::folder::{RunConfig, RunFolder};
-use super::metric_rows::{FinalTest, Summary};
+use super::metric_rows::Summary;
 use super::metrics;
 use super::metrics_writer::MetricsWriter;
 use super::notes::run_notes;
@@ -253,7 +254,7 @@ impl Run {
     /// the preset asks for no test.
     fn final_test(&mut self) -> Result<Option<FinalTest>, RunError> {
         let began = Instant::now();
-        let Some(candidate) = metrics::final_candidate(&self.config, &self.trainer_state)? else {
+        let Some(candidate) = final_test::candidate(&self.config, &self.trainer_state)? else {
             return Ok(None);
         };
         self.evaluator.submit(candidate)?;
