@@ -75,11 +75,6 @@ impl TestFiles {
         [&self.csv, &self.trace].into_iter().flatten().any(|path| path == Path::new(STDOUT))
     }
 
-    /// Whether there is a trace.
-    pub fn has_trace(&self) -> bool {
-        self.trace.is_some()
-    }
-
     /// Runs `test`, which writes the episodes to the first file and the steps to the second. If it fails, old files stay.
     pub fn write<T>(
         &self,
