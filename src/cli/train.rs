@@ -5,11 +5,12 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::output::{print_json, print_stdout};
+use super::output::{print_json, print_stdout, rate_text};
 use super::policy;
 use super::shared::SharedArgs;
 use super::values;
 use crate::limits::MAX_ARENAS;
+use crate::report::format::percent;
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
@@ -45,8 +46,11 @@ pub struct TrainArgs {
         conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
     pub resume: Option<PathBuf>,
 
-    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]. In the app:
-    /// save the training automatically every S seconds [default: 25]
+    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30].
+    #[cfg_attr(
+        feature = "gui",
+        doc = "In the app: save the training automatically every S seconds [default: 25]"
+    )]
     #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
     pub checkpoint_every: Option<Duration>,
 }
@@ -95,23 +99,20 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
 }
 
 fn summary_text(folder: &Path, summary: &Summary) -> String {
-    let percent = |rate: Option<f64>| rate.map_or("-".into(), |r| format!("{:.1} %", 100.0 * r));
+    let percent = |rate: Option<f64>| rate.map_or("-".into(), percent);
     let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.2} s"));
     let first = |m: &Option<Milestone>| match m {
         Some(m) => format!("{} env steps, {} episodes, {:.1} s", m.env_steps, m.episodes, m.wall_s),
         None => "not reached".into(),
     };
     let final_test = match &summary.final_test {
-        Some(test) => {
-            let [low, high] = test.success_interval.map(|rate| 100.0 * rate);
-            format!(
-                "{:.1} % success [{low:.1}, {high:.1}], mean time {}, {} fresh episodes (seed {}): quote this one",
-                100.0 * test.success_rate,
-                seconds(test.mean_time_s),
-                test.episodes,
-                test.seed
-            )
-        }
+        Some(test) => format!(
+            "{} success, mean time {}, {} fresh episodes (seed {}): quote this one",
+            rate_text(test.success_rate, test.success_interval),
+            seconds(test.mean_time_s),
+            test.episodes,
+            test.seed
+        ),
         None if summary.finished => "none: the preset asks for none".into(),
         None => "none: it follows at the end of the training".into(),
     };
@@ -120,8 +121,8 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         "best policy     {} success, mean time {}, in the best of {} evaluations (optimistic)\n\
          final test      {final_test}\n\
          last policy     {} success\n\
-         first 96 %      {}\n\
-         first 99 %      {}\n\
+         first 96%       {}\n\
+         first 99%       {}\n\
          trained         {episodes} episodes, {env_steps} env steps, {gradient_steps} gradient steps, {wall_s:.1} s\n\
          run folder      {}\n\
          test it         {}\n",

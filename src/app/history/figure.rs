@@ -10,9 +10,9 @@ use egui_plot::PlotPoint;
 use super::History;
 use crate::report::run_figure::{EarlierRun, EpisodePoint, EvaluationPoint, RunFigure, RunMark};
 use crate::run::RunError;
-use crate::run::folder::write_atomic;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::run::image_file::ImageFormat;
+use crate::run::output_file::write_atomic;
 
 /// Pixels of the PNG per pixel of the SVG: large enough for print.
 #[cfg(not(target_arch = "wasm32"))]

@@ -134,6 +134,6 @@ impl TestFile<'_> {
 fn failed(path: &Path, error: &io::Error) -> TestEnd {
     match error.kind() {
         io::ErrorKind::BrokenPipe => TestEnd::ReaderClosed,
-        _ => TestEnd::Error(RunError::failed(path, format!("can't be written: {error}"))),
+        _ => TestEnd::Error(RunError::not_written(path, error)),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::super::output::rate_text;
 use super::report::{ComparisonReport, PolicyReport, ROUTE_EPISODES};
 use crate::scenario::printable;
 
@@ -23,10 +24,10 @@ pub fn list(report: &PolicyReport) -> String {
         printable(&report.scenario),
         e.episodes,
         e.seed,
-        rate(e.success_rate, e.success_interval),
+        rate_text(e.success_rate, e.success_interval),
         rounds.join(" "),
-        rate(e.collision_rate, e.collision_interval),
-        rate(e.timeout_rate, e.timeout_interval),
+        rate_text(e.collision_rate, e.collision_interval),
+        rate_text(e.timeout_rate, e.timeout_interval),
         seconds(e.mean_time_s),
         report.spl,
     );
@@ -35,7 +36,7 @@ pub fn list(report: &PolicyReport) -> String {
             text,
             "benchmark route {}, {} of {ROUTE_EPISODES} episodes{}",
             seconds(course.course_time_s),
-            rate(course.course_success_rate, course.course_success_interval),
+            rate_text(course.course_success_rate, course.course_success_interval),
             if course.in_paper_scenario { " (the paper's PER-D3QN: 13.155 s)" } else { "" },
         );
     }
@@ -47,7 +48,12 @@ pub fn list(report: &PolicyReport) -> String {
                 seconds(optimum.optimum_mean_time_s),
                 optimum.optimum_episodes,
             ),
-            None => writeln!(text, "optimal time    - (no episode could be compared)"),
+            None if e.success_rate == 0.0 => {
+                writeln!(text, "optimal time    not compared: no episode succeeded")
+            }
+            None => {
+                writeln!(text, "optimal time    not compared: the planner found no path in these episodes")
+            }
         };
     }
     text
@@ -58,16 +64,18 @@ pub fn table(comparison: &ComparisonReport) -> String {
     let policies = comparison.policies;
     let mut columns = vec![
         column("policy", policies, |p| printable(&p.policy).into_owned()),
-        column("success", policies, |p| rate(p.evaluation.success_rate, p.evaluation.success_interval)),
-        column("collision", policies, |p| rate(p.evaluation.collision_rate, p.evaluation.collision_interval)),
-        column("timeout", policies, |p| rate(p.evaluation.timeout_rate, p.evaluation.timeout_interval)),
+        column("success", policies, |p| rate_text(p.evaluation.success_rate, p.evaluation.success_interval)),
+        column("collision", policies, |p| {
+            rate_text(p.evaluation.collision_rate, p.evaluation.collision_interval)
+        }),
+        column("timeout", policies, |p| rate_text(p.evaluation.timeout_rate, p.evaluation.timeout_interval)),
         column("mean time", policies, |p| seconds(p.evaluation.mean_time_s)),
         column("SPL", policies, |p| format!("{:.3}", p.spl)),
     ];
     if policies.iter().any(|p| p.course.is_some()) {
         columns.push(column("route", policies, |p| {
             let course = p.course.as_ref();
-            course.map_or("-".into(), |c| rate(c.course_success_rate, c.course_success_interval))
+            course.map_or("-".into(), |c| rate_text(c.course_success_rate, c.course_success_interval))
         }));
         columns.push(column("route time", policies, |p| {
             seconds(p.course.as_ref().and_then(|course| course.course_time_s))
@@ -103,11 +111,6 @@ fn aligned(columns: &[Vec<String>]) -> String {
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
     (0..rows).map(row).collect()
-}
-
-/// A rate with its confidence interval, in %.
-fn rate(rate: f64, [low, high]: [f64; 2]) -> String {
-    format!("{:.1} % [{:.1}, {:.1}]", 100.0 * rate, 100.0 * low, 100.0 * high)
 }
 
 fn seconds(time_s: Option<f64>) -> String {

@@ -224,7 +224,7 @@ impl Run {
         self.metrics_writer.evaluation(&metrics.row)?;
         for rate in metrics.first {
             self.progress.line(&format!(
-                "{:.0} % reached after {} env steps, {wall_s:.1} s",
+                "{:.0}% reached after {} env steps, {wall_s:.1} s",
                 100.0 * rate,
                 metrics.row.env_steps
             ));

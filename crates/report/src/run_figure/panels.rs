@@ -41,6 +41,7 @@ impl RunFigure {
             ],
             reference_lines: self.paper_line(PAPER_SUCCESS_RATE, 100.0),
             include_y: vec![0.0, 100.0],
+            limits: Some((0.0, 100.0)),
         }
     }
 
@@ -53,7 +54,8 @@ impl RunFigure {
 
     pub(super) fn goal_panel(&self) -> ChartPanel {
         let earlier = self.earlier_line(&self.earlier.goal_mean);
-        episode_panel("Goals per episode", 1, self.goals(), &[0.0, 1.0], earlier)
+        let limits = Some((0.0, f64::INFINITY));
+        ChartPanel { limits, ..episode_panel("Goals per episode", 1, self.goals(), &[0.0, 1.0], earlier) }
     }
 
     fn goals(&self) -> Series {

@@ -11,7 +11,8 @@ use super::latest;
 use super::sessions::{NOTE, SessionNote, TEMPORARY};
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
-use crate::run::folder::{RunFolder, write_atomic};
+use crate::run::folder::RunFolder;
+use crate::run::output_file::write_atomic;
 use crate::scenario::to_ron;
 
 /// The autosave of a training.
