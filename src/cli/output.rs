@@ -7,11 +7,6 @@ use serde::Serialize;
 use crate::run::RunError;
 use crate::scenario::{is_unprintable, printable_lines};
 
-/// A rate, 0 to 1, with its 95 % confidence interval, in %: `98.0 % [96.4, 98.9]`.
-pub fn rate_text(rate: f64, [low, high]: [f64; 2]) -> String {
-    format!("{:.1} % [{:.1}, {:.1}]", 100.0 * rate, 100.0 * low, 100.0 * high)
-}
-
 /// Prints `value` as one line of JSON, with unprintable characters escaped.
 ///
 /// # Errors

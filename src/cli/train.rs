@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::output::{print_json, print_stdout, rate_text};
+use super::output::{print_json, print_stdout};
 use super::policy;
 use super::shared::SharedArgs;
 use super::values;
@@ -106,13 +106,16 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
         None => "not reached".into(),
     };
     let final_test = match &summary.final_test {
-        Some(test) => format!(
-            "{} success, mean time {}, {} fresh episodes (seed {}): quote this one",
-            rate_text(test.success_rate, test.success_interval),
-            seconds(test.mean_time_s),
-            test.episodes,
-            test.seed
-        ),
+        Some(test) => {
+            let [low, high] = test.success_interval.map(|rate| percent(Some(rate)));
+            format!(
+                "{} success (95% interval {low} to {high}), mean time {}, {} fresh episodes (seed {}): quote this one",
+                percent(Some(test.success_rate)),
+                seconds(test.mean_time_s),
+                test.episodes,
+                test.seed
+            )
+        }
         None if summary.finished => "none: the preset asks for none".into(),
         None => "none: it follows at the end of the training".into(),
     };

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use super::super::output::rate_text;
 use super::report::{ComparisonReport, PolicyReport, ROUTE_EPISODES};
 use crate::scenario::printable;
 
@@ -111,6 +110,11 @@ fn aligned(columns: &[Vec<String>]) -> String {
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
     (0..rows).map(row).collect()
+}
+
+/// A rate, 0 to 1, with its 95 % confidence interval, in %: `98.0 % [96.4, 98.9]`.
+fn rate_text(rate: f64, [low, high]: [f64; 2]) -> String {
+    format!("{:.1} % [{:.1}, {:.1}]", 100.0 * rate, 100.0 * low, 100.0 * high)
 }
 
 fn seconds(time_s: Option<f64>) -> String {
