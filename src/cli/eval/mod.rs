@@ -1,18 +1,19 @@
-//! The mode `--eval`: tests policies over rounds of episodes.
+//! The mode `--eval`: its options, and the policies, scenario and files that a test needs.
 //!
 //! | file | contents |
 //! |---|---|
+//! | `test.rs` | the test itself |
 //! | `report.rs` | the results, as JSON |
 //! | `text.rs` | the results, as text |
 //! | `files.rs` | the files of `--csv` and `--trace` |
 
 mod files;
 mod report;
+mod test;
 mod text;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 
@@ -20,18 +21,14 @@ use super::output::{print_json, print_stdout};
 use super::policy;
 use super::shared::SharedArgs;
 use super::values;
-use crate::learning::Policy;
 use crate::limits::MAX_EVAL_EPISODES;
-use crate::planner::{StepBounds, unsupported_reason};
-use crate::run::evaluate::{self, EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison};
 use crate::run::progress::print_stderr;
 use crate::run::signals::{exit_on_signal, stop_on_signal};
 use crate::run::{RunError, policy_card, shipped};
 use crate::scenario::{Scenario, benchmark_route_problem, printable};
-use crate::simulation::Extensions;
-use crate::task::EpisodeSetup;
-use files::{TestEnd, TestFile, TestFiles};
-use report::{ComparisonReport, CourseReport, OptimumReport, PolicyReport};
+use files::{TestEnd, TestFiles};
+use report::{ComparisonReport, PolicyReport};
+use test::{Named, Test};
 
 /// The options of `--eval`.
 #[derive(Args, Debug)]
@@ -63,28 +60,6 @@ pub struct EvalArgs {
 
 /// What the first signal prints if the test writes files.
 const STOPPING: &str = "stopping; no file is written";
-
-/// A policy under test, with its file or shipped name.
-type Named = (String, Policy);
-
-/// A test of policies, which all drive the same episodes.
-struct Test<'a> {
-    scenario: Arc<Scenario>,
-    /// The number of episodes.
-    count: usize,
-    per_round: usize,
-    seed: u64,
-    args: &'a EvalArgs,
-    extensions: &'a Extensions,
-    stop: Option<&'static AtomicBool>,
-}
-
-/// What the planner knows about the episodes of a test.
-struct References {
-    shortest_paths_m: Vec<f64>,
-    /// Bounds of all episodes, if the file of the episodes needs them.
-    bounds: Option<Vec<StepBounds>>,
-}
 
 /// Tests the policies in the files (or of the shipped names) `paths` and prints the results.
 ///
@@ -182,113 +157,4 @@ fn episode_counts(rounds: u32, episodes: u64) -> Result<(usize, usize), RunError
         )));
     }
     Ok((count as usize, episodes as usize))
-}
-
-impl Test<'_> {
-    /// Tests `policies` one after the other, and writes their episodes and steps to the files.
-    fn run(
-        &self,
-        policies: &[Named],
-        mut csv: Option<&mut TestFile>,
-        mut trace: Option<&mut TestFile>,
-    ) -> Result<Vec<PolicyReport>, TestEnd> {
-        if self.args.optimum
-            && let Some(reason) = unsupported_reason(&self.scenario)
-        {
-            let name = printable(&self.scenario.name);
-            print_stderr(&format!("note: no optimal times in {name}: the planner does not support {reason}"));
-        }
-        // A trace has one episode after the other. The number of parallel episodes changes no result.
-        let parallel = if trace.is_some() { 1 } else { self.count };
-        let mut evaluator =
-            Evaluator::with_extensions(&self.scenario, parallel, self.extensions).measuring_paths();
-        let mut references = None;
-        let mut reports = Vec::new();
-        for named in policies {
-            let episodes = self.episodes(&mut evaluator, named, trace.as_deref_mut())?;
-            // They are the same for every policy.
-            let references = references.get_or_insert_with(|| self.references(&episodes, csv.is_some()));
-            if let Some(csv) = &mut csv {
-                csv.episodes(self.records(&named.0, &episodes, references), reports.is_empty())?;
-            }
-            reports.push(self.report(named, &episodes, references)?);
-        }
-        Ok(reports)
-    }
-
-    fn episodes(
-        &self,
-        evaluator: &mut Evaluator,
-        (name, policy): &Named,
-        trace: Option<&mut TestFile>,
-    ) -> Result<Vec<EpisodeResult>, TestEnd> {
-        let (seed, count, setup) = (self.seed, self.count, EpisodeSetup::Random);
-        if let Some(trace) = trace {
-            return evaluator.run_traced(policy, seed, count, setup, |step| {
-                self.check_signals()?;
-                trace.step(name, &step)
-            });
-        }
-        let mut run = evaluator.start(policy, seed, count, setup)?;
-        while !evaluator.step(&mut run)? {
-            self.check_signals()?;
-        }
-        Ok(run.episodes)
-    }
-
-    fn check_signals(&self) -> Result<(), RunError> {
-        match self.stop {
-            Some(stop) if stop.load(Ordering::Relaxed) => {
-                Err(RunError::Stopped("stopped before the end of the test; no file was written".into()))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn references(&self, episodes: &[EpisodeResult], has_csv: bool) -> References {
-        References {
-            shortest_paths_m: evaluate::shortest_paths_m(&self.scenario, episodes, 0),
-            bounds: (has_csv && self.args.optimum).then(|| evaluate::bounds(&self.scenario, episodes, 0)),
-        }
-    }
-
-    fn records<'a>(
-        &'a self,
-        policy: &'a str,
-        episodes: &'a [EpisodeResult],
-        references: &'a References,
-    ) -> impl Iterator<Item = EpisodeRecord> + 'a {
-        episodes.iter().zip(&references.shortest_paths_m).enumerate().map(
-            move |(index, (episode, shortest_m))| {
-                let bounds = references.bounds.as_ref().and_then(|bounds| bounds.get(index).copied());
-                EpisodeRecord::new(policy, index + 1, episode, &self.scenario, *shortest_m, bounds)
-            },
-        )
-    }
-
-    fn report(
-        &self,
-        (name, policy): &Named,
-        episodes: &[EpisodeResult],
-        references: &References,
-    ) -> Result<PolicyReport, RunError> {
-        let Self { scenario, seed, .. } = self;
-        let spl = episodes
-            .iter()
-            .zip(&references.shortest_paths_m)
-            .filter_map(|(e, shortest_m)| e.spl(*shortest_m));
-        let compare = || match &references.bounds {
-            Some(bounds) => OptimumComparison::from_episodes(episodes, bounds, &scenario.task),
-            None => evaluate::compare_with_optimum(scenario, episodes),
-        };
-        let course = || CourseReport::new(scenario, policy, *seed, self.extensions);
-        Ok(PolicyReport {
-            policy: name.clone(),
-            scenario: scenario.name.clone(),
-            evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),
-            spl: spl.sum::<f64>() / episodes.len() as f64,
-            course: self.args.course.then(course).transpose()?,
-            optimum: self.args.optimum.then(|| OptimumReport::new(compare())),
-        })
-    }
 }
