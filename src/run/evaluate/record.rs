@@ -140,3 +140,67 @@ impl Hit {
         Self { kind, index: Some(index), shape: Some(shape) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::evaluate::PathMeasures;
+    use crate::run::shipped;
+    use crate::task::{Clock, EpisodeEnd, Goal, Pose};
+
+    /// An episode of 50 steps along a path of 1.25 m that ended for the reason `end`.
+    fn result(end: EpisodeEnd, hit: Option<Solid>) -> EpisodeResult {
+        EpisodeResult {
+            end,
+            steps: 50,
+            start: Pose { x_m: -0.5, y_m: 0.25, heading_rad: 1.0 },
+            goal: Goal { x_m: 0.5, y_m: 0.25 },
+            clock: Clock(7),
+            layout_seed: 9,
+            path: Some(PathMeasures { length_m: 1.25, min_clearance_m: 0.02, hit }),
+        }
+    }
+
+    fn record(result: &EpisodeResult, scenario: &str) -> EpisodeRecord {
+        let scenario = shipped::scenario(scenario).expect("shipped");
+        EpisodeRecord::new("policy", 3, result, &scenario, 1.0, None)
+    }
+
+    #[test]
+    fn spl_is_the_shortest_length_divided_by_the_actual_one_after_a_success_only() {
+        let success = record(&result(EpisodeEnd::Reached, None), "scenario-1");
+        assert_eq!((success.outcome, success.spl, success.time_s), ("success", Some(0.8), 10.0));
+        let timeout = record(&result(EpisodeEnd::TimedOut, None), "scenario-1");
+        assert_eq!((timeout.outcome, timeout.spl), ("timeout", Some(0.0)));
+        let episode = result(EpisodeEnd::Reached, None);
+        assert_eq!(episode.spl(2.0), Some(1.0), "a path cannot be better than the shortest");
+        let still = PathMeasures { length_m: 0.0, min_clearance_m: 0.1, hit: None };
+        assert_eq!(EpisodeResult { path: Some(still), ..episode }.spl(0.0), Some(1.0), "already there");
+        let unmeasured = record(&EpisodeResult { path: None, ..episode }, "scenario-1");
+        assert_eq!(
+            (unmeasured.spl, unmeasured.path_length_m, unmeasured.min_clearance_m),
+            (None, None, None)
+        );
+    }
+
+    #[test]
+    fn what_was_hit_is_named_by_its_kind_its_index_and_its_shape() {
+        let generated = shipped::scenario("random-field").expect("shipped").obstacles.len();
+        for (scenario, solid, expected) in [
+            ("scenario-1", Solid::Enclosure, ("enclosure", None, None)),
+            ("maze", Solid::Wall(2), ("wall", Some(2), None)),
+            ("scenario-1", Solid::Obstacle(3), ("static obstacle", Some(3), Some("circle"))),
+            ("scenario-2", Solid::Obstacle(0), ("moving obstacle", Some(0), Some("circle"))),
+        ] {
+            let record = record(&result(EpisodeEnd::Collided, Some(solid)), scenario);
+            assert_eq!(
+                (record.hit, record.hit_index, record.hit_shape),
+                (Some(expected.0), expected.1, expected.2)
+            );
+            assert_eq!(record.layout_seed, None);
+        }
+        let record = record(&result(EpisodeEnd::Collided, Some(Solid::Obstacle(generated))), "random-field");
+        assert_eq!((record.hit, record.layout_seed), (Some("static obstacle"), Some(9)));
+        assert!(record.hit_shape.is_some(), "{record:?}");
+    }
+}
