@@ -24,6 +24,10 @@ pub struct ModeArgs {
     #[arg(long, value_name = "POLICY")]
     pub card: Option<PathBuf>,
 
+    /// Write a policy for other programs, with the encoding of its inputs and the choice of its actions (see --onnx)
+    #[arg(long, value_name = "POLICY")]
+    pub export: Option<PathBuf>,
+
     /// Reproduce the paper: train, test and report every figure and table over several seeds
     #[arg(long)]
     pub reproduce: bool,
@@ -48,6 +52,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("train", &["scenario", "preset", "seed", "episodes", "out", "json", "TrainArgs"]),
     ("eval", &["scenario", "seed", "episodes", "json", "EvalArgs"]),
     ("card", &["json"]),
+    ("export", &["ExportArgs"]),
     ("reproduce", &["out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
     ("draw", &["scenario"]),
