@@ -5,6 +5,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
+//! | `settings.rs` | single fields of a preset or scenario that are set from outside of their files |
 //! | `notes/` | doubtful settings of a run |
 //! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limit of the process |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
@@ -55,6 +56,7 @@ pub mod preset;
 pub mod progress;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod scenario_image;
+pub mod settings;
 pub mod shipped;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod signals;

@@ -69,7 +69,9 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
     let files = TestFiles::new(args.csv.as_deref(), args.trace.as_deref(), shared.json)?;
     let named = |path: &PathBuf| Ok((path.display().to_string(), policy::load(path)?));
     let policies: Vec<Named> = paths.iter().map(named).collect::<Result<_, RunError>>()?;
-    let scenario = Arc::new(scenario_for(&policies, shared)?);
+    let mut scenario = scenario_for(&policies, shared)?;
+    shared.settings().apply_to_scenario(&mut scenario)?;
+    let scenario = Arc::new(scenario);
     if args.course {
         check_benchmark_route(&scenario)?;
     }
