@@ -25,7 +25,7 @@ use crate::limits::MAX_EVAL_EPISODES;
 use crate::run::progress::print_stderr;
 use crate::run::signals::{exit_on_signal, stop_on_signal};
 use crate::run::{RunError, policy_card, shipped};
-use crate::scenario::{Scenario, benchmark_route_problem, printable};
+use crate::scenario::{BenchmarkRoute, Scenario, printable};
 use files::{TestEnd, TestFiles};
 use report::{ComparisonReport, PolicyReport};
 use test::{Named, Test};
@@ -72,9 +72,7 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
     let mut scenario = scenario_for(&policies, shared)?;
     shared.settings().apply_to_scenario(&mut scenario)?;
     let scenario = Arc::new(scenario);
-    if args.course {
-        check_benchmark_route(&scenario)?;
-    }
+    let route = args.course.then(|| benchmark_route(&scenario)).transpose()?;
     for (path, (_, policy)) in paths.iter().zip(&policies) {
         policy::check(path, policy, &scenario, &shared.extensions)?;
         if let Some(note) = policy_card::note(policy, &scenario) {
@@ -88,7 +86,7 @@ pub fn run(paths: &[PathBuf], args: &EvalArgs, shared: &SharedArgs) -> Result<()
         exit_on_signal();
     }
     let (seed, extensions) = (shared.seed(), &shared.extensions);
-    let test = Test { scenario, count, per_round, seed, args, extensions, stop };
+    let test = Test { scenario, count, per_round, seed, route, args, extensions, stop };
     match files.write(|csv, trace| test.run(&policies, csv, trace)) {
         Ok(reports) => print(&reports, shared.json, files.use_stdout()),
         Err(TestEnd::ReaderClosed) => Ok(()),
@@ -114,13 +112,15 @@ fn print(reports: &[PolicyReport], json: bool, stdout_is_file: bool) -> Result<(
     }
 }
 
-/// Checks that the benchmark route can be driven. A scenario without one of its own has the paper's, unchecked.
-fn check_benchmark_route(scenario: &Scenario) -> Result<(), RunError> {
-    let Some(found) = benchmark_route_problem(scenario) else { return Ok(()) };
-    Err(RunError::InvalidInput(format!(
-        "{}: {found}; help: this is the paper's route: write a `benchmark_route` into the scenario, or leave out --course",
-        printable(&scenario.name)
-    )))
+/// The scenario's benchmark route.
+fn benchmark_route(scenario: &Scenario) -> Result<BenchmarkRoute, RunError> {
+    scenario.benchmark_route.ok_or_else(|| {
+        RunError::InvalidInput(format!(
+            "{} has no benchmark route; help: write one into the scenario, such as \
+             `benchmark_route: (start_m: (0.0, 0.0), goal_m: (1.2, 1.2))`, or leave out --course",
+            printable(&scenario.name)
+        ))
+    })
 }
 
 /// The scenario of the test: the one that the user names, or else the policies' own, or else Scenario I.

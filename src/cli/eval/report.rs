@@ -9,7 +9,7 @@ use crate::report::statistics::rate_interval;
 use crate::run::RunError;
 use crate::run::evaluate::{self, Evaluation, Evaluator, OptimumComparison};
 use crate::run::shipped;
-use crate::scenario::Scenario;
+use crate::scenario::{BenchmarkRoute, Scenario};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
@@ -64,18 +64,19 @@ pub struct CourseReport {
 }
 
 impl CourseReport {
-    /// Drives the benchmark route of `scenario`.
+    /// Drives `route` in `scenario`.
     ///
     /// # Errors
     /// The policy does not fit the scenario.
     pub fn new(
         scenario: &Arc<Scenario>,
+        route: BenchmarkRoute,
         policy: &Policy,
         seed: u64,
         extensions: &Extensions,
     ) -> Result<Self, RunError> {
         let mut evaluator = Evaluator::with_extensions(scenario, ROUTE_EPISODES, extensions);
-        let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::BenchmarkRoute)?;
+        let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::BenchmarkRoute(route))?;
         let evaluation = Evaluation::from_episodes(&episodes, ROUTE_EPISODES_PER_ROUND, &scenario.task, seed);
         let times_s: Vec<f64> = evaluate::times_s(&episodes, scenario.task.control_period_s).collect();
         Ok(Self {

@@ -11,7 +11,7 @@ use crate::planner::{StepBounds, unsupported_reason};
 use crate::run::RunError;
 use crate::run::evaluate::{self, EpisodeRecord, EpisodeResult, Evaluation, Evaluator, OptimumComparison};
 use crate::run::progress::print_stderr;
-use crate::scenario::{Scenario, printable};
+use crate::scenario::{BenchmarkRoute, Scenario, printable};
 use crate::simulation::Extensions;
 use crate::task::EpisodeSetup;
 
@@ -29,6 +29,8 @@ pub struct Test<'a> {
     /// The number of episodes per round.
     pub per_round: usize,
     pub seed: u64,
+    /// The benchmark route, if it is to be driven.
+    pub route: Option<BenchmarkRoute>,
     pub args: &'a EvalArgs,
     pub extensions: &'a Extensions,
     /// Set if the test writes files: the flag that stops it.
@@ -149,13 +151,13 @@ impl Test<'_> {
             Some(bounds) => OptimumComparison::from_episodes(episodes, bounds, &scenario.task),
             None => evaluate::compare_with_optimum(scenario, episodes),
         };
-        let course = || CourseReport::new(scenario, policy, *seed, self.extensions);
+        let course = |route| CourseReport::new(scenario, route, policy, *seed, self.extensions);
         Ok(PolicyReport {
             policy: name.clone(),
             scenario: scenario.name.clone(),
             evaluation: Evaluation::from_episodes(episodes, self.per_round, &scenario.task, *seed),
             spl: spl.sum::<f64>() / episodes.len() as f64,
-            course: self.args.course.then(course).transpose()?,
+            course: self.route.map(course).transpose()?,
             optimum: self.args.optimum.then(|| OptimumReport::new(compare())),
         })
     }
