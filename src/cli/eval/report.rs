@@ -76,7 +76,7 @@ impl CourseReport {
         extensions: &Extensions,
     ) -> Result<Self, RunError> {
         let mut evaluator = Evaluator::with_extensions(scenario, ROUTE_EPISODES, extensions);
-        let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::BenchmarkRoute(route))?;
+        let episodes = evaluator.run(policy, seed, ROUTE_EPISODES, EpisodeSetup::Route(route))?;
         let evaluation = Evaluation::from_episodes(&episodes, ROUTE_EPISODES_PER_ROUND, &scenario.task, seed);
         let times_s: Vec<f64> = evaluate::times_s(&episodes, scenario.task.control_period_s).collect();
         Ok(Self {
