@@ -275,8 +275,9 @@ impl Run {
         }
         self.metrics_writer.sync()?;
         let wall_s = self.wall_s();
-        let final_test = if finished { self.final_test()? } else { None };
         self.write_policy("policy-last.safetensors", &metrics::policy_bytes(&self.policy())?)?;
+        self.metrics_writer.draw(&self.config)?;
+        let final_test = if finished { self.final_test()? } else { None };
 
         let best = self.trainer_state.best.as_ref();
         let learner = self.learner();
@@ -300,7 +301,6 @@ impl Run {
             final_test,
         };
         let text = serde_json::to_string_pretty(&summary).map_err(|e| RunError::Failed(e.to_string()))?;
-        self.metrics_writer.draw(&self.config)?;
         // The summary comes last: if it exists, the run folder is complete.
         self.folder.write("summary.json", |file| std::io::Write::write_all(file, text.as_bytes()))?;
         let how = if finished { "done" } else { "stopped" };
