@@ -130,7 +130,8 @@ fn route_is_open(scenario: &Scenario) -> bool {
     let cell =
         |Vec2 { x, y }: Vec2| (((x - low.x) / side).round() as usize, ((y - low.y) / side).round() as usize);
     let free = |column, row| clearance(&scenario, position(column, row), 0) > scenario.task.collision_range_m;
-    let (start, goal) = (cell(scenario.benchmark_route.start_m), cell(scenario.benchmark_route.goal_m));
+    let route = scenario.benchmark_route.expect("every shipped scenario has a benchmark route");
+    let (start, goal) = (cell(route.start_m), cell(route.goal_m));
     let mut seen = vec![false; columns * rows];
     let mut open = VecDeque::from([start]);
     while let Some((column, row)) = open.pop_front() {
@@ -171,7 +172,8 @@ fn the_gallery_shows_every_scenario_as_it_is_drawn_today() {
     let page = std::fs::read_to_string(project("docs/worlds.md")).expect("the file exists");
     let folder = tempfile::tempdir().expect("a folder");
     for (name, scenario) in shipped::scenarios() {
-        let help = format!("help: renew it with wayfield --scenario {name} --draw docs/worlds/{name}.png");
+        let help =
+            format!("help: renew it with wayfield --scenario {name} --plain --draw docs/worlds/{name}.png");
         assert!(page.contains(&format!("worlds/{name}.png")), "docs/worlds.md shows {name}");
         assert!(page.contains(&format!("scenarios/{name}.ron")), "docs/worlds.md names {name}");
         let drawn = folder.path().join(format!("{name}.png"));

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `env.rs` | environments |
 //! | `env_options.rs` | the options of an environment |
-//! | `benchmark.rs` | the native rate of steps, for comparison |
+//! | `benchmark.rs` | steps without Python, for comparison |
 //! | `policy.rs` | policies |
 //! | `train.rs` | training runs |
 //! | `evaluate.rs` | evaluations |

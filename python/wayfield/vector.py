@@ -65,6 +65,8 @@ class NavigationVectorEnv(VectorEnv):
         }
         self._mode = mode
         self._stepper = Stepper(native, num_envs, actions)
+        self._keys = (*native.reward_terms, "is_success", "collision")
+        self._masks = tuple("_" + key for key in self._keys)
         self._is_reset = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
@@ -103,16 +105,17 @@ class NavigationVectorEnv(VectorEnv):
         if not self._is_reset:
             raise RuntimeError("the environments were not reset; help: call reset() before step()")
         observations, numbers, flags, ended = self._stepper.step(actions)
-        terminated, truncated, _, _, stepped = flags
-        if ended and self._mode is AutoresetMode.SAME_STEP:
-            done = terminated | truncated
-            info = self._info(numbers, flags, ~done)
-            info["final_obs"] = self._final_observations(done)
-            info["final_info"] = self._info(numbers, flags, done)
-            info["_final_obs"], info["_final_info"] = done, done.copy()
-        else:
-            info = self._info(numbers, flags, stepped)
-        return observations, numbers[0], terminated, truncated, info
+        rewards, *terms = numbers
+        terminated, truncated, success, collision, stepped = flags
+        values = dict(zip(self._keys, (*terms, success, collision), strict=True))
+        if not (ended and self._mode is AutoresetMode.SAME_STEP):
+            return observations, rewards, terminated, truncated, values | dict.fromkeys(self._masks, stepped)
+        done = terminated | truncated
+        info = values | dict.fromkeys(self._masks, ~done)
+        info["final_info"] = values | dict.fromkeys(self._masks, done)
+        info["final_obs"] = self._final_observations(done)
+        info["_final_obs"] = info["_final_info"] = done
+        return observations, rewards, terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
         """The picture of each environment: uint8, 720 x 960 x 3; None without ``render_mode="rgb_array"``."""
@@ -129,17 +132,9 @@ class NavigationVectorEnv(VectorEnv):
         """The state of one environment, as ``NavigationEnv.state``."""
         return self._stepper.native.state(index)
 
-    def _info(self, numbers: np.ndarray, flags: np.ndarray, mask: np.ndarray) -> dict[str, Any]:
-        info = {}
-        for key, values in zip(self._stepper.terms, numbers[1:], strict=True):
-            info[key], info["_" + key] = values, mask
-        _, _, info["is_success"], info["collision"], _ = flags
-        info["_is_success"] = info["_collision"] = mask
-        return info
-
     def _final_observations(self, done: np.ndarray) -> np.ndarray:
-        final = np.full(self.num_envs, None, dtype=object)
+        final = np.empty(self.num_envs, dtype=object)
         rows = self._stepper.final_observations()
-        for index in np.flatnonzero(done):
+        for index in done.nonzero()[0].tolist():
             final[index] = rows[index]
         return final

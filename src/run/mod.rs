@@ -12,11 +12,12 @@
 //! | `training_setup.rs` | the learner and the simulation of a new run |
 //! | `train/` | the training loop |
 //! | `metrics.rs` | metrics of episodes and evaluations, and the best policy |
-//! | `evaluate/` | success over rounds of episodes and on the benchmark route; comparison with optimal times |
+//! | `evaluate/` | success over rounds of episodes and on the benchmark route; records and traces of episodes; comparison with optimal times |
 //! | `background_evaluator.rs` | evaluation during training |
+//! | `final_test.rs` | the test of the best policy after a training |
 //! | `folder/` | run folders: configuration, CSV files |
 //! | `output_file/` | output files, written whole or not at all |
-//! | `image_file.rs` | the format of an image file |
+//! | `image_file.rs` | image files: SVG, PNG, PDF |
 //! | `lock.rs` | the lock that keeps a second process out of a folder |
 //! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
@@ -24,7 +25,7 @@
 //! | `export.rs` | a policy for other programs, as an ONNX file with a model card |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
-//! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
+//! | `scenario_image.rs`, `run_image.rs` | the figure of a scenario from above; that of a run, its learning curves |
 //! | `tensorboard/`, `progress/` | TensorBoard events; progress on stderr |
 //! | `signals.rs` | the signals that ask the program to stop |
 
@@ -33,6 +34,7 @@ pub mod checkpoint;
 pub mod evaluate;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod export;
+pub mod final_test;
 pub mod fingerprint;
 pub mod folder;
 #[cfg(not(target_arch = "wasm32"))]
@@ -52,6 +54,8 @@ pub mod policy_card;
 pub mod preset;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod progress;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod run_image;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod scenario_image;
 pub mod settings;

@@ -1,17 +1,15 @@
 //! Images of scenarios, seen from above.
 //!
-//! In: a scenario, or an arena of a simulation. Out: a map for the figures of reports, a thumbnail as an SVG or PNG file, or a
-//! frame of the simulation.
+//! In: a scenario, or an arena of a simulation. Out: a map for the figures of reports, a figure of its own, or a frame of the
+//! simulation.
 
-use std::io::Write;
 use std::path::Path;
 
 use bevy::math::{DVec2, Vec2, vec2};
 use bevy::prelude::World;
 
 use super::RunError;
-use super::image_file::ImageFormat;
-use super::output_file::write_atomic;
+use super::image_file::{self, ImageSize};
 use crate::report::DrawError;
 use crate::report::chart::{MapObstacle, MapObstacleKind, MapRobot, MapShape, MapTrack, ScenarioMap};
 use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
@@ -23,7 +21,7 @@ const LAYOUT_SEED: u64 = 1;
 const END_SEGMENTS: u32 = 16;
 
 /// The map of `scenario` with the generated obstacles of `layout_seed`, at control step `clock`. It shows the
-/// benchmark route, and has no title or trajectories.
+/// benchmark route, if there is one, and has no title or trajectories.
 #[must_use]
 pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
     let generated = scenario.with_generated_obstacles(layout_seed);
@@ -40,30 +38,46 @@ pub fn map(scenario: &Scenario, layout_seed: u64, clock: u64) -> ScenarioMap {
         };
         MapObstacle { kind, outline: outline(obstacle, &generated, clock) }
     });
-    let route = &scenario.benchmark_route;
-    let ((start_x, start_y), (goal_x, goal_y)) = (wide(route.start_m), wide(route.goal_m));
     ScenarioMap {
         title: String::new(),
         enclosure: scenario.enclosure.corners_m().into_iter().map(wide).collect(),
         obstacles: walls.chain(obstacles).collect(),
         tracks: scenario.obstacles.iter().filter_map(track).collect(),
-        start: (start_x, start_y, f64::from(route.heading_rad)),
-        goal: (goal_x, goal_y, f64::from(scenario.task.goal_radius_m)),
+        start: scenario.benchmark_route.map(|route| {
+            let (x, y) = wide(route.start_m);
+            (x, y, f64::from(route.heading_rad))
+        }),
+        goal: scenario.benchmark_route.map(|route| {
+            let (x, y) = wide(route.goal_m);
+            (x, y, f64::from(scenario.task.goal_radius_m))
+        }),
         trajectories: Vec::new(),
     }
 }
 
-/// Writes a thumbnail of `scenario` at control step 0 to `path`, 480 x 360 pixels, as SVG or PNG by the
-/// file's extension.
+/// The figure of `scenario` at control step 0, as SVG: with its name, a legend, and axes in m.
 ///
 /// # Errors
-/// The extension is neither `svg` nor `png`, drawing fails, or the file cannot be written.
+/// The drawing library failed. No input is known to cause this.
+pub fn figure(scenario: &Scenario) -> Result<String, DrawError> {
+    ScenarioMap { title: scenario.name.clone(), ..map(scenario, LAYOUT_SEED, 0) }.svg()
+}
+
+/// The thumbnail of `scenario` at control step 0, 480 x 360 pixels, as SVG: without name, legend and axes.
+///
+/// # Errors
+/// The drawing library failed. No input is known to cause this.
+pub fn thumbnail(scenario: &Scenario) -> Result<String, DrawError> {
+    map(scenario, LAYOUT_SEED, 0).thumbnail_svg()
+}
+
+/// Writes the thumbnail of `scenario` to `path`, in the format that its extension names.
+///
+/// # Errors
+/// The extension names no format, drawing fails, or the file cannot be written.
 pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
-    let format = ImageFormat::of(path)?;
-    let failed = |error: DrawError| RunError::failed(path, error);
-    let svg = map(scenario, LAYOUT_SEED, 0).thumbnail_svg().map_err(failed)?;
-    let bytes = format.encode(svg, 1.0).map_err(failed)?;
-    write_atomic(path, |file| file.write_all(&bytes)).map_err(|error| RunError::not_written(path, error))
+    let svg = thumbnail(scenario).map_err(|error| RunError::failed(path, error))?;
+    image_file::write(svg, ImageSize::Screen, path)
 }
 
 /// The current state of `arena` in the simulation `world`, as the text of an SVG file of 480 x 360 pixels: enclosure,
@@ -212,7 +226,7 @@ mod tests {
         assert!((heading.abs() - PI).abs() < 1e-3, "it moves to the left, not to {heading}");
         let [MapTrack::Lines(loop_m)] = &map.tracks[..] else { panic!("one obstacle moves") };
         assert_near(loop_m, &[(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0)]);
-        assert_eq!((map.start, map.goal.2), ((0.0, 0.0, 0.0), f64::from(0.2_f32)));
+        assert_eq!((map.start, map.goal), (None, None), "it has no benchmark route");
     }
 
     #[test]
@@ -223,27 +237,5 @@ mod tests {
         let walk = ObstacleMotion::RandomWalk { radius_m: 0.5, speed_m_s: 0.1, seed: 0 };
         assert_eq!(track(&obstacle(disc(), walk)), Some(MapTrack::Ring(1.0, 0.0, 0.5)));
         assert_eq!(track(&obstacle(disc(), ObstacleMotion::Static)), None);
-    }
-
-    #[test]
-    fn the_extension_decides_between_svg_and_png() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = |name: &str| folder.path().join(name);
-        for (name, first) in [("a.svg", &b"<svg"[..]), ("b.PNG", b"\x89PNG")] {
-            draw(&Scenario::default(), &file(name)).expect("is drawn");
-            let bytes = std::fs::read(file(name)).expect("is there");
-            assert!(bytes.starts_with(first), "{name}");
-        }
-        let error = draw(&Scenario::default(), &file("c.gif")).expect_err("no such picture");
-        assert_eq!(error.exit_status(), 2);
-        assert!(
-            error
-                .to_string()
-                .ends_with("c.gif: unknown image format; help: give a file name that ends in .svg or .png"),
-            "{error}"
-        );
-        assert!(!file("c.gif").exists());
-        let error = draw(&Scenario::default(), &file("no/d.svg")).expect_err("the folder is missing");
-        assert!(error.to_string().contains("can't be written"), "{error}");
     }
 }

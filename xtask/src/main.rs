@@ -52,7 +52,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     const UPDATE: &[(&str, &str)] = &[("UPDATE_SNAPSHOTS", "1")];
     Some(match command {
         "docs" => vec![
-            cargo("test --release -p wayfield-scenario --test docs the_page_is_what_the_schema_says", RENEW),
+            cargo("test --release -p wayfield-scenario --test docs the_page_matches_the_schema", RENEW),
             cargo("test --release -p wayfield --lib -- flag_tables limits::table", RENEW),
         ],
         "policies" => {
@@ -79,7 +79,10 @@ fn pictures() -> Vec<Step<'static>> {
         .collect();
     names.sort();
     let draw = |name: &String| {
-        cargo(&format!("run --release -p wayfield -- --scenario {name} --draw docs/worlds/{name}.png"), &[])
+        cargo(
+            &format!("run --release -p wayfield -- --scenario {name} --plain --draw docs/worlds/{name}.png"),
+            &[],
+        )
     };
     names.iter().map(draw).collect()
 }
