@@ -92,7 +92,8 @@ pub fn frame_svg(world: &mut World, arena: usize) -> Option<Result<String, DrawE
     let (_, layout, clock, pose, goal, scan) = arenas.iter(world).find(|(found, ..)| found.0 == arena)?;
     let goal = wide(vec2(goal.x_m, goal.y_m));
     let goal = (goal.0, goal.1, f64::from(scenario.task.goal_radius_m));
-    let map = ScenarioMap { goal, tracks: Vec::new(), ..map(&scenario, layout.layout_seed, clock.0) };
+    let map =
+        ScenarioMap { goal: Some(goal), tracks: Vec::new(), ..map(&scenario, layout.layout_seed, clock.0) };
     Some(map.frame_svg(&robot(&scenario, pose, scan)))
 }
 
