@@ -64,6 +64,16 @@ pub fn is_preset(name: &str) -> bool {
     PRESETS.iter().any(|file| file.name == name)
 }
 
+/// The names of the shipped presets.
+pub fn preset_names() -> impl Iterator<Item = &'static str> {
+    PRESETS.iter().map(|file| file.name)
+}
+
+/// The path in the project, and the text, of the shipped preset `name`.
+pub fn preset_text(name: &str) -> Option<(&'static str, &'static str)> {
+    PRESETS.iter().find(|file| file.name == name).map(|file| (file.path, file.text))
+}
+
 /// The text of the shipped scenario `name`.
 pub fn scenario_text(name: &str) -> Option<&'static str> {
     SCENARIOS.iter().find(|file| file.name == name).map(|file| file.text)

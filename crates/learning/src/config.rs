@@ -11,7 +11,7 @@ use wayfield_policy::NetworkShape;
 
 /// All options of the learning algorithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct LearningConfig {
     /// The layers of the Q-network.
     pub network: NetworkConfig,
@@ -109,7 +109,7 @@ pub enum Schedule {
 
 /// The size of the replay buffer, and the sampling of batches.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct ReplayConfig {
     /// The maximum number of stored transitions, `batch_size` to 2^24. Table 1: 1,000,000.
     pub capacity: usize,
@@ -193,21 +193,25 @@ impl Default for LearningConfig {
             optimizer: Optimizer::RmsProp { smoothing: 0.99, epsilon: 1e-8 },
             learning_rate: Schedule::Constant(0.000_25),
             batch_size: 64,
-            replay: ReplayConfig {
-                capacity: 1_000_000,
-                learning_starts: 0,
-                sampling: Sampling::Prioritized {
-                    alpha: 1.0,
-                    beta: Schedule::Constant(0.0),
-                    importance_weights: false,
-                    epsilon: 0.01,
-                },
-            },
+            replay: ReplayConfig::default(),
             train_freq: 1,
             gradient_steps: 1,
             target_update: TargetUpdate::Hard { every: 2000 },
             exploration: Exploration::PerEpisode { start: 1.0, decay: 0.99, end: 0.05 },
         }
+    }
+}
+
+impl Default for ReplayConfig {
+    /// The replay buffer of PER-D3QN, Table 1 and algorithm 1 of the paper.
+    fn default() -> Self {
+        let sampling = Sampling::Prioritized {
+            alpha: 1.0,
+            beta: Schedule::Constant(0.0),
+            importance_weights: false,
+            epsilon: 0.01,
+        };
+        Self { capacity: 1_000_000, learning_starts: 0, sampling }
     }
 }
 
