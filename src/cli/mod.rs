@@ -164,7 +164,7 @@ fn exit(error: &clap::Error) -> ! {
 
 fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
     let Arguments { mode, shared, .. } = arguments;
-    let trains = mode.train || arguments.train.resume.is_some();
+    let trains = mode.train.is_some() || arguments.train.resume.is_some();
     let is_headless = trains || mode.eval.is_some() || mode.reproduce;
     #[cfg(unix)]
     if is_headless {
@@ -178,7 +178,7 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         ));
     }
     if trains {
-        train::run(arguments.train, shared, began)
+        train::run(mode.train.flatten(), arguments.train, shared, began)
     } else if let Some(policy) = mode.eval {
         signals::exit_on_signal();
         eval::run(&policy, &arguments.eval, &shared)

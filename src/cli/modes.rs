@@ -11,9 +11,10 @@ use clap::{Arg, ArgMatches, Args, Command};
 #[group(multiple = false)]
 #[command(next_help_heading = "Modes (without one, the app opens)")]
 pub struct ModeArgs {
-    /// Train a policy into a new run folder
-    #[arg(long)]
-    pub train: bool,
+    /// Train a policy into a new run folder. With the config.ron of a run: run it again, with the same scenario, preset
+    /// and seed, and so with the same result
+    #[arg(long, value_name = "CONFIG", num_args = 0..=1)]
+    pub train: Option<Option<PathBuf>>,
 
     /// Test a policy over rounds of episodes that it has not been trained on; it acts greedily
     #[arg(long, value_name = "POLICY")]
@@ -47,7 +48,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("train", &["scenario", "preset", "set", "seed", "episodes", "out", "json", "TrainArgs"]),
     ("eval", &["scenario", "set", "seed", "episodes", "json", "EvalArgs"]),
     ("card", &["json"]),
-    ("reproduce", &["out", "json", "ReproduceArgs"]),
+    ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
     ("draw", &["scenario", "set"]),
     #[cfg(feature = "gui")]

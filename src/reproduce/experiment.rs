@@ -12,6 +12,7 @@ use super::figure_spec::FigureSpec;
 use super::overrides::Override;
 use super::table_spec::TableSpec;
 use crate::run::preset::{Budget, EvaluationConfig};
+use crate::run::settings::Settings;
 
 /// An experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +32,10 @@ pub struct Experiment {
     /// The test after training.
     #[serde(default)]
     pub test: TestRule,
+    /// Changes to the scenario and the preset of every stage under every condition, after all other changes, as settings:
+    /// `{"learning.gamma": 0.97, "scenario.lidar.noise_std_m": 0.02}`. `--set` adds to them.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub settings: Settings,
     /// The arms to compare, at least one.
     pub arms: Vec<Arm>,
     /// The conditions under which all arms are trained. If empty, they are trained once, without changes.

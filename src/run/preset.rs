@@ -103,7 +103,11 @@ impl Preset {
         let path = path.as_ref();
         let preset = based_on::read(text, path, &[])?;
         let diagnostics = preset.diagnostics();
-        if diagnostics.is_empty() { Ok(preset) } else { Err(FileError::from_diagnostics(path, text, &diagnostics)) }
+        if diagnostics.is_empty() {
+            Ok(preset)
+        } else {
+            Err(FileError::from_diagnostics(path, text, &diagnostics))
+        }
     }
 
     /// All invalid values.

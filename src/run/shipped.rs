@@ -6,9 +6,10 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use super::folder::RunConfig;
 use super::preset::Preset;
 use crate::policy::Policy;
-use crate::scenario::{FileError, Scenario, closest_name, path_exists};
+use crate::scenario::{FileError, Scenario, closest_name, path_exists, read_text};
 
 /// A shipped file.
 struct Shipped {
@@ -95,26 +96,40 @@ pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
     PRESETS.iter().filter_map(|file| Some((file.name, Preset::parse(file.text, file.path).ok()?)))
 }
 
-/// The scenario in the file `wanted`, or the shipped scenario of that name.
+/// The scenario in the file `wanted`, which may be the `config.ron` of a run, or the shipped scenario of that name.
 ///
 /// # Errors
 /// As for [`Scenario::load`]; for an unknown name, the closest shipped one.
 pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
     match find(SCENARIOS, wanted) {
         Some(file) => Scenario::parse(file.text, file.path),
-        None => Scenario::load(wanted).map_err(|error| with_names(error, wanted, SCENARIOS)),
+        None => user_file(wanted, SCENARIOS, Scenario::parse, |config| config.scenario),
     }
 }
 
-/// The preset in the file `wanted`, or the shipped preset of that name.
+/// The preset in the file `wanted`, which may be the `config.ron` of a run, or the shipped preset of that name.
 ///
 /// # Errors
 /// As for [`Preset::load`]; for an unknown name, the closest shipped one.
 pub fn preset(wanted: &str) -> Result<Preset, FileError> {
     match find(PRESETS, wanted) {
         Some(file) => Preset::parse(file.text, file.path),
-        None => Preset::load(wanted).map_err(|error| with_names(error, wanted, PRESETS)),
+        None => user_file(wanted, PRESETS, Preset::parse, |config| config.preset),
     }
+}
+
+/// The user's file `wanted`: by `parse`, or the `part` of a run's `config.ron`.
+fn user_file<T>(
+    wanted: &str,
+    shipped: &[Shipped],
+    parse: impl Fn(&str, &str) -> Result<T, FileError>,
+    part: fn(RunConfig) -> T,
+) -> Result<T, FileError> {
+    let text = read_text(wanted).map_err(|error| with_names(error, wanted, shipped))?;
+    if RunConfig::is_meant_by(&text) {
+        return RunConfig::parse(&text, Path::new(wanted)).map(part);
+    }
+    parse(&text, wanted)
 }
 
 /// The shipped file with the name or project path `wanted`, unless the user has a file at that path.
@@ -154,7 +169,6 @@ mod tests {
     use std::sync::Arc;
 
     use crate::run::evaluate::{Evaluation, Evaluator};
-    use crate::run::folder::RunConfig;
     use crate::run::policy_card;
     use crate::task::EpisodeSetup;
 

@@ -61,7 +61,10 @@ mod tests {
         for (text, expected) in [
             ("()", base.to_owned()),
             ("(a: 9 /* why */)", base.replace("a: 1", "a: 9 /* why */\n")),
-            ("Named(b: Inner(d: (f: 9)), a: 8 // last\n)", base.replace("f: 4", "f: 9\n").replace("a: 1", "a: 8 // last\n")),
+            (
+                "Named(b: Inner(d: (f: 9)), a: 8 // last\n)",
+                base.replace("f: 4", "f: 9\n").replace("a: 1", "a: 8 // last\n"),
+            ),
             ("(b: ())", base.to_owned()),
             ("(g: [(h: 9)])", base.replace("[(h: 5), (h: 6)]", "[(h: 9)]\n")),
             ("(i: Kind(j: 9))", base.replace("Kind(j: 7, k: 8)", "Kind(j: 9)\n")),

@@ -30,13 +30,18 @@ pub(super) fn read(text: &str, path: &Path, chain: &[PathBuf]) -> Result<Preset,
         if chain.contains(&identity(&file)) || chain.len() >= MAX_CHAIN {
             let files: Vec<_> = chain.iter().map(|file| printable_path(file)).collect();
             let files = files.join(" -> ");
-            return Err(fail(format!("leads to no end ({files}); help: remove the `based_on` of one of them")));
+            return Err(fail(format!(
+                "leads to no end ({files}); help: remove the `based_on` of one of them"
+            )));
         }
         read(&read_text(&file)?, &file, &chain)?
     } else {
         let names: Vec<_> = shipped::preset_names().collect();
         let (from, shipped) = shipped::preset_text(name).ok_or_else(|| {
-            fail(format!("names no file and no shipped preset: {}", choose(name, &names, "the shipped ones are")))
+            fail(format!(
+                "names no file and no shipped preset: {}",
+                choose(name, &names, "the shipped ones are")
+            ))
         })?;
         read(shipped, Path::new(from), &chain)?
     };
