@@ -69,6 +69,11 @@ pub fn run(
     let checkpoint_interval = args.checkpoint_every.unwrap_or(CHECKPOINT_INTERVAL);
     let budget = shared.episodes.map(Budget::Episodes).or(args.steps.map(Budget::EnvSteps));
     let job = match args.resume {
+        Some(_) if again.is_some() => {
+            let why =
+                "--resume continues a run, and --train with a file repeats one; help: leave out one of them";
+            return Err(RunError::InvalidInput(why.into()));
+        }
         Some(folder) => Job::Resume { folder, budget, extensions: shared.extensions },
         None => new_run(again.as_deref(), args, shared, budget)?,
     };

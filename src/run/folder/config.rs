@@ -182,9 +182,11 @@ impl RunConfig {
 }
 
 /// The name of the file `path` without folder and extension, as part of another file's name: without characters that can't
-/// be printed. Standard input is called `stdin`.
+/// be printed. Standard input is called `stdin`, and the `config.ron` of a run like the run's folder.
 fn file_stem(path: &str) -> String {
-    let stem = Path::new(if path == "-" { "stdin" } else { path }).file_stem().unwrap_or_default();
+    let path = Path::new(if path == "-" { "stdin" } else { path });
+    let folder = path.parent().and_then(Path::file_name).filter(|_| path.ends_with("config.ron"));
+    let stem = folder.or(path.file_stem()).unwrap_or_default();
     stem.to_string_lossy().replace(is_unprintable, "_")
 }
 
