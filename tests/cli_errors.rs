@@ -191,6 +191,19 @@ fn invalid_arguments_are_rejected() {
         "--train --resume run --seed 3",
         "--train --resume run --preset fast",
         "--train --resume run --out new",
+        "--train --resume run --set learning.gamma=0.97",
+        "--train run/config.ron --resume run",
+        "--train run/config.ron --scenario maze",
+        "--train quick.ron",
+        "--train --set learning.gama=0.97",
+        "--train --set learning.gamma=0,97",
+        "--train --set learning.learning_rate=3e-4",
+        "--train --set scenario.lidar.beams=0 --set arenas=many",
+        "--train --set learning.gamma",
+        "--eval run/policy.safetensors --set learning.gamma=0.97",
+        "--reproduce --only fig8 --set learning.gamma=1.5",
+        "--set scenario.lidar.beams=8",
+        "--scenario run/config.ron",
         "--resume run",
         "--steps 9",
         "--train --rounds 3",
@@ -302,6 +315,11 @@ fn help_describes_every_flag_and_version_prints_the_crate_version() {
     for word in ["scenario-1", "per_d3qn", "fast", "Exit status"] {
         assert!(help.stdout.contains(word), "`{word}` is not in\n{}", help.stdout);
     }
+    assert_eq!(
+        help.stdout.contains("the app"),
+        cfg!(feature = "gui"),
+        "the app is offered only if there is one"
+    );
     assert!(workspace.run_ok("-h").stdout.len() <= help.stdout.len());
     assert_eq!(workspace.run_ok("--version").stdout, format!("wayfield {}\n", env!("CARGO_PKG_VERSION")));
 }

@@ -9,7 +9,7 @@ use clap::{Arg, ArgMatches, Args, Command};
 /// The flags that select a mode. Without a mode, the app opens.
 #[derive(Args, Debug)]
 #[group(multiple = false)]
-#[command(next_help_heading = "Modes (without one, the app opens)")]
+#[command(next_help_heading = super::MODES_HEADING)]
 pub struct ModeArgs {
     /// Train a policy into a new run folder. With the config.ron of a run: run it again, with the same scenario, preset
     /// and seed, and so with the same result
@@ -23,6 +23,10 @@ pub struct ModeArgs {
     /// Print a policy's card as JSON: inputs, actions, scenario, training, and an example to check a program with
     #[arg(long, value_name = "POLICY")]
     pub card: Option<PathBuf>,
+
+    /// Write a policy for other programs, with the encoding of its inputs and the choice of its actions (see --onnx)
+    #[arg(long, value_name = "POLICY")]
+    pub export: Option<PathBuf>,
 
     /// Reproduce the paper: train, test and report every figure and table over several seeds
     #[arg(long)]
@@ -48,6 +52,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("train", &["scenario", "preset", "set", "seed", "episodes", "out", "json", "TrainArgs"]),
     ("eval", &["scenario", "set", "seed", "episodes", "json", "EvalArgs"]),
     ("card", &["json"]),
+    ("export", &["ExportArgs"]),
     ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
     ("draw", &["scenario", "set"]),
@@ -144,24 +149,24 @@ mod tests {
         for (words, expected) in [
             (
                 "--rounds 3 --train",
-                "error: the argument '--rounds <N>' cannot be used with '--train'; help: use it with '--eval <POLICY>'\n",
+                "error: the argument '--rounds <N>' cannot be used with '--train [<CONFIG>]'; help: use it with '--eval <POLICY>'\n",
             ),
             (
                 "--draw map.svg --out here",
-                "error: the argument '--out <DIR>' cannot be used with '--draw <FILE>'; help: use it with '--train' or \
+                "error: the argument '--out <DIR>' cannot be used with '--draw <FILE>'; help: use it with '--train [<CONFIG>]' or \
                  '--reproduce'\n",
             ),
             (
                 "--epsilon 0.5 --init policy",
-                "error: the argument '--init <POLICY>' cannot be used on its own; help: use it with '--train'\n",
+                "error: the argument '--init <POLICY>' cannot be used on its own; help: use it with '--train [<CONFIG>]'\n",
             ),
             (
                 "--resume run --edit",
-                "error: the argument '--edit' cannot be used with '--train'; help: use it with the app (no mode)\n",
+                "error: the argument '--edit' cannot be used with '--train [<CONFIG>]'; help: use it with the app (no mode)\n",
             ),
             (
                 "--resume run --eval policy",
-                "error: the argument '--resume <DIR>' cannot be used with '--eval <POLICY>'; help: use it with '--train'\n",
+                "error: the argument '--resume <DIR>' cannot be used with '--eval <POLICY>'; help: use it with '--train [<CONFIG>]'\n",
             ),
         ] {
             let message = message(words);

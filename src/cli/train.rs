@@ -10,6 +10,7 @@ use super::policy;
 use super::shared::SharedArgs;
 use super::values;
 use crate::limits::MAX_ARENAS;
+use crate::report::format::percent;
 use crate::run::RunError;
 use crate::run::folder::{INITIAL_POLICY_FILE, RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
@@ -46,8 +47,11 @@ pub struct TrainArgs {
         conflicts_with_all = ["scenario", "preset", "set", "seed", "arenas", "out", "init", "epsilon"])]
     pub resume: Option<PathBuf>,
 
-    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]. In the app:
-    /// save the training automatically every S seconds [default: 25]
+    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30].
+    #[cfg_attr(
+        feature = "gui",
+        doc = "In the app: save the training automatically every S seconds [default: 25]"
+    )]
     #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
     pub checkpoint_every: Option<Duration>,
 }
@@ -145,7 +149,7 @@ fn earlier_run(
 }
 
 fn summary_text(folder: &Path, summary: &Summary) -> String {
-    let percent = |rate: Option<f64>| rate.map_or("-".into(), |r| format!("{:.1} %", 100.0 * r));
+    let percent = |rate: Option<f64>| rate.map_or("-".into(), percent);
     let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.2} s"));
     let first = |m: &Option<Milestone>| match m {
         Some(m) => format!("{} env steps, {} episodes, {:.1} s", m.env_steps, m.episodes, m.wall_s),
@@ -155,8 +159,8 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
     format!(
         "best policy     {} success, mean time {}\n\
          last policy     {} success\n\
-         first 96 %      {}\n\
-         first 99 %      {}\n\
+         first 96%       {}\n\
+         first 99%       {}\n\
          trained         {episodes} episodes, {env_steps} env steps, {gradient_steps} gradient steps, {wall_s:.1} s\n\
          run folder      {}\n\
          test it         {}\n",

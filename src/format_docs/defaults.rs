@@ -36,9 +36,12 @@ fn way_to<'a>(sections: &'a [Section], target: &str) -> Way<'a> {
         if section.name == target {
             return way;
         }
-        for (group, entry) in section.groups.iter().flat_map(|group| group.entries.iter().map(move |e| (group, e))) {
+        for (group, entry) in
+            section.groups.iter().flat_map(|group| group.entries.iter().map(move |e| (group, e)))
+        {
             let kind = name(inner(&entry.kind).unwrap_or(&entry.kind));
-            if let Some(next) = sections.iter().find(|next| next.name == kind && !seen.contains(&&next.name)) {
+            if let Some(next) = sections.iter().find(|next| next.name == kind && !seen.contains(&&next.name))
+            {
                 seen.push(&next.name);
                 open.push_back((next, Way([way.0.as_slice(), &[(group, entry)]].concat())));
             }

@@ -109,7 +109,9 @@ fn written(kind: &Type, sections: &[Section]) -> String {
         ("Seeds", _) => "whole number, or list of whole numbers".into(),
         ("Settings", _) => "`{\"path\": value, ...}`".into(),
         ("Option", Some(inner)) => written(inner),
-        ("Vec", Some(inner)) if ["Vec2", ""].contains(&name(inner).as_str()) => format!("list of {}", written(inner)),
+        ("Vec", Some(inner)) if ["Vec2", ""].contains(&name(inner).as_str()) => {
+            format!("list of {}", written(inner))
+        }
         ("Vec", Some(inner)) if name(inner) == "String" => "list of texts".into(),
         ("Vec", Some(inner)) => format!("list of {}s", written(inner)),
         (name, _) => link(&words(name).to_lowercase()),

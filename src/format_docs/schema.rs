@@ -167,7 +167,8 @@ pub fn reachable(root: &str, mut all: Vec<Section>) -> Vec<Section> {
             names.remove(at);
             continue;
         };
-        let kinds = section.groups.iter().flat_map(|group| &group.entries).flat_map(|entry| parts(&entry.kind));
+        let kinds =
+            section.groups.iter().flat_map(|group| &group.entries).flat_map(|entry| parts(&entry.kind));
         let new: Vec<_> = kinds.filter(|kind| !names.contains(kind)).collect();
         at += 1;
         for (k, name) in new.into_iter().enumerate() {

@@ -47,9 +47,9 @@ fn learning_curves(
     reference_lines: &[ReferenceLineSpec],
 ) -> CurveChart {
     let panel = |&series: &EpisodeSeries| {
-        let (heading, include_y) = match series {
-            EpisodeSeries::Return => ("Return per episode", Vec::new()),
-            EpisodeSeries::Goals => ("Goals reached per episode", vec![0.0]),
+        let (heading, include_y, limits) = match series {
+            EpisodeSeries::Return => ("Return per episode", Vec::new(), None),
+            EpisodeSeries::Goals => ("Goals reached per episode", vec![0.0], Some((0.0, f64::INFINITY))),
         };
         let rows = rows(results, index).into_iter().enumerate();
         let references = reference_lines.iter().filter(|line| line.series == series);
@@ -61,6 +61,7 @@ fn learning_curves(
                 .map(|line| ReferenceLine { value: line.value, label: line.label.clone() })
                 .collect(),
             include_y,
+            limits,
         }
     };
     CurveChart {
@@ -138,7 +139,7 @@ fn dot_plot(
         Ok(DotColumn {
             heading: measure.heading(),
             unit: measure.unit().into(),
-            limits: (measure == Measure::Success).then_some((0.0, 100.0)),
+            limits: measure.limits(),
             cells: rows.iter().map(cell).collect::<Result<_, RunError>>()?,
         })
     };

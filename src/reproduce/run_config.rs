@@ -37,8 +37,9 @@ pub fn run_config(
     if let Some(condition) = condition {
         condition.apply(&mut scenario, &mut preset);
     }
-    experiment.settings.apply(&mut scenario, &mut preset).map_err(|errors| {
-        let why = format!("the settings, in {scenario_from} with {}: {}", stage.preset, errors[0]);
+    experiment.overrides.apply(&mut scenario, &mut preset).map_err(|errors| {
+        let why =
+            format!("the overrides of all stages, in {scenario_from} with {}: {}", stage.preset, errors[0]);
         FileError::for_file(Path::new(from), why)
     })?;
     let diagnostics = scenario::diagnostics(&scenario).into_iter().chain(preset.diagnostics());

@@ -21,6 +21,7 @@
 //! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
 //! | `policy_card/` | the card in a policy file, and its comparison with a scenario |
+//! | `export.rs` | a policy for other programs, as an ONNX file with a model card |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
@@ -30,6 +31,8 @@
 pub mod background_evaluator;
 pub mod checkpoint;
 pub mod evaluate;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod export;
 pub mod fingerprint;
 pub mod folder;
 #[cfg(not(target_arch = "wasm32"))]
@@ -97,6 +100,17 @@ impl RunError {
     /// The error for a file that failed during the work.
     pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
         Self::Failed(format!("{}: {why}", crate::scenario::printable_path(path)))
+    }
+
+    /// The error for a file that could not be written during the work.
+    pub(crate) fn not_written(path: &std::path::Path, error: impl std::fmt::Display) -> Self {
+        Self::failed(path, format_args!("can't be written: {error}"))
+    }
+
+    /// The error for a file that would not be writable after the work.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn not_writable(path: &std::path::Path, error: impl std::fmt::Display) -> Self {
+        Self::invalid_input(path, format_args!("can't be written: {error}"))
     }
 }
 

@@ -142,3 +142,6 @@ impl Preset {
         diagnostics
     }
 }
+
+#[cfg(test)]
+mod tests;

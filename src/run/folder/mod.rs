@@ -23,13 +23,12 @@ use std::sync::Arc;
 use super::RunError;
 #[cfg(not(target_arch = "wasm32"))]
 use super::lock::Lock;
+use super::output_file::{Sink, is_temporary, replace};
 #[cfg(not(target_arch = "wasm32"))]
 use super::output_file::{check_entry, remove_temporary_files};
-use super::output_file::{is_temporary, replace};
 use super::write_points::write_point;
 use crate::scenario::to_ron;
 
-pub use super::output_file::{Sink, write_atomic};
 pub use config::{RunConfig, Transfer};
 pub use csv_file::header;
 
@@ -78,7 +77,7 @@ impl RunFolder {
         };
         folder.check_vacant()?;
         fs::create_dir_all(folder.path.join("checkpoint"))
-            .map_err(|error| not_writable(&folder.path, &error))?;
+            .map_err(|error| folder_not_writable(&folder.path, &error))?;
         write_point("run folder: created");
         let folder = folder.locked()?;
         // Another process may have created a run before the lock was taken.
@@ -132,8 +131,7 @@ impl RunFolder {
         {
             let lock = Arc::new(Lock::acquire(&self.path, &self.path.join("checkpoint/lock"))?);
             for path in REPLACED.iter().map(|name| self.path.join(name)) {
-                check_entry(&path)
-                    .map_err(|error| RunError::invalid_input(&path, format!("can't be written: {error}")))?;
+                check_entry(&path).map_err(|error| RunError::not_writable(&path, error))?;
             }
             remove_temporary_files(&self.path);
             remove_temporary_files(&self.path.join("checkpoint"));
@@ -198,7 +196,7 @@ impl RunFolder {
     /// The file cannot be written.
     pub fn write(&self, name: &str, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> Result<(), RunError> {
         let path = self.path.join(name);
-        replace(&path, write).map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
+        replace(&path, write).map_err(|error| RunError::not_written(&path, error))
     }
 
     /// The name of the file with the policy after `episodes` episodes.
@@ -240,12 +238,12 @@ fn create_default_folder(config: &RunConfig) -> Result<PathBuf, RunError> {
                 path = runs.join(format!("{name}-{number}"));
                 number += 1;
             }
-            Err(error) => return Err(not_writable(&path, &error)),
+            Err(error) => return Err(folder_not_writable(&path, &error)),
         }
     }
 }
 
 /// The error for an output folder that cannot be written.
-pub(super) fn not_writable(folder: &Path, error: &io::Error) -> RunError {
+pub(super) fn folder_not_writable(folder: &Path, error: &io::Error) -> RunError {
     RunError::invalid_input(folder, format!("can't be written ({error}); help: give --out another folder"))
 }
