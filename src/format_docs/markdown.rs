@@ -18,7 +18,7 @@ pub fn reference(sections: &[Section], read: Read, last: Option<&str>) -> String
         let about = about.split(['.', ':', ';']).next().unwrap_or_default();
         let _ = writeln!(page, "- {}: {}", link(&words(&section.name)), lower(about));
     }
-    for label in last {
+    if let Some(label) = last {
         let _ = writeln!(page, "- {}", link(label));
     }
     for section in sections {
@@ -46,7 +46,7 @@ fn groups(page: &mut String, section: &Section, sections: &[Section], read: Read
     }
     for group in &section.groups {
         if !group.name.is_empty() {
-            let parts: Vec<_> = group.entries.iter().map(|entry| written(&entry.kind, sections)).collect();
+            let parts: Vec<_> = group.entries.iter().map(|entry| written(&entry.kind)).collect();
             let parts = if group.is_tuple() { format!("({})", parts.join(", ")) } else { String::new() };
             let _ = write!(page, "### `{}{parts}`\n\n{}\n\n", group.name, group.about.join("\n\n"));
         }
@@ -66,7 +66,7 @@ fn table(page: &mut String, section: &Section, group: &Group, sections: &[Sectio
     for (entry, value) in group.entries.iter().zip(defaults(sections, read, section, group)) {
         let (short, long) = default(entry, value, sections);
         let short = if with_defaults { format!("{short} | ") } else { String::new() };
-        let written = written(&entry.kind, sections);
+        let written = written(&entry.kind);
         let _ = writeln!(page, "| `{}` | {written} | {short}{} |", entry.name, cell(&entry.about));
         if let Some(long) = long {
             let long = long.replace("), ", "),\n    ").replace("[", "[\n    ").replace(")]", "),\n]");
@@ -91,8 +91,7 @@ fn default(entry: &Entry, value: Option<String>, sections: &[Section]) -> (Strin
 }
 
 /// The notation of a value of the type. Points are `Vec2`, ranges are pairs.
-fn written(kind: &Type, sections: &[Section]) -> String {
-    let written = |kind: &Type| written(kind, sections);
+fn written(kind: &Type) -> String {
     match (name(kind).as_str(), inner(kind)) {
         ("", _) => match kind {
             Type::Tuple(tuple) if tuple.elems.iter().any(|part| name(part) != "f32") => {

@@ -54,17 +54,18 @@ fn add(sections: &mut Vec<Section>, item: Item) {
     match item {
         Item::Struct(item) => {
             let all_optional = has_word(&item.attrs, "default");
-            let entries = entries(&item.fields, all_optional);
+            let entries = entries(item.fields, all_optional);
             let groups = vec![Group { name: String::new(), about: Vec::new(), entries }];
             sections.push(section(&item.ident, &item.attrs, groups));
         }
         Item::Enum(item) => {
-            let groups = item.variants.iter().map(|variant| Group {
+            let groups = item.variants.into_iter().map(|variant| Group {
                 name: variant.ident.to_string(),
                 about: docs(&variant.attrs),
-                entries: entries(&variant.fields, false),
+                entries: entries(variant.fields, false),
             });
-            sections.push(section(&item.ident, &item.attrs, groups.collect()));
+            let groups = groups.collect();
+            sections.push(section(&item.ident, &item.attrs, groups));
         }
         Item::Impl(item) => {
             let is_default = item.trait_.as_ref().is_some_and(|(_, path, _)| path.is_ident("Default"));
@@ -85,14 +86,14 @@ fn section(name: &syn::Ident, attributes: &[Attribute], groups: Vec<Group>) -> S
     Section { name: name.to_string(), about: docs(attributes), default: Vec::new(), groups }
 }
 
-fn entries(fields: &Fields, all_optional: bool) -> Vec<Entry> {
-    let entry = |field: &Field| Entry {
+fn entries(fields: Fields, all_optional: bool) -> Vec<Entry> {
+    let entry = |field: Field| Entry {
         name: field.ident.as_ref().map_or(String::new(), ToString::to_string),
-        kind: field.ty.clone(),
         about: docs(&field.attrs).join(" "),
         optional: all_optional || has_word(&field.attrs, "default") || name(&field.ty) == "Option",
+        kind: field.ty,
     };
-    fields.iter().filter(|field| !has_word(&field.attrs, "skip")).map(entry).collect()
+    fields.into_iter().filter(|field| !has_word(&field.attrs, "skip")).map(entry).collect()
 }
 
 /// Whether a serde attribute contains the word `word`.

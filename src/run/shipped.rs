@@ -130,7 +130,7 @@ pub fn presets() -> impl Iterator<Item = (&'static str, Preset)> {
 pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
     match find(SCENARIOS, wanted) {
         Some(file) => Scenario::parse(file.text, file.path),
-        None => user_file(wanted, SCENARIOS, Scenario::parse, |config| config.scenario),
+        None => user_file(wanted, SCENARIOS, |text| Scenario::parse(text, wanted), |config| config.scenario),
     }
 }
 
@@ -141,7 +141,7 @@ pub fn scenario(wanted: &str) -> Result<Scenario, FileError> {
 pub fn preset(wanted: &str) -> Result<Preset, FileError> {
     match find(PRESETS, wanted) {
         Some(file) => Preset::parse(file.text, file.path),
-        None => user_file(wanted, PRESETS, Preset::parse, |config| config.preset),
+        None => user_file(wanted, PRESETS, |text| Preset::parse(text, wanted), |config| config.preset),
     }
 }
 
@@ -149,14 +149,14 @@ pub fn preset(wanted: &str) -> Result<Preset, FileError> {
 fn user_file<T>(
     wanted: &str,
     shipped: &[Shipped],
-    parse: impl Fn(&str, &str) -> Result<T, FileError>,
+    parse: impl Fn(&str) -> Result<T, FileError>,
     part: fn(RunConfig) -> T,
 ) -> Result<T, FileError> {
     let text = read_text(wanted).map_err(|error| with_names(error, wanted, shipped))?;
     if RunConfig::is_meant_by(&text) {
         return RunConfig::parse(&text, Path::new(wanted)).map(part);
     }
-    parse(&text, wanted)
+    parse(&text)
 }
 
 /// The shipped file with the name or project path `wanted`, unless the user has a file at that path.
