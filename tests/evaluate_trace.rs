@@ -10,7 +10,7 @@ use wayfield::{random, scenario::Scenario};
 
 /// A policy with random weights.
 fn policy(scenario: &Scenario, seed: u64) -> Policy {
-    let config = NetworkConfig { hidden: vec![8], dueling: false };
+    let config = NetworkConfig { hidden: vec![8], dueling: false, ..NetworkConfig::default() };
     let shape = config.shape(scenario.lidar.beams + 4, scenario.robot.motions.len());
     let network = QNetwork::new(shape.expect("a valid shape"), &mut random::stream(seed, "trace", 0));
     network.expect("a network").to_policy()

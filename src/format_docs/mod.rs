@@ -21,6 +21,7 @@ const PRESET: &[&str] = &[
     "src/run/preset.rs",
     "src/task/reward.rs",
     "crates/policy/src/observation.rs",
+    "crates/policy/src/activation.rs",
     "crates/learning/src/config.rs",
 ];
 const EXPERIMENT: &[&str] = &[
@@ -33,6 +34,7 @@ const EXPERIMENT: &[&str] = &[
     "src/run/preset.rs",
     "src/task/reward.rs",
     "crates/policy/src/observation.rs",
+    "crates/policy/src/activation.rs",
     "crates/learning/src/config.rs",
 ];
 
