@@ -36,11 +36,9 @@ pub struct LearningConfig {
     /// The largest norm of the gradient of all parameters together, above 0; a longer gradient is scaled down to it, as by
     /// PyTorch's `clip_grad_norm_`. The loss is in units of scaled reward; with rewards of the order of one, 10 is usual. The
     /// paper: `None`, no limit.
-    #[serde(default)]
     pub max_gradient_norm: Option<f32>,
     /// The decoupled weight decay, 0 to 1: before each gradient step, all parameters are multiplied by 1 - learning rate x
     /// `weight_decay` (AdamW, Loshchilov and Hutter 2019; here also with RMSProp). PyTorch's AdamW: 0.01. The paper: 0.
-    #[serde(default)]
     pub weight_decay: f32,
     /// The number of transitions per gradient step, 1 to 65536. Table 1: 64.
     pub batch_size: usize,
