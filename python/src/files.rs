@@ -7,6 +7,7 @@ use std::time::Instant;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use wayfield::cli;
+use wayfield::run::image_file::{self, ImageSize};
 use wayfield::run::{scenario_image, shipped};
 use wayfield::simulation::Extensions;
 
@@ -39,13 +40,28 @@ pub fn check(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<String> {
     })
 }
 
-/// Draws the scenario `wanted`, changed by settings, into the SVG or PNG file `path`.
+/// Draws the scenario `wanted`, changed by settings, into the SVG, PNG or PDF file `path`; if plain, without name, legend and
+/// axes.
 #[pyfunction]
-pub fn draw(py: Python<'_>, wanted: &str, settings: Vec<(String, String)>, path: PathBuf) -> PyResult<()> {
+pub fn draw(
+    py: Python<'_>,
+    wanted: &str,
+    settings: Vec<(String, String)>,
+    path: PathBuf,
+    is_plain: bool,
+) -> PyResult<()> {
     let mut scenario = find_scenario(wanted)?;
     let settings = env_options::settings(settings);
     settings.apply_to_scenario(&mut scenario).map_err(setting_errors)?;
-    detached(py, || scenario_image::draw(&scenario, &path).map_err(run_error))
+    detached(py, || {
+        let (svg, size) = if is_plain {
+            (scenario_image::thumbnail(&scenario), ImageSize::Screen)
+        } else {
+            (scenario_image::figure(&scenario), ImageSize::Print)
+        };
+        let svg = svg.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        image_file::write(svg, size, &path).map_err(run_error)
+    })
 }
 
 /// The version of wayfield.

@@ -71,7 +71,18 @@ def check(*paths: str | os.PathLike[str]) -> list[Problem]:
 
 
 def draw(
-    scenario: str | os.PathLike[str], path: str | os.PathLike[str], *, set: Mapping[str, Any] | None = None
+    scenario: str | os.PathLike[str],
+    path: str | os.PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    plain: bool = False,
 ) -> None:
-    """Draws a scenario from above into an SVG or PNG file, as ``wayfield --draw``. ``set`` changes fields, as in ``train``."""
-    _native.draw(os.fspath(scenario), pairs(set), os.fspath(path))
+    """Draws a scenario from above into an SVG, PNG or PDF file, as ``wayfield --draw``.
+
+    Args:
+        scenario: A shipped scenario by name, a file's path, or RON text.
+        path: The file; its extension decides the format.
+        set: Fields of the scenario with other values, as in ``train``.
+        plain: Without the name, the legend and the axes.
+    """
+    _native.draw(os.fspath(scenario), pairs(set), os.fspath(path), plain)
