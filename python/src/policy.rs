@@ -6,6 +6,7 @@ use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use wayfield::cli;
 use wayfield::policy::{Encoding, Policy, Scratch, observation};
 use wayfield::run::export::{ModelCardFile, export_policy};
 use wayfield::run::{policy_card, shipped};
@@ -28,21 +29,13 @@ impl TryFrom<Policy> for NativePolicy {
     }
 }
 
-/// The policy in the file `wanted`, or the shipped policy of that name.
-fn read(wanted: &str) -> PyResult<Policy> {
-    let shipped = shipped::policies().iter().find(|shipped| shipped.scenario_from == wanted);
-    match shipped.filter(|_| !Path::new(wanted).is_file()) {
-        Some(shipped) => Ok(shipped.policy.clone()),
-        None => policy_card::read(Path::new(wanted)).map_err(|error| file_error(wanted, error)),
-    }
-}
-
 #[pymethods]
 impl NativePolicy {
     /// The policy in the file `wanted`, or the shipped policy of that name.
     #[new]
     fn new(wanted: &str) -> PyResult<Self> {
-        Self::try_from(read(wanted)?)
+        let policy = cli::load_policy(Path::new(wanted)).map_err(|error| file_error(wanted, error))?;
+        Self::try_from(policy)
     }
 
     /// The policy in the bytes of a file.

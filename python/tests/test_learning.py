@@ -68,7 +68,27 @@ def test_an_evaluation_has_the_numbers_of_the_command_line(run, scenario):
     ours = wayfield.evaluate(path, scenario, seed=3, episodes=20, rounds=2)
     for key in ("success_rate", "collision_rate", "timeout_rate", "mean_time_s", "mean_cost_s", "rounds", "seed"):
         assert getattr(ours, key) == printed[key], key
-    assert (ours.episodes["end"] == "goal").mean() == ours.success_rate
+    assert list(ours.success_interval) == printed["success_interval"]
+    assert (ours.episodes["outcome"] == "success").mean() == ours.success_rate
+    csv = run.folder.parent / f"{scenario}.csv"
+    cli("--eval", path, "--seed", 3, "--episodes", 20, "--rounds", 2, "--csv", csv, *options)
+    header, first = csv.read_text().splitlines()[:2]
+    assert header.split(",")[1:] == list(ours.episodes)
+    assert float(first.split(",")[header.split(",").index("goal_x_m")]) == pytest.approx(ours.episodes["goal_x_m"][0])
+
+
+def test_an_evaluation_can_be_compared_with_the_optimum(run):
+    result = wayfield.evaluate(run.policy, episodes=5, rounds=1, optimum=True)
+    assert 0.9 < result.time_ratio < 2 and result.optimum_mean_time_s > 0
+    assert np.isfinite(result.episodes["optimal_time_s"]).all()
+    assert wayfield.evaluate(run.policy, episodes=2, rounds=1).time_ratio is None
+
+
+def test_a_policy_in_another_world_gives_a_warning(run):
+    with pytest.warns(UserWarning, match="noise_std_m"):
+        wayfield.evaluate(run.policy, set={"scenario.lidar.noise_std_m": 0.02}, episodes=2, rounds=1)
+    with pytest.raises(ValueError, match="has no benchmark route; help:"):
+        wayfield.evaluate(run.policy, "empty", episodes=1, benchmark_route=True)
 
 
 def test_a_policy_driven_from_python_solves_scenario_1():

@@ -16,6 +16,16 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
     return {name: cells[:, index] for index, name in enumerate(header)}
 
 
+def columns(records: list[dict[str, Any]]) -> dict[str, np.ndarray]:
+    """The columns of records with equal keys; an absent number is NaN, an absent text is empty."""
+
+    def column(values: list[Any]) -> np.ndarray:
+        missing = "" if any(isinstance(value, str) for value in values) else np.nan
+        return np.array([missing if value is None else value for value in values])
+
+    return {key: column([record[key] for record in records]) for key in records[0]}
+
+
 def to_frame(columns: dict[str, np.ndarray]) -> Any:
     """The columns as a pandas DataFrame."""
     try:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from . import _native
-from ._frames import to_frame
+from ._frames import columns, to_frame
 from ._settings import pairs
 from .policy import Policy
 
@@ -21,20 +22,26 @@ class Evaluation:
     Attributes:
         scenario: The scenario's name.
         success_rate, collision_rate, timeout_rate: Shares of the episodes, 0 to 1.
+        success_interval, collision_interval, timeout_interval: Their 95 % confidence intervals.
         mean_time_s: The mean simulated time of the successful episodes in s; None without one.
-        mean_cost_s: The same, with the time limit for each failed episode.
+        mean_cost_s: The mean of all, in which a failed episode counts as the whole time limit.
+        optimum_mean_time_s, time_ratio: With ``optimum=True``, the mean time of the planner, and the policy's divided by it.
         seed: The seed of starts and goals.
         rounds: The success rate of each round.
-        episodes: One value per episode: ``end`` ("goal", "collision" or "timeout"), ``steps``, ``start_x_m``, ``start_y_m``,
-            ``start_heading_rad``, ``goal_x_m``, ``goal_y_m``, ``layout_seed``.
+        episodes: The columns of ``wayfield --eval --csv`` (docs/command-line.md), one value per episode; NaN if unknown.
     """
 
     scenario: str
     success_rate: float
+    success_interval: tuple[float, float]
     collision_rate: float
+    collision_interval: tuple[float, float]
     timeout_rate: float
+    timeout_interval: tuple[float, float]
     mean_time_s: float | None
     mean_cost_s: float
+    optimum_mean_time_s: float | None
+    time_ratio: float | None
     seed: int
     rounds: list[float]
     episodes: dict[str, np.ndarray]
@@ -57,6 +64,7 @@ def evaluate(
     rounds: int = 5,
     seed: int = 0,
     benchmark_route: bool = False,
+    optimum: bool = False,
 ) -> Evaluation:
     """Tests a policy over ``rounds * episodes`` episodes, as ``wayfield --eval``.
 
@@ -68,25 +76,31 @@ def evaluate(
         rounds: The number of rounds.
         seed: The seed of starts and goals. Equal seeds give equal episodes.
         benchmark_route: Drive the scenario's benchmark route in every episode.
+        optimum: Also compute the optimal times, which may take seconds per episode in large scenarios.
+
+    Warns:
+        UserWarning: The scenario differs from that of the training.
 
     Raises:
         ValueError: The policy does not fit the scenario, or an option is out of range.
         FileNotFoundError: There is no such file.
     """
     policy = policy if isinstance(policy, Policy) else Policy.load(policy)
-    scenario = None if scenario is None else os.fspath(scenario)
-    name, text, rows = _native.evaluate(policy._native, scenario, pairs(set), seed, episodes, rounds, benchmark_route)
-    rates = json.loads(text)
-    starts, goals = np.array([row[2] for row in rows]), np.array([row[3] for row in rows])
-    columns = {
-        "end": np.array([row[0] for row in rows]),
-        "steps": np.array([row[1] for row in rows], np.int64),
-        "start_x_m": starts[:, 0],
-        "start_y_m": starts[:, 1],
-        "start_heading_rad": starts[:, 2],
-        "goal_x_m": goals[:, 0],
-        "goal_y_m": goals[:, 1],
-        "layout_seed": np.array([row[4] for row in rows], np.uint64),
+    options = {
+        "scenario": None if scenario is None else os.fspath(scenario),
+        "settings": pairs(set),
+        "seed": seed,
+        "episodes": episodes,
+        "rounds": rounds,
+        "benchmark_route": benchmark_route,
+        "optimum": optimum,
     }
-    keys = ("success_rate", "collision_rate", "timeout_rate", "mean_time_s", "mean_cost_s", "seed", "rounds")
-    return Evaluation(scenario=name, episodes=columns, **{key: rates[key] for key in keys})
+    report = json.loads(_native.evaluate(policy._native, options))
+    warning = report.pop("warning")
+    if warning is not None:
+        warnings.warn(warning, stacklevel=2)
+    records = report.pop("records")
+    for record in records:
+        del record["policy"]
+    intervals = {key: tuple(value) for key, value in report.items() if key.endswith("_interval")}
+    return Evaluation(**(report | intervals | {"episodes": columns(records)}))

@@ -26,6 +26,7 @@ mod values;
 mod window;
 
 pub use check::{CheckReport, check_files};
+pub use policy::load as load_policy;
 
 use std::any::TypeId;
 use std::ffi::OsString;
