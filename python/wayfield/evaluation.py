@@ -4,7 +4,7 @@ import json
 import os
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -102,5 +102,6 @@ def evaluate(
     records = report.pop("records")
     for record in records:
         del record["policy"]
-    intervals = {key: tuple(value) for key, value in report.items() if key.endswith("_interval")}
-    return Evaluation(**(report | intervals | {"episodes": columns(records)}))
+    report["episodes"] = columns(records)
+    report |= {key: tuple(value) for key, value in report.items() if key.endswith("_interval")}
+    return Evaluation(**{field.name: report[field.name] for field in fields(Evaluation)})
