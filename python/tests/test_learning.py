@@ -88,7 +88,7 @@ def test_a_policy_in_another_world_gives_a_warning(run):
     with pytest.warns(UserWarning, match="noise_std_m"):
         wayfield.evaluate(run.policy, set={"scenario.lidar.noise_std_m": 0.02}, episodes=2, rounds=1)
     with pytest.raises(ValueError, match="has no benchmark route; help:"):
-        wayfield.evaluate(run.policy, "empty", episodes=1, benchmark_route=True)
+        wayfield.evaluate(run.policy, '(name: "x")', episodes=1, benchmark_route=True)
 
 
 def test_a_policy_driven_from_python_solves_scenario_1():
