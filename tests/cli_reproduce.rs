@@ -41,25 +41,25 @@ const OWN: &str = r#"(
             title: "Curves",
             draw: LearningCurves(series: [Return, Goals], smoothing: 5),
             claims: [
-                (statement: "Transfer helps", measure: Return, better: "transferred", than: "plain", after: 24),
+                (statement: "Transfer helps", measure: Return, better: "transferred", than: "plain", after: Episodes(24)),
             ],
         ),
-        (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, EpisodesTo(1.0)], after: 20)),
-        (name: "course", title: "Course", draw: BenchmarkRoute(after: 24)),
+        (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, EpisodesTo(1.0)], after: Episodes(20))),
+        (name: "course", title: "Course", draw: BenchmarkRoute(after: Episodes(24))),
     ],
     tables: [
         (
             name: "times",
             aliases: ["clock"],
             title: "Times",
-            show: Seeds(measure: BenchmarkRouteTime, after: 24, paper: [("plain", 13.155)]),
+            show: Seeds(measure: BenchmarkRouteTime, after: Episodes(24), paper: [("plain", 13.155)]),
         ),
-        (name: "rounds", title: "Rounds", show: Rounds(after: 24, paper: [("plain", [83.0, 86.0])])),
-        (name: "all", title: "All", show: Measures(measures: [Success, MeanTime, TimeRatio], after: 24)),
+        (name: "rounds", title: "Rounds", show: Rounds(after: Episodes(24), paper: [("plain", [83.0, 86.0])])),
+        (name: "all", title: "All", show: Measures(measures: [Success, MeanTime, TimeRatio], after: Episodes(24))),
         (
             name: "which",
             title: "Which",
-            show: Contrast(measures: [Success], better: "transferred", than: "plain", after: [8, 12], of_last_stage: true),
+            show: Contrast(measures: [Success], better: "transferred", than: "plain", after: [Episodes(8), Episodes(12)], of_last_stage: true),
         ),
     ],
 )
@@ -402,7 +402,7 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
     );
     broken(
         "d.ron",
-        ("after: 20)", "after: 25)"),
+        ("after: Episodes(20))", "after: Episodes(25))"),
         &["d.ron:LINE:", "is 25, but arm \"plain\" is trained for 24 episodes"],
     );
     broken("e.ron", ("name: \"dots\"", "name: \"../dots\""), &["e.ron:LINE:", "it becomes a file name"]);
@@ -413,7 +413,7 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
     broken("j.ron", ("budget: Episodes(24)", "budget: EnvSteps(900)"), &["j.ron", "policy: Best"]);
     broken(
         "k.ron",
-        ("after: [8, 12]", "after: [8, 13]"),
+        ("Episodes(8), Episodes(12)]", "Episodes(8), Episodes(13)]"),
         &["k.ron:LINE:", "is 13, but arm \"transferred\" is trained for 12 episodes"],
     );
     workspace.write("settings.ron", OWN.replace("per.ron", "mine/per.ron"));
@@ -431,7 +431,7 @@ fn an_arm_can_be_tested_with_its_best_policy() {
             seeds: 1,
             test: (rounds: 1, episodes: 4),
             arms: [(name: "fast", stages: [(scenario: "empty", preset: "fast.ron", budget: EnvSteps(3000))], policy: Best)],
-            tables: [(name: "t", title: "T", show: Seeds(measure: Success, after: 1))],
+            tables: [(name: "t", title: "T", show: Seeds(measure: Success))],
         )"#,
     );
     let done = workspace.run_ok("--reproduce --experiment best.ron --out best");

@@ -48,7 +48,7 @@ pub fn run_config(
         scenario_from,
         preset_from: stage.preset.clone(),
         transfer: None,
-        save_policy_after_episodes: Vec::new(),
+        save_policy_after: Vec::new(),
         sensors: Vec::new(),
         reward_terms: Vec::new(),
         extensions: Extensions::default(),
@@ -57,13 +57,16 @@ pub fn run_config(
     })
 }
 
-/// The name of a run's folder: equal configurations have equal names. The number of episodes is not part of it, unless
-/// the best policy is tested, because a longer run contains the shorter one.
+/// The name of a run's folder: equal configurations have equal names. The length is not part of it, unless the
+/// best policy is tested, because a longer run contains the shorter one.
 pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunError> {
     let mut identity = config.clone();
-    identity.save_policy_after_episodes.clear();
-    if tested == TestedPolicy::AtEpisode && matches!(identity.preset.budget, Budget::Episodes(_)) {
-        identity.preset.budget = Budget::Episodes(1);
+    identity.save_policy_after.clear();
+    if tested == TestedPolicy::After {
+        identity.preset.budget = match identity.preset.budget {
+            Budget::Episodes(_) => Budget::Episodes(1),
+            Budget::EnvSteps(_) => Budget::EnvSteps(1),
+        };
     }
     let text = to_ron(&identity).map_err(|error| RunError::Failed(error.to_string()))?;
     let hash = crc32c::crc32c(text.as_bytes());
@@ -71,18 +74,27 @@ pub fn run_name(config: &RunConfig, tested: TestedPolicy) -> Result<String, RunE
     Ok(format!("{preset}-{scenario}-{hash:08x}-seed{}", config.seed))
 }
 
-/// Adds a number of episodes after which the policy is saved.
-pub fn save_policy_after(config: &mut RunConfig, episodes: u64) {
-    if !config.save_policy_after_episodes.contains(&episodes) {
-        config.save_policy_after_episodes.push(episodes);
-        config.save_policy_after_episodes.sort_unstable();
+/// Adds a number of episodes or env steps after which the policy is saved.
+pub fn save_policy_after(config: &mut RunConfig, after: Budget) {
+    if !config.save_policy_after.contains(&after) {
+        config.save_policy_after.push(after);
+        config.save_policy_after.sort_unstable();
     }
 }
 
 /// The path of a file relative to the experiment's folder if it exists there, else `name` itself.
-fn resolve(experiment: &str, name: &str) -> String {
+pub fn resolve(experiment: &str, name: &str) -> String {
+    resolve_as(experiment, name, Path::is_file)
+}
+
+/// [`resolve`] for a folder.
+pub fn resolve_folder(experiment: &str, name: &str) -> PathBuf {
+    resolve_as(experiment, name, Path::is_dir).into()
+}
+
+fn resolve_as(experiment: &str, name: &str, exists: fn(&Path) -> bool) -> String {
     let path: PathBuf = Path::new(experiment).parent().unwrap_or(Path::new("")).join(name);
-    if path.is_file() { path.display().to_string() } else { name.into() }
+    if exists(&path) { path.display().to_string() } else { name.into() }
 }
 
 /// An untrusted experiment must not name a pipe or a device, because reading it might never end.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::experiment::Experiment;
 use super::options::ReproduceOptions;
 use super::quick::make_quick;
+use super::run_config::resolve;
 use super::selected::{ExperimentSource, SelectedExperiment};
 use crate::run::{RunError, shipped};
 use crate::scenario::closest_name;
@@ -26,9 +27,13 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         let all = options.only.is_empty() || (asked(&name) && !items.contains(&name));
         let experiment = &mut source.experiment;
         if options.quick {
-            make_quick(experiment, |preset| shipped::preset(preset).ok().map(|preset| preset.budget));
+            check_trains(&source.from, experiment)?;
+            let preset = |name: &str| shipped::preset(&resolve(&source.from, name)).ok();
+            make_quick(experiment, |name| preset(name).map(|preset| preset.budget));
         }
-        experiment.seeds = options.seeds.unwrap_or(experiment.seeds);
+        if let Some(seeds) = &options.seeds {
+            experiment.seeds = seeds.clone();
+        }
         let figures = indices(&experiment.figures, |figure| all || asked(&figure.name));
         let tables = indices(&experiment.tables, |table| {
             all || asked(&table.name) || table.aliases.iter().any(|name| asked(name))
@@ -38,6 +43,16 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         }
     }
     Ok(selected)
+}
+
+/// A quick report needs arms that are trained.
+fn check_trains(from: &str, experiment: &Experiment) -> Result<(), RunError> {
+    let Some(arm) = experiment.arms.iter().find(|arm| !arm.runs.is_empty()) else { return Ok(()) };
+    let why = format!(
+        "{from}: --quick shortens trainings, but arm \"{}\" has finished runs; help: leave --quick out",
+        arm.name
+    );
+    Err(RunError::InvalidInput(why))
 }
 
 /// The user's experiments, or the shipped ones.

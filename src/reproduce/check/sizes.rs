@@ -35,6 +35,10 @@ pub(super) fn check(found: &mut Collector, experiment: &Experiment) {
 
 fn check_arm(found: &mut Collector, at: &str, arm: &Arm) {
     found.text(&format!("{at}.name"), &arm.name, MAX_NAME_CHARS);
+    found.count(&format!("{at}.runs"), arm.runs.len(), MAX_SEEDS as usize);
+    for (k, run) in arm.runs.iter().enumerate().take(MAX_SEEDS as usize) {
+        found.text(&format!("{at}.runs[{k}]"), run, MAX_PATH_CHARS);
+    }
     found.count(&format!("{at}.stages"), arm.stages.len(), MAX_STAGES);
     for (k, stage) in arm.stages.iter().enumerate().take(MAX_STAGES) {
         let at = format!("{at}.stages[{k}]");
@@ -108,7 +112,7 @@ fn check_claims(found: &mut Collector, at: &str, claims: &[Claim]) {
 }
 
 fn check_trainings(found: &mut Collector, experiment: &Experiment) {
-    let seeds = experiment.seeds;
+    let seeds = experiment.seeds.count();
     let stages: u64 = experiment.arms.iter().map(|arm| arm.stages.len() as u64).sum();
     let conditions = experiment.conditions.len().max(1) as u64;
     let trainings = seeds.saturating_mul(stages).saturating_mul(conditions);

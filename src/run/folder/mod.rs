@@ -7,7 +7,7 @@
 //! | `events.out.tfevents.*` | the same metrics for TensorBoard |
 //! | `policy.safetensors`, `policy-last.safetensors` | the best policy by evaluation, the last policy |
 //! | `policy-init.safetensors` | the policy that training started from, if any |
-//! | `policy-after-N-episodes.safetensors` | the policy after N episodes, if the configuration asks for it |
+//! | `policy-after-N-episodes.safetensors`, `policy-after-N-env-steps.safetensors` | the policy after N episodes or env steps, if the configuration asks for it |
 //! | `checkpoint/` | the last three checkpoints ([`checkpoint`](super::checkpoint)) and a lock |
 //! | `summary.json`, `learning-curve.svg` | the summary, and the learning curves |
 
@@ -26,6 +26,7 @@ use super::lock::Lock;
 #[cfg(not(target_arch = "wasm32"))]
 use super::output_file::{check_entry, remove_temporary_files};
 use super::output_file::{is_temporary, replace};
+use super::preset::Budget;
 use super::write_points::write_point;
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
@@ -211,10 +212,13 @@ impl RunFolder {
         replace(&path, write).map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
     }
 
-    /// The name of the file with the policy after `episodes` episodes.
+    /// The name of the file with the policy after a number of episodes or env steps.
     #[must_use]
-    pub fn policy_after_file(episodes: u64) -> String {
-        format!("policy-after-{episodes}-episodes.safetensors")
+    pub fn policy_after_file(after: Budget) -> String {
+        match after {
+            Budget::Episodes(n) => format!("policy-after-{n}-episodes.safetensors"),
+            Budget::EnvSteps(n) => format!("policy-after-{n}-env-steps.safetensors"),
+        }
     }
 
     /// The folder's path.
