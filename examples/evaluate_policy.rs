@@ -11,9 +11,10 @@ use wayfield::task::EpisodeSetup;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (seed, count) = (1000, 100);
     let scenario = Arc::new(shipped::scenario("scenario-1")?);
-    let (_, policy) =
-        shipped::policies().iter().find(|(name, _)| *name == "scenario-1").ok_or("no such policy")?;
-    let episodes = Evaluator::new(&scenario, count).run(policy, seed, count, EpisodeSetup::Random)?;
+    let of_scenario = |shipped: &&shipped::ShippedPolicy| shipped.scenario_from == "scenario-1";
+    let shipped = shipped::policies().iter().find(of_scenario).ok_or("no such policy")?;
+    let episodes =
+        Evaluator::new(&scenario, count).run(&shipped.policy, seed, count, EpisodeSetup::Random)?;
     let result = Evaluation::from_episodes(&episodes, count, &scenario.task, seed);
     println!(
         "success {:.1} %, collisions {:.1} %, time-outs {:.1} %, mean time {:.2} s",

@@ -115,7 +115,7 @@ fn an_autosave_is_a_run_folder_that_the_next_session_and_the_command_line_contin
 
     let mut next = app(killed.path(), 0);
     let offer = next.shown().1.last_session.clone().expect("the session is offered");
-    assert_eq!((offer.scenario.as_str(), offer.preset.as_str(), offer.seed), ("Scenario I", "fast", 3));
+    assert_eq!((offer.scenario.as_str(), offer.preset.as_str(), offer.seed), ("Scenario I", "Fast", 3));
     assert_eq!(offer.env_steps, 16 * 700);
     next.command(Command::ContinueLastSession);
     next.frame(FRAME);

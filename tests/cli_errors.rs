@@ -302,6 +302,11 @@ fn help_describes_every_flag_and_version_prints_the_crate_version() {
     for word in ["scenario-1", "per_d3qn", "fast", "Exit status"] {
         assert!(help.stdout.contains(word), "`{word}` is not in\n{}", help.stdout);
     }
+    assert_eq!(
+        help.stdout.contains("the app"),
+        cfg!(feature = "gui"),
+        "the app is offered only if there is one"
+    );
     assert!(workspace.run_ok("-h").stdout.len() <= help.stdout.len());
     assert_eq!(workspace.run_ok("--version").stdout, format!("wayfield {}\n", env!("CARGO_PKG_VERSION")));
 }

@@ -5,11 +5,14 @@
 mod cli_support;
 #[path = "support/requirements.rs"]
 mod requirements;
+#[path = "support/small_disk.rs"]
+mod small_disk;
 
 use std::os::unix::fs::PermissionsExt;
 use std::process::Command;
 
 use cli_support::{CommandOutput, Workspace, quick_fast};
+use small_disk::can_mount;
 
 const RUN: &str = "--train --preset fast.ron --steps 6400 --seed 5";
 
@@ -149,6 +152,43 @@ fn the_memory_that_the_error_asks_for_suffices() {
         let done = train(megabytes * 1_000_000 / 1024 + 1);
         assert_eq!(done.status, Some(0), "{flag} {megabytes} MB: {}", done.stderr);
     }
+}
+
+#[test]
+fn too_little_memory_to_start_is_one_error() {
+    let workspace = workspace();
+    let mut seen = 0;
+    for kilobytes in (20_000..=220_000).step_by(10_000) {
+        let limit = format!("unset RUST_BACKTRACE; ulimit -v {kilobytes}");
+        // The system does not load a program that is larger than the limit.
+        if workspace.shell(&format!("{limit}; LD_TRACE_LOADED_OBJECTS=1 exec $WAYFIELD")).status != Some(0) {
+            continue;
+        }
+        let done = workspace.shell(&format!("{limit}; exec $WAYFIELD --train --steps 16 --out run"));
+        assert_failed(&done, "(`ulimit -v`");
+        assert_eq!(done.stderr.lines().count(), 1, "{kilobytes} kB: {}", done.stderr);
+        seen += usize::from(done.stderr.contains("to start"));
+        let help = workspace.shell(&format!("{limit}; exec $WAYFIELD --help"));
+        assert!(matches!(help.status, Some(0 | 1)), "{kilobytes} kB: {help:?}");
+    }
+    assert!(seen > 0, "the limits are low enough to matter");
+}
+
+#[test]
+fn on_one_cpu_and_without_dev_shm_a_run_gives_the_same_result() {
+    let workspace = workspace();
+    workspace.run_ok(&format!("{RUN} --out run"));
+    let done = workspace.shell(&format!("exec taskset -c 0 $WAYFIELD {RUN} --out one-cpu"));
+    assert_eq!(done.status, Some(0), "{}", done.stderr);
+    workspace.assert_same_run("run", "one-cpu");
+    if !can_mount() {
+        return;
+    }
+    let script =
+        format!("mount -t tmpfs -o size=0,mode=000,ro tmpfs /dev/shm; exec $WAYFIELD {RUN} --out no-shm");
+    let done = workspace.shell(&format!("exec unshare --mount --map-root-user sh -ec '{script}'"));
+    assert_eq!(done.status, Some(0), "{}", done.stderr);
+    workspace.assert_same_run("run", "no-shm");
 }
 
 #[test]

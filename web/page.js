@@ -128,7 +128,8 @@ globalThis.wayfieldPage = {
         stop('The app has stopped because of an internal error.', text);
     },
     autosave_file: autosaves.addFile,
-    autosave: (note) => autosaves.store(note).then(() => app.autosave_stored(), (error) => app.autosave_stored(String(error))),
+    autosave: (number, note) => autosaves.store(note)
+        .then(() => app.autosave_stored(number), (error) => app.autosave_stored(number, String(error))),
     begin_autosave: autosaves.begin,
     delete_autosave: autosaves.remove,
     last_session: autosaves.offered,

@@ -29,7 +29,7 @@ pub struct Choice {
 pub struct LastSession {
     /// The scenario's name.
     pub scenario: String,
-    /// The preset's name.
+    /// The preset's title.
     pub preset: String,
     /// The seed.
     pub seed: u64,

@@ -167,7 +167,11 @@ fn shipped_choices() -> (Vec<Choice>, Vec<Choice>) {
         .map(|(name, scenario)| Choice { from: name.into(), title: scenario.name, about: scenario.about })
         .collect();
     let presets = shipped::presets()
-        .map(|(name, preset)| Choice { from: name.into(), title: name.into(), about: preset.about })
+        .map(|(name, preset)| Choice {
+            from: name.into(),
+            title: shipped::preset_title(name).unwrap_or(name).into(),
+            about: preset.about,
+        })
         .collect();
     (scenarios, presets)
 }
@@ -213,7 +217,7 @@ fn app_snapshot(session: &SessionView, scenarios: Vec<Choice>, presets: Vec<Choi
         quit_question: session.quit_question.0,
         expert: comparison::expert(config).map(|expert| ExpertChoice {
             is_new_here: expert.trained_in != config.scenario.name,
-            name: expert.name,
+            name: comparison::expert_name(expert),
         }),
         tested: session.run.tested,
         saved_scenario: session.source.saved().cloned(),

@@ -35,8 +35,9 @@ extern "C" {
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn autosave_file(name: &str, bytes: &[u8]);
     /// Stores the files passed since the last call in place of the training's autosave. `note` describes it, as JSON.
+    /// The page reports the result with `number`.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
-    pub(super) fn autosave(note: &str);
+    pub(super) fn autosave(number: u32, note: &str);
     /// Deletes the training's autosave.
     #[wasm_bindgen(js_namespace = wayfieldPage)]
     pub(super) fn delete_autosave();

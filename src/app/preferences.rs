@@ -17,7 +17,7 @@ use super::CurrentViewState;
 use super::interaction::Interaction;
 use super::view_state::ViewState;
 #[cfg(not(target_arch = "wasm32"))]
-use crate::run::folder::write_atomic;
+use crate::run::output_file::write_atomic;
 #[cfg(target_arch = "wasm32")]
 use crate::scenario::parse_ron;
 #[cfg(not(target_arch = "wasm32"))]

@@ -11,7 +11,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::fallback_fonts::FallbackFonts;
 use super::session::{Journal, Pacer};
-use crate::run::folder::write_atomic;
+use crate::run::output_file::write_atomic;
 
 /// Frames until the layout has settled, and glyphs and colours have reached the GPU.
 const SETTLING_FRAMES: u32 = 8;

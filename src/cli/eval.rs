@@ -209,13 +209,23 @@ impl EvaluationReport {
             );
         }
         if let Some(optimum) = &self.optimum {
-            let ratio = optimum.time_ratio.map_or("-".into(), |ratio| format!("{ratio:.3}"));
-            let _ = writeln!(
-                text,
-                "optimal time    {} over {} of these episodes; the policy takes {ratio} times as long",
-                seconds(optimum.optimum_mean_time_s),
-                optimum.optimum_episodes,
-            );
+            let _ = match optimum.time_ratio {
+                Some(ratio) => writeln!(
+                    text,
+                    "optimal time    {} over {} of these episodes; the policy takes {ratio:.3} times as long",
+                    seconds(optimum.optimum_mean_time_s),
+                    optimum.optimum_episodes,
+                ),
+                None if e.success_rate == 0.0 => {
+                    writeln!(text, "optimal time    not compared: no episode succeeded")
+                }
+                None => {
+                    writeln!(
+                        text,
+                        "optimal time    not compared: the planner found no path in these episodes"
+                    )
+                }
+            };
         }
         text
     }

@@ -40,9 +40,11 @@ use crate::run::{RunError, signals};
 use crate::scenario::is_unprintable;
 use crate::simulation::{Extensions, use_one_task_thread};
 
+/// The heading of the modes.
+const MODES_HEADING: &str =
+    if cfg!(feature = "gui") { "Modes (without one, the app opens)" } else { "Modes" };
+
 const AFTER_HELP: &str = "\
-Examples:
-  wayfield                                           open the app and watch a robot learn
   wayfield --train                                   train in Scenario I, in seconds, into runs/
   wayfield --eval runs/scenario-1-fast-0/policy.safetensors --course
   wayfield --train --scenario scenario-2 --init POLICY --epsilon 0.5
@@ -55,9 +57,16 @@ Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a r
 2 invalid arguments or files, 128 + N a run stopped by signal N: Ctrl-C (130), SIGTERM (143) and
 SIGHUP (129) save a checkpoint and the summary, and --resume continues.";
 
+/// The end of the help. A build without the app does not offer it.
+fn after_help() -> String {
+    let app = "  wayfield                                           open the app and watch a robot learn\n";
+    let app = if cfg!(feature = "gui") { app } else { "" };
+    format!("Examples:\n{app}{AFTER_HELP}")
+}
+
 /// Trains a LIDAR robot to navigate, in seconds, with prioritized-replay double dueling DQN
 #[derive(Parser, Debug)]
-#[command(name = "wayfield", version, max_term_width = 110, after_help = AFTER_HELP)]
+#[command(name = "wayfield", version, max_term_width = 110, after_help = after_help())]
 struct Arguments {
     #[command(flatten)]
     mode: modes::ModeArgs,
@@ -124,6 +133,8 @@ fn not_utf8(command: &mut Command, words: &[OsString]) -> Option<clap::Error> {
 /// }
 /// ```
 pub fn main(began: Instant, extensions: Extensions) -> ExitCode {
+    #[cfg(unix)]
+    memory_limit::exit_without_memory();
     signals::survive_limits();
     let mut arguments = Arguments::parse_words(std::env::args_os()).unwrap_or_else(|error| exit(&error));
     arguments.shared.extensions = extensions;

@@ -9,7 +9,7 @@ use clap::{Arg, ArgMatches, Args, Command};
 /// The flags that select a mode. Without a mode, the app opens.
 #[derive(Args, Debug)]
 #[group(multiple = false)]
-#[command(next_help_heading = "Modes (without one, the app opens)")]
+#[command(next_help_heading = super::MODES_HEADING)]
 pub struct ModeArgs {
     /// Train a policy into a new run folder
     #[arg(long)]

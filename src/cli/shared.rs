@@ -31,8 +31,8 @@ pub struct SharedArgs {
     #[arg(long, value_name = "N", value_parser = values::budget, allow_negative_numbers = true)]
     pub episodes: Option<u64>,
 
-    /// The output folder. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>]. With
-    /// --reproduce: the report's folder, continued if it already holds a report [default: runs/reproduce]
+    /// The output folder. With --train: a new run folder [default: runs/<scenario>-<preset>-<seed>, with -2, -3, ...
+    /// appended if that exists]. With --reproduce: the report's folder, continued if it already holds a report [default: runs/reproduce]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 

@@ -10,6 +10,7 @@ use super::policy;
 use super::shared::SharedArgs;
 use super::values;
 use crate::limits::MAX_ARENAS;
+use crate::report::format::percent;
 use crate::run::RunError;
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
@@ -45,8 +46,11 @@ pub struct TrainArgs {
         conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
     pub resume: Option<PathBuf>,
 
-    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30]. In the app:
-    /// save the training automatically every S seconds [default: 25]
+    /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30].
+    #[cfg_attr(
+        feature = "gui",
+        doc = "In the app: save the training automatically every S seconds [default: 25]"
+    )]
     #[arg(long, value_name = "S", value_parser = values::seconds, allow_negative_numbers = true)]
     pub checkpoint_every: Option<Duration>,
 }
@@ -95,7 +99,7 @@ fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Resul
 }
 
 fn summary_text(folder: &Path, summary: &Summary) -> String {
-    let percent = |rate: Option<f64>| rate.map_or("-".into(), |r| format!("{:.1} %", 100.0 * r));
+    let percent = |rate: Option<f64>| rate.map_or("-".into(), percent);
     let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.2} s"));
     let first = |m: &Option<Milestone>| match m {
         Some(m) => format!("{} env steps, {} episodes, {:.1} s", m.env_steps, m.episodes, m.wall_s),
@@ -105,8 +109,8 @@ fn summary_text(folder: &Path, summary: &Summary) -> String {
     format!(
         "best policy     {} success, mean time {}\n\
          last policy     {} success\n\
-         first 96 %      {}\n\
-         first 99 %      {}\n\
+         first 96%       {}\n\
+         first 99%       {}\n\
          trained         {episodes} episodes, {env_steps} env steps, {gradient_steps} gradient steps, {wall_s:.1} s\n\
          run folder      {}\n\
          test it         {}\n",

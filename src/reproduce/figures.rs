@@ -85,7 +85,7 @@ fn dot_plot(
         Ok(DotColumn {
             heading: measure.heading(),
             unit: measure.unit().into(),
-            limits: (measure == Measure::Success).then_some((0.0, 100.0)),
+            limits: measure.limits(),
             cells: rows.iter().map(cell).collect::<Result<_, RunError>>()?,
         })
     };

@@ -55,6 +55,16 @@ impl Measure {
         }
     }
 
+    /// The range of possible values, in the unit; `None` means no limits.
+    #[must_use]
+    pub fn limits(self) -> Option<(f64, f64)> {
+        match self {
+            Self::Return => None,
+            Self::Success => Some((0.0, 100.0)),
+            _ => Some((0.0, f64::INFINITY)),
+        }
+    }
+
     /// The number of decimals to show.
     #[must_use]
     pub fn digits(self) -> usize {

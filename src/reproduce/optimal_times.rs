@@ -75,7 +75,7 @@ impl OptimalTimesCache {
         let text = serde_json::to_string(times).map_err(|error| RunError::Failed(error.to_string()))?;
         std::fs::create_dir_all(&self.folder)
             .and_then(|()| replace(path, |file| file.write_all(text.as_bytes())))
-            .map_err(|error| RunError::failed(path, format!("can't be written: {error}")))
+            .map_err(|error| RunError::not_written(path, error))
     }
 }
 

@@ -3,7 +3,7 @@
 //! An earlier report is replaced only when all files of the new one are complete.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::report::page::{Item, Page};
@@ -38,8 +38,7 @@ pub fn prepare(folder: &Path) -> Result<(), RunError> {
         }
     }
     for path in PAGES.iter().map(|name| folder.join(name)).chain(figures_and_tables(folder)) {
-        check_entry(&path)
-            .map_err(|error| RunError::invalid_input(&path, format!("can't be written: {error}")))?;
+        check_entry(&path).map_err(|error| RunError::not_writable(&path, error))?;
     }
     Ok(())
 }
@@ -50,7 +49,7 @@ pub fn prepare(folder: &Path) -> Result<(), RunError> {
 /// A figure cannot be drawn, or a file cannot be written. An earlier report then is as it was.
 pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
     for sub in [folder.join(FIGURES), folder.join(TABLES)] {
-        fs::create_dir_all(&sub).map_err(|error| unwritten(&sub, &error))?;
+        fs::create_dir_all(&sub).map_err(|error| RunError::not_written(&sub, error))?;
     }
     let mut files = Vec::new();
     for item in page.sections.iter().flat_map(|section| &section.items) {
@@ -61,7 +60,7 @@ pub fn write(folder: &Path, page: &Page) -> Result<(), RunError> {
     stage(html, page.to_html().as_bytes(), &mut files)?;
     let mut written = Vec::new();
     for (path, file) in files {
-        file.persist().map_err(|error| unwritten(&path, &error))?;
+        file.persist().map_err(|error| RunError::not_written(&path, error))?;
         written.push(path);
     }
     for outdated in figures_and_tables(folder).filter(|path| !written.contains(path)) {
@@ -91,7 +90,7 @@ fn stage_item(folder: &Path, item: &Item, files: &mut Vec<(PathBuf, StagedFile)>
 /// Writes a file that is to replace `path`, and adds it to `files`.
 fn stage(path: PathBuf, bytes: &[u8], files: &mut Vec<(PathBuf, StagedFile)>) -> Result<(), RunError> {
     let file = StagedFile::write(&path, |file| file.write_all(bytes));
-    let file = file.map_err(|error| unwritten(&path, &error))?;
+    let file = file.map_err(|error| RunError::not_written(&path, error))?;
     files.push((path, file));
     Ok(())
 }
@@ -102,8 +101,4 @@ fn figures_and_tables(folder: &Path) -> impl Iterator<Item = PathBuf> {
     let entries = folders.into_iter().flat_map(|folder| fs::read_dir(folder).into_iter().flatten().flatten());
     let paths = entries.map(|entry| entry.path());
     paths.filter(|path| path.extension().is_some_and(|found| EXTENSIONS.iter().any(|known| found == *known)))
-}
-
-fn unwritten(path: &Path, error: &io::Error) -> RunError {
-    RunError::failed(path, format!("can't be written: {error}"))
 }

@@ -7,7 +7,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;
 
 use super::RunError;
-use super::folder::not_writable;
+use super::folder::folder_not_writable;
 
 /// A held lock, released on drop.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ impl Lock {
     pub fn acquire(folder: &Path, file: &Path) -> Result<Self, RunError> {
         let mut options = OpenOptions::new();
         let file = options.create(true).truncate(false).write(true).open(file);
-        let file = file.map_err(|error| not_writable(folder, &error))?;
+        let file = file.map_err(|error| folder_not_writable(folder, &error))?;
         match file.try_lock() {
             // On a file system without locks, an unlocked folder is better than no run.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Self(file)),

@@ -99,7 +99,6 @@ pub struct EvaluationMetrics {
 /// # Errors
 /// The evaluation failed, or its policy cannot be saved.
 pub fn record_evaluation(
-    config: &RunConfig,
     trainer_state: &mut TrainerState,
     eval_result: EvalResult,
     wall_s: f64,
@@ -131,8 +130,9 @@ pub fn record_evaluation(
     let is_best = row.mean_cost_s <= min_cost_s * BestPolicy::COST_TOLERANCE;
     if is_best {
         let mut policy = candidate.policy;
-        let steps = (row.env_steps, row.gradient_steps);
-        policy_card::attach(&mut policy, config, steps, Some(row.success_rate));
+        if let Some(card) = &mut policy.card {
+            card.training.success_rate = Some(row.success_rate);
+        }
         trainer_state.best = Some(BestPolicy {
             success_rate: row.success_rate,
             mean_time_s: row.mean_time_s,

@@ -185,7 +185,7 @@ impl MetricsWriter {
     }
 
     fn failed(&self, name: &str, error: impl std::fmt::Display) -> RunError {
-        RunError::failed(&self.folder.path().join(name), format!("can't be written: {error}"))
+        RunError::not_written(&self.folder.path().join(name), error)
     }
 }
 

@@ -96,6 +96,17 @@ impl RunError {
     pub(crate) fn failed(path: &std::path::Path, why: impl std::fmt::Display) -> Self {
         Self::Failed(format!("{}: {why}", crate::scenario::printable_path(path)))
     }
+
+    /// The error for a file that could not be written during the work.
+    pub(crate) fn not_written(path: &std::path::Path, error: impl std::fmt::Display) -> Self {
+        Self::failed(path, format_args!("can't be written: {error}"))
+    }
+
+    /// The error for a file that would not be writable after the work.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn not_writable(path: &std::path::Path, error: impl std::fmt::Display) -> Self {
+        Self::invalid_input(path, format_args!("can't be written: {error}"))
+    }
 }
 
 impl From<crate::simulation::StepError> for RunError {

@@ -8,8 +8,8 @@ use std::path::Path;
 use bevy::math::{DVec2, Vec2, vec2};
 
 use super::RunError;
-use super::folder::write_atomic;
 use super::image_file::ImageFormat;
+use super::output_file::write_atomic;
 use crate::report::DrawError;
 use crate::report::chart::{MapObstacle, MapObstacleKind, MapShape, MapTrack, ScenarioMap};
 use crate::scenario::{Obstacle, Outline, Scenario, Track, pose_at};
@@ -60,8 +60,7 @@ pub fn draw(scenario: &Scenario, path: &Path) -> Result<(), RunError> {
     let failed = |error: DrawError| RunError::failed(path, error);
     let svg = map(scenario, LAYOUT_SEED, 0).thumbnail_svg().map_err(failed)?;
     let bytes = format.encode(svg, 1.0).map_err(failed)?;
-    write_atomic(path, |file| file.write_all(&bytes))
-        .map_err(|error| RunError::failed(path, format!("can't be written: {error}")))
+    write_atomic(path, |file| file.write_all(&bytes)).map_err(|error| RunError::not_written(path, error))
 }
 
 /// An obstacle's direction of motion in rad from the x axis; `None` if it stands still.

@@ -6,6 +6,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use super::policy_card;
 use super::preset::Preset;
 use crate::policy::Policy;
 use crate::scenario::{FileError, Scenario, closest_name, path_exists};
@@ -41,10 +42,25 @@ const POLICIES: &[(&str, &[u8])] = &[
     ("scenario-2", include_bytes!("../../assets/policies/scenario-2.safetensors")),
 ];
 
-/// The shipped policies, by the name of the scenario they were trained in.
-pub fn policies() -> &'static [(&'static str, Policy)] {
-    static READ: LazyLock<Vec<(&str, Policy)>> = LazyLock::new(|| {
-        POLICIES.iter().filter_map(|(name, bytes)| Some((*name, Policy::from_bytes(bytes).ok()?))).collect()
+/// A shipped policy.
+pub struct ShippedPolicy {
+    /// The shipped name of the scenario that it was trained in.
+    pub scenario_from: &'static str,
+    /// The name that its card gives that scenario.
+    pub trained_in: String,
+    /// The policy.
+    pub policy: Policy,
+}
+
+/// The shipped policies.
+pub fn policies() -> &'static [ShippedPolicy] {
+    static READ: LazyLock<Vec<ShippedPolicy>> = LazyLock::new(|| {
+        let read = |&(scenario_from, bytes): &(&'static str, &[u8])| {
+            let policy = Policy::from_bytes(bytes).ok()?;
+            let trained_in = policy_card::scenario_name(&policy).unwrap_or_else(|| scenario_from.into());
+            Some(ShippedPolicy { scenario_from, trained_in, policy })
+        };
+        POLICIES.iter().filter_map(read).collect()
     });
     &READ
 }
@@ -62,6 +78,17 @@ pub fn is_scenario(name: &str) -> bool {
 /// Whether `name` is a shipped preset.
 pub fn is_preset(name: &str) -> bool {
     PRESETS.iter().any(|file| file.name == name)
+}
+
+/// The title of the shipped preset `name`, to be displayed.
+pub fn preset_title(name: &str) -> Option<&'static str> {
+    match name {
+        "fast" => Some("Fast"),
+        "dqn" => Some("DQN"),
+        "per_d3qn" => Some("PER-D3QN"),
+        "per_d3qn_tuned" => Some("PER-D3QN, tuned"),
+        _ => None,
+    }
 }
 
 /// The text of the shipped scenario `name`.
@@ -145,7 +172,6 @@ mod tests {
 
     use crate::run::evaluate::{Evaluation, Evaluator};
     use crate::run::folder::RunConfig;
-    use crate::run::policy_card;
     use crate::task::EpisodeSetup;
 
     #[test]
@@ -159,13 +185,14 @@ mod tests {
             if let Err(error) = preset(file.name) {
                 panic!("{error}");
             }
+            assert!(preset_title(file.name).is_some(), "{} has a title", file.name);
         }
     }
 
     #[test]
     fn the_shipped_policies_succeed_in_at_least_98_percent_of_episodes() {
         assert_eq!(policies().len(), POLICIES.len(), "every policy can be read");
-        for (name, policy) in policies() {
+        for ShippedPolicy { scenario_from: name, policy, .. } in policies() {
             let scenario = Arc::new(scenario(name).expect("shipped"));
             let own = policy_card::own_scenario(policy).expect("a valid card");
             assert_eq!(own.as_ref(), Some(&*scenario), "{name}: the card has the shipped scenario");

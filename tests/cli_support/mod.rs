@@ -5,6 +5,8 @@
 // Each test binary compiles its own copy and uses only a part.
 #![allow(dead_code)]
 
+#[path = "../support/default_signals.rs"]
+mod default_signals;
 pub mod event_files;
 pub mod messages;
 
@@ -16,6 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use default_signals::with_default_signals;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -118,7 +121,7 @@ impl Workspace {
     /// Starts the binary. [`wait_for_output`] collects its output.
     pub fn start(&self, arguments: &str) -> Child {
         let binary = self.command(arguments);
-        let mut command = not_ignoring_signals(binary.get_program());
+        let mut command = with_default_signals(binary.get_program());
         command.args(binary.get_args()).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
         command
             .current_dir(self.folder.path())
@@ -131,7 +134,7 @@ impl Workspace {
 
     /// Starts a `sh` script, which has the path of the binary in `WAYFIELD`.
     pub fn start_shell(&self, script: &str) -> Child {
-        let mut shell = not_ignoring_signals("sh".as_ref());
+        let mut shell = with_default_signals("sh");
         shell.args(["-euc", script]).env("WAYFIELD", env!("CARGO_BIN_EXE_wayfield"));
         shell.current_dir(self.folder.path()).stdin(Stdio::piped());
         shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
@@ -252,16 +255,6 @@ impl CommandOutput {
         assert!(value.is_object(), "{value}");
         value
     }
-}
-
-/// The command for `program`, which ignores no signal even if the tests run in the background or under `nohup`.
-fn not_ignoring_signals(program: &std::ffi::OsStr) -> Command {
-    if !cfg!(target_os = "linux") {
-        return Command::new(program);
-    }
-    let mut command = Command::new("env");
-    command.arg("--default-signal=INT,HUP,TERM").arg(program);
-    command
 }
 
 /// Waits until a started command exits.

@@ -1,6 +1,8 @@
 //! The binary with its window, on a virtual display (Xvfb) with Mesa's software GPU, and the user's actions in it.
 #![allow(dead_code, reason = "each test file uses part of this module")]
 
+#[path = "default_signals.rs"]
+mod default_signals;
 #[path = "requirements.rs"]
 pub mod requirements;
 
@@ -8,6 +10,8 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
+
+use default_signals::with_default_signals;
 
 /// A virtual display, which ends with the test.
 pub struct Display {
@@ -42,11 +46,9 @@ impl Drop for Display {
     }
 }
 
-/// The binary, with `home` as its working directory and for its files. Signals have their usual effect, even if the tests run
-/// in the background of a shell, which ignores SIGINT.
+/// The binary, with `home` as its working directory and for its files.
 pub fn command(display: Option<&str>, home: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new("env");
-    command.args(["--default-signal=INT,HUP,TERM", env!("CARGO_BIN_EXE_wayfield")]);
+    let mut command = with_default_signals(env!("CARGO_BIN_EXE_wayfield"));
     command.args(arguments).current_dir(home).env("XDG_CONFIG_HOME", home).env("XDG_RUNTIME_DIR", home);
     command.env("XDG_DATA_HOME", home.join("data"));
     command.env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");

@@ -3,19 +3,10 @@
 
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
-import { after, before, test } from 'node:test';
-import { centre, click, launch, open, picture, serve, status, until } from './support.mjs';
+import { test } from 'node:test';
+import { centre, click, closeWithoutErrors, open, pageUnderTest, picture, status, until } from './support.mjs';
 
-let host;
-let browser;
-before(async () => {
-    host = await serve();
-    browser = await launch();
-});
-after(async () => {
-    host?.close();
-    await browser?.close();
-});
+const app = pageUnderTest();
 
 /// The descriptions of the stored sessions.
 const sessions = (page) => page.evaluate(() => new Promise((resolve, reject) => {
@@ -47,10 +38,10 @@ async function trainAndSave(page) {
 const isShown = (page, name) => page.evaluate((name) => wayfieldPage.app.control(name) !== undefined, name);
 
 test('after a reload, the last session can be continued to the next step', async (t) => {
-    const page = await open(browser, `${host.address}?pace=full&seed=3`);
+    const page = await open(app.browser, `${app.address}?pace=full&seed=3`);
     const saved = await trainAndSave(page);
-    assert.deepEqual([saved.scenario, saved.preset, saved.seed], ['Scenario I', 'fast', 3]);
-    await page.goto(`${host.address}?paused`);
+    assert.deepEqual([saved.scenario, saved.preset, saved.seed], ['Scenario I', 'Fast', 3]);
+    await page.goto(`${app.address}?paused`);
     const before = await until(page, (now) => now.paused);
     assert.deepEqual([before.env_steps, before.seed], [0, 0], 'nothing continues by itself');
     await centre(page, 'Continue');
@@ -64,15 +55,14 @@ test('after a reload, the last session can be continued to the next step', async
     await until(page, (later) => later.env_steps > now.env_steps && later.gradient_steps > now.gradient_steps);
     assert.equal((await sessions(page)).length, 1, 'its next autosave replaces it');
     t.diagnostic(`continued at ${now.env_steps} env steps`);
-    assert.deepEqual(page.errors, []);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('a session of an open tab is not offered in another tab', async () => {
-    const page = await open(browser, `${host.address}?pace=full`);
+    const page = await open(app.browser, `${app.address}?pace=full`);
     await trainAndSave(page);
     const other = await page.context().newPage();
-    await other.goto(`${host.address}?paused`);
+    await other.goto(`${app.address}?paused`);
     await until(other, (now) => now.paused);
     await isShown(other, 'Continue');
     await other.waitForTimeout(2000);
@@ -87,7 +77,7 @@ test('a session of an open tab is not offered in another tab', async () => {
 });
 
 test('after a lost WebGL context, one click reloads the page and continues the training', async () => {
-    const page = await open(browser, `${host.address}?pace=full&seed=3`);
+    const page = await open(app.browser, `${app.address}?pace=full&seed=3`);
     const saved = await trainAndSave(page);
     await page.evaluate(() => document.querySelector('canvas').getContext('webgl2').getExtension('WEBGL_lose_context').loseContext());
     await page.waitForFunction(() => document.body.dataset.state === 'failed', null, { timeout: 20_000 });
@@ -102,7 +92,7 @@ test('after a lost WebGL context, one click reloads the page and continues the t
 });
 
 test('after a crash of the module, the page offers to continue from the autosave', async () => {
-    const page = await open(browser, `${host.address}?pace=full&seed=3`);
+    const page = await open(app.browser, `${app.address}?pace=full&seed=3`);
     const saved = await trainAndSave(page);
     // A module whose start function is the instruction `unreachable`: what a panic compiles to.
     await page.evaluate(() => setTimeout(() => new WebAssembly.Instance(new WebAssembly.Module(new Uint8Array([
@@ -124,7 +114,7 @@ for (const [what, prepare] of [
     }],
 ]) {
     test(`${what}, the page says that it cannot save, and training goes on`, async () => {
-        const page = await open(browser, `${host.address}?pace=full`, { prepare: (page) => page.addInitScript(prepare) });
+        const page = await open(app.browser, `${app.address}?pace=full`, { prepare: (page) => page.addInitScript(prepare) });
         const now = await until(page, (now) => now.gradient_steps > 0);
         await page.waitForTimeout(3000);
         await page.evaluate(() => dispatchEvent(new Event('blur')));
@@ -133,16 +123,15 @@ for (const [what, prepare] of [
         await until(page, (later) => later.env_steps > reported.env_steps);
         assert.ok(reported.env_steps > now.env_steps);
         await picture(page, 'no-autosave');
-        assert.deepEqual(page.errors, []);
-        await page.context().close();
+        await closeWithoutErrors(page);
     });
 }
 
 test('a damaged autosave is reported, and the new training goes on', async () => {
-    const page = await open(browser, `${host.address}?pace=full&seed=3`);
+    const page = await open(app.browser, `${app.address}?pace=full&seed=3`);
     await trainAndSave(page);
     await page.goto('about:blank');
-    await page.goto(`${host.address}?paused`);
+    await page.goto(`${app.address}?paused`);
     await until(page, (now) => now.paused);
     await page.evaluate(() => new Promise((resolve) => {
         indexedDB.open('wayfield').onsuccess = ({ target: { result: database } }) => {

@@ -3,26 +3,17 @@
 
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { brotliCompressSync, constants } from 'node:zlib';
-import { SOFTWARE_GPU, canBeHidden, centre, click, launch, open, picture, press, serve, status, until } from './support.mjs';
+import {
+    SOFTWARE_GPU, canBeHidden, centre, click, closeWithoutErrors, launch, open, pageUnderTest, picture, press, status, until,
+} from './support.mjs';
 
-let host;
-let browser;
-before(async () => {
-    host = await serve();
-    browser = await launch();
-});
-after(async () => {
-    host?.close();
-    await browser?.close();
-});
+const app = pageUnderTest();
 
 // High enough for the whole setup panel.
 const TALL = { viewport: { width: 1280, height: 900 } };
-
-const assertNoErrors = (page) => assert.deepEqual(page.errors, []);
 
 test('the compressed module is at most 6 MB', async (t) => {
     const module = await readFile(new URL('wayfield_bg.wasm', pathToFileURL(`${process.env.WAYFIELD_PAGE}/`)));
@@ -32,7 +23,7 @@ test('the compressed module is at most 6 MB', async (t) => {
 });
 
 test('the page works under any path, contacts no other host, and the robot learns to drive', async (t) => {
-    const page = await open(browser, `${host.address}?pace=full`, { options: { colorScheme: 'light' } });
+    const page = await open(app.browser, `${app.address}?pace=full`, { options: { colorScheme: 'light' } });
     assert.equal(await page.evaluate(() => document.body.dataset.state), 'started');
     const startedMs = await page.evaluate(() => Number(document.body.dataset.startedMs));
     const first = await until(page, (now) => now.env_steps > 0);
@@ -50,14 +41,13 @@ test('the page works under any path, contacts no other host, and the robot learn
     await picture(page, 'trained');
     const description = await page.textContent('#status');
     assert.match(description, /Scenario scenario-1, preset fast: \d+ episodes, success rate [\d.]+ %/, 'for screen readers');
-    for (const url of page.requests) assert.ok(url.startsWith(host.address) || url === 'data:,', `unexpected request: ${url}`);
-    assertNoErrors(page);
-    await page.context().close();
+    for (const url of page.requests) assert.ok(url.startsWith(app.address) || url === 'data:,', `unexpected request: ${url}`);
+    await closeWithoutErrors(page);
 });
 
 test('the page draws on a screen with more pixels than the largest texture of the GPU', async () => {
     const options = { viewport: { width: 1500, height: 300 }, deviceScaleFactor: 6 };
-    const page = await open(browser, host.address, { options });
+    const page = await open(app.browser, app.address, { options });
     await until(page, (now) => now.frames > 20, 120);
     const { width, drawn, shown } = await page.evaluate(() => {
         const canvas = document.querySelector('canvas');
@@ -66,8 +56,7 @@ test('the page draws on a screen with more pixels than the largest texture of th
     });
     assert.ok(width <= drawn, `${width} pixels, at most ${drawn}`);
     assert.ok(Math.abs(shown - 1500) < 2, `${shown} of 1500 points`);
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('a clock that the browser rounds to 100 ms costs no frames', async () => {
@@ -76,7 +65,7 @@ test('a clock that the browser rounds to 100 ms costs no frames', async () => {
         performance.now = () => Math.floor(now() / 100) * 100;
     };
     const framesIn = async (prepare) => {
-        const page = await open(browser, `${host.address}?pace=full`, { prepare });
+        const page = await open(app.browser, `${app.address}?pace=full`, { prepare });
         const { frames } = await until(page, (now) => now.env_steps > 20_000, 120);
         await page.waitForTimeout(10_000);
         const later = await status(page);
@@ -89,7 +78,7 @@ test('a clock that the browser rounds to 100 ms costs no frames', async () => {
 });
 
 test('the page runs no injected script and can contact no other host', async () => {
-    const page = await open(browser, host.address);
+    const page = await open(app.browser, app.address);
     const tried = await page.evaluate(async () => {
         const forbidden = new Set();
         document.addEventListener('securitypolicyviolation', (violation) => forbidden.add(violation.effectiveDirective));
@@ -121,17 +110,16 @@ test('the page runs no injected script and can contact no other host', async () 
 });
 
 test('the address selects scenario, preset, seed and pace', async () => {
-    const page = await open(browser, `${host.address}?scenario=scenario-2&preset=per_d3qn&seed=4294967295&pace=20&paused`);
+    const page = await open(app.browser, `${app.address}?scenario=scenario-2&preset=per_d3qn&seed=4294967295&pace=20&paused`);
     const now = await until(page, (now) => now.scenario === 'scenario-2');
     assert.deepEqual([now.preset, now.seed, now.paused, now.pace], ['per_d3qn', 4294967295, true, { Times: 20 }]);
     assert.equal(now.env_steps, 0);
     await picture(page, 'from-address');
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('a scenario selected with the mouse can continue or restart training, and the address is updated', async () => {
-    const page = await open(browser, `${host.address}?seed=5`, { options: TALL });
+    const page = await open(app.browser, `${app.address}?seed=5`, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
     await click(page, 'Scenario');
     await click(page, 'Empty');
@@ -143,12 +131,11 @@ test('a scenario selected with the mouse can continue or restart training, and t
     await page.waitForFunction(() => new URLSearchParams(location.search).get('scenario') === 'empty', null, { timeout: 20_000 });
     const now = await status(page);
     assert.deepEqual([now.scenario, now.preset, now.seed], ['empty', 'fast', 5]);
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('one click compares an expert with the current policy', async () => {
-    const page = await open(browser, host.address, { options: TALL });
+    const page = await open(app.browser, app.address, { options: TALL });
     await until(page, (now) => now.env_steps > 0);
     await click(page, 'Watch an expert');
     const now = await until(page, (now) => now.mode === 'Compare');
@@ -156,8 +143,7 @@ test('one click compares an expert with the current policy', async () => {
     await page.waitForTimeout(4000);
     await picture(page, 'expert');
     assert.equal((await status(page)).env_steps, now.env_steps, 'training is suspended during the comparison');
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 const ownScenario = async (name) => (await readFile(new URL('../../scenarios/scenario-1.ron', import.meta.url), 'utf8'))
@@ -165,7 +151,7 @@ const ownScenario = async (name) => (await readFile(new URL('../../scenarios/sce
 const file = (name, text) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
 
 test('an invalid scenario is reported with line and column; a valid one starts a training that can be shared by link', async () => {
-    const page = await open(browser, host.address, { options: TALL });
+    const page = await open(app.browser, app.address, { options: TALL });
     const before = await until(page, (now) => now.env_steps > 0);
     const valid = await ownScenario('Mine');
     await page.setInputFiles('#file', file('broken.ron', valid.replace('radius_m', 'radius_cm')));
@@ -184,17 +170,15 @@ test('an invalid scenario is reported with line and column; a valid one starts a
     await page.waitForFunction(() => location.hash.startsWith('#scenario='));
     const link = page.url();
     assert.ok(link.length < 2000, `${link.length} characters`);
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 
-    const other = await open(browser, link, { options: TALL });
+    const other = await open(app.browser, link, { options: TALL });
     const shared = await until(other, (now) => now.env_steps > 0);
     assert.equal(shared.scenario, 'mine.ron');
     await picture(other, 'shared');
-    assertNoErrors(other);
-    await other.context().close();
+    await closeWithoutErrors(other);
 
-    const damaged = await open(browser, `${link.slice(0, -40)}`);
+    const damaged = await open(app.browser, `${link.slice(0, -40)}`);
     const now = await until(damaged, (now) => now.env_steps > 0);
     assert.equal(now.scenario, 'scenario-1');
     assert.match(now.notice, /mine\.ron/);
@@ -202,7 +186,7 @@ test('an invalid scenario is reported with line and column; a valid one starts a
 });
 
 test('a saved policy can be opened again, and a dropped file is opened', async () => {
-    const page = await open(browser, host.address, { options: TALL });
+    const page = await open(app.browser, app.address, { options: TALL });
     await until(page, (now) => now.gradient_steps > 0);
     const [saved] = await Promise.all([page.waitForEvent('download'), press(page, 'Control', 's')]);
     assert.equal(saved.suggestedFilename(), 'scenario-1-fast-0.safetensors');
@@ -219,12 +203,11 @@ test('a saved policy can be opened again, and a dropped file is opened', async (
     }, [name, text]);
     await drop('dropped.ron', await ownScenario('Dropped'));
     await until(page, (now) => now.scenario === 'dropped.ron' && now.mode === 'Train');
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('an obstacle can be dragged with the mouse, and the modified scenario can be saved', async () => {
-    const page = await open(browser, `${host.address}?paused`, { options: TALL });
+    const page = await open(app.browser, `${app.address}?paused`, { options: TALL });
     await until(page, (now) => now.paused);
     const save = async () => {
         const [saved] = await Promise.all([page.waitForEvent('download'), click(page, 'Save scenario…')]);
@@ -247,12 +230,11 @@ test('an obstacle can be dragged with the mouse, and the modified scenario can b
     const moved = await save();
     const differ = before.split('\n').filter((line, k) => line !== moved.split('\n')[k]);
     assert.equal(differ.length, 1, `only the position of one obstacle differs: ${differ}`);
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('an edited scenario is saved with its comments, and training continues in it', async () => {
-    const page = await open(browser, `${host.address}?scenario=empty&edit`, { options: TALL });
+    const page = await open(app.browser, `${app.address}?scenario=empty&edit`, { options: TALL });
     await until(page, (now) => now.paused);
     const save = async () => {
         const [saved] = await Promise.all([page.waitForEvent('download'), click(page, 'Save')]);
@@ -276,12 +258,11 @@ test('an edited scenario is saved with its comments, and training continues in i
     const now = await until(page, (now) => now.scenario_modified && !now.paused && now.env_steps > beforeApplying.env_steps);
     assert.equal(now.scenario, 'empty.ron', 'the scenario has the name of the saved file');
     await picture(page, 'continues-in-edited-scenario');
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('simulation and initial weights are bit-identical to a native build', async () => {
-    const page = await open(browser, `${host.address}?paused`);
+    const page = await open(app.browser, `${app.address}?paused`);
     const fixture = new URL('../../tests/fixtures/fingerprints.json', import.meta.url);
     for (const { scenario, preset, seed, control_steps, fingerprint } of JSON.parse(await readFile(fixture))) {
         if (scenario.endsWith('.ron')) {
@@ -292,12 +273,11 @@ test('simulation and initial weights are bit-identical to a native build', async
             [scenario, preset, seed, control_steps]);
         assert.equal(found, fingerprint, `${scenario}, ${preset}, seed ${seed}`);
     }
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('a paused page uses almost no CPU', async (t) => {
-    const page = await open(browser, `${host.address}?paused`);
+    const page = await open(app.browser, `${app.address}?paused`);
     await until(page, (now) => now.paused);
     await page.waitForTimeout(3000);
     const cdp = await page.context().newCDPSession(page);
@@ -313,12 +293,11 @@ test('a paused page uses almost no CPU', async (t) => {
         + `${later - frames} frames`);
     assert.ok(later - frames <= 20, `${later - frames} frames in 10 s`);
     assert.ok(after - before < 1, `busy for ${after - before} s of 10`);
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('the page survives being hidden and resized, and accepts touch', async () => {
-    const page = await open(browser, host.address, { options: { hasTouch: true }, prepare: canBeHidden });
+    const page = await open(app.browser, app.address, { options: { hasTouch: true }, prepare: canBeHidden });
     await until(page, (now) => now.env_steps > 0);
     await page.evaluate(() => hide());
     await page.waitForTimeout(2000);
@@ -346,25 +325,24 @@ test('the page survives being hidden and resized, and accepts touch', async () =
     }
     await page.touchscreen.tap(...await centre(page, 'Pause'));
     await until(page, (now) => now.paused);
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('the canvas has the full resolution of a high-density screen', async (t) => {
     const dense = await launch([...SOFTWARE_GPU, '--force-device-scale-factor=2']);
     t.after(() => dense.close());
-    const page = await open(dense, host.address, { options: { viewport: null } });
+    const page = await open(dense, app.address, { options: { viewport: null } });
     await until(page, (now) => now.frames > 3);
     const [ratio, width, pixels] = await page.evaluate(() =>
         [devicePixelRatio, innerWidth, document.querySelector('canvas').width]);
     assert.equal(ratio, 2);
     assert.equal(pixels, 2 * width);
     await picture(page, 'high-density');
-    assertNoErrors(page);
+    await closeWithoutErrors(page);
 });
 
 test('invalid options in the address are reported, and the defaults are used', async () => {
-    const page = await open(browser, `${host.address}?scenario=scenario-9&seed=-1&pace=fastest`);
+    const page = await open(app.browser, `${app.address}?scenario=scenario-9&seed=-1&pace=fastest`);
     const now = await until(page, (now) => now.env_steps > 0);
     assert.deepEqual([now.scenario, now.seed, now.pace], ['scenario-1', 0, { Times: 5 }]);
     assert.match(now.notice, /scenario-9.*did you mean `scenario-\d`/s);
@@ -373,7 +351,7 @@ test('invalid options in the address are reported, and the defaults are used', a
 });
 
 test('the app takes only its own shortcuts from the browser, and the view is restored after a reload', async () => {
-    const page = await open(browser, host.address);
+    const page = await open(app.browser, app.address);
     await until(page, (now) => now.env_steps > 0);
     const isTaken = (options) => page.evaluate((options) => {
         const event = new KeyboardEvent('keydown', { bubbles: true, cancelable: true, ...options });
@@ -389,18 +367,17 @@ test('the app takes only its own shortcuts from the browser, and the view is res
     await until(page, (now) => now.frames > 5);
     await picture(page, 'without-plots');
     assert.match(await page.evaluate(() => localStorage.getItem('wayfield: preferences')), /plots_open: false/);
-    assertNoErrors(page);
-    await page.context().close();
+    await closeWithoutErrors(page);
 });
 
 test('a missing WebGL 2 or a missing module is reported', async (t) => {
     const withoutWebGl = await launch(['--disable-gpu', '--disable-3d-apis']);
     t.after(() => withoutWebGl.close());
-    const failed = await open(withoutWebGl, host.address);
+    const failed = await open(withoutWebGl, app.address);
     assert.equal(await failed.evaluate(() => document.body.dataset.state), 'failed');
     assert.match(await failed.textContent('#message'), /WebGL 2/);
     await picture(failed, 'no-webgl');
-    const page = await open(browser, host.address, {
+    const page = await open(app.browser, app.address, {
         prepare: (page) => page.route('**/*.wasm?*', (route) => route.fulfill({ status: 404 })),
     });
     assert.equal(await page.evaluate(() => document.body.dataset.state), 'failed');

@@ -1,8 +1,10 @@
 // Helpers for the page tests: a server for the page, a browser that opens it, and user actions.
 // In: the folder made by web/build. Out: pages, and the status that they report (from src/app/browser.rs).
 
+import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
+import { after, before } from 'node:test';
 import { join, extname } from 'node:path';
 
 const { WAYFIELD_PAGE, WAYFIELD_SEEN, WAYFIELD_CHROMIUM, WAYFIELD_PLAYWRIGHT } = process.env;
@@ -14,7 +16,7 @@ const TYPES = {
 };
 
 /// Serves the page under a sub-path, like a project page on a shared host. Returns its address and a function that stops it.
-export async function serve() {
+async function serve() {
     const base = '/some/where/';
     const server = createServer(async (request, response) => {
         const path = new URL(request.url, 'http://localhost').pathname; // Without the query, which is the build id.
@@ -39,6 +41,27 @@ export const SOFTWARE_GPU = ['--use-gl=angle', '--use-angle=swiftshader', '--ena
 
 export const launch = (gpu = SOFTWARE_GPU) =>
     chromium.launch({ executablePath: WAYFIELD_CHROMIUM, args: [...FLAGS, ...gpu] });
+
+/// Serves the page and launches a browser while the tests of a file run. Returns an object that has `address` and `browser` then.
+export function pageUnderTest() {
+    const tested = {};
+    let close;
+    before(async () => {
+        ({ address: tested.address, close } = await serve());
+        tested.browser = await launch();
+    });
+    after(async () => {
+        close?.();
+        await tested.browser?.close();
+    });
+    return tested;
+}
+
+/// Checks that the page has reported no errors, and closes it.
+export async function closeWithoutErrors(page) {
+    assert.deepEqual(page.errors, []);
+    await page.context().close();
+}
 
 /// Opens a page, and records its errors and its network requests.
 export async function open(browser, address, { options = {}, prepare = async () => {} } = {}) {

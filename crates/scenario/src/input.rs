@@ -23,7 +23,7 @@ static READ_ONCE: Mutex<Vec<(PathBuf, Vec<u8>)>> = Mutex::new(Vec::new());
 /// The file is missing, a folder or unreadable, or it is a named pipe that no program writes to.
 pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if is_stdin(path) {
-        return read_once(path, || read_up_to(io::stdin(), max_bytes));
+        return read_once(path, max_bytes, || Ok(io::stdin()));
     }
     let metadata = fs::metadata(path)?;
     if metadata.is_dir() {
@@ -35,7 +35,7 @@ pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if let Some(kind) = unreadable_kind(&metadata) {
         return Err(Error::other(format!("it is a {kind}, not a file")));
     }
-    read_once(path, || read_up_to(open_soon(path)?, max_bytes))
+    read_once(path, max_bytes, || open_soon(path))
 }
 
 /// Whether a file or folder exists at `path`. Standard input (`-`) exists.
@@ -60,13 +60,17 @@ fn read_up_to(file: impl Read, max_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The bytes that an earlier call has read at `path`, or those that `read` returns now.
-fn read_once(path: &Path, read: impl FnOnce() -> io::Result<Vec<u8>>) -> io::Result<Vec<u8>> {
+/// The first `max_bytes` bytes of those that an earlier call has read at `path`, or of the file that `open` opens now.
+fn read_once<R: Read>(
+    path: &Path,
+    max_bytes: u64,
+    open: impl FnOnce() -> io::Result<R>,
+) -> io::Result<Vec<u8>> {
     let mut files = READ_ONCE.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, bytes)) = files.iter().find(|(known, _)| known == path) {
-        return Ok(bytes.clone());
+        return read_up_to(bytes.as_slice(), max_bytes);
     }
-    let bytes = read()?;
+    let bytes = read_up_to(open()?, max_bytes)?;
     files.push((path.into(), bytes.clone()));
     Ok(bytes)
 }
@@ -97,4 +101,17 @@ fn unreadable_kind(metadata: &Metadata) -> Option<&'static str> {
 #[cfg(not(unix))]
 fn unreadable_kind(_: &Metadata) -> Option<&'static str> {
     None
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_read_once_is_limited_at_every_reading() {
+        let read = |max_bytes| {
+            read_bytes(Path::new("/dev/zero"), max_bytes).expect("a device that can be read").len()
+        };
+        assert_eq!([read(10), read(4), read(10)], [10, 4, 10]);
+    }
 }

@@ -89,6 +89,11 @@ impl Obstacle {
         }
     }
 
+    /// The places where it really goes: its track, or a point if its speed is 0.
+    pub(super) fn actual_track(&self) -> Track {
+        if self.motion.is_moving() { self.track() } else { Track::Point }
+    }
+
     /// The corners of its path, in m, starting with its position, and whether the path is closed. `None` for motions without
     /// waypoints.
     #[must_use]

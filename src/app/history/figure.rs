@@ -8,11 +8,11 @@ use std::path::Path;
 use egui_plot::PlotPoint;
 
 use super::History;
-use crate::report::run_figure::{EarlierCurves, EpisodePoint, EvaluationPoint, RunFigure, RunMark};
+use crate::report::run_figure::{EarlierRun, EpisodePoint, EvaluationPoint, RunFigure, RunMark};
 use crate::run::RunError;
-use crate::run::folder::write_atomic;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::run::image_file::ImageFormat;
+use crate::run::output_file::write_atomic;
 
 /// Pixels of the PNG per pixel of the SVG: large enough for print.
 #[cfg(not(target_arch = "wasm32"))]
@@ -37,7 +37,7 @@ impl History {
             evaluations: self.evaluation_points(),
             best,
             marks: self.annotations.iter().map(mark).collect(),
-            earlier: self.earlier.as_ref().map_or_else(EarlierCurves::default, |earlier| EarlierCurves {
+            earlier: self.earlier.as_ref().map_or_else(EarlierRun::default, |earlier| EarlierRun {
                 success_rate: pairs(earlier.evaluated.points()),
                 return_mean: pairs(earlier.return_mean.points()),
                 goal_mean: pairs(earlier.goal_mean.points()),

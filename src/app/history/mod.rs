@@ -21,8 +21,8 @@ pub use self::curves::{EarlierCurves, LearningCurves};
 pub use self::figure::write_figure;
 pub use self::series::{DownsampledSeries, MAX_POINTS, MOVING_AVERAGE_EPISODES, MovingAverage};
 use self::spool::Spool;
-use crate::run::folder::write_atomic;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
+use crate::run::output_file::write_atomic;
 
 /// The history of a training.
 pub struct History {

@@ -14,6 +14,11 @@ pub fn format_count(n: u64) -> String {
     if n >= 1000 { format!("{},{:03}", n / 1000, n % 1000) } else { n.to_string() }
 }
 
+/// A number of episodes in words: 1 episode, 12,345 episodes.
+pub fn format_episodes(count: u64) -> String {
+    format!("{} {}", format_count(count), if count == 1 { "episode" } else { "episodes" })
+}
+
 /// A rate, rounded and formatted as by [`format_count`]; a dash if it is not finite.
 pub fn format_rate(per_s: f64) -> String {
     if per_s.is_finite() { format_count(per_s.max(0.0).round() as u64) } else { "–".into() }
@@ -67,6 +72,7 @@ mod tests {
             [0, 999, 1000, 12_345, 999_999].map(format_count),
             ["0", "999", "1,000", "12,345", "999,999"]
         );
+        assert_eq!([0, 1, 12_345].map(format_episodes), ["0 episodes", "1 episode", "12,345 episodes"]);
         assert_eq!([1_234_567, 2_500_000_000].map(format_count), ["1.23M", "2.50G"]);
         assert_eq!([f64::NAN, -3.0, 1234.5].map(format_rate), ["–", "0", "1,235"]);
         assert_eq!([0.97, 12.4, 1234.0].map(format_factor), ["1.0×", "12×", "1,234×"]);

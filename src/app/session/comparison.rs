@@ -13,6 +13,7 @@ use crate::app::app_snapshot::Severity;
 use crate::app::commands::{PolicySource, SessionMode};
 use crate::policy::Policy;
 use crate::run::folder::RunConfig;
+use crate::run::shipped::ShippedPolicy;
 use crate::run::{RunError, policy_card, shipped};
 
 /// Lets a shipped policy drive next to the current one.
@@ -21,19 +22,19 @@ use crate::run::{RunError, policy_card, shipped};
 /// No shipped policy can drive here.
 pub(super) fn open_expert(world: &mut World) -> Result<(), RunError> {
     let config = &world.resource::<TrainingRun>().config;
-    let Some(Expert { name, trained_in, policy }) = expert(config) else {
+    let Some(expert) = expert(config) else {
         let why = "No shipped policy can drive here: they were trained with another LIDAR, another robot or other \
                    observations";
         return Err(RunError::InvalidInput(why.into()));
     };
-    let here = &config.scenario.name;
-    let text = if trained_in == *here {
+    let (name, here) = (expert_name(expert), &config.scenario.name);
+    let text = if expert.trained_in == *here {
         format!("The {name} drives next to the current policy")
     } else {
         format!("The {name} drives next to the current policy. It was not trained in {here}")
     };
     notify(world, NoticeTopic::General, Severity::Info, text);
-    compare_with(world, (name, policy.clone()))
+    compare_with(world, (name, expert.policy.clone()))
 }
 
 /// Lets the best policy of the training so far drive next to the current one.
@@ -46,23 +47,18 @@ pub(super) fn open_best(world: &mut World) -> Result<(), RunError> {
     compare_with(world, ("Best so far".into(), policy))
 }
 
-/// A shipped policy.
-pub(crate) struct Expert {
-    /// Its name.
-    pub(crate) name: String,
-    /// Name of the scenario that it was trained in.
-    pub(crate) trained_in: String,
-    policy: &'static Policy,
+/// The shipped policy for the scenario of `config`, or else the first one that can drive there.
+pub(crate) fn expert(config: &RunConfig) -> Option<&'static ShippedPolicy> {
+    let all = shipped::policies();
+    let of_this_scenario = all.iter().filter(|shipped| shipped.scenario_from == config.scenario_from);
+    of_this_scenario
+        .chain(all)
+        .find(|shipped| check_can_drive(config, shipped.scenario_from, &shipped.policy).is_ok())
 }
 
-/// The shipped policy for the scenario of `config`, or else the first one that can drive there.
-pub(crate) fn expert(config: &RunConfig) -> Option<Expert> {
-    let all = shipped::policies();
-    let of_this_scenario = all.iter().filter(|(name, _)| *name == config.scenario_from);
-    let (name, policy) =
-        of_this_scenario.chain(all).find(|(name, policy)| check_can_drive(config, name, policy).is_ok())?;
-    let trained_in = policy_card::scenario_name(policy).unwrap_or_else(|| (*name).into());
-    Some(Expert { name: format!("{trained_in} expert"), trained_in, policy })
+/// The name of a shipped policy in a comparison.
+pub(crate) fn expert_name(expert: &ShippedPolicy) -> String {
+    format!("{} expert", expert.trained_in)
 }
 
 /// Where `policy` comes from, as seen from the training of `config`; empty if its card does not say.

@@ -14,7 +14,7 @@ use super::file_watch::FileWatches;
 use super::scenario_source::ScenarioSource;
 use super::training_run::TrainingRun;
 use crate::app::commands::EditorReply;
-use crate::run::folder::write_atomic;
+use crate::run::output_file::write_atomic;
 use crate::run::{RunError, shipped};
 use crate::scenario::{MAX_FILE_BYTES, Scenario, path_exists, read_text, to_text, utf8};
 

@@ -144,7 +144,7 @@ pub(super) fn record_finished(world: &mut World, wait: bool) -> Result<(), RunEr
     while let Some(result) = world.resource_mut::<Evaluations>().poll(wait)? {
         let run = world.resource_mut::<TrainingRun>().into_inner();
         let wall_s = run.wall_s();
-        let noted = metrics::record_evaluation(&run.config, &mut run.trainer_state, result, wall_s)?;
+        let noted = metrics::record_evaluation(&mut run.trainer_state, result, wall_s)?;
         world.resource_mut::<TrainingHistory>().0.push_evaluation(&noted.row);
         world.resource_mut::<Evaluations>().rows.push(noted.row);
     }

@@ -22,7 +22,7 @@ use crate::run::checkpoint::{self, TrainerState};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::run::folder::RunFolder;
 use crate::run::folder::{RunConfig, header};
-use crate::run::{RunError, metrics};
+use crate::run::{RunError, metrics, shipped};
 use crate::scenario::to_ron;
 
 /// Writes the contents of a file.
@@ -77,7 +77,8 @@ impl RunSnapshot {
     pub(super) fn describe(&self) -> LastSession {
         LastSession {
             scenario: self.config.scenario.name.clone(),
-            preset: self.config.preset_name(),
+            preset: shipped::preset_title(&self.config.preset_from)
+                .map_or_else(|| self.config.preset_name(), Into::into),
             seed: self.config.seed,
             env_steps: self.learner.env_steps(),
             age_s: 0,

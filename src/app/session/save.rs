@@ -22,8 +22,8 @@ use super::training_run::TrainingRun;
 use crate::app::commands::{FigureFormat, PolicySource, SaveKind};
 use crate::app::history::write_figure;
 use crate::report::run_figure::RunFigure;
-use crate::run::folder::write_atomic;
 use crate::run::metric_rows::EvaluationRow;
+use crate::run::output_file::write_atomic;
 use crate::run::{RunError, metrics, shipped};
 
 impl TrainingRun {

@@ -3,14 +3,12 @@
 use std::path::Path;
 
 use crate::reproduce::Experiment;
-use crate::run::RunError;
 use crate::run::folder::RunConfig;
 use crate::run::notes::preset_notes;
 use crate::run::policy_card;
 use crate::run::preset::Preset;
 use crate::scenario::{
-    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, locate, notes, printable_path, read_text,
-    resemblance,
+    FileError, LocatedDiagnostic, Note, NoteLevel, Scenario, locate, notes, read_text, resemblance,
 };
 
 /// The kind of a file that can be checked.
@@ -62,7 +60,7 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
     if path.extension().is_some_and(|extension| extension == "safetensors") {
         return (
             Some(FileKind::Policy),
-            policy_card::read(path).map(|_| Vec::new()).map_err(|error| policy_error(path, &error)),
+            policy_card::read_unnamed(path).map(|_| Vec::new()).map_err(|why| FileError::for_file(path, why)),
         );
     }
     let text = match read_text(path) {
@@ -84,13 +82,6 @@ pub fn check(path: &Path) -> (Option<FileKind>, Result<LocatedNotes, FileError>)
 fn located(text: &str, notes: &[Note]) -> LocatedNotes {
     let located = locate(text, notes.iter().map(|note| &note.diagnostic));
     notes.iter().map(|note| note.level).zip(located).collect()
-}
-
-/// The error of a policy as the error of its file.
-fn policy_error(path: &Path, error: &RunError) -> FileError {
-    let message = error.to_string();
-    let prefix = format!("{}: ", printable_path(path));
-    FileError::for_file(path, message.strip_prefix(&prefix).unwrap_or(&message))
 }
 
 #[cfg(test)]

@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn the_number_of_parallel_arenas_does_not_change_the_episodes() {
         let scenario = Arc::new(shipped::scenario("scenario-2").expect("shipped"));
-        let (_, policy) = &shipped::policies()[1];
+        let policy = &shipped::policies()[1].policy;
         let episodes = |arenas| {
             Evaluator::new(&scenario, arenas).run(policy, 4, 40, EpisodeSetup::Random).expect("episodes")
         };
@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn slices_and_a_thread_give_the_same_evaluation() {
         let scenario = Arc::new(shipped::scenario("scenario-1").expect("shipped"));
-        let (_, policy) = &shipped::policies()[0];
+        let policy = &shipped::policies()[0].policy;
         let candidate = || Candidate { policy: policy.clone(), env_steps: 0, episodes: 0, gradient_steps: 0 };
         let mut threaded =
             ThreadedEvaluator::start(&scenario, 40, 3, &Extensions::default()).expect("a thread");

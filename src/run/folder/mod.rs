@@ -23,15 +23,14 @@ use std::sync::Arc;
 use super::RunError;
 #[cfg(not(target_arch = "wasm32"))]
 use super::lock::Lock;
+use super::output_file::{Sink, is_temporary, replace};
 #[cfg(not(target_arch = "wasm32"))]
 use super::output_file::{check_entry, remove_temporary_files};
-use super::output_file::{is_temporary, replace};
 use super::preset::Budget;
 use super::write_points::write_point;
 use crate::limits::MAX_CONFIG_BYTES;
 use crate::scenario::{FileError, read_ron_with_limit, read_text_with_limit, to_ron};
 
-pub use super::output_file::{Sink, write_atomic};
 pub use config::{RunConfig, Transfer};
 pub use csv_file::header;
 
@@ -80,7 +79,7 @@ impl RunFolder {
         };
         folder.check_vacant()?;
         fs::create_dir_all(folder.path.join("checkpoint"))
-            .map_err(|error| not_writable(&folder.path, &error))?;
+            .map_err(|error| folder_not_writable(&folder.path, &error))?;
         write_point("run folder: created");
         let folder = folder.locked()?;
         // Another process may have created a run before the lock was taken.
@@ -134,8 +133,7 @@ impl RunFolder {
         {
             let lock = Arc::new(Lock::acquire(&self.path, &self.path.join("checkpoint/lock"))?);
             for path in REPLACED.iter().map(|name| self.path.join(name)) {
-                check_entry(&path)
-                    .map_err(|error| RunError::invalid_input(&path, format!("can't be written: {error}")))?;
+                check_entry(&path).map_err(|error| RunError::not_writable(&path, error))?;
             }
             remove_temporary_files(&self.path);
             remove_temporary_files(&self.path.join("checkpoint"));
@@ -209,7 +207,7 @@ impl RunFolder {
     /// The file cannot be written.
     pub fn write(&self, name: &str, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> Result<(), RunError> {
         let path = self.path.join(name);
-        replace(&path, write).map_err(|error| RunError::failed(&path, format!("can't be written: {error}")))
+        replace(&path, write).map_err(|error| RunError::not_written(&path, error))
     }
 
     /// The name of the file with the policy after a number of episodes or env steps.
@@ -254,12 +252,12 @@ fn create_default_folder(config: &RunConfig) -> Result<PathBuf, RunError> {
                 path = runs.join(format!("{name}-{number}"));
                 number += 1;
             }
-            Err(error) => return Err(not_writable(&path, &error)),
+            Err(error) => return Err(folder_not_writable(&path, &error)),
         }
     }
 }
 
 /// The error for an output folder that cannot be written.
-pub(super) fn not_writable(folder: &Path, error: &io::Error) -> RunError {
+pub(super) fn folder_not_writable(folder: &Path, error: &io::Error) -> RunError {
     RunError::invalid_input(folder, format!("can't be written ({error}); help: give --out another folder"))
 }

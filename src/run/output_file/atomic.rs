@@ -50,7 +50,7 @@ pub fn check_writable(path: &Path) -> Result<(), RunError> {
     check().map_err(|error| {
         let why = error.to_string();
         let help = if why.contains("help: ") { "" } else { "; help: choose another file" };
-        RunError::invalid_input(path, format!("can't be written: {why}{help}"))
+        RunError::not_writable(path, why + help)
     })
 }
 

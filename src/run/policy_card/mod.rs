@@ -31,25 +31,28 @@ const SENSORS: &str = "sensors";
 /// # Errors
 /// The file cannot be read, or is not a policy.
 pub fn read(path: &Path) -> Result<Policy, RunError> {
-    let invalid_input = |why: String| {
-        RunError::invalid_input(path, format!("{why}; help: give the policy.safetensors of a run"))
-    };
+    read_unnamed(path).map_err(|why| RunError::invalid_input(path, why))
+}
+
+/// Like [`read`], with a message that does not name the file.
+///
+/// # Errors
+/// The file cannot be read, or is not a policy.
+pub fn read_unnamed(path: &Path) -> Result<Policy, String> {
+    let with_help = |why: String| format!("{why}; help: give the policy.safetensors of a run");
     if path.is_dir() {
-        return Err(RunError::invalid_input(path, "is a folder; help: give the policy.safetensors in it"));
+        return Err("is a folder; help: give the policy.safetensors in it".into());
     }
     let bytes = read_bytes(path, MAX_POLICY_BYTES + 1)
-        .map_err(|error| invalid_input(format!("can't be read ({error})")))?;
+        .map_err(|error| with_help(format!("can't be read ({error})")))?;
     if bytes.len() as u64 > MAX_POLICY_BYTES {
-        return Err(RunError::invalid_input(
-            path,
-            format!("is larger than {MAX_POLICY_BYTES} bytes; help: give the policy.safetensors of a run"),
-        ));
+        return Err(with_help(format!("is larger than {MAX_POLICY_BYTES} bytes")));
     }
     let policy = Policy::from_bytes(&bytes).map_err(|error| match error.to_string() {
-        message if message.contains("help:") => RunError::invalid_input(path, message),
-        message => invalid_input(message),
+        message if message.contains("help:") => message,
+        message => with_help(message),
     })?;
-    trained_scenario(&policy).map_err(|error| RunError::invalid_input(path, error))?;
+    trained_scenario(&policy).map_err(|error| error.to_string())?;
     Ok(policy)
 }
 
@@ -106,20 +109,19 @@ pub fn scenario_name(policy: &Policy) -> Option<String> {
 /// # Errors
 /// The policy has an encoding that this version does not support.
 pub fn encoding(policy: &Policy) -> Result<Encoding, RunError> {
-    let unknown = |name: &str| {
+    let unknown = |how: &str| {
         RunError::InvalidInput(format!(
-            "the policy's observations are encoded as \"{}\", which this version does not know (it knows scaled and raw); \
-             help: use a newer wayfield",
-            printable(name)
+            "the policy's observations are encoded {how}, which this version does not know (it knows scaled and raw); \
+             help: use a newer wayfield"
         ))
     };
     if let Some(card) = &policy.card {
-        return card.encoding().ok_or_else(|| unknown("the card says"));
+        return card.encoding().ok_or_else(|| unknown("in a way that its card describes"));
     }
     match policy.metadata.get(ENCODING).map(String::as_str) {
         None | Some("scaled") => Ok(Encoding::Scaled),
         Some("raw") => Ok(Encoding::Raw),
-        Some(other) => Err(unknown(other)),
+        Some(other) => Err(unknown(&format!("as \"{}\"", printable(other)))),
     }
 }
 

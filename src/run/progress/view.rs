@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::{Progress, ProgressTotal};
+use crate::report::format::percent;
 
 /// Window over which rates are averaged; the remaining time is estimated from them.
 const RATE_WINDOW: Duration = Duration::from_secs(5);
@@ -114,12 +115,6 @@ fn decimal(x: f64) -> String {
     if x.abs() < 99.95 { format!("{x:.1}") } else { format!("{x:.0}") }
 }
 
-/// A rate from 0 to 1 in percent, rounded down so that 100% means all.
-fn percent(rate: f64) -> String {
-    let tenths = (rate * 1000.0 + 1e-9).floor();
-    if tenths >= 1000.0 { "100%".to_owned() } else { format!("{:.1}%", tenths / 10.0) }
-}
-
 /// A duration as `m:ss` or `h:mm:ss`, or in days from two days on.
 fn clock(time: Duration) -> String {
     let s = time.as_secs();
@@ -167,10 +162,6 @@ mod tests {
         }
         assert_eq!([count(0), count(9999), count(12_345)], ["0", "9999", "12.3k"]);
         assert_eq!([decimal(-12.34), decimal(0.0), decimal(-1234.5)], ["-12.3", "0.0", "-1234"]);
-        assert_eq!(
-            [percent(0.96), percent(0.9999), percent(1.0), percent(0.0)],
-            ["96.0%", "99.9%", "100%", "0.0%"]
-        );
     }
 
     #[test]

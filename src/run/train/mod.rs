@@ -215,11 +215,11 @@ impl Run {
     /// Writes the row of an evaluation, and saves the policy if it is the best.
     fn record_evaluation(&mut self, eval_result: EvalResult) -> Result<(), RunError> {
         let wall_s = self.earlier_s + eval_result.done.duration_since(self.began).as_secs_f64();
-        let metrics = metrics::record_evaluation(&self.config, &mut self.trainer_state, eval_result, wall_s)?;
+        let metrics = metrics::record_evaluation(&mut self.trainer_state, eval_result, wall_s)?;
         self.metrics_writer.evaluation(&metrics.row)?;
         for rate in metrics.first {
             self.progress.line(&format!(
-                "{:.0} % reached after {} env steps, {wall_s:.1} s",
+                "{:.0}% reached after {} env steps, {wall_s:.1} s",
                 100.0 * rate,
                 metrics.row.env_steps
             ));

@@ -52,6 +52,7 @@ mod tests {
             lines: (0..lines).map(|i| line("Double DQN", i, episodes)).collect(),
             reference_lines: vec![ReferenceLine { value: 96.0, label: "paper: 96 %".to_owned() }],
             include_y: vec![0.0],
+            limits: None,
         };
         CurveChart {
             title: "a < b & c".to_owned(),
@@ -94,6 +95,25 @@ mod tests {
         }
         assert!(CurveChart::default().svg().expect("the figure is drawn").contains("no data yet"));
         assert!(curve_chart(1, 1, 3).svg().expect("the figure is drawn").contains("a &lt; b &amp; c"));
+    }
+
+    #[test]
+    fn wide_intervals_show_no_impossible_values_and_are_said_to_be_cut_off() {
+        let wide = |mean: f64| BandPoint { x: mean, mean, low: mean - 40.0, high: mean + 40.0 };
+        let lines = vec![CurveLine { points: [0.0, 1.0, 2.0].map(wide).to_vec(), ..CurveLine::default() }];
+        let svg = |limits| {
+            let panel = ChartPanel { lines: lines.clone(), limits, ..ChartPanel::default() };
+            let chart =
+                CurveChart { band_label: "interval".into(), panels: vec![panel], ..CurveChart::default() };
+            chart.svg().expect("the figure is drawn")
+        };
+        let negative = |svg: &str| svg.lines().any(|line| line.trim_start().starts_with('\u{2212}'));
+        assert!(negative(&svg(None)) && !negative(&svg(Some((0.0, f64::INFINITY)))));
+        assert!(svg(None).contains("interval, cut off at the frame"));
+        assert!(svg(Some((0.0, 2.5))).contains("interval\n"), "an interval that ends at a limit is whole");
+        for limits in [None, Some((0.0, f64::INFINITY)), Some((0.0, 2.5))] {
+            check("wide intervals", &svg(limits));
+        }
     }
 
     #[test]

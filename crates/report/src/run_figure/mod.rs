@@ -14,11 +14,21 @@ use crate::format::{number, percent};
 pub const MEAN_EPISODES: usize = 100;
 /// Up to this number of episodes each one is drawn, beyond it only their minimum and maximum; here and in the app.
 pub const MAX_SINGLE_EPISODES: usize = 1000;
+
+/// A result of the paper, which is drawn as a reference line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperResult {
+    /// The value.
+    pub value: f64,
+    /// The value in words, for the legend.
+    pub label: &'static str,
+}
+
 /// The paper's success rate of PER-D3QN in Scenario I (table 2), 0 to 1.
-pub const PAPER_SUCCESS_RATE: f64 = 0.96;
+pub const PAPER_SUCCESS_RATE: PaperResult = PaperResult { value: 0.96, label: "paper 96%" };
 /// The return per episode at which the paper's PER-D3QN settles in Scenario I (fig. 9), as in
 /// `assets/experiments/fig9.ron`.
-pub const PAPER_RETURN: f64 = 2500.0;
+pub const PAPER_RETURN: PaperResult = PaperResult { value: 2500.0, label: "paper 2,500" };
 
 /// A finished episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +65,7 @@ pub struct RunMark {
 
 /// The curves of the training before a transfer, as (environment steps, value).
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct EarlierCurves {
+pub struct EarlierRun {
     /// Success rate of the greedy policy, 0 to 1.
     pub success_rate: Vec<(f64, f64)>,
     /// Moving mean of the return per episode.
@@ -78,7 +88,7 @@ pub struct RunFigure {
     /// Marks at changes made by the user.
     pub marks: Vec<RunMark>,
     /// The training before a transfer.
-    pub earlier: EarlierCurves,
+    pub earlier: EarlierRun,
     /// Whether the run is in the paper's Scenario I, so that the paper's levels apply.
     pub is_paper_scenario_1: bool,
 }

@@ -1,6 +1,8 @@
 //! The panels of a run's figure: their curves, bands and reference lines.
 
-use super::{MAX_SINGLE_EPISODES, MEAN_EPISODES, PAPER_RETURN, PAPER_SUCCESS_RATE, RunFigure, thousands};
+use super::{
+    MAX_SINGLE_EPISODES, MEAN_EPISODES, PAPER_RETURN, PAPER_SUCCESS_RATE, PaperResult, RunFigure, thousands,
+};
 use crate::chart::{BandPoint, ChartPanel, CurveLine, MAX_VERTICES, RawStyle, ReferenceLine};
 use crate::format::{number, percent};
 use crate::smoothing::moving_mean;
@@ -37,29 +39,32 @@ impl RunFigure {
                     ..line(name("greedy", &greedy), MAIN, false, percents(&greedy))
                 },
             ],
-            reference_lines: self.paper_line(100.0 * PAPER_SUCCESS_RATE, "paper 96%"),
+            reference_lines: self.paper_line(PAPER_SUCCESS_RATE, 100.0),
             include_y: vec![0.0, 100.0],
+            limits: Some((0.0, 100.0)),
         }
     }
 
     pub(super) fn return_panel(&self) -> ChartPanel {
         let returns = in_order(self.episodes.iter().map(|e| (e.env_steps, e.total_return)));
-        let reference_lines = self.paper_line(PAPER_RETURN, "paper 2,500");
+        let reference_lines = self.paper_line(PAPER_RETURN, 1.0);
         let earlier = self.earlier_line(&self.earlier.return_mean);
         ChartPanel { reference_lines, ..episode_panel("Return per episode", 0, returns, &[0.0], earlier) }
     }
 
     pub(super) fn goal_panel(&self) -> ChartPanel {
         let earlier = self.earlier_line(&self.earlier.goal_mean);
-        episode_panel("Goals per episode", 1, self.goals(), &[0.0, 1.0], earlier)
+        let limits = Some((0.0, f64::INFINITY));
+        ChartPanel { limits, ..episode_panel("Goals per episode", 1, self.goals(), &[0.0, 1.0], earlier) }
     }
 
     fn goals(&self) -> Series {
         in_order(self.episodes.iter().map(|e| (e.env_steps, f64::from(e.goals))))
     }
 
-    fn paper_line(&self, value: f64, label: &str) -> Vec<ReferenceLine> {
-        let line = ReferenceLine { value, label: label.into() };
+    /// The line of a result of the paper, where it applies; `scale` turns its value into the unit of the axis.
+    fn paper_line(&self, PaperResult { value, label }: PaperResult, scale: f64) -> Vec<ReferenceLine> {
+        let line = ReferenceLine { value: scale * value, label: label.into() };
         self.is_paper_scenario_1.then_some(line).into_iter().collect()
     }
 

@@ -91,7 +91,7 @@ fn the_figure_shows_the_latest_values_and_the_paper_only_where_it_applies() {
 #[test]
 fn marks_and_the_curves_before_a_transfer_are_shown() {
     let curve: Vec<_> = (0..500).map(|i| (f64::from(i) * 400.0, f64::from(i) / 500.0)).collect();
-    let earlier = EarlierCurves { success_rate: curve.clone(), return_mean: curve.clone(), goal_mean: curve };
+    let earlier = EarlierRun { success_rate: curve.clone(), return_mean: curve.clone(), goal_mean: curve };
     let marks = vec![RunMark { env_steps: 3000, text: "scenario changed".into() }];
     let plain = figure(&episodes(130), &[]);
     let svg = RunFigure { earlier, marks, ..plain.clone() }.svg().expect("the figure is drawn");

@@ -15,7 +15,18 @@ impl Axis {
     /// An axis from the smallest to the largest value with about `count` ticks. It starts at 0 if the smallest value
     /// is positive and less than a tenth of the largest.
     pub(crate) fn within(values: impl Iterator<Item = f64>, count: f64) -> Self {
-        let (low, high) = bounds(values);
+        Self::within_limits(values, None, count)
+    }
+
+    /// Like [`within`](Self::within), but not beyond `limits`, the range of possible values.
+    pub(crate) fn within_limits(
+        values: impl Iterator<Item = f64>,
+        limits: Option<(f64, f64)>,
+        count: f64,
+    ) -> Self {
+        let bounds = bounds(values);
+        let limited = limits.map(|(least, most)| (bounds.0.max(least), bounds.1.min(most)));
+        let (low, high) = limited.filter(|(low, high)| low < high).unwrap_or(bounds);
         let low = if low > 0.0 && low < 0.1 * high { 0.0 } else { low };
         Self { range: low..high, step: nice_step((high - low) / count) }
     }
@@ -95,6 +106,18 @@ mod tests {
         assert_eq!(Axis::within([1.0, 1500.0].into_iter(), 6.0).range, 0.0..1500.0);
         assert_eq!(Axis::within([1000.0, 1500.0].into_iter(), 6.0).range, 1000.0..1500.0);
         assert_eq!(Axis::within([].into_iter(), 6.0).range, 0.0..1.0);
+    }
+
+    #[test]
+    fn an_axis_ends_where_no_value_is_possible() {
+        let counts = |values: &[f64]| {
+            Axis::within_limits(values.iter().copied(), Some((0.0, f64::INFINITY)), 5.0).range
+        };
+        assert_eq!(counts(&[0.0, 0.0]), 0.0..0.5, "a constant gets a range above it only");
+        assert_eq!(counts(&[-3.0, 8.0]), 0.0..8.0);
+        let percent = Axis::within_limits([100.0].into_iter(), Some((0.0, 100.0)), 5.0);
+        assert_eq!(percent.range, 50.0..100.0);
+        assert_eq!(counts(&[-3.0, -2.0]), -3.0..-2.0, "impossible values are shown rather than hidden");
     }
 
     #[test]

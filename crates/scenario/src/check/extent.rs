@@ -46,8 +46,7 @@ impl<'a> EnclosureExtent<'a> {
         let (points, mut margin) = obstacle.shape.support_points(obstacle.rotation_rad);
         let mut around = obstacle.shape.bounding_radius_m();
         let start = obstacle.position_m;
-        let path = match obstacle.track() {
-            _ if !obstacle.motion.is_moving() => vec![start],
+        let path = match obstacle.actual_track() {
             Track::Point => vec![start],
             // It rotates with the revolution, so its farthest point describes a circle about the centre.
             Track::Circle { centre_m } => {

@@ -75,17 +75,19 @@ fn note(scenario: &Scenario, k: usize, path: &SweptPath<'_>, (id, solid): (Solid
     // Adding 0 turns -0 into 0.
     let round = |x: f32| (100.0 * x).round() / 100.0 + 0.0;
     let at = format!("({:.2}, {:.2})", round(place_m.x), round(place_m.y));
-    let motion = &scenario.obstacles[k].motion;
-    let (path, message) = if !motion.is_moving() {
-        let message = format!("overlaps {id} at {at}: move one of them, unless they form one shape");
-        (format!("obstacles[{k}]"), message)
-    } else {
-        let anywhere = matches!(scenario.obstacles[k].track(), Track::Disc { .. });
-        let crosses = if anywhere { "may cross" } else { "crosses" };
+    let crossing = |crosses: &str| {
         let message = format!(
             "{crosses} {id} at {at}: moving obstacles pass through everything; change the path, unless that is meant"
         );
         (format!("obstacles[{k}].motion"), message)
+    };
+    let (path, message) = match scenario.obstacles[k].actual_track() {
+        Track::Point => {
+            let message = format!("overlaps {id} at {at}: move one of them, unless they form one shape");
+            (format!("obstacles[{k}]"), message)
+        }
+        Track::Disc { .. } => crossing("may cross"),
+        Track::Circle { .. } | Track::Lines { .. } => crossing("crosses"),
     };
     Note { level: NoteLevel::Note, diagnostic: Diagnostic { path, message }, place_m: Some(place_m) }
 }

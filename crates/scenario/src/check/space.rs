@@ -84,14 +84,10 @@ fn check_regions(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 }
 
 /// The positions that a rule names, each with its field path below the rule. Empty for a random rule.
-fn named_positions(rule: &PlacementRule) -> Vec<(String, Vec2)> {
-    match rule {
-        PlacementRule::Random { .. } | PlacementRule::Within { .. } => Vec::new(),
-        PlacementRule::Fixed { position_m, .. } => vec![("position_m".into(), *position_m)],
-        PlacementRule::OneOf { positions_m } => {
-            positions_m.iter().enumerate().map(|(k, &place)| (format!("positions_m[{k}]"), place)).collect()
-        }
-    }
+fn named_positions(rule: &PlacementRule) -> impl Iterator<Item = (String, Vec2)> {
+    let is_list = matches!(rule, PlacementRule::OneOf { .. });
+    let path = move |k| if is_list { format!("positions_m[{k}]") } else { "position_m".into() };
+    rule.positions_m().iter().enumerate().map(move |(k, &position)| (path(k), position))
 }
 
 /// Checks that the robot does not collide with a static object at the positions that the rules name.
@@ -186,7 +182,7 @@ impl FreeSpace {
     fn new(frozen: &Scenario) -> Self {
         let far = 2.0 * frozen.task.min_goal_distance_m;
         let any = |rule: &PlacementRule| {
-            !named_positions(rule).is_empty() || free_points(frozen, rule, 0).next().is_some()
+            !rule.positions_m().is_empty() || free_points(frozen, rule, 0).next().is_some()
         };
         let starts = any(&frozen.starts);
         let PlacementRule::Random { .. } = frozen.goals else {
@@ -240,12 +236,8 @@ fn check_layouts(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 }
 
 fn report_no_free_space(name: &str, step: Option<u64>, rule: &PlacementRule, diagnostics: &mut Diagnostics) {
-    let (of, clearance_m) = match rule {
-        PlacementRule::Random { clearance_m } => ("the enclosure", clearance_m),
-        PlacementRule::Within { clearance_m, .. } => ("its rectangle", clearance_m),
-        PlacementRule::Fixed { .. } | PlacementRule::OneOf { .. } => return,
-    };
-    if let Some(step) = step {
+    if let (Some(step), Some(clearance_m)) = (step, rule.clearance_m()) {
+        let of = if rule.region().is_some() { "its rectangle" } else { "the enclosure" };
         let message = format!(
             "has no free space at step {step}: no point of {of} has a clearance of {clearance_m} m; use fewer or smaller \
              obstacles, or a smaller clearance_m"
@@ -276,16 +268,15 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
         }
         return;
     }
-    let named = named_positions(&scenario.starts);
-    for (path, start) in &named {
-        if !leaves(*start) {
+    for (path, start) in named_positions(&scenario.starts) {
+        if !leaves(start) {
             let message = format!(
                 "has no goal at least {least} m away: move it, or write a smaller task.min_goal_distance_m"
             );
             diagnostics.push(format_args!("starts.{path}"), message);
         }
     }
-    if named.is_empty() {
+    if scenario.starts.positions_m().is_empty() {
         let starts = possible_positions(&frozen, &scenario.starts);
         let far = starts.iter().filter(|&&start| leaves(start)).count();
         if far * FAR_START_DIVISOR < starts.len() {
@@ -300,8 +291,10 @@ fn check_goal_distance(scenario: &Scenario, diagnostics: &mut Diagnostics) {
 
 /// The positions that `rule` names, or else those on a grid that it allows at step 0.
 pub(super) fn possible_positions(scenario: &Scenario, rule: &PlacementRule) -> Vec<Vec2> {
-    let named: Vec<_> = named_positions(rule).into_iter().map(|(_, place)| place).collect();
-    if named.is_empty() { free_points(scenario, rule, 0).collect() } else { named }
+    match rule.positions_m() {
+        [] => free_points(scenario, rule, 0).collect(),
+        named => named.to_vec(),
+    }
 }
 
 /// Number of sides of all obstacles and inner walls.

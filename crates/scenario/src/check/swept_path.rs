@@ -44,7 +44,7 @@ impl<'a> SweptPath<'a> {
         let area = RoundedArea::within(obstacle, RIM_M);
         let (at, around) = (obstacle.position_m, obstacle.shape.bounding_radius_m());
         let legs = |areas, reach_m| Self { obstacle, area: Area::Legs(areas), middle_m: at, reach_m };
-        match track(obstacle) {
+        match obstacle.actual_track() {
             Track::Point => legs(vec![area], around),
             Track::Circle { centre_m } => {
                 let far_m = obstacle.max_distance_from(centre_m) - RIM_M;
@@ -97,7 +97,7 @@ impl<'a> SweptPath<'a> {
     pub(super) fn place_m(&self, solid: &StaticSolid) -> Vec2 {
         let samples = || (0..=SAMPLES).map(|k| f32::from(k) / f32::from(SAMPLES));
         let at = self.obstacle.position_m;
-        let points: Vec<Vec2> = match track(self.obstacle) {
+        let points: Vec<Vec2> = match self.obstacle.actual_track() {
             Track::Circle { centre_m } => {
                 let turned = |share: f32| {
                     let (sin, cos) = libm::sincosf(share * std::f32::consts::TAU);
@@ -123,11 +123,6 @@ impl<'a> SweptPath<'a> {
         let depth = |point: &Vec2| distance(&solid.obstacle, *point).max(own(*point));
         points.into_iter().min_by(|a, b| depth(a).total_cmp(&depth(b))).unwrap_or(at)
     }
-}
-
-/// The track of an obstacle; a point if its speed is 0.
-fn track(obstacle: &Obstacle) -> Track {
-    if obstacle.motion.is_moving() { obstacle.track() } else { Track::Point }
 }
 
 /// The corners of a path, and the first again at the end of a closed one.

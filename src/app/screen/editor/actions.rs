@@ -141,9 +141,7 @@ fn confirm_restart_ui(
         .inner_margin(Margin::same(8));
     let clicked = frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let count = input.status.episodes;
-        let episodes = if count == 1 { "episode" } else { "episodes" };
-        let text = format!("Discard this training ({} {episodes})?", numbers::format_count(count));
+        let text = format!("Discard this training ({})?", numbers::format_episodes(input.status.episodes));
         ui.label(RichText::new(text).color(palette.text));
         let buttons = [
             ("Save first", "Save the current training, then start a new one", true),

@@ -77,12 +77,11 @@ fn with_current_choices(asked: &Command, form: &SetupForm) -> Command {
 
 /// The question before `asked`, and the text of the button that confirms it.
 fn question(status: &AppSnapshot, asked: Option<&Command>) -> (String, &'static str) {
-    let episodes = if status.episodes == 1 { "episode" } else { "episodes" };
-    let count = numbers::format_count(status.episodes);
+    let episodes = numbers::format_episodes(status.episodes);
     match asked {
         Some(Command::Transfer { policy: PolicySource::Current | PolicySource::Best, .. }) => {
-            (format!("End this training ({count} {episodes})? Its policy continues."), "Continue")
+            (format!("End this training ({episodes})? Its policy continues."), "Continue")
         }
-        _ => (format!("Discard this training ({count} {episodes})?"), "Discard"),
+        _ => (format!("Discard this training ({episodes})?"), "Discard"),
     }
 }

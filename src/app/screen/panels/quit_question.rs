@@ -20,9 +20,7 @@ pub fn quit_question_ui(ui: &Ui, canvas: Rect, status: &AppSnapshot, commands: &
     }
     question_ui(ui, canvas, "quit", WIDTH, |ui| {
         let palette = Palette::from_ui(ui);
-        let episodes = if status.episodes == 1 { "episode" } else { "episodes" };
-        let text =
-            format!("This training ({} {episodes}) is not saved.", numbers::format_count(status.episodes));
+        let text = format!("This training ({}) is not saved.", numbers::format_episodes(status.episodes));
         ui.label(RichText::new(text).size(BODY).color(palette.text));
         ui.label(weak_text("The run can be saved in the folder runs."));
         ui.add_space(GAP);

@@ -42,7 +42,8 @@ pub(super) fn legend_ui(ui: &mut egui::Ui, card: &Card<'_>, shared: &CardContext
                 };
             (text, trace.color)
         });
-        let reference = card.reference.map(|(_, name)| (format!("– –  {name}"), palette.weak_text));
+        let reference =
+            card.reference.map(|reference| (format!("– –  {}", reference.label), palette.weak_text));
         traces.chain(reference).collect()
     };
     let width = |entries: &[(String, Color32)]| -> f32 {

@@ -4,6 +4,7 @@ use egui::Color32;
 
 use super::axis::AxisScale;
 use crate::app::history::{Annotation, DownsampledSeries};
+use crate::report::run_figure::PaperResult;
 
 /// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +50,8 @@ pub struct Card<'a> {
     pub traces: Vec<Trace<'a>>,
     /// Whether all lines are equally important, so that no value is next to the title.
     pub no_primary_trace: bool,
-    /// A dashed horizontal line to compare with, and its name.
-    pub reference: Option<(f64, &'static str)>,
+    /// A dashed horizontal line to compare with.
+    pub reference: Option<PaperResult>,
     /// A ring around the best point, as (x, y).
     pub ring: Option<(f64, f64)>,
     /// The text shown while there is no data.

@@ -76,8 +76,8 @@ fn plot_ui(
             let line = VLine::new("", mark.env_steps as f64).allow_hover(false);
             plot.vline(line.stroke(Stroke::new(1.0, mark_color)).style(LineStyle::dashed_dense()));
         }
-        if let Some((value, _)) = card.reference {
-            let line = HLine::new("", value).allow_hover(false).style(LineStyle::dashed_loose());
+        if let Some(reference) = card.reference {
+            let line = HLine::new("", reference.value).allow_hover(false).style(LineStyle::dashed_loose());
             plot.hline(line.stroke(Stroke::new(1.0, palette.weak_text)));
         }
         for trace in card.traces.iter().rev() {
@@ -134,7 +134,10 @@ fn configure<'a>(card: &'a Card<'_>, shared: &CardContext<'_>, palette: Palette)
     match scale.fixed_range() {
         Some((low, high)) => plot.default_y_bounds(low, high),
         None => scale
-            .included_values(card.traces.iter().map(|trace| trace.series), card.reference.map(|r| r.0))
+            .included_values(
+                card.traces.iter().map(|trace| trace.series),
+                card.reference.map(|reference| reference.value),
+            )
             .into_iter()
             .fold(plot, Plot::include_y),
     }

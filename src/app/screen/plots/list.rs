@@ -65,7 +65,7 @@ fn success(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
             line("in training", curves.success.series(), palette.weak_text, TraceStyle::Faint),
         ],
         no_primary_trace: false,
-        reference: context.is_paper_scenario_1.then_some((PAPER_SUCCESS_RATE, "paper 96%")),
+        reference: context.is_paper_scenario_1.then_some(PAPER_SUCCESS_RATE),
         ring: context.best.map(|(env_steps, rate)| (env_steps as f64, rate)),
         empty_text: if context.training { "Waiting for the first episodes" } else { "" },
     }
@@ -83,7 +83,7 @@ fn returns(curves: &LearningCurves, palette: Palette, context: PlotContext) -> C
         digits: 0,
         traces: mean_and_spread(&curves.return_mean, &curves.returns, palette),
         no_primary_trace: false,
-        reference: context.is_paper_scenario_1.then_some((PAPER_RETURN, "paper 2,500")),
+        reference: context.is_paper_scenario_1.then_some(PAPER_RETURN),
         ring: None,
         empty_text: "",
     }

@@ -42,7 +42,9 @@ pub(super) fn delete_old(_: &mut Vec<FoundSession>) {}
 struct PageReports {
     /// Whether the training should be saved soon: the user may be about to leave.
     save_soon: bool,
-    /// The result of storing an autosave.
+    /// Number of the last autosave that was passed to the page.
+    last: u32,
+    /// The result of storing it.
     stored: Option<Result<(), RunError>>,
     /// Files received so far of the session that the user continues.
     files: BTreeMap<String, Vec<u8>>,
@@ -50,8 +52,13 @@ struct PageReports {
     session: Option<Result<BTreeMap<String, Vec<u8>>, RunError>>,
 }
 
-static REPORTS: Mutex<PageReports> =
-    Mutex::new(PageReports { save_soon: false, stored: None, files: BTreeMap::new(), session: None });
+static REPORTS: Mutex<PageReports> = Mutex::new(PageReports {
+    save_soon: false,
+    last: 0,
+    stored: None,
+    files: BTreeMap::new(),
+    session: None,
+});
 
 fn reports() -> MutexGuard<'static, PageReports> {
     REPORTS.lock().unwrap_or_else(PoisonError::into_inner)
@@ -62,7 +69,15 @@ pub(super) fn take_save_soon() -> bool {
     std::mem::take(&mut reports().save_soon)
 }
 
-/// The result of storing an autosave, once.
+/// The number of the next autosave. A late report about an earlier one is ignored from now on.
+pub(super) fn next_number() -> u32 {
+    let mut reports = reports();
+    reports.stored = None;
+    reports.last += 1;
+    reports.last
+}
+
+/// The result of storing the last autosave, once.
 pub(super) fn take_stored() -> Option<Result<(), RunError>> {
     reports().stored.take()
 }
@@ -78,10 +93,13 @@ pub fn save_soon() {
     reports().save_soon = true;
 }
 
-/// Reports the result of storing an autosave: an error message, or nothing.
+/// Reports the result of storing the autosave of this number: an error message, or nothing.
 #[wasm_bindgen]
-pub fn autosave_stored(error: Option<String>) {
-    reports().stored = Some(error.map_or(Ok(()), |error| Err(RunError::Failed(error))));
+pub fn autosave_stored(number: u32, error: Option<String>) {
+    let mut reports = reports();
+    if number == reports.last {
+        reports.stored = Some(error.map_or(Ok(()), |error| Err(RunError::Failed(error))));
+    }
 }
 
 /// Passes a file of the session that the user continues.

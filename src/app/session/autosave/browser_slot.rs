@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use super::sessions;
 use crate::app::page;
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
@@ -54,7 +55,7 @@ impl Slot {
             Ok(())
         })?;
         let note = serde_json::to_string(&snapshot.describe()).map_err(|error| failed(&error))?;
-        page::autosave(&note);
+        page::autosave(sessions::next_number(), &note);
         Ok(())
     }
 

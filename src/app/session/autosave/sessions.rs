@@ -34,7 +34,7 @@ const ABANDONED_AFTER: Duration = Duration::from_secs(600);
 pub(super) struct SessionNote {
     /// The scenario's name.
     scenario: String,
-    /// The preset's name.
+    /// The preset's title.
     preset: String,
     seed: u64,
     env_steps: u64,

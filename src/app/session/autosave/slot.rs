@@ -11,7 +11,8 @@ use super::latest;
 use super::sessions::{NOTE, SessionNote, TEMPORARY};
 use crate::app::session::run_snapshot::RunSnapshot;
 use crate::run::RunError;
-use crate::run::folder::{RunFolder, write_atomic};
+use crate::run::folder::RunFolder;
+use crate::run::output_file::write_atomic;
 use crate::scenario::to_ron;
 
 /// The autosave of a training.
@@ -35,8 +36,7 @@ impl Slot {
     /// # Errors
     /// It is not a run folder, or another process has locked it.
     pub(super) fn of_existing(path: &Path) -> Result<Self, RunError> {
-        let folder = RunFolder::open(path)?.0.locked()?;
-        Ok(Self { folder: Some(folder), ..Self::new(path.parent().unwrap_or(path)) })
+        Ok(Self { folder: Some(open_locked(path)?), ..Self::new(path.parent().unwrap_or(path)) })
     }
 
     /// The path of the autosave, if there is one.
@@ -73,7 +73,13 @@ impl Slot {
             .map_or_else(|| unused_path(&self.root, &snapshot.config.run_name()), Path::to_path_buf);
         // Unlocks the earlier one: some systems do not rename a folder with open files.
         self.folder = None;
-        self.folder = Some(swap(&written, &path)?);
+        let swapped = swap(&written, &path).map_err(|error| RunError::failed(&path, error));
+        // After a failure, the earlier one if there was one.
+        match open_locked(&path) {
+            Ok(folder) => self.folder = Some(folder),
+            Err(error) => return swapped.and(Err(error)),
+        }
+        swapped?;
         latest::set(Some(&path));
         Ok(())
     }
@@ -90,23 +96,66 @@ impl Slot {
     }
 }
 
-/// Moves the run folder `written` to `path`, in place of an earlier one, and locks it.
-fn swap(written: &Path, path: &Path) -> Result<RunFolder, RunError> {
-    let failed = |error: io::Error| RunError::failed(path, error);
-    let mut previous = path.to_path_buf().into_os_string();
-    previous.push("-previous");
-    match fs::rename(path, &previous) {
-        Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(error)),
-        _ => {}
-    }
-    fs::rename(written, path).map_err(failed)?;
-    // If it cannot be deleted, a later session does it.
-    let _ = fs::remove_dir_all(&previous);
+fn open_locked(path: &Path) -> Result<RunFolder, RunError> {
     RunFolder::open(path)?.0.locked()
+}
+
+/// Moves the folder `written` to `path`, in place of an earlier one. After an error, the earlier one is there again.
+fn swap(written: &Path, path: &Path) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(path);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    // Another name than that of one left by a process that was killed here.
+    let previous = unused_path(folder, &format!("{name}-previous"));
+    let has_earlier = match fs::rename(path, &previous) {
+        Ok(()) => true,
+        Err(error) if error.kind() == ErrorKind::NotFound => false,
+        Err(error) => return Err(error),
+    };
+    let swapped = fs::rename(written, path);
+    if has_earlier {
+        // If the previous one cannot be deleted, a later session does it.
+        let _ = if swapped.is_ok() { fs::remove_dir_all(&previous) } else { fs::rename(&previous, path) };
+    }
+    swapped
 }
 
 /// A path in `folder` that is not used yet, made from `name` and if necessary a number.
 fn unused_path(folder: &Path, name: &str) -> PathBuf {
     let numbered = (2..).map(|number| folder.join(format!("{name}-{number}")));
     std::iter::once(folder.join(name)).chain(numbered).find(|path| !path.exists()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder_with(path: &Path, text: &str) {
+        fs::create_dir(path).expect("a new folder");
+        fs::write(path.join("file"), text).expect("a writable file");
+    }
+
+    fn text_in(path: &Path) -> String {
+        fs::read_to_string(path.join("file")).expect("a readable file")
+    }
+
+    #[test]
+    fn what_a_killed_process_left_does_not_stop_later_autosaves_and_stays() {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let [path, written, left] = ["run", "written", "run-previous"].map(|name| root.path().join(name));
+        folder_with(&left, "left");
+        folder_with(&path, "first");
+        folder_with(&written, "second");
+        swap(&written, &path).expect("swapped");
+        assert_eq!((text_in(&path), text_in(&left)), ("second".into(), "left".into()));
+        assert_eq!(fs::read_dir(root.path()).expect("a folder").count(), 2, "the first one is deleted");
+    }
+
+    #[test]
+    fn an_autosave_that_cannot_be_moved_into_place_leaves_the_earlier_one_there() {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let path = root.path().join("run");
+        folder_with(&path, "first");
+        swap(&root.path().join("missing"), &path).expect_err("there is nothing to move");
+        assert_eq!(text_in(&path), "first");
+    }
 }

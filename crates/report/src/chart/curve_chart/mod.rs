@@ -5,7 +5,9 @@
 //! | `model.rs` | what is drawn |
 //! | `frame.rs` | the shared x axis and the event markers |
 //! | `panel.rs` | one panel |
+//! | `clip.rs` | lines and bands that leave the plot |
 
+mod clip;
 mod frame;
 mod model;
 mod panel;
@@ -82,7 +84,8 @@ impl CurveChart {
             entries.push(LegendEntry::Symbol(mean_symbol, self.mean_label.clone()));
         }
         if any(|l| l.band().next().is_some()) {
-            entries.push(LegendEntry::Symbol(band_symbol, self.band_label.clone()));
+            let cut = if panels.iter().any(ChartPanel::cuts_a_band) { ", cut off at the frame" } else { "" };
+            entries.push(LegendEntry::Symbol(band_symbol, format!("{}{cut}", self.band_label)));
         }
         if any(|l| !l.raw.is_empty()) && !self.raw_label.is_empty() {
             let dots = any(|l| !l.raw.is_empty() && l.raw_style == RawStyle::Dots);

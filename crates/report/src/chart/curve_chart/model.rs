@@ -46,6 +46,9 @@ pub struct ChartPanel {
     pub reference_lines: Vec<ReferenceLine>,
     /// Values that the y axis must include, such as 0.
     pub include_y: Vec<f64>,
+    /// The range of possible values, such as 0 to 100 for percentages; the axis and the bands end there. `None` means no
+    /// limits.
+    pub limits: Option<(f64, f64)>,
 }
 
 /// A horizontal dashed line at a reference value, such as the paper's.
@@ -106,7 +109,7 @@ impl ChartPanel {
     /// The finite values of the panel, sorted by x and thinned to the visible resolution.
     pub(super) fn drawable(&self) -> Self {
         Self {
-            lines: self.lines.iter().map(CurveLine::drawable).collect(),
+            lines: self.lines.iter().map(|line| line.drawable(self.limits)).collect(),
             reference_lines: self.reference_lines.iter().filter(|l| is_drawable(l.value)).cloned().collect(),
             include_y: self.include_y.iter().copied().filter(|&y| is_drawable(y)).collect(),
             ..self.clone()
@@ -129,7 +132,14 @@ impl ChartPanel {
         let margin = (high - low) / 2.0;
         let bands = self.lines.iter().flat_map(|l| l.band().flat_map(|p| [p.low, p.high]));
         let others = raw().chain(bands).map(|y| y.clamp(low - margin, high + margin));
-        Axis::within(shown.iter().copied().chain(others), 5.0)
+        Axis::within_limits(shown.iter().copied().chain(others), self.limits, 5.0)
+    }
+
+    /// Whether the y axis is too short for a band.
+    pub(super) fn cuts_a_band(&self) -> bool {
+        let Axis { range, .. } = self.y_axis();
+        let mut bands = self.lines.iter().flat_map(CurveLine::band);
+        bands.any(|p| p.low < range.start || range.end < p.high)
     }
 
     /// The width of the widest label at the right end, in drawn pixels; at most a third of the figure.
@@ -144,13 +154,13 @@ impl ChartPanel {
 }
 
 impl CurveLine {
-    fn drawable(&self) -> Self {
-        let mut points: Vec<BandPoint> = self
-            .points
-            .iter()
-            .filter(|p| is_drawable(p.x) && (p.has_mean() || p.has_band()))
-            .copied()
-            .collect();
+    fn drawable(&self, limits: Option<(f64, f64)>) -> Self {
+        let drawable =
+            self.points.iter().filter(|p| is_drawable(p.x) && (p.has_mean() || p.has_band())).copied();
+        let mut points: Vec<BandPoint> = match limits {
+            Some(limits) => drawable.map(|p| p.limited(limits)).collect(),
+            None => drawable.collect(),
+        };
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         let mut raw: Vec<(f64, f64)> =
             self.raw.iter().filter(|p| is_drawable(p.0) && is_drawable(p.1)).copied().collect();
@@ -175,6 +185,12 @@ impl BandPoint {
 
     fn has_band(&self) -> bool {
         is_drawable(self.low) && is_drawable(self.high)
+    }
+
+    /// The point with its band cut off at the ends of the possible range.
+    fn limited(self, (least, most): (f64, f64)) -> Self {
+        let cut = |end: f64| if end.is_finite() { end.max(least).min(most) } else { end };
+        Self { low: cut(self.low), high: cut(self.high), ..self }
     }
 }
 

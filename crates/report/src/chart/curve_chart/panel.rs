@@ -4,6 +4,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
+use super::clip::{clamped, parts_within};
 use super::frame::Frame;
 use super::model::{BandPoint, ChartPanel, CurveLine, EventMarker, RawStyle};
 use crate::chart::layout::{LEFT, WIDTH, draw_no_data};
@@ -67,6 +68,10 @@ impl<'a> PanelDrawing<'a> {
         (self.frame.pixel_x(x), self.pixel_y(y))
     }
 
+    fn pixels(&self, points: &[(f64, f64)]) -> Vec<Pixel> {
+        points.iter().map(|&(x, y)| self.pixel(x, y)).collect()
+    }
+
     fn pixel_y(&self, y: f64) -> i32 {
         self.y.pixel(y, (self.lower, self.upper))
     }
@@ -94,26 +99,30 @@ impl<'a> PanelDrawing<'a> {
     }
 
     fn draw_band(&self, root: &Canvas, curve: &CurveLine) -> DrawResult {
-        let side = |end: fn(&BandPoint) -> f64| curve.band().map(move |p| self.pixel(p.x, end(p)));
-        let mut corners: Vec<Pixel> = side(|p| p.high).collect();
-        let lower: Vec<Pixel> = side(|p| p.low).collect();
-        corners.extend(lower.into_iter().rev());
+        let side = |end: fn(&BandPoint) -> f64| {
+            self.pixels(&clamped(curve.band().map(|p| (p.x, end(p))), &self.y.range))
+        };
+        let mut corners = side(|p| p.high);
+        corners.extend(side(|p| p.low).into_iter().rev());
         area(root, corners, colour(curve.colour).mix(0.16).filled())
     }
 
     fn draw_raw(&self, root: &Canvas, curve: &CurveLine) -> DrawResult {
-        let raw: Vec<Pixel> = curve.raw.iter().map(|&(x, y)| self.pixel(x, y)).collect();
         let hue = colour(curve.colour);
         match curve.raw_style {
-            RawStyle::Line => line(root, raw, hue.mix(0.35).stroke_width(1)),
+            RawStyle::Line => {
+                for part in parts_within(curve.raw.iter().copied(), &self.y.range) {
+                    line(root, self.pixels(&part), hue.mix(0.35).stroke_width(1))?;
+                }
+            }
             RawStyle::Dots => {
-                let (radius, opacity) = if raw.len() <= 100 { (6, 0.6) } else { (3, 0.3) };
-                for at in raw {
+                let (radius, opacity) = if curve.raw.len() <= 100 { (6, 0.6) } else { (3, 0.3) };
+                for at in self.pixels(&curve.raw) {
                     root.draw(&Circle::new(at, radius, hue.mix(opacity).filled()))?;
                 }
-                Ok(())
             }
         }
+        Ok(())
     }
 
     /// Draws the means, with markers if there are several, and returns their labels.

@@ -19,7 +19,7 @@ const PADDING: i32 = 36;
 pub(super) struct ColumnDrawing<'a> {
     pub(super) heading: &'a str,
     unit: &'a str,
-    limits: (f64, f64),
+    limits: Option<(f64, f64)>,
     pub(super) cells: Vec<DotCell>,
 }
 
@@ -27,13 +27,12 @@ impl<'a> ColumnDrawing<'a> {
     pub(super) fn new(column: &'a DotColumn, rows: usize) -> Self {
         let mut cells: Vec<_> = column.cells.iter().take(rows).map(DotCell::drawable).collect();
         cells.resize(rows, DotCell::default());
-        let limits = column.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-        Self { heading: &column.heading, unit: &column.unit, limits, cells }
+        Self { heading: &column.heading, unit: &column.unit, limits: column.limits, cells }
     }
 
     /// The ends of an interval, cut off at the limits.
     fn ends(&self, estimate: &Estimate) -> [f64; 2] {
-        let (low, high) = self.limits;
+        let (low, high) = self.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
         [estimate.low(), estimate.high()].map(|x| x.max(low).min(high))
     }
 
@@ -48,7 +47,7 @@ impl<'a> ColumnDrawing<'a> {
         let margin = (high - low) / 2.0;
         let ends = self.cells.iter().filter_map(|c| c.estimate).flat_map(|e| self.ends(&e));
         let ends: Vec<f64> = ends.map(|x| x.clamp(low - margin, high + margin)).collect();
-        let with_ticks = |count| Axis::within(shown().chain(ends.iter().copied()), count);
+        let with_ticks = |count| Axis::within_limits(shown().chain(ends.iter().copied()), self.limits, count);
         // The number of ticks is limited so that their labels do not touch.
         let fits = |axis: &Axis| {
             let widths = axis.ticks().into_iter().map(|t| text_width(&axis.label(t), TEXT) + 24);
@@ -78,7 +77,7 @@ impl<'a> ColumnDrawing<'a> {
         let unit = ellipsized(self.unit, TEXT, right - left);
         write(root, &unit, ((left + right) / 2, lower + 76), TEXT, &SOFT_INK, HPos::Center)?;
         for (cell, &y) in self.cells.iter().zip(row_middles) {
-            self.draw_cell(root, cell, (left, right, y), |value| axis.pixel(value, (from, to)))?;
+            self.draw_cell(root, cell, (left, right, y), &axis)?;
         }
         if self.cells.iter().all(DotCell::is_empty) {
             draw_no_data(root, (left, right), (upper, lower))?;
@@ -91,8 +90,9 @@ impl<'a> ColumnDrawing<'a> {
         root: &Canvas,
         cell: &DotCell,
         (left, right, y): (i32, i32, i32),
-        pixel_x: impl Fn(f64) -> i32,
+        axis: &Axis,
     ) -> DrawResult {
+        let pixel_x = |value| axis.pixel(value, (left + PADDING, right - PADDING));
         if !cell.is_empty() {
             line(root, vec![(left, y), (right, y)], GRID.stroke_width(HAIRLINE))?;
         }
@@ -106,7 +106,9 @@ impl<'a> ColumnDrawing<'a> {
             draw_seed(root, (pixel_x(value), y + SEED_DROP))?;
         }
         if let Some(estimate) = cell.estimate {
-            draw_mean(root, (pixel_x(estimate.mean), y), self.ends(&estimate).map(&pixel_x))?;
+            let is_shown = |end: f64| axis.range.start <= end && end <= axis.range.end;
+            let ends = self.ends(&estimate).map(|end| (pixel_x(end), is_shown(end)));
+            draw_mean(root, (pixel_x(estimate.mean), y), ends)?;
         }
         Ok(())
     }

@@ -16,9 +16,12 @@ pub(super) fn draw_seed(root: &Canvas, at: Pixel) -> DrawResult {
     Ok(())
 }
 
-pub(super) fn draw_mean(root: &Canvas, (x, y): Pixel, [low, high]: [i32; 2]) -> DrawResult {
+/// Draws a mean with its interval. `ends` are the x of its two ends, and whether the interval really ends there and is not
+/// cut off.
+pub(super) fn draw_mean(root: &Canvas, (x, y): Pixel, ends: [(i32, bool); 2]) -> DrawResult {
+    let [(low, _), (high, _)] = ends;
     line(root, vec![(low, y), (high, y)], BLUE.stroke_width(STROKE))?;
-    for end in [low, high].into_iter().filter(|_| low < high) {
+    for (end, _) in ends.into_iter().filter(|(_, is_end)| *is_end && low < high) {
         line(root, vec![(end, y - 8), (end, y + 8)], BLUE.stroke_width(STROKE))?;
     }
     root.draw(&Circle::new((x, y), 10, BLUE.filled()))?;
@@ -42,7 +45,7 @@ pub(super) fn legend<'a>(cells: impl Iterator<Item = &'a DotCell> + Clone, width
     let any = |has: fn(&DotCell) -> bool| cells.clone().any(has);
     let mut entries = Vec::new();
     if any(|c| c.estimate.is_some()) {
-        let symbol = |root: &Canvas, (x, y): Pixel| draw_mean(root, (x, y), [x - 28, x + 28]);
+        let symbol = |root: &Canvas, (x, y): Pixel| draw_mean(root, (x, y), [(x - 28, true), (x + 28, true)]);
         entries.push(LegendEntry::Symbol(symbol, "mean and 95 % interval".into()));
     }
     if any(|c| !c.values.is_empty()) {
