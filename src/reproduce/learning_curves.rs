@@ -1,6 +1,7 @@
 //! Learning curves: series during training, over episodes or env steps.
 
 use super::figure_spec::{Axis, FigureSpec, ReferenceLineSpec, Series};
+use super::measure::Measure;
 use super::results::{ArmIndex, Results};
 use super::rows::{row_name, rows};
 use crate::report::chart::{
@@ -45,10 +46,12 @@ impl LearningCurves<'_> {
     }
 
     fn panel(&self, results: &Results<'_>, index: usize, series: Series) -> ChartPanel {
-        let (heading, y_unit, include_y) = match series {
-            Series::Return => ("Return per episode", "", Vec::new()),
-            Series::Goals => ("Goals reached per episode", "", vec![0.0]),
-            Series::SuccessRate => ("Success in evaluations during training", " %", vec![0.0, 100.0]),
+        let (heading, y_unit, limits) = match series {
+            Series::Return => ("Return per episode", "", None),
+            Series::Goals => ("Goals reached per episode", "", Measure::Goals.limits()),
+            Series::SuccessRate => {
+                ("Success in evaluations during training", " %", Measure::Success.limits())
+            }
         };
         let rows = rows(results, index).into_iter().enumerate();
         let references = self.reference_lines.iter().filter(|line| line.series == series);
@@ -59,7 +62,8 @@ impl LearningCurves<'_> {
             reference_lines: references
                 .map(|line| ReferenceLine { value: line.value, label: line.label.clone() })
                 .collect(),
-            include_y,
+            include_y: limits.map_or_else(Vec::new, |(low, _)| vec![low]),
+            limits,
         }
     }
 
@@ -67,14 +71,7 @@ impl LearningCurves<'_> {
     /// a mean over many episodes.
     fn line(&self, results: &Results<'_>, row: ArmIndex, series: Series, colour: usize) -> CurveLine {
         let runs = results.curves(row, series, self.axis);
-        let limits =
-            if series == Series::SuccessRate { (0.0, 100.0) } else { (f64::NEG_INFINITY, f64::INFINITY) };
-        let point = |(x, e): (f64, Estimate)| BandPoint {
-            x,
-            mean: e.mean,
-            low: e.low().clamp(limits.0, limits.1),
-            high: e.high().clamp(limits.0, limits.1),
-        };
+        let point = |(x, e): (f64, Estimate)| BandPoint { x, mean: e.mean, low: e.low(), high: e.high() };
         let smoothed: Vec<_> = runs.iter().map(|run| smoothed(run, self.smoothing)).collect();
         let (means, raw) = match series {
             Series::SuccessRate => (&runs, Vec::new()),
