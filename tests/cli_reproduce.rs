@@ -439,6 +439,199 @@ fn an_arm_can_be_tested_with_its_best_policy() {
     assert!(workspace.text("best/tables/t.md").contains("fast"));
 }
 
+/// A user's experiment over env steps: arms with different numbers of arenas, chosen seeds, a success rate, and an arm whose
+/// runs were trained elsewhere.
+const OVER_STEPS: &str = r#"(
+    title: "Arenas",
+    seeds: [3, 17],
+    evaluation: (every_env_steps: 500, episodes: 4),
+    test: (rounds: 1, episodes: 4),
+    arms: [
+        (name: "one", stages: [(scenario: "empty", preset: "per.ron", budget: EnvSteps(2000))]),
+        (name: "sixteen", stages: [(scenario: "empty", preset: "fast.ron", budget: EnvSteps(2000))]),
+        (name: "elsewhere", runs: ["runs/a", "runs/b"]),
+    ],
+    figures: [
+        (
+            name: "curves",
+            title: "Curves",
+            draw: LearningCurves(series: [Return, SuccessRate], smoothing: 10),
+            claims: [(statement: "Sixteen is better", measure: Return, better: "sixteen", than: "one", after: EnvSteps(1500))],
+        ),
+        (name: "dots", title: "Dots", draw: DotPlot(measures: [Success, Return])),
+    ],
+    tables: [
+        (name: "ends", title: "Ends", show: Seeds(measure: Success)),
+        (
+            name: "steps",
+            title: "Steps",
+            show: Contrast(measures: [Return], better: "sixteen", than: "elsewhere", after: [EnvSteps(1000), EnvSteps(2000)]),
+            claims: [(statement: "Trained elsewhere is worse", measure: Success, better: "one", than: "elsewhere")],
+        ),
+    ],
+)
+"#;
+
+/// A workspace with [`OVER_STEPS`] in the folder `mine`, and the finished runs that it names.
+fn over_steps() -> Workspace {
+    let workspace = workspace();
+    workspace.write("mine/steps.ron", OVER_STEPS);
+    workspace.write("mine/fast.ron", quick_fast());
+    for (name, seed) in [("a", 3), ("b", 17)] {
+        let out = format!("--out mine/runs/{name} --seed {seed}");
+        workspace.run_ok(&format!("--train --scenario empty --preset mine/per.ron --steps 2000 {out}"));
+    }
+    workspace
+}
+
+/// The files of a folder and their contents.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let paths =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_file());
+    paths.map(|path| (path.clone(), fs::read(&path).unwrap())).collect()
+}
+
+#[test]
+fn arms_are_compared_over_env_steps_and_with_runs_that_were_trained_elsewhere() {
+    let workspace = over_steps();
+    let run = files(&workspace.path("mine/runs/a"));
+    let done = workspace.run_ok("--reproduce --experiment mine/steps.ron --out report");
+    assert!(done.stdout.contains("report/report.html (6 runs"), "{}", done.stdout);
+    assert_eq!(files(&workspace.path("mine/runs/a")), run, "the runs from elsewhere are as they were");
+
+    let page = workspace.text("report/README.md");
+    for text in [
+        "n = 2 says little: a 95 % interval is 12.7 standard errors",
+        "Over env steps, because the trainings differ in the number of arenas.",
+        "Return after 1,500 env steps (mean of the last 10 episodes): sixteen ",
+        "(paired by seed)",
+        "Equal data (means over the seeds): one 2,000 env steps in ",
+        "| Seed 3 | Seed 17 |",
+        "Trained elsewhere",
+    ] {
+        assert!(page.contains(text), "`{text}` is not in the page:\n{page}");
+    }
+    let curves = workspace.text("report/figures/curves.svg");
+    assert!(curves.contains("Success in evaluations during training") && curves.contains("env steps"));
+
+    // The same training here and elsewhere gives the same policy.
+    let ends: Vec<_> = csv::Reader::from_path(workspace.path("report/tables/ends.csv"))
+        .unwrap()
+        .into_records()
+        .map(Result::unwrap)
+        .collect();
+    let values = |row: usize| ends[row].iter().skip(1).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(values(0), values(2), "one, and elsewhere");
+
+    // Other seeds on the command line.
+    let json =
+        workspace.run_ok("--reproduce --experiment mine/steps.ron --only ends --seeds 4, --out other --json");
+    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!(json["runs"].as_u64(), Some(4), "two arms with one seed, and two runs from elsewhere");
+    assert!(workspace.text("other/tables/ends.md").contains("| Seed 3 | Seed 4 | Seed 17 |"));
+}
+
+#[test]
+fn runs_from_elsewhere_that_do_not_fit_are_rejected_with_a_fix() {
+    let workspace = over_steps();
+    let train = |name: &str, arguments: &str| {
+        workspace.run_ok(&format!("--train --preset mine/per.ron --out mine/runs/{name} {arguments}"));
+    };
+    train("world", "--scenario u-trap --steps 2000 --seed 5");
+    train("longer", "--scenario empty --steps 2500 --seed 5");
+    train("twin", "--scenario empty --steps 2000 --seed 3");
+    let rejected = |(from, to): (&str, &str), needles: &[&str]| {
+        assert!(OVER_STEPS.contains(from), "{from}");
+        workspace.write("mine/broken.ron", OVER_STEPS.replacen(from, to, 1));
+        let done = workspace.run("--reproduce --experiment mine/broken.ron --out no");
+        assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{to}: {}", done.stderr);
+        for needle in needles {
+            assert!(done.stderr.contains(needle), "{to}: no `{needle}` in {}", done.stderr);
+        }
+        assert!(!workspace.path("no").exists(), "{to}: no folder is created");
+    };
+    rejected(
+        ("runs/b", "runs/none"),
+        &["runs/none: holds no run", "help: give the folder of a finished run"],
+    );
+    rejected(
+        ("runs/b", "runs/world"),
+        &[
+            "mine/runs/world: is a run in \"U-trap\", but mine/runs/a is one in \"Empty\"",
+            "an arm of its own",
+        ],
+    );
+    rejected(("runs/b", "runs/longer"), &["mine/runs/longer: has other settings than mine/runs/a"]);
+    rejected(("runs/b", "runs/twin"), &["mine/runs/twin: has seed 3, as mine/runs/a has"]);
+    rejected(
+        ("[\"runs/a\", \"runs/b\"]", "[\"runs/world\"]"),
+        &[
+            "arm \"sixteen\" is compared with \"elsewhere\"",
+            "in different scenarios: \"Empty\" and \"U-trap\"",
+        ],
+    );
+    rejected(
+        ("show: Seeds(measure: Success)", "show: Seeds(measure: Success, after: EnvSteps(1500))"),
+        &["mine/runs/a: has no policy after 1,500 env steps", "leave `after` out", "policy: Best"],
+    );
+    rejected(
+        ("after: EnvSteps(1500)", "after: EnvSteps(2500)"),
+        &["mine/broken.ron:", "is 2500, but arm \"one\" is trained for 2000 env steps"],
+    );
+    rejected(
+        ("after: EnvSteps(1500)", "after: Episodes(15)"),
+        &[
+            "mine/broken.ron:",
+            "is a number of episodes, but arm \"one\" is trained for a number of env steps",
+        ],
+    );
+    rejected(
+        ("after: EnvSteps(1500)", "after: 15"),
+        &["mine/broken.ron:", "must be one of the choices", "`Episodes`", "`EnvSteps`"],
+    );
+    rejected(
+        ("figures: [", "conditions: [(name: \"x\")],\n    figures: ["),
+        &["mine/broken.ron:", "are finished, so the conditions cannot change \"elsewhere\""],
+    );
+    rejected(("[3, 17]", "[3, 17, 3]"), &["mine/broken.ron:", "has 3 twice"]);
+    rejected(("[3, 17]", "\"3\""), &["mine/broken.ron:", "a number of seeds, such as 5, or a list"]);
+    let done = workspace.run("--reproduce --experiment mine/steps.ron --quick --out no");
+    assert!(done.stderr.contains("arm \"elsewhere\" has finished runs"), "{}", done.stderr);
+
+    // A run that is not finished.
+    let summary = workspace.text("mine/runs/b/summary.json");
+    workspace.write("mine/runs/b/summary.json", summary.replace("\"finished\": true", "\"finished\": false"));
+    let done = workspace.run("--reproduce --experiment mine/steps.ron --out no");
+    assert_eq!(done.status, Some(2));
+    assert!(
+        done.stderr.contains("mine/runs/b: this run is not finished; help: finish it with --resume"),
+        "{}",
+        done.stderr
+    );
+}
+
+#[test]
+fn a_quick_report_never_replaces_a_full_one() {
+    let workspace = workspace();
+    let command = "--reproduce --experiment mine/own.ron --only times --out report";
+    workspace.run_ok(&format!("{command} --seeds 1"));
+    let full = whole_report(&workspace, "report");
+    let done = workspace.run(&format!("{command} --quick"));
+    assert_eq!((done.status, done.stdout.as_str()), (Some(2), ""), "{}", done.stderr);
+    assert!(
+        done.stderr.starts_with("error: report: holds a full report, which --quick would overwrite; help: "),
+        "{}",
+        done.stderr
+    );
+    assert!(whole_report(&workspace, "report") == full, "the full report is as it was");
+
+    // A full report may replace a quick one, and is then kept.
+    workspace.run_ok(&format!("{command} --quick").replace("--out report", "--out sketch"));
+    workspace.run_ok(&format!("{command} --seeds 1").replace("--out report", "--out sketch"));
+    let done = workspace.run(&format!("{command} --quick").replace("--out report", "--out sketch"));
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+}
+
 /// All shipped experiments, in the quick version.
 #[test]
 fn the_quick_report_has_all_shipped_figures_and_tables() {

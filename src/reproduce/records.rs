@@ -9,7 +9,7 @@ use super::figure_spec::{Axis, Series};
 use super::measured_value::MeasuredValue;
 use crate::report::smoothing::moving_mean;
 use crate::run::RunError;
-use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
+use crate::run::metric_rows::{EpisodeRow, EvaluationRow, Summary};
 use crate::run::preset::Budget;
 
 /// The numbers of training episodes in means.
@@ -39,6 +39,8 @@ impl Windows {
 pub struct Records {
     /// Env steps of the whole run at the end of each episode.
     env_steps: Vec<u64>,
+    /// Env steps of the whole run.
+    total_env_steps: u64,
     returns: Vec<f64>,
     goals: Vec<f64>,
     evaluations: Vec<EvaluationRow>,
@@ -53,8 +55,11 @@ impl Records {
     /// A file cannot be read.
     pub fn read(folder: &Path, arenas: usize) -> Result<Self, RunError> {
         let episodes: Vec<EpisodeRow> = rows(&folder.join("episodes.csv"))?;
+        let env_steps: Vec<u64> = episodes.iter().map(|row| row.env_steps).collect();
+        let last = env_steps.last().copied().unwrap_or(0);
         Ok(Self {
-            env_steps: episodes.iter().map(|row| row.env_steps).collect(),
+            env_steps,
+            total_env_steps: Summary::read(folder).map_or(last, |summary| summary.env_steps),
             returns: episodes.iter().map(|row| row.total_return).collect(),
             goals: episodes.iter().map(|row| f64::from(row.goals)).collect(),
             evaluations: rows(&folder.join("evaluations.csv"))?,
@@ -62,9 +67,9 @@ impl Records {
         })
     }
 
-    /// The env steps of the whole run at the end of its last episode.
+    /// The env steps of the whole run.
     pub fn total_env_steps(&self) -> u64 {
-        self.env_steps.last().copied().unwrap_or(0)
+        self.total_env_steps
     }
 
     /// The number of episodes until `policy` was saved; all for the best and the last policy.
@@ -84,11 +89,14 @@ impl Records {
         env_steps.div_ceil(self.arenas).saturating_mul(self.arenas)
     }
 
-    /// The env steps until `policy` was saved; without a number of env steps, at the end of the last episode.
+    /// The env steps until `policy` was saved; all for the best and the last policy.
     pub fn env_steps(&self, policy: PolicyId) -> u64 {
         match policy {
             PolicyId::After(Budget::EnvSteps(n)) => self.whole_steps(n),
-            _ => self.episodes(policy).checked_sub(1).map_or(0, |last| self.env_steps[last]),
+            PolicyId::After(Budget::Episodes(_)) => {
+                self.episodes(policy).checked_sub(1).map_or(0, |last| self.env_steps[last])
+            }
+            PolicyId::Best | PolicyId::Last => self.total_env_steps,
         }
     }
 
