@@ -25,7 +25,7 @@ pub struct ReproduceArgs {
 
     /// Number of seeds, such as 5, or a list of them, such as 3,17,42 (a single one: 17,) [default: the experiment's, 5
     /// for the paper's]
-    #[arg(long, value_name = "N|LIST", value_parser = values::seeds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SEEDS", value_parser = values::seeds, allow_negative_numbers = true)]
     seeds: Option<Seeds>,
 
     /// Make a rough report in a minute: two seeds, a tenth of the episodes [default folder: runs/reproduce-quick]; a
