@@ -46,12 +46,14 @@
 //!
 //! # Crates
 //!
-//! These crates do not depend on Bevy. This crate re-exports all but `wayfield_ron_patch`.
+//! These crates do not depend on Bevy. This crate re-exports all but `wayfield_ron_patch` and `wayfield_protobuf`.
 //!
 //! | crate | contents |
 //! |---|---|
 //! | [`wayfield_random`] | named, seeded streams of random numbers |
 //! | [`wayfield_policy`] | policy files, the encoding of observations, the forward pass |
+//! | [`wayfield_export`] | a policy as an ONNX file, and its model card |
+//! | `wayfield_protobuf` | a writer and a reader of protobuf messages |
 //! | [`wayfield_scenario`] | scenarios: the RON schema, its checks, geometry, generators |
 //! | `wayfield_ron_patch` | a RON writer that keeps comments |
 //! | [`wayfield_learning`] | the learner: Q-network, replay buffer, update rules |
@@ -96,6 +98,7 @@
 //! [Bevy]: https://bevyengine.org
 //! [rapier]: https://rapier.rs
 
+pub use wayfield_export as export;
 pub use wayfield_learning as learning;
 pub use wayfield_planner as planner;
 pub use wayfield_policy as policy;

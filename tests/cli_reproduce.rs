@@ -25,7 +25,7 @@ const OWN: &str = r#"(
     arms: [
         (
             name: "plain",
-            stages: [(scenario: "scenario-1", preset: "per.ron", budget: Episodes(24), overrides: (double: false))],
+            stages: [(scenario: "scenario-1", preset: "per.ron", budget: Episodes(24), overrides: {"learning.double": false})],
         ),
         (
             name: "transferred",
@@ -407,7 +407,22 @@ fn invalid_options_and_files_are_rejected_with_a_fix() {
     );
     broken("e.ron", ("name: \"dots\"", "name: \"../dots\""), &["e.ron:LINE:", "it becomes a file name"]);
     broken("f.ron", ("preset: \"per.ron\"", "preset: \"pre.ron\""), &["pre.ron", "no such file"]);
-    broken("g.ron", ("double: false", "l_r_m: -1.0"), &["g.ron", "reward.l_r_m"]);
+    let overrides = "\"learning.double\": false";
+    broken(
+        "g.ron",
+        (overrides, "\"reward.l_r_m\": -1.0"),
+        &["g.ron", "arm \"plain\"", "reward.l_r_m=-1.0: `reward.l_r_m` is -1"],
+    );
+    broken(
+        "m.ron",
+        (overrides, "\"learning.gama\": 0.9"),
+        &["m.ron", "learning.gama=0.9: unknown field `gama`", "did you mean `gamma`?"],
+    );
+    broken(
+        "n.ron",
+        ("    figures: [", "    conditions: [(name: \"c\", only_arms: [\"plane\"])],\n    figures: ["),
+        &["n.ron:LINE:", "names \"plane\"", "did you mean \"plain\"?"],
+    );
     broken("h.ron", ("EpisodesTo(1.0)", "EpisodesTo(0.0)"), &["h.ron:LINE:", "give 0.01 to 1000"]);
     broken("i.ron", ("name: \"all\"", "name: \"curves\""), &["i.ron", "two entries called \"curves\""]);
     broken("j.ron", ("budget: Episodes(24)", "budget: EnvSteps(900)"), &["j.ron", "policy: Best"]);

@@ -15,7 +15,8 @@ use crate::run::{RunError, scenario_image, shipped};
 pub fn run(file: &Path, shared: &SharedArgs) -> Result<(), RunError> {
     ImageFormat::of(file)?;
     check_writable(file)?;
-    let scenario = shipped::scenario(shared.scenario())?;
+    let mut scenario = shipped::scenario(shared.scenario())?;
+    shared.settings().apply_to_scenario(&mut scenario)?;
     scenario_image::draw(&scenario, file)?;
     if is_stream(file) {
         return Ok(());

@@ -82,7 +82,9 @@ struct OptimumReport {
 /// The scenario, the policy or an option is invalid.
 pub fn run(path: &Path, args: &EvalArgs, shared: &SharedArgs) -> Result<(), RunError> {
     let policy = policy_card::read(path)?;
-    let scenario = Arc::new(scenario_for(path, &policy, shared)?);
+    let mut scenario = scenario_for(path, &policy, shared)?;
+    shared.settings().apply_to_scenario(&mut scenario)?;
+    let scenario = Arc::new(scenario);
     if args.course {
         check_benchmark_route(&scenario)?;
     }

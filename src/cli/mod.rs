@@ -10,6 +10,7 @@ mod card;
 mod check;
 mod draw;
 mod eval;
+mod export;
 #[cfg(all(test, feature = "gui"))]
 mod flag_tables;
 mod modes;
@@ -51,6 +52,7 @@ const AFTER_HELP: &str = "\
   wayfield --resume runs/scenario-1-fast-0 --steps 900000
   wayfield --reproduce --only fig9,table2 --seeds 3  two of the paper's results, into runs/reproduce/
   wayfield --check scenarios/                        check every scenario in a folder
+  wayfield --export POLICY --onnx policy.onnx        a policy for ONNX Runtime
 
 A file may be `-`, standard input. Whole numbers may be written 600000, 600_000, 6e5 or 600k.
 Results go to stdout, logs and progress to stderr. Exit status: 0 success, 1 a run failed,
@@ -76,6 +78,8 @@ struct Arguments {
     train: train::TrainArgs,
     #[command(flatten)]
     eval: eval::EvalArgs,
+    #[command(flatten)]
+    export: export::ExportArgs,
     #[command(flatten)]
     reproduce: reproduce::ReproduceArgs,
     #[cfg(feature = "gui")]
@@ -195,6 +199,8 @@ fn run(arguments: Arguments, began: Instant) -> Result<(), RunError> {
         eval::run(&policy, &arguments.eval, &shared)
     } else if let Some(policy) = mode.card {
         card::run(&policy)
+    } else if let Some(policy) = mode.export {
+        export::run(&policy, &arguments.export)
     } else if mode.reproduce {
         reproduce::run(arguments.reproduce, shared, began)
     } else if !mode.check.is_empty() {

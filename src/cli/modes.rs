@@ -23,6 +23,10 @@ pub struct ModeArgs {
     #[arg(long, value_name = "POLICY")]
     pub card: Option<PathBuf>,
 
+    /// Write a policy for other programs, with the encoding of its inputs and the choice of its actions (see --onnx)
+    #[arg(long, value_name = "POLICY")]
+    pub export: Option<PathBuf>,
+
     /// Reproduce the paper: train, test and report every figure and table over several seeds
     #[arg(long)]
     pub reproduce: bool,
@@ -44,19 +48,20 @@ pub struct ModeArgs {
 /// The options that each mode takes, by clap id. The id of a group (a struct of options) stands for all options in
 /// the group.
 const MODES: &[(&str, &[&str])] = &[
-    ("train", &["scenario", "preset", "seed", "episodes", "out", "json", "TrainArgs"]),
-    ("eval", &["scenario", "seed", "episodes", "json", "EvalArgs"]),
+    ("train", &["scenario", "preset", "set", "seed", "episodes", "out", "json", "TrainArgs"]),
+    ("eval", &["scenario", "set", "seed", "episodes", "json", "EvalArgs"]),
     ("card", &["json"]),
+    ("export", &["ExportArgs"]),
     ("reproduce", &["out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
-    ("draw", &["scenario"]),
+    ("draw", &["scenario", "set"]),
     #[cfg(feature = "gui")]
     ("replay", &[]),
 ];
 
 /// The options that the app takes, by clap id.
 #[cfg(feature = "gui")]
-const APP: &[&str] = &["scenario", "preset", "seed", "checkpoint_every", "WindowArgs"];
+const APP: &[&str] = &["scenario", "preset", "set", "seed", "checkpoint_every", "WindowArgs"];
 #[cfg(not(feature = "gui"))]
 const APP: &[&str] = &[];
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::values;
+use crate::run::settings::{Setting, Settings};
 use crate::simulation::Extensions;
 
 /// The options that several modes take ([`modes`](super::modes) lists them by mode).
@@ -21,6 +22,12 @@ pub struct SharedArgs {
     /// [default: fast]
     #[arg(long, value_name = "FILE")]
     pub preset: Option<String>,
+
+    /// Set a field of the preset, such as learning.gamma=0.97, or of the scenario, such as
+    /// scenario.lidar.noise_std_m=0.02; may be repeated. The value is written as in the file, in quotes for the shell
+    /// if it has brackets: 'learning.loss=Huber(delta: 1)'
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub set: Vec<Setting>,
 
     /// The seed of every random stream [default: 0]
     #[arg(long, value_name = "N", value_parser = values::seed, allow_negative_numbers = true)]
@@ -54,6 +61,11 @@ impl SharedArgs {
     /// The preset's file or shipped name.
     pub fn preset(&self) -> &str {
         self.preset.as_deref().unwrap_or("fast")
+    }
+
+    /// The settings of `--set`.
+    pub fn settings(&self) -> Settings {
+        Settings(self.set.clone())
     }
 
     /// The seed.

@@ -15,6 +15,7 @@ use crate::run::RunError;
 use crate::run::folder::{RunConfig, Transfer};
 use crate::run::metric_rows::{Milestone, Summary};
 use crate::run::preset::Budget;
+use crate::run::progress::print_stderr;
 use crate::run::signals::stop_on_signal;
 use crate::run::train::{CHECKPOINT_INTERVAL, Job, train};
 use crate::scenario::{printable_path, quoted};
@@ -43,7 +44,7 @@ pub struct TrainArgs {
     /// Continue the run in DIR exactly where it stopped (--train may be left out); --episodes or --steps set a
     /// larger budget, counted from the start of the run
     #[arg(long, value_name = "DIR",
-        conflicts_with_all = ["scenario", "preset", "seed", "arenas", "out", "init", "epsilon"])]
+        conflicts_with_all = ["scenario", "preset", "set", "seed", "arenas", "out", "init", "epsilon"])]
     pub resume: Option<PathBuf>,
 
     /// Write a checkpoint every S seconds; the interval does not change what is learned [default: 30].
@@ -80,8 +81,13 @@ pub fn run(args: TrainArgs, shared: SharedArgs, began: Instant) -> Result<(), Ru
 }
 
 fn new_run(args: TrainArgs, shared: SharedArgs, budget: Option<Budget>) -> Result<Job, RunError> {
+    let settings = shared.settings();
     let mut config = RunConfig::resolve(shared.scenario(), shared.preset(), shared.seed())?
+        .with_settings(&settings)?
         .with_extensions(&shared.extensions);
+    if !settings.0.is_empty() {
+        print_stderr(&format!("set {settings}"));
+    }
     let preset = &mut config.preset;
     preset.budget = budget.unwrap_or(preset.budget);
     preset.arenas = args.arenas.unwrap_or(preset.arenas);

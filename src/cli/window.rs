@@ -17,6 +17,7 @@ use crate::app::{
 use crate::limits::MAX_STEPS;
 use crate::run::output_file::check_writable;
 use crate::run::progress::print_stderr;
+use crate::run::settings::Settings;
 use crate::run::{RunError, shipped};
 
 /// The options of the app.
@@ -85,6 +86,7 @@ pub fn run(args: WindowArgs, shared: SharedArgs, save_every: Option<Duration>) -
     let start = StartOptions {
         scenario: shared.scenario.unwrap_or(defaults.scenario),
         preset: shared.preset.unwrap_or(defaults.preset),
+        settings: Settings(shared.set),
         seed: shared.seed.unwrap_or(defaults.seed),
         pace: args.pace.unwrap_or(defaults.pace),
         open: args.open.clone(),
@@ -116,7 +118,7 @@ fn check_start_files(start: &StartOptions, screenshot: bool) -> Result<(), RunEr
         }
         loaded => drop(loaded?),
     }
-    shipped::preset(&start.preset)?;
+    start.settings.apply_to_preset(&mut shipped::preset(&start.preset)?)?;
     Ok(())
 }
 

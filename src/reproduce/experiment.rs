@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::claim::Claim;
 use super::figure_spec::FigureSpec;
-use super::overrides::Override;
 use super::seeds::Seeds;
 use super::table_spec::{TableKind, TableSpec};
 use crate::run::preset::{Budget, EvaluationConfig};
+use crate::run::settings::Settings;
 
 /// An experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -128,18 +128,37 @@ pub struct Stage {
     /// 0.5).
     #[serde(default)]
     pub epsilon: Option<f32>,
-    /// Changes to the scenario and the preset.
-    #[serde(default)]
-    pub overrides: Override,
+    /// Fields of the preset and the scenario to change, by path:
+    /// `{"learning.gamma": 0.97, "scenario.lidar.noise_std_m": 0.02}`.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub overrides: Settings,
 }
 
-/// A condition: a change to all arms.
+/// A condition: a change to all arms, or to some of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
     /// The name in figures and tables.
     pub name: String,
-    /// The changes to every stage.
-    #[serde(default)]
-    pub overrides: Override,
+    /// Another scenario for every stage. The overrides apply to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<String>,
+    /// Fields of the preset and the scenario to change in every stage, by path, after those of the stage.
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub overrides: Settings,
+    /// The names of the arms that are changed; empty for all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub only_arms: Vec<String>,
+    /// The scenarios, as the stages name them, whose stages are changed; empty for all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub only_scenarios: Vec<String>,
+}
+
+impl Condition {
+    /// Whether the condition changes `stage` of `arm`.
+    #[must_use]
+    pub fn changes(&self, arm: &Arm, stage: &Stage) -> bool {
+        let is_named = |names: &[String], name: &String| names.is_empty() || names.contains(name);
+        is_named(&self.only_arms, &arm.name) && is_named(&self.only_scenarios, &stage.scenario)
+    }
 }

@@ -5,7 +5,7 @@
 //!
 //! | step | files | duty |
 //! |---|---|---|
-//! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `seeds.rs`, `overrides.rs` | the schema of an experiment's file |
+//! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `seeds.rs` | the schema of an experiment's file |
 //! | | `load.rs`, `check/` | reading and checking such a file |
 //! | select | `options.rs`, `select.rs`, `selected.rs`, `quick.rs` | the figures and tables that the user asked for |
 //! | plan | `plan.rs`, `arm_run.rs`, `test_point.rs`, `run_config.rs` | the trainings they need, each once, and the policies to test |
@@ -33,7 +33,6 @@ pub mod measure;
 mod measured_value;
 mod optimal_times;
 mod options;
-pub mod overrides;
 pub mod plan;
 mod policy_test;
 mod progress;

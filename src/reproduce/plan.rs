@@ -107,7 +107,7 @@ impl RunPlan {
         let mut arm_run = ArmRun { stages: Vec::new() };
         let mut needed = needed.filter(|_| arm.policy == TestedPolicy::After);
         for stage in &arm.stages {
-            let mut config = run_config(&source.from, &source.experiment, condition, stage, seed)?;
+            let mut config = run_config(&source.from, &source.experiment, condition, (arm, stage), seed)?;
             let budget = config.preset.budget;
             let length = needed.and_then(|needed| shorter(needed, budget)).unwrap_or(budget);
             if amount(length) == 0 {

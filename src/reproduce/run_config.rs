@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::experiment::{Experiment, Stage, TestedPolicy};
+use super::experiment::{Arm, Experiment, Stage, TestedPolicy};
 use crate::run::folder::RunConfig;
 use crate::run::preset::Budget;
 use crate::run::{RunError, shipped};
-use crate::scenario::{self, FileError, to_ron};
+use crate::scenario::{FileError, to_ron};
 use crate::simulation::Extensions;
 
-/// The configuration of `stage` under a condition, without its transfer. `from` is the experiment's file.
+/// The configuration of a `stage` of `arm` under a condition, without its transfer. `from` is the experiment's file.
 ///
 /// # Errors
 /// The scenario or the preset is invalid, before or after the changes.
@@ -17,15 +17,12 @@ pub fn run_config(
     from: &str,
     experiment: &Experiment,
     condition: usize,
-    stage: &Stage,
+    (arm, stage): (&Arm, &Stage),
     seed: u64,
 ) -> Result<RunConfig, RunError> {
-    let condition = experiment.conditions.get(condition).map(|condition| &condition.overrides);
-    let scenario_from = condition
-        .and_then(|overrides| overrides.scenario.as_ref())
-        .or(stage.overrides.scenario.as_ref())
-        .unwrap_or(&stage.scenario)
-        .clone();
+    let condition = experiment.conditions.get(condition).filter(|condition| condition.changes(arm, stage));
+    let scenario_from =
+        condition.and_then(|condition| condition.scenario.as_ref()).unwrap_or(&stage.scenario).clone();
     for name in [&scenario_from, &stage.preset] {
         check_is_file(from, name)?;
     }
@@ -33,14 +30,16 @@ pub fn run_config(
     let mut preset = shipped::preset(&resolve(from, &stage.preset))?;
     preset.budget = stage.budget.unwrap_or(preset.budget);
     preset.evaluation = experiment.evaluation.unwrap_or(preset.evaluation);
-    stage.overrides.apply(&mut scenario, &mut preset);
-    if let Some(condition) = condition {
-        condition.apply(&mut scenario, &mut preset);
-    }
-    let diagnostics = scenario::diagnostics(&scenario).into_iter().chain(preset.diagnostics());
-    if let Some(diagnostic) = diagnostics.into_iter().next() {
-        let why = format!("the overrides of {scenario_from} or {}: {diagnostic}", stage.preset);
-        return Err(FileError::for_file(Path::new(from), why).into());
+    let of_stage = (format!("arm \"{}\"", arm.name), &stage.overrides);
+    let of_condition =
+        condition.map(|condition| (format!("condition \"{}\"", condition.name), &condition.overrides));
+    for (owner, overrides) in std::iter::once(of_stage).chain(of_condition) {
+        let in_arm = format!("{owner}, {scenario_from} with {}", stage.preset);
+        overrides.apply(&mut scenario, &mut preset).map_err(|errors| {
+            let lines =
+                errors.iter().map(|error| format!("overrides of {in_arm}: {error}")).collect::<Vec<_>>();
+            FileError::for_file(Path::new(from), lines.join("\n"))
+        })?;
     }
     Ok(RunConfig {
         version: env!("CARGO_PKG_VERSION").into(),

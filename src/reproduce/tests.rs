@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 
 use super::ReproduceOptions;
 use super::arm_run::{ArmRun, PolicyId};
-use super::experiment::{Experiment, TestRule};
+use super::experiment::TestRule;
 use super::figure_spec::{Axis, Series};
 use super::measure::Measure;
 use super::measured_value::MeasuredValue;
 use super::optimal_times::OptimalTimesCache;
-use super::overrides::Override;
 use super::plan::{RunPlan, Training};
 use super::policy_test::{self, PolicyTestResult};
 use super::records::Windows;
@@ -18,11 +17,12 @@ use super::results::{ArmIndex, Results};
 use super::seeds::Seeds;
 use super::select::select;
 use super::selected::SelectedExperiment;
-use super::table_spec::TableKind;
 use super::test_point::TestPoint;
+use crate::learning::Sampling;
 use crate::run::folder::RunFolder;
 use crate::run::metric_rows::{EpisodeRow, EvaluationRow};
 use crate::run::preset::Budget;
+use crate::task::RewardKind;
 
 fn only(names: &[&str]) -> ReproduceOptions {
     ReproduceOptions { only: names.iter().map(|&name| name.into()).collect(), ..ReproduceOptions::default() }
@@ -243,36 +243,46 @@ fn measures_are_computed_from_the_records() {
 }
 
 #[test]
-fn overrides_change_every_field_they_name() {
-    let text = TWO_STAGES.replace(
-        "budget: Episodes(200))",
-        "budget: Episodes(200), overrides: (lidar_noise_std_m: 0.05, actuator_lag_s: 0.3, collision_range_m: 0.15,
-            max_episode_steps: 300, reward: Traditional, l_r_m: 0.5, observation: Raw, double: true, dueling: true,
-            sampling: Prioritized(alpha: 0.6, beta: Constant(0.4), importance_weights: true, epsilon: 0.01),
-            alpha: 0.7))",
+fn overrides_and_conditions_change_the_fields_that_they_name_in_the_arms_that_they_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file: PathBuf = folder.path().join("two.ron");
+    let text = TWO_STAGES
+        .replace(
+            "budget: Episodes(200))",
+            r#"budget: Episodes(200), overrides: {
+                "learning.gamma": 0.97, "reward.kind": Traditional, "scenario.task.max_episode_steps": 300,
+                "learning.replay.sampling": Prioritized(alpha: 0.6, beta: Constant(0.4), importance_weights: true, epsilon: 0.01),
+                "learning.replay.sampling.alpha": 0.7,
+            })"#,
+        )
+        .replace(
+            "    tables: [",
+            r#"    conditions: [
+                (name: "unchanged"),
+                (name: "faster", scenario: "scenario-2", overrides: {"scenario.obstacles[*].motion.speed_rad_s": 0.3}),
+                (name: "not in b", overrides: {"learning.gamma": 0.5}, only_arms: ["a"], only_scenarios: ["scenario-1"]),
+            ],
+            tables: ["#,
+        )
+        .replace("    arms: [", "    arms: [(name: \"b\", stages: [(scenario: \"empty\", preset: \"dqn\", budget: Episodes(300))]),");
+    std::fs::write(&file, text).expect("written");
+    let (_, plan) = planned(&ReproduceOptions { experiments: vec![file], ..ReproduceOptions::default() });
+    let config = |condition: usize, arm: usize| {
+        &plan.trainings[plan.arm_runs[&(0, condition, arm, 1)].stages.last().expect("a stage").0].config
+    };
+    let (changed, faster) = (config(0, 1), config(1, 1));
+    assert_eq!((changed.preset.learning.gamma, config(2, 1).preset.learning.gamma), (0.97, 0.5));
+    assert_eq!(
+        (changed.preset.reward.kind, changed.scenario.task.max_episode_steps),
+        (RewardKind::Traditional, 300)
     );
-    let experiment = Experiment::parse(&text, "two.ron").expect("a valid experiment");
-    let overrides = &experiment.arms[0].stages[1].overrides;
-    let mut scenario = crate::run::shipped::scenario("scenario-2").expect("shipped");
-    let mut preset = crate::run::shipped::preset("dqn").expect("shipped");
-    let faster = Override { orbit_speed_rad_s: Some(0.3), ..overrides.clone() };
-    faster.apply(&mut scenario, &mut preset);
-    let text = crate::scenario::to_ron(&(scenario, preset)).expect("RON");
-    for field in [
-        "noise_std_m: 0.05",
-        "actuator_lag_s: 0.3",
-        "collision_range_m: 0.15",
-        "max_episode_steps: 300",
-        "kind: Traditional",
-        "l_r_m: 0.5",
-        "observation: Raw",
-        "double: true",
-        "dueling: true",
-        "alpha: 0.7",
-        "importance_weights: true",
-    ] {
-        assert_eq!(text.matches(field).count(), 1, "{field} in {text}");
-    }
-    assert_eq!(text.matches("speed_rad_s: 0.3").count(), 4, "all four cylinders");
-    assert!(matches!(experiment.tables[0].show, TableKind::Seeds { after: Some(Budget::Episodes(300)), .. }));
+    let Sampling::Prioritized { alpha, importance_weights, .. } = changed.preset.learning.replay.sampling
+    else {
+        panic!("not prioritized")
+    };
+    assert_eq!((alpha, importance_weights), (0.7, true), "in the order of the file");
+    assert_eq!((faster.scenario.name.as_str(), faster.preset.learning.gamma), ("Scenario II", 0.97));
+    let ron = crate::scenario::to_ron(&faster.scenario).expect("RON");
+    assert_eq!(ron.matches("speed_rad_s: 0.3,").count(), 4, "all four cylinders: {ron}");
+    assert_eq!(config(2, 0).preset, config(0, 0).preset, "the condition is only for the other arm");
 }

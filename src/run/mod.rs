@@ -5,6 +5,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `preset.rs` | training presets |
+//! | `settings.rs` | single fields of a preset or scenario that are set from outside of their files |
 //! | `notes/` | doubtful settings of a run |
 //! | `memory.rs`, `memory_limit.rs` | the memory that a run needs, and the limit of the process |
 //! | `shipped.rs` | the shipped scenarios, presets and policies, by name |
@@ -20,6 +21,7 @@
 //! | `write_points.rs` | named places between writes, where a test can abort the process |
 //! | `metric_rows.rs`, `metrics_writer.rs` | the rows of `episodes.csv` and `evaluations.csv`, and their writer |
 //! | `policy_card/` | the card in a policy file, and its comparison with a scenario |
+//! | `export.rs` | a policy for other programs, as an ONNX file with a model card |
 //! | `checkpoint/` | checkpoints, from which a run resumes bit-identically |
 //! | `fingerprint.rs` | checksums that show whether two builds simulate bit-identically |
 //! | `scenario_image.rs` | a scenario from above, as SVG or PNG |
@@ -29,6 +31,8 @@
 pub mod background_evaluator;
 pub mod checkpoint;
 pub mod evaluate;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod export;
 pub mod fingerprint;
 pub mod folder;
 #[cfg(not(target_arch = "wasm32"))]
@@ -50,6 +54,7 @@ pub mod preset;
 pub mod progress;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod scenario_image;
+pub mod settings;
 pub mod shipped;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod signals;

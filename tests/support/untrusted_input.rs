@@ -176,10 +176,8 @@ pub fn experiment(bytes: &[u8]) -> bool {
     let shipped = |name: &str, known: &[&str]| known.contains(&name);
     let stages = experiment.arms.iter().flat_map(|arm| &arm.stages);
     let known = stages.clone().all(|stage| {
-        shipped(&stage.scenario, &["empty", "u-trap"])
-            && shipped(&stage.preset, &["fast", "dqn", "per_d3qn"])
-            && stage.overrides.scenario.is_none()
-    }) && experiment.conditions.iter().all(|condition| condition.overrides.scenario.is_none());
+        shipped(&stage.scenario, &["empty", "u-trap"]) && shipped(&stage.preset, &["fast", "dqn", "per_d3qn"])
+    }) && experiment.conditions.iter().all(|condition| condition.scenario.is_none());
     let trainings = experiment.seeds.count() as usize * stages.count() * experiment.conditions.len().max(1);
     // Finished runs are read from folders.
     let known = known && experiment.arms.iter().all(|arm| arm.runs.is_empty());

@@ -28,8 +28,9 @@
 //! | [`Style`] | fields that may be left out, blank lines between the top-level fields |
 //! | `value`, `serializer` | any supported serde value as a tree of names, numbers and strings |
 //! | `format`, `literal` | the canonical text of a tree |
-//! | `tokens`, `syntax`, `trivia` | the old text as a tree of byte ranges, with comments and spaces between them |
+//! | [`tokens`], `syntax`, `trivia` | the old text as a tree of byte ranges, with comments and spaces between them |
 //! | `merge`, `align`, `rebuild` | the old text with the changed values in it |
+//! | [`set_field`] | a value for the field at a path |
 //! | [`SourceMap`] | from a byte offset to a field's path and back, for error messages |
 //!
 //! Supported types are structs with named fields, enums whose variants have named fields or no fields, options, lists,
@@ -42,6 +43,7 @@ mod literal;
 mod merge;
 mod rebuild;
 mod serializer;
+mod set_field;
 mod source_map;
 mod style;
 mod syntax;
@@ -52,8 +54,10 @@ mod value;
 use serde::Serialize;
 
 pub use self::serializer::Unsupported;
+pub use self::set_field::{PathError, set_field};
 pub use self::source_map::SourceMap;
 pub use self::style::Style;
+pub use self::tokens::tokens;
 
 use self::format::Formatter;
 use self::merge::Merge;

@@ -58,6 +58,9 @@ pub struct SourceMap<'a> {
 const UNKNOWN: usize = usize::MAX;
 
 impl<'a> SourceMap<'a> {
+    /// The entry of the whole value.
+    pub(crate) const ROOT: usize = 0;
+
     /// The source map of `text`.
     #[must_use]
     pub fn new(text: &'a str) -> Self {
@@ -146,8 +149,7 @@ impl<'a> SourceMap<'a> {
     /// The range of the value of the innermost field around `offset`.
     #[must_use]
     pub fn value_at(&self, offset: usize) -> Range<usize> {
-        let Entry { value, end, .. } = self.entries[self.innermost(offset)];
-        self.trimmed(value..end)
+        self.value_of(self.innermost(offset))
     }
 
     /// The range of the innermost field around `offset`: its name and its value.
@@ -159,9 +161,57 @@ impl<'a> SourceMap<'a> {
 
     /// The names of the fields of the top-level value.
     pub fn field_names(&self) -> impl Iterator<Item = &'a str> {
-        self.entries.iter().skip(1).filter(|entry| entry.parent == 0).filter_map(|entry| match entry.step {
-            Step::Field((from, to)) => Some(&self.text[from..to]),
+        self.fields_of(Self::ROOT).map(|(name, _)| name)
+    }
+
+    /// The range of the value of `entry`.
+    pub(crate) fn value_of(&self, entry: usize) -> Range<usize> {
+        let Entry { value, end, .. } = self.entries[entry];
+        self.trimmed(value..end)
+    }
+
+    /// The text of the value of `entry`.
+    pub(crate) fn text_of(&self, entry: usize) -> &'a str {
+        &self.text[self.value_of(entry)]
+    }
+
+    /// The path of `entry`; empty for the top level.
+    pub(crate) fn path_of(&self, entry: usize) -> String {
+        self.path(entry)
+    }
+
+    /// The field `name` of the struct or variant `entry`.
+    pub(crate) fn field_of(&self, entry: usize, name: &str) -> Option<usize> {
+        self.fields_of(entry).find(|&(field, _)| field == name).map(|(_, below)| below)
+    }
+
+    /// The fields of the struct or variant `entry`, by name.
+    pub(crate) fn fields_of(&self, entry: usize) -> impl Iterator<Item = (&'a str, usize)> {
+        self.below(entry).filter_map(|below| match self.entries[below].step {
+            Step::Field((from, to)) => Some((&self.text[from..to], below)),
             Step::Index(_) => None,
+        })
+    }
+
+    /// The elements of the list, tuple or unnamed variant `entry`.
+    pub(crate) fn elements_of(&self, entry: usize) -> impl Iterator<Item = usize> {
+        self.below(entry).filter(|&below| matches!(self.entries[below].step, Step::Index(_)))
+    }
+
+    /// The entries in `entry`, in the order of the text.
+    fn below(&self, entry: usize) -> impl Iterator<Item = usize> {
+        (entry + 1..self.entries.len()).filter(move |&below| self.entries[below].parent == entry)
+    }
+
+    /// The offset after the opening round bracket of the struct or variant `entry`.
+    pub(crate) fn bracket_of(&self, entry: usize) -> Option<usize> {
+        let Range { start, .. } = self.value_of(entry);
+        let (word_start, word_end) = token(self.text, start)?;
+        let is_bracket = |at: usize| self.text[at..].starts_with('(').then_some(at + 1);
+        let (after_word, _) = token(self.text, word_end)?;
+        is_bracket(word_start).or_else(|| {
+            let is_name = self.text[word_start..].starts_with(|c: char| c.is_alphabetic());
+            is_name.then(|| is_bracket(after_word)).flatten()
         })
     }
 

@@ -1,6 +1,19 @@
 //! The RON tokenizer: words, strings, characters and punctuation; comments and spaces are skipped. It also accepts text that
 //! ron rejects.
 
+use std::ops::Range;
+
+/// The byte ranges of the tokens of a RON text, which may be invalid: words (names and numbers), strings, characters and single
+/// signs. Spaces and comments are between them.
+pub fn tokens(text: &str) -> impl Iterator<Item = Range<usize>> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let (start, end) = token(text, at)?;
+        at = end;
+        Some(start..end)
+    })
+}
+
 /// The start and end of the next token at or after `at`. Spaces, comments and `#![...]` are skipped.
 pub(crate) fn token(text: &str, mut at: usize) -> Option<(usize, usize)> {
     loop {

@@ -22,6 +22,7 @@ mod placement;
 mod placement_rule;
 pub mod polygon;
 mod schema;
+mod setting;
 mod shape;
 mod shape_fields;
 mod text;
@@ -31,7 +32,7 @@ pub mod virtual_files;
 mod write;
 
 pub use check::{benchmark_route_problem, diagnostics, notes, value_diagnostics};
-pub use explain::{closest_name, whole_number};
+pub use explain::{choose, closest_name, whole_number};
 pub use fields::{Field, FieldValue, Quantity};
 pub use file_error::{Diagnostic, FileError, LocatedDiagnostic, locate, utf8};
 pub use geometry::{clearance, enclosure_distance, inner_wall_distance, shape_distance};
@@ -40,7 +41,7 @@ pub use glam::{Vec2, vec2};
 pub use input::{is_special_file, path_exists, read_bytes};
 pub use limits::MAX_FILE_BYTES;
 pub use load::{
-    parse_checked, parse_ron, parse_ron_with_limit, read_ron, read_ron_with_limit, read_text,
+    field_names, parse_checked, parse_ron, parse_ron_with_limit, read_ron, read_ron_with_limit, read_text,
     read_text_with_limit, resemblance, to_ron,
 };
 pub use motion::pose_at;
@@ -49,6 +50,7 @@ pub use note::{Note, NoteLevel};
 pub use outline::Outline;
 pub use placement::{NoFreeSpace, draw_goal, draw_start, draw_start_and_goal};
 pub use schema::*;
+pub use setting::with_setting;
 pub use shape::RoundedBox;
 pub use shape_fields::Sizes;
 pub use text::{is_noncharacter, is_unprintable, printable, printable_lines, printable_path, quoted};

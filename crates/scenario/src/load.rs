@@ -177,11 +177,17 @@ pub fn resemblance<T: DeserializeOwned>(text: &str, name: &str) -> usize {
     if body.strip_prefix(name).is_some_and(|rest| rest.trim_start().starts_with('(')) {
         return usize::MAX;
     }
-    let known = match options().from_str::<T>("(no_such_field: 0)").map_err(|error| error.code) {
+    let known = field_names::<T>();
+    map.field_names().filter(|field| known.contains(field)).count()
+}
+
+/// The names of the fields of the struct `T`, which rejects unknown fields.
+#[must_use]
+pub fn field_names<T: DeserializeOwned>() -> &'static [&'static str] {
+    match options().from_str::<T>("(no_such_field: 0)").map_err(|error| error.code) {
         Err(ron::Error::NoSuchStructField { expected, .. }) => expected,
         _ => &[],
-    };
-    map.field_names().filter(|field| known.contains(field)).count()
+    }
 }
 
 /// `value` as RON text for [`parse_ron`], with one field per line.

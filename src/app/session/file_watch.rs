@@ -17,6 +17,7 @@ use super::training_run::TrainingRun;
 use super::{open, start_training};
 use crate::agent::ActiveLearner;
 use crate::app::app_snapshot::Severity;
+use crate::run::RunError;
 use crate::run::preset::Preset;
 use crate::run::shipped;
 use crate::scenario::{FileError, Scenario, read_text};
@@ -168,9 +169,10 @@ fn retry(world: &mut World, path: &Path) {
 
 /// Starts a training in the scenario file `name`, with the current preset and seed.
 fn start_there(world: &mut World, name: String) {
-    let config = &world.resource::<TrainingRun>().config;
-    let (preset, seed) = (config.preset_from.clone(), config.seed);
-    let (severity, text) = match start_training::start_training(world, &name, &preset, seed) {
+    let started = shipped::scenario(&name)
+        .map_err(RunError::from)
+        .and_then(|scenario| start_training::start_in_scenario(world, scenario, name.clone()));
+    let (severity, text) = match started {
         Ok(()) => (Severity::Info, format!("{name}: training started")),
         Err(error) => (Severity::Error, error.to_string()),
     };

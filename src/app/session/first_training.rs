@@ -18,15 +18,20 @@ use super::run_notices;
 use super::start_training::{insert_run, prepare_new, scenario_topic};
 use super::training_run::TrainingRun;
 use crate::app::app_snapshot::Severity;
+use crate::run::settings::Settings;
 
 /// Starts the first training. The options were checked before; if one is nevertheless invalid, the default training starts,
 /// with a notice.
 pub(super) fn start_first(world: &mut World, start: &StartOptions) {
     let default = StartOptions::default();
-    let requested = prepare_new(&start.scenario, &start.preset, start.seed, &start.extensions);
+    let prepare = |scenario: &str, preset: &str, settings: &Settings| {
+        prepare_new(scenario, preset, settings, start.seed, &start.extensions)
+    };
+    let requested = prepare(&start.scenario, &start.preset, &start.settings);
     let problem = requested.as_ref().err().map(ToString::to_string);
-    let fallback = |preset: &str| prepare_new(&default.scenario, preset, start.seed, &start.extensions);
-    match requested.or_else(|_| fallback(&start.preset)).or_else(|_| fallback(&default.preset)) {
+    let in_default_scenario = |_| prepare(&default.scenario, &start.preset, &start.settings);
+    let by_default = |_| prepare(&default.scenario, &default.preset, &default.settings);
+    match requested.or_else(in_default_scenario).or_else(by_default) {
         Ok(prepared) => {
             world.insert_resource(Pacer::new(start.pace, start.paused));
             world.insert_resource(Autosave::new(start.autosave.clone(), start.open.is_none()));

@@ -68,6 +68,7 @@ use bevy::prelude::*;
 use super::commands::{Command, EditorReply, Pace};
 use super::history::History;
 use crate::agent::ActionSources;
+use crate::run::settings::Settings;
 use crate::simulation::{Extensions, SimulationBuilder};
 
 pub use active_mode::ActiveMode;
@@ -91,6 +92,8 @@ pub struct StartOptions {
     pub scenario: String,
     /// The preset: a file or a shipped name.
     pub preset: String,
+    /// Settings of the preset; the scenario must stay that of its file, which the app follows.
+    pub settings: Settings,
     /// Seed of every random draw.
     pub seed: u64,
     /// Pace of the simulated time.
@@ -115,6 +118,7 @@ impl Default for StartOptions {
         Self {
             scenario: "scenario-1".into(),
             preset: "fast".into(),
+            settings: Settings::default(),
             seed: 0,
             pace: Pace::Times(5.0),
             paused: false,

@@ -31,6 +31,7 @@ use crate::learning::Learner;
 use crate::policy::Policy;
 use crate::run::checkpoint::TrainerState;
 use crate::run::folder::{RunConfig, Transfer};
+use crate::run::settings::Settings;
 use crate::run::{RunError, policy_card, shipped, training_setup};
 use crate::scenario::Scenario;
 use crate::simulation::Extensions;
@@ -55,17 +56,20 @@ fn prepare(config: RunConfig, initial_policy: Option<Policy>) -> Result<Prepared
     Ok(PreparedTraining { config, initial_policy, learner, trainer_state })
 }
 
-/// Prepares a training from random weights.
+/// Prepares a training from random weights, with `settings` of the preset.
 ///
 /// # Errors
-/// The scenario or the preset is invalid.
+/// The scenario, the preset or a setting is invalid.
 pub(super) fn prepare_new(
     scenario: &str,
     preset: &str,
+    settings: &Settings,
     seed: u64,
     extensions: &Extensions,
 ) -> Result<PreparedTraining, RunError> {
-    prepare(RunConfig::resolve(scenario, preset, seed)?.with_extensions(extensions), None)
+    let mut config = RunConfig::resolve(scenario, preset, seed)?.with_extensions(extensions);
+    settings.apply_to_preset(&mut config.preset)?;
+    prepare(config, None)
 }
 
 /// Inserts the resources of a prepared training, and puts its arenas in place of the current ones.
@@ -124,7 +128,7 @@ pub(super) fn start_training(
     seed: u64,
 ) -> Result<(), RunError> {
     let extensions = world.resource::<TrainingRun>().config.extensions.clone();
-    let prepared = prepare_new(scenario, preset, seed, &extensions)?;
+    let prepared = prepare_new(scenario, preset, &Settings::default(), seed, &extensions)?;
     world.resource_mut::<Pacer>().set_paused(false);
     replace(world, prepared);
     Ok(())

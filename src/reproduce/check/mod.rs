@@ -30,8 +30,7 @@ pub(super) fn diagnostics(experiment: &Experiment) -> Vec<Diagnostic> {
     if check.found.diagnostics.is_empty() {
         check.header(experiment);
         check.arms();
-        check.found.names("conditions", experiment.conditions.iter().map(|c| c.name.as_str()));
-        check.conditions_with_runs(experiment);
+        check.conditions(experiment);
         check.figures(experiment);
         check.tables(experiment);
     }
@@ -93,7 +92,12 @@ impl Check<'_> {
     }
 
     /// Conditions change trainings, and finished runs cannot be changed.
-    fn conditions_with_runs(&mut self, experiment: &Experiment) {
+    fn conditions(&mut self, experiment: &Experiment) {
+        self.found.names("conditions", experiment.conditions.iter().map(|c| c.name.as_str()));
+        for (i, condition) in experiment.conditions.iter().enumerate() {
+            condition.only_arms.iter().for_each(|name| self.arm(&format!("conditions[{i}].only_arms"), name));
+            self.only_scenarios(&format!("conditions[{i}].only_scenarios"), &condition.only_scenarios);
+        }
         if experiment.conditions.is_empty() {
             return;
         }
@@ -103,6 +107,21 @@ impl Check<'_> {
                 arm.name
             );
             self.found.add(&format!("arms[{i}].runs"), message);
+        }
+    }
+
+    /// The scenarios of stages must exist.
+    fn only_scenarios(&mut self, path: &str, names: &[String]) {
+        let known = || self.arms.iter().flat_map(|arm| &arm.stages).map(|stage| stage.scenario.as_str());
+        for name in names {
+            if known().any(|known| known == name) {
+                continue;
+            }
+            let help = match closest_name(name, known()) {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => "write it as the stage does".into(),
+            };
+            self.found.add(path, format!("names \"{name}\", but no stage has this scenario; help: {help}"));
         }
     }
 

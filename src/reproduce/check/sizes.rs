@@ -19,8 +19,11 @@ pub(super) fn check(found: &mut Collector, experiment: &Experiment) {
     found.count("conditions", conditions.len(), MAX_ENTRIES);
     for (i, condition) in conditions.iter().enumerate().take(MAX_ENTRIES) {
         found.text(&format!("conditions[{i}].name"), &condition.name, MAX_NAME_CHARS);
-        let scenario = condition.overrides.scenario.as_deref().unwrap_or_default();
-        found.text(&format!("conditions[{i}].overrides.scenario"), scenario, MAX_PATH_CHARS);
+        let scenario = condition.scenario.as_deref().unwrap_or_default();
+        found.text(&format!("conditions[{i}].scenario"), scenario, MAX_PATH_CHARS);
+        found.count(&format!("conditions[{i}].overrides"), condition.overrides.0.len(), MAX_ENTRIES);
+        found.count(&format!("conditions[{i}].only_arms"), condition.only_arms.len(), MAX_ENTRIES);
+        found.count(&format!("conditions[{i}].only_scenarios"), condition.only_scenarios.len(), MAX_ENTRIES);
     }
     found.count("figures", figures.len(), MAX_ENTRIES);
     for (i, figure) in figures.iter().enumerate().take(MAX_ENTRIES) {
@@ -44,8 +47,7 @@ fn check_arm(found: &mut Collector, at: &str, arm: &Arm) {
         let at = format!("{at}.stages[{k}]");
         found.text(&format!("{at}.scenario"), &stage.scenario, MAX_PATH_CHARS);
         found.text(&format!("{at}.preset"), &stage.preset, MAX_PATH_CHARS);
-        let scenario = stage.overrides.scenario.as_deref().unwrap_or_default();
-        found.text(&format!("{at}.overrides.scenario"), scenario, MAX_PATH_CHARS);
+        found.count(&format!("{at}.overrides"), stage.overrides.0.len(), MAX_ENTRIES);
     }
 }
 

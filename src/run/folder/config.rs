@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::RunError;
 use crate::run::preset::{Budget, Preset};
+use crate::run::settings::{SettingError, Settings};
 use crate::run::shipped;
 use crate::scenario::{Diagnostic, FileError, Scenario, diagnostics, is_unprintable, parse_checked};
 use crate::simulation::Extensions;
@@ -65,6 +66,15 @@ impl RunConfig {
             scenario: shipped::scenario(scenario_from)?,
             preset: shipped::preset(preset_from)?,
         })
+    }
+
+    /// This configuration with changes to its scenario and preset.
+    ///
+    /// # Errors
+    /// As [`Settings::apply`].
+    pub fn with_settings(mut self, settings: &Settings) -> Result<Self, Vec<SettingError>> {
+        settings.apply(&mut self.scenario, &mut self.preset)?;
+        Ok(self)
     }
 
     /// The configuration in the text of a `config.ron`; error messages name it by `path`.

@@ -27,8 +27,9 @@ use ron::error::{Error, Position, SpannedError};
 
 use wayfield_ron_patch::SourceMap;
 
-pub use self::names::closest_name;
+pub use self::names::{choose, closest_name};
 pub use self::number_text::whole_number;
+pub(super) use self::number_text::with_plain_numbers;
 pub(super) use self::recover::{Recovered, recover};
 
 /// A problem that ron found in a text.

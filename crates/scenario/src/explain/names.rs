@@ -10,13 +10,13 @@ impl Place<'_> {
         let Self { start, end, .. } = *self;
         Some(match code {
             Error::NoSuchStructField { expected, found, .. } => {
-                let fields = choice(found, expected, "the fields are");
+                let fields = choose(found, expected, "the fields are");
                 let message = format!("unknown field `{found}` in {}: {fields}", self.parent(start));
                 let repair = self.renaming(found, expected).unwrap_or_else(|| self.removal());
                 Problem { offset: start, message, repair: Some(repair) }
             }
             Error::NoSuchEnumVariant { expected, found, .. } => {
-                let choices = choice(found, expected, "the choices are");
+                let choices = choose(found, expected, "the choices are");
                 let message = format!("unknown choice `{found}` for {}: {choices}", self.field(start));
                 let repair = self.renaming(found, expected);
                 let repair = repair.unwrap_or_else(|| Repair::Value(self.map.value_at(start)));
@@ -60,8 +60,10 @@ pub(super) fn missing_fields(owner: &str, fields: &[&str]) -> String {
     }
 }
 
-/// The text "did you mean `x`? the fields are `x`, `y`": the closest of `known` to `word`, if one is close, then all.
-fn choice(word: &str, known: &[&str], lead: &str) -> String {
+/// The text "did you mean `x`? the fields are `x`, `y`": the closest of `known` to `word`, if one is close, then all, with the
+/// words `lead` before them.
+#[must_use]
+pub fn choose(word: &str, known: &[&str], lead: &str) -> String {
     let hint = closest_name(word, known.iter().copied())
         .map(|near| format!("did you mean `{near}`? "))
         .unwrap_or_default();

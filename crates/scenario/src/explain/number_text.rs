@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use wayfield_ron_patch::tokens;
+
 /// The word around `offset` if it starts like a number and `offset` lies inside it: ron has read a part of it only.
 pub(super) fn cut_number(text: &str, offset: usize) -> Option<Range<usize>> {
     let is_word = |c: char| c.is_alphanumeric() || "_.+-".contains(c);
@@ -47,6 +49,19 @@ pub fn whole_number(text: &str) -> Option<u64> {
         _ => (digits.as_str(), 1.0),
     };
     number.parse().ok().and_then(|value: f64| whole(value * factor))
+}
+
+/// The RON `text` with its whole numbers in digits: `EnvSteps(600000)` for `EnvSteps(600k)` and `EnvSteps(6e5)`.
+pub fn with_plain_numbers(text: &str) -> String {
+    let (mut plain, mut end) = (String::new(), 0);
+    for word in tokens(text) {
+        plain += &text[end..word.start];
+        end = word.end;
+        let word = &text[word];
+        let whole = whole_number(word).filter(|_| word.contains(char::is_alphabetic));
+        plain += &whole.map_or_else(|| word.to_owned(), |whole| whole.to_string());
+    }
+    plain + &text[end..]
 }
 
 /// The problem of a `number` with a unit, as the rest of a sentence.

@@ -1,0 +1,65 @@
+//! A trained policy for programs that know nothing of wayfield: an ONNX file, and a Hugging Face model card.
+//!
+//! The ONNX file takes measurements in metres and radians, and gives Q-values, the greedy action and its velocities. All
+//! that lies between is in its graph: the encoding of the observation, the network, and the choice of the action.
+//!
+//! | module | contents |
+//! |---|---|
+//! | `onnx` | from a policy to the bytes of an ONNX file |
+//! | `graph` | the writer of graphs: nodes, weights, inputs and outputs |
+//! | `model_card` | the page for Hugging Face |
+//!
+//! # Example
+//!
+//! ```no_run
+//! let policy = wayfield_policy::Policy::from_bytes(&std::fs::read("policy.safetensors")?)?;
+//! std::fs::write("policy.onnx", wayfield_export::to_onnx(&policy)?)?;
+//! std::fs::write("README.md", wayfield_export::model_card(&policy, "policy.onnx")?)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod graph;
+mod model_card;
+mod onnx;
+
+use serde::Deserialize;
+use wayfield_policy::{Card, Policy, PolicyError};
+
+pub use model_card::{MODEL_CARD_MARK, model_card};
+pub use onnx::{IR_VERSION, OPSET, to_onnx};
+
+/// The reason that a policy cannot be exported.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// The policy has no card, so the meaning of its numbers is unknown.
+    #[error(
+        "has no card (wayfield 0.1.0 wrote none), so its inputs and actions are unknown; help: train the policy again"
+    )]
+    NoCard,
+    /// The scenario on the card lacks a field that is needed.
+    #[error("the policy's card has an unreadable scenario: {0}; help: use the file as wayfield wrote it")]
+    Scenario(String),
+    /// The policy contradicts its card.
+    #[error(transparent)]
+    Policy(#[from] PolicyError),
+}
+
+/// What an export needs of the scenario on a card.
+#[derive(Deserialize)]
+struct TrainedScenario {
+    name: String,
+    lidar: TrainedLidar,
+}
+
+#[derive(Deserialize)]
+struct TrainedLidar {
+    max_range_m: f32,
+}
+
+/// The card of `policy`, and its scenario.
+fn described(policy: &Policy) -> Result<(&Card, TrainedScenario), ExportError> {
+    let card = policy.card.as_deref().ok_or(ExportError::NoCard)?;
+    let scenario = serde_json::from_str(card.scenario.text());
+    Ok((card, scenario.map_err(|error| ExportError::Scenario(error.to_string()))?))
+}

@@ -1,0 +1,201 @@
+//! The model card for Hugging Face: a page in Markdown, with front matter in YAML.
+//!
+//! Every number on it comes from the policy's own card. What was not measured is not on it.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use wayfield_policy::card::Quantity;
+use wayfield_policy::{Card, Policy};
+
+use crate::{ExportError, TrainedScenario, described};
+
+/// A comment in each model card that wayfield has written. A page without it is a person's own.
+pub const MODEL_CARD_MARK: &str =
+    "<!-- Written by `wayfield --export`. Delete this line to keep your own changes. -->";
+
+/// The model card of `policy`, which is exported into a file of the name `onnx_file`, as Markdown.
+///
+/// # Errors
+/// The policy has no card, or its scenario is unreadable.
+pub fn model_card(policy: &Policy, onnx_file: &str) -> Result<String, ExportError> {
+    let (card, scenario) = described(policy)?;
+    let front = front_matter(card, &scenario, onnx_file);
+    let mut page = format!("---\n{front}---\n\n{MODEL_CARD_MARK}\n\n");
+    // Writing to a text cannot fail.
+    let _ = write_page(&mut page, policy, card, &scenario, onnx_file);
+    Ok(page)
+}
+
+/// The front matter. Its values are written as JSON, which YAML contains: text from a file cannot break out of it.
+fn front_matter(card: &Card, scenario: &TrainedScenario, onnx_file: &str) -> String {
+    let tags = [
+        "reinforcement-learning",
+        "deep-reinforcement-learning",
+        "robotics",
+        "navigation",
+        "lidar",
+        "onnx",
+        "wayfield",
+    ];
+    let mut fields = vec![
+        ("library_name", json!("wayfield")),
+        ("pipeline_tag", json!("reinforcement-learning")),
+        ("tags", json!(tags)),
+    ];
+    if let Some(rate) = card.training.success_rate {
+        let metric = json!({"type": "success_rate", "value": rate, "name": "success rate in the evaluation that selected the policy", "verified": false});
+        let result = json!({
+            "task": {"type": "reinforcement-learning", "name": "reinforcement-learning"},
+            "dataset": {"type": "wayfield", "name": scenario.name},
+            "metrics": [metric],
+        });
+        fields.push(("model-index", json!([{"name": onnx_file, "results": [result]}])));
+    }
+    fields.iter().map(|(name, value)| format!("{name}: {}\n", ascii(value))).collect()
+}
+
+/// JSON in which all characters beyond ASCII are escaped: YAML forbids some of them.
+fn ascii(value: &Value) -> String {
+    let mut text = String::new();
+    for c in value.to_string().chars() {
+        if matches!(c, ' '..='~') {
+            text.push(c);
+        } else {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                let _ = write!(text, "\\u{unit:04x}");
+            }
+        }
+    }
+    text
+}
+
+fn write_page(
+    page: &mut String,
+    policy: &Policy,
+    card: &Card,
+    scenario: &TrainedScenario,
+    onnx_file: &str,
+) -> std::fmt::Result {
+    let (world, file) = (escaped(&scenario.name), escaped(onnx_file));
+    writeln!(page, "# LIDAR navigation in {world}\n")?;
+    writeln!(
+        page,
+        "This policy drives a mobile robot with a LIDAR to a goal among obstacles, without a map. It is a Q-network \
+         ({}), trained in simulation with wayfield. Nothing is recorded of tests on a real robot.\n",
+        policy.shape()
+    )?;
+    write_tensors(page, card, scenario)?;
+    write_actions(page, card)?;
+    write_training(page, card, &world)?;
+    writeln!(page, "## Use\n\n```python\nimport numpy as np\nimport onnxruntime\n")?;
+    writeln!(page, "session = onnxruntime.InferenceSession({})", json!(onnx_file))?;
+    writeln!(
+        page,
+        "scan = np.full((1, {}), {:?}, np.float32)  # m",
+        beams(card),
+        scenario.lidar.max_range_m
+    )?;
+    writeln!(page, "goal = np.array([[0.5, 2.0]], np.float32)  # bearing in rad, distance in m")?;
+    let readings = count(card, Quantity::Sensor);
+    let more = if readings == 0 {
+        String::new()
+    } else {
+        format!(", \"sensor_readings\": np.zeros((1, {readings}), np.float32)")
+    };
+    writeln!(page, "inputs = {{\"ranges\": scan, \"goal\": goal{more}}}")?;
+    writeln!(page, "q_values, action, velocity = session.run(None, inputs)")?;
+    writeln!(page, "print(velocity)  # m/s, rad/s\n```\n")?;
+    writeln!(
+        page,
+        "The metadata of `{file}` has the whole card under the key `wayfield`, as JSON: every input and action, the \
+         scenario, and an example to check a program with."
+    )
+}
+
+fn write_tensors(page: &mut String, card: &Card, scenario: &TrainedScenario) -> std::fmt::Result {
+    let beams = beams(card);
+    let angles: Vec<f32> = card.angles_rad();
+    let (first, last) = (angles.first().copied().unwrap_or(0.0), angles.last().copied().unwrap_or(0.0));
+    writeln!(page, "## Inputs and outputs\n\n| tensor | shape | meaning |\n|---|---|---|")?;
+    writeln!(
+        page,
+        "| `ranges` | n x {beams}, f32 | LIDAR ranges in m, of beams from {first} to {last} rad, counterclockwise from the \
+         heading; more than {} m counts as that |",
+        scenario.lidar.max_range_m
+    )?;
+    writeln!(
+        page,
+        "| `goal` | n x 2, f32 | angle from the heading to the goal in rad, left positive, from -pi to pi; distance in m |"
+    )?;
+    for (name, width) in card.sensors() {
+        writeln!(
+            page,
+            "| `sensor_readings` | {width} of its columns, f32 | readings of the sensor {} |",
+            escaped(name)
+        )?;
+    }
+    let actions = card.actions.len();
+    writeln!(page, "| `q_values` | n x {actions}, f32 | the value of each action |")?;
+    writeln!(page, "| `action` | n, i64 | the best action |")?;
+    writeln!(
+        page,
+        "| `velocity` | n x 2, f32 | its speed in m/s and turn rate in rad/s, left positive; hold it for {} s |\n",
+        card.control_period_s
+    )
+}
+
+fn write_actions(page: &mut String, card: &Card) -> std::fmt::Result {
+    writeln!(page, "| action | m/s | rad/s |\n|---|---|---|")?;
+    for (number, action) in card.actions.iter().enumerate() {
+        writeln!(page, "| {number} | {} | {} |", action.v_m_s, action.w_rad_s)?;
+    }
+    writeln!(page)
+}
+
+fn write_training(page: &mut String, card: &Card, world: &str) -> std::fmt::Result {
+    let (program, training) = (&card.program, &card.training);
+    writeln!(page, "## Training\n\n| | |\n|---|---|")?;
+    let mut row = |name: &str, value: &str| writeln!(page, "| {name} | {} |", escaped(value));
+    row("program", &format!("{} {}", program.name, program.version))?;
+    row("commit", program.commit.as_deref().unwrap_or("unknown"))?;
+    row("scenario", &training.scenario_from)?;
+    row("preset", &training.preset)?;
+    row("seed", &training.seed.to_string())?;
+    row("started from", training.init.as_deref().unwrap_or("random weights"))?;
+    row("env steps", &training.env_steps.to_string())?;
+    row("gradient steps", &training.gradient_steps.to_string())?;
+    match training.success_rate {
+        Some(rate) => writeln!(
+            page,
+            "\nIn the evaluation during training that selected the policy, it reached the goal in {:.1} % of the episodes in \
+             {world}. That evaluation selected the best of several policies, so the rate is optimistic; \
+             `wayfield --eval` measures it on other episodes.\n",
+            100.0 * rate
+        ),
+        None => writeln!(page, "\nThe success rate of this policy was not measured.\n"),
+    }
+}
+
+fn beams(card: &Card) -> usize {
+    count(card, Quantity::Range)
+}
+
+fn count(card: &Card, quantity: Quantity) -> usize {
+    card.inputs.iter().filter(|input| input.quantity == quantity).count()
+}
+
+/// Text from a file, so that Markdown shows it as it is: special characters are escaped, invisible ones left out.
+fn escaped(text: &str) -> String {
+    const INVISIBLE: [std::ops::RangeInclusive<char>; 4] =
+        ['\u{200b}'..='\u{200f}', '\u{2028}'..='\u{202e}', '\u{2060}'..='\u{206f}', '\u{feff}'..='\u{feff}'];
+    let is_visible = |c: &char| !c.is_control() && !INVISIBLE.iter().any(|range| range.contains(c));
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars().filter(is_visible) {
+        if "\\`*_[]<>|&~#!".contains(c) {
+            escaped.push('\\');
+        }
+        escaped.push(c);
+    }
+    escaped
+}

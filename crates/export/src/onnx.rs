@@ -1,0 +1,168 @@
+//! The ONNX file of a policy: measurements in, Q-values, action and velocities out.
+//!
+//! Every index of a smallest or largest element is found as `Equal -> Where -> ReduceMin`, which gives the first of equals
+//! everywhere. ArgMin and ArgMax do not: some runtimes take the last one, and free beams are all exactly as long as the
+//! LIDAR's range.
+
+use wayfield_policy::card::Quantity;
+use wayfield_policy::{Card, NetworkShape, Policy};
+use wayfield_protobuf::Message;
+
+use crate::graph::{Attribute, Element, Graph};
+use crate::{ExportError, described};
+
+/// The version of the ONNX operator set. It is old enough for robots and browsers, and the first one with
+/// LayerNormalization.
+pub const OPSET: u64 = 17;
+/// The version of the ONNX file format that belongs to [`OPSET`].
+pub const IR_VERSION: u64 = 8;
+
+/// Fields of `ModelProto`, `OperatorSetIdProto` and `StringStringEntryProto`.
+mod field {
+    pub const IR_VERSION: u32 = 1;
+    pub const PRODUCER_NAME: u32 = 2;
+    pub const PRODUCER_VERSION: u32 = 3;
+    pub const DOC: u32 = 6;
+    pub const GRAPH: u32 = 7;
+    pub const OPSET_IMPORT: u32 = 8;
+    pub const METADATA: u32 = 14;
+    pub const OPSET_VERSION: u32 = 2;
+    pub const KEY: u32 = 1;
+    pub const VALUE: u32 = 2;
+}
+
+/// The key of the policy's header, with its card, in the file's metadata; the same as in a policy file.
+const METADATA_KEY: &str = "wayfield";
+
+type Attributes<'a> = [(&'a str, Attribute<'a>)];
+
+/// The reduction of each row to one element, as a matrix of one column, or as a vector.
+const TO_COLUMN: &Attributes = &[("axes", Attribute::Ints(&[1])), ("keepdims", Attribute::Int(1))];
+const TO_VECTOR: &Attributes = &[("axes", Attribute::Ints(&[1])), ("keepdims", Attribute::Int(0))];
+
+/// The bytes of an ONNX file that acts as `policy` does. `docs/onnx.md` describes its inputs and outputs. Equal policies give
+/// equal bytes.
+///
+/// # Errors
+/// The policy has no card, or contradicts it.
+pub fn to_onnx(policy: &Policy) -> Result<Vec<u8>, ExportError> {
+    policy.check_finite()?;
+    let header = policy.header()?;
+    let (card, scenario) = described(policy)?;
+    let mut graph = Graph::new("policy");
+    add_inputs(&mut graph, card);
+    let observation = add_observation(&mut graph, card, scenario.lidar.max_range_m);
+    add_network(&mut graph, policy, observation);
+    add_decision(&mut graph, card);
+
+    let [mut opset, mut metadata, mut model] = <[Message; 3]>::default();
+    opset.uint(field::OPSET_VERSION, OPSET);
+    metadata.text(field::KEY, METADATA_KEY).text(field::VALUE, &header);
+    model.uint(field::IR_VERSION, IR_VERSION).text(field::PRODUCER_NAME, &card.program.name);
+    model.text(field::PRODUCER_VERSION, &card.program.version);
+    model.text(field::DOC, "A LIDAR navigation policy. The metadata has its card, as JSON.");
+    model.message(field::GRAPH, &graph.into_message()).message(field::OPSET_IMPORT, &opset);
+    model.message(field::METADATA, &metadata);
+    Ok(model.into_bytes())
+}
+
+fn add_inputs(graph: &mut Graph, card: &Card) {
+    let (beams, readings) = (count(card, Quantity::Range), count(card, Quantity::Sensor));
+    graph.input("ranges", beams, "LIDAR ranges in m, in the order of the beams on the card");
+    graph.input(
+        "goal",
+        2,
+        "bearing of the goal from the heading in rad, left positive, in (-pi, pi]; distance in m",
+    );
+    if readings > 0 {
+        graph.input("sensor_readings", readings, "readings of the plugin sensors on the card");
+    }
+}
+
+/// Adds the encoding of the observation, and returns its name. The order is that of the card's inputs.
+fn add_observation(graph: &mut Graph, card: &Card, max_range_m: f32) -> &'static str {
+    let beams = count(card, Quantity::Range);
+    graph.constant("max_range", &[1], &[max_range_m]);
+    graph.node("Min", &["ranges", "max_range"], "clipped_ranges", &[]);
+    graph.node("ReduceMin", &["clipped_ranges"], "smallest_range", TO_COLUMN);
+    add_first_index(graph, ["clipped_ranges", "smallest_range", "nearest_beam"], beams, TO_COLUMN);
+    let mut parts = vec!["clipped_ranges", "goal", "smallest_range", "nearest_beam"];
+    if count(card, Quantity::Sensor) > 0 {
+        parts.push("sensor_readings");
+    }
+    graph.node("Concat", &parts, "measurements", &[("axis", Attribute::Int(1))]);
+    let divisors: Vec<f32> = card.inputs.iter().map(|input| input.divisor).collect();
+    if divisors.iter().all(|&divisor| divisor == 1.0) {
+        return "measurements";
+    }
+    graph.constant("divisors", &[divisors.len()], &divisors);
+    graph.node("Div", &["measurements", "divisors"], "observation", &[]);
+    "observation"
+}
+
+/// Adds the network, whose output is `q_values`. Weights have the names of the tensors in a policy file.
+fn add_network(graph: &mut Graph, policy: &Policy, observation: &str) {
+    let shape = policy.shape();
+    for view in shape.parameters() {
+        graph.constant(&view.name, &view.shape, &policy.parameters()[view.range.clone()]);
+    }
+    let mut units = observation.to_owned();
+    for layer in (0..shape.hidden.len()).map(|k| format!("hidden.{k}")) {
+        let linear = format!("{layer}.linear");
+        add_dense(graph, &layer, &units, &linear);
+        graph.node("Relu", &[&linear], &layer, &[]);
+        units = layer;
+    }
+    add_head(graph, shape, &units);
+}
+
+fn add_head(graph: &mut Graph, shape: &NetworkShape, units: &str) {
+    if !shape.dueling {
+        add_dense(graph, "output", units, "q_values");
+        return;
+    }
+    // Q = V + A - mean(A): eq. (2) of the dueling network.
+    add_dense(graph, "value", units, "value");
+    add_dense(graph, "advantage", units, "advantage");
+    graph.node("ReduceMean", &["advantage"], "mean_advantage", TO_COLUMN);
+    graph.node("Sub", &["value", "mean_advantage"], "offset", &[]);
+    graph.node("Add", &["advantage", "offset"], "q_values", &[]);
+}
+
+/// Adds a fully connected layer, whose weight is a matrix of outputs x inputs.
+fn add_dense(graph: &mut Graph, layer: &str, units: &str, output: &str) {
+    let (weight, bias) = (format!("{layer}.weight"), format!("{layer}.bias"));
+    graph.node("Gemm", &[units, &weight, &bias], output, &[("transB", Attribute::Int(1))]);
+}
+
+/// Adds the greedy action and its velocities.
+fn add_decision(graph: &mut Graph, card: &Card) {
+    let actions = card.actions.len();
+    graph.output("q_values", Element::F32, Some(actions), "Q-values of the actions");
+    graph.node("ReduceMax", &["q_values"], "largest_q_value", TO_COLUMN);
+    add_first_index(graph, ["q_values", "largest_q_value", "best_action"], actions, TO_VECTOR);
+    graph.node("Cast", &["best_action"], "action", &[("to", Attribute::Int(Element::I64 as i64))]);
+    graph.output("action", Element::I64, None, "the greedy action: the first with the largest Q-value");
+    let motions: Vec<f32> = card.actions.iter().flat_map(|action| [action.v_m_s, action.w_rad_s]).collect();
+    graph.constant("motions", &[actions, 2], &motions);
+    graph.node("Gather", &["motions", "action"], "velocity", &[("axis", Attribute::Int(0))]);
+    let doc =
+        "the action's linear speed along the heading in m/s, and its angular speed in rad/s, left positive";
+    graph.output("velocity", Element::F32, Some(2), doc);
+}
+
+/// Adds `output`: in each row of `values`, which has `count` elements, the index of the first one that equals the row's
+/// `extreme`.
+fn add_first_index(graph: &mut Graph, [values, extreme, output]: [&str; 3], count: usize, axis: &Attributes) {
+    let [indices, end, is_equal, candidates] =
+        ["indices", "end", "is_equal", "candidates"].map(|part| format!("{output}.{part}"));
+    graph.constant(&indices, &[count], &(0..count).map(|k| k as f32).collect::<Vec<f32>>());
+    graph.constant(&end, &[1], &[count as f32]);
+    graph.node("Equal", &[values, extreme], &is_equal, &[]);
+    graph.node("Where", &[&is_equal, &indices, &end], &candidates, &[]);
+    graph.node("ReduceMin", &[&candidates], output, axis);
+}
+
+fn count(card: &Card, quantity: Quantity) -> usize {
+    card.inputs.iter().filter(|input| input.quantity == quantity).count()
+}

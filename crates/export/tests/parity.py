@@ -1,0 +1,59 @@
+"""Compares an exported policy with wayfield's own decisions.
+
+In the working directory are `policy.onnx` and, as rows of little-endian f32, `ranges.f32`, `goal.f32`, `sensor_readings.f32`
+(if the policy has such inputs) and the Q-values that wayfield computes for them, `q_values.f32`.
+"""
+
+import json
+
+import numpy as np
+import onnx
+import onnxruntime
+
+path = "policy.onnx"
+model = onnx.load(path)
+onnx.checker.check_model(model, full_check=True)
+onnx.shape_inference.infer_shapes(model, check_type=True, strict_mode=True, data_prop=True)
+assert model.ir_version == 8 and [(o.domain, o.version) for o in model.opset_import] == [("", 17)]
+metadata = {entry.key: entry.value for entry in model.metadata_props}
+assert list(metadata) == ["wayfield"], metadata
+card = json.loads(metadata["wayfield"])["card"]
+
+session = onnxruntime.InferenceSession(path)
+assert [output.name for output in session.get_outputs()] == ["q_values", "action", "velocity"]
+inputs = {}
+for tensor in session.get_inputs():
+    rows, width = tensor.shape
+    assert rows == "n" and tensor.type == "tensor(float)", tensor
+    inputs[tensor.name] = np.fromfile(f"{tensor.name}.f32", "<f4").reshape(-1, width)
+q_values, action, velocity = session.run(None, inputs)
+
+expected = np.fromfile("q_values.f32", "<f4").reshape(len(q_values), -1)
+difference = np.abs(q_values - expected).max()
+assert difference < 1e-4, f"the Q-values differ by {difference}"
+assert action.dtype == np.int64 and action.shape == (len(q_values),)
+assert (action == q_values.argmax(axis=1)).all(), "not the first of the best actions"
+ordered = np.sort(expected, axis=1)
+is_clear = ordered[:, -1] - ordered[:, -2] > 1e-4 if expected.shape[1] > 1 else np.ones(len(action), bool)
+assert (action == expected.argmax(axis=1))[is_clear].all(), "another action where the best one is clear"
+motions = np.array([[a["v_m_s"], a["w_rad_s"]] for a in card["actions"]], np.float32)
+assert (velocity == motions[action]).all(), "not the velocities of the action"
+
+# One observation alone, with beams that hit nothing as a real LIDAR reports them.
+scenario = card["scenario"]
+one = {name: rows[:1].copy() for name, rows in inputs.items()}
+one["ranges"][0, 0] = scenario["lidar"]["max_range_m"]
+limited = session.run(["q_values"], one)[0]
+one["ranges"][0, 0] = np.inf
+assert (session.run(["q_values"], one)[0] == limited).all(), "an infinite range is not the LIDAR's range"
+
+example = card["example"]
+given = {
+    "ranges": example["ranges_m"],
+    "goal": [example["goal_bearing_rad"], example["goal_distance_m"]],
+    "sensor_readings": example["sensor_readings"],
+}
+row = {name: np.array([given[name]], np.float32) for name in inputs}
+assert np.allclose(session.run(["q_values"], row)[0], [example["q_values"]], atol=1e-3), "the card's example"
+
+print(json.dumps({"observations": len(action), "clear": int(is_clear.sum()), "difference": float(difference)}))

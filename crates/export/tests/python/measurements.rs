@@ -1,0 +1,67 @@
+//! Random measurements, and what wayfield makes of them.
+
+use std::f32::consts::PI;
+use std::fs;
+use std::path::Path;
+
+use wayfield_policy::{Policy, Scratch, observation};
+use wayfield_random::{uniform, uniform_01};
+
+/// The number of random observations per policy.
+const OBSERVATIONS: usize = 100_000;
+
+/// Random measurements: about half of the beams hit nothing, so that equal ranges are the rule.
+#[derive(Default)]
+pub struct Measurements {
+    ranges: Vec<f32>,
+    goal: Vec<f32>,
+    sensor_readings: Vec<f32>,
+    /// The Q-values that `policy` computes.
+    q_values: Vec<f32>,
+}
+
+impl Measurements {
+    /// Measurements for `policy`, whose LIDAR reaches `max_range_m`.
+    pub fn random(policy: &Policy, max_range_m: f32) -> Self {
+        let card = policy.card.as_ref().expect("a card");
+        let (beams, encoding) = (card.angles_rad().len(), card.encoding().expect("known"));
+        let readings: usize = card.sensors().iter().map(|(_, width)| width).sum();
+        let mut random = wayfield_random::stream(1, "test: measurements", 0);
+        let (mut all, mut scratch) = (Self::default(), Scratch::default());
+        for _ in 0..OBSERVATIONS {
+            let nearest_m = uniform(&mut random, 0.1, max_range_m);
+            let mut range = |_| match uniform_01(&mut random) {
+                hit if hit < 0.5 => nearest_m + 2.0 * hit * (max_range_m - nearest_m),
+                _ => max_range_m,
+            };
+            let ranges: Vec<f32> = (0..beams).map(&mut range).collect();
+            let goal = [uniform(&mut random, -PI, PI), uniform(&mut random, 0.0, 6.0)];
+            let sensed: Vec<f32> = (0..readings).map(|_| uniform(&mut random, -1.0, 1.0)).collect();
+            let mut row = vec![0.0; observation::width(beams)];
+            observation::encode(encoding, &ranges, goal[0], goal[1], &mut row);
+            row.extend(&sensed);
+            all.q_values.extend(policy.q_values(&row, &mut scratch));
+            all.ranges.extend(ranges);
+            all.goal.extend(goal);
+            all.sensor_readings.extend(sensed);
+        }
+        all
+    }
+
+    /// Compares ONNX Runtime's results for `policy.onnx` in `folder` with wayfield's. Returns the script's summary.
+    pub fn assert_parity(&self, python: &Path, folder: &Path) -> String {
+        for (name, values) in [
+            ("ranges", &self.ranges),
+            ("goal", &self.goal),
+            ("sensor_readings", &self.sensor_readings),
+            ("q_values", &self.q_values),
+        ] {
+            let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+            fs::write(folder.join(format!("{name}.f32")), bytes).expect("written");
+        }
+        fs::write(folder.join("parity.py"), include_str!("../parity.py")).expect("written");
+        let printed = super::run(python, folder, Path::new("parity.py"));
+        assert!(printed.contains("\"observations\": 100000"), "{printed}");
+        printed
+    }
+}

@@ -1,0 +1,47 @@
+//! The change of one field of a value, given as text: the field's path and its new value in RON.
+
+use ron::value::RawValue;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use wayfield_ron_patch::{set_field, tokens};
+
+use super::explain::with_plain_numbers;
+use super::load::{parse_ron, to_ron};
+
+/// `old` with the RON `text` as the value of the field at `path`, unchecked otherwise.
+///
+/// A path looks like `obstacles[2].motion.speed_rad_s`, or `obstacles[*].motion.speed_rad_s` for all obstacles that have this
+/// field; the name of a choice, such as `Orbit`, is not part of it. Whole numbers may also be written 6e5 or 600k.
+///
+/// # Errors
+/// There is no such field, or it does not take the value. The problem is explained as for a file, with the fix.
+pub fn with_setting<T: Serialize + DeserializeOwned>(old: &T, path: &str, text: &str) -> Result<T, String> {
+    let value = with_plain_numbers(text.trim());
+    if !is_closed(&value) {
+        return Err(format!("`{value}` has brackets that do not match; help: close each that is open"));
+    }
+    let before = to_ron(old).map_err(|error| error.to_string())?;
+    // The line break ends a comment.
+    let line = format!("{value}\n");
+    let after = set_field(&before, path, &line).map_err(|error| error.to_string())?;
+    // Further problems follow from the first.
+    let set = parse_ron(&after, path).map_err(|error| error.problems()[0].message.clone())?;
+    match RawValue::from_ron(&line) {
+        Ok(_) => Ok(set),
+        Err(_) => Err(format!("`{value}` is not one value; help: give one value as in a file")),
+    }
+}
+
+/// Whether no bracket of the RON `text` closes one outside of it, and all are closed.
+fn is_closed(text: &str) -> bool {
+    let mut depth = 0_i32;
+    let never_closes_more = tokens(text).all(|token| {
+        depth += match &text[token] {
+            "(" | "[" | "{" => 1,
+            ")" | "]" | "}" => -1,
+            _ => 0,
+        };
+        depth >= 0
+    });
+    never_closes_more && depth == 0
+}

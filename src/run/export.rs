@@ -1,0 +1,67 @@
+//! The export of a policy for other programs: an ONNX file, and a model card in the same folder.
+
+use std::fs::{self, File};
+use std::io::{Read as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use crate::export::{MODEL_CARD_MARK, model_card, to_onnx};
+
+use super::output_file::{check_writable, is_stream, write_atomic};
+use super::{RunError, policy_card};
+
+/// The name of a model card on Hugging Face.
+const MODEL_CARD: &str = "README.md";
+/// The largest part of an existing page in which [`MODEL_CARD_MARK`] is searched, in bytes.
+const MAX_SEARCHED_BYTES: u64 = 1 << 16;
+
+/// What became of the model card.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ModelCardFile {
+    /// It was written.
+    Written(PathBuf),
+    /// The folder has a page of this name that wayfield did not write; it was left alone.
+    Kept(PathBuf),
+    /// The ONNX file went to a device or a pipe, which has no folder of its own.
+    None,
+}
+
+/// Writes the policy in the file `policy` into the ONNX file `onnx`, and its model card into the file `README.md` in the same
+/// folder.
+///
+/// # Errors
+/// `policy` is not a policy or has no card, `onnx` has another extension than `onnx`, or a file cannot be written.
+pub fn export_onnx(policy: &Path, onnx: &Path) -> Result<ModelCardFile, RunError> {
+    check_extension(onnx)?;
+    let from = policy;
+    let policy = policy_card::read(from)?;
+    check_writable(onnx)?;
+    let bytes = to_onnx(&policy).map_err(|error| RunError::invalid_input(from, error))?;
+    write(onnx, &bytes)?;
+    let Some(name) = onnx.file_name().filter(|_| !is_stream(onnx)) else { return Ok(ModelCardFile::None) };
+    let page = model_card(&policy, &name.to_string_lossy()).map_err(|error| RunError::failed(from, error))?;
+    let path = onnx.with_file_name(MODEL_CARD);
+    if is_of_a_person(&path) {
+        return Ok(ModelCardFile::Kept(path));
+    }
+    write(&path, page.as_bytes())?;
+    Ok(ModelCardFile::Written(path))
+}
+
+fn check_extension(onnx: &Path) -> Result<(), RunError> {
+    if is_stream(onnx) || onnx.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx")) {
+        return Ok(());
+    }
+    Err(RunError::invalid_input(onnx, "not an ONNX file; help: give a file name that ends in .onnx"))
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
+    write_atomic(path, |file| file.write_all(bytes)).map_err(|error| RunError::failed(path, error))
+}
+
+/// Whether there is something at `path` that this program did not write.
+fn is_of_a_person(path: &Path) -> bool {
+    let Ok(found) = fs::symlink_metadata(path) else { return false };
+    let mut text = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(MAX_SEARCHED_BYTES).read_to_end(&mut text));
+    !(found.is_file() && read.is_ok() && String::from_utf8_lossy(&text).contains(MODEL_CARD_MARK))
+}

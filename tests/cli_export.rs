@@ -1,0 +1,117 @@
+//! `--export`: a policy becomes an ONNX file that other programs run, with a model card that has measured numbers only.
+
+mod cli_support;
+#[path = "../crates/export/tests/python/mod.rs"]
+mod python;
+
+use std::path::Path;
+
+use cli_support::messages::Messages;
+use cli_support::{Workspace, quick_fast, raw};
+use python::Measurements;
+use wayfield::policy::Policy;
+
+const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/policies/scenario-1.safetensors");
+
+/// A workspace with a shipped policy.
+fn workspace() -> Workspace {
+    let workspace = Workspace::new();
+    workspace.write("policy.safetensors", std::fs::read(SHIPPED).expect("the shipped policy"));
+    workspace
+}
+
+#[test]
+fn the_python_program_in_the_documentation_prints_what_it_says() {
+    let Some(python) = python::python() else { return };
+    let workspace = workspace();
+    let page = include_str!("../docs/onnx.md");
+    let block = |start: &str| {
+        let after = page.split_once(start).expect("the block").1;
+        after.split_once("```").expect("the end of the block").0
+    };
+    workspace.write("example.py", block("```python\n"));
+    let done = workspace.run_ok("--export policy.safetensors --onnx policy.onnx");
+    assert_eq!((done.stdout.as_str(), done.stderr.as_str()), ("policy.onnx\nREADME.md\n", ""));
+    let printed = python::run(&python, &workspace.path(""), Path::new("example.py"));
+    assert_eq!(printed, block("```text\n"));
+}
+
+#[test]
+fn the_program_on_the_model_card_runs() {
+    let Some(python) = python::python() else { return };
+    let workspace = workspace();
+    workspace.run_ok("--export policy.safetensors --onnx policy.onnx");
+    let page = workspace.text("README.md");
+    let program =
+        page.split_once("```python\n").and_then(|(_, rest)| rest.split_once("```")).expect("a program").0;
+    workspace.write("example.py", program);
+    let printed = python::run(&python, &workspace.path(""), Path::new("example.py"));
+    assert_eq!(printed, "[[0.15 1.5 ]]\n");
+}
+
+#[test]
+fn a_policy_trained_with_raw_observations_decides_alike() {
+    let Some(python) = python::python() else { return };
+    let workspace = Workspace::new();
+    workspace.write("raw.ron", raw(&quick_fast()));
+    workspace.run_ok("--train --preset raw.ron --steps 3000 --out run");
+    workspace.run_ok("--export run/policy.safetensors --onnx policy.onnx");
+    let policy = Policy::from_bytes(&workspace.read("run/policy.safetensors")).expect("a valid policy");
+    Measurements::random(&policy, 3.5).assert_parity(&python, &workspace.path(""));
+}
+
+#[test]
+fn a_page_that_a_person_wrote_is_never_overwritten() {
+    let workspace = workspace();
+    workspace.write("README.md", "mine");
+    let done = workspace.run_ok("--export policy.safetensors --onnx policy.onnx");
+    assert_eq!(done.stdout, "policy.onnx\n");
+    assert!(
+        done.stderr.starts_with("note: README.md: not overwritten") && done.stderr.contains("help: "),
+        "{done:?}"
+    );
+    assert_eq!(workspace.text("README.md"), "mine");
+
+    std::fs::remove_file(workspace.path("README.md")).expect("removed");
+    workspace.run_ok("--export policy.safetensors --onnx first.onnx");
+    workspace.run_ok("--export policy.safetensors --onnx second.onnx");
+    assert!(workspace.text("README.md").contains("second.onnx"), "wayfield's own page is renewed");
+}
+
+#[test]
+fn an_onnx_file_in_a_pipe_is_the_same_and_nothing_else_is_written() {
+    let workspace = workspace();
+    let done =
+        workspace.shell("\"$WAYFIELD\" --export policy.safetensors --onnx /dev/stdout | cat > piped.onnx");
+    assert_eq!((done.status, done.stderr.as_str()), (Some(0), ""));
+    assert!(!workspace.path("README.md").exists());
+    workspace.run_ok("--export policy.safetensors --onnx POLICY.ONNX");
+    assert_eq!(workspace.read("piped.onnx"), workspace.read("POLICY.ONNX"));
+}
+
+#[test]
+fn what_cannot_be_exported_is_refused_in_one_line() {
+    let workspace = workspace();
+    let mut old = Policy::from_bytes(&workspace.read("policy.safetensors")).expect("a valid policy");
+    old.card = None;
+    workspace.write("old.safetensors", old.to_bytes().expect("finite weights"));
+    workspace.write("text.safetensors", "not a policy");
+    std::fs::create_dir(workspace.path("folder.onnx")).expect("created");
+    let mut messages = Messages::new("export");
+    for (comment, arguments) in [
+        ("no output file", "--export policy.safetensors"),
+        ("another extension", "--export policy.safetensors --onnx policy.pb"),
+        ("no such folder", "--export policy.safetensors --onnx no/policy.onnx"),
+        ("a folder", "--export policy.safetensors --onnx folder.onnx"),
+        ("no such policy", "--export no.safetensors --onnx policy.onnx"),
+        ("not a policy", "--export text.safetensors --onnx policy.onnx"),
+        ("a policy without a card", "--export old.safetensors --onnx policy.onnx"),
+    ] {
+        messages.case(comment);
+        messages.line(&workspace, arguments);
+    }
+    messages.case("options of other modes");
+    messages.add(&workspace, "--onnx policy.onnx");
+    messages.add(&workspace, "--export policy.safetensors --onnx policy.onnx --json");
+    messages.check();
+}
