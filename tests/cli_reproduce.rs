@@ -173,6 +173,13 @@ fn an_experiment_gives_a_report_and_finished_runs_are_not_repeated() {
     assert_eq!(finished_at(&workspace.path("one")), before, "no run was repeated");
     assert!(report(&workspace, "one") == one);
 
+    // A setting from the command line is recorded in all runs, and gives other runs.
+    workspace.run_ok("--reproduce --experiment mine/own.ron --out set --only all --set learning.gamma=0.5");
+    for run in fs::read_dir(workspace.path("set/runs")).unwrap() {
+        let config = fs::read_to_string(run.unwrap().path().join("config.ron")).unwrap();
+        assert!(config.contains("gamma: 0.5,"), "{config}");
+    }
+
     // A part of the experiment with fewer seeds needs no new runs.
     let json =
         workspace.run_ok("--reproduce --experiment mine/own.ron --out one --only clock --seeds 1 --json");

@@ -52,7 +52,7 @@ const MODES: &[(&str, &[&str])] = &[
     ("eval", &["scenario", "set", "seed", "episodes", "json", "EvalArgs"]),
     ("card", &["json"]),
     ("export", &["ExportArgs"]),
-    ("reproduce", &["out", "json", "ReproduceArgs"]),
+    ("reproduce", &["set", "out", "json", "ReproduceArgs"]),
     ("check", &["json"]),
     ("draw", &["scenario", "set"]),
     #[cfg(feature = "gui")]

@@ -65,6 +65,7 @@ struct ClaimReport {
 /// An option or a file is invalid, a run failed, or a signal stopped it.
 pub fn run(args: ReproduceArgs, shared: SharedArgs, began: Instant) -> Result<(), RunError> {
     let options = ReproduceOptions {
+        settings: shared.settings(),
         experiments: args.experiment,
         only: args.only,
         seeds: args.seeds,

@@ -6,7 +6,7 @@
 //! | step | files | duty |
 //! |---|---|---|
 //! | read | `experiment.rs`, `figure_spec.rs`, `table_spec.rs`, `claim.rs`, `measure.rs`, `seeds.rs` | the schema of an experiment's file |
-//! | | `load.rs`, `check/` | reading and checking such a file |
+//! | | `load.rs`, `check/`, `training_check.rs` | reading and checking such a file, and its trainings |
 //! | select | `options.rs`, `select.rs`, `selected.rs`, `quick.rs` | the figures and tables that the user asked for |
 //! | plan | `plan.rs`, `arm_run.rs`, `test_point.rs`, `run_config.rs` | the trainings they need, each once, and the policies to test |
 //! | | `elsewhere.rs` | runs that were trained elsewhere |
@@ -53,6 +53,7 @@ mod tables;
 pub mod test_point;
 #[cfg(test)]
 mod tests;
+mod training_check;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::seeds::Seeds;
+use crate::run::settings::Settings;
 
 /// The options of a reproduction.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +14,8 @@ pub struct ReproduceOptions {
     pub only: Vec<String>,
     /// The seeds, instead of the experiments' own.
     pub seeds: Option<Seeds>,
+    /// Fields of presets and scenarios to set in all trainings, after the stages' own overrides.
+    pub settings: Settings,
     /// Whether to run a short version with a tenth of the episodes.
     pub quick: bool,
     /// The report's folder, instead of the default one.

@@ -26,8 +26,14 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
         // The name of an experiment selects all of it, unless it is also the name of a figure or table.
         let all = options.only.is_empty() || (asked(&name) && !items.contains(&name));
         let experiment = &mut source.experiment;
+        if !options.settings.is_empty() {
+            check_trains(&source.from, experiment, "--set changes")?;
+            for stage in experiment.arms.iter_mut().flat_map(|arm| &mut arm.stages) {
+                stage.overrides.0.extend(options.settings.0.iter().cloned());
+            }
+        }
         if options.quick {
-            check_trains(&source.from, experiment)?;
+            check_trains(&source.from, experiment, "--quick shortens")?;
             let preset = |name: &str| shipped::preset(&resolve(&source.from, name)).ok();
             make_quick(experiment, |name| preset(name).map(|preset| preset.budget));
         }
@@ -45,11 +51,11 @@ pub fn select(options: &ReproduceOptions) -> Result<Vec<SelectedExperiment>, Run
     Ok(selected)
 }
 
-/// A quick report needs arms that are trained.
-fn check_trains(from: &str, experiment: &Experiment) -> Result<(), RunError> {
+/// Checks that all arms are trained, which `option` needs ("--quick shortens").
+fn check_trains(from: &str, experiment: &Experiment, option: &str) -> Result<(), RunError> {
     let Some(arm) = experiment.arms.iter().find(|arm| !arm.runs.is_empty()) else { return Ok(()) };
     let why = format!(
-        "{from}: --quick shortens trainings, but arm \"{}\" has finished runs; help: leave --quick out",
+        "{from}: {option} trainings, but arm \"{}\" has finished runs; help: leave the option out",
         arm.name
     );
     Err(RunError::InvalidInput(why))
