@@ -192,7 +192,7 @@ impl RunPlan {
             match (&training.elsewhere, policy) {
                 (None, PolicyId::After(length)) => save_policy_after(&mut training.config, length),
                 (Some(run), policy) => {
-                    run.check_policy(&policy_file(policy), &source.from, &arm.name, &point.words())?
+                    run.check_policy(&policy_file(policy), &source.from, &arm.name, &point.words())?;
                 }
                 (None, _) => {}
             }

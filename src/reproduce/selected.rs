@@ -74,7 +74,7 @@ impl SelectedExperiment {
         for table in self.tables.iter().map(|&i| &experiment.tables[i]) {
             match &table.show {
                 TableKind::Seeds { measure, after, .. } => {
-                    add(TestPoint::overall(*after), measure.needs_test())
+                    add(TestPoint::overall(*after), measure.needs_test());
                 }
                 TableKind::Rounds { after, .. } => add(TestPoint::overall(*after), true),
                 TableKind::Measures { measures, after } => add(TestPoint::overall(*after), tested(measures)),
