@@ -10,8 +10,8 @@ use super::seeds::Seeds;
 use super::selected::{ExperimentSource, SelectedExperiment};
 use crate::run::RunError;
 use crate::run::folder::RunConfig;
-use crate::run::notes::run_notes;
-use crate::scenario::{Diagnostic, FileError, Note, printable_path};
+use crate::run::notes::{RunNote, run_notes};
+use crate::scenario::{Diagnostic, FileError, Note, NoteLevel, printable_path};
 
 impl Experiment {
     /// The doubtful settings of the trainings of this experiment, whose file is `path` with this `text`. Each is at the stage,
@@ -75,9 +75,12 @@ impl Found<'_> {
         }
     }
 
-    /// Adds the notes of a training, except those that another training has, too.
+    /// Adds the notes of a training, except those that another training has, too. Of a condition, whose settings are unusual on
+    /// purpose, only the warnings.
     fn add_notes(&mut self, at: &str, arm: &str, config: &RunConfig) {
-        for found in run_notes(config) {
+        let is_wanted =
+            |found: &RunNote| found.note.level == NoteLevel::Warning || !at.starts_with("conditions");
+        for found in run_notes(config).into_iter().filter(is_wanted) {
             let message = format!("(arm \"{arm}\"): {found}");
             let is_known = |known: &Note| known.diagnostic.message.ends_with(&format!("): {found}"));
             if !self.notes.iter().any(is_known) {
